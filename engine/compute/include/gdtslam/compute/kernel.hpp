@@ -1,0 +1,55 @@
+// A kernel is data plus implementations: its name, its bindings, the size of its parameters, one CPU function per
+// instruction set and, when built with Vulkan, its SPIR-V. The name is also the stem of its header, CPU file, shader,
+// test and benchmark (docs/adding-a-kernel.md).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace gdtslam {
+
+/// How a kernel uses a binding; barriers between dispatches follow from it.
+enum class Access : std::uint8_t { kRead, kWrite, kReadWrite };
+
+/// Number of invocations of a dispatch.
+struct Extent {
+  std::uint32_t x = 1;
+  std::uint32_t y = 1;
+  std::uint32_t z = 1;
+  friend bool operator==(const Extent&, const Extent&) = default;
+};
+
+/// Instruction sets that the CPU kernels are compiled for, from the weakest to the strongest.
+enum class Isa : std::uint8_t { kBaseline, kAvx2, kAvx512 };
+inline constexpr std::size_t kIsaCount = 3;
+std::string_view name_of(Isa isa);
+
+/// What a CPU function gets: the buffers in the order of the bindings, the parameters, and its slice of the outermost
+/// non-trivial dimension of the extent (y when y > 1, else x). Slices never write the same byte.
+struct CpuLaunch {
+  std::span<const std::span<std::byte>> buffers;
+  std::span<const std::byte> params;
+  Extent threads;
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+};
+using CpuFunction = void (*)(const CpuLaunch&);
+
+/// One row of the registry.
+struct KernelInfo {
+  std::string_view name;
+  std::span<const Access> bindings;
+  std::size_t params_bytes = 0;  ///< push constants, at most 128
+  std::array<CpuFunction, kIsaCount> cpu{};
+  std::string_view source;  ///< citation key and equation
+};
+
+/// Every kernel of the project, in a fixed order.
+std::span<const KernelInfo* const> kernel_registry();
+/// The kernel of that name, or nullptr.
+const KernelInfo* find_kernel(std::string_view name);
+
+}  // namespace gdtslam

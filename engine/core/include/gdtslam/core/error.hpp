@@ -1,0 +1,77 @@
+// Typed errors. A library throws one of these for bad input, a bad configuration, a device or a file that fails;
+// programming errors are asserts and expected outcomes are values. The command maps each type to its exit code.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace gdtslam {
+
+/// Exit codes of the command, after sysexits.h where one fits.
+enum class ExitCode : int {
+  kDone = 0,
+  kFailed = 1,
+  kUsage = 2,
+  kBadInput = 65,
+  kUnavailable = 69,
+  kInputOutput = 74,
+  kBadConfig = 78,
+  kInterrupted = 130,
+};
+
+/// Base of every error that a user can cause or meet; what() is one line that says what is wrong and what to do.
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  [[nodiscard]] ExitCode code() const noexcept { return code_; }
+
+ private:
+  ExitCode code_;
+};
+
+/// Where in a file something stands; line 0 means the file as a whole.
+struct FilePosition {
+  std::string file;
+  std::uint64_t line = 0;
+};
+
+/// "file:line: message", or "file: message" where no line is known.
+std::string located(const FilePosition& position, const std::string& message);
+
+/// Input data that cannot be used (exit 65).
+class InputError : public Error {
+ public:
+  InputError(const FilePosition& position, const std::string& message)
+      : Error(ExitCode::kBadInput, located(position, message)) {}
+  explicit InputError(const std::string& message) : Error(ExitCode::kBadInput, message) {}
+};
+
+/// A configuration that cannot be used (exit 78).
+class ConfigError : public Error {
+ public:
+  ConfigError(const FilePosition& position, const std::string& message)
+      : Error(ExitCode::kBadConfig, located(position, message)) {}
+  explicit ConfigError(const std::string& message) : Error(ExitCode::kBadConfig, message) {}
+};
+
+/// A file that cannot be read or written (exit 74).
+class FileError : public Error {
+ public:
+  FileError(const std::string& file, const std::string& message)
+      : Error(ExitCode::kInputOutput, located({file, 0}, message)) {}
+};
+
+/// A device, display or helper program that was asked for and is not there (exit 69).
+class UnavailableError : public Error {
+ public:
+  explicit UnavailableError(const std::string& message) : Error(ExitCode::kUnavailable, message) {}
+};
+
+/// A command line that makes no sense (exit 2).
+class UsageError : public Error {
+ public:
+  explicit UsageError(const std::string& message) : Error(ExitCode::kUsage, message) {}
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,40 @@
+// SE(2) poses: metres and radians, x forward, y left, yaw counter-clockwise (REP-103).
+// A variable T_a_b maps points of frame b into frame a, so T_a_c = T_a_b * T_b_c. Tangent order is (x, y, theta) and
+// perturbations act on the right (docs/conventions in docs/numerics.md). Thread-safe, constant time.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace gdtslam {
+
+/// A point or a vector of the plane, metres.
+using Point2 = Eigen::Vector2d;
+
+/// Rigid motion of the plane; paper equations (2) and (3).
+struct Pose2 {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double theta_rad = 0.0;  ///< any value on input; every operation below returns it in (-pi, pi]
+
+  [[nodiscard]] Point2 translation() const { return {x_m, y_m}; }
+  [[nodiscard]] bool is_finite() const;
+  friend bool operator==(const Pose2&, const Pose2&) = default;
+};
+
+/// T_a_c = T_a_b * T_b_c, paper equation (3).
+Pose2 operator*(const Pose2& T_a_b, const Pose2& T_b_c);
+/// The point of frame b in frame a.
+Point2 operator*(const Pose2& T_a_b, const Point2& point_b);
+/// T_b_a.
+Pose2 inverse(const Pose2& T_a_b);
+/// T_a_b from two poses in one frame: inverse(T_w_a) * T_w_b.
+Pose2 between(const Pose2& T_w_a, const Pose2& T_w_b);
+
+/// exp: tangent (x, y, theta) to motion along a circular arc.
+Pose2 exp_se2(const Eigen::Vector3d& tangent);
+/// log: inverse of exp_se2 for |theta| < pi.
+Eigen::Vector3d log_se2(const Pose2& T);
+/// Adjoint: T * exp(v) = exp(Ad_T v) * T.
+Eigen::Matrix3d adjoint(const Pose2& T);
+
+}  // namespace gdtslam

@@ -1,0 +1,34 @@
+// Random numbers that are the same on every host and with every standard library: xoshiro256** [Blackman2021] seeded by
+// splitmix64, own uniform and normal draws. Not thread-safe; give each stream its own generator.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace gdtslam {
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed);
+
+  /// The next 64 random bits.
+  std::uint64_t bits();
+  /// Uniform in [0, 1), 53 bits.
+  double uniform();
+  /// Uniform in [low, high).
+  double uniform(double low, double high);
+  /// Uniform integer in [0, count), without modulo bias; count > 0.
+  std::uint64_t below(std::uint64_t count);
+  /// Standard normal, by the polar method with the project's own logarithm.
+  double normal();
+  double normal(double mean, double deviation) { return mean + deviation * normal(); }
+  /// An independent stream for a named purpose, so that adding a draw in one place moves no other.
+  [[nodiscard]] Random split(std::uint64_t stream) const;
+
+ private:
+  std::array<std::uint64_t, 4> state_{};
+  bool has_spare_ = false;
+  double spare_ = 0.0;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,87 @@
+// What a log is made of, whatever file it came from. Times are seconds since the epoch of the log, in the log's own clock;
+// the order of the records is the truth, not their stamps.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam {
+
+/// One sweep of the laser. Beam k points to first_bearing_rad + k * bearing_step_rad in the laser's frame.
+struct LaserScan {
+  double stamp_s = 0.0;
+  double first_bearing_rad = 0.0;
+  double bearing_step_rad = 0.0;
+  double max_range_m = 0.0;  ///< at or above it a range means no return; 0 when the log does not say
+  std::vector<float> ranges_m;
+  Pose2 T_base_laser;
+};
+
+/// The robot's pose in the odometry frame, as its wheels tell it.
+struct Odometry {
+  double stamp_s = 0.0;
+  Pose2 T_odom_base;
+};
+
+/// A scan with the odometry that its line carries, if any.
+struct ScanRecord {
+  LaserScan scan;
+  std::optional<Pose2> T_odom_base;
+};
+
+/// Position of the crank.
+struct Encoder {
+  double stamp_s = 0.0;
+  std::int64_t ticks = 0;
+};
+
+/// Elevation of the scan plane where it was measured itself.
+struct Tilt {
+  double stamp_s = 0.0;
+  double elevation_rad = 0.0;
+};
+
+/// A named value of the log, as text.
+struct Parameter {
+  std::string name;
+  std::string value;
+};
+
+using LogRecord = std::variant<ScanRecord, Odometry, Encoder, Tilt, Parameter>;
+
+/// A pose with its time; the robot's, in the map.
+struct StampedPose {
+  double stamp_s = 0.0;
+  Pose2 T_map_base;
+};
+
+/// Poses in log order.
+using Trajectory = std::vector<StampedPose>;
+
+/// The source of a log: one record after the other, memory independent of the log's length.
+class LogReader {
+ public:
+  LogReader() = default;
+  LogReader(const LogReader&) = delete;
+  LogReader& operator=(const LogReader&) = delete;
+  virtual ~LogReader() = default;
+  /// The next record, or nothing at the end. Throws InputError or FileError.
+  virtual std::optional<LogRecord> next() = 0;
+  /// Share of the input read so far, 0 to 1, for progress; negative when unknown.
+  [[nodiscard]] virtual double progress() const = 0;
+  /// Warnings so far, counted by kind (what was skipped or mended).
+  struct Warning {
+    std::string kind;
+    std::uint64_t count = 0;
+    std::string first;  ///< where and what the first one was
+  };
+  [[nodiscard]] virtual const std::vector<Warning>& warnings() const = 0;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,60 @@
+// Every option of the mapper. The defaults map every log that we have; docs/reference/options.md is generated from the table.
+// Lengths in metres, angles in radians; derived values are functions, never stored copies.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/mapping/option.hpp"
+
+namespace gdtslam {
+
+enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive };
+
+struct MapConfig {
+  double resolution_m = 0.05;
+  double truncation_m = 1.0;  ///< R in metres
+  std::int32_t max_megacells = 512;
+  [[nodiscard]] std::uint32_t radius_cells() const;
+};
+
+struct ScanConfig {
+  double min_range_m = 0.1;
+  double max_range_m = 40.0;
+};
+
+struct MergeConfig {
+  MergeRule rule = MergeRule::kWorking;
+  double threshold_m = 0.05;
+  double kappa = 0.5;
+};
+
+struct KeyframeConfig {
+  double distance_m = 0.25;
+  double angle_rad = 0.17453292519943295;
+  bool every_scan = false;
+};
+
+struct MatchConfig {
+  MatcherKind matcher = MatcherKind::kSimplex;
+  CostForm cost = CostForm::kDistance;
+  Interpolation interpolation = Interpolation::kBilinear;
+};
+
+struct MapperConfig {
+  MapConfig map;
+  ScanConfig scan;
+  MergeConfig merge;
+  KeyframeConfig keyframe;
+  MatchConfig match;
+};
+
+/// The table of all options of a configuration; its rows point into it.
+std::vector<Option> options_of(MapperConfig& config);
+/// Every violation, with path, value and bound; empty when the configuration can be used.
+std::vector<std::string> validate(const MapperConfig& config);
+
+}  // namespace gdtslam

@@ -1,0 +1,67 @@
+// Error of a trajectory: against relations between poses [Kuemmerle2009], and against a reference trajectory (ATE with rigid
+// alignment [Umeyama1991] and RPE [Sturm2012]). Poses are the robot's. Thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+/// The pose of the robot at time t2 in its frame at time t1, as somebody verified it.
+struct Relation {
+  double t1_s = 0.0;
+  double t2_s = 0.0;
+  Pose2 T_1_2;
+};
+
+/// Mean, sample standard deviation, largest value and root mean square of some errors.
+struct ErrorSummary {
+  std::size_t count = 0;
+  double mean = 0.0;
+  double deviation = 0.0;
+  double max = 0.0;
+  double rmse = 0.0;
+  double median = 0.0;
+};
+ErrorSummary summarise(std::vector<double> errors);
+
+struct RelationErrors {
+  ErrorSummary translation_m;
+  ErrorSummary rotation_deg;
+};
+
+struct RelationReport {
+  RelationErrors all;
+  RelationErrors short_term;  ///< at most 20 s apart
+  RelationErrors loops;       ///< further apart
+  std::size_t unmatched = 0;  ///< relations whose stamps the trajectory does not have
+  double worst_t1_s = 0.0;    ///< the relation with the largest translation error
+  double worst_t2_s = 0.0;
+};
+/// Stamps match within `tolerance_s`; where a stamp occurs more than once the last pose counts.
+RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,
+                                  double tolerance_s = 1e-4);
+
+struct ReferenceReport {
+  ErrorSummary ate_m;
+  ErrorSummary ate_rotation_deg;
+  ErrorSummary rpe_m;  ///< per `rpe_distance_m` of reference path
+  ErrorSummary rpe_rotation_deg;
+  std::size_t matched = 0;
+  std::size_t unmatched = 0;
+  Pose2 T_reference_estimate;  ///< the alignment that was applied
+};
+struct ReferenceOptions {
+  double tolerance_s = 0.01;
+  double rpe_distance_m = 1.0;
+  bool align = true;  ///< rigid alignment; otherwise the first poses are made to agree
+};
+/// Throws InputError when fewer than two stamps match.
+ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
+                                   const ReferenceOptions& options);
+
+}  // namespace gdtslam
