@@ -1,0 +1,165 @@
+#!/usr/bin/env bash
+# Everything that has to hold before a change lands: installs the packages, builds all, runs every test, checks format and
+# lint, repeats the tests of the readers and the core under sanitizers, and fuzzes the readers for a short while.
+# The last line is 'N passed, N failed, N skipped' over all tests and checks; the exit status is 0 only when none failed.
+set -euo pipefail
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+step_count=7
+source "$root/tools/scripts/common.sh"
+
+usage() {
+  cat <<'USAGE'
+Usage: tools/test.sh [--quick]
+
+  --quick   without the sanitizer build and the fuzzing (each counts as skipped)
+
+GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are none)
+GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 30)
+GDTSLAM_JOBS=N     compiler processes at a time
+USAGE
+}
+quick=false
+for argument in "$@"; do
+  case "$argument" in
+    --quick) quick=true ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "test.sh: unknown argument '$argument'" >&2; usage >&2; exit 2 ;;
+  esac
+done
+
+reports=$root/build/reports
+build=$root/build/test
+sanitized=$root/build/asan-ubsan
+fuzzed=$root/build/fuzz
+
+passed=0 failed=0 skipped=0
+problems=()
+complete=false
+
+# The closing line comes whatever happens; a run that breaks off is a failure.
+close() {
+  local status=$?
+  finish_step
+  if ! $complete; then
+    problems+=("the run broke off in step '${broken_step:-start}' (status $status)")
+    failed=$((failed + 1))
+  fi
+  if ((${#problems[@]})); then printf '\nFailed:\n' && printf '  %s\n' "${problems[@]}"; fi
+  printf '\nTotal time: %d min %d s\n' $((SECONDS / 60)) $((SECONDS % 60))
+  printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
+  if ((failed)); then exit 1; fi
+}
+trap close EXIT
+begin() { step "$1"; broken_step=$1; }
+
+# check NAME COMMAND...: one check that counts as one test.
+check() {
+  local name=$1
+  shift
+  if "$@"; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    problems+=("$name")
+  fi
+}
+skip() {
+  skipped=$((skipped + 1))
+  echo "skipped: $1"
+}
+
+# add_results NAME FILE...: adds the counts of JUnit files (ctest's or GoogleTest's).
+add_results() {
+  local name=$1 counts
+  shift
+  counts=$(python3 "$root/tools/scripts/count_tests.py" "$@")
+  read -r p f s <<<"$counts"
+  passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+  echo "$name: $p passed, $f failed, $s skipped"
+  if ((f)); then problems+=("$name: $f failed"); fi
+  if ((p + f == 0)); then
+    failed=$((failed + 1))
+    problems+=("$name: no test ran")
+  fi
+}
+
+run_ctest() {
+  rm -f "$reports/ctest.xml"
+  ctest --test-dir "$build" -j 2 --output-on-failure --no-tests=error --output-junit "$reports/ctest.xml" |
+    grep -vE '^ +(Start +[0-9]+:|[0-9]+/[0-9]+ Test +#.* Passed )' || true
+  add_results "tests" "$reports/ctest.xml"
+}
+
+# The parts that read what strangers send, and what they stand on, under AddressSanitizer and UBSan.
+run_sanitized() {
+  local program name
+  for name in unit_core unit_io golden_io property_core property_io; do
+    [[ -d $root/tests/${name%%_*}/${name#*_} ]] || continue
+    cmake --build "$sanitized" --parallel "$(build_jobs)" --target "gdtslam_${name}_tests"
+    program=$sanitized/bin/gdtslam_${name}_tests
+    rm -f "$reports/asan_$name.xml"
+    (cd "$sanitized" && UBSAN_OPTIONS=print_stacktrace=1 "$program" --gtest_brief=1 \
+      --gtest_output="xml:$reports/asan_$name.xml") || echo "$name under sanitizers: status $?"
+    if [[ -f $reports/asan_$name.xml ]]; then
+      add_results "$name under ASan and UBSan" "$reports/asan_$name.xml"
+    else
+      check "$name under ASan and UBSan crashed" false
+    fi
+  done
+}
+
+# fuzz_target PROGRAM: from the corpus, new finds into the build tree; artefacts of a find stay there.
+fuzz_target() {
+  local program=$1 name work
+  name=$(basename "$program")
+  work=$fuzzed/work/$name
+  mkdir -p "$work/found"
+  local corpus=("$work/found")
+  if [[ -d $root/tests/fuzz/corpus/$name ]]; then corpus+=("$root/tests/fuzz/corpus/$name"); fi
+  "$program" -max_total_time="${GDTSLAM_FUZZ_S:-30}" -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=256 \
+    -print_final_stats=1 -artifact_prefix="$work/" "${corpus[@]}" >"$work/log" 2>&1 || {
+    tail -n 40 "$work/log"
+    return 1
+  }
+  echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$work/log") executions, no finding"
+}
+
+begin "Packages"
+"$root/tools/install-packages.sh" all
+mkdir -p "$reports"
+
+begin "Build with all tests"
+configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON
+cmake --build "$build" --parallel "$(build_jobs)"
+
+begin "Tests"
+run_ctest
+
+begin "Format and scripts"
+check "clang-format (mend with: tools/scripts/format.sh)" "$root/tools/scripts/format.sh" --check
+check "shellcheck" shellcheck -x -P "$root" "$root"/tools/*.sh "$root"/tools/scripts/*.sh "$root/.ci/run"
+
+begin "clang-tidy"
+check "clang-tidy" python3 "$root/tools/scripts/lint.py" "$build"
+
+begin "Sanitizers"
+if $quick; then
+  skip "sanitizer build (--quick)"
+else
+  configure "$sanitized" -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" \
+    -DGDTSLAM_SANITIZE=address,undefined -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_BUILD_EXAMPLES=OFF
+  run_sanitized
+fi
+
+begin "Fuzzing"
+if $quick; then
+  skip "fuzzing (--quick)"
+else
+  CC=clang CXX=clang++ configure "$fuzzed" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DGDTSLAM_BUILD_FUZZERS=ON \
+    -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLAM_BUILD_EXAMPLES=OFF -DGDTSLAM_BUILD_SIM=OFF -DGDTSLAM_WERROR=OFF
+  cmake --build "$fuzzed" --parallel "$(build_jobs)" --target gdtslam_fuzzers
+  for program in "$fuzzed"/bin/*_fuzzer; do
+    check "fuzzing $(basename "$program")" fuzz_target "$program"
+  done
+fi
+complete=true
