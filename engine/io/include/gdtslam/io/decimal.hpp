@@ -1,0 +1,18 @@
+// Decimal numbers from text, correctly rounded and independent of the locale. Thread-safe.
+// Up to 19 digits whose value fits 53 bits, with a power of ten up to 22, take one exact multiplication or division
+// [Clinger1990]; everything else goes to std::from_chars.
+#pragma once
+
+#include <cstdint>
+
+namespace gdtslam {
+
+/// Parses a number that starts at `begin`; stops at the first character that is no part of it. Signs, exponents, "inf"
+/// and "nan" are understood. Returns where it stopped, or nullptr when there is no number. Values beyond the range of
+/// double become infinity or zero.
+const char* parse_double(const char* begin, const char* end, double& value);
+
+/// The same for a signed integer; nullptr also when it does not fit.
+const char* parse_int64(const char* begin, const char* end, std::int64_t& value);
+
+}  // namespace gdtslam

@@ -1,0 +1,35 @@
+// Bytes from a file, from memory or out of a gzip stream, in order and once. One source belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace gdtslam {
+
+class ByteSource {
+ public:
+  ByteSource() = default;
+  ByteSource(const ByteSource&) = delete;
+  ByteSource& operator=(const ByteSource&) = delete;
+  virtual ~ByteSource() = default;
+  /// Fills at most the target; 0 only at the end. Throws FileError or InputError.
+  virtual std::size_t read(std::span<char> target) = 0;
+  /// Share of the input consumed, 0 to 1; negative when unknown.
+  [[nodiscard]] virtual double progress() const = 0;
+  /// What is wrong with the end of the input (a gzip stream that stops early), else empty; known once read() gave 0.
+  [[nodiscard]] virtual std::string defect() const { return {}; }
+};
+
+/// A file, "-" being standard input; FileError when it cannot be opened, also when it is a folder.
+std::unique_ptr<ByteSource> open_file_source(const std::string& path);
+std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data);
+/// Unpacks gzip when the first two bytes say so, passes anything else through. `name` stands in messages.
+std::unique_ptr<ByteSource> gunzip_if_packed(std::unique_ptr<ByteSource> packed, const std::string& name);
+
+/// The whole input, at most `limit` bytes; InputError when it is longer.
+std::string read_all(ByteSource& source, std::size_t limit, const std::string& name);
+
+}  // namespace gdtslam

@@ -1,0 +1,46 @@
+// Lines of a byte source, with a bound on their length. One reader belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "byte_source.hpp"
+
+namespace gdtslam {
+
+/// One line without its end ("\n" or "\r\n"), valid until the next call.
+struct TextLine {
+  std::string_view text;
+  std::uint64_t number = 0;  ///< from 1
+  bool has_newline = true;   ///< false only for a last line that may have been cut off
+  bool is_too_long = false;  ///< the text holds the beginning only
+};
+
+class LineReader {
+ public:
+  LineReader(std::unique_ptr<ByteSource> source, std::size_t max_line_bytes);
+  /// The next line, or nothing at the end. After a line that is too long, the next call skips its rest.
+  std::optional<TextLine> next();
+  /// Up to `bytes` bytes from the current position, without consuming them.
+  std::string_view peek(std::size_t bytes);
+  [[nodiscard]] const ByteSource& source() const { return *source_; }
+
+ private:
+  bool fill();
+  void skip_rest_of_line();
+  TextLine take(std::size_t length, std::size_t consumed, bool has_newline);
+
+  std::unique_ptr<ByteSource> source_;
+  std::size_t max_line_bytes_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::uint64_t line_number_ = 0;
+  bool source_ended_ = false;
+  bool inside_long_line_ = false;
+};
+
+}  // namespace gdtslam
