@@ -1,29 +1,47 @@
 #!/usr/bin/env python3
-"""Prints 'passed failed skipped' over JUnit files as ctest and GoogleTest write them."""
+"""Prints 'passed failed skipped' over JUnit files as ctest and GoogleTest write them; names each test that did not pass
+on stderr, a skipped one with its reason."""
 
 import sys
 import xml.etree.ElementTree as ElementTree
 
 
 def outcome_of(case):
-    """The outcome of one test case: 'passed', 'failed' or 'skipped'."""
+    """The outcome of one test case, 'passed', 'failed' or 'skipped', and the reason where there is one."""
     if case.find("failure") is not None or case.find("error") is not None:
-        return "failed"
-    # GoogleTest says result="skipped"/"suppressed", ctest a <skipped> child or status="notrun"/"disabled".
-    if case.find("skipped") is not None or case.get("result") in ("skipped", "suppressed"):
-        return "skipped"
-    if case.get("status") == "fail":
-        return "failed"
-    if case.get("status") in ("notrun", "disabled"):
-        return "skipped"
-    return "passed"
+        return "failed", ""
+    skipped = case.find("skipped")
+    if case.get("result") is not None:  # GoogleTest
+        reason = skipped.get("message", "") if skipped is not None else case.get("result")
+        return ("passed" if case.get("result") == "completed" else "skipped"), reason
+    # ctest. A test whose program is missing or whose fixture failed is marked as skipped too, but ctest counts it as
+    # failed, and so does this script.
+    if skipped is not None or case.get("status") in ("notrun", "disabled"):
+        reason = skipped.get("message", "") if skipped is not None else ""
+        if reason.startswith("SKIP_"):
+            return "skipped", skip_reason(case.findtext("system-out") or "")
+        return ("skipped" if case.get("status") == "disabled" else "failed"), reason
+    return ("passed" if case.get("status") == "run" else "failed"), ""
+
+
+def skip_reason(output):
+    """What GoogleTest printed after 'Skipped', or the last line of another program."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    for number, line in enumerate(lines[:-1]):
+        if line.endswith(": Skipped"):
+            return lines[number + 1]
+    return lines[-1] if lines else ""
 
 
 def main():
     counts = {"passed": 0, "failed": 0, "skipped": 0}
     for path in sys.argv[1:]:
         for case in ElementTree.parse(path).getroot().iter("testcase"):
-            counts[outcome_of(case)] += 1
+            outcome, reason = outcome_of(case)
+            counts[outcome] += 1
+            if outcome != "passed":
+                name = ".".join(dict.fromkeys((case.get("classname"), case.get("name"))))
+                print(f"{outcome}: {name}  {' '.join(reason.split())}".rstrip(), file=sys.stderr)
     print(counts["passed"], counts["failed"], counts["skipped"])
 
 
