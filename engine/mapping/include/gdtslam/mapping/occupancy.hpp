@@ -1,0 +1,98 @@
+// The occupancy map for planners and people: which cells are occupied, free or unknown, by casting the beams of every
+// scan from its final pose. A cell is judged by the scans that ended in it against those that only passed through it,
+// each scan counted once per cell and ends before passes, so that neither the order of the beams nor their density near
+// the sensor matters [Moravec1985]. Frame: map, its lattice that of the GDT; metres and radians. The cells that a beam
+// crosses are exact for end points rounded to 1/256 cell (integer traversal after [AmanatidesWoo1987]). Cost: O(beams x
+// cells crossed) per scan, 8 bytes per cell, independent of the log's length. One builder belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/option.hpp"
+
+namespace gdtslam {
+
+enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
+
+/// Row-major, the lower left cell first; as small as what was seen allows.
+struct OccupancyMap {
+  GridGeometry geometry;
+  std::vector<CellState> cells;
+  [[nodiscard]] CellState at(CellIndex cell) const {
+    return cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(geometry.width) +
+                 static_cast<std::size_t>(cell.x)];
+  }
+};
+
+struct OccupancyConfig {
+  double occupied_share = 0.25;   ///< least share of ends among the scans that saw the cell
+  std::int32_t min_ends = 2;      ///< fewest scans that must end in an occupied cell
+  double no_return_free_m = 0.0;  ///< free space along a beam without return; 0: such beams say nothing
+};
+
+/// The table of the options, under "occupancy."; its rows point into `config`.
+std::vector<Option> options_of(OccupancyConfig& config);
+
+class OccupancyBuilder {
+ public:
+  struct Limits {
+    double resolution_m = 0.05;
+    double min_range_m = 0.1;   ///< shorter ranges are dropped
+    double max_range_m = 40.0;  ///< at or above it, or the sensor's own limit, a range is no return
+    std::uint64_t max_cells = std::uint64_t{512} << 20U;
+  };
+  OccupancyBuilder(const OccupancyConfig& config, const Limits& limits);
+
+  /// Casts the scan's beams from the robot's final pose. Ranges that are not finite are no returns. Throws InputError
+  /// when the grid would pass max_cells; the builder is unchanged then.
+  void add(const LaserScan& scan, const Pose2& T_map_base);
+
+  /// The map of what was added so far; 1 x 1 unknown cell when nothing was.
+  [[nodiscard]] OccupancyMap build() const;
+
+ private:
+  struct Cell {
+    std::uint32_t last_scan = 0;
+    std::uint16_t ends = 0;
+    std::uint16_t passes = 0;
+  };
+  /// A point in odd multiples of 1/512 cell, so that none lies on the border of a cell.
+  struct SubCell {
+    std::int64_t x = 1;
+    std::int64_t y = 1;
+    [[nodiscard]] CellIndex cell() const;
+  };
+  struct Ray {
+    SubCell end;
+    bool is_return = false;
+  };
+  struct Bearings {
+    double first_rad = 0.0;
+    double step_rad = 0.0;
+    std::vector<Point2> directions;
+  };
+
+  void update_bearings(const LaserScan& scan);
+  [[nodiscard]] SubCell sub_cell_of(const Point2& point_m) const;
+  CellBox collect_rays(const LaserScan& scan, const Pose2& T_map_laser);
+  void grow_to_hold(const CellBox& needed);
+  void cast(const SubCell& start, const Ray& ray);
+  [[nodiscard]] std::size_t index_of(CellIndex map_cell) const;
+  [[nodiscard]] CellState state_of(const Cell& cell) const;
+
+  OccupancyConfig config_;
+  Limits limits_;
+  CellBox box_{};  ///< map cells that are stored
+  std::vector<Cell> cells_;
+  std::uint32_t scan_ = 0;
+  std::vector<Ray> rays_;
+  Bearings bearings_;
+};
+
+}  // namespace gdtslam
