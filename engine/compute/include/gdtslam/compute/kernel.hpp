@@ -38,14 +38,33 @@ struct CpuLaunch {
 };
 using CpuFunction = void (*)(const CpuLaunch&);
 
+/// A dispatch before it runs, as its checks see it: sizes only, so that one check serves every backend.
+struct LaunchShape {
+  std::span<const std::size_t> buffer_bytes;
+  std::span<const std::byte> params;
+  Extent threads;
+};
+/// Throws Error when parameters, extent and buffer sizes do not fit each other.
+using CheckFunction = void (*)(const LaunchShape&);
+/// Elementary steps of a dispatch (cells or look-ups): decides whether threads are worth waking, and scales benchmarks.
+using WorkFunction = std::uint64_t (*)(const LaunchShape&);
+
 /// One row of the registry.
 struct KernelInfo {
   std::string_view name;
   std::span<const Access> bindings;
-  std::size_t params_bytes = 0;  ///< push constants, at most 128
-  std::array<CpuFunction, kIsaCount> cpu{};
-  std::string_view source;  ///< citation key and equation
+  std::size_t params_bytes = 0;              ///< push constants, at most 128, a multiple of 4
+  std::array<CpuFunction, kIsaCount> cpu{};  ///< null where the build has no such instruction set
+  CheckFunction check = nullptr;
+  WorkFunction work = nullptr;
+  std::string_view work_unit;  ///< what a step is: "cell", "look-up", "value"
+  std::string_view source;     ///< citation key and equation
 };
+
+/// Largest block of parameters: what every Vulkan device takes as push constants.
+inline constexpr std::size_t kMaxParamsBytes = 128;
+/// Throws Error unless the dispatch names a buffer per binding and its sizes pass the kernel's own check.
+void check_launch(const KernelInfo& kernel, const LaunchShape& shape);
 
 /// Every kernel of the project, in a fixed order.
 std::span<const KernelInfo* const> kernel_registry();

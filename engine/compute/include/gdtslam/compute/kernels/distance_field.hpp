@@ -1,5 +1,5 @@
-// Distance field cells: uint16, 1/256 cell, rounded to nearest from the squared distance by a table that the host computes
-// once with integer square roots; the cap 256*R stands for "nothing within R" and for unknown.
+// Distance field cells: uint16, 1/256 cell, rounded to nearest from the squared distance by a table that the host
+// computes once with integer square roots; the cap 256*R stands for "nothing within R" and for unknown.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ constexpr std::uint16_t field_cap(std::uint32_t radius) { return static_cast<std
 /// round(256*sqrt(d2)) for d2 = 0 .. R*R, by integer arithmetic.
 std::vector<std::uint16_t> distance_table(std::uint32_t radius);
 
-/// Bindings: squared distance (u16, read), table (u16, read, R*R+1 entries), field (u16, write). Squared distances beyond
-/// the table read its last entry. Extent: x = width, y = rows.
+/// Bindings: squared distance (u16, read), table (u16, read, R*R+1 entries), field (u16, write). Squared distances
+/// beyond the table read its last entry. Extent: x = width, y = rows.
 struct DistanceField {
   struct Params {
     std::uint32_t width = 0;

@@ -1,8 +1,8 @@
 // Exact Euclidean distance transform in squared cells, paper equation (1) with "(i, j) an obstacle" added.
 // Separable in the manner of [Meijster2000]; truncated at a radius so that a window of 2R+1 cells per pass is exact.
 //
-// Grids of all kernels: row-major, `stride` cells from row to row, stride >= width and a multiple of 4 (kGridStride is what
-// the engine uses). Seeds are bytes, non-zero for an obstacle.
+// Grids of all kernels: row-major, `stride` cells from row to row, stride >= width and a multiple of 4 (kGridStride is
+// what the engine uses). Seeds are bytes, non-zero for an obstacle.
 #pragma once
 
 #include <array>
@@ -14,7 +14,9 @@ namespace gdtslam {
 
 /// The engine's grids have rows of a multiple of this many cells.
 inline constexpr std::uint32_t kGridStride = 32;
-constexpr std::uint32_t grid_stride(std::uint32_t width) { return (width + kGridStride - 1) / kGridStride * kGridStride; }
+constexpr std::uint32_t grid_stride(std::uint32_t width) {
+  return (width + kGridStride - 1) / kGridStride * kGridStride;
+}
 
 /// First pass of the truncated transform: distance to the nearest seed of the column, truncated at the radius.
 /// Bindings: seeds (u8, read), column distance (u8, write). Extent: x = columns, in blocks as the backend likes; y = 1.
@@ -45,9 +47,9 @@ struct EdtFullColumns {
   static const KernelInfo& info();
 };
 
-/// Unlimited transform, second pass: squared distance, u32; kNoSeed where the grid has no seed. Width and height at most
-/// 32767, so that the sum of the squares stays below 2^31.
-/// Bindings: column distance (u32, read), squared distance (u32, write). Extent: x = 1, y = rows.
+/// Unlimited transform, second pass: squared distance, u32; kNoSeed where the grid has no seed. Width and height at
+/// most 32767, so that the sum of the squares stays below 2^31. Bindings: column distance (u32, read), squared distance
+/// (u32, write). Extent: x = 1, y = rows.
 struct EdtFullRows {
   using Params = EdtColumns::Params;
   static constexpr std::array kBindings{Access::kRead, Access::kWrite};

@@ -1,10 +1,12 @@
-// Jump flooding [Rong2006], [Rong2007]: an approximate distance transform in log2(n) passes over ping-pong buffers. A cell
-// holds the row-major index of its best seed so far (kNoSeed: none); candidates are compared by (squared distance, index), so
-// that every backend gives the same bits. Its error against the exact field is measured, not hidden.
+// Jump flooding [Rong2006], [Rong2007]: an approximate distance transform in log2(n) passes over ping-pong buffers. A
+// cell holds its best seed so far as the index y * 65536 + x (row-major order without a division; kNoSeed: none);
+// candidates are compared by (squared distance, index), so that every backend gives the same bits. Width and height at
+// most 32767. Its error against the exact field is measured, not hidden.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -48,7 +50,18 @@ struct JumpFloodDistance {
 enum class JumpFloodVariant : std::uint8_t { kPlain, kOnePlus, kPlusTwo, kSquared };
 std::string_view name_of(JumpFloodVariant variant);
 
-/// The steps of a variant on a grid, first to last.
+/// The steps of a variant on a grid, first to last; the plain ones halve from the power of two below the larger side.
 std::vector<std::uint32_t> jump_flood_steps(JumpFloodVariant variant, std::uint32_t width, std::uint32_t height);
+
+/// How far an approximate squared distance transform is from the exact one.
+struct JumpFloodError {
+  std::uint64_t cells = 0;
+  std::uint64_t wrong_cells = 0;
+  double largest_cells =
+      0.0;  ///< largest difference of the distances (not of their squares); infinite where a seed is missed
+};
+/// Compares two squared distance grids (u32, kNoSeed for none) of one shape.
+JumpFloodError jump_flood_error(std::span<const std::uint32_t> exact, std::span<const std::uint32_t> approximate,
+                                const JumpFloodInit::Params& shape);
 
 }  // namespace gdtslam

@@ -1,12 +1,13 @@
 // Cost of a batch of candidate poses, paper equation (4): the sum over the scan's points of the field at T * P_i.
 //
-// Arithmetic (docs/numerics.md), the same bits everywhere: per candidate s, c = sin_cos(theta) in float32; per point, without
-// contraction, u = (c*x - s*y) + tx and v = (s*x + c*y) + ty in cells, quantised to 1/256 cell by floor(u*256 + 0.5) as int32
-// (clamped to +-2^30 before), minus half a cell where `interpolation` is bilinear, because a cell's value belongs to its
-// centre; cell = (q >> 8) + anchor, fraction = q & 255. The cell is clamped to [0, width-2] x [0, height-2]: the two outermost rows and
+// Arithmetic (docs/numerics.md), the same bits everywhere: per candidate s, c = sin_cos(theta) in float32; per point,
+// without contraction, u = (c*x - s*y) + tx and v = (s*x + c*y) + ty in cells, quantised to 1/256 cell by f =
+// floor(u*256 + 0.5), then f = f > -2^30 ? f : -2^30 (so NaN counts as far off the map), f = f < 2^30 ? f : 2^30, as
+// int32; minus half a cell where `interpolation` is bilinear, because a cell's value belongs to its centre; cell = (q
+// >> 8) + anchor, fraction = q & 255. The cell is clamped to [0, width-2] x [0, height-2]: the two outermost rows and
 // columns of a field must hold the cap, so that points off the map read it. Bilinear: the four neighbours with integer
-// weights (256-fx)(256-fy).. sum to 2^16, shifted right by 16. Nearest: the cell of q. The term is v = min(value, cap), or
-// (v*v) >> squared_shift(cap), 16 bits in both cases. The sum is uint32: exact for 65,537 points.
+// weights (256-fx)(256-fy).. sum to 2^16, shifted right by 16. Nearest: the cell of q. The term is v = min(value, cap),
+// or (v*v) >> squared_shift(cap), 16 bits in both cases. The sum is uint32: exact for 65,537 points.
 #pragma once
 
 #include <array>
@@ -23,9 +24,9 @@ struct PointCells {
   float y = 0.0F;
 };
 
-/// A candidate pose in cells and radians relative to the lower left corner of the anchor cell (Params), with a prior cost
-/// that is added. The anchor keeps the coordinates small, so float32 is fine on any map and results do not change when a
-/// map grows.
+/// A candidate pose in cells and radians relative to the lower left corner of the anchor cell (Params), with a prior
+/// cost that is added. The anchor keeps the coordinates small, so float32 is fine on any map and results do not change
+/// when a map grows.
 struct PoseCandidate {
   float x = 0.0F;
   float y = 0.0F;
@@ -42,8 +43,8 @@ constexpr std::uint32_t squared_shift(std::uint32_t cap) {
   return bits > 16 ? bits - 16 : 0;
 }
 
-/// Bindings: field (u16, read), points (PointCells, read), candidates (PoseCandidate, read), cost (u32, write; bias + sum,
-/// saturating at 2^32-1). Extent: x = candidates.
+/// Bindings: field (u16, read), points (PointCells, read), candidates (PoseCandidate, read), cost (u32, write; bias +
+/// sum, saturating at 2^32-1). Extent: x = candidates.
 struct PoseCost {
   struct Params {
     std::uint32_t width = 0;

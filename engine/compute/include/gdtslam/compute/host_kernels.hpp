@@ -1,0 +1,36 @@
+// Direct calls of the CPU kernels, for host code that works sequentially on a mirror of the field and cannot afford a
+// dispatch: the same functions that the CPU backend runs, on the caller's thread, without checks of sizes (asserts
+// only). Parameters, layouts and arithmetic are those of kernels/*.hpp. Grids need no padding: nothing outside [0,
+// width) of a row is read or written. Thread-safe.
+#pragma once
+
+#include <cstdint>
+
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+
+namespace gdtslam {
+
+/// Costs of `count` candidates; field height and width at least 2, at most 65,537 points.
+void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
+                    const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost);
+
+/// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
+void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,
+              std::uint16_t* sq_distance);
+
+/// Unlimited exact transform, both passes; `column_distance` is scratch of stride * height values.
+void edt_full_host(Isa isa, const EdtFullColumns::Params& params, const std::uint8_t* seeds,
+                   std::uint32_t* column_distance, std::uint32_t* sq_distance);
+
+/// Field cells from squared distances.
+void distance_field_host(Isa isa, const DistanceField::Params& params, const std::uint16_t* sq_distance,
+                         const std::uint16_t* table, std::uint16_t* field);
+
+/// Merges a scan's field into the global one.
+void gdt_merge_host(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan);
+
+}  // namespace gdtslam

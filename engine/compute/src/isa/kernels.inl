@@ -1,0 +1,30 @@
+// All kernels, compiled once per instruction set: the including file defines GDTSLAM_ISA_LEVEL (0 baseline, 1 AVX2,
+// 2 AVX-512) and GDTSLAM_ISA_FUNCTIONS, the name of the table it exports. Everything else stays in an anonymous
+// namespace.
+#include "isa/functions.hpp"
+
+#if GDTSLAM_ISA_LEVEL > 0
+#include <immintrin.h>
+#endif
+
+namespace gdtslam {
+namespace {
+
+// clang-format off
+#include "kernels/common.inl"
+#include "kernels/edt.inl"
+#include "kernels/edt_full.inl"
+#include "kernels/distance_field.inl"
+#include "kernels/pose_cost.inl"
+#include "kernels/arg_min.inl"
+#include "kernels/gdt_merge.inl"
+#include "kernels/jump_flood.inl"
+// clang-format on
+
+}  // namespace
+
+const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
+    edt_columns, edt_rows,  edt_full_columns, edt_full_rows,   distance_field,     pose_cost,
+    arg_min,     gdt_merge, jump_flood_init,  jump_flood_step, jump_flood_distance};
+
+}  // namespace gdtslam

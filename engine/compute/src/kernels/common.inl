@@ -1,0 +1,10 @@
+// Small helpers of the kernels. Own minimum and maximum: those of the library are templates (isa/functions.hpp).
+
+constexpr std::uint32_t lesser(std::uint32_t a, std::uint32_t b) { return a < b ? a : b; }
+constexpr std::int32_t clamped(std::int32_t value, std::int32_t low, std::int32_t high) {
+  const std::int32_t raised = value < low ? low : value;
+  return raised > high ? high : raised;
+}
+constexpr std::uint8_t u8(std::uint32_t value) { return static_cast<std::uint8_t>(value); }
+constexpr std::uint16_t u16(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
+constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_cast<std::size_t>(stride) * y; }

@@ -1,0 +1,75 @@
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+
+#include <cassert>
+
+#include "gdtslam/compute/host_kernels.hpp"
+#include "launch.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// Most points whose 16-bit terms sum up within 32 bits.
+constexpr std::uint32_t kMostPoints = 65537;
+
+struct CostAdapter {
+  static constexpr std::string_view kName = "pose_cost";
+  static constexpr std::string_view kWorkUnit = "look-up";
+  static constexpr std::string_view kSource = "paper equation (4)";
+  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
+    functions.pose_cost(params_of<PoseCost::Params>(launch.params), buffer_of<std::uint16_t>(launch, 0),
+                        buffer_of<PointCells>(launch, 1), buffer_of<PoseCandidate>(launch, 2) + launch.begin,
+                        launch.end - launch.begin, buffer_of<std::uint32_t>(launch, 3) + launch.begin);
+  }
+  static void check(const PoseCost::Params& params, const LaunchCheck& check) {
+    check.grid(params.width, params.height, params.stride, kNoLimit);
+    check.require(params.width >= 2 && params.height >= 2, "the field must be at least 2 x 2 cells");
+    check.require(params.point_count <= kMostPoints, "more than 65,537 points");
+    check.require(params.cap <= 65535, "the cap exceeds 16 bits");
+    check.require(params.interpolation <= Interpolation::kNearest && params.form <= CostForm::kSquared,
+                  "unknown interpolation or form");
+    check.buffer(0, grid_bytes(params.width, params.height, params.stride, 2));
+    check.buffer(1, params.point_count * sizeof(PointCells));
+    check.buffer(2, check.threads().x * sizeof(PoseCandidate));
+    check.buffer(3, check.threads().x * sizeof(std::uint32_t));
+    check.extent({check.threads().x, 1, 1});
+  }
+  static std::uint64_t work(const PoseCost::Params& params, Extent threads) {
+    return std::uint64_t{params.point_count} * threads.x;
+  }
+};
+
+struct ArgMinAdapter {
+  static constexpr std::string_view kName = "arg_min";
+  static constexpr std::string_view kWorkUnit = "value";
+  static constexpr std::string_view kSource = "arg min of paper equation (4)";
+  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
+    functions.arg_min(buffer_of<std::uint32_t>(launch, 0), params_of<ArgMin::Params>(launch.params).count,
+                      buffer_of<std::uint32_t>(launch, 1));
+  }
+  static void check(const ArgMin::Params& params, const LaunchCheck& check) {
+    check.require(params.count > 0, "no costs to choose from");
+    check.buffer(0, std::size_t{params.count} * 4);
+    check.buffer(1, 8);
+    check.extent({1, 1, 1});
+  }
+  static std::uint64_t work(const ArgMin::Params& params, Extent) { return params.count; }
+};
+
+}  // namespace
+
+const KernelInfo& PoseCost::info() {
+  static const KernelInfo row = kernel_info<PoseCost, CostAdapter>();
+  return row;
+}
+const KernelInfo& ArgMin::info() {
+  static const KernelInfo row = kernel_info<ArgMin, ArgMinAdapter>();
+  return row;
+}
+
+void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
+                    const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost) {
+  assert(params.width >= 2 && params.height >= 2 && params.stride >= params.width && params.point_count <= kMostPoints);
+  functions_or_throw(isa).pose_cost(params, field, points, candidates, count, cost);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,40 @@
+// The list of all kernels. A kernel that is missing here does not exist for the tests, the benchmark and verify; the
+// completeness test compares the list with the headers in kernels/.
+#include <algorithm>
+
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernels/jump_flood.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+
+namespace gdtslam {
+
+std::string_view name_of(Isa isa) {
+  switch (isa) {
+    case Isa::kBaseline:
+      return "baseline";
+    case Isa::kAvx2:
+      return "avx2";
+    case Isa::kAvx512:
+      return "avx512";
+  }
+  return "unknown";
+}
+
+std::span<const KernelInfo* const> kernel_registry() {
+  static const std::array kernels{
+      &EdtColumns::info(),    &EdtRows::info(),       &EdtFullColumns::info(),    &EdtFullRows::info(),
+      &JumpFloodInit::info(), &JumpFloodStep::info(), &JumpFloodDistance::info(), &DistanceField::info(),
+      &PoseCost::info(),      &ArgMin::info(),        &GdtMerge::info()};
+  return kernels;
+}
+
+const KernelInfo* find_kernel(std::string_view name) {
+  const auto all = kernel_registry();
+  const auto found = std::find_if(all.begin(), all.end(), [name](const KernelInfo* k) { return k->name == name; });
+  return found == all.end() ? nullptr : *found;
+}
+
+}  // namespace gdtslam
