@@ -81,6 +81,7 @@ class CpuBackend final : public Backend {
                 Extent threads) override;
   void download(const Buffer& source, std::span<std::byte> data, std::size_t offset) override;
   [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override { return memory_of(buffer); }
+  [[nodiscard]] Isa host_isa() const override { return isa_; }
   [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatch_count_; }
 
  private:
