@@ -22,10 +22,12 @@ class Random {
   /// Standard normal, by the polar method with the project's own logarithm.
   double normal();
   double normal(double mean, double deviation) { return mean + deviation * normal(); }
-  /// An independent stream for a named purpose, so that adding a draw in one place moves no other.
+  /// An independent stream for a named purpose. It depends on the seed and the name alone, not on what was drawn
+  /// before, so that adding a draw in one place moves no other.
   [[nodiscard]] Random split(std::uint64_t stream) const;
 
  private:
+  std::uint64_t key_;
   std::array<std::uint64_t, 4> state_{};
   bool has_spare_ = false;
   double spare_ = 0.0;

@@ -1,0 +1,27 @@
+// Quantities as text with their unit: "5 cm", "0.05 m", "2 deg", "250 ms", "3 cells", "30 %". Values are SI inside the
+// program; a bare number is in the unit's own base (metre, radian, second, cell, share). Independent of the locale.
+// Thread-safe, linear in the text's length.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace gdtslam {
+
+/// What a number measures.
+enum class Unit { kNone, kMetre, kRadian, kSecond, kCell, kShare };
+
+/// The symbol of the base unit: "m", "rad", "s", "cells"; empty for a pure number and a share.
+std::string_view unit_symbol(Unit unit);
+
+/// The finite value that the text names, in the base unit: the double nearest to the decimal number (for degrees,
+/// minutes and hours within 1 ulp). Blanks around the parts are allowed. Nothing, and the reason in *why (may be null),
+/// when the text is no number, its unit is unknown or measures something else, or the value is beyond the range of
+/// double.
+std::optional<double> parse_quantity(std::string_view text, Unit unit, std::string* why);
+
+/// The shortest text that parse_quantity reads back as the same bits, with the base unit's symbol: "0.05 m".
+std::string format_quantity(double value, Unit unit);
+
+}  // namespace gdtslam

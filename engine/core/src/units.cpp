@@ -1,0 +1,182 @@
+#include "gdtslam/core/units.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+// A symbol; its value in the base unit is factor * 10^power.
+struct Symbol {
+  std::string_view text;
+  Unit unit;
+  int power;
+  double factor;
+};
+
+constexpr std::array<Symbol, 24> kSymbols = {{
+    {"m", Unit::kMetre, 0, 1.0},
+    {"km", Unit::kMetre, 3, 1.0},
+    {"dm", Unit::kMetre, -1, 1.0},
+    {"cm", Unit::kMetre, -2, 1.0},
+    {"mm", Unit::kMetre, -3, 1.0},
+    {"um", Unit::kMetre, -6, 1.0},
+    {"\u00B5m", Unit::kMetre, -6, 1.0},
+    {"rad", Unit::kRadian, 0, 1.0},
+    {"mrad", Unit::kRadian, -3, 1.0},
+    {"deg", Unit::kRadian, 0, kPi / 180.0},
+    {"\u00B0", Unit::kRadian, 0, kPi / 180.0},
+    {"turn", Unit::kRadian, 0, kTwoPi},
+    {"turns", Unit::kRadian, 0, kTwoPi},
+    {"s", Unit::kSecond, 0, 1.0},
+    {"ms", Unit::kSecond, -3, 1.0},
+    {"us", Unit::kSecond, -6, 1.0},
+    {"\u00B5s", Unit::kSecond, -6, 1.0},
+    {"ns", Unit::kSecond, -9, 1.0},
+    {"min", Unit::kSecond, 0, 60.0},
+    {"h", Unit::kSecond, 0, 3600.0},
+    {"cell", Unit::kCell, 0, 1.0},
+    {"cells", Unit::kCell, 0, 1.0},
+    {"%", Unit::kShare, -2, 1.0},
+    {"share", Unit::kShare, 0, 1.0},
+}};
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) {
+    return {};
+  }
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::size_t skip_digits(std::string_view text, std::size_t at) {
+  while (at < text.size() && is_digit(text[at])) {
+    ++at;
+  }
+  return at;
+}
+
+// A decimal number cut from the front of a text: sign, digits with at most one point, exponent.
+struct NumberText {
+  std::string_view mantissa;  ///< empty when the text starts with no number
+  int exponent = 0;
+  std::string_view rest;
+};
+
+NumberText cut_number(std::string_view text) {
+  const std::size_t sign = !text.empty() && (text[0] == '-' || text[0] == '+') ? 1 : 0;
+  const std::size_t point = skip_digits(text, sign);
+  const bool has_point = point < text.size() && text[point] == '.';
+  const std::size_t end = has_point ? skip_digits(text, point + 1) : point;
+  if (end - sign == (has_point ? 1U : 0U)) {
+    return {};
+  }
+  NumberText number{text.substr(text[0] == '+' ? 1 : 0, end - (text[0] == '+' ? 1 : 0)), 0, text.substr(end)};
+  if (end < text.size() && (text[end] == 'e' || text[end] == 'E')) {
+    const std::size_t digits = end + 1 < text.size() && text[end + 1] == '+' ? end + 2 : end + 1;
+    const auto [next, error] = std::from_chars(text.data() + digits, text.data() + text.size(), number.exponent);
+    if (error == std::errc::result_out_of_range) {
+      return {};
+    }
+    if (error == std::errc{}) {
+      number.rest = text.substr(static_cast<std::size_t>(next - text.data()));
+    }
+  }
+  return number;
+}
+
+// mantissa * 10^exponent, correctly rounded, by handing the sum of the exponents to the decimal conversion.
+std::optional<double> to_double(std::string_view mantissa, int exponent) {
+  const std::string text = std::string(mantissa) + "e" + std::to_string(exponent);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::string symbols_of(Unit unit) {
+  std::string list;
+  for (const Symbol& symbol : kSymbols) {
+    if (symbol.unit == unit) {
+      list += (list.empty() ? "" : ", ") + std::string(symbol.text);
+    }
+  }
+  return list;
+}
+
+std::optional<double> refuse(std::string* why, std::string reason) {
+  if (why != nullptr) {
+    *why = std::move(reason);
+  }
+  return std::nullopt;
+}
+
+std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+
+}  // namespace
+
+std::string_view unit_symbol(Unit unit) {
+  switch (unit) {
+    case Unit::kMetre:
+      return "m";
+    case Unit::kRadian:
+      return "rad";
+    case Unit::kSecond:
+      return "s";
+    case Unit::kCell:
+      return "cells";
+    case Unit::kNone:
+    case Unit::kShare:
+      break;
+  }
+  return {};
+}
+
+std::optional<double> parse_quantity(std::string_view text, Unit unit, std::string* why) {
+  const NumberText number = cut_number(trimmed(text));
+  if (number.mantissa.empty()) {
+    return refuse(why, quoted(text) + " does not start with a decimal number");
+  }
+  const std::string_view name = trimmed(number.rest);
+  int power = 0;
+  double factor = 1.0;
+  if (!name.empty()) {
+    const Symbol* found = nullptr;
+    for (const Symbol& symbol : kSymbols) {
+      if (symbol.text == name && symbol.unit == unit) {
+        found = &symbol;
+      }
+    }
+    if (found == nullptr) {
+      const std::string known = symbols_of(unit);
+      return refuse(why, "unit " + quoted(name) + " does not fit here; " +
+                             (known.empty() ? std::string("write a bare number") : "write one of " + known));
+    }
+    power = found->power;
+    factor = found->factor;
+  }
+  const std::optional<double> value = to_double(number.mantissa, number.exponent + power);
+  if (!value || !std::isfinite(*value * factor)) {
+    return refuse(why, quoted(text) + " is beyond the range of double precision");
+  }
+  return *value * factor;
+}
+
+std::string format_quantity(double value, Unit unit) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  std::string text(buffer.data(), error == std::errc{} ? end : buffer.data());
+  const std::string_view symbol = unit_symbol(unit);
+  return symbol.empty() ? text : text + " " + std::string(symbol);
+}
+
+}  // namespace gdtslam
