@@ -56,6 +56,7 @@ std::vector<Option> options_of(OccupancyConfig& config) {
       {.path = "occupancy.occupied_share",
        .doc =
            "least share of scans that end in a cell, among those that end in it or pass through, to call it occupied",
+       .unit = Unit::kShare,
        .min = 0.001,
        .max = 1.0,
        .value = &config.occupied_share},
