@@ -1,25 +1,11 @@
 #include "gdtslam/mapping/option.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <iterator>
 #include <optional>
 
 namespace gdtslam {
 namespace {
-
-// The shortest text that reads back as the same number.
-std::string text_of(double value) {
-  char digits[32];
-  const auto end = std::to_chars(std::begin(digits), std::end(digits), value).ptr;
-  return {digits, end};
-}
-
-std::string with_unit(double value, Unit unit) {
-  const std::string symbol{symbol_of(unit)};
-  return symbol.empty() ? text_of(value) : text_of(value) + " " + symbol;
-}
 
 std::optional<double> number_of(const Option& option) {
   if (const auto* real = std::get_if<double*>(&option.value)) return **real;
@@ -41,8 +27,8 @@ std::vector<std::string> violations(std::span<const Option> options) {
   for (const Option& option : options) {
     const std::optional<double> value = number_of(option);
     if (!value || (*value >= option.min && *value <= option.max)) continue;
-    found.push_back(std::string(option.path) + ": " + with_unit(*value, option.unit) + " is not in " +
-                    with_unit(option.min, option.unit) + " to " + with_unit(option.max, option.unit));
+    found.push_back(std::string(option.path) + ": " + format_quantity(*value, option.unit) + " is not in " +
+                    format_quantity(option.min, option.unit) + " to " + format_quantity(option.max, option.unit));
   }
   return found;
 }
