@@ -1,0 +1,131 @@
+// The rules of source_rules.hpp on every file of the project.
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "unit/architecture/source_rules.hpp"
+
+namespace gdtslam::architecture {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path& root() {
+  static const fs::path path = GDTSLAM_SOURCE_DIR;
+  return path;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+struct SourceFile {
+  std::string path;  ///< relative to the project
+  std::string text;
+};
+
+bool is_hidden_or_built(const std::string& name) {
+  return name.starts_with('.') || name == "build" || name == "runs" || name == "corpus" || name == "__pycache__";
+}
+
+/// Every file of the folders with one of the extensions, in the order of the paths.
+std::vector<SourceFile> files_with(const std::vector<std::string>& folders, const std::set<std::string>& extensions) {
+  std::vector<SourceFile> files;
+  for (const std::string& folder : folders) {
+    if (!fs::exists(root() / folder)) continue;
+    for (auto at = fs::recursive_directory_iterator(root() / folder); at != fs::end(at); ++at) {
+      if (at->is_directory() && is_hidden_or_built(at->path().filename().string())) {
+        at.disable_recursion_pending();
+      } else if (at->is_regular_file() && extensions.contains(at->path().extension().string())) {
+        files.push_back({fs::relative(at->path(), root()).generic_string(), text_of(at->path())});
+      }
+    }
+  }
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  return files;
+}
+
+const std::vector<SourceFile>& code() {
+  static const std::vector<SourceFile> files =
+      files_with({"engine", "calib", "viewer", "shaders", "tools", "examples", "tests"},
+                 {".cpp", ".hpp", ".inl", ".comp", ".glsl"});
+  return files;
+}
+
+const std::vector<SourceFile>& documents() {
+  static const std::vector<SourceFile> files = [] {
+    std::vector<SourceFile> all = files_with({"docs", "shaders", "calib", "viewer", "assets", "tests"}, {".md"});
+    for (const auto& entry : fs::directory_iterator(root())) {
+      if (entry.path().extension() == ".md") all.push_back({entry.path().filename().string(), text_of(entry.path())});
+    }
+    return all;
+  }();
+  return files;
+}
+
+void report(const SourceFile& file, const std::vector<Violation>& violations) {
+  for (const Violation& violation : violations) {
+    ADD_FAILURE() << file.path << ":" << violation.line << ": " << violation.message;
+  }
+}
+
+TEST(Tree, is_found) {
+  const auto is_there = [](const std::string& path) {
+    return std::any_of(code().begin(), code().end(), [&](const SourceFile& file) { return file.path == path; });
+  };
+  EXPECT_TRUE(is_there("engine/core/include/gdtslam/core/pose.hpp"));
+  EXPECT_TRUE(is_there("engine/mapping/include/gdtslam/mapping/mapper.hpp"));
+  EXPECT_GT(documents().size(), 5U);
+}
+
+TEST(Tree, every_part_includes_only_what_it_may_know) {
+  for (const SourceFile& file : code()) report(file, include_violations(file.path, file.text));
+}
+
+TEST(Tree, no_library_prints) {
+  for (const SourceFile& file : code()) report(file, printing_violations(file.path, file.text));
+}
+
+TEST(Tree, results_do_not_depend_on_the_host_or_the_standard_library) {
+  for (const SourceFile& file : code()) report(file, determinism_violations(file.path, file.text));
+}
+
+TEST(Tree, files_are_well_formed) {
+  for (const SourceFile& file : code()) report(file, form_violations(file.path, file.text));
+  for (const SourceFile& file : documents()) report(file, form_violations(file.path, file.text));
+  for (const SourceFile& file :
+       files_with({"cmake", "tools", "tests", "engine", ".ci"}, {".cmake", ".txt", ".in", ".sh", ".py", ".json"})) {
+    report(file, form_violations(file.path, file.text));
+  }
+}
+
+TEST(Tree, headers_open_with_what_they_are) {
+  for (const SourceFile& file : code()) report(file, header_violations(file.path, file.text));
+}
+
+TEST(Tree, every_citation_is_in_the_bibliography) {
+  const std::set<std::string> keys = bibliography_keys(text_of(root() / "docs/references.bib"));
+  ASSERT_FALSE(keys.empty());
+  for (const std::vector<SourceFile>& files : {code(), documents()}) {
+    for (const SourceFile& file : files) {
+      if (file.path.starts_with("tests/unit/architecture/")) continue;  // cites keys that must not exist
+      report(file, citation_violations(file.text, keys));
+    }
+  }
+}
+
+TEST(Tree, every_relative_link_of_the_documents_leads_somewhere) {
+  for (const SourceFile& file : documents()) {
+    for (const std::string& target : relative_links(file.text)) {
+      EXPECT_TRUE(fs::exists(root() / fs::path(file.path).parent_path() / target)) << file.path << " -> " << target;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam::architecture
