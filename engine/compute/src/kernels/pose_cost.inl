@@ -24,6 +24,8 @@ struct CostContext {
   std::uint32_t stride;
   std::int32_t last_x;
   std::int32_t last_y;
+  std::int32_t anchor_x;
+  std::int32_t anchor_y;
   std::uint32_t cap;
   bool bilinear;
   bool squared;
@@ -32,8 +34,8 @@ struct CostContext {
 
 std::uint32_t field_value(const CostContext& context, std::int32_t qx, std::int32_t qy) {
   const std::int32_t half = context.bilinear ? 128 : 0;
-  const auto x = static_cast<std::uint32_t>(clamped((qx - half) >> 8, 0, context.last_x));
-  const auto y = static_cast<std::uint32_t>(clamped((qy - half) >> 8, 0, context.last_y));
+  const auto x = static_cast<std::uint32_t>(clamped(((qx - half) >> 8) + context.anchor_x, 0, context.last_x));
+  const auto y = static_cast<std::uint32_t>(clamped(((qy - half) >> 8) + context.anchor_y, 0, context.last_y));
   const std::uint16_t* cell = context.field + at(context.stride, y) + x;
   if (!context.bilinear) {
     return cell[0];
@@ -67,6 +69,8 @@ void pose_cost(const PoseCost::Params& params, const std::uint16_t* field, const
   context.stride = params.stride;
   context.last_x = static_cast<std::int32_t>(params.width) - 2;
   context.last_y = static_cast<std::int32_t>(params.height) - 2;
+  context.anchor_x = params.anchor_x;
+  context.anchor_y = params.anchor_y;
   context.cap = params.cap;
   context.bilinear = params.interpolation == Interpolation::kBilinear;
   context.squared = params.form == CostForm::kSquared;
