@@ -8,14 +8,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <system_error>
 
+#include "errno_text.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
-
-std::string errno_text(int code) { return std::generic_category().message(code); }
 
 class FileSource final : public ByteSource {
  public:

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 
 #include "byte_source.hpp"
 #include "carmen_line.hpp"
@@ -73,7 +73,7 @@ class CarmenReader final : public LogReader {
     } else {
       const std::string_view kind = line.text.substr(0, line.text.find_first_of(" \t\r"));
       throw InputError({name_, line.number}, fmt::format("the line {} {}; correct it or skip such lines with --lenient",
-                                                         quoted(kind), reason));
+                                                         in_quotes(kind), reason));
     }
   }
 

@@ -166,7 +166,7 @@ bool is_message_kind(std::string_view word) {
 
 }  // namespace
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMaxShown = 32;
   std::string shown = "\"";
   for (const char c : text.substr(0, kMaxShown)) {
@@ -210,7 +210,7 @@ CarmenLine parse_carmen_line(std::string_view text, const ReadOptions& options) 
   } else if (is_message_kind(kind)) {
     line.skipped_kind = kind;
   } else {
-    throw MalformedLine(fmt::format("starts with {}, which is no CARMEN message", quoted(kind)));
+    throw MalformedLine(fmt::format("starts with {}, which is no CARMEN message", in_quotes(kind)));
   }
   return line;
 }

@@ -37,6 +37,6 @@ struct CarmenLine {
 CarmenLine parse_carmen_line(std::string_view text, const ReadOptions& options);
 
 /// A piece of a line for a message: at most 32 characters, unprintable ones replaced.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 }  // namespace gdtslam

@@ -64,7 +64,7 @@ class FieldCursor {
   void expect_end() {
     if (!at_end()) {
       throw MalformedLine(fmt::format("goes on with {} where it should end; does its number of beams agree with it?",
-                                      quoted(next_word())));
+                                      in_quotes(next_word())));
     }
   }
 
@@ -85,7 +85,7 @@ class FieldCursor {
   }
   [[noreturn]] void fail(std::string_view name, std::string_view wanted) {
     const std::string_view text = word(name);
-    throw MalformedLine(fmt::format("has {} as its {}, which is not {}", quoted(text), name, wanted));
+    throw MalformedLine(fmt::format("has {} as its {}, which is not {}", in_quotes(text), name, wanted));
   }
 
   const char* position_;

@@ -1,0 +1,44 @@
+// The GDT as a picture that keeps every bit: gdt.png (16-bit grey, top row = highest y) with gdt.yaml
+// (docs/formats.md). A grey level is 1/256 cell; the cap means "this far or farther, or unknown". Thread-safe;
+// O(cells).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+
+namespace gdtslam {
+
+/// A distance field in memory: row-major, lower left cell first, `stride` cells from row to row.
+struct DistanceFieldView {
+  GridGeometry geometry;
+  std::size_t stride = 0;
+  std::span<const std::uint16_t> cells;
+  std::uint16_t cap = 0;
+  [[nodiscard]] std::uint16_t at(CellIndex cell) const {
+    return cells[static_cast<std::size_t>(cell.y) * stride + static_cast<std::size_t>(cell.x)];
+  }
+};
+DistanceFieldView view_of(const GlobalField& field);
+
+/// Writes the YAML at `yaml_path` and the PNG beside it (the same stem), the YAML last. Throws FileError.
+void write_distance_field(const std::string& yaml_path, const DistanceFieldView& field);
+
+/// What was read back; stride = width.
+struct DistanceFieldFile {
+  GridGeometry geometry;
+  std::vector<std::uint16_t> cells;
+  std::uint16_t cap = 0;
+  [[nodiscard]] DistanceFieldView view() const {
+    return {geometry, static_cast<std::size_t>(geometry.width), cells, cap};
+  }
+};
+/// Throws InputError or FileError.
+DistanceFieldFile read_distance_field(const std::string& yaml_path);
+
+}  // namespace gdtslam

@@ -1,0 +1,17 @@
+// Occupancy maps as ROS map_server and Nav2 read them: map.pgm (0 occupied, 254 free, 205 unknown; top row = highest y)
+// and map.yaml with full precision (docs/formats.md). Thread-safe; O(cells).
+#pragma once
+
+#include <string>
+
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+/// Writes the YAML at `yaml_path` and the PGM beside it (the same stem), the YAML last. Throws FileError.
+void write_occupancy_map(const std::string& yaml_path, const OccupancyMap& map);
+
+/// Modes trinary and scale; the image must lie in or below the folder of the YAML. Throws InputError or FileError.
+OccupancyMap read_occupancy_map(const std::string& yaml_path);
+
+}  // namespace gdtslam

@@ -1,0 +1,28 @@
+// Grey pictures as PGM (P5, one byte a pixel). Thread-safe; O(pixels). The stated size must be the file's: no memory is
+// taken on a header's word.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gdtslam {
+
+/// Rows from the top.
+struct Grey8Image {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t max_value = 255;  ///< the level that means white
+  std::vector<std::uint8_t> pixels;
+};
+
+/// The file's bytes.
+std::string encode_pgm(const Grey8Image& image);
+/// Throws InputError.
+Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name);
+/// Plain or gzip, at most 2^30 bytes. Throws InputError or FileError.
+Grey8Image read_pgm(const std::string& path);
+
+}  // namespace gdtslam

@@ -1,0 +1,28 @@
+// Trajectories and relations as text, one row per pose (docs/formats.md). TUM rows are `stamp x y z qx qy qz qw`,
+// seconds and metres, nine decimals. Thread-safe; O(rows). Files may be gzip; "-" is standard input.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+
+namespace gdtslam {
+
+/// The rows of a trajectory in its order. Throws Error when a pose is not finite.
+std::string tum_text(const Trajectory& trajectory);
+/// Atomic. Throws FileError too.
+void write_tum(const std::string& path, const Trajectory& trajectory);
+
+/// Comments (#) and blank lines are skipped; of the rotation the yaw is kept, of the position x and y. Throws
+/// InputError with file and line, FileError.
+Trajectory read_tum(const std::string& path);
+Trajectory read_tum(std::span<const std::byte> data, const std::string& name);
+
+/// Rows `t1 t2 x y z roll pitch yaw`: the pose at t2 in the frame of t1, metres and radians [Kuemmerle2009].
+std::vector<Relation> read_relations(const std::string& path);
+
+}  // namespace gdtslam

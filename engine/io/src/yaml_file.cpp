@@ -1,0 +1,129 @@
+#include "yaml_file.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include "byte_source.hpp"
+#include "carmen_line.hpp"
+#include "gdtslam/io/decimal.hpp"
+
+namespace gdtslam {
+
+std::string read_yaml_text(const std::string& path) {
+  const std::unique_ptr<ByteSource> source = open_file_source(path);
+  return read_all(*source, kMaxYamlBytes, path);
+}
+
+bool is_nested_too_deep(std::string_view text) {
+  constexpr int kMaxDepth = 32;
+  constexpr std::size_t kMaxIndent = 256;
+  int depth = 0;
+  std::size_t line_begin = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    depth += c == '[' || c == '{' ? 1 : 0;
+    depth -= (c == ']' || c == '}') && depth > 0 ? 1 : 0;
+    if (c == '\n') {
+      line_begin = i + 1;
+    }
+    // "- - - -" and "? ? ?" nest without brackets, one level for two characters
+    const bool is_nesting_mark = c == '-' || c == '?' || c == ':';
+    if (depth > kMaxDepth ||
+        (is_nesting_mark && i - line_begin > kMaxIndent && i + 1 < text.size() && text[i + 1] == ' ' &&
+         text.substr(line_begin, i - line_begin).find_first_not_of(" -?:") == std::string_view::npos)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+DescriptionFile::DescriptionFile(const std::string& path) : path_(path) {
+  root_ = parse_yaml<InputError>(read_yaml_text(path), path);
+  if (!root_.IsMap()) {
+    throw InputError({path, 0}, "is no YAML map of keys and values");
+  }
+}
+
+bool DescriptionFile::has(const char* key) const { return node(key).IsDefined(); }
+
+YAML::Node DescriptionFile::node(const char* key) const {
+  const YAML::Node& root = root_;  // the const operator adds no key
+  return root[key];
+}
+
+void DescriptionFile::fail(const char* key, const std::string& message) const {
+  const std::uint64_t line = has(key) ? line_of(node(key)) : 0;
+  throw InputError({path_, line}, fmt::format("{}: {}", key, message));
+}
+
+std::string DescriptionFile::text(const char* key) const {
+  if (!has(key)) {
+    throw InputError({path_, 0}, fmt::format("the key {} is missing", key));
+  }
+  if (!node(key).IsScalar()) {
+    fail(key, "must be a single value");
+  }
+  return node(key).Scalar();
+}
+
+double DescriptionFile::number_of(const YAML::Node& node, const char* key) const {
+  double value = 0.0;
+  const std::string text = node.IsScalar() ? node.Scalar() : std::string();
+  const char* const end = text.data() + text.size();
+  if (text.empty() || parse_double(text.data(), end, value) != end || !std::isfinite(value)) {
+    fail(key, fmt::format("{} is no finite number", in_quotes(text)));
+  }
+  return value;
+}
+
+double DescriptionFile::number(const char* key) const {
+  static_cast<void>(text(key));
+  return number_of(node(key), key);
+}
+
+DescriptionFile::Origin DescriptionFile::origin() const {
+  if (!has("origin")) {
+    throw InputError({path_, 0}, "the key origin is missing");
+  }
+  const YAML::Node list = node("origin");
+  if (!list.IsSequence() || list.size() != 3) {
+    fail("origin", "must be [x, y, yaw]");
+  }
+  if (number_of(list[2], "origin") != 0.0) {
+    fail("origin", "a map that is turned (yaw other than 0) cannot be read");
+  }
+  return {number_of(list[0], "origin"), number_of(list[1], "origin")};
+}
+
+double DescriptionFile::resolution_m() const {
+  const double resolution_m = number("resolution");
+  if (resolution_m <= 0.0) {
+    fail("resolution", fmt::format("{} m is not above 0", resolution_m));
+  }
+  return resolution_m;
+}
+
+std::string DescriptionFile::image_path() const {
+  namespace fs = std::filesystem;
+  const fs::path image = text("image");
+  bool escapes = image.empty() || image.is_absolute();
+  for (const fs::path& part : image) {
+    escapes = escapes || part == "..";
+  }
+  if (escapes) {
+    fail("image", fmt::format("{} leads out of the folder of this file; put the image beside it and give its name",
+                              in_quotes(image.string())));
+  }
+  return (fs::path(path_).parent_path() / image).string();
+}
+
+std::string yaml_number(double value) {
+  std::string text = fmt::format("{}", value);
+  const std::size_t exponent = text.find('e');
+  if (exponent != std::string::npos && text.find('.') == std::string::npos) {
+    text.insert(exponent, ".0");  // YAML 1.1 takes 1e-07 for a text
+  }
+  return text;
+}
+
+}  // namespace gdtslam
