@@ -32,12 +32,14 @@ SinCosF32 sin_cos_f32(float angle_rad) {
   precise float s = r + ((r * t) * s_poly + tail);
   precise float c = c_head + (c_lost + ((t * t) * c_poly - r * tail));
 
+  // Odd quarter turns exchange the two, quarter turns 2 and 3 (for the cosine 1 and 2) change the sign; by bits, so that
+  // nothing branches.
+  int s_bits = floatBitsToInt(s);
+  int c_bits = floatBitsToInt(c);
+  int exchange = (s_bits ^ c_bits) & -(quadrant & 1);
   SinCosF32 result;
-  bool is_odd = (quadrant & 1) != 0;
-  float sine = is_odd ? c : s;
-  float cosine = is_odd ? s : c;
-  result.sin_value = (quadrant & 2) != 0 ? -sine : sine;
-  result.cos_value = ((quadrant + 1) & 2) != 0 ? -cosine : cosine;
+  result.sin_value = intBitsToFloat(s_bits ^ exchange ^ ((quadrant & 2) << 30));
+  result.cos_value = intBitsToFloat(c_bits ^ exchange ^ (((quadrant + 1) & 2) << 30));
   return result;
 }
 

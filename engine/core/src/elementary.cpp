@@ -1,10 +1,13 @@
 #include "gdtslam/core/elementary.hpp"
 
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
+#include "double_double.hpp"
 #include "elementary_tables.hpp"
 #include "half_pi_reduction.hpp"
 #include "sin_cos_f32.hpp"
@@ -12,7 +15,10 @@
 namespace gdtslam {
 namespace {
 
+using elementary::fast_two_sum;
 using elementary::HighLow;
+using elementary::two_product;
+using elementary::two_sum;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -24,32 +30,6 @@ double horner(const std::array<double, kCount>& coefficients, double t) {
     sum = sum * t + coefficients[i];
   }
   return sum;
-}
-
-// a + b and what the addition rounds off; |a| >= |b| or a = 0 (Dekker 1971).
-HighLow fast_two_sum(double a, double b) {
-  const double sum = a + b;
-  return {sum, b - (sum - a)};
-}
-
-// a + b and what the addition rounds off (Knuth).
-HighLow two_sum(double a, double b) {
-  const double sum = a + b;
-  const double b_part = sum - a;
-  return {sum, (a - (sum - b_part)) + (b - b_part)};
-}
-
-// a * b and what the product rounds off (Dekker 1971, Veltkamp's splitting).
-HighLow two_product(double a, double b) {
-  constexpr double kSplitter = 0x1p27 + 1.0;
-  const double a_big = kSplitter * a;
-  const double a_high = a_big - (a_big - a);
-  const double a_low = a - a_high;
-  const double b_big = kSplitter * b;
-  const double b_high = b_big - (b_big - b);
-  const double b_low = b - b_high;
-  const double product = a * b;
-  return {product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low};
 }
 
 double power_of_two(std::int64_t exponent) {
@@ -74,10 +54,13 @@ SinCos<double> sin_cos(double angle_rad) {
   const double c_head = 1.0 - half_t;
   const double s = r + ((r * t) * horner(elementary::kSin, t) + angle.low * c_head);
   const double c = c_head + (((1.0 - c_head) - half_t) + ((t * t) * horner(elementary::kCos, t) - r * angle.low));
-  const bool is_odd = (angle.quadrant & 1U) != 0;
-  const double sine = is_odd ? c : s;
-  const double cosine = is_odd ? s : c;
-  return {(angle.quadrant & 2U) != 0 ? -sine : sine, ((angle.quadrant + 1U) & 2U) != 0 ? -cosine : cosine};
+  // Odd quarter turns exchange the two, quarter turns 2 and 3 (for the cosine 1 and 2) change the sign; by bits, so
+  // that nothing branches.
+  const auto s_bits = std::bit_cast<std::uint64_t>(s);
+  const auto c_bits = std::bit_cast<std::uint64_t>(c);
+  const std::uint64_t exchange = (s_bits ^ c_bits) & (0U - (angle.quadrant & 1U));
+  return {std::bit_cast<double>(s_bits ^ exchange ^ ((angle.quadrant & 2U) << 62U)),
+          std::bit_cast<double>(c_bits ^ exchange ^ (((angle.quadrant + 1U) & 2U) << 62U))};
 }
 
 SinCos<float> sin_cos(float angle_rad) {
@@ -98,24 +81,30 @@ HighLow atan_of_ratio(double b, double a) {
   numerator.low -= ca.low;
   HighLow denominator = fast_two_sum(a, cb.high);
   denominator.low += cb.low;
-  const double r = numerator.high / denominator.high;
+  const double inverse = 1.0 / denominator.high;
+  const double r = numerator.high * inverse;
   const HighLow back = two_product(r, denominator.high);
-  const double r_low =
-      (((numerator.high - back.high) - back.low) + (numerator.low - r * denominator.low)) / denominator.high;
+  const double r_low = (((numerator.high - back.high) - back.low) + (numerator.low - r * denominator.low)) * inverse;
   const double t = r * r;
   const HighLow& table = elementary::kAtanOfEighth[static_cast<std::size_t>(nearest)];
-  const HighLow sum = nearest == 0.0 ? HighLow{r, 0.0} : fast_two_sum(table.high, r);
+  const HighLow sum = fast_two_sum(table.high, r);
   return {sum.high, sum.low + (table.low + (r_low + (r * t) * horner(elementary::kAtan, t)))};
 }
 
 constexpr HighLow kPiHighLow = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 constexpr HighLow kHalfPiHighLow = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
 
-// base - angle, or base + angle.
-HighLow turned(const HighLow& base, const HighLow& angle, double sign) {
-  const HighLow sum = fast_two_sum(base.high, sign * angle.high);
-  return {sum.high, sum.low + (base.low + sign * angle.low)};
-}
+// The angle of (x, y) from the angle of (larger, smaller) of |x| and y: base + sign * angle.
+struct Octant {
+  HighLow base;
+  double sign;
+};
+constexpr std::array<Octant, 4> kOctants = {{
+    {{0.0, 0.0}, 1.0},       // x > 0, y <= x
+    {kHalfPiHighLow, -1.0},  // x > 0, y > x
+    {kPiHighLow, -1.0},      // x < 0, y <= -x
+    {kHalfPiHighLow, 1.0},   // x < 0, y > -x
+}};
 
 // atan2 for 0 < y, x != 0, both finite.
 double atan2_upper(double y, double x) {
@@ -132,13 +121,11 @@ double atan2_upper(double y, double x) {
   const double larger = y > width ? y : width;
   const double up = larger < 0x1p-900 ? 0x1p600 : 1.0;
   const double scale = power_of_two(-exponent_of(larger * up));
-  const double b = y * up * scale;
-  const double a = width * up * scale;
-  HighLow angle = b > a ? turned(kHalfPiHighLow, atan_of_ratio(a, b), -1.0) : atan_of_ratio(b, a);
-  if (x < 0.0) {
-    angle = turned(kPiHighLow, angle, -1.0);
-  }
-  return angle.high + angle.low;
+  const double smaller = y > width ? width : y;
+  const HighLow angle = atan_of_ratio(smaller * up * scale, larger * up * scale);
+  const Octant& octant = kOctants[(x < 0.0 ? 2U : 0U) + (y > width ? 1U : 0U)];
+  const HighLow sum = fast_two_sum(octant.base.high, octant.sign * angle.high);
+  return sum.high + (sum.low + (octant.base.low + octant.sign * angle.low));
 }
 
 // atan2 where a zero or an infinity is among the arguments; y >= 0 by sign.

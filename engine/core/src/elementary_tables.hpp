@@ -5,12 +5,9 @@
 #include <array>
 #include <cstdint>
 
-namespace gdtslam::elementary {
+#include "double_double.hpp"
 
-struct HighLow {
-  double high;
-  double low;
-};
+namespace gdtslam::elementary {
 
 struct LogStep {
   double inverse;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "double_double.hpp"
 #include "elementary_tables.hpp"
 
 namespace gdtslam::elementary {
@@ -67,66 +68,70 @@ std::uint64_t two_over_pi_bits(std::int64_t position) {
   return shift == 0 ? first : first | (word_at(index + 1) >> (64U - shift));
 }
 
-// Payne and Hanek [Payne1983]: only the bits of 2/pi count that meet the mantissa between 4 turns and the last bit
-// wanted.
-ReducedAngle reduce_large(double angle_rad) {
+// |angle| 2/pi modulo 4: whole quarter turns, and the fraction as 192 bits behind the point.
+struct QuarterTurns {
+  std::uint64_t whole = 0;
+  std::array<std::uint64_t, 3> fraction{};
+};
+
+// Payne and Hanek [Payne1983]: of 2/pi only the bits count that meet the mantissa between 4 quarter turns and the last
+// bit wanted.
+QuarterTurns quarter_turns(double angle_rad) {
   const std::uint64_t pattern = std::bit_cast<std::uint64_t>(angle_rad);
   const std::uint64_t mantissa = (pattern & 0x000FFFFFFFFFFFFFU) | 0x0010000000000000U;
   const auto exponent = static_cast<std::int64_t>((pattern >> 52U) & 0x7FFU) - 1075;
-  // |angle| 2/pi = mantissa 2^exponent (2/pi). Bits of 2/pi above 2^(2 - exponent) give multiples of 4 quarter turns.
+  // |angle| = mantissa 2^exponent, so the bits of 2/pi before this one give multiples of 4 quarter turns.
   const std::int64_t start = exponent - 2;
-  std::array<std::uint64_t, 4> bits{};
-  for (std::size_t i = 0; i < bits.size(); ++i) {
-    bits[i] = two_over_pi_bits(start + 64 * static_cast<std::int64_t>(i));
-  }
-  // mantissa * bits, of which 256 bits behind the 2^2 place are kept; the highest word drops its multiples of 4.
   std::array<std::uint64_t, 4> product{};
   std::uint64_t carry = 0;
-  for (std::size_t i = bits.size(); i-- > 0;) {
-    const Wide wide = multiply(mantissa, bits[i]);
+  for (std::size_t i = product.size(); i-- > 0;) {
+    const Wide wide = multiply(mantissa, two_over_pi_bits(start + 64 * static_cast<std::int64_t>(i)));
     product[i] = wide.low + carry;
     carry = wide.high + (product[i] < carry ? 1U : 0U);
   }
-  // product = (quarter turns mod 4) * 2^62 in its first word, the fraction below.
-  std::uint64_t quadrant = product[0] >> 62U;
-  for (std::size_t i = 0; i < 3; ++i) {
-    product[i] = (product[i] << 2U) | (product[i + 1] >> 62U);
+  QuarterTurns turns{product[0] >> 62U, {}};
+  for (std::size_t i = 0; i < turns.fraction.size(); ++i) {
+    turns.fraction[i] = (product[i] << 2U) | (product[i + 1] >> 62U);
   }
-  // The fraction in [-1/2, 1/2): above one half, the next quarter turn is nearer.
-  const bool is_negative = (product[0] >> 63U) != 0;
-  if (is_negative) {
-    ++quadrant;
-    for (std::size_t i = 0; i < 3; ++i) {
-      product[i] = ~product[i];
-    }
-  }
-  std::int64_t scale = 0;
-  while (product[0] >> 63U == 0 && scale < 128) {
-    product[0] = (product[0] << 1U) | (product[1] >> 63U);
-    product[1] = (product[1] << 1U) | (product[2] >> 63U);
-    product[2] <<= 1U;
+  return turns;
+}
+
+// The fraction, a half or less, times pi/2; its 106 leading bits count.
+ReducedAngle angle_of_fraction(std::array<std::uint64_t, 3> fraction) {
+  std::uint64_t scale = 0;
+  while (fraction[0] >> 63U == 0 && scale < 128) {
+    fraction[0] = (fraction[0] << 1U) | (fraction[1] >> 63U);
+    fraction[1] = (fraction[1] << 1U) | (fraction[2] >> 63U);
+    fraction[2] <<= 1U;
     ++scale;
   }
-  // 106 leading bits of the fraction in two doubles, times pi/2 in two doubles.
-  const double unit = std::bit_cast<double>(static_cast<std::uint64_t>(1023 - 53 - scale) << 52U);
-  const double f_high = static_cast<double>(product[0] >> 11U) * unit;
-  const double f_low = static_cast<double>(((product[0] & 0x7FFU) << 42U) | (product[1] >> 22U)) * (unit * 0x1p-53);
-  constexpr double kHalfPiHigh = 0x1.921fb54442d18p+0;
-  constexpr double kHalfPiLow = 0x1.1a62633145c07p-54;
-  constexpr double kHalfPiHead = 0x1.921fb54p+0;
-  constexpr double kHalfPiTail = kHalfPiHigh - kHalfPiHead;
-  const double f_big = (0x1p27 + 1.0) * f_high;
-  const double f_head = f_big - (f_big - f_high);
-  const double f_tail = f_high - f_head;
-  const double main = f_high * kHalfPiHigh;
-  const double lost =
-      ((f_head * kHalfPiHead - main) + f_head * kHalfPiTail + f_tail * kHalfPiHead) + f_tail * kHalfPiTail;
-  const double rest = lost + (f_high * kHalfPiLow + f_low * kHalfPiHigh);
-  const double high = main + rest;
-  const double low = (main - high) + rest;
-  const bool is_flipped = is_negative != std::signbit(angle_rad);
-  const std::uint64_t turns = std::signbit(angle_rad) ? 0U - quadrant : quadrant;
-  return {is_flipped ? -high : high, is_flipped ? -low : low, turns & 3U};
+  const double unit = std::bit_cast<double>((1023U - 53U - scale) << 52U);
+  const double f_high = static_cast<double>(fraction[0] >> 11U) * unit;
+  const double f_low = static_cast<double>(((fraction[0] & 0x7FFU) << 42U) | (fraction[1] >> 22U)) * (unit * 0x1p-53);
+  constexpr HighLow kHalfPi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
+  const HighLow product = two_product(f_high, kHalfPi.high);
+  const double rest = product.low + (f_high * kHalfPi.low + f_low * kHalfPi.high);
+  const double high = product.high + rest;
+  return {high, (product.high - high) + rest, 0};
+}
+
+ReducedAngle reduce_large(double angle_rad) {
+  QuarterTurns turns = quarter_turns(angle_rad);
+  // Above one half, the next quarter turn is nearer: 1 - fraction, negative.
+  const bool is_above_half = (turns.fraction[0] >> 63U) != 0;
+  if (is_above_half) {
+    ++turns.whole;
+    for (std::uint64_t& word : turns.fraction) {
+      word = ~word;
+    }
+  }
+  ReducedAngle reduced = angle_of_fraction(turns.fraction);
+  if (is_above_half != std::signbit(angle_rad)) {
+    reduced.high = -reduced.high;
+    reduced.low = -reduced.low;
+  }
+  reduced.quadrant = (std::signbit(angle_rad) ? 0U - turns.whole : turns.whole) & 3U;
+  return reduced;
 }
 
 }  // namespace

@@ -44,23 +44,23 @@ Vector3d rotate(const Quaterniond& q, const Vector3d& v) {
   return v + q.w() * turn + cross(axis, turn);
 }
 
-// sin(a)/a and (a - sin a)/a^3 and (1 - cos a)/a^2 of the rotation angle a.
+// What the rotation by an angle a makes of the translation along a screw.
 struct ScrewFactors {
-  double sine;  ///< (1 - cos a) / a^2
-  double rest;  ///< (a - sin a) / a^3
+  double once;   ///< (1 - cos a) / a^2
+  double twice;  ///< (a - sin a) / a^3
 };
 
 ScrewFactors screw_factors(double angle_rad) {
   const double sq_angle = angle_rad * angle_rad;
   if (angle_rad < 0.25) {
-    // The series to a^12 / 15!, where the closed form of the second factor cancels.
-    const double rest =
+    // The series to a^10 / 13!, where the closed form of the second factor cancels.
+    const double twice =
         (1.0 / 6.0) *
         (1.0 -
          sq_angle / 20.0 *
              (1.0 - sq_angle / 42.0 * (1.0 - sq_angle / 72.0 * (1.0 - sq_angle / 110.0 * (1.0 - sq_angle / 156.0)))));
     const double half = angle_rad == 0.0 ? 0.5 : sin_cos(0.5 * angle_rad).sin / angle_rad;
-    return {2.0 * half * half, rest};
+    return {2.0 * half * half, twice};
   }
   const double half = sin_cos(0.5 * angle_rad).sin / angle_rad;
   return {2.0 * half * half, (angle_rad - sin_cos(angle_rad).sin) / (sq_angle * angle_rad)};
@@ -125,7 +125,7 @@ Pose3 exp_se3(const Tangent3& tangent) {
   const Vector3d turn = tangent.tail<3>();
   const ScrewFactors factors = screw_factors(norm(turn));
   const Vector3d once = cross(turn, shift);
-  return {shift + factors.sine * once + factors.rest * cross(turn, once), exp_so3(turn)};
+  return {shift + factors.once * once + factors.twice * cross(turn, once), exp_so3(turn)};
 }
 
 // The inverse of V is 1 - [w]/2 + (1 - (a/2) cot(a/2))/a^2 [w]^2.

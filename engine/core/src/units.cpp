@@ -107,7 +107,7 @@ std::string symbols_of(Unit unit) {
   std::string list;
   for (const Symbol& symbol : kSymbols) {
     if (symbol.unit == unit) {
-      list += (list.empty() ? "" : ", ") + std::string(symbol.text);
+      list.append(list.empty() ? "" : ", ").append(symbol.text);
     }
   }
   return list;
@@ -120,7 +120,7 @@ std::optional<double> refuse(std::string* why, std::string reason) {
   return std::nullopt;
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string quoted(std::string_view text) { return std::string(1, '\'').append(text).append(1, '\''); }
 
 }  // namespace
 
@@ -158,8 +158,8 @@ std::optional<double> parse_quantity(std::string_view text, Unit unit, std::stri
     }
     if (found == nullptr) {
       const std::string known = symbols_of(unit);
-      return refuse(why, "unit " + quoted(name) + " does not fit here; " +
-                             (known.empty() ? std::string("write a bare number") : "write one of " + known));
+      const std::string cure = known.empty() ? "write a bare number" : std::string("write one of ").append(known);
+      return refuse(why, std::string("unit ").append(quoted(name)).append(" does not fit here; ").append(cure));
     }
     power = found->power;
     factor = found->factor;
@@ -176,7 +176,7 @@ std::string format_quantity(double value, Unit unit) {
   const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   std::string text(buffer.data(), error == std::errc{} ? end : buffer.data());
   const std::string_view symbol = unit_symbol(unit);
-  return symbol.empty() ? text : text + " " + std::string(symbol);
+  return symbol.empty() ? text : text.append(1, ' ').append(symbol);
 }
 
 }  // namespace gdtslam

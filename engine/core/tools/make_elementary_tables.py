@@ -244,8 +244,7 @@ def main():
         return
     print("// Made by engine/core/tools/make_elementary_tables.py; not to be edited by hand (docs/numerics.md).")
     print("// clang-format off")
-    print("#pragma once\n\n#include <array>\n#include <cstdint>\n\nnamespace gdtslam::elementary {\n")
-    print("struct HighLow {\n  double high;\n  double low;\n};\n")
+    print("#pragma once\n\n#include <array>\n#include <cstdint>\n\n#include \"double_double.hpp\"\n\nnamespace gdtslam::elementary {\n")
     print("struct LogStep {\n  double inverse;\n  double high;\n  double low;\n};\n")
     emit_constants()
     emit_polynomials()
