@@ -10,6 +10,9 @@ namespace {
 
 /// Most points whose 16-bit terms sum up within 32 bits.
 constexpr std::uint32_t kMostPoints = 65537;
+/// Coordinates are clamped to 2^22 cells from the anchor, which is off the map in any direction within these limits.
+constexpr std::int32_t kFarthestAnchor = 1 << 21;
+constexpr std::uint32_t kFarthestCell = 1U << 21U;
 
 struct CostAdapter {
   static constexpr std::string_view kName = "pose_cost";
@@ -21,7 +24,9 @@ struct CostAdapter {
                         launch.end - launch.begin, buffer_of<std::uint32_t>(launch, 3) + launch.begin);
   }
   static void check(const PoseCost::Params& params, const LaunchCheck& check) {
-    check.grid(params.width, params.height, params.stride, kNoLimit);
+    check.grid(params.width, params.height, params.stride, kFarthestCell);
+    const auto in_reach = [](std::int32_t anchor) { return -kFarthestAnchor <= anchor && anchor <= kFarthestAnchor; };
+    check.require(in_reach(params.anchor_x) && in_reach(params.anchor_y), "the anchor is more than 2^21 cells off");
     check.require(params.width >= 2 && params.height >= 2, "the field must be at least 2 x 2 cells");
     check.require(params.point_count <= kMostPoints, "more than 65,537 points");
     check.require(params.cap <= 65535, "the cap exceeds 16 bits");
