@@ -1,0 +1,58 @@
+// A 2D laser range finder: where its beams go and what it makes of the true ranges.
+// Bearings in the laser's frame (x forward, y left), beam k at first_bearing + k * step; metres, radians, seconds.
+// Cost: one ray cast per beam. Thread-safe with one Random per thread.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/core/pose3.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/sim/ray_caster.hpp"
+
+namespace gdtslam::sim {
+
+struct LaserModel {
+  double first_bearing_rad = 0.0;
+  double bearing_step_rad = 0.0;
+  std::size_t beam_count = 0;
+  double min_range_m = 0.0;       ///< nearer surfaces give no return
+  double max_range_m = 0.0;       ///< so do surfaces at this range or beyond
+  double no_return_m = 0.0;       ///< what the sensor reports then; at least max_range_m
+  double noise_constant_m = 0.0;  ///< the standard deviation of a range r is noise_constant + noise_share * r
+  double noise_share = 0.0;
+  double range_resolution_m = 0.0;  ///< ranges are rounded to multiples of this; 0 keeps them
+  double drop_out_share = 0.0;      ///< beams that give no return for no reason, 0 to 1
+  double mirror_rate_hz = 0.0;  ///< turns of the mirror a second, which spread a scan over time; 0 fires all at once
+
+  /// When beam k fires, relative to the scan's stamp. The stamp belongs to the middle of the scan, so that the robot's
+  /// motion within a scan does not bias its pose.
+  [[nodiscard]] double time_of_beam_s(std::size_t beam) const;
+};
+
+/// Every violation, one sentence each.
+std::vector<std::string> validate(const LaserModel& laser);
+
+/// sick-lms: SICK LMS 2xx, 180 beams from -90 deg, 1.0 deg, 1 cm, 80 m. sick-361: the same with 361 beams, 0.5 deg.
+/// hokuyo-961: 961 beams from -120 to 120 deg, 0.25 deg, 1 mm, 20 m: the paper's -30 to 210 deg with 90 deg ahead.
+std::optional<LaserModel> laser_preset(std::string_view name);
+const std::vector<std::string>& laser_preset_names();
+
+/// The pose of the laser in the map, a time after the scan's stamp.
+using LaserPoseAt = std::function<Pose3(double offset_s)>;
+
+/// The true range of every beam; infinity where it meets nothing within the maximum range.
+std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at);
+
+/// What the sensor reports for a true range. Draws the same number of values from `random` whatever the outcome is.
+double measured_range(const LaserModel& laser, double true_range_m, Random& random);
+
+/// A whole scan: true_ranges() with measured_range() of each.
+std::vector<float> measured_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at,
+                                   Random& random);
+
+}  // namespace gdtslam::sim

@@ -1,0 +1,107 @@
+// What a simulated world is made of: walls with doors, boxes, cylinders and imported meshes, all of which become
+// triangles. Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe, linear in
+// the parts.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam::sim {
+
+using Vec3 = Eigen::Vector3d;
+
+/// No coordinate of a scene lies further out than this; the padding of the ray caster's boxes counts on it.
+inline constexpr double kMaxCoordinate_m = 1000.0;
+/// A scene of more triangles than this is refused.
+inline constexpr std::size_t kMaxTriangles = 8'000'000;
+
+/// Indexed triangles, in the order of the parts they came from.
+struct TriangleMesh {
+  std::vector<Vec3> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+
+  [[nodiscard]] std::array<Vec3, 3> corners(std::size_t triangle) const {
+    const std::array<std::uint32_t, 3>& t = triangles[triangle];
+    return {vertices[t[0]], vertices[t[1]], vertices[t[2]]};
+  }
+};
+
+/// A cuboid that stands upright, turned about its centre.
+struct Box {
+  Point2 centre_m{0.0, 0.0};
+  Point2 size_m{1.0, 1.0};
+  double yaw_rad = 0.0;
+  double base_m = 0.0;  ///< height of its lower side
+  double height_m = 1.0;
+};
+
+/// An upright prism with many sides whose corners lie on the circle.
+struct Cylinder {
+  Point2 centre_m{0.0, 0.0};
+  double radius_m = 0.1;
+  double base_m = 0.0;
+  double height_m = 1.0;
+  int sides = 32;
+};
+
+/// The wing of a door, hinged at one jamb in the middle of the wall's thickness.
+struct DoorLeaf {
+  double angle_rad = 0.0;     ///< 0 is shut; positive opens to the left of the leg's direction
+  bool hinge_at_far = false;  ///< at the jamb further along the leg
+  double thickness_m = 0.04;
+};
+
+/// A gap in one leg of a wall; above it the wall goes on where the door is lower than the wall.
+struct Door {
+  std::size_t leg = 0;  ///< leg i goes from point i to point i + 1
+  double from_m = 0.0;  ///< along the leg, from its first point
+  double width_m = 0.9;
+  double height_m = 2.1;
+  std::optional<DoorLeaf> leaf;
+};
+
+/// A wall along a polyline, half of its thickness on either side. Legs overlap at the corners so that they leave no
+/// gap.
+struct Wall {
+  std::vector<Point2> points_m;
+  bool is_closed = false;
+  double thickness_m = 0.1;
+  double base_m = 0.0;
+  double height_m = 2.5;
+  std::vector<Door> doors;
+
+  [[nodiscard]] std::size_t leg_count() const {
+    return points_m.size() < 2 ? 0 : points_m.size() - (is_closed ? 0 : 1);
+  }
+};
+
+struct Scene {
+  std::vector<Wall> walls;
+  std::vector<Box> boxes;
+  std::vector<Cylinder> cylinders;
+  std::vector<TriangleMesh> meshes;  ///< already in the map frame
+  std::optional<double> floor_m;     ///< height of a floor under everything
+  std::optional<double> ceiling_m;   ///< height of a ceiling over everything
+};
+
+/// What is wrong with a part, one sentence each; empty when it can be built.
+std::vector<std::string> validate(const Box& box);
+std::vector<std::string> validate(const Cylinder& cylinder);
+std::vector<std::string> validate(const Wall& wall);
+
+/// The boxes that make up a wall: pieces between the doors, lintels and door leaves.
+std::vector<Box> boxes_of(const Wall& wall);
+
+/// The whole scene as triangles. Throws ConfigError for a part that validate() refuses, a coordinate that is not finite
+/// or too far out, a scene without any triangle or with too many.
+TriangleMesh triangulate(const Scene& scene);
+
+}  // namespace gdtslam::sim

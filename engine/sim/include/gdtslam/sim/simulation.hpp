@@ -1,0 +1,61 @@
+// A robot drives through a scene and records what its wheels and its laser tell, with the truth beside it.
+// The same configuration gives the same bits on every host. Each kind of error draws from its own stream of random
+// numbers, a scan's from one named by its number. Cost: a ray cast per beam. One run belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/sim/laser_model.hpp"
+#include "gdtslam/sim/motion_plan.hpp"
+#include "gdtslam/sim/wheel_model.hpp"
+
+namespace gdtslam::sim {
+
+struct SimulationConfig {
+  LaserModel laser;
+  Pose2 T_base_laser;
+  double laser_height_m = 0.3;
+  WheelModel wheels;
+  double scan_rate_hz = 10.0;
+  double odometry_rate_hz = 20.0;  ///< 0: no odometry between the scans
+  std::uint64_t seed = 1;
+};
+
+/// Every violation, one sentence each, opened by its part: "laser: ...", "wheels: ...", "recording: ...".
+std::vector<std::string> validate(const SimulationConfig& config);
+
+struct SimulatedScan {
+  ScanRecord record;
+  Pose2 T_map_base;  ///< the truth, at the scan's stamp
+};
+
+/// Takes the records in the order of their time; odometry comes before a scan of the same time.
+struct SimulationSink {
+  std::function<void(const SimulatedScan&)> scan;
+  std::function<void(const Odometry&)> odometry;
+  std::function<bool(double share)> keep_on;  ///< asked after each scan with the share done; false ends the run
+};
+
+struct SimulationSummary {
+  std::size_t scans = 0;
+  std::size_t odometry_records = 0;
+  std::size_t returns = 0;  ///< beams that measured a range
+  std::size_t beams = 0;
+  double duration_s = 0.0;
+  double path_m = 0.0;
+  bool is_whole = true;  ///< false when the sink ended it
+};
+
+/// The true pose of the robot's centre.
+Pose2 base_pose(const WheelModel& wheels, const MotionState& state);
+
+/// Stamps begin at 0 and are whole microseconds. Throws ConfigError for what validate() refuses.
+SimulationSummary run_simulation(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
+                                 const SimulationSink& sink);
+
+}  // namespace gdtslam::sim

@@ -1,0 +1,65 @@
+// Wheel encoders with errors, and the odometry that a robot computes from their ticks by equation (5) of the paper.
+// Metres of travel of the left and the right wheel; poses of the robot's centre. Constant time. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/differential_drive.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam::sim {
+
+struct WheelModel {
+  DifferentialDrive drive;         ///< what the robot believes
+  double track_width_scale = 1.0;  ///< true track width over the believed one
+  double left_scale = 1.0;         ///< travel that the encoder sees over true travel: a systematic error
+  double right_scale = 1.0;
+  double slip_m_per_sqrt_m = 0.0;  ///< standard deviation of the wheel's travel over ground after 1 m; a random walk
+  double ticks_per_m = 5000.0;
+
+  [[nodiscard]] double true_track_width_m() const { return drive.track_width_m * track_width_scale; }
+};
+
+/// Every violation, one sentence each.
+std::vector<std::string> validate(const WheelModel& wheels);
+
+struct WheelTicks {
+  std::int64_t left = 0;
+  std::int64_t right = 0;
+  friend bool operator==(const WheelTicks&, const WheelTicks&) = default;
+};
+
+/// Counts what the wheels turned. How often it is read does not change the size of the errors.
+class WheelEncoders {
+ public:
+  WheelEncoders(const WheelModel& wheels, const Random& random);
+  /// True travel of both wheels since the last call.
+  void advance(double left_m, double right_m);
+  [[nodiscard]] WheelTicks ticks() const;
+
+ private:
+  [[nodiscard]] double seen(double travel_m, double scale, Random& random) const;
+
+  WheelModel wheels_;
+  Random left_random_;
+  Random right_random_;
+  double left_m_ = 0.0;
+  double right_m_ = 0.0;
+};
+
+/// The pose that the ticks tell, from the origin.
+class WheelOdometer {
+ public:
+  explicit WheelOdometer(const WheelModel& wheels) : wheels_(wheels) {}
+  /// Takes the encoders' readings and returns T_odom_base.
+  Pose2 update(const WheelTicks& ticks);
+
+ private:
+  WheelModel wheels_;
+  WheelTicks last_;
+  Pose2 T_odom_base_;
+};
+
+}  // namespace gdtslam::sim

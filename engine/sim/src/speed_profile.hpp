@@ -1,0 +1,55 @@
+// Motion of one quantity from rest or a given rate to another with bounded acceleration: rise, cruise, fall.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace gdtslam::sim {
+
+struct ProfileState {
+  double distance = 0.0;
+  double rate = 0.0;
+};
+
+/// Trapezoid in the rate over time. Needs |end^2 - start^2| <= 2 * acceleration * distance; the peak gives way to it.
+class SpeedProfile {
+ public:
+  SpeedProfile(double distance, double start_rate, double end_rate, double peak_rate, double acceleration)
+      : start_(start_rate), end_(end_rate), acceleration_(acceleration) {
+    const double reachable = 0.5 * (2.0 * acceleration * distance + start_ * start_ + end_ * end_);
+    peak_ = std::max({std::min(peak_rate, std::sqrt(reachable)), start_, end_});
+    rise_s_ = (peak_ - start_) / acceleration;
+    fall_s_ = (peak_ - end_) / acceleration;
+    const double ramps = 0.5 * (start_ + peak_) * rise_s_ + 0.5 * (peak_ + end_) * fall_s_;
+    cruise_s_ = peak_ > 0.0 ? std::max(0.0, distance - ramps) / peak_ : 0.0;
+    distance_ = distance;
+  }
+
+  [[nodiscard]] double duration_s() const { return rise_s_ + cruise_s_ + fall_s_; }
+
+  [[nodiscard]] ProfileState at(double time_s) const {
+    if (time_s < rise_s_) {
+      return {(start_ + 0.5 * acceleration_ * time_s) * time_s, start_ + acceleration_ * time_s};
+    }
+    const double left_s = duration_s() - time_s;
+    if (left_s > fall_s_) {
+      return {0.5 * (start_ + peak_) * rise_s_ + peak_ * (time_s - rise_s_), peak_};
+    }
+    // Counted from the end, so that the end is met exactly.
+    const double before_end_s = std::max(0.0, left_s);
+    return {distance_ - (end_ + 0.5 * acceleration_ * before_end_s) * before_end_s,
+            end_ + acceleration_ * before_end_s};
+  }
+
+ private:
+  double start_;
+  double end_;
+  double acceleration_;
+  double peak_ = 0.0;
+  double rise_s_ = 0.0;
+  double cruise_s_ = 0.0;
+  double fall_s_ = 0.0;
+  double distance_ = 0.0;
+};
+
+}  // namespace gdtslam::sim
