@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gdtslam/core/error.hpp"
 
@@ -21,6 +21,11 @@ std::string read_yaml_text(const std::string& path);
 /// yaml-cpp descends once per nested bracket or indent and has no bound of its own, so depth is bounded first.
 bool is_nested_too_deep(std::string_view text);
 
+inline std::uint64_t line_of(const YAML::Node& node) {
+  const YAML::Mark mark = node.Mark();
+  return mark.line < 0 ? 0 : static_cast<std::uint64_t>(mark.line) + 1;
+}
+
 /// Parses a document; `Failure` is the error type to throw (InputError or ConfigError).
 template <class Failure>
 YAML::Node parse_yaml(const std::string& text, const std::string& name) {
@@ -28,15 +33,14 @@ YAML::Node parse_yaml(const std::string& text, const std::string& name) {
     throw Failure({name, 0}, "is nested too deeply for a file of this kind");
   }
   try {
-    return YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      throw Failure({name, line_of(documents[1])}, "holds more than one YAML document");
+    }
+    return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& error) {
     throw Failure({name, static_cast<std::uint64_t>(error.mark.line + 1)}, fmt::format("is no YAML: {}", error.msg));
   }
-}
-
-inline std::uint64_t line_of(const YAML::Node& node) {
-  const YAML::Mark mark = node.Mark();
-  return mark.line < 0 ? 0 : static_cast<std::uint64_t>(mark.line) + 1;
 }
 
 /// A flat description file (map.yaml, gdt.yaml): a map of known keys to scalars or sequences of numbers.

@@ -1,0 +1,36 @@
+// Configurations as YAML and from the command line, by a table of options (mapping/option.hpp): sections and names are
+// the paths of the table, values carry units ("5 cm", "2 deg"), `version: 1` is the format's version. Nothing is
+// changed unless everything is right; otherwise one ConfigError names every fault with file, line, path, value and
+// bound, and a misspelt name gets the nearest one. Thread-safe for tables that no two threads share; O(text).
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/mapping/option.hpp"
+
+namespace gdtslam {
+
+/// Reads a file into the table's values; returns the paths that it set. "-" is standard input.
+std::vector<std::string> read_config(const std::string& path, std::span<const Option> options);
+/// The same from text; `name` stands in messages.
+std::vector<std::string> read_config_text(std::string_view text, const std::string& name,
+                                          std::span<const Option> options);
+
+/// `path=value` of a command line. Returns the path.
+std::string set_option(std::span<const Option> options, std::string_view assignment);
+
+/// The value as text with its unit, as read_config reads it.
+std::string value_text(const Option& option);
+
+/// The whole table as YAML, each value under its documentation; reads back as the same bits.
+std::string config_text(std::span<const Option> options);
+/// Atomic. Throws FileError.
+void write_config(const std::string& path, std::span<const Option> options);
+
+/// JSON schema (draft 2020-12) of the files that read_config takes.
+std::string config_schema(std::span<const Option> options);
+
+}  // namespace gdtslam

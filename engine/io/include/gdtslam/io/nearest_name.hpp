@@ -1,0 +1,18 @@
+// "Did you mean": the known name that a misspelt one resembles most. Thread-safe; O(names x length^2).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace gdtslam {
+
+/// Insertions, deletions, replacements and swaps of neighbours between two names (optimal string alignment).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// The nearest of the names, the first of equals; nothing when none resembles (more than a third of the letters
+/// differ). The part after the last dot is compared on its own too, so "resolution" finds "map.resolution".
+std::optional<std::string_view> nearest_name(std::string_view name, std::span<const std::string_view> names);
+
+}  // namespace gdtslam
