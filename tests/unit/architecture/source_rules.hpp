@@ -40,4 +40,11 @@ std::vector<Violation> citation_violations(std::string_view text, const std::set
 /// The targets of relative Markdown links, without their anchors, in order.
 std::vector<std::string> relative_links(std::string_view markdown);
 
+/// A name in code style that a document puts right behind a link, as in [file](path) `one`, `two`.
+struct NameInFile {
+  std::string link;
+  std::string name;
+};
+std::vector<NameInFile> names_behind_links(std::string_view markdown);
+
 }  // namespace gdtslam::architecture

@@ -163,6 +163,15 @@ TEST(Links, are_found_without_their_anchors) {
               ElementsAre("docs/a.md", "images/p.png"));
 }
 
+TEST(Links, name_what_stands_in_their_file) {
+  const std::vector<NameInFile> found =
+      names_behind_links("[a](../a.hpp) `one`, `two`; [b](b.hpp); `three` [c](c.hpp) `four`.\n");
+  ASSERT_THAT(found, SizeIs(3));
+  EXPECT_EQ(found[0].link + " " + found[0].name, "../a.hpp one");
+  EXPECT_EQ(found[1].link + " " + found[1].name, "../a.hpp two");
+  EXPECT_EQ(found[2].link + " " + found[2].name, "c.hpp four");
+}
+
 TEST(Stripping, blanks_comments_and_literals_and_keeps_lines) {
   EXPECT_EQ(without_comments_and_literals("a // b\nc"), "a     \nc");
   EXPECT_EQ(without_comments_and_literals("a /* b\nc */ d"), "a     \n     d");

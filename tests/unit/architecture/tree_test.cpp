@@ -127,5 +127,15 @@ TEST(Tree, every_relative_link_of_the_documents_leads_somewhere) {
   }
 }
 
+TEST(Tree, names_behind_links_stand_in_the_linked_file) {
+  for (const SourceFile& file : documents()) {
+    for (const NameInFile& named : names_behind_links(file.text)) {
+      const std::string text = text_of(root() / fs::path(file.path).parent_path() / named.link);
+      EXPECT_TRUE(text.find(named.name) != std::string::npos)
+          << file.path << ": " << named.link << " has no " << named.name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gdtslam::architecture
