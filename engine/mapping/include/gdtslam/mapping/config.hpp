@@ -1,5 +1,5 @@
-// Every option of the mapper. The defaults map every log that we have; docs/reference/options.md is generated from the table.
-// Lengths in metres, angles in radians; derived values are functions, never stored copies.
+// Every option of the mapper. The defaults map every log that we have; docs/reference/options.md is generated from the
+// table. Lengths in metres, angles in radians; derived values are functions, never stored copies.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 namespace gdtslam {
 
 enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive };
+enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
 struct MapConfig {
   double resolution_m = 0.05;
@@ -24,6 +25,7 @@ struct MapConfig {
 struct ScanConfig {
   double min_range_m = 0.1;
   double max_range_m = 40.0;
+  std::int32_t min_points = 20;
 };
 
 struct MergeConfig {
@@ -44,12 +46,47 @@ struct MatchConfig {
   Interpolation interpolation = Interpolation::kBilinear;
 };
 
+struct GateConfig {
+  double wide_m = 0.5;
+  double final_m = 0.0873;
+  double narrowing = 0.5;
+  double min_share = 0.4;
+};
+
+struct PriorConfig {
+  double weight = 0.01;  ///< mean cost in cells that one standard deviation away from the prediction adds
+  double sigma_m = 0.05;
+  double sigma_per_m = 0.5;
+  double sigma_rad = 0.035;
+  double sigma_per_rad = 0.3;
+};
+
+struct SearchConfig {
+  SearchWhen when = SearchWhen::kKeyframe;
+  double half_m = 0.3;
+  double half_per_m = 2.0;
+  double half_rad = 0.17453292519943295;
+  double half_per_rad = 1.2;
+  double step_m = 0.1;
+  double step_rad = 0.02;
+  std::int32_t starts = 3;
+};
+
+struct DoubtConfig {
+  double min_overlap = 0.3;
+  double max_mean_m = 0.3;
+};
+
 struct MapperConfig {
   MapConfig map;
   ScanConfig scan;
   MergeConfig merge;
   KeyframeConfig keyframe;
   MatchConfig match;
+  GateConfig gate;
+  PriorConfig prior;
+  SearchConfig search;
+  DoubtConfig doubt;
 };
 
 /// The table of all options of a configuration; its rows point into it.

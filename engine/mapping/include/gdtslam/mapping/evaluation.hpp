@@ -1,5 +1,5 @@
-// Error of a trajectory: against relations between poses [Kuemmerle2009], and against a reference trajectory (ATE with rigid
-// alignment [Umeyama1991] and RPE [Sturm2012]). Poses are the robot's. Thread-safe.
+// Error of a trajectory: against relations between poses [Kuemmerle2009], and against a reference trajectory (ATE with
+// rigid alignment [Umeyama1991] and RPE [Sturm2012]). Poses are the robot's. Thread-safe.
 #pragma once
 
 #include <cstddef>

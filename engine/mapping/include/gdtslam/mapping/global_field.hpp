@@ -1,6 +1,6 @@
-// The map: the global distance transform (GDT), a field of 1/256 cell that grows with what is seen. Cells hold the distance to
-// the nearest obstacle that scans agree on, the cap where nothing is known. Its two outermost rows and columns always hold the
-// cap. Cell (0, 0) has fixed map coordinates: growing moves the origin by whole cells.
+// The map: the global distance transform (GDT), a field of 1/256 cell that grows with what is seen. Cells hold the
+// distance to the nearest obstacle that scans agree on, the cap where nothing is known. Its two outermost rows and
+// columns always hold the cap. Cell (0, 0) has fixed map coordinates: growing moves the origin by whole cells.
 #pragma once
 
 #include <cstdint>

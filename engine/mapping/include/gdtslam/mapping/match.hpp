@@ -11,11 +11,11 @@ namespace gdtslam {
 /// Why a match is in doubt.
 enum class Doubt : std::uint8_t {
   kNone,
-  kFewPoints,    ///< too few returns to match
-  kLowOverlap,   ///< too few points near known obstacles
-  kHighCost,     ///< the matched points lie too far from the map's obstacles
+  kFewPoints,          ///< too few returns to match
+  kLowOverlap,         ///< too few points near known obstacles
+  kHighCost,           ///< the matched points lie too far from the map's obstacles
   kFarFromPrediction,  ///< further from the prediction than odometry can be wrong
-  kAmbiguous,    ///< another pose in the window is as good
+  kAmbiguous,          ///< another pose in the window is as good
 };
 std::string_view name_of(Doubt doubt);
 
@@ -25,11 +25,11 @@ std::string_view name_of(StopReason reason);
 
 struct MatchResult {
   double stamp_s = 0.0;
-  Pose2 T_map_base;       ///< the estimate; the prediction where the match was refused
-  Pose2 T_map_predicted;  ///< odometry on top of the last estimate
-  double mean_cost_m = 0.0;  ///< mean capped distance of the valid points to the map's obstacles, at the estimate
-  double overlap = 0.0;      ///< share of the valid points within the final gate, at the estimate
-  std::uint32_t points = 0;  ///< valid returns
+  Pose2 T_map_base;               ///< the estimate; the prediction where the match was refused
+  Pose2 T_map_predicted;          ///< odometry on top of the last estimate
+  double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
+  double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
+  std::uint32_t points = 0;       ///< valid returns
   std::uint32_t evaluations = 0;  ///< poses that were costed
   StopReason stop = StopReason::kNotRun;
   Doubt doubt = Doubt::kNone;

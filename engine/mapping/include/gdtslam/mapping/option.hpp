@@ -1,5 +1,5 @@
-// Options declared once. A table of these rows feeds the reader of configuration files, the defaults, `gdtslam config show`,
-// the reference page and the hints for misspelt names.
+// Options declared once. A table of these rows feeds the reader of configuration files, the defaults, `gdtslam config
+// show`, the reference page and the hints for misspelt names.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,9 @@ class Choice {
  public:
   template <class E>
   Choice(E& value, std::span<const std::string_view> names)
-      : value_(&value), names_(names), get_([](const void* p) { return static_cast<std::size_t>(*static_cast<const E*>(p)); }),
+      : value_(&value),
+        names_(names),
+        get_([](const void* p) { return static_cast<std::size_t>(*static_cast<const E*>(p)); }),
         set_([](void* p, std::size_t i) { *static_cast<E*>(p) = static_cast<E>(i); }) {}
 
   [[nodiscard]] std::span<const std::string_view> names() const { return names_; }
@@ -43,7 +45,8 @@ struct Option {
   std::variant<double*, std::int32_t*, bool*, Choice> value;
 };
 
-/// What is wrong with the values of a table: one text per violation, with path, value and bound; empty when all is well.
+/// What is wrong with the values of a table: one text per violation, with path, value and bound; empty when all is
+/// well.
 std::vector<std::string> violations(std::span<const Option> options);
 
 }  // namespace gdtslam

@@ -1,0 +1,37 @@
+// All poses of a window at once, then a simplex from each of the best local minima: the global solution up to the
+// grid's spacing.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gdtslam/mapping/objective.hpp"
+#include "gdtslam/mapping/simplex.hpp"
+
+namespace gdtslam {
+
+/// A box of poses around a centre, sampled at a spacing; both ends included.
+struct SearchWindow {
+  CellPose centre;
+  float half_xy_cells = 0.0F;
+  float half_theta_rad = 0.0F;
+  float step_cells = 1.0F;
+  float step_rad = 0.01F;
+
+  [[nodiscard]] std::uint32_t count_xy() const;  ///< samples along x (and along y)
+  [[nodiscard]] std::uint32_t count_theta() const;
+};
+
+struct ExhaustiveResult {
+  CellPose pose;
+  std::uint32_t cost = 0;
+  std::uint32_t runner_up_cost = 0;  ///< best polished cost of a pose clearly elsewhere; 2^32-1 when there is none
+  std::uint32_t evaluations = 0;
+  bool at_edge = false;  ///< the best sample lies on the edge of the window
+};
+
+/// Costs every sample, keeps the `starts` best local minima of the grid, polishes each.
+ExhaustiveResult search_window(Objective& objective, const SearchWindow& window, std::uint32_t starts,
+                               const SimplexOptions& polish);
+
+}  // namespace gdtslam

@@ -1,0 +1,77 @@
+// The cost of candidate poses of one scan in the map, paper equation (4), plus a prior around a predicted pose: the one
+// thing that every matcher minimises. Poses are in cells and radians relative to the anchor cell. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+
+namespace gdtslam {
+
+/// A pose in cells and radians relative to the anchor cell's lower left corner.
+struct CellPose {
+  float x = 0.0F;
+  float y = 0.0F;
+  float theta = 0.0F;
+};
+
+/// Quadratic cost around a mean: weight * ((dx^2 + dy^2) / sigma_xy^2 + dtheta^2 / sigma_theta^2), in cost units.
+struct PosePrior {
+  CellPose mean;
+  float weight_xy = 0.0F;     ///< weight / sigma_xy^2, cost units per squared cell
+  float weight_theta = 0.0F;  ///< weight / sigma_theta^2, cost units per squared radian
+};
+
+class Objective {
+ public:
+  Objective(Backend& backend, const GlobalField& map, Interpolation interpolation, CostForm form);
+
+  /// Where poses are relative to, in map cells.
+  void set_anchor(CellIndex map_cell) { anchor_ = map_cell; }
+  /// The points that count; they must live as long as they are used.
+  void set_points(std::span<const PointCells> points) { points_ = points; }
+  /// Field values above this count as this, 1/256 cell.
+  void set_cap(std::uint32_t cap) { cap_ = cap; }
+  void set_prior(const PosePrior& prior) { prior_ = prior; }
+
+  /// Costs of a batch of poses, prior included; one dispatch on the backend when the batch is large.
+  void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
+  std::uint32_t evaluate(const CellPose& pose);
+
+  /// The cost of a pose without the prior, in units of 1/256 cell (or squared as the form says), summed over the
+  /// points.
+  [[nodiscard]] std::uint32_t data_cost(const CellPose& pose) const;
+  /// Field value under each point, nearest cell.
+  void residuals(const CellPose& pose, std::span<const PointCells> points, std::vector<std::uint16_t>& values) const;
+
+  [[nodiscard]] CellPose to_cells(const Pose2& T_map_base) const;
+  [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
+  [[nodiscard]] CellIndex anchor() const { return anchor_; }
+  [[nodiscard]] std::span<const PointCells> points() const { return points_; }
+  [[nodiscard]] std::uint64_t evaluations() const { return evaluations_; }
+
+ private:
+  [[nodiscard]] PoseCost::Params params(Interpolation interpolation, std::size_t points) const;
+  [[nodiscard]] std::uint32_t prior_cost(const CellPose& pose) const;
+
+  Backend* backend_;
+  const GlobalField* map_;
+  Interpolation interpolation_;
+  CostForm form_;
+  CellIndex anchor_{};
+  std::span<const PointCells> points_;
+  std::uint32_t cap_ = 0;
+  PosePrior prior_;
+  std::vector<PoseCandidate> candidates_;
+  Buffer point_buffer_;
+  Buffer candidate_buffer_;
+  Buffer cost_buffer_;
+  std::uint64_t evaluations_ = 0;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,30 @@
+// The valid returns of a scan as points. Frame: the robot (base_link), metres, so that a pose of the robot maps them
+// into the map, paper equation (6). Thread-safe; linear in the beams.
+#pragma once
+
+#include <vector>
+
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+/// Which ranges are returns.
+struct ValidRange {
+  double min_m = 0.0;
+  double max_m = 0.0;  ///< excluded; the scan's own limit counts too where the log states one
+};
+
+/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return.
+std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid);
+
+/// The same points in cells.
+std::vector<PointCells> in_cells(const std::vector<Point2>& points_m, double resolution_m);
+
+/// Paper equation (7): the cells that the points of a scan at this pose fall into, grown by `margin` cells on every
+/// side, in map cells. Empty when there is no point. Coordinates beyond +-2^28 cells are clamped.
+CellBox window_of(const std::vector<Point2>& points_m, const Pose2& T_map_base, double resolution_m,
+                  std::int32_t margin);
+
+}  // namespace gdtslam

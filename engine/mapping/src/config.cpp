@@ -1,0 +1,110 @@
+#include "gdtslam/mapping/config.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace gdtslam {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::array kMergeRules{"working"sv, "literal"sv};
+constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv};
+constexpr std::array kCostForms{"distance"sv, "squared"sv};
+constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
+constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
+
+void add_map_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"map.resolution", "edge of a cell", Unit::kMetre, 0.005, 1.0, &c.map.resolution_m});
+  table.push_back({"map.truncation", "distances are kept up to this radius R, at most 255 cells", Unit::kMetre, 0.01,
+                   255.0, &c.map.truncation_m});
+  table.push_back({"map.max_megacells", "the map may take this many times 2^20 cells", Unit::kNone, 1, 16384,
+                   &c.map.max_megacells});
+  table.push_back({"scan.min_range", "shorter ranges are no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m});
+  table.push_back({"scan.max_range", "ranges at or above are no return; the log's own limit counts too", Unit::kMetre,
+                   0.1, 1000.0, &c.scan.max_range_m});
+  table.push_back(
+      {"scan.min_points", "a scan with fewer returns is not matched", Unit::kNone, 3, 100000, &c.scan.min_points});
+  table.push_back({"merge.rule", "equations (9) to (11): working, or literal as printed", Unit::kNone, 0, 0,
+                   Choice(c.merge.rule, kMergeRules)});
+  table.push_back({"merge.threshold", "Threshold of (9): cells that agree within it are averaged", Unit::kMetre, 0.0,
+                   10.0, &c.merge.threshold_m});
+  table.push_back({"merge.kappa", "share of the threshold that a new obstacle is entered with, (11)", Unit::kShare, 0.0,
+                   1.0, &c.merge.kappa});
+  table.push_back({"keyframe.distance", "a scan is merged when the robot moved this far", Unit::kMetre, 0.0, 100.0,
+                   &c.keyframe.distance_m});
+  table.push_back({"keyframe.angle", "or turned this far", Unit::kRadian, 0.0, 3.2, &c.keyframe.angle_rad});
+  table.push_back({"keyframe.every_scan", "merge every scan", Unit::kNone, 0, 1, &c.keyframe.every_scan});
+}
+
+void add_match_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"match.matcher", "optimizer of (4)", Unit::kNone, 0, 0, Choice(c.match.matcher, kMatchers)});
+  table.push_back(
+      {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
+  table.push_back({"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
+                   Choice(c.match.interpolation, kInterpolations)});
+  table.push_back({"gate.wide", "first gate of (8): points farther from the map do not count", Unit::kMetre, 0.01, 10.0,
+                   &c.gate.wide_m});
+  table.push_back(
+      {"gate.final", "last gate, the paper's 20 m * sin 0.25 deg", Unit::kMetre, 0.01, 10.0, &c.gate.final_m});
+  table.push_back({"gate.narrowing", "factor from one gate to the next", Unit::kShare, 0.05, 0.95, &c.gate.narrowing});
+  table.push_back({"gate.min_share", "a gate never leaves a smaller share of the points", Unit::kShare, 0.0, 1.0,
+                   &c.gate.min_share});
+  table.push_back({"prior.weight", "mean cost in cells of one standard deviation from the prediction", Unit::kCell, 0.0,
+                   10.0, &c.prior.weight});
+  table.push_back({"prior.sigma", "standard deviation of the predicted position at rest", Unit::kMetre, 0.001, 100.0,
+                   &c.prior.sigma_m});
+  table.push_back({"prior.sigma_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_m});
+  table.push_back({"prior.sigma_angle", "standard deviation of the predicted heading at rest", Unit::kRadian, 0.0001,
+                   10.0, &c.prior.sigma_rad});
+  table.push_back(
+      {"prior.sigma_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_rad});
+}
+
+void add_search_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"search.when", "when a window is searched", Unit::kNone, 0, 0, Choice(c.search.when, kSearchTimes)});
+  table.push_back(
+      {"search.half_width", "half width of the window at rest", Unit::kMetre, 0.0, 100.0, &c.search.half_m});
+  table.push_back(
+      {"search.half_width_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.search.half_per_m});
+  table.push_back(
+      {"search.half_angle", "half angle of the window at rest", Unit::kRadian, 0.0, 3.15, &c.search.half_rad});
+  table.push_back(
+      {"search.half_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.search.half_per_rad});
+  table.push_back({"search.step", "spacing of the samples", Unit::kMetre, 0.005, 10.0, &c.search.step_m});
+  table.push_back({"search.step_angle", "spacing of the angles", Unit::kRadian, 0.0005, 3.15, &c.search.step_rad});
+  table.push_back({"search.starts", "best local minima that are polished", Unit::kNone, 1, 64, &c.search.starts});
+  table.push_back({"doubt.min_overlap", "a match with a smaller share of points within the final gate is refused",
+                   Unit::kShare, 0.0, 1.0, &c.doubt.min_overlap});
+  table.push_back(
+      {"doubt.max_mean", "a match with a larger mean cost is refused", Unit::kMetre, 0.0, 10.0, &c.doubt.max_mean_m});
+}
+
+}  // namespace
+
+std::uint32_t MapConfig::radius_cells() const {
+  return static_cast<std::uint32_t>(std::lround(truncation_m / resolution_m));
+}
+
+std::vector<Option> options_of(MapperConfig& config) {
+  std::vector<Option> table;
+  add_map_options(config, table);
+  add_match_options(config, table);
+  add_search_options(config, table);
+  return table;
+}
+
+std::vector<std::string> validate(const MapperConfig& config) {
+  MapperConfig copy = config;
+  std::vector<std::string> found = violations(options_of(copy));
+  if (found.empty() && (config.map.radius_cells() < 1 || config.map.radius_cells() > 255)) {
+    found.push_back("map.truncation is " + std::to_string(config.map.radius_cells()) +
+                    " cells of map.resolution; it must be 1 to 255 cells");
+  }
+  if (found.empty() && config.gate.final_m > config.gate.wide_m) {
+    found.emplace_back("gate.final must not be larger than gate.wide");
+  }
+  return found;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,35 @@
+#include "gdtslam/mapping/match.hpp"
+
+namespace gdtslam {
+
+std::string_view name_of(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::kNone:
+      return "none";
+    case Doubt::kFewPoints:
+      return "few-points";
+    case Doubt::kLowOverlap:
+      return "low-overlap";
+    case Doubt::kHighCost:
+      return "high-cost";
+    case Doubt::kFarFromPrediction:
+      return "far-from-prediction";
+    case Doubt::kAmbiguous:
+      return "ambiguous";
+  }
+  return "unknown";
+}
+
+std::string_view name_of(StopReason reason) {
+  switch (reason) {
+    case StopReason::kNotRun:
+      return "not-run";
+    case StopReason::kConverged:
+      return "converged";
+    case StopReason::kEvaluationLimit:
+      return "evaluation-limit";
+  }
+  return "unknown";
+}
+
+}  // namespace gdtslam

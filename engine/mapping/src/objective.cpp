@@ -1,0 +1,108 @@
+#include "gdtslam/mapping/objective.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "gdtslam/compute/host_kernels.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/elementary.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kSmallBatch = 64;  // below this a dispatch costs more than it gains
+
+}  // namespace
+
+Objective::Objective(Backend& backend, const GlobalField& map, Interpolation interpolation, CostForm form)
+    : backend_(&backend), map_(&map), interpolation_(interpolation), form_(form) {}
+
+PoseCost::Params Objective::params(Interpolation interpolation, std::size_t points) const {
+  const GridGeometry grid = map_->geometry();
+  const CellOffset anchor = anchor_ - map_->first_cell();
+  return {.width = static_cast<std::uint32_t>(grid.width),
+          .height = static_cast<std::uint32_t>(grid.height),
+          .stride = map_->stride(),
+          .anchor_x = anchor.dx,
+          .anchor_y = anchor.dy,
+          .point_count = static_cast<std::uint32_t>(points),
+          .cap = cap_,
+          .interpolation = interpolation,
+          .form = form_};
+}
+
+std::uint32_t Objective::prior_cost(const CellPose& pose) const {
+  const float dx = pose.x - prior_.mean.x;
+  const float dy = pose.y - prior_.mean.y;
+  const float dt = pose.theta - prior_.mean.theta;
+  const float cost = (dx * dx + dy * dy) * prior_.weight_xy + dt * dt * prior_.weight_theta;
+  return static_cast<std::uint32_t>(std::min(cost, 2.0e9F));
+}
+
+void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs) {
+  assert(poses.size() == costs.size());
+  evaluations_ += poses.size();
+  candidates_.clear();
+  for (const CellPose& pose : poses) candidates_.push_back({pose.x, pose.y, pose.theta, prior_cost(pose)});
+  const PoseCost::Params p = params(interpolation_, points_.size());
+  if (poses.size() <= kSmallBatch) {
+    pose_cost_host(backend_->host_isa(), p, map_->cells().data(), points_.data(), candidates_.data(),
+                   static_cast<std::uint32_t>(poses.size()), costs.data());
+    return;
+  }
+  const auto upload = [&](Buffer& buffer, std::span<const std::byte> bytes) {
+    if (buffer.bytes() < bytes.size()) buffer = backend_->allocate(bytes.size() + bytes.size() / 2);
+    backend_->upload(buffer, bytes);
+  };
+  upload(point_buffer_, std::as_bytes(points_));
+  upload(candidate_buffer_, std::as_bytes(std::span(candidates_)));
+  if (cost_buffer_.bytes() < costs.size_bytes()) cost_buffer_ = backend_->allocate(costs.size_bytes() * 3 / 2);
+  run<PoseCost>(*backend_, p, {static_cast<std::uint32_t>(poses.size()), 1, 1}, map_->buffer(), point_buffer_,
+                candidate_buffer_, cost_buffer_);
+  backend_->download(cost_buffer_, std::as_writable_bytes(costs));
+}
+
+std::uint32_t Objective::evaluate(const CellPose& pose) {
+  ++evaluations_;
+  const PoseCandidate candidate{pose.x, pose.y, pose.theta, prior_cost(pose)};
+  std::uint32_t cost = 0;
+  pose_cost_host(backend_->host_isa(), params(interpolation_, points_.size()), map_->cells().data(), points_.data(),
+                 &candidate, 1, &cost);
+  return cost;
+}
+
+std::uint32_t Objective::data_cost(const CellPose& pose) const {
+  const PoseCandidate candidate{pose.x, pose.y, pose.theta, 0};
+  std::uint32_t cost = 0;
+  pose_cost_host(backend_->host_isa(), params(interpolation_, points_.size()), map_->cells().data(), points_.data(),
+                 &candidate, 1, &cost);
+  return cost;
+}
+
+void Objective::residuals(const CellPose& pose, std::span<const PointCells> points,
+                          std::vector<std::uint16_t>& values) const {
+  values.resize(points.size());
+  const auto [sin, cos] = sin_cos(pose.theta);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float x = (cos * points[i].x - sin * points[i].y) + pose.x;
+    const float y = (sin * points[i].x + cos * points[i].y) + pose.y;
+    const CellOffset cell{static_cast<std::int32_t>(std::floor(x)), static_cast<std::int32_t>(std::floor(y))};
+    values[i] = map_->at(anchor_ + cell);
+  }
+}
+
+CellPose Objective::to_cells(const Pose2& T_map_base) const {
+  const double resolution_m = map_->geometry().resolution_m;
+  return {static_cast<float>(T_map_base.x_m / resolution_m - anchor_.x),
+          static_cast<float>(T_map_base.y_m / resolution_m - anchor_.y),
+          static_cast<float>(wrap_angle(T_map_base.theta_rad))};
+}
+
+Pose2 Objective::to_metres(const CellPose& pose) const {
+  const double resolution_m = map_->geometry().resolution_m;
+  return {(static_cast<double>(pose.x) + anchor_.x) * resolution_m,
+          (static_cast<double>(pose.y) + anchor_.y) * resolution_m, wrap_angle(static_cast<double>(pose.theta))};
+}
+
+}  // namespace gdtslam

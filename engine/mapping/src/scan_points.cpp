@@ -1,0 +1,58 @@
+#include "gdtslam/mapping/scan_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gdtslam/core/elementary.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kFurthestCell = 1 << 28;
+
+std::int32_t cell_floor(double cells) {
+  return static_cast<std::int32_t>(std::floor(std::clamp(cells, -kFurthestCell, kFurthestCell)));
+}
+
+}  // namespace
+
+std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid) {
+  const double limit = scan.max_range_m > 0.0 ? std::min(valid.max_m, scan.max_range_m) : valid.max_m;
+  std::vector<Point2> points;
+  points.reserve(scan.ranges_m.size());
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    const auto range = static_cast<double>(scan.ranges_m[beam]);
+    if (!(range >= valid.min_m && range < limit)) continue;  // false for NaN too
+    const auto direction = sin_cos(scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad);
+    points.push_back(scan.T_base_laser * Point2(range * direction.cos, range * direction.sin));
+  }
+  return points;
+}
+
+std::vector<PointCells> in_cells(const std::vector<Point2>& points_m, double resolution_m) {
+  std::vector<PointCells> cells;
+  cells.reserve(points_m.size());
+  for (const Point2& p : points_m) {
+    cells.push_back({static_cast<float>(p.x() / resolution_m), static_cast<float>(p.y() / resolution_m)});
+  }
+  return cells;
+}
+
+CellBox window_of(const std::vector<Point2>& points_m, const Pose2& T_map_base, double resolution_m,
+                  std::int32_t margin) {
+  if (points_m.empty()) return {};
+  const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
+  Point2 low = Point2::Constant(INFINITY);
+  Point2 high = Point2::Constant(-INFINITY);
+  for (const Point2& p : points_m) {
+    const Point2 q(cos * p.x() - sin * p.y() + T_map_base.x_m, sin * p.x() + cos * p.y() + T_map_base.y_m);
+    low = low.cwiseMin(q);
+    high = high.cwiseMax(q);
+  }
+  const CellOffset grow{margin, margin};
+  const CellIndex min{cell_floor(low.x() / resolution_m), cell_floor(low.y() / resolution_m)};
+  const CellIndex max{cell_floor(high.x() / resolution_m), cell_floor(high.y() / resolution_m)};
+  return {min - grow, max + grow + CellOffset{1, 1}};
+}
+
+}  // namespace gdtslam
