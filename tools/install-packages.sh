@@ -12,7 +12,7 @@ build_packages=(
 # To build and run the tests, the checks and the benchmark's peer.
 test_packages=(
   git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libopencv-imgproc-dev
-  clang libclang-rt-14-dev clang-tidy clang-format shellcheck
+  clang libclang-rt-14-dev clang-tidy clang-format shellcheck glslang-tools
   python3 python3-jsonschema python3-yaml
 )
 
