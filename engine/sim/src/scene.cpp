@@ -101,17 +101,19 @@ void require_valid(const Part& part, const char* kind, std::size_t index) {
   }
 }
 
+void check_count(const TriangleMesh& mesh) {
+  if (mesh.triangles.size() > kMaxTriangles) {
+    throw ConfigError("the scene has more than " + std::to_string(kMaxTriangles) + " triangles: simplify its meshes");
+  }
+}
+
 void check_finished(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) {
     throw ConfigError("the scene is empty: add at least one wall, box, cylinder or mesh");
   }
-  if (mesh.triangles.size() > kMaxTriangles) {
-    throw ConfigError("the scene has " + std::to_string(mesh.triangles.size()) + " triangles; at most " +
-                      std::to_string(kMaxTriangles) + " are allowed");
-  }
   for (const Vec3& v : mesh.vertices) {
     // Written so that a coordinate that is not a number fails too.
-    if (!(v.cwiseAbs().maxCoeff() <= kMaxCoordinate_m) || !v.allFinite()) {
+    if (!v.allFinite() || !(v.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
       throw ConfigError(
           "a part of the scene reaches further than 1000 m from the origin: move the scene to the origin");
     }
@@ -126,18 +128,22 @@ TriangleMesh triangulate(const Scene& scene) {
     require_valid(scene.walls[i], "wall", i);
     for (const Box& box : boxes_of(scene.walls[i])) {
       add_box(mesh, box);
+      check_count(mesh);
     }
   }
   for (std::size_t i = 0; i < scene.boxes.size(); ++i) {
     require_valid(scene.boxes[i], "box", i);
     add_box(mesh, scene.boxes[i]);
+    check_count(mesh);
   }
   for (std::size_t i = 0; i < scene.cylinders.size(); ++i) {
     require_valid(scene.cylinders[i], "cylinder", i);
     add_cylinder(mesh, scene.cylinders[i]);
+    check_count(mesh);
   }
   for (const TriangleMesh& part : scene.meshes) {
     add_mesh(mesh, part);
+    check_count(mesh);
   }
   add_slabs(mesh, scene);
   check_finished(mesh);

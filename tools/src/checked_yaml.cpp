@@ -1,0 +1,209 @@
+#include "checked_yaml.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "did_you_mean.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMaxYamlBytes = std::size_t{16} << 20;
+
+struct Close {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+std::uint64_t line_of(const YAML::Node& node) {
+  const YAML::Mark mark = node.Mark();
+  return mark.is_null() ? 0 : static_cast<std::uint64_t>(mark.line) + 1;
+}
+
+std::string_view without_suffix(std::string_view text, std::string_view suffix) {
+  if (!suffix.empty() && text.ends_with(suffix)) {
+    text.remove_suffix(suffix.size());
+  }
+  return text;
+}
+
+bool is_bare_number(std::string_view text) {
+  return text.find_first_not_of("+-.0123456789eE \t") == std::string_view::npos;
+}
+
+}  // namespace
+
+std::string read_whole_file(const std::string& file, std::size_t most_bytes) {
+  const std::unique_ptr<std::FILE, Close> stream(std::fopen(file.c_str(), "rb"));
+  if (!stream) {
+    throw FileError(file, std::string("cannot be opened: ") + std::strerror(errno));
+  }
+  std::string content;
+  std::vector<char> block(std::size_t{1} << 16);
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stream.get())) {
+    content.append(block.data(), got);
+    if (content.size() > most_bytes) {
+      throw FileError(file, "is longer than the " + std::to_string(most_bytes) + " bytes that are allowed");
+    }
+  }
+  if (std::ferror(stream.get()) != 0) {
+    throw FileError(file, std::string("cannot be read: ") + std::strerror(errno));
+  }
+  return content;
+}
+
+YAML::Node load_yaml(const std::string& file) {
+  const std::string content = read_whole_file(file, kMaxYamlBytes);
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(content);
+    if (documents.size() != 1) {
+      throw ConfigError({file, 0}, "holds " + std::to_string(documents.size()) + " YAML documents; one is expected");
+    }
+    return documents.front();
+  } catch (const YAML::Exception& error) {
+    const auto line = error.mark.is_null() ? 0 : static_cast<std::uint64_t>(error.mark.line) + 1;
+    throw ConfigError({file, line}, "is not valid YAML: " + error.msg);
+  }
+}
+
+YamlValue::YamlValue(YAML::Node node, std::string file, std::string name)
+    : node_(std::move(node)), file_(std::move(file)), name_(std::move(name)) {}
+
+void YamlValue::refuse(const std::string& fault) const {
+  throw ConfigError({file_, line_of(node_)}, name_.empty() ? fault : name_ + ": " + fault);
+}
+
+void YamlValue::require_none(const std::vector<std::string>& faults) const {
+  if (!faults.empty()) {
+    refuse(faults.front());
+  }
+}
+
+std::string YamlValue::scalar() const {
+  if (!node_.IsScalar()) {
+    refuse("a single value is expected here");
+  }
+  return node_.Scalar();
+}
+
+double YamlValue::number(const Quantity& quantity) const {
+  const std::string text = scalar();
+  std::string why;
+  const std::optional<double> value = parse_quantity(without_suffix(text, quantity.suffix), quantity.unit, &why);
+  if (!value) {
+    refuse("'" + text + "' is no value for this: " + why);
+  }
+  if (quantity.unit == Unit::kRadian && *value != 0.0 && is_bare_number(without_suffix(text, quantity.suffix))) {
+    refuse("an angle needs its unit: write '" + text + " deg' or '" + text + " rad'");
+  }
+  return *value;
+}
+
+std::size_t YamlValue::count() const {
+  constexpr double kMost = 1e9;
+  const double value = number({});
+  if (!(value >= 0.0 && value <= kMost) || value != static_cast<double>(static_cast<std::size_t>(value))) {
+    refuse("'" + scalar() + "' is not a whole number from 0 to 1000000000");
+  }
+  return static_cast<std::size_t>(value);
+}
+
+bool YamlValue::flag() const {
+  const std::string text = scalar();
+  if (text != "true" && text != "false") {
+    refuse("'" + text + "' is neither true nor false");
+  }
+  return text == "true";
+}
+
+std::string YamlValue::text() const { return scalar(); }
+
+Point2 YamlValue::point() const {
+  if (!node_.IsSequence() || node_.size() != 2) {
+    refuse("a point [x, y] is expected here");
+  }
+  const Quantity length{Unit::kMetre};
+  return {YamlValue(node_[0], file_, name_).number(length), YamlValue(node_[1], file_, name_).number(length)};
+}
+
+std::vector<YamlValue> YamlValue::entries() const {
+  if (!node_.IsSequence()) {
+    refuse("a list is expected here");
+  }
+  if (node_.size() > kMaxYamlEntries) {
+    refuse("a list of more than " + std::to_string(kMaxYamlEntries) + " entries is not accepted");
+  }
+  std::vector<YamlValue> values;
+  for (const YAML::Node& entry : node_) {
+    values.emplace_back(entry, file_, name_ + "[" + std::to_string(values.size()) + "]");
+  }
+  return values;
+}
+
+YamlMapping::YamlMapping(const YamlValue& value) : value_(value) {
+  if (!value.is_mapping()) {
+    value.refuse("keys with values are expected here");
+  }
+  std::set<std::string> seen;
+  for (const auto& entry : value.node()) {
+    const YamlValue key(entry.first, value.file(), value.name());
+    if (!seen.insert(key.text()).second) {
+      key.refuse("the key '" + key.text() + "' stands twice");
+    }
+  }
+}
+
+std::optional<YamlValue> YamlMapping::find(const std::string& key) {
+  asked_.push_back(key);
+  const YAML::Node node = value_.node()[key];
+  if (!node.IsDefined()) {
+    return std::nullopt;
+  }
+  return YamlValue(node, value_.file(), value_.name().empty() ? key : value_.name() + "." + key);
+}
+
+YamlValue YamlMapping::require(const std::string& key) {
+  const std::optional<YamlValue> value = find(key);
+  if (!value) {
+    value_.refuse("the key '" + key + "' is missing");
+  }
+  return *value;
+}
+
+void YamlMapping::read(const std::string& key, const Quantity& quantity, double& value) {
+  if (const std::optional<YamlValue> given = find(key)) {
+    value = given->number(quantity);
+  }
+}
+
+void YamlMapping::read(const std::string& key, bool& value) {
+  if (const std::optional<YamlValue> given = find(key)) {
+    value = given->flag();
+  }
+}
+
+void YamlMapping::read(const std::string& key, std::string& value) {
+  if (const std::optional<YamlValue> given = find(key)) {
+    value = given->text();
+  }
+}
+
+std::vector<YamlValue> YamlMapping::list(const std::string& key) {
+  const std::optional<YamlValue> given = find(key);
+  return given ? given->entries() : std::vector<YamlValue>();
+}
+
+void YamlMapping::finish() const {
+  for (const auto& entry : value_.node()) {
+    const YamlValue key(entry.first, value_.file(), value_.name());
+    if (std::find(asked_.begin(), asked_.end(), key.text()) == asked_.end()) {
+      key.refuse("unknown key '" + key.text() + "'" + did_you_mean(key.text(), asked_));
+    }
+  }
+}
+
+}  // namespace gdtslam

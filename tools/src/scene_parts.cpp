@@ -1,0 +1,204 @@
+#include "scene_parts.hpp"
+
+#include <filesystem>
+#include <span>
+
+#include "gdtslam/sim/mesh_import.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr Quantity kLength{Unit::kMetre};
+constexpr Quantity kAngle{Unit::kRadian};
+constexpr Quantity kNumber{Unit::kNone};
+
+constexpr std::size_t kMaxParts = 200'000;
+constexpr std::size_t kMaxMeshBytes = std::size_t{512} << 20;
+
+/// `repeat: {count: 5, step: [2, 0]}` sets copies of a part, each a step further.
+std::vector<Point2> read_offsets(YamlMapping& part) {
+  const std::optional<YamlValue> repeat = part.find("repeat");
+  if (!repeat) {
+    return {Point2(0.0, 0.0)};
+  }
+  YamlMapping mapping(*repeat);
+  const YamlValue count = mapping.require("count");
+  const Point2 step_m = mapping.require("step").point();
+  mapping.finish();
+  if (count.count() < 1 || count.count() > kMaxParts) {
+    count.refuse("must be 1 to " + std::to_string(kMaxParts));
+  }
+  std::vector<Point2> offsets_m;
+  for (std::size_t i = 0; i < count.count(); ++i) {
+    offsets_m.emplace_back(static_cast<double>(i) * step_m);
+  }
+  return offsets_m;
+}
+
+template <class Part>
+void add_copies(const YamlValue& value, const Part& part, const std::vector<Point2>& offsets_m,
+                std::vector<Part>& parts) {
+  for (const Point2& offset_m : offsets_m) {
+    if (parts.size() >= kMaxParts) {
+      value.refuse("the scene has more than " + std::to_string(kMaxParts) + " parts of this kind");
+    }
+    Part copy = part;
+    copy.centre_m += offset_m;
+    value.require_none(validate(copy));
+    parts.push_back(copy);
+  }
+}
+
+void read_box(const YamlValue& value, std::vector<sim::Box>& boxes) {
+  YamlMapping mapping(value);
+  sim::Box box;
+  box.centre_m = mapping.require("centre").point();
+  box.size_m = mapping.require("size").point();
+  box.height_m = mapping.require("height").number(kLength);
+  mapping.read("base", kLength, box.base_m);
+  mapping.read("yaw", kAngle, box.yaw_rad);
+  const std::vector<Point2> offsets_m = read_offsets(mapping);
+  mapping.finish();
+  add_copies(value, box, offsets_m, boxes);
+}
+
+void read_cylinder(const YamlValue& value, std::vector<sim::Cylinder>& cylinders) {
+  YamlMapping mapping(value);
+  sim::Cylinder cylinder;
+  cylinder.centre_m = mapping.require("centre").point();
+  cylinder.radius_m = mapping.require("radius").number(kLength);
+  cylinder.height_m = mapping.require("height").number(kLength);
+  mapping.read("base", kLength, cylinder.base_m);
+  if (const auto sides = mapping.find("sides")) {
+    cylinder.sides = static_cast<int>(sides->count());
+  }
+  const std::vector<Point2> offsets_m = read_offsets(mapping);
+  mapping.finish();
+  add_copies(value, cylinder, offsets_m, cylinders);
+}
+
+sim::DoorLeaf read_leaf(const YamlValue& value) {
+  YamlMapping mapping(value);
+  sim::DoorLeaf leaf;
+  leaf.angle_rad = mapping.require("angle").number(kAngle);
+  mapping.read("thickness", kLength, leaf.thickness_m);
+  if (const auto hinge = mapping.find("hinge")) {
+    if (hinge->text() != "near" && hinge->text() != "far") {
+      hinge->refuse("'" + hinge->text() + "' is neither near nor far");
+    }
+    leaf.hinge_at_far = hinge->text() == "far";
+  }
+  mapping.finish();
+  return leaf;
+}
+
+sim::Door read_door(const YamlValue& value) {
+  YamlMapping mapping(value);
+  sim::Door door;
+  if (const auto leg = mapping.find("leg")) {
+    door.leg = leg->count();
+  }
+  door.from_m = mapping.require("from").number(kLength);
+  mapping.read("width", kLength, door.width_m);
+  mapping.read("height", kLength, door.height_m);
+  if (const auto leaf = mapping.find("leaf")) {
+    door.leaf = read_leaf(*leaf);
+  }
+  mapping.finish();
+  return door;
+}
+
+sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults) {
+  YamlMapping mapping(value);
+  sim::Wall wall = defaults;
+  for (const YamlValue& point : mapping.require("points").entries()) {
+    wall.points_m.push_back(point.point());
+  }
+  mapping.read("closed", wall.is_closed);
+  mapping.read("thickness", kLength, wall.thickness_m);
+  mapping.read("base", kLength, wall.base_m);
+  mapping.read("height", kLength, wall.height_m);
+  for (const YamlValue& door : mapping.list("doors")) {
+    wall.doors.push_back(read_door(door));
+  }
+  mapping.finish();
+  value.require_none(validate(wall));
+  return wall;
+}
+
+double metres_per_unit(const YamlValue& unit) {
+  const std::optional<double> metres = parse_quantity("1 " + unit.text(), Unit::kMetre, nullptr);
+  if (!metres) {
+    unit.refuse("'" + unit.text() + "' is no unit of length: use m, cm or mm");
+  }
+  return *metres;
+}
+
+sim::TriangleMesh read_mesh(const YamlValue& value) {
+  YamlMapping mapping(value);
+  const YamlValue file = mapping.require("file");
+  sim::MeshPlacement placement;
+  mapping.read("scale", kNumber, placement.scale);
+  if (const auto unit = mapping.find("unit")) {
+    placement.scale *= metres_per_unit(*unit);
+  }
+  if (const auto position = mapping.find("position")) {
+    const std::vector<YamlValue> coordinates = position->entries();
+    if (coordinates.size() != 3) {
+      position->refuse("a place [x, y, z] is expected here");
+    }
+    placement.position_m = {coordinates[0].number(kLength), coordinates[1].number(kLength),
+                            coordinates[2].number(kLength)};
+  }
+  mapping.read("yaw", kAngle, placement.yaw_rad);
+  if (const auto up = mapping.find("up")) {
+    if (up->text() != "y" && up->text() != "z") {
+      up->refuse("'" + up->text() + "' is neither y nor z");
+    }
+    placement.y_is_up = up->text() == "y";
+  }
+  mapping.finish();
+  const std::filesystem::path path = std::filesystem::path(value.file()).parent_path() / file.text();
+  const std::string content = read_whole_file(path.string(), kMaxMeshBytes);
+  return sim::import_mesh(std::as_bytes(std::span(content)), path.string(), placement);
+}
+
+sim::Wall read_wall_defaults(YamlMapping& root) {
+  sim::Wall defaults;
+  if (const auto value = root.find("wall_defaults")) {
+    YamlMapping mapping(*value);
+    mapping.read("thickness", kLength, defaults.thickness_m);
+    mapping.read("base", kLength, defaults.base_m);
+    mapping.read("height", kLength, defaults.height_m);
+    mapping.finish();
+  }
+  return defaults;
+}
+
+}  // namespace
+
+sim::Scene read_scene_parts(YamlMapping& root) {
+  sim::Scene scene;
+  const sim::Wall wall_defaults = read_wall_defaults(root);
+  for (const YamlValue& wall : root.list("walls")) {
+    scene.walls.push_back(read_wall(wall, wall_defaults));
+  }
+  for (const YamlValue& box : root.list("boxes")) {
+    read_box(box, scene.boxes);
+  }
+  for (const YamlValue& cylinder : root.list("cylinders")) {
+    read_cylinder(cylinder, scene.cylinders);
+  }
+  for (const YamlValue& mesh : root.list("meshes")) {
+    scene.meshes.push_back(read_mesh(mesh));
+  }
+  if (const auto floor = root.find("floor")) {
+    scene.floor_m = floor->number(kLength);
+  }
+  if (const auto ceiling = root.find("ceiling")) {
+    scene.ceiling_m = ceiling->number(kLength);
+  }
+  return scene;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,51 @@
+// Simulates a log from a scene file and writes it with its truth. Files are written whole or not at all. The same
+// options give the same bytes on every host. Used by the command `simulate`. Cost: a ray cast per beam, about a
+// microsecond each; memory is the log's text.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gdtslam {
+
+struct SimulateOptions {
+  std::string scene;  ///< a file, or the name of a scene in one of the folders
+  std::vector<std::string> scene_folders;
+  std::string output;  ///< .gz compresses
+  std::uint64_t seed = 1;
+  std::optional<std::string> laser{};       ///< a preset instead of the scene's laser; mount and height stay
+  std::optional<double> scan_rate_hz{};     ///< instead of the scene's
+  std::optional<std::string> trajectory{};  ///< a file of waypoints instead of the scene's
+  std::string embree_isa{};                 ///< forces Embree's instruction set, to test that it changes nothing
+  std::function<void(std::uint64_t scans, double share)> progress{};
+  std::function<bool()> stop{};  ///< true ends the run; what was done is written
+};
+
+struct SimulateResult {
+  std::string scene_file;
+  std::string log_file;
+  std::string truth_file;  ///< <log>.truth.tum, without .gz
+  std::size_t scans = 0;
+  std::size_t odometry_lines = 0;
+  std::size_t beams = 0;
+  std::size_t returns = 0;
+  std::size_t triangles = 0;
+  std::uint64_t log_bytes = 0;  ///< as text, before compression
+  double duration_s = 0.0;      ///< of the drive
+  double path_m = 0.0;
+  double clearance_m = 0.0;  ///< nearest that the robot's centre comes to an obstacle, at most 2 m
+  double wall_s = 0.0;
+  bool interrupted = false;
+};
+
+/// Throws ConfigError for a scene, FileError for a file, UsageError for an option that makes no sense.
+SimulateResult simulate(const SimulateOptions& options);
+
+/// Where the named scenes are: beside an installed command, else in the source tree it was built from.
+std::vector<std::string> default_scene_folders();
+
+}  // namespace gdtslam
