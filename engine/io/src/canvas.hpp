@@ -1,0 +1,44 @@
+// Anti-aliased drawing into an RGB image: pixel (x, y) covers the square [x, x+1) x [y, y+1), y down. A layer collects
+// coverage by maximum, so that the joints of a line do not show, and is then blended once.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gdtslam/io/overview.hpp"
+
+namespace gdtslam {
+
+struct Colour {
+  std::uint8_t r = 0;
+  std::uint8_t g = 0;
+  std::uint8_t b = 0;
+};
+/// Between two colours, share 0 to 1 of the second.
+Colour mix(Colour a, Colour b, double share);
+
+struct Pixel2 {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+class Layer {
+ public:
+  Layer(std::uint32_t width, std::uint32_t height);
+  /// A line with round ends; a == b gives a disc.
+  void stroke(Pixel2 a, Pixel2 b, double radius, Colour colour);
+  void disc(Pixel2 centre, double radius, Colour colour) { stroke(centre, centre, radius, colour); }
+  /// Axis-parallel, between two opposite corners.
+  void rectangle(Pixel2 min, Pixel2 max, Colour colour);
+  /// Lays the layer over the image.
+  void blend_onto(RgbImage& image, double opacity = 1.0) const;
+
+ private:
+  void cover(std::size_t pixel, double coverage, Colour colour);
+  std::uint32_t width_;
+  std::uint32_t height_;
+  std::vector<std::uint8_t> coverage_;
+  std::vector<Colour> colours_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,136 @@
+#include "overview_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gdtslam {
+namespace {
+
+constexpr Colour kFree{255, 255, 255};
+constexpr Colour kUnknown{214, 220, 227};
+constexpr Colour kOccupied{23, 32, 42};
+constexpr double kMarginShare = 0.02;
+
+void include(MapArea& area, bool& is_empty, const MapArea& other) {
+  if (is_empty) {
+    area = other;
+    is_empty = false;
+    return;
+  }
+  area.min_x_m = std::min(area.min_x_m, other.min_x_m);
+  area.min_y_m = std::min(area.min_y_m, other.min_y_m);
+  area.max_x_m = std::max(area.max_x_m, other.max_x_m);
+  area.max_y_m = std::max(area.max_y_m, other.max_y_m);
+}
+
+/// The cells that are known, as a box; empty when none is.
+CellBox known_box(const OccupancyMap& map) {
+  const GridGeometry& geometry = map.geometry;
+  CellBox box{{geometry.width, geometry.height}, {0, 0}};
+  for (std::int32_t y = 0; y < geometry.height; ++y) {
+    for (std::int32_t x = 0; x < geometry.width; ++x) {
+      if (map.at({x, y}) != CellState::kUnknown) {
+        box.min = {std::min(box.min.x, x), std::min(box.min.y, y)};
+        box.end = {std::max(box.end.x, x + 1), std::max(box.end.y, y + 1)};
+      }
+    }
+  }
+  return box;
+}
+
+MapArea area_of(const GridGeometry& geometry, const CellBox& box) {
+  const double cell_m = geometry.resolution_m;
+  return {geometry.origin_x_m + cell_m * box.min.x, geometry.origin_y_m + cell_m * box.min.y,
+          geometry.origin_x_m + cell_m * box.end.x, geometry.origin_y_m + cell_m * box.end.y};
+}
+
+/// How much of each kind lies under a pixel, shares of its area.
+struct Content {
+  double free = 0.0;
+  double occupied = 0.0;
+};
+
+/// A pixel's extent in cells.
+struct CellSpan {
+  double begin;
+  double end;
+  [[nodiscard]] std::int32_t first(std::int32_t size) const { return clamped(std::floor(begin), size); }
+  [[nodiscard]] std::int32_t last(std::int32_t size) const { return clamped(std::ceil(end), size); }
+  [[nodiscard]] double share_of(std::int32_t cell) const {
+    const double low = static_cast<double>(cell);
+    return std::max(0.0, std::min(low + 1.0, end) - std::max(low, begin)) / (end - begin);
+  }
+  static std::int32_t clamped(double value, std::int32_t size) {
+    return static_cast<std::int32_t>(std::clamp(value, 0.0, static_cast<double>(size)));
+  }
+};
+
+Content content_of(const OccupancyMap& map, const CellSpan& columns, const CellSpan& rows) {
+  const GridGeometry& geometry = map.geometry;
+  Content content;
+  for (std::int32_t y = rows.first(geometry.height); y < rows.last(geometry.height); ++y) {
+    for (std::int32_t x = columns.first(geometry.width); x < columns.last(geometry.width); ++x) {
+      const double share = columns.share_of(x) * rows.share_of(y);
+      const CellState state = map.at({x, y});
+      content.free += state == CellState::kFree ? share : 0.0;
+      content.occupied += state == CellState::kOccupied ? share : 0.0;
+    }
+  }
+  return content;
+}
+
+Colour colour_of(const Content& content, double cells_per_pixel) {
+  const double rest = std::max(0.0, 1.0 - content.occupied);
+  const double known = rest > 0.0 ? std::min(1.0, content.free / rest) : 0.0;
+  const double weight = std::max(1.0, cells_per_pixel);
+  return mix(mix(kUnknown, kFree, known), kOccupied, std::min(1.0, weight * content.occupied));
+}
+
+}  // namespace
+
+MapArea shown_area(const OverviewInput& input) {
+  const GridGeometry& geometry = input.map.geometry;
+  MapArea area;
+  bool is_empty = true;
+  const CellBox box = known_box(input.map);
+  if (!box.empty()) {
+    include(area, is_empty, area_of(geometry, box));
+  }
+  const MapArea grid = area_of(geometry, {{0, 0}, {geometry.width, geometry.height}});
+  for (const StampedPose& pose : input.trajectory) {
+    const Pose2& T = pose.T_map_base;
+    const bool is_inside =
+        T.x_m >= grid.min_x_m && T.x_m <= grid.max_x_m && T.y_m >= grid.min_y_m && T.y_m <= grid.max_y_m;
+    if (is_inside || (is_empty && T.is_finite())) {
+      include(area, is_empty, {T.x_m, T.y_m, T.x_m, T.y_m});
+    }
+  }
+  const double margin_m =
+      std::max(0.5, kMarginShare * std::max(area.max_x_m - area.min_x_m, area.max_y_m - area.min_y_m));
+  return {area.min_x_m - margin_m, area.min_y_m - margin_m, area.max_x_m + margin_m, area.max_y_m + margin_m};
+}
+
+void draw_map(RgbImage& image, const OverviewFrame& frame, const OccupancyMap& map) {
+  const GridGeometry& geometry = map.geometry;
+  const double cells_per_pixel = frame.m_per_pixel / geometry.resolution_m;
+  const double first_column = (frame.x_m - geometry.origin_x_m) / geometry.resolution_m;
+  const double top_row = (frame.y_m - geometry.origin_y_m) / geometry.resolution_m;
+  const auto left = static_cast<std::uint32_t>(frame.left_px);
+  const auto top = static_cast<std::uint32_t>(frame.top_px);
+  const auto width = static_cast<std::uint32_t>(frame.width_px);
+  const auto height = static_cast<std::uint32_t>(frame.height_px);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    const double row_end = top_row - cells_per_pixel * static_cast<double>(y);
+    const CellSpan rows{row_end - cells_per_pixel, row_end};
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const double column = first_column + cells_per_pixel * static_cast<double>(x);
+      const Colour colour = colour_of(content_of(map, {column, column + cells_per_pixel}, rows), cells_per_pixel);
+      std::uint8_t* const p = image.pixels.data() + 3 * (std::size_t{top + y} * image.width + left + x);
+      p[0] = colour.r;
+      p[1] = colour.g;
+      p[2] = colour.b;
+    }
+  }
+}
+
+}  // namespace gdtslam
