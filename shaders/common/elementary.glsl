@@ -17,11 +17,12 @@ SinCosF32 sin_cos_f32(float angle_rad) {
   int quadrant = floatBitsToInt(shifted);
   precise float turns = shifted - 12582912.0f;
 
-  // angle - turns * pi/2 in three parts; the first two products are exact, `tail` is what the second step rounded off.
+  // angle - turns * pi/2 = r - excess in three parts; the first two products are exact, and `excess` begins with what the
+  // second difference rounds off. It is subtracted, for -0 - (+0) keeps the sign of an angle of -0.
   precise float first = angle_rad - turns * 1.57077026f;
   precise float second_part = turns * 2.60630623e-05f;
   precise float r = first - second_part;
-  precise float tail = ((first - r) - second_part) - turns * 6.07710063e-11f;
+  precise float excess = (second_part - (first - r)) + turns * 6.07710063e-11f;
 
   precise float t = r * r;
   precise float s_poly = (-0.000195186047f * t + 0.00833219104f) * t - 0.166666552f;
@@ -29,8 +30,8 @@ SinCosF32 sin_cos_f32(float angle_rad) {
   precise float half_t = 0.5f * t;
   precise float c_head = 1.0f - half_t;
   precise float c_lost = (1.0f - c_head) - half_t;
-  precise float s = r + ((r * t) * s_poly + tail);
-  precise float c = c_head + (c_lost + ((t * t) * c_poly - r * tail));
+  precise float s = r - (excess - (r * t) * s_poly);
+  precise float c = c_head + (c_lost + ((t * t) * c_poly + r * excess));
 
   // Odd quarter turns exchange the two, quarter turns 2 and 3 (for the cosine 1 and 2) change the sign; by bits, so that
   // nothing branches.

@@ -52,8 +52,8 @@ SinCos<double> sin_cos(double angle_rad) {
   const double t = r * r;
   const double half_t = 0.5 * t;
   const double c_head = 1.0 - half_t;
-  const double s = r + ((r * t) * horner(elementary::kSin, t) + angle.low * c_head);
-  const double c = c_head + (((1.0 - c_head) - half_t) + ((t * t) * horner(elementary::kCos, t) - r * angle.low));
+  const double s = r - (angle.excess * c_head - (r * t) * horner(elementary::kSin, t));
+  const double c = c_head + (((1.0 - c_head) - half_t) + ((t * t) * horner(elementary::kCos, t) + r * angle.excess));
   // Odd quarter turns exchange the two, quarter turns 2 and 3 (for the cosine 1 and 2) change the sign; by bits, so
   // that nothing branches.
   const auto s_bits = std::bit_cast<std::uint64_t>(s);
@@ -119,10 +119,10 @@ double atan2_upper(double y, double x) {
   }
   // Both are within 2^30 of each other here; scaled, so that no product overflows or loses bits.
   const double larger = y > width ? y : width;
-  const double up = larger < 0x1p-900 ? 0x1p600 : 1.0;
-  const double scale = power_of_two(-exponent_of(larger * up));
+  const double into_range = larger < 0x1p-500 ? 0x1p600 : (larger > 0x1p500 ? 0x1p-600 : 1.0);
+  const double scale = power_of_two(-exponent_of(larger * into_range));
   const double smaller = y > width ? width : y;
-  const HighLow angle = atan_of_ratio(smaller * up * scale, larger * up * scale);
+  const HighLow angle = atan_of_ratio(smaller * into_range * scale, larger * into_range * scale);
   const Octant& octant = kOctants[(x < 0.0 ? 2U : 0U) + (y > width ? 1U : 0U)];
   const HighLow sum = fast_two_sum(octant.base.high, octant.sign * angle.high);
   return sum.high + (sum.low + (octant.base.low + octant.sign * angle.low));

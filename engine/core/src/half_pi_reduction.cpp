@@ -20,22 +20,17 @@ ReducedAngle reduce_small(double angle_rad) {
   const auto quadrant = std::bit_cast<std::uint64_t>(shifted) & 3U;
   const double first = angle_rad - n * kHalfPiParts[0];
   const double second_part = n * kHalfPiParts[1];
-  double high = first - second_part;
-  double low = (first - high) - second_part;
-  if (std::fabs(high) > 0x1p-10) {
-    low -= n * kHalfPiParts[2];
-    return {high, low, quadrant};
+  const double high = first - second_part;
+  const double excess = second_part - (first - high);
+  if (std::fabs(high) > 0x1p-10 || n == 0.0) {
+    return {high, excess + n * kHalfPiParts[2], quadrant};
   }
   // Close to a multiple of pi/2 the third and the fourth piece count, too, and each difference keeps what it rounds
   // off.
-  const double third_part = n * kHalfPiParts[2];
-  const double sum = high - third_part;
-  const double part = sum - high;
-  low += (high - (sum - part)) - (third_part + part);
-  low -= n * kHalfPiParts[3];
-  high = sum + low;
-  low = (sum - high) + low;
-  return {high, low, quadrant};
+  const HighLow closer = two_sum(high, -n * kHalfPiParts[2]);
+  const double rest = (closer.low - excess) - n * kHalfPiParts[3];
+  const double sum = closer.high + rest;
+  return {sum, (sum - closer.high) - rest, quadrant};
 }
 
 // 64 x 64 bits to the upper and lower 64 of the product.
@@ -112,7 +107,7 @@ ReducedAngle angle_of_fraction(std::array<std::uint64_t, 3> fraction) {
   const HighLow product = two_product(f_high, kHalfPi.high);
   const double rest = product.low + (f_high * kHalfPi.low + f_low * kHalfPi.high);
   const double high = product.high + rest;
-  return {high, (product.high - high) + rest, 0};
+  return {high, (high - product.high) - rest, 0};
 }
 
 ReducedAngle reduce_large(double angle_rad) {
@@ -128,7 +123,7 @@ ReducedAngle reduce_large(double angle_rad) {
   ReducedAngle reduced = angle_of_fraction(turns.fraction);
   if (is_above_half != std::signbit(angle_rad)) {
     reduced.high = -reduced.high;
-    reduced.low = -reduced.low;
+    reduced.excess = -reduced.excess;
   }
   reduced.quadrant = (std::signbit(angle_rad) ? 0U - turns.whole : turns.whole) & 3U;
   return reduced;

@@ -1,5 +1,6 @@
 #include "gdtslam/core/units.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -82,10 +83,13 @@ NumberText cut_number(std::string_view text) {
   if (end < text.size() && (text[end] == 'e' || text[end] == 'E')) {
     const std::size_t digits = end + 1 < text.size() && text[end + 1] == '+' ? end + 2 : end + 1;
     const auto [next, error] = std::from_chars(text.data() + digits, text.data() + text.size(), number.exponent);
+    // An exponent so large that only zero stays in range; clamped, so that adding a unit's power cannot overflow.
+    constexpr int kLargest = 1000000000;
     if (error == std::errc::result_out_of_range) {
-      return {};
+      number.exponent = text[digits] == '-' ? -kLargest : kLargest;
     }
-    if (error == std::errc{}) {
+    number.exponent = std::clamp(number.exponent, -kLargest, kLargest);
+    if (error != std::errc::invalid_argument) {
       number.rest = text.substr(static_cast<std::size_t>(next - text.data()));
     }
   }

@@ -37,8 +37,8 @@ TEST(PoseNear, TakesTheShortWayRound) {
 
 TEST(PoseNear, RefusesWhatIsNotFinite) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT((Pose2{kNan, 0.0, 0.0}), Not(PoseNear({}, 1e9, 360.0)));
-  EXPECT_THAT((Pose2{0.0, 0.0, kNan}), Not(PoseNear({}, 1e9, 360.0)));
+  EXPECT_THAT((Pose2{kNan, 0.0, 0.0}), Not(PoseNear(Pose2{}, 1e9, 360.0)));
+  EXPECT_THAT((Pose2{0.0, 0.0, kNan}), Not(PoseNear(Pose2{}, 1e9, 360.0)));
 }
 
 TEST(PoseNear, SaysMetresAndDegrees) {

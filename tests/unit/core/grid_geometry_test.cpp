@@ -1,0 +1,82 @@
+#include "gdtslam/core/grid_geometry.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace gdtslam {
+namespace {
+
+constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
+
+// Quarter metres, so that every number here is exact.
+constexpr GridGeometry kGrid{.resolution_m = 0.25, .origin_x_m = -1.0, .origin_y_m = 2.0, .width = 8, .height = 4};
+
+TEST(GridGeometry, CellHoldsItsLowerEdgesOnly) {
+  EXPECT_EQ(kGrid.cell_of({-1.0, 2.0}), (CellIndex{0, 0}));
+  EXPECT_EQ(kGrid.cell_of({-0.75, 2.25}), (CellIndex{1, 1}));
+  EXPECT_EQ(kGrid.cell_of({-0.7501, 2.2499}), (CellIndex{0, 0}));
+}
+
+TEST(GridGeometry, RoundsDownBelowTheOrigin) {
+  EXPECT_EQ(kGrid.cell_of({-1.1, 1.9}), (CellIndex{-1, -1}));
+  EXPECT_EQ(kGrid.cell_of({-1.25, 1.75}), (CellIndex{-1, -1}));
+  EXPECT_EQ(kGrid.cell_of({-1.26, 1.74}), (CellIndex{-2, -2}));
+}
+
+TEST(GridGeometry, CentreIsHalfACellIn) {
+  EXPECT_EQ(kGrid.centre_of({0, 0}), Eigen::Vector2d(-0.875, 2.125));
+  EXPECT_EQ(kGrid.centre_of({7, 3}), Eigen::Vector2d(0.875, 2.875));
+  EXPECT_EQ(kGrid.centre_of({-1, -1}), Eigen::Vector2d(-1.125, 1.875));
+}
+
+TEST(GridGeometry, ClampsWhatNoIndexCanSay) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(kGrid.cell_of({1e300, -1e300}), (CellIndex{kHighest, kLowest}));
+  EXPECT_EQ(kGrid.cell_of({kInfinity, -kInfinity}), (CellIndex{kHighest, kLowest}));
+  EXPECT_EQ(kGrid.cell_of({kNan, kNan}), (CellIndex{kLowest, kLowest}));
+  EXPECT_FALSE(kGrid.contains(kGrid.cell_of({kNan, 2.5})));
+  EXPECT_FALSE(kGrid.contains(kGrid.cell_of({-0.5, kNan})));
+  // The limits themselves and their neighbours.
+  const GridGeometry unit{.resolution_m = 1.0};
+  EXPECT_EQ(unit.cell_of({2147483647.5, -2147483647.5}), (CellIndex{kHighest, kLowest}));
+  EXPECT_EQ(unit.cell_of({2147483646.5, -2147483646.5}), (CellIndex{kHighest - 1, kLowest + 1}));
+  EXPECT_EQ(unit.cell_of({2147483648.0, -2147483649.0}), (CellIndex{kHighest, kLowest}));
+}
+
+TEST(GridGeometry, ContainsItsCellsAndNoOthers) {
+  EXPECT_TRUE(kGrid.contains({0, 0}));
+  EXPECT_TRUE(kGrid.contains({7, 3}));
+  EXPECT_FALSE(kGrid.contains({8, 3}));
+  EXPECT_FALSE(kGrid.contains({7, 4}));
+  EXPECT_FALSE(kGrid.contains({-1, 0}));
+  EXPECT_FALSE(kGrid.contains({0, -1}));
+  EXPECT_EQ(kGrid.cell_count(), 32U);
+  EXPECT_EQ((GridGeometry{.width = 100000, .height = 100000}.cell_count()), 10000000000U);
+}
+
+TEST(GridGeometry, IndexAndOffsetAreAnAffineSpace) {
+  const CellIndex a{3, -4};
+  const CellOffset d{-1, 7};
+  EXPECT_EQ(a + d, (CellIndex{2, 3}));
+  EXPECT_EQ((a + d) - d, a);
+  EXPECT_EQ((a + d) - a, d);
+}
+
+TEST(CellBox, IsHalfOpen) {
+  const CellBox box{{1, 2}, {4, 4}};
+  EXPECT_EQ(box.width(), 3);
+  EXPECT_EQ(box.height(), 2);
+  EXPECT_FALSE(box.empty());
+  EXPECT_TRUE(box.contains({1, 2}));
+  EXPECT_TRUE(box.contains({3, 3}));
+  EXPECT_FALSE(box.contains({4, 3}));
+  EXPECT_FALSE(box.contains({3, 4}));
+  EXPECT_TRUE((CellBox{{1, 2}, {1, 5}}.empty()));
+  EXPECT_TRUE((CellBox{{1, 5}, {4, 2}}.empty()));
+}
+
+}  // namespace
+}  // namespace gdtslam
