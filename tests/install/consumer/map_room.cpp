@@ -11,8 +11,9 @@
 
 namespace {
 
-// Corners of the room in the map, whose origin is the first pose.
-constexpr double kLeft_m = -2.0, kRight_m = 5.5, kBottom_m = -1.7, kTop_m = 3.1;
+// Corners of the room in the map, whose origin is the first pose; none on the border between two cells, where a wall
+// without noise could fall to either side.
+constexpr double kLeft_m = -2.023, kRight_m = 5.518, kBottom_m = -1.711, kTop_m = 3.132;
 
 /// Range from the pose to the walls along a bearing.
 double range_to_walls_m(const gdtslam::Pose2& pose, double bearing_rad) {
