@@ -1,0 +1,44 @@
+// The plainest programs that are right, one for each kernel: what the fast ones are held against. They share no code
+// with engine/compute but the types of the parameters; cost is no concern.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gdtslam/compute/kernel_cases.hpp"
+#include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernels/jump_flood.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+
+namespace gdtslam::test {
+
+/// A grid's shape.
+struct GridShape {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t stride = 0;
+};
+
+/// Squared distance of every cell to every seed, the least of them; kNoSeed where there is no seed. Paper equation (1).
+std::vector<std::uint32_t> brute_sq_distances(const std::vector<std::uint8_t>& seeds, const GridShape& shape);
+
+/// The same for one cell.
+std::uint32_t brute_sq_distance(const std::vector<std::uint8_t>& seeds, const GridShape& shape, std::uint32_t x,
+                                std::uint32_t y);
+
+/// The merged value of one cell, line by line as READING's table and the paper's equations (9) to (11) have it.
+std::uint16_t brute_merge(const GdtMerge::Params& params, std::uint16_t global, std::uint16_t scan);
+
+/// Cost of one candidate, in wide integers.
+std::uint32_t brute_pose_cost(const PoseCost::Params& params, const std::vector<std::uint16_t>& field,
+                              const std::vector<PointCells>& points, const PoseCandidate& candidate);
+
+/// Jump flooding with coordinates instead of packed indices: squared distances that a variant finds.
+std::vector<std::uint32_t> brute_jump_flood(JumpFloodVariant variant, const std::vector<std::uint8_t>& seeds,
+                                            const GridShape& shape);
+
+/// What a dispatch of the case list must leave in its buffers, padding as it was. Throws std::logic_error for a kernel
+/// that has no oracle.
+CaseOutcome brute_outcome(const KernelCase& kernel_case);
+
+}  // namespace gdtslam::test

@@ -1,0 +1,219 @@
+// Oracles of single dispatches: what a case of the list must leave behind.
+#include <cstring>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
+#include "support/brute_force.hpp"
+
+namespace gdtslam::test {
+namespace {
+
+template <class T>
+std::vector<T> values_of(const std::vector<std::byte>& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) {
+    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  }
+  return values;
+}
+
+template <class T>
+std::vector<std::byte> bytes_of(const std::vector<T>& values) {
+  std::vector<std::byte> bytes(values.size() * sizeof(T));
+  if (!values.empty()) {
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+  }
+  return bytes;
+}
+
+template <class Params>
+Params params_of(const KernelCase& kernel_case) {
+  Params params;
+  std::memcpy(&params, kernel_case.params.data(), sizeof(params));
+  return params;
+}
+
+/// Sets every cell of a grid in buffer `binding` to value(x, y).
+template <class T, class Value>
+void fill(const KernelCase& kernel_case, CaseOutcome& outcome, std::size_t binding, Value value) {
+  const ValueLayout& layout = kernel_case.buffers[binding].layout;
+  std::vector<T> values = values_of<T>(outcome.contents[binding]);
+  for (std::uint32_t y = 0; y < layout.height; ++y) {
+    for (std::uint32_t x = 0; x < layout.width; ++x) {
+      values[std::size_t{y} * layout.stride + x] = static_cast<T>(value(x, y));
+    }
+  }
+  outcome.contents[binding] = bytes_of(values);
+}
+
+/// Distance to the nearest seed of the column, at most `most`.
+std::uint32_t in_column(const std::vector<std::uint8_t>& seeds, const EdtColumns::Params& params, std::uint32_t x,
+                        std::uint32_t y, std::uint32_t most) {
+  std::uint32_t best = most;
+  for (std::uint32_t j = 0; j < params.height; ++j) {
+    if (seeds[std::size_t{j} * params.stride + x] != 0) {
+      best = std::min(best, j > y ? j - y : y - j);
+    }
+  }
+  return best;
+}
+
+/// Least of (x - i)^2 + g(i)^2 over the row, at most `most`; kNoSeed stands for no g.
+std::uint32_t in_row(const std::uint32_t* g, std::uint32_t width, std::uint32_t x, std::uint64_t most) {
+  std::uint64_t best = most;
+  for (std::uint32_t i = 0; i < width; ++i) {
+    const std::uint64_t dx = i > x ? i - x : x - i;
+    const std::uint64_t sum = dx * dx + std::uint64_t{g[i]} * g[i];
+    best = g[i] != kNoSeed && sum < best ? sum : best;
+  }
+  return static_cast<std::uint32_t>(best);
+}
+
+template <class Out>
+void columns_oracle(const KernelCase& kernel_case, CaseOutcome& outcome, std::uint32_t most) {
+  const auto params = params_of<EdtColumns::Params>(kernel_case);
+  const auto seeds = values_of<std::uint8_t>(outcome.contents[0]);
+  fill<Out>(kernel_case, outcome, 1,
+            [&](std::uint32_t x, std::uint32_t y) { return in_column(seeds, params, x, y, most); });
+}
+
+template <class In, class Out>
+void rows_oracle(const KernelCase& kernel_case, CaseOutcome& outcome, std::uint64_t most) {
+  const auto params = params_of<EdtRows::Params>(kernel_case);
+  const auto cells = values_of<In>(outcome.contents[0]);
+  const std::vector<std::uint32_t> g(cells.begin(), cells.end());
+  fill<Out>(kernel_case, outcome, 1, [&](std::uint32_t x, std::uint32_t y) {
+    return in_row(g.data() + std::size_t{y} * params.stride, params.width, x, most);
+  });
+}
+
+std::int64_t sq_to(std::uint32_t packed, std::int64_t x, std::int64_t y) {
+  const std::int64_t dx = packed % 65536 - x;
+  const std::int64_t dy = packed / 65536 - y;
+  return dx * dx + dy * dy;
+}
+
+void flood_init_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<JumpFloodInit::Params>(kernel_case);
+  const auto seeds = values_of<std::uint8_t>(outcome.contents[0]);
+  fill<std::uint32_t>(kernel_case, outcome, 1, [&](std::uint32_t x, std::uint32_t y) {
+    return seeds[std::size_t{y} * params.stride + x] != 0 ? y * 65536 + x : kNoSeed;
+  });
+}
+
+void flood_step_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<JumpFloodStep::Params>(kernel_case);
+  const auto before = values_of<std::uint32_t>(outcome.contents[0]);
+  fill<std::uint32_t>(kernel_case, outcome, 1, [&](std::int64_t x, std::int64_t y) {
+    std::map<std::pair<std::int64_t, std::uint32_t>, std::uint32_t> ranked;
+    for (std::int64_t dy = -1; dy <= 1; ++dy) {
+      for (std::int64_t dx = -1; dx <= 1; ++dx) {
+        const std::int64_t nx = x + dx * params.step;
+        const std::int64_t ny = y + dy * params.step;
+        if (nx < 0 || ny < 0 || nx >= params.width || ny >= params.height) {
+          continue;
+        }
+        const std::uint32_t seed = before[static_cast<std::size_t>(ny * params.stride + nx)];
+        if (seed != kNoSeed) {
+          ranked[{sq_to(seed, x, y), seed}] = seed;
+        }
+      }
+    }
+    return ranked.empty() ? kNoSeed : ranked.begin()->second;
+  });
+}
+
+void flood_distance_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<JumpFloodDistance::Params>(kernel_case);
+  const auto nearest = values_of<std::uint32_t>(outcome.contents[0]);
+  fill<std::uint32_t>(kernel_case, outcome, 1, [&](std::int64_t x, std::int64_t y) {
+    const std::uint32_t seed = nearest[static_cast<std::size_t>(y * params.stride + x)];
+    return seed == kNoSeed ? std::int64_t{kNoSeed} : sq_to(seed, x, y);
+  });
+}
+
+void field_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<DistanceField::Params>(kernel_case);
+  const auto squares = values_of<std::uint16_t>(outcome.contents[0]);
+  const auto table = values_of<std::uint16_t>(outcome.contents[1]);
+  fill<std::uint16_t>(kernel_case, outcome, 2, [&](std::uint32_t x, std::uint32_t y) {
+    const std::size_t sq = squares[std::size_t{y} * params.stride + x];
+    return sq < table.size() ? table[sq] : table.back();
+  });
+}
+
+void cost_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<PoseCost::Params>(kernel_case);
+  const auto field = values_of<std::uint16_t>(outcome.contents[0]);
+  const auto points = values_of<PointCells>(outcome.contents[1]);
+  const auto poses = values_of<PoseCandidate>(outcome.contents[2]);
+  fill<std::uint32_t>(kernel_case, outcome, 3,
+                      [&](std::uint32_t i, std::uint32_t) { return brute_pose_cost(params, field, points, poses[i]); });
+}
+
+void arg_min_oracle(const KernelCase&, CaseOutcome& outcome) {
+  const auto costs = values_of<std::uint32_t>(outcome.contents[0]);
+  std::map<std::uint32_t, std::uint32_t> first_index;
+  for (std::uint32_t i = 0; i < costs.size(); ++i) {
+    first_index.try_emplace(costs[i], i);
+  }
+  outcome.contents[1] = bytes_of(std::vector{first_index.begin()->first, first_index.begin()->second});
+}
+
+void merge_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<GdtMerge::Params>(kernel_case);
+  auto global = values_of<std::uint16_t>(outcome.contents[0]);
+  const auto scan = values_of<std::uint16_t>(outcome.contents[1]);
+  for (std::size_t y = 0; y < params.scan_height; ++y) {
+    for (std::size_t x = 0; x < params.scan_width; ++x) {
+      std::uint16_t& cell = global[(y + params.offset_y) * params.global_stride + x + params.offset_x];
+      cell = brute_merge(params, cell, scan[y * params.scan_stride + x]);
+    }
+  }
+  outcome.contents[0] = bytes_of(global);
+}
+
+using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;
+
+std::uint32_t radius_of(const KernelCase& kernel_case) { return params_of<EdtColumns::Params>(kernel_case).radius; }
+
+const std::map<std::string_view, Oracle>& oracles() {
+  static const std::map<std::string_view, Oracle> table{
+      {"edt_columns", [](const KernelCase& c, CaseOutcome& o) { columns_oracle<std::uint8_t>(c, o, radius_of(c)); }},
+      {"edt_rows",
+       [](const KernelCase& c, CaseOutcome& o) {
+         rows_oracle<std::uint8_t, std::uint16_t>(c, o, std::uint64_t{radius_of(c)} * radius_of(c));
+       }},
+      {"edt_full_columns", [](const KernelCase& c, CaseOutcome& o) { columns_oracle<std::uint32_t>(c, o, kNoSeed); }},
+      {"edt_full_rows",
+       [](const KernelCase& c, CaseOutcome& o) { rows_oracle<std::uint32_t, std::uint32_t>(c, o, kNoSeed); }},
+      {"jump_flood_init", flood_init_oracle},
+      {"jump_flood_step", flood_step_oracle},
+      {"jump_flood_distance", flood_distance_oracle},
+      {"distance_field", field_oracle},
+      {"pose_cost", cost_oracle},
+      {"arg_min", arg_min_oracle},
+      {"gdt_merge", merge_oracle}};
+  return table;
+}
+
+}  // namespace
+
+CaseOutcome brute_outcome(const KernelCase& kernel_case) {
+  const auto oracle = oracles().find(kernel_case.kernel->name);
+  if (oracle == oracles().end()) {
+    throw std::logic_error("no oracle for kernel " + std::string(kernel_case.kernel->name));
+  }
+  CaseOutcome outcome;
+  for (const CaseBuffer& buffer : kernel_case.buffers) {
+    outcome.contents.push_back(buffer.content);
+  }
+  oracle->second(kernel_case, outcome);
+  return outcome;
+}
+
+}  // namespace gdtslam::test

@@ -1,0 +1,217 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+std::vector<std::byte> bytes_from(std::size_t count, unsigned start) {
+  std::vector<std::byte> bytes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    bytes[i] = static_cast<std::byte>(start + i);
+  }
+  return bytes;
+}
+
+TEST(CpuBackend, MemoryStartsAtZeroAlsoWhereItWasUsedBefore) {
+  const auto backend = make_cpu_backend({});
+  for (int round = 0; round < 20; ++round) {
+    const Buffer buffer = backend->allocate(10000);
+    const auto view = backend->host_view(buffer);
+    ASSERT_EQ(view.size(), 10000U);
+    ASSERT_EQ(reinterpret_cast<std::uintptr_t>(view.data()) % 64, 0U);
+    ASSERT_TRUE(std::all_of(view.begin(), view.end(), [](std::byte b) { return b == std::byte{0}; }));
+    std::fill(view.begin(), view.end(), std::byte{0xFF});
+  }
+}
+
+TEST(CpuBackend, UploadAndDownloadAtOffsets) {
+  const auto backend = make_cpu_backend({});
+  const Buffer buffer = backend->allocate(16);
+  backend->upload(buffer, bytes_from(4, 1), 5);
+  std::vector<std::byte> found(6);
+  backend->download(buffer, found, 4);
+  EXPECT_EQ(found, (std::vector<std::byte>{std::byte{0}, std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4},
+                                           std::byte{0}}));
+  backend->upload(buffer, {}, 16);
+  EXPECT_THAT([&] { backend->upload(buffer, bytes_from(4, 1), 13); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("4 bytes"), HasSubstr("offset 13"), HasSubstr("16 bytes"))));
+  EXPECT_THROW(backend->download(buffer, found, 11), Error);
+  EXPECT_THROW(backend->download(buffer, found, static_cast<std::size_t>(-2)), Error);
+}
+
+TEST(CpuBackend, RefusesMoreMemoryThanAllowedWithBothSizes) {
+  const auto backend = make_cpu_backend({});
+  const std::size_t allowed = backend->device().max_buffer_bytes;
+  EXPECT_GT(allowed, 0U);
+  EXPECT_THAT([&] { backend->allocate(allowed + 1); },
+              ThrowsMessage<Error>(AllOf(HasSubstr(std::to_string(allowed + 1)), HasSubstr(std::to_string(allowed)))));
+  EXPECT_THROW(backend->allocate(static_cast<std::size_t>(-1)), Error);
+}
+
+TEST(CpuBackend, SaysWhatItIs) {
+  const auto backend = make_cpu_backend({.threads = 2, .isa = Isa::kBaseline});
+  EXPECT_EQ(backend->device().kind, "cpu");
+  EXPECT_EQ(backend->device().driver, "baseline");
+  EXPECT_EQ(backend->device().threads, 2U);
+  EXPECT_FALSE(backend->device().name.empty());
+  EXPECT_EQ(backend->host_isa(), Isa::kBaseline);
+  EXPECT_EQ(make_cpu_backend({})->host_isa(), best_isa());
+}
+
+TEST(CpuBackend, AnInstructionSetThatIsMissingIsRefused) {
+  for (const Isa isa : {Isa::kBaseline, Isa::kAvx2, Isa::kAvx512}) {
+    if (isa_available(isa)) {
+      EXPECT_EQ(make_cpu_backend({.threads = 1, .isa = isa})->device().driver, name_of(isa));
+    } else {
+      EXPECT_THROW(make_cpu_backend({.threads = 1, .isa = isa}), UnavailableError);
+    }
+  }
+}
+
+TEST(Buffer, MovesAndBecomesInvalidWithItsBackend) {
+  auto backend = make_cpu_backend({});
+  Buffer first = backend->allocate(8);
+  const std::uint64_t id = first.id();
+  Buffer second = std::move(first);
+  EXPECT_FALSE(first.valid());  // NOLINT(bugprone-use-after-move): that is what is tested
+  EXPECT_EQ(second.id(), id);
+  EXPECT_THROW(backend->host_view(first), Error);
+  second = backend->allocate(4);
+  EXPECT_EQ(backend->host_view(second).size(), 4U);
+  EXPECT_TRUE(second.belongs_to(*backend));
+  backend.reset();
+  EXPECT_FALSE(second.valid());
+  const auto other = make_cpu_backend({});
+  EXPECT_THROW(other->host_view(second), Error);
+  const Buffer foreign = other->allocate(4);
+  EXPECT_THROW(make_cpu_backend({})->host_view(foreign), Error);
+}
+
+/// A small launch that is right, whose parts tests then spoil.
+class Launch : public testing::Test {
+ protected:
+  std::unique_ptr<Backend> backend = make_cpu_backend({});
+  Buffer seeds = backend->allocate(64 * 10);
+  Buffer distance = backend->allocate(64 * 10);
+  EdtColumns::Params params{.width = 60, .height = 10, .stride = 64, .radius = 5};
+
+  void expect_refused(const EdtColumns::Params& bad, Extent threads, const char* message) {
+    EXPECT_THAT([&] { run<EdtColumns>(*backend, bad, threads, seeds, distance); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("edt_columns"), HasSubstr(message))));
+  }
+};
+
+TEST_F(Launch, RightOnesRunAndAreCounted) {
+  run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, distance);
+  EXPECT_EQ(backend->dispatch_count(), 1U);
+  EXPECT_EQ(backend->host_view(distance)[59], std::byte{5});
+  EXPECT_EQ(backend->host_view(distance)[60], std::byte{0});
+}
+
+TEST_F(Launch, SizesThatDoNotFitAreRefused) {
+  expect_refused({.width = 60, .height = 11, .stride = 64, .radius = 5}, {60, 1, 1}, "needs 700");
+  expect_refused({.width = 60, .height = 10, .stride = 62, .radius = 5}, {60, 1, 1}, "stride 62");
+  expect_refused({.width = 60, .height = 10, .stride = 56, .radius = 5}, {60, 1, 1}, "stride 56");
+  expect_refused({.width = 60, .height = 10, .stride = 64, .radius = 0}, {60, 1, 1}, "radius");
+  expect_refused({.width = 60, .height = 10, .stride = 64, .radius = 256}, {60, 1, 1}, "radius");
+  expect_refused(params, {59, 1, 1}, "extent 59 x 1 x 1, expected 60 x 1 x 1");
+  expect_refused({.width = 4000000000U, .height = 4000000000U, .stride = 4000000000U, .radius = 5}, {4000000000U, 1, 1},
+                 "exceeds its limit");
+  EXPECT_EQ(backend->dispatch_count(), 0U);
+}
+
+TEST_F(Launch, CountsOfBuffersAndParametersAreChecked) {
+  const std::array<const Buffer*, 1> one{&seeds};
+  const std::array<const Buffer*, 2> two{&seeds, &distance};
+  const auto bytes = std::as_bytes(std::span(&params, 1));
+  EXPECT_THAT(
+      [&] {
+        backend->dispatch(EdtColumns::info(), one, bytes, {60, 1, 1});
+      },
+      ThrowsMessage<Error>(HasSubstr("1 buffers given, 2 bound")));
+  EXPECT_THAT(
+      [&] {
+        backend->dispatch(EdtColumns::info(), two, bytes.subspan(4), {60, 1, 1});
+      },
+      ThrowsMessage<Error>(HasSubstr("12 bytes of parameters given, 16 expected")));
+}
+
+TEST_F(Launch, ABufferThatIsWrittenMustNotBeBoundTwice) {
+  EXPECT_THAT(
+      [&] {
+        run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, seeds);
+      },
+      ThrowsMessage<Error>(HasSubstr("bound twice")));
+}
+
+TEST_F(Launch, ABufferThatOutlivedItsBackendIsRefused) {
+  const auto other = make_cpu_backend({});
+  EXPECT_THROW(run<EdtColumns>(*other, params, {60, 1, 1}, seeds, distance), Error);
+  EXPECT_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, Buffer{}), Error);
+}
+
+TEST_F(Launch, OtherKernelsRefuseWhatTheyCannotDo) {
+  Buffer field = backend->allocate(100 * 100 * 2);
+  Buffer points = backend->allocate(8 * 10);
+  Buffer poses = backend->allocate(16 * 3);
+  Buffer costs = backend->allocate(4 * 3);
+  const auto cost = [&](PoseCost::Params bad, std::uint32_t candidates) {
+    run<PoseCost>(*backend, bad, {candidates, 1, 1}, field, points, poses, costs);
+  };
+  const PoseCost::Params good{.width = 100, .height = 100, .stride = 100, .point_count = 10, .cap = 1000};
+  EXPECT_NO_THROW(cost(good, 3));
+  EXPECT_THROW(cost(good, 4), Error);
+  const auto spoiled = [&](auto member, auto value) {
+    PoseCost::Params bad = good;
+    bad.*member = value;
+    return bad;
+  };
+  EXPECT_THROW(cost(spoiled(&PoseCost::Params::width, 1U), 3), Error);
+  EXPECT_THROW(cost(spoiled(&PoseCost::Params::height, 1U), 3), Error);
+  EXPECT_THROW(cost(spoiled(&PoseCost::Params::height, 101U), 3), Error);
+  EXPECT_THROW(cost(spoiled(&PoseCost::Params::point_count, 11U), 3), Error);
+  EXPECT_THROW(cost(spoiled(&PoseCost::Params::cap, 65536U), 3), Error);
+  EXPECT_THROW(cost(spoiled(&PoseCost::Params::anchor_x, 2097153), 3), Error);
+  EXPECT_THROW(cost(spoiled(&PoseCost::Params::anchor_y, -2097153), 3), Error);
+  EXPECT_THROW(run<ArgMin>(*backend, {.count = 0}, {1, 1, 1}, costs, points), Error);
+  EXPECT_THROW(run<ArgMin>(*backend, {.count = 4}, {1, 1, 1}, costs, points), Error);
+
+  Buffer scan = backend->allocate(20 * 20 * 2);
+  const GdtMerge::Params fits{.scan_width = 20,
+                              .scan_height = 20,
+                              .scan_stride = 20,
+                              .global_stride = 100,
+                              .offset_x = 80,
+                              .offset_y = 80,
+                              .threshold = 9,
+                              .lift = 9,
+                              .cap = 1000};
+  EXPECT_NO_THROW(run<GdtMerge>(*backend, fits, {20, 20, 1}, field, scan));
+  GdtMerge::Params bad = fits;
+  bad.offset_x = 81;
+  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
+  bad = fits;
+  bad.offset_y = 81;
+  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
+  bad = fits;
+  bad.lift = 10;
+  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
+}
+
+}  // namespace
+}  // namespace gdtslam::test

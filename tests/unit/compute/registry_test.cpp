@@ -1,0 +1,146 @@
+// Completeness: a kernel that lacks any of its parts fails here.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/compute/kernel_cases.hpp"
+#include "support/brute_force.hpp"
+
+namespace gdtslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Registry, EveryKernelHasAllItsParts) {
+  for (const KernelInfo* kernel : kernel_registry()) {
+    SCOPED_TRACE(std::string(kernel->name));
+    EXPECT_TRUE(std::regex_match(std::string(kernel->name), std::regex("[a-z][a-z0-9_]*")));
+    EXPECT_FALSE(kernel->bindings.empty());
+    const auto writes = [](Access access) { return access != Access::kRead; };
+    EXPECT_TRUE(std::any_of(kernel->bindings.begin(), kernel->bindings.end(), writes));
+    EXPECT_GT(kernel->params_bytes, 0U);
+    EXPECT_LE(kernel->params_bytes, kMaxParamsBytes);
+    EXPECT_EQ(kernel->params_bytes % 4, 0U);
+    EXPECT_NE(kernel->check, nullptr);
+    EXPECT_NE(kernel->work, nullptr);
+    EXPECT_FALSE(kernel->work_unit.empty());
+    EXPECT_FALSE(kernel->source.empty());
+    EXPECT_EQ(find_kernel(kernel->name), kernel);
+  }
+  EXPECT_EQ(find_kernel("no_such_kernel"), nullptr);
+}
+
+TEST(Registry, EveryInstructionSetHasEveryKernel) {
+  for (const KernelInfo* kernel : kernel_registry()) {
+    EXPECT_NE(kernel->cpu[0], nullptr) << kernel->name;
+    for (std::size_t i = 0; i < kIsaCount; ++i) {
+      EXPECT_EQ(kernel->cpu[i] != nullptr, kernel_registry().front()->cpu[i] != nullptr) << kernel->name << ' ' << i;
+      for (std::size_t j = 0; j < i; ++j) {
+        EXPECT_TRUE(kernel->cpu[i] == nullptr || kernel->cpu[i] != kernel->cpu[j]) << kernel->name << ' ' << i;
+      }
+    }
+  }
+#if defined(__x86_64__)
+  EXPECT_NE(kernel_registry().front()->cpu[2], nullptr) << "the build lacks its AVX-512 kernels";
+#endif
+}
+
+TEST(Registry, NamesAreUnique) {
+  std::set<std::string_view> names;
+  for (const KernelInfo* kernel : kernel_registry()) {
+    EXPECT_TRUE(names.insert(kernel->name).second) << kernel->name;
+  }
+}
+
+/// "JumpFloodInit" to "jump_flood_init".
+std::string snake_case(const std::string& camel) {
+  std::string name;
+  for (const char c : camel) {
+    const bool upper = c >= 'A' && c <= 'Z';
+    name += upper && !name.empty() ? "_" : "";
+    name += static_cast<char>(upper ? c - 'A' + 'a' : c);
+  }
+  return name;
+}
+
+/// The kernels that the headers declare: structs with a `static const KernelInfo& info();`.
+std::set<std::string> declared_kernels() {
+  std::set<std::string> names;
+  const fs::path folder = fs::path(GDTSLAM_SOURCE_DIR) / "engine/compute/include/gdtslam/compute/kernels";
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    std::ifstream file(entry.path());
+    std::string latest;
+    for (std::string line; std::getline(file, line);) {
+      std::smatch match;
+      if (std::regex_match(line, match, std::regex("struct (\\w+) \\{"))) {
+        latest = match[1];
+      } else if (line.find("static const KernelInfo& info();") != std::string::npos) {
+        names.insert(snake_case(latest));
+      }
+    }
+  }
+  return names;
+}
+
+TEST(Registry, HoldsWhatTheHeadersDeclare) {
+  std::set<std::string> registered;
+  for (const KernelInfo* kernel : kernel_registry()) {
+    registered.emplace(kernel->name);
+  }
+  EXPECT_EQ(registered, declared_kernels());
+}
+
+TEST(Registry, EveryKernelHasCasesABenchmarkAndAnOracle) {
+  const std::vector<KernelCaseSource> list = kernel_cases();
+  for (const KernelInfo* kernel : kernel_registry()) {
+    SCOPED_TRACE(std::string(kernel->name));
+    std::set<std::string> names;
+    bool benchmark = false;
+    const KernelCaseSource* first = nullptr;
+    for (const KernelCaseSource& source : list) {
+      if (source.kernel == kernel) {
+        EXPECT_TRUE(names.insert(source.name).second) << "twice: " << source.name;
+        benchmark = benchmark || source.benchmark;
+        first = first == nullptr ? &source : first;
+      }
+    }
+    EXPECT_GE(names.size(), 10U);
+    EXPECT_TRUE(benchmark) << "no case is marked as a benchmark";
+    ASSERT_NE(first, nullptr);
+    EXPECT_NO_THROW(brute_outcome(first->make()));
+  }
+}
+
+TEST(KernelCases, FitTheirKernelsAndAreTheSameBytesEachTime) {
+  for (const KernelCaseSource& source : kernel_cases()) {
+    if (source.benchmark) {
+      continue;
+    }
+    const KernelCase once = source.make();
+    const KernelCase again = source.make();
+    ASSERT_EQ(once.buffers.size(), source.kernel->bindings.size()) << source.name;
+    ASSERT_EQ(once.params, again.params) << source.name;
+    for (std::size_t i = 0; i < once.buffers.size(); ++i) {
+      const ValueLayout& layout = once.buffers[i].layout;
+      ASSERT_EQ(once.buffers[i].content, again.buffers[i].content) << source.name;
+      ASSERT_EQ(once.buffers[i].content.size(), std::size_t{layout.stride} * layout.height * layout.value_bytes)
+          << source.name;
+    }
+  }
+}
+
+TEST(SeedPatterns, WallsCoverAboutOneAndAHalfPercent) {
+  const std::vector<std::uint8_t> seeds = make_seeds(SeedPattern::kWalls, 1024, 1024, 1024, 1);
+  const auto count = std::count_if(seeds.begin(), seeds.end(), [](std::uint8_t s) { return s != 0; });
+  EXPECT_NEAR(static_cast<double>(count) / (1024.0 * 1024.0), 0.015, 0.0003);
+}
+
+}  // namespace
+}  // namespace gdtslam::test
