@@ -15,8 +15,8 @@ struct LogStep {
   double low;
 };
 
-/// pi/2 in pieces of 34 bits and a rest: n times a piece is exact for n < 2^19.
-inline constexpr std::array<double, 4> kHalfPiParts = {{0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2ep-69, 0x1.b839a252049c1p-104}};
+/// pi/2 in pieces of 36 bits and a rest: n times a piece is exact for n < 2^17.
+inline constexpr std::array<double, 4> kHalfPiParts = {{0x1.921fb5444p+0, 0x1.68c234c4cp-39, 0x1.98a2e037p-77, 0x1.cd129024e088ap-115}};
 
 /// ln(2)/64 in a piece of 32 bits and a rest.
 inline constexpr std::array<double, 2> kLn2Parts = {{0x1.62e42feep-7, 0x1.a39ef35793c76p-39}};

@@ -132,7 +132,7 @@ ReducedAngle reduce_large(double angle_rad) {
 }  // namespace
 
 ReducedAngle reduce_by_half_pi(double angle_rad) {
-  constexpr double kLargest = 2e5;
+  constexpr double kLargest = 2e5;  // fewer than 2^17 quarter turns
   return std::fabs(angle_rad) <= kLargest ? reduce_small(angle_rad) : reduce_large(angle_rad);
 }
 

@@ -200,8 +200,8 @@ def emit_polynomials():
 
 
 def emit_constants():
-    emit_array("double", "kHalfPiParts", "pi/2 in pieces of 34 bits and a rest: n times a piece is exact for n < 2^19.",
-               split(mp.pi / 2, 34, 4), c_double)
+    emit_array("double", "kHalfPiParts", "pi/2 in pieces of 36 bits and a rest: n times a piece is exact for n < 2^17.",
+               split(mp.pi / 2, 36, 4), c_double)
     emit_array("double", "kLn2Parts", f"ln(2)/{EXP_STEPS} in a piece of 32 bits and a rest.",
                split(mp.log(2) / EXP_STEPS, 32, 2), c_double)
     emit_array("double", "kLn2", "ln(2) in a piece of 32 bits and a rest.", split(mp.log(2), 32, 2), c_double)
