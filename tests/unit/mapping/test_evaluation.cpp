@@ -1,0 +1,209 @@
+// Expected values are derived by hand from the definitions in evaluation.hpp, or published: the figures of raw odometry
+// on the public logs.
+#include "gdtslam/mapping/evaluation.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kTiny = 1e-12;
+
+TEST(Summarise, MatchesHandCalculation) {
+  // Mean 3, squared deviations 4 + 1 + 0 + 9 - over n - 1 = 3; squares 1 + 4 + 9 + 36 over 4.
+  const ErrorSummary s = summarise({6.0, 1.0, 3.0, 2.0});
+  EXPECT_EQ(s.count, 4u);
+  EXPECT_DOUBLE_EQ(s.mean, 3.0);
+  EXPECT_DOUBLE_EQ(s.deviation, std::sqrt(14.0 / 3.0));
+  EXPECT_DOUBLE_EQ(s.rmse, std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(s.median, 2.5);
+  EXPECT_DOUBLE_EQ(s.max, 6.0);
+}
+
+TEST(Summarise, OneErrorHasNoDeviationAndNoneIsZero) {
+  const ErrorSummary one = summarise({0.5});
+  EXPECT_DOUBLE_EQ(one.mean, 0.5);
+  EXPECT_DOUBLE_EQ(one.median, 0.5);
+  EXPECT_EQ(one.deviation, 0.0);
+  EXPECT_EQ(summarise({}).count, 0u);
+  EXPECT_EQ(summarise({}).mean, 0.0);
+}
+
+TEST(EvaluateRelations, ComparesTheMotionInTheFrameOfTheFirstPose) {
+  // At t = 1 the robot stands at (1, 2) and looks along +y; at t = 2 it stands 3 m ahead and 0.5 m to its left, turned
+  // left by 90 degrees: (0.5, 5) in the map, heading pi. In its own frame the motion is (3, 0.5), 90 degrees.
+  const Trajectory trajectory{{1.0, {1.0, 2.0, kPi / 2}}, {2.0, {0.5, 5.0, kPi}}};
+  const Relation relation{1.0, 2.0, {3.0 - 0.3, 0.5 + 0.4, kPi / 2 - rad_from_deg(2.0)}};
+  const RelationReport report = evaluate_relations(trajectory, {&relation, 1});
+  EXPECT_EQ(report.all.translation_m.count, 1u);
+  EXPECT_NEAR(report.all.translation_m.mean, 0.5, kTiny);  // a 3-4-5 triangle
+  EXPECT_NEAR(report.all.rotation_deg.mean, 2.0, 1e-10);
+  EXPECT_EQ(report.unmatched, 0u);
+}
+
+TEST(EvaluateRelations, YawErrorIsWrapped) {
+  const Trajectory trajectory{{1.0, {}}, {2.0, {0.0, 0.0, rad_from_deg(179.0)}}};
+  const Relation relation{1.0, 2.0, {0.0, 0.0, rad_from_deg(-179.0)}};
+  EXPECT_NEAR(evaluate_relations(trajectory, {&relation, 1}).all.rotation_deg.mean, 2.0, 1e-10);
+}
+
+TEST(EvaluateRelations, SplitsAtTwentySeconds) {
+  const Trajectory trajectory{{0.0, {}}, {20.0, {1.0, 0.0, 0.0}}, {20.5, {3.0, 0.0, 0.0}}};
+  const Relation relations[] = {{0.0, 20.0, {}}, {0.0, 20.5, {}}, {20.5, 0.0, {}}};
+  const RelationReport report = evaluate_relations(trajectory, relations);
+  EXPECT_EQ(report.short_term.translation_m.count, 1u);
+  EXPECT_DOUBLE_EQ(report.short_term.translation_m.mean, 1.0);
+  EXPECT_EQ(report.loops.translation_m.count, 2u);
+  EXPECT_DOUBLE_EQ(report.loops.translation_m.mean, 3.0);
+  EXPECT_EQ(report.all.translation_m.count, 3u);
+  EXPECT_EQ(report.worst_t1_s, 0.0);
+  EXPECT_EQ(report.worst_t2_s, 20.5);
+}
+
+TEST(EvaluateRelations, LastPoseOfADuplicateStampCounts) {
+  const Trajectory trajectory{{5.0, {9.0, 9.0, 0.0}}, {1.0, {}}, {5.0, {2.0, 0.0, 0.0}}, {3.0, {7.0, 0.0, 0.0}}};
+  const Relation forward{1.0, 5.0, {2.0, 0.0, 0.0}};
+  EXPECT_EQ(evaluate_relations(trajectory, {&forward, 1}).all.translation_m.max, 0.0);
+  // The same when the search comes from below the stamp, within the tolerance.
+  const Relation below{1.0, 5.0 - 5e-5, {2.0, 0.0, 0.0}};
+  EXPECT_EQ(evaluate_relations(trajectory, {&below, 1}).all.translation_m.max, 0.0);
+}
+
+TEST(EvaluateRelations, TakesTheNearestStampWithinTheTolerance) {
+  const Trajectory trajectory{{0.0, {}}, {1.0, {1.0, 0.0, 0.0}}, {1.1, {2.0, 0.0, 0.0}}};
+  const auto error_at = [&trajectory](double t2_s, double tolerance_s) {
+    const Relation relation{0.0, t2_s, {}};
+    const RelationReport report = evaluate_relations(trajectory, {&relation, 1}, tolerance_s);
+    return report.unmatched == 1 ? -1.0 : report.all.translation_m.mean;
+  };
+  EXPECT_EQ(error_at(1.04, 0.06), 1.0);
+  EXPECT_EQ(error_at(1.06, 0.06), 2.0);
+  EXPECT_EQ(error_at(1.04, 0.03), -1.0);
+  EXPECT_EQ(error_at(-0.01, 0.02), 0.0);
+  EXPECT_EQ(error_at(1.13, 0.02), -1.0);
+}
+
+TEST(EvaluateRelations, EmptyInputsGiveNoErrorsAndStampsThatAreNoNumbersNeverMatch) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Relation relation{nan, 1.0, {}};
+  EXPECT_EQ(evaluate_relations({}, {&relation, 1}).unmatched, 1u);
+  EXPECT_EQ(evaluate_relations({{nan, {}}, {1.0, {}}}, {&relation, 1}).unmatched, 1u);
+  EXPECT_EQ(evaluate_relations({}, {}).all.translation_m.count, 0u);
+}
+
+Trajectory random_walk(Random& random, std::size_t poses) {
+  Trajectory walk;
+  Pose2 pose;
+  for (std::size_t k = 0; k < poses; ++k) {
+    walk.push_back({static_cast<double>(k), pose});
+    pose = pose * Pose2{random.uniform(0.0, 0.4), random.uniform(-0.1, 0.1), random.uniform(-0.5, 0.5)};
+  }
+  return walk;
+}
+
+Trajectory moved(const Pose2& T, const Trajectory& trajectory) {
+  Trajectory result = trajectory;
+  for (StampedPose& pose : result) pose.T_map_base = T * pose.T_map_base;
+  return result;
+}
+
+// What the relations say does not depend on where the map's origin is.
+TEST(EvaluateRelations, IsInvariantUnderAMotionOfTheMap) {
+  Random random(7);
+  const Trajectory walk = random_walk(random, 60);
+  std::vector<Relation> relations;
+  for (int k = 0; k < 40; ++k) {
+    relations.push_back({static_cast<double>(k), static_cast<double>(59 - k),
+                         {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0), random.uniform(-3.0, 3.0)}});
+  }
+  const RelationReport before = evaluate_relations(walk, relations);
+  const RelationReport after = evaluate_relations(moved({12.5, -3.0, 2.0}, walk), relations);
+  EXPECT_NEAR(before.all.translation_m.mean, after.all.translation_m.mean, 1e-9);
+  EXPECT_NEAR(before.all.rotation_deg.rmse, after.all.rotation_deg.rmse, 1e-9);
+  EXPECT_NEAR(before.loops.translation_m.deviation, after.loops.translation_m.deviation, 1e-9);
+}
+
+TEST(EvaluateReference, AlignmentRecoversTheMotionBetweenTheMaps) {
+  Random random(11);
+  const Trajectory reference = random_walk(random, 50);
+  const Pose2 T_reference_estimate{3.0, -1.5, 2.5};
+  const ReferenceReport report = evaluate_reference(moved(inverse(T_reference_estimate), reference), reference, {});
+  EXPECT_NEAR(report.T_reference_estimate.x_m, 3.0, 1e-9);
+  EXPECT_NEAR(report.T_reference_estimate.y_m, -1.5, 1e-9);
+  EXPECT_NEAR(report.T_reference_estimate.theta_rad, 2.5, 1e-9);
+  EXPECT_LT(report.ate_m.max, 1e-9);
+  EXPECT_LT(report.ate_rotation_deg.max, 1e-9);
+  EXPECT_LT(report.rpe_m.max, 1e-9);
+  EXPECT_EQ(report.matched, 50u);
+}
+
+TEST(EvaluateReference, HandDerivedSquare) {
+  // Corners of a square of side 2 against the same square stretched to 4 along x: without scale the best alignment is
+  // the common centre, every corner then 1 m off.
+  const Trajectory estimate{{0, {0, 0, 0}}, {1, {2, 0, 0}}, {2, {2, 2, 0}}, {3, {0, 2, 0}}};
+  const Trajectory reference{{0, {0, 0, 0}}, {1, {4, 0, 0}}, {2, {4, 2, 0}}, {3, {0, 2, 0}}};
+  const ReferenceReport report = evaluate_reference(estimate, reference, {.rpe_distance_m = 4.0});
+  EXPECT_NEAR(report.ate_m.mean, 1.0, kTiny);
+  EXPECT_NEAR(report.ate_m.deviation, 0.0, 1e-7);
+  // Relative motions along at least 4 m of reference path: 0 to 1 (4 m, error 2), 1 to 3 (6 m, error 2); from corner 2
+  // there are exactly 4 m to corner 3 (error 2).
+  EXPECT_EQ(report.rpe_m.count, 3u);
+  EXPECT_NEAR(report.rpe_m.mean, 2.0, kTiny);
+}
+
+TEST(EvaluateReference, WithoutAlignmentTheFirstPosesAgree) {
+  const Trajectory estimate{{0, {0, 0, kPi / 2}}, {1, {0, 1, kPi / 2}}};
+  const Trajectory reference{{0, {5, 5, 0}}, {1, {6.25, 5, 0}}};
+  const ReferenceReport report = evaluate_reference(estimate, reference, {.align = false});
+  EXPECT_NEAR(report.ate_m.max, 0.25, kTiny);
+  EXPECT_NEAR(report.ate_m.mean, 0.125, kTiny);
+  EXPECT_NEAR(report.ate_rotation_deg.max, 0.0, 1e-10);
+}
+
+TEST(EvaluateReference, RotationOnTheSpotIsAlignedByTheHeadings) {
+  const Trajectory estimate{{0, {0, 0, 0.1}}, {1, {0, 0, 0.9}}};
+  const Trajectory reference{{0, {2, 1, 1.1}}, {1, {2, 1, 1.9}}};
+  const ReferenceReport report = evaluate_reference(estimate, reference, {});
+  EXPECT_NEAR(report.T_reference_estimate.theta_rad, 1.0, kTiny);
+  EXPECT_NEAR(report.ate_rotation_deg.max, 0.0, 1e-10);
+  EXPECT_EQ(report.rpe_m.count, 0u);  // no path
+}
+
+// Perturbing the alignment in any direction must not lower the sum of squares: it is the minimum.
+TEST(EvaluateReference, AlignmentIsOptimal) {
+  Random random(3);
+  for (int round = 0; round < 20; ++round) {
+    const Trajectory reference = random_walk(random, 30);
+    const Trajectory estimate = random_walk(random, 30);
+    const Pose2 best = evaluate_reference(estimate, reference, {}).T_reference_estimate;
+    const auto cost = [&estimate, &reference](const Pose2& T) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < estimate.size(); ++k) {
+        sum += (T * estimate[k].T_map_base.translation() - reference[k].T_map_base.translation()).squaredNorm();
+      }
+      return sum;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double step : {-1e-3, 1e-3}) {
+        Pose2 other = best;
+        (axis == 0 ? other.x_m : axis == 1 ? other.y_m : other.theta_rad) += step;
+        EXPECT_GE(cost(other), cost(best));
+      }
+    }
+  }
+}
+
+TEST(EvaluateReference, TooFewCommonStampsAreAnError) {
+  EXPECT_THROW(evaluate_reference({{0, {}}, {1, {}}}, {{0, {}}, {7, {}}}, {}), InputError);
+  EXPECT_THROW(evaluate_reference({}, {}, {}), InputError);
+}
+
+}  // namespace
+}  // namespace gdtslam

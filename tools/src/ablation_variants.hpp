@@ -1,0 +1,29 @@
+// The variants of the method that `gdtslam ablation` compares: each a list of assignments on top of the configuration.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace gdtslam {
+
+struct AblationVariant {
+  std::string name;
+  std::vector<std::string> sets;  ///< path=value
+};
+
+inline std::vector<AblationVariant> default_variants() {
+  return {
+      {"as configured", {}},
+      {"merge (10), (11) as printed", {"merge.rule=literal"}},
+      {"κ = 1", {"merge.kappa=1"}},
+      {"every scan merged", {"keyframe.every_scan=true"}},
+      {"matcher simplex", {"match.matcher=simplex"}},
+      {"matcher exhaustive", {"match.matcher=exhaustive"}},
+      {"squared distance, (1) as printed", {"match.cost=squared"}},
+      {"nearest cell instead of bilinear", {"match.interpolation=nearest"}},
+      {"no window search", {"search.when=never"}},
+      {"no prior from odometry", {"prior.weight=0"}},
+  };
+}
+
+}  // namespace gdtslam

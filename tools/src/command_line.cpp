@@ -1,0 +1,143 @@
+#include "command_line.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "commands/commands.hpp"
+#include "console.hpp"
+#include "did_you_mean.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  gdtslam map intel.clf.gz -o intel          map a log; the results are in the folder intel\n"
+    "  gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz\n"
+    "  gdtslam doctor intel.clf.gz                what is in a log, and what is wrong with it\n"
+    "\n"
+    "Exit codes: 0 done; 1 failed while running; 2 wrong usage; 65 bad input data; 69 a device or a part of the\n"
+    "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
+    "written.";
+
+#ifndef GDTSLAM_HAS_SIM
+// A sub-command that this build leaves out: whoever asks for it learns why.
+void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name, const std::string& option) {
+  CLI::App* command = app.add_subcommand(name, "Not in this build (" + option + "=OFF)");
+  command->allow_extras();
+  command->callback([&context, name, option] {
+    context.run = [name, option]() -> int {
+      throw UnavailableError("this build has no '" + name + "'; configure it with -D" + option + "=ON");
+    };
+  });
+}
+#endif
+
+std::unique_ptr<CLI::App> make_app(CommandContext& context) {
+  auto app = std::make_unique<CLI::App>("2D and 3D mapping with a laser range finder and wheel odometry", "gdtslam");
+  app->set_version_flag("--version", "gdtslam " GDTSLAM_VERSION, "Print the version and exit");
+  app->set_help_flag("-h,--help", "Print this help and exit");
+  app->require_subcommand(1);
+  app->get_formatter()->column_width(34);
+  app->footer(kExamples);
+  add_map_command(*app, context);
+#ifdef GDTSLAM_HAS_SIM
+  add_simulate_command(*app, context);
+#else
+  add_missing_command(*app, context, "simulate", "GDTSLAM_BUILD_SIM");
+#endif
+  add_evaluate_command(*app, context);
+  add_doctor_command(*app, context);
+  add_ablation_command(*app, context);
+  add_config_command(*app, context);
+  add_devices_command(*app, context);
+#ifdef GDTSLAM_HAS_BENCH
+  add_bench_command(*app, context);
+#endif
+  return app;
+}
+
+// The sub-command that was named, as deep as it goes.
+CLI::App* chosen_app(CLI::App* app) {
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  return app;
+}
+
+std::vector<std::string> names_of(CLI::App* app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const CLI::App* command : app->get_subcommands([](CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+// "gdtslam map": the words that lead to a sub-command.
+std::string path_of(const CLI::App* app) {
+  return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
+}
+
+std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
+  CLI::App* const app = chosen_app(root);
+  std::string message = error.what();
+  const std::vector<std::string> unknown = root->remaining(true);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !unknown.empty()) {
+    const std::string word = unknown.front().substr(0, unknown.front().find('='));
+    const bool is_command = app->get_require_subcommand_min() > 0 && word.front() != '-';
+    message = (is_command ? "there is no command '" : "unexpected argument '") + word + "'" +
+              did_you_mean(word, names_of(app));
+  }
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message + " (see '" + path_of(app) + " --help')";
+}
+
+int report(const std::string& message, ExitCode code) {
+  std::fprintf(stderr, "gdtslam: error: %s\n", message.c_str());
+  return static_cast<int>(code);
+}
+
+int parse_and_run(int argc, char** argv) {
+  CommandContext context;
+  const std::unique_ptr<CLI::App> app = make_app(context);
+  try {
+    app->parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    print_result(chosen_app(app.get())->help());
+    return static_cast<int>(ExitCode::kDone);
+  } catch (const CLI::CallForVersion& version) {
+    print_result(std::string(version.what()) + "\n");
+    return static_cast<int>(ExitCode::kDone);
+  } catch (const CLI::ParseError& error) {
+    return report(usage_message(app.get(), error), ExitCode::kUsage);
+  }
+  return context.run();
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) noexcept {
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const Error& error) {
+    return report(error.what(), error.code());
+  } catch (const std::bad_alloc&) {
+    std::fputs("gdtslam: error: out of memory; a smaller map.max_megacells or a larger map.resolution needs less\n",
+               stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "gdtslam: error: unexpected: %s\n", error.what());
+  }
+  return static_cast<int>(ExitCode::kFailed);
+}
+
+}  // namespace gdtslam

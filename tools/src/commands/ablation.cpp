@@ -1,0 +1,153 @@
+// gdtslam ablation: what each choice of the method is worth on a log with verified relations, as a Markdown table.
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ablation_variants.hpp"
+#include "commands.hpp"
+#include "console.hpp"
+#include "device_option.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/atomic_file.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+#include "interrupt.hpp"
+#include "map_run.hpp"
+#include "progress.hpp"
+#include "settings.hpp"
+
+namespace gdtslam {
+namespace {
+
+struct AblationOptions {
+  std::string log;
+  std::string relations;
+  std::string output;
+  std::vector<std::string> variants;  ///< assignments, separated by blanks
+  SettingsOptions settings;
+  DeviceOptions device;
+  ScanRange range;
+  bool quiet = false;
+};
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  std::size_t end = 0;
+  for (std::size_t begin = text.find_first_not_of(' '); begin != std::string::npos;
+       begin = text.find_first_not_of(' ', end)) {
+    end = std::min(text.find(' ', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+  }
+  return words;
+}
+
+std::vector<AblationVariant> variants_of(const AblationOptions& options) {
+  if (options.variants.empty()) return default_variants();
+  std::vector<AblationVariant> variants{{"as configured", {}}};
+  for (const std::string& text : options.variants) variants.push_back({text, words_of(text)});
+  return variants;
+}
+
+std::string sets_text(const std::vector<std::string>& sets) {
+  std::string text;
+  for (const std::string& set : sets) text += (text.empty() ? "`" : " `") + set + "`";
+  return text;
+}
+
+std::string error_text(const ErrorSummary& m, const ErrorSummary& deg) {
+  return fmt::format("{:.4f} ± {:.4f} m, {:.3f} ± {:.3f}°", m.mean, m.deviation, deg.mean, deg.deviation);
+}
+
+std::string row_of(const AblationVariant& variant, const MapOutcome& outcome, const RelationReport& report) {
+  const MapperStatistics& s = outcome.statistics;
+  const double rate = outcome.mapper_s > 0.0 ? static_cast<double>(s.scans) / outcome.mapper_s : 0.0;
+  return fmt::format("| {} | {} | {} | {} | {} | {:.0f} | {} | {} |\n", variant.name, sets_text(variant.sets),
+                     error_text(report.all.translation_m, report.all.rotation_deg),
+                     error_text(report.short_term.translation_m, report.short_term.rotation_deg),
+                     error_text(report.loops.translation_m, report.loops.rotation_deg), rate, s.keyframes, s.doubtful);
+}
+
+// A variant that cannot be run is a result too: its row says why.
+std::string run_variant(const AblationVariant& variant, const AblationOptions& options,
+                        const std::vector<Relation>& relations, Backend& backend) {
+  SettingsOptions chosen = options.settings;
+  chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
+  const Settings settings = load_settings(chosen);
+  MapJob job{.logs = {options.log},
+             .read = {},
+             .range = options.range,
+             .mapper = settings.mapper,
+             .occupancy = settings.occupancy,
+             .with_occupancy = false};
+  ProgressLine progress("scans, " + variant.name, options.quiet);
+  try {
+    const MapOutcome outcome =
+        MapRun(job, backend)
+            .run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
+                 [] { return interrupted(); });
+    if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; no table is written");
+    return row_of(variant, outcome, evaluate_relations(outcome.trajectory, relations));
+  } catch (const InputError& error) {
+    return fmt::format("| {} | {} | failed: {} | | | | | |\n", variant.name, sets_text(variant.sets), error.what());
+  }
+}
+
+int ablation(const AblationOptions& options) {
+  const std::vector<Relation> relations = read_relations(options.relations);
+  const std::vector<AblationVariant> variants = variants_of(options);
+  for (const AblationVariant& variant : variants) {  // a misspelt option must not show after an hour
+    SettingsOptions chosen = options.settings;
+    chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
+    load_settings(chosen);
+  }
+  const std::unique_ptr<Backend> backend = make_backend(options.device);
+  std::string table = fmt::format(
+      "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans a second inside the mapper on "
+      "{} ({}, {} thread{}).\n\n"
+      "| variant | options | all relations | short (≤ 20 s) | loops | scans/s | keyframes | doubtful |\n"
+      "|---|---|---|---|---|---|---|---|\n",
+      options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
+      backend->device().threads, backend->device().threads == 1 ? "" : "s");
+  for (const AblationVariant& variant : variants) {
+    const std::string row = run_variant(variant, options, relations, *backend);
+    if (!options.quiet) print_result(row);
+    table += row;
+  }
+  write_file_atomically(options.output, table);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void add_ablation_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<AblationOptions>();
+  CLI::App* command = app.add_subcommand("ablation", "What each choice of the method is worth on a log, as a table");
+  command->add_option("log", options->log, "CARMEN log, plain or gzip")->required()->type_name("LOG");
+  command->add_option("--relations", options->relations, "Verified relations of the log, plain or gzip")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("-o,--output", options->output, "The Markdown table to write")->required()->type_name("FILE");
+  command
+      ->add_option("--variant", options->variants,
+                   "Compare this instead of the standard list: assignments separated by blanks; may be repeated")
+      ->type_name("\"PATH=VALUE ...\"")
+      ->allow_extra_args(false);
+  add_settings_options(*command, options->settings);
+  add_device_options(*command, options->device);
+  command->add_option("--skip", options->range.skip, "Leave out the first N scans")->type_name("N");
+  command->add_option("--first", options->range.count, "Map N scans only")->type_name("N");
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->footer(
+      "Every variant maps the whole log with the configuration of -c and --set and its own assignments on top.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam ablation intel.clf.gz --relations intel.relations.gz -o ablation.md\n"
+      "  gdtslam ablation drive.log --relations drive.relations -o kappa.md --variant merge.kappa=0.25 \\\n"
+      "      --variant \"merge.kappa=0.75 merge.threshold=0.1\"");
+  command->callback([options, &context] { context.run = [options] { return ablation(*options); }; });
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,140 @@
+// gdtslam map: a log of laser and odometry to a map and a trajectory.
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "device_option.hpp"
+#include "did_you_mean.hpp"
+#include "gdtslam/core/error.hpp"
+#include "interrupt.hpp"
+#include "map_run.hpp"
+#include "progress.hpp"
+#include "run_folder.hpp"
+#include "run_output.hpp"
+#include "settings.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostDoubtsShown = 5;
+
+struct MapOptions {
+  std::vector<std::string> logs;
+  std::string folder;  ///< empty: runs/<log>-<UTC time>
+  std::string matcher;
+  SettingsOptions settings;
+  DeviceOptions device;
+  ReadOptions read;
+  ScanRange range;
+  bool json = false;
+  bool quiet = false;
+};
+
+// --matcher is short for --set match.matcher and comes last, so that the command line beats the file.
+Settings settings_of(const MapOptions& options) {
+  SettingsOptions settings = options.settings;
+  if (!options.matcher.empty()) settings.sets.push_back("match.matcher=" + options.matcher);
+  return load_settings(settings);
+}
+
+std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
+  const MapperStatistics& s = outcome.statistics;
+  const double rate = outcome.wall_s > 0.0 ? static_cast<double>(s.scans) / outcome.wall_s : 0.0;
+  return fmt::format(
+      "{} scans, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
+      "{:.2f} s ({:.0f} scans/s, {:.0f} times real time)\n"
+      "results in {}\n",
+      s.scans, s.matched, s.doubtful, s.keyframes, s.path_m, outcome.wall_s, rate,
+      outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, folder);
+}
+
+void print_remarks(const MapOutcome& outcome) {
+  for (const LogReader::Warning& warning : outcome.warnings) {
+    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
+  }
+  for (std::size_t k = 0; k < outcome.doubtful.size() && k < kMostDoubtsShown; ++k) {
+    const DoubtfulScan& scan = outcome.doubtful[k];
+    print_remark(fmt::format("doubtful scan {} at {:.6f} s: {}, {}", scan.index, scan.stamp_s, name_of(scan.reason),
+                             scan.accepted ? "matched with weak evidence" : "the prediction is taken"));
+  }
+  if (outcome.doubtful.size() > kMostDoubtsShown) {
+    print_remark(
+        fmt::format("and {} more doubtful scans; report.json lists all", outcome.doubtful.size() - kMostDoubtsShown));
+  }
+}
+
+int map(const MapOptions& options) {
+  Settings settings = settings_of(options);
+  const std::unique_ptr<Backend> backend = make_backend(options.device);
+  const MapJob job{.logs = options.logs,
+                   .read = options.read,
+                   .range = options.range,
+                   .mapper = settings.mapper,
+                   .occupancy = settings.occupancy};
+  MapRun run(job, *backend);
+  RunFolder folder(options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder);
+  ProgressLine progress("scans", options.quiet);
+  const MapOutcome outcome = run.run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
+                                     [] { return interrupted(); });
+  progress.clear();
+  const std::string report = write_run(folder, job, outcome, run.mapper(), backend->device(), settings);
+  if (options.folder.empty()) link_latest(folder.path());
+  if (!options.quiet) print_remarks(outcome);
+  if (options.json) {
+    print_result(report);
+  } else if (!options.quiet) {
+    print_result(summary_of(outcome, folder.path()));
+  }
+  if (!outcome.interrupted) return static_cast<int>(ExitCode::kDone);
+  print_remark(
+      fmt::format("interrupted after {} scans; their results are in {}", outcome.trajectory.size(), folder.path()));
+  return static_cast<int>(ExitCode::kInterrupted);
+}
+
+void add_input_options(CLI::App& command, MapOptions& options) {
+  command
+      .add_option("log", options.logs, "CARMEN logs, plain or gzip, mapped one after the other; - is standard input")
+      ->required()
+      ->type_name("LOG");
+  command.add_flag("--lenient", options.read.lenient, "Count and skip malformed lines instead of failing");
+  command.add_option("--skip", options.range.skip, "Leave out the first N scans")->type_name("N");
+  command.add_option("--first", options.range.count, "Map N scans only")->type_name("N");
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<MapOptions>();
+  CLI::App* command =
+      app.add_subcommand("map", "Map a log: occupancy map, distance field, trajectory, picture, report");
+  add_input_options(*command, *options);
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder of the results; made if need be, old results are replaced when all is done\n"
+                   "(default: runs/<log>-<UTC time>, with a link runs/latest)")
+      ->type_name("DIR");
+  add_settings_options(*command, options->settings);
+  command->add_option("--matcher", options->matcher, "simplex or exhaustive; short for --set match.matcher=NAME")
+      ->type_name("NAME");
+  add_device_options(*command, options->device);
+  command->add_flag("--json", options->json, "Print report.json on standard output");
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->footer(
+      "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
+      "trajectory.tum, overview.png, config.yaml and report.json.\n"
+      "An interrupt (Ctrl-C) finishes the scan in hand and writes what there is, exit 130.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam map intel.clf.gz -o intel\n"
+      "  gdtslam map intel.clf.gz -o fast --matcher simplex --set search.when=suspect\n"
+      "  gdtslam map office.log -c my.yaml --set map.resolution=\"10 cm\" --json | jq .scans_per_s\n"
+      "  zcat drive.log.gz | gdtslam map - -o drive");
+  command->callback([options, &context] { context.run = [options] { return map(*options); }; });
+}
+
+}  // namespace gdtslam

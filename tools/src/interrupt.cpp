@@ -1,0 +1,38 @@
+#include "interrupt.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+
+namespace gdtslam {
+namespace {
+
+volatile std::sig_atomic_t g_interrupted = 0;
+int g_empty_input = -1;
+
+// A read that is blocked on standard input returns, is tried again and then finds the end of the file.
+extern "C" void on_interrupt(int /*signal*/) {
+  const int saved_errno = errno;
+  g_interrupted = 1;
+  if (g_empty_input >= 0) ::dup2(g_empty_input, STDIN_FILENO);
+  errno = saved_errno;
+}
+
+}  // namespace
+
+void install_interrupt_handlers() {
+  g_empty_input = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // no SA_RESTART; the second signal has its default effect
+  ::sigemptyset(&action.sa_mask);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+bool interrupted() { return g_interrupted != 0; }
+
+}  // namespace gdtslam

@@ -1,0 +1,259 @@
+#include "log_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <variant>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kStepBins = 10001;   // milliseconds
+constexpr std::size_t kRangeBins = 20001;  // centimetres
+constexpr std::size_t kMostLayouts = 16;
+constexpr double kShortestGap_s = 1.0;
+constexpr double kGapSteps = 5.0;  // a gap is this many usual steps, and at least kShortestGap_s
+constexpr double kMountShift_m = 1e-3;
+constexpr double kMountTurn_rad = 0.1 * kPi / 180.0;
+
+std::size_t bin_of(double value, std::size_t bins) {
+  const double bin = std::floor(value + 0.5);
+  return bin < static_cast<double>(bins - 1) ? static_cast<std::size_t>(std::max(bin, 0.0)) : bins - 1;
+}
+
+// The bin that holds the given share of all counts.
+std::size_t quantile_bin(const std::vector<std::uint64_t>& histogram, double share) {
+  const auto total = std::accumulate(histogram.begin(), histogram.end(), std::uint64_t{0});
+  const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(total));
+  std::uint64_t sum = 0;
+  for (std::size_t bin = 0; bin < histogram.size(); ++bin) {
+    sum += histogram[bin];
+    if (sum > wanted) return bin;
+  }
+  return 0;
+}
+
+// Sensors report "no return" as one large constant: a lonely spike at the upper end of the ranges.
+bool is_spike(const std::vector<std::uint64_t>& histogram, std::size_t bin, std::uint64_t total) {
+  constexpr std::size_t kNeighbourhood = 50;
+  constexpr std::uint64_t kRatio = 20;
+  if (histogram[bin] < std::max<std::uint64_t>(10, total / 10000)) return false;
+  std::vector<std::uint64_t> around;
+  for (std::size_t k = bin - std::min(bin, kNeighbourhood); k < std::min(histogram.size(), bin + kNeighbourhood + 1);
+       ++k) {
+    if (k != bin) around.push_back(histogram[k]);
+  }
+  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+  return histogram[bin] > kRatio * around[around.size() / 2];
+}
+
+std::vector<std::size_t> no_return_bins(const std::vector<std::uint64_t>& histogram, std::uint64_t total) {
+  std::size_t highest = histogram.size();
+  while (highest > 0 && histogram[highest - 1] == 0) --highest;
+  std::vector<std::size_t> found;
+  for (std::size_t bin = highest * 4 / 5; bin < highest; ++bin) {
+    if (bin >= 100 && is_spike(histogram, bin, total)) found.push_back(bin);
+  }
+  return found;
+}
+
+}  // namespace
+
+void EventList::add(const LogEvent& event, double size) {
+  ++count;
+  largest = std::max(largest, size);
+  if (first.size() < kMostListed) first.push_back(event);
+}
+
+void LogChecker::add(const LogRecord& record) {
+  if (const auto* scan = std::get_if<ScanRecord>(&record)) add_scan(*scan);
+  if (const auto* odometry = std::get_if<Odometry>(&record)) {
+    ++check_.odometry_records;
+    if (check_.scans_with_odometry == 0) add_odometry(odometry->stamp_s, odometry->T_odom_base);
+  }
+  if (std::holds_alternative<Encoder>(record)) ++check_.encoder_records;
+  if (std::holds_alternative<Tilt>(record)) ++check_.tilt_records;
+  if (std::holds_alternative<Parameter>(record)) ++check_.parameters;
+}
+
+void LogChecker::add_scan(const ScanRecord& record) {
+  add_time(record.scan.stamp_s);
+  if (record.T_odom_base) {
+    if (check_.scans_with_odometry++ == 0) last_odometry_.reset();  // from here on only the scans' own odometry counts
+    add_odometry(record.scan.stamp_s, *record.T_odom_base);
+  }
+  add_ranges(record.scan);
+  add_layout(record.scan);
+  add_mount(record.scan.T_base_laser);
+  ++check_.scans;
+}
+
+void LogChecker::add_time(double stamp_s) {
+  if (!last_scan_s_) {
+    check_.first_stamp_s = stamp_s;
+    check_.last_stamp_s = stamp_s;
+    last_scan_s_ = stamp_s;
+    return;
+  }
+  check_.first_stamp_s = std::min(check_.first_stamp_s, stamp_s);
+  check_.last_stamp_s = std::max(check_.last_stamp_s, stamp_s);
+  const double step_s = stamp_s - *last_scan_s_;
+  last_scan_s_ = stamp_s;
+  const LogEvent event{.scan = check_.scans, .stamp_s = stamp_s, .time_step_s = step_s};
+  if (step_s < 0.0) {
+    check_.backward_stamps.add(event, -step_s);
+  } else if (step_s == 0.0) {
+    check_.repeated_stamps.add(event, 0.0);
+  } else {
+    steps_ms_.resize(kStepBins);
+    ++steps_ms_[bin_of(step_s * 1e3, kStepBins)];
+    const auto place = std::find_if(longest_steps_.begin(), longest_steps_.end(),
+                                    [step_s](const LogEvent& e) { return e.time_step_s < step_s; });
+    longest_steps_.insert(place, event);
+    if (longest_steps_.size() > EventList::kMostListed) longest_steps_.pop_back();
+  }
+}
+
+void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base) {
+  if (!T_odom_base.is_finite()) return;  // the reader counts it
+  if (last_odometry_) {
+    const Pose2 step = between(last_odometry_->T_map_base, T_odom_base);
+    const double distance_m = step.translation().norm();
+    const double angle_rad = std::fabs(step.theta_rad);
+    const double step_s = stamp_s - last_odometry_->stamp_s;
+    const double allowed_s = step_s > 0.0 ? std::min(step_s, bounds_.longest_s) : bounds_.unknown_s;
+    if (distance_m > bounds_.distance_m + bounds_.speed_m_s * allowed_s ||
+        angle_rad > bounds_.angle_rad + bounds_.turn_rate_rad_s * allowed_s) {
+      check_.impossible_steps.add({check_.scans, stamp_s, step_s, distance_m, angle_rad}, distance_m);
+    } else {
+      check_.path_m += distance_m;
+      check_.turned_rad += angle_rad;
+    }
+    if (T_odom_base == last_odometry_->T_map_base) ++check_.still_scans;
+  }
+  last_odometry_ = {stamp_s, T_odom_base};
+}
+
+void LogChecker::add_ranges(const LaserScan& scan) {
+  ranges_cm_.resize(kRangeBins);
+  check_.ranges.beams += scan.ranges_m.size();
+  bool has_return = false;
+  for (const float range : scan.ranges_m) {
+    const auto range_m = static_cast<double>(range);
+    if (!std::isfinite(range_m)) {
+      ++check_.ranges.not_finite;
+    } else if (scan.max_range_m > 0.0 && range_m >= scan.max_range_m) {
+      ++beyond_stated_;
+    } else {
+      has_return = has_return || range_m > 0.0;
+      ++ranges_cm_[bin_of(range_m * 100.0, kRangeBins)];
+    }
+  }
+  if (!has_return) ++check_.scans_without_returns;
+}
+
+void LogChecker::add_layout(const LaserScan& scan) {
+  for (BeamLayout& layout : check_.layouts) {
+    if (layout.beams == scan.ranges_m.size() && layout.first_bearing_rad == scan.first_bearing_rad &&
+        layout.step_rad == scan.bearing_step_rad && layout.max_range_m == scan.max_range_m) {
+      ++layout.scans;
+      return;
+    }
+  }
+  if (check_.layouts.size() == kMostLayouts) {
+    ++check_.other_layouts;
+    return;
+  }
+  check_.layouts.push_back({scan.ranges_m.size(), scan.first_bearing_rad, scan.bearing_step_rad, scan.max_range_m, 1});
+}
+
+void LogChecker::add_mount(const Pose2& T_base_laser) {
+  if (!check_.T_base_laser) {
+    check_.T_base_laser = T_base_laser;
+    return;
+  }
+  const Pose2 change = between(*check_.T_base_laser, T_base_laser);
+  if (change.translation().norm() > kMountShift_m || std::fabs(change.theta_rad) > kMountTurn_rad) {
+    ++check_.mount_changes;
+  }
+}
+
+void LogChecker::finish_times(LogCheck& check) const {
+  if (steps_ms_.empty()) return;
+  check.median_step_s = static_cast<double>(quantile_bin(steps_ms_, 0.5)) * 1e-3;
+  const double longest_s = static_cast<double>(kStepBins - 1) * 1e-3;
+  check.gap_bound_s = std::min(std::max(kShortestGap_s, kGapSteps * check.median_step_s), longest_s);
+  for (std::size_t bin = bin_of(check.gap_bound_s * 1e3, kStepBins); bin < steps_ms_.size(); ++bin) {
+    check.gaps.count += steps_ms_[bin];
+  }
+  for (const LogEvent& event : longest_steps_) {
+    if (check.gaps.first.size() < check.gaps.count) check.gaps.first.push_back(event);
+  }
+  if (check.gaps.count > 0) check.gaps.largest = longest_steps_.front().time_step_s;
+}
+
+void LogChecker::finish_ranges(LogCheck& check) const {
+  if (ranges_cm_.empty()) return;
+  RangeStatistics& ranges = check.ranges;
+  std::vector<std::uint64_t> returns = ranges_cm_;
+  ranges.no_return_count = beyond_stated_;
+  for (const std::size_t bin : no_return_bins(ranges_cm_, ranges.beams)) {
+    ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
+    ranges.no_return_count += returns[bin];
+    returns[bin] = 0;
+  }
+  returns.front() = 0;  // a range of zero is none
+  ranges.returns = std::accumulate(returns.begin(), returns.end(), std::uint64_t{0});
+  if (ranges.returns == 0) return;
+  ranges.shortest_m = static_cast<double>(quantile_bin(returns, 0.0)) / 100.0;
+  ranges.median_m = static_cast<double>(quantile_bin(returns, 0.5)) / 100.0;
+  std::size_t last = returns.size();
+  while (returns[last - 1] == 0) --last;
+  ranges.longest_m = static_cast<double>(last - 1) / 100.0;
+}
+
+LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) const {
+  LogCheck check = check_;
+  check.warnings = warnings;
+  finish_times(check);
+  finish_ranges(check);
+  return check;
+}
+
+std::string LogCheck::obstacle() const {
+  if (scans == 0) return "it holds no laser scan";
+  if (ranges.returns == 0) return "no beam of any scan has a return";
+  return "";
+}
+
+std::vector<std::string> LogCheck::suggestions() const {
+  std::vector<std::string> list;
+  const auto warned = [this](std::string_view kind) {
+    return std::any_of(warnings.begin(), warnings.end(), [kind](const auto& w) { return w.kind == kind; });
+  };
+  if (warned("malformed line")) list.emplace_back("map it with --lenient, which skips the malformed lines");
+  if (scans_with_odometry == 0 && odometry_records == 0 && scans > 0) {
+    list.emplace_back(
+        "there is no odometry: scans are matched to the map alone; slow motion and rich surroundings help");
+  }
+  if (impossible_steps.count > 0) {
+    list.emplace_back(
+        "the odometry jumps: the search window grows with the step (search.half_width_per_metre, "
+        "search.half_angle_per_radian); look at the doubtful scans of the report");
+  }
+  if (backward_stamps.count > 0) list.emplace_back("stamps go backward: the order of the file is kept, do not sort it");
+  if (gaps.count > 0) list.emplace_back("the robot may have moved in the gaps; odometry must carry over them");
+  if (layouts.size() > 1) list.emplace_back("the beams change within the log: check that it holds one sensor only");
+  if (mount_changes > 0) {
+    list.emplace_back("the laser moves on the robot: the laser poses of the log may be corrected ones, not odometry");
+  }
+  if (encoder_records + tilt_records > 0) {
+    list.emplace_back("the scanner nods: this version maps every scan as if it were level");
+  }
+  return list;
+}
+
+}  // namespace gdtslam

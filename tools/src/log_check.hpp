@@ -1,0 +1,125 @@
+// What is in a log and what is wrong with it, from one pass over its records; the work of `gdtslam doctor`. Metres,
+// radians, seconds. Memory is bounded: faults are counted, the first of each kind are listed, ranges go into a
+// histogram. One check belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+/// Bounds beyond which a step of the odometry is impossible: this much at once, and this much more per second.
+struct StepBounds {
+  double distance_m = 0.1;
+  double speed_m_s = 3.0;
+  double angle_rad = 0.17453292519943295;     ///< 10 degrees
+  double turn_rate_rad_s = 3.14159265358979;  ///< 180 degrees a second
+  double longest_s = 2.0;                     ///< longer pauses allow no more than this one
+  double unknown_s = 0.25;                    ///< assumed where the clock stood still or went backward
+};
+
+/// A place in the log where something is odd: the scan's index from 0, its stamp and sizes that depend on the kind.
+struct LogEvent {
+  std::uint64_t scan = 0;
+  double stamp_s = 0.0;
+  double time_step_s = 0.0;
+  double distance_m = 0.0;
+  double angle_rad = 0.0;
+};
+
+/// Events of one kind: how many, the first few, the largest.
+struct EventList {
+  static constexpr std::size_t kMostListed = 20;
+  std::uint64_t count = 0;
+  std::vector<LogEvent> first;
+  double largest = 0.0;
+  void add(const LogEvent& event, double size);
+};
+
+/// Layout of the beams and how many scans have it.
+struct BeamLayout {
+  std::size_t beams = 0;
+  double first_bearing_rad = 0.0;
+  double step_rad = 0.0;
+  double max_range_m = 0.0;  ///< as the log states it; 0: it does not
+  std::uint64_t scans = 0;
+};
+
+/// What the ranges look like.
+struct RangeStatistics {
+  std::uint64_t beams = 0;
+  std::uint64_t not_finite = 0;
+  std::uint64_t returns = 0;          ///< finite, positive, below every no-return value
+  std::vector<double> no_return_m;    ///< constants that stand for "no return", to a centimetre
+  std::uint64_t no_return_count = 0;  ///< beams with such a constant
+  double shortest_m = 0.0;
+  double median_m = 0.0;
+  double longest_m = 0.0;
+};
+
+struct LogCheck {
+  std::uint64_t scans = 0;
+  std::uint64_t scans_with_odometry = 0;
+  std::uint64_t odometry_records = 0;
+  std::uint64_t encoder_records = 0;
+  std::uint64_t tilt_records = 0;
+  std::uint64_t parameters = 0;
+  double first_stamp_s = 0.0;  ///< earliest
+  double last_stamp_s = 0.0;   ///< latest
+  double median_step_s = 0.0;  ///< between scans, forward steps only
+  EventList gaps;              ///< time without a scan
+  EventList backward_stamps;
+  EventList repeated_stamps;
+  EventList impossible_steps;  ///< of the odometry
+  double gap_bound_s = 0.0;
+  double path_m = 0.0;            ///< by odometry, impossible steps left out
+  double turned_rad = 0.0;        ///< sum of the absolute turns, likewise
+  std::uint64_t still_scans = 0;  ///< odometry equal to that of the scan before
+  std::vector<BeamLayout> layouts;
+  std::uint64_t other_layouts = 0;  ///< scans of layouts beyond the listed ones
+  RangeStatistics ranges;
+  std::optional<Pose2> T_base_laser;  ///< of the first scan
+  std::uint64_t mount_changes = 0;    ///< scans whose mount differs from it by more than 1 mm or 0.1 degrees
+  std::uint64_t scans_without_returns = 0;
+  std::vector<LogReader::Warning> warnings;
+
+  [[nodiscard]] double duration_s() const { return last_stamp_s - first_stamp_s; }
+  /// Why the log cannot be mapped at all; empty when it can.
+  [[nodiscard]] std::string obstacle() const;
+  /// What the user may want to do about it, a sentence each.
+  [[nodiscard]] std::vector<std::string> suggestions() const;
+};
+
+/// Collects a LogCheck record by record.
+class LogChecker {
+ public:
+  explicit LogChecker(const StepBounds& bounds) : bounds_(bounds) {}
+  void add(const LogRecord& record);
+  /// The result; the warnings are the reader's.
+  [[nodiscard]] LogCheck finish(const std::vector<LogReader::Warning>& warnings) const;
+
+ private:
+  void add_scan(const ScanRecord& record);
+  void add_time(double stamp_s);
+  void add_odometry(double stamp_s, const Pose2& T_odom_base);
+  void add_ranges(const LaserScan& scan);
+  void add_layout(const LaserScan& scan);
+  void add_mount(const Pose2& T_base_laser);
+  void finish_times(LogCheck& check) const;
+  void finish_ranges(LogCheck& check) const;
+
+  StepBounds bounds_;
+  LogCheck check_;
+  std::optional<StampedPose> last_odometry_;
+  std::optional<double> last_scan_s_;
+  std::vector<std::uint64_t> steps_ms_;   ///< histogram of the forward steps, the last bin open
+  std::vector<LogEvent> longest_steps_;   ///< the longest first
+  std::vector<std::uint64_t> ranges_cm_;  ///< histogram of the finite ranges, the last bin open
+  std::uint64_t beyond_stated_ = 0;       ///< finite ranges at or above the limit that the log states
+};
+
+}  // namespace gdtslam

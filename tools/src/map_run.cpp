@@ -1,0 +1,90 @@
+#include "map_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <limits>
+#include <optional>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double>(end - begin).count();
+}
+
+OccupancyBuilder::Limits limits_of(const MapperConfig& config) {
+  return {.resolution_m = config.map.resolution_m,
+          .min_range_m = config.scan.min_range_m,
+          .max_range_m = config.scan.max_range_m,
+          .max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U};
+}
+
+}  // namespace
+
+double process_cpu_s() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+MapRun::MapRun(const MapJob& job, Backend& backend)
+    : with_occupancy_(job.with_occupancy),
+      logs_(job.logs),
+      scans_(job.logs, job.read, job.range),
+      mapper_(job.mapper, backend),
+      occupancy_(job.occupancy, limits_of(job.mapper)) {}
+
+void MapRun::note(const MatchResult& result, MapOutcome& outcome) const {
+  if (result.doubt != Doubt::kNone) {
+    outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted});
+  }
+  if (result.merged) outcome.keyframes.push_back(outcome.trajectory.size());
+  outcome.trajectory.push_back({result.stamp_s, result.T_map_base});
+}
+
+MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& stop) {
+  MapOutcome outcome;
+  double first_s = std::numeric_limits<double>::infinity();
+  double last_s = -first_s;
+  const double cpu_start_s = process_cpu_s();
+  const Clock::time_point start = Clock::now();
+  Clock::time_point before = start;
+  while (!(outcome.interrupted = stop())) {
+    const std::optional<ScanRecord> record = scans_.next();
+    const Clock::time_point read = Clock::now();
+    outcome.read_s += seconds_between(before, read);
+    before = read;
+    if (!record) break;
+    const MatchResult result = mapper_.process(record->scan, record->T_odom_base);
+    const Clock::time_point mapped = Clock::now();
+    outcome.mapper_s += seconds_between(read, mapped);
+    if (with_occupancy_ && result.accepted) occupancy_.add(record->scan, result.T_map_base);
+    note(result, outcome);
+    first_s = std::min(first_s, result.stamp_s);
+    last_s = std::max(last_s, result.stamp_s);
+    before = Clock::now();
+    outcome.occupancy_s += seconds_between(mapped, before);
+    progress(outcome.trajectory.size(), scans_.progress());
+  }
+  outcome.interrupted = stop();
+  outcome.warnings = scans_.warnings();
+  outcome.statistics = mapper_.statistics();
+  if (outcome.trajectory.empty()) {
+    if (outcome.interrupted)
+      throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+    throw InputError({logs_.front(), 0}, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
+  }
+  if (with_occupancy_) outcome.occupancy = occupancy_.build();
+  outcome.occupancy_s += seconds_between(before, Clock::now());
+  outcome.log_duration_s = last_s - first_s;
+  outcome.wall_s = seconds_between(start, Clock::now());
+  outcome.cpu_s = process_cpu_s() - cpu_start_s;
+  return outcome;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,77 @@
+// Maps whole logs: feeds every scan to a Mapper, keeps the trajectory, the evidence against doubtful scans and the
+// occupancy map. Used by the commands map and ablation. One run belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+#include "scan_stream.hpp"
+
+namespace gdtslam {
+
+/// What to map, and how.
+struct MapJob {
+  std::vector<std::string> logs;
+  ReadOptions read;
+  ScanRange range;
+  MapperConfig mapper;
+  OccupancyConfig occupancy;
+  bool with_occupancy = true;
+};
+
+/// A scan whose match is in doubt.
+struct DoubtfulScan {
+  std::uint64_t index = 0;  ///< in the trajectory, from 0
+  double stamp_s = 0.0;
+  Doubt reason = Doubt::kNone;
+  bool accepted = false;
+};
+
+struct MapOutcome {
+  Trajectory trajectory;
+  std::vector<DoubtfulScan> doubtful;
+  std::vector<std::size_t> keyframes;  ///< indices into the trajectory
+  OccupancyMap occupancy;
+  MapperStatistics statistics;
+  std::vector<LogReader::Warning> warnings;
+  double log_duration_s = 0.0;  ///< between the earliest and the latest stamp
+  double wall_s = 0.0;          ///< of the whole run, reading included
+  double cpu_s = 0.0;           ///< of the process during the run
+  double read_s = 0.0;
+  double mapper_s = 0.0;  ///< inside Mapper::process
+  double occupancy_s = 0.0;
+  bool interrupted = false;
+};
+
+class MapRun {
+ public:
+  /// Opens the first log and prepares the mapper. Throws ConfigError, InputError or FileError.
+  MapRun(const MapJob& job, Backend& backend);
+
+  /// Called after each scan with the number of scans and the share done (negative when unknown).
+  using Progress = std::function<void(std::uint64_t, double)>;
+  /// Runs to the end, or until stop() is true. Throws InputError when the logs hold no scan.
+  MapOutcome run(const Progress& progress, const std::function<bool()>& stop);
+
+  [[nodiscard]] const Mapper& mapper() const { return mapper_; }
+
+ private:
+  void note(const MatchResult& result, MapOutcome& outcome) const;
+
+  bool with_occupancy_;
+  std::vector<std::string> logs_;
+  ScanStream scans_;
+  Mapper mapper_;
+  OccupancyBuilder occupancy_;
+};
+
+/// CPU time of this process so far, seconds.
+double process_cpu_s();
+
+}  // namespace gdtslam

@@ -1,0 +1,72 @@
+#include "progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace gdtslam {
+namespace {
+
+constexpr std::chrono::milliseconds kRedrawInterval{100};
+constexpr double kLongestShown_s = 100.0 * 3600.0;
+
+std::string with_thousands(std::uint64_t value) {
+  const std::string digits = std::to_string(value);
+  std::string text;
+  for (std::size_t k = 0; k < digits.size(); ++k) {
+    if (k > 0 && (digits.size() - k) % 3 == 0) text += ',';
+    text += digits[k];
+  }
+  return text;
+}
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(std::ceil(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{}:{:02} min", whole / 60, whole % 60);
+  return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine(std::string unit, bool quiet)
+    : unit_(std::move(unit)), enabled_(!quiet && ::isatty(STDERR_FILENO) == 1), start_(Clock::now()), last_(start_) {}
+
+ProgressLine::~ProgressLine() { clear(); }
+
+std::string ProgressLine::text(const std::string& unit, std::uint64_t count, double share, double elapsed_s) {
+  std::string line;
+  if (share >= 0.0) line += fmt::format("{:3.0f} %  ", 100.0 * share);
+  line += fmt::format("{} {}", with_thousands(count), unit);
+  if (elapsed_s > 0.0) {
+    line += fmt::format("  {}/s", with_thousands(static_cast<std::uint64_t>(static_cast<double>(count) / elapsed_s)));
+  }
+  if (share > 0.0 && share <= 1.0) {
+    const double left_s = elapsed_s * (1.0 - share) / share;
+    if (left_s < kLongestShown_s) line += fmt::format("  {} left", duration_text(left_s));
+  }
+  return line;
+}
+
+void ProgressLine::update(std::uint64_t count, double share) {
+  if (!enabled_) return;
+  const Clock::time_point now = Clock::now();
+  if (now - last_ < kRedrawInterval) return;
+  last_ = now;
+  drawn_ = true;
+  const double elapsed_s = std::chrono::duration<double>(now - start_).count();
+  fmt::print(stderr, "\r\x1b[K{}", text(unit_, count, share, elapsed_s));
+  std::fflush(stderr);
+}
+
+void ProgressLine::clear() {
+  if (!drawn_) return;
+  drawn_ = false;
+  fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,119 @@
+#include "run_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <ctime>
+#include <system_error>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/atomic_file.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
+
+std::string text_of(int code) { return std::generic_category().message(code); }
+
+// Staging folders of processes that were killed.
+void remove_leftovers(const fs::path& folder) {
+  std::error_code ignored;  // what cannot be listed or removed is not in the way
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kStagingPrefix)) continue;
+    pid_t process = 0;
+    const char* const digits = name.data() + kStagingPrefix.size();
+    const auto parsed = std::from_chars(digits, name.data() + name.size(), process);
+    const bool is_dead = parsed.ec == std::errc{} && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
+    if (is_dead) fs::remove_all(entry.path(), ignored);
+  }
+}
+
+void sync_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) throw FileError(folder.string(), "cannot be opened: " + text_of(errno));
+  const int failed = ::fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno;  // EINVAL: no such thing there
+  ::close(descriptor);
+  if (failed != 0) throw FileError(folder.string(), "cannot be synced: " + text_of(failed));
+}
+
+// "intel" from "../data/intel.clf.gz".
+std::string stem_of(const std::string& log) {
+  if (log == "-") return "stdin";
+  fs::path name = fs::path(log).filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
+
+std::string utc_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  return fmt::format("{:04}{:02}{:02}T{:02}{:02}{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour,
+                     utc.tm_min, utc.tm_sec);
+}
+
+}  // namespace
+
+RunFolder::RunFolder(const std::string& path) : folder_(path) {
+  std::error_code ignored;
+  is_new_ = !fs::exists(folder_, ignored);
+  make_folder(path);
+  remove_leftovers(folder_);
+  staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
+  std::error_code failed;
+  fs::remove_all(staging_, failed);
+  if (!fs::create_directory(staging_, failed)) {
+    throw FileError(path, "cannot be written to: " + failed.message());
+  }
+}
+
+RunFolder::~RunFolder() {
+  std::error_code ignored;
+  fs::remove_all(staging_, ignored);
+  if (is_new_) fs::remove(folder_, ignored);  // succeeds only when it is empty
+}
+
+std::string RunFolder::staged(std::string_view name) {
+  names_.emplace_back(name);
+  return (staging_ / name).string();
+}
+
+void RunFolder::commit() {
+  for (const std::string& name : names_) {
+    std::error_code failed;
+    fs::rename(staging_ / name, folder_ / name, failed);
+    if (failed) throw FileError(file(name), "cannot be replaced: " + failed.message());
+  }
+  names_.clear();
+  sync_folder(folder_);
+}
+
+std::string default_run_folder(const std::string& log) {
+  const std::string base = fmt::format("runs/{}-{}", stem_of(log), utc_time());
+  std::string path = base;
+  std::error_code ignored;
+  for (int k = 2; fs::exists(path, ignored); ++k) path = fmt::format("{}-{}", base, k);
+  return path;
+}
+
+void link_latest(const std::string& run_folder) {
+  const fs::path folder(run_folder);
+  const fs::path link = folder.parent_path() / "latest";
+  std::error_code failed;
+  if (fs::exists(fs::symlink_status(link, failed)) && !fs::is_symlink(fs::symlink_status(link, failed))) return;
+  const fs::path temporary = folder.parent_path() / fmt::format(".latest-{}", ::getpid());
+  fs::remove(temporary, failed);
+  fs::create_directory_symlink(folder.filename(), temporary, failed);
+  if (!failed) fs::rename(temporary, link, failed);
+  if (failed) throw FileError(link.string(), "cannot be linked to the run: " + failed.message());
+}
+
+}  // namespace gdtslam

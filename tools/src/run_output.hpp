@@ -1,0 +1,17 @@
+// Writes what a run made into its folder: map, distance field, trajectory, picture, configuration and report.
+#pragma once
+
+#include <string>
+
+#include "gdtslam/compute/backend.hpp"
+#include "map_run.hpp"
+#include "run_folder.hpp"
+#include "settings.hpp"
+
+namespace gdtslam {
+
+/// All files of the run, all or nothing; returns the text of report.json. Throws FileError.
+std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const Mapper& mapper,
+                      const DeviceInfo& device, Settings settings);
+
+}  // namespace gdtslam

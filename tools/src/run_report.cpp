@@ -1,0 +1,84 @@
+#include "run_report.hpp"
+
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/sha256.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
+
+Json device_json(const DeviceInfo& device) {
+  return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
+}
+
+Json stages_json(const MapOutcome& outcome, double written_s) {
+  const StageTimes& stages = outcome.statistics.stages;
+  return {{"read", outcome.read_s},     {"predict", stages.predict_s},         {"match", stages.match_s},
+          {"search", stages.search_s},  {"local_field", stages.local_field_s}, {"merge", stages.merge_s},
+          {"mapper", outcome.mapper_s}, {"occupancy", outcome.occupancy_s},    {"write", written_s}};
+}
+
+Json geometry_json(const GridGeometry& geometry) {
+  return {{"resolution_m", geometry.resolution_m},
+          {"origin_m", {geometry.origin_x_m, geometry.origin_y_m}},
+          {"width", geometry.width},
+          {"height", geometry.height}};
+}
+
+Json warnings_json(const std::vector<LogReader::Warning>& warnings) {
+  Json counts = Json::object();
+  for (const LogReader::Warning& warning : warnings) counts[warning.kind] = warning.count;
+  return counts;
+}
+
+Json doubtful_json(const std::vector<DoubtfulScan>& doubtful) {
+  Json list = Json::array();
+  for (const DoubtfulScan& scan : doubtful) {
+    list.push_back({{"index", scan.index},
+                    {"stamp_s", scan.stamp_s},
+                    {"reason", name_of(scan.reason)},
+                    {"accepted", scan.accepted}});
+  }
+  return list;
+}
+
+}  // namespace
+
+Json report_of(const MapJob& job, const MapOutcome& outcome, const Mapper& mapper, const DeviceInfo& device,
+               double written_s) {
+  const MapperStatistics& statistics = outcome.statistics;
+  const auto scans = static_cast<double>(statistics.scans);
+  Json report;
+  report["format"] = kReportVersion;
+  report["version"] = GDTSLAM_VERSION;
+  report["device"] = device_json(device);
+  report["log"] = job.logs;
+  report["interrupted"] = outcome.interrupted;
+  report["scans"] = statistics.scans;
+  report["matched"] = statistics.matched;
+  report["doubtful"] = statistics.doubtful;
+  report["keyframes"] = statistics.keyframes;
+  report["searches"] = statistics.searches;
+  report["evaluations"] = statistics.evaluations;
+  report["path_m"] = statistics.path_m;
+  report["log_duration_s"] = outcome.log_duration_s;
+  report["wall_s"] = outcome.wall_s;
+  report["cpu_s"] = outcome.cpu_s;
+  report["scans_per_s"] = ratio(scans, outcome.wall_s);
+  report["mapper_scans_per_s"] = ratio(scans, outcome.mapper_s);
+  report["realtime_factor"] = ratio(outcome.log_duration_s, outcome.wall_s);
+  report["map_sha256"] = sha256_of(view_of(mapper.field()));
+  report["trajectory_sha256"] = sha256_of(outcome.trajectory);
+  report["gdt"] = geometry_json(mapper.field().geometry());
+  report["map"] = geometry_json(outcome.occupancy.geometry);
+  report["cloud_points"] = 0;
+  report["warnings"] = warnings_json(outcome.warnings);
+  report["stages"] = stages_json(outcome, written_s);
+  report["doubtful_scans"] = doubtful_json(outcome.doubtful);
+  return report;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,143 @@
+#include "scan_stream.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "gdtslam/io/log.hpp"
+
+namespace gdtslam {
+namespace {
+
+// Along the circular arc from a to b; the share is that of the time between them, and `a` where the clock stood still
+// or went backward.
+Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s) {
+  const double span_s = b.stamp_s - a.stamp_s;
+  if (!(span_s > 0.0)) return a.T_odom_base;
+  const double share = std::clamp((stamp_s - a.stamp_s) / span_s, 0.0, 1.0);
+  return a.T_odom_base * exp_se2(share * log_se2(between(a.T_odom_base, b.T_odom_base)));
+}
+
+void merge_into(std::vector<LogReader::Warning>& list, const std::vector<LogReader::Warning>& more) {
+  for (const LogReader::Warning& warning : more) {
+    const auto same =
+        std::find_if(list.begin(), list.end(), [&warning](const auto& w) { return w.kind == warning.kind; });
+    if (same == list.end()) {
+      list.push_back(warning);
+    } else {
+      same->count += warning.count;
+    }
+  }
+}
+
+}  // namespace
+
+void OdometryInterpolator::take(const Odometry& odometry) {
+  for (ScanRecord& scan : waiting_) {
+    scan.T_odom_base = interpolated(*last_, odometry, scan.scan.stamp_s);
+    ready_.push_back(std::move(scan));
+  }
+  waiting_.clear();
+  last_ = odometry;
+}
+
+void OdometryInterpolator::take(ScanRecord scan) {
+  const bool complete = scan.T_odom_base.has_value() || !last_.has_value();
+  if (!complete && waiting_.size() < kMostHeld) {
+    waiting_.push_back(std::move(scan));
+    return;
+  }
+  for (ScanRecord& held : waiting_) {  // order is kept: what waits comes first, at the last known pose
+    held.T_odom_base = last_->T_odom_base;
+    ready_.push_back(std::move(held));
+  }
+  waiting_.clear();
+  if (!complete) scan.T_odom_base = last_->T_odom_base;
+  ready_.push_back(std::move(scan));
+}
+
+std::optional<ScanRecord> OdometryInterpolator::next(bool at_end) {
+  if (ready_.empty() && at_end && !waiting_.empty()) {
+    waiting_.front().T_odom_base = last_->T_odom_base;
+    ready_.push_back(std::move(waiting_.front()));
+    waiting_.pop_front();
+  }
+  if (ready_.empty()) return std::nullopt;
+  ScanRecord scan = std::move(ready_.front());
+  ready_.pop_front();
+  return scan;
+}
+
+ScanStream::ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range)
+    : paths_(std::move(paths)), options_(options), range_(range) {
+  open_next();
+}
+
+bool ScanStream::open_next() {
+  if (reader_) merge_into(earlier_warnings_, reader_->warnings());
+  reader_.reset();
+  if (opened_ == paths_.size()) return false;
+  reader_ = open_log(paths_[opened_++], options_);
+  interpolator_ = {};
+  T_first_this_.reset();
+  return true;
+}
+
+void ScanStream::connect(std::optional<Pose2>& T_odom_base) {
+  if (!T_odom_base) return;
+  if (opened_ > 1) {
+    if (!T_first_this_) {
+      T_first_this_ = T_odom_base_last_ ? *T_odom_base_last_ * inverse(*T_odom_base) : Pose2{};
+    }
+    T_odom_base = *T_first_this_ * *T_odom_base;
+  }
+  T_odom_base_last_ = T_odom_base;
+}
+
+std::optional<ScanRecord> ScanStream::next_of_all() {
+  while (reader_) {
+    std::optional<ScanRecord> scan = interpolator_.next(false);
+    while (!scan) {
+      std::optional<LogRecord> record = reader_->next();
+      if (!record) break;
+      if (auto* found = std::get_if<ScanRecord>(&*record)) interpolator_.take(std::move(*found));
+      if (const auto* odometry = std::get_if<Odometry>(&*record)) interpolator_.take(*odometry);
+      scan = interpolator_.next(false);
+    }
+    if (!scan) scan = interpolator_.next(true);
+    if (scan) {
+      connect(scan->T_odom_base);
+      return scan;
+    }
+    open_next();
+  }
+  return std::nullopt;
+}
+
+std::optional<ScanRecord> ScanStream::next() {
+  if (given_ == range_.count) return std::nullopt;
+  for (std::uint64_t k = 0; !skipped_ && k < range_.skip; ++k) {
+    if (!next_of_all()) break;
+  }
+  skipped_ = true;
+  std::optional<ScanRecord> scan = next_of_all();
+  if (scan) ++given_;
+  return scan;
+}
+
+double ScanStream::progress() const {
+  const double of_range = static_cast<double>(given_) / static_cast<double>(range_.count);
+  if (!reader_) return 1.0;
+  const double of_log = reader_->progress();
+  if (of_log < 0.0) return range_.count == ScanRange{}.count ? -1.0 : of_range;
+  const double of_input = (static_cast<double>(opened_ - 1) + of_log) / static_cast<double>(paths_.size());
+  return std::max(of_range, of_input);
+}
+
+std::vector<LogReader::Warning> ScanStream::warnings() const {
+  std::vector<LogReader::Warning> list = earlier_warnings_;
+  if (reader_) merge_into(list, reader_->warnings());
+  return list;
+}
+
+}  // namespace gdtslam

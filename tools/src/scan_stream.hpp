@@ -1,0 +1,72 @@
+// The scans of one or more logs in order, each with the odometry that belongs to it. A scan's own odometry counts where
+// its line carries one; else it is interpolated between the odometry records around it. Later logs continue where the
+// one before ended: their odometry is moved so that its first pose is the last one of the log before. Frames: robot in
+// the odometry frame of the first log. One stream belongs to one thread; memory does not depend on the length of the
+// logs.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/read_options.hpp"
+
+namespace gdtslam {
+
+/// Which part of the logs is wanted.
+struct ScanRange {
+  std::uint64_t skip = 0;  ///< scans to leave out at the start
+  std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
+};
+
+/// Gives scans without odometry the pose between the odometry records before and after them in the log. Scans before
+/// the first odometry record stay without. At most kMostHeld scans wait for the next record.
+class OdometryInterpolator {
+ public:
+  static constexpr std::size_t kMostHeld = 64;
+  void take(const Odometry& odometry);
+  void take(ScanRecord scan);
+  /// The next scan that is complete; with `at_end` also those that wait.
+  std::optional<ScanRecord> next(bool at_end);
+
+ private:
+  std::optional<Odometry> last_;
+  std::deque<ScanRecord> waiting_;
+  std::deque<ScanRecord> ready_;
+};
+
+class ScanStream {
+ public:
+  /// Opens the first log. Throws InputError or FileError, as next() does.
+  ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range);
+
+  std::optional<ScanRecord> next();
+  /// Share of the wanted scans or of the input, whichever is further; negative when unknown.
+  [[nodiscard]] double progress() const;
+  /// Of all logs so far, by kind.
+  [[nodiscard]] std::vector<LogReader::Warning> warnings() const;
+
+ private:
+  std::optional<ScanRecord> next_of_all();
+  bool open_next();
+  void connect(std::optional<Pose2>& T_odom_base);
+
+  std::vector<std::string> paths_;
+  ReadOptions options_;
+  ScanRange range_;
+  std::size_t opened_ = 0;
+  std::unique_ptr<LogReader> reader_;
+  OdometryInterpolator interpolator_;
+  std::vector<LogReader::Warning> earlier_warnings_;
+  std::uint64_t given_ = 0;
+  bool skipped_ = false;
+  std::optional<Pose2> T_odom_base_last_;  ///< of the scan before, in the frame of the first log
+  std::optional<Pose2> T_first_this_;      ///< from this log's odometry frame to that of the first
+};
+
+}  // namespace gdtslam
