@@ -13,16 +13,12 @@ std::uint8_t mixed(std::uint8_t a, std::uint8_t b, double share) {
                                    0.5);
 }
 
-/// Rows or columns of pixels that [low, high] touches, within the image.
-struct PixelRange {
-  PixelRange(double low, double high, std::uint32_t size)
-      : begin(clamped(std::floor(low), size)), end(clamped(std::ceil(high), size)) {}
-  static std::uint32_t clamped(double value, std::uint32_t size) {
-    return value > 0.0 ? static_cast<std::uint32_t>(std::min(value, static_cast<double>(size))) : 0;
-  }
-  std::uint32_t begin;
-  std::uint32_t end;
-};
+/// The pixels that [low, high] touches, within the clip.
+PixelRange touched(double low, double high, double clip_min, double clip_max) {
+  const double begin = std::clamp(std::floor(low), clip_min, clip_max);
+  const double end = std::clamp(std::ceil(high), clip_min, clip_max);
+  return {static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
+}
 
 double distance_to_segment(Pixel2 p, Pixel2 a, Pixel2 b) {
   const double dx = b.x - a.x;
@@ -47,7 +43,19 @@ Colour mix(Colour a, Colour b, double share) {
 }
 
 Layer::Layer(std::uint32_t width, std::uint32_t height)
-    : width_(width), height_(height), coverage_(std::size_t{width} * height), colours_(std::size_t{width} * height) {}
+    : width_(width),
+      height_(height),
+      clip_max_{static_cast<double>(width), static_cast<double>(height)},
+      coverage_(std::size_t{width} * height),
+      colours_(std::size_t{width} * height) {}
+
+void Layer::clip(Pixel2 min, Pixel2 max) {
+  clip_min_ = {std::clamp(min.x, 0.0, clip_max_.x), std::clamp(min.y, 0.0, clip_max_.y)};
+  clip_max_ = {std::clamp(max.x, clip_min_.x, clip_max_.x), std::clamp(max.y, clip_min_.y, clip_max_.y)};
+}
+
+PixelRange Layer::rows(double low, double high) const { return touched(low, high, clip_min_.y, clip_max_.y); }
+PixelRange Layer::columns(double low, double high) const { return touched(low, high, clip_min_.x, clip_max_.x); }
 
 void Layer::cover(std::size_t pixel, double coverage, Colour colour) {
   const auto level = static_cast<std::uint8_t>(std::clamp(coverage, 0.0, 1.0) * kFull + 0.5);
@@ -62,10 +70,10 @@ void Layer::stroke(Pixel2 a, Pixel2 b, double radius, Colour colour) {
     return;
   }
   const double reach = radius + 1.0;
-  const PixelRange rows(std::min(a.y, b.y) - reach, std::max(a.y, b.y) + reach, height_);
-  const PixelRange columns(std::min(a.x, b.x) - reach, std::max(a.x, b.x) + reach, width_);
-  for (std::uint32_t y = rows.begin; y < rows.end; ++y) {
-    for (std::uint32_t x = columns.begin; x < columns.end; ++x) {
+  const PixelRange y_range = rows(std::min(a.y, b.y) - reach, std::max(a.y, b.y) + reach);
+  const PixelRange x_range = columns(std::min(a.x, b.x) - reach, std::max(a.x, b.x) + reach);
+  for (std::uint32_t y = y_range.begin; y < y_range.end; ++y) {
+    for (std::uint32_t x = x_range.begin; x < x_range.end; ++x) {
       const Pixel2 centre{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5};
       cover(std::size_t{y} * width_ + x, radius + 0.5 - distance_to_segment(centre, a, b), colour);
     }
@@ -73,10 +81,10 @@ void Layer::stroke(Pixel2 a, Pixel2 b, double radius, Colour colour) {
 }
 
 void Layer::rectangle(Pixel2 min, Pixel2 max, Colour colour) {
-  const PixelRange rows(min.y, max.y, height_);
-  const PixelRange columns(min.x, max.x, width_);
-  for (std::uint32_t y = rows.begin; y < rows.end; ++y) {
-    for (std::uint32_t x = columns.begin; x < columns.end; ++x) {
+  const PixelRange y_range = rows(min.y, max.y);
+  const PixelRange x_range = columns(min.x, max.x);
+  for (std::uint32_t y = y_range.begin; y < y_range.end; ++y) {
+    for (std::uint32_t x = x_range.begin; x < x_range.end; ++x) {
       cover(std::size_t{y} * width_ + x, overlap(x, min.x, max.x) * overlap(y, min.y, max.y), colour);
     }
   }

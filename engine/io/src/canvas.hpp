@@ -22,9 +22,17 @@ struct Pixel2 {
   double y = 0.0;
 };
 
+/// Pixels that are drawn, in rows or columns.
+struct PixelRange {
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+};
+
 class Layer {
  public:
   Layer(std::uint32_t width, std::uint32_t height);
+  /// From now on only pixels whose square lies in the rectangle are drawn.
+  void clip(Pixel2 min, Pixel2 max);
   /// A line with round ends; a == b gives a disc.
   void stroke(Pixel2 a, Pixel2 b, double radius, Colour colour);
   void disc(Pixel2 centre, double radius, Colour colour) { stroke(centre, centre, radius, colour); }
@@ -34,9 +42,13 @@ class Layer {
   void blend_onto(RgbImage& image, double opacity = 1.0) const;
 
  private:
+  [[nodiscard]] PixelRange rows(double low, double high) const;
+  [[nodiscard]] PixelRange columns(double low, double high) const;
   void cover(std::size_t pixel, double coverage, Colour colour);
   std::uint32_t width_;
   std::uint32_t height_;
+  Pixel2 clip_min_{};
+  Pixel2 clip_max_;
   std::vector<std::uint8_t> coverage_;
   std::vector<Colour> colours_;
 };

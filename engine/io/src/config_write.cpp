@@ -4,6 +4,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
@@ -32,6 +33,12 @@ std::string bounds_text(const Option& option) {
   return fmt::format(" ({} to {})", format_quantity(option.min, option.unit), format_quantity(option.max, option.unit));
 }
 
+/// An angle in degrees beside its exact value in radians, for people.
+std::string degrees_text(const Option& option) {
+  const bool is_angle = option.unit == Unit::kRadian && std::holds_alternative<double*>(option.value);
+  return is_angle ? fmt::format("  # {:.6g} deg", deg_from_rad(*std::get<double*>(option.value))) : std::string();
+}
+
 /// Sections in the order in which they first occur; the options at the top first.
 std::vector<std::string_view> sections_of(std::span<const Option> options) {
   std::vector<std::string_view> sections = {std::string_view()};
@@ -52,8 +59,8 @@ void append_section(std::string& text, std::string_view section, std::span<const
   }
   for (const Option& option : options) {
     if (split(option.path).section == section) {
-      fmt::format_to(std::back_inserter(text), "{}# {}{}\n{}{}: {}\n", indent, option.doc, bounds_text(option), indent,
-                     split(option.path).name, value_text(option));
+      fmt::format_to(std::back_inserter(text), "{}# {}{}\n{}{}: {}{}\n", indent, option.doc, bounds_text(option),
+                     indent, split(option.path).name, value_text(option), degrees_text(option));
     }
   }
 }

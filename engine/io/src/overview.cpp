@@ -43,10 +43,17 @@ Pixel2 pixel_of(const OverviewFrame& frame, const StampedPose& pose) {
           frame.top_px + (frame.y_m - pose.T_map_base.y_m) / frame.m_per_pixel};
 }
 
+/// A layer that draws on the map only.
+Layer map_layer(const RgbImage& image, const OverviewFrame& frame) {
+  Layer layer(image.width, image.height);
+  layer.clip({frame.left_px, frame.top_px}, {frame.left_px + frame.width_px, frame.top_px + frame.height_px});
+  return layer;
+}
+
 /// The same dots and lines once in white and wider, so that the line stands out from walls.
 void draw_path(RgbImage& image, const OverviewFrame& frame, const Trajectory& trajectory) {
-  Layer halo(image.width, image.height);
-  Layer line(image.width, image.height);
+  Layer halo = map_layer(image, frame);
+  Layer line = map_layer(image, frame);
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     const Pixel2 a = pixel_of(frame, trajectory[i > 0 ? i - 1 : 0]);
     const Pixel2 b = pixel_of(frame, trajectory[i]);
@@ -59,16 +66,17 @@ void draw_path(RgbImage& image, const OverviewFrame& frame, const Trajectory& tr
 }
 
 /// A disc, ringed in white so that it stands out; white inside when hollow.
-void draw_disc_mark(RgbImage& image, Pixel2 centre, double radius, Colour colour, bool is_hollow) {
-  Layer ring(image.width, image.height);
-  ring.disc(centre, radius + 2.0, kWhite);
+void draw_disc_mark(RgbImage& image, const OverviewFrame& frame, Pixel2 centre, Colour colour, bool is_hollow) {
+  constexpr double kRadiusPx = 8.0;
+  Layer ring = map_layer(image, frame);
+  ring.disc(centre, kRadiusPx + 2.0, kWhite);
   ring.blend_onto(image);
-  Layer disc(image.width, image.height);
-  disc.disc(centre, radius, colour);
+  Layer disc = map_layer(image, frame);
+  disc.disc(centre, kRadiusPx, colour);
   disc.blend_onto(image);
   if (is_hollow) {
-    Layer inside(image.width, image.height);
-    inside.disc(centre, radius * 0.5, kWhite);
+    Layer inside = map_layer(image, frame);
+    inside.disc(centre, kRadiusPx * 0.5, kWhite);
     inside.blend_onto(image);
   }
 }
@@ -78,10 +86,10 @@ void add_cross(Layer& layer, Pixel2 p, double arm, double radius, Colour colour)
   layer.stroke({p.x - arm, p.y + arm}, {p.x + arm, p.y - arm}, radius, colour);
 }
 
-void draw_crosses(RgbImage& image, const std::vector<Pixel2>& centres) {
+void draw_crosses(RgbImage& image, const OverviewFrame& frame, const std::vector<Pixel2>& centres) {
   constexpr double kArmPx = 5.0;
-  Layer halo(image.width, image.height);
-  Layer cross(image.width, image.height);
+  Layer halo = map_layer(image, frame);
+  Layer cross = map_layer(image, frame);
   for (const Pixel2& centre : centres) {
     add_cross(halo, centre, kArmPx, 3.2, kWhite);
     add_cross(cross, centre, kArmPx, 1.5, kDoubtful);
@@ -92,7 +100,7 @@ void draw_crosses(RgbImage& image, const std::vector<Pixel2>& centres) {
 
 void draw_marks(RgbImage& image, const OverviewFrame& frame, const OverviewInput& input) {
   const Trajectory& trajectory = input.trajectory;
-  Layer keyframes(image.width, image.height);
+  Layer keyframes = map_layer(image, frame);
   for (const std::size_t index : input.keyframes) {
     keyframes.disc(pixel_of(frame, trajectory.at(index)), 0.9, kWhite);
   }
@@ -101,11 +109,10 @@ void draw_marks(RgbImage& image, const OverviewFrame& frame, const OverviewInput
   for (const std::size_t index : input.doubtful) {
     doubtful.push_back(pixel_of(frame, trajectory.at(index)));
   }
-  draw_crosses(image, doubtful);
+  draw_crosses(image, frame, doubtful);
   if (!trajectory.empty()) {
-    constexpr double kMarkPx = 8.0;
-    draw_disc_mark(image, pixel_of(frame, trajectory.front()), kMarkPx, time_colour(0.0), false);
-    draw_disc_mark(image, pixel_of(frame, trajectory.back()), kMarkPx, time_colour(1.0), true);
+    draw_disc_mark(image, frame, pixel_of(frame, trajectory.front()), time_colour(0.0), false);
+    draw_disc_mark(image, frame, pixel_of(frame, trajectory.back()), time_colour(1.0), true);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace gdtslam {
 namespace {
@@ -10,6 +12,7 @@ constexpr Colour kFree{255, 255, 255};
 constexpr Colour kUnknown{214, 220, 227};
 constexpr Colour kOccupied{23, 32, 42};
 constexpr double kMarginShare = 0.02;
+constexpr double kStrayShare = 0.004;
 
 void include(MapArea& area, bool& is_empty, const MapArea& other) {
   if (is_empty) {
@@ -23,19 +26,49 @@ void include(MapArea& area, bool& is_empty, const MapArea& other) {
   area.max_y_m = std::max(area.max_y_m, other.max_y_m);
 }
 
-/// The cells that are known, as a box; empty when none is.
-CellBox known_box(const OccupancyMap& map) {
+/// Number of known cells in every column and row.
+struct KnownProfile {
+  std::vector<std::uint64_t> columns;
+  std::vector<std::uint64_t> rows;
+  std::uint64_t total = 0;
+};
+KnownProfile known_profile(const OccupancyMap& map) {
   const GridGeometry& geometry = map.geometry;
-  CellBox box{{geometry.width, geometry.height}, {0, 0}};
+  KnownProfile profile;
+  profile.columns.resize(static_cast<std::size_t>(geometry.width));
+  profile.rows.resize(static_cast<std::size_t>(geometry.height));
   for (std::int32_t y = 0; y < geometry.height; ++y) {
     for (std::int32_t x = 0; x < geometry.width; ++x) {
-      if (map.at({x, y}) != CellState::kUnknown) {
-        box.min = {std::min(box.min.x, x), std::min(box.min.y, y)};
-        box.end = {std::max(box.end.x, x + 1), std::max(box.end.y, y + 1)};
-      }
+      const std::uint64_t is_known = map.at({x, y}) != CellState::kUnknown ? 1 : 0;
+      profile.columns[static_cast<std::size_t>(x)] += is_known;
+      profile.rows[static_cast<std::size_t>(y)] += is_known;
+      profile.total += is_known;
     }
   }
-  return box;
+  return profile;
+}
+
+/// First and past-the-last index when at most `spare` counts may be cut off at either end.
+std::pair<std::int32_t, std::int32_t> trimmed(const std::vector<std::uint64_t>& counts, std::uint64_t spare) {
+  std::size_t begin = 0;
+  std::size_t end = counts.size();
+  for (std::uint64_t cut = 0; begin < end && cut + counts[begin] <= spare; ++begin) {
+    cut += counts[begin];
+  }
+  for (std::uint64_t cut = 0; end > begin && cut + counts[end - 1] <= spare; --end) {
+    cut += counts[end - 1];
+  }
+  return {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)};
+}
+
+/// The cells that are known, as a box; empty when none is. The few cells that single beams reached through windows
+/// (kStrayShare of all at each side) do not count, lest they shrink the building.
+CellBox known_box(const OccupancyMap& map) {
+  const KnownProfile profile = known_profile(map);
+  const auto spare = static_cast<std::uint64_t>(kStrayShare * static_cast<double>(profile.total));
+  const auto [left, right] = trimmed(profile.columns, spare);
+  const auto [bottom, top] = trimmed(profile.rows, spare);
+  return {{left, bottom}, {right, top}};
 }
 
 MapArea area_of(const GridGeometry& geometry, const CellBox& box) {
@@ -96,12 +129,14 @@ MapArea shown_area(const OverviewInput& input) {
   if (!box.empty()) {
     include(area, is_empty, area_of(geometry, box));
   }
+  // A pose that lies farther out than the map is long would leave nothing to see of the map; it is clipped.
+  const double reach_m = geometry.resolution_m * std::max(geometry.width, geometry.height);
   const MapArea grid = area_of(geometry, {{0, 0}, {geometry.width, geometry.height}});
   for (const StampedPose& pose : input.trajectory) {
     const Pose2& T = pose.T_map_base;
-    const bool is_inside =
-        T.x_m >= grid.min_x_m && T.x_m <= grid.max_x_m && T.y_m >= grid.min_y_m && T.y_m <= grid.max_y_m;
-    if (is_inside || (is_empty && T.is_finite())) {
+    const bool is_near = T.x_m >= grid.min_x_m - reach_m && T.x_m <= grid.max_x_m + reach_m &&
+                         T.y_m >= grid.min_y_m - reach_m && T.y_m <= grid.max_y_m + reach_m;
+    if (is_near) {
       include(area, is_empty, {T.x_m, T.y_m, T.x_m, T.y_m});
     }
   }
