@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 
+#include "did_you_mean.hpp"
 #include "gdtslam/sim/mesh_import.hpp"
 
 namespace gdtslam {
@@ -175,6 +176,67 @@ sim::Wall read_wall_defaults(YamlMapping& root) {
   return defaults;
 }
 
+/// Boxes and cylinders that belong together, in a frame of their own.
+struct Object {
+  std::string name;
+  std::vector<sim::Box> boxes;
+  std::vector<sim::Cylinder> cylinders;
+};
+
+Object read_object(const YamlValue& value) {
+  YamlMapping mapping(value);
+  Object object;
+  object.name = mapping.require("name").text();
+  for (const YamlValue& box : mapping.list("boxes")) {
+    read_box(box, object.boxes);
+  }
+  for (const YamlValue& cylinder : mapping.list("cylinders")) {
+    read_cylinder(cylinder, object.cylinders);
+  }
+  mapping.finish();
+  return object;
+}
+
+const Object& object_named(const YamlValue& name, const std::vector<Object>& objects) {
+  std::vector<std::string> names;
+  for (const Object& object : objects) {
+    if (object.name == name.text()) {
+      return object;
+    }
+    names.push_back(object.name);
+  }
+  name.refuse("there is no object '" + name.text() + "'" + did_you_mean(name.text(), names));
+}
+
+void read_place(const YamlValue& value, const std::vector<Object>& objects, sim::Scene& scene) {
+  YamlMapping mapping(value);
+  const Object& object = object_named(mapping.require("object"), objects);
+  const Point2 at_m = mapping.require("at").point();
+  Pose2 T_map_object{at_m.x(), at_m.y(), 0.0};
+  mapping.read("yaw", kAngle, T_map_object.theta_rad);
+  const std::vector<Point2> offsets_m = read_offsets(mapping);
+  mapping.finish();
+  for (sim::Box box : object.boxes) {
+    box.centre_m = T_map_object * box.centre_m;
+    box.yaw_rad += T_map_object.theta_rad;
+    add_copies(value, box, offsets_m, scene.boxes);
+  }
+  for (sim::Cylinder cylinder : object.cylinders) {
+    cylinder.centre_m = T_map_object * cylinder.centre_m;
+    add_copies(value, cylinder, offsets_m, scene.cylinders);
+  }
+}
+
+void read_objects(YamlMapping& root, sim::Scene& scene) {
+  std::vector<Object> objects;
+  for (const YamlValue& object : root.list("objects")) {
+    objects.push_back(read_object(object));
+  }
+  for (const YamlValue& place : root.list("place")) {
+    read_place(place, objects, scene);
+  }
+}
+
 }  // namespace
 
 sim::Scene read_scene_parts(YamlMapping& root) {
@@ -189,6 +251,7 @@ sim::Scene read_scene_parts(YamlMapping& root) {
   for (const YamlValue& cylinder : root.list("cylinders")) {
     read_cylinder(cylinder, scene.cylinders);
   }
+  read_objects(root, scene);
   for (const YamlValue& mesh : root.list("meshes")) {
     scene.meshes.push_back(read_mesh(mesh));
   }

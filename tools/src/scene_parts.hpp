@@ -6,8 +6,8 @@
 
 namespace gdtslam {
 
-/// Takes the keys wall_defaults, walls, boxes, cylinders, meshes, floor and ceiling. Throws ConfigError with file and
-/// line, FileError or InputError for a mesh.
+/// Takes the keys wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling. Throws ConfigError
+/// with file and line, FileError or InputError for a mesh.
 sim::Scene read_scene_parts(YamlMapping& root);
 
 }  // namespace gdtslam

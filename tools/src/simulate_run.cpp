@@ -191,16 +191,17 @@ SimulateResult simulate(const SimulateOptions& options) {
 
   AtomicFileSet files;
   AtomicFile& log_file = files.add(options.output);
-  AtomicFile& truth_file = files.add(truth_file_of(options.output));
+  const std::string truth_name = truth_file_of(options.output);
+  AtomicFile& truth_file = files.add(truth_name);
   TextSink log(log_file);
   const Recording recording = record(options, scene, plan, caster, log);
   truth_file.write(tum_text(recording.truth));
-  files.commit();
+  files.commit();  // the files themselves are gone after this
 
   SimulateResult result = result_of(recording.summary);
   result.scene_file = scene_file;
   result.log_file = options.output;
-  result.truth_file = truth_file.path();
+  result.truth_file = truth_name;
   result.triangles = caster.mesh().triangles.size();
   result.log_bytes = log.bytes();
   result.clearance_m = clearance_m;
