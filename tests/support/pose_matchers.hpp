@@ -1,5 +1,5 @@
-// Matchers for poses, in the units people think in: EXPECT_THAT(T, PoseNear(expected, 0.001, 0.1)). A failure says how far
-// the poses are apart in metres and degrees. The distances are computed without the functions under test.
+// Matchers for poses, in the units people think in: EXPECT_THAT(T, PoseNear(expected, 0.001, 0.1)). A failure says how
+// far the poses are apart in metres and degrees. The distances are computed without the functions under test.
 #pragma once
 
 #include <iosfwd>

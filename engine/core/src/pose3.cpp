@@ -1,5 +1,6 @@
 #include "gdtslam/core/pose3.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "gdtslam/core/angle.hpp"
@@ -137,10 +138,15 @@ Tangent3 log_se3(const Pose3& T) {
     const SinCos<double> half = sin_cos(half_rad);
     factor = (1.0 - half_rad * half.cos / half.sin) / (4.0 * half_rad * half_rad);
   } else {
-    // 1/12 + a^2/720 + a^4/30240 + a^6/1209600 + a^8/47900160 + ... (Bernoulli numbers)
+    // |B_2k| a^(2k-2) / (2k)! for k = 1..6, the Bernoulli numbers of the cotangent.
+    constexpr std::array<double, 5> kSeries = {1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1209600.0, 1.0 / 47900160.0,
+                                               691.0 / 1307674368000.0};
     const double sq_angle = 4.0 * half_rad * half_rad;
-    factor += sq_angle *
-              (1.0 / 720.0 + sq_angle * (1.0 / 30240.0 + sq_angle * (1.0 / 1209600.0 + sq_angle * (1.0 / 47900160.0))));
+    double sum = 0.0;
+    for (auto term = kSeries.rbegin(); term != kSeries.rend(); ++term) {
+      sum = (sum + *term) * sq_angle;
+    }
+    factor += sum;
   }
   const Vector3d once = cross(turn, T.translation_m);
   Tangent3 tangent;
