@@ -92,7 +92,7 @@ std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   CLI::App* const app = chosen_app(root);
   std::string message = error.what();
   const std::vector<std::string> unknown = root->remaining(true);
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !unknown.empty()) {
+  if (!unknown.empty() && !unknown.front().empty()) {
     const std::string word = unknown.front().substr(0, unknown.front().find('='));
     const bool is_command = app->get_require_subcommand_min() > 0 && word.front() != '-';
     message = (is_command ? "there is no command '" : "unexpected argument '") + word + "'" +
@@ -100,6 +100,10 @@ std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   }
   std::replace(message.begin(), message.end(), '\n', ' ');
   return message + " (see '" + path_of(app) + " --help')";
+}
+
+std::string help_of(const CLI::App* app) {
+  return app->help(app->get_parent() == nullptr ? "" : path_of(app->get_parent()));
 }
 
 int report(const std::string& message, ExitCode code) {
@@ -113,7 +117,7 @@ int parse_and_run(int argc, char** argv) {
   try {
     app->parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    print_result(chosen_app(app.get())->help());
+    print_result(help_of(chosen_app(app.get())));
     return static_cast<int>(ExitCode::kDone);
   } catch (const CLI::CallForVersion& version) {
     print_result(std::string(version.what()) + "\n");

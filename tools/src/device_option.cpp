@@ -29,7 +29,7 @@ void add_device_options(CLI::App& command, DeviceOptions& options) {
   command
       .add_option("--threads", options.threads, "Threads of the CPU; 0: one per processor. Results do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(0U, kMostThreads))
+      ->check(CLI::Range(0U, kMostThreads).description(""))
       ->capture_default_str();
   command
       .add_option("--isa", options.isa,

@@ -139,6 +139,7 @@ void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base) {
 
 void LogChecker::add_ranges(const LaserScan& scan) {
   ranges_cm_.resize(kRangeBins);
+  beyond_stated_cm_.resize(kRangeBins);
   check_.ranges.beams += scan.ranges_m.size();
   bool has_return = false;
   for (const float range : scan.ranges_m) {
@@ -146,7 +147,7 @@ void LogChecker::add_ranges(const LaserScan& scan) {
     if (!std::isfinite(range_m)) {
       ++check_.ranges.not_finite;
     } else if (scan.max_range_m > 0.0 && range_m >= scan.max_range_m) {
-      ++beyond_stated_;
+      ++beyond_stated_cm_[bin_of(range_m * 100.0, kRangeBins)];
     } else {
       has_return = has_return || range_m > 0.0;
       ++ranges_cm_[bin_of(range_m * 100.0, kRangeBins)];
@@ -199,7 +200,10 @@ void LogChecker::finish_ranges(LogCheck& check) const {
   if (ranges_cm_.empty()) return;
   RangeStatistics& ranges = check.ranges;
   std::vector<std::uint64_t> returns = ranges_cm_;
-  ranges.no_return_count = beyond_stated_;
+  ranges.no_return_count = std::accumulate(beyond_stated_cm_.begin(), beyond_stated_cm_.end(), std::uint64_t{0});
+  for (const std::size_t bin : no_return_bins(beyond_stated_cm_, ranges.beams)) {
+    ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
+  }
   for (const std::size_t bin : no_return_bins(ranges_cm_, ranges.beams)) {
     ranges.no_return_m.push_back(static_cast<double>(bin) / 100.0);
     ranges.no_return_count += returns[bin];

@@ -116,10 +116,10 @@ class LogChecker {
   LogCheck check_;
   std::optional<StampedPose> last_odometry_;
   std::optional<double> last_scan_s_;
-  std::vector<std::uint64_t> steps_ms_;   ///< histogram of the forward steps, the last bin open
-  std::vector<LogEvent> longest_steps_;   ///< the longest first
-  std::vector<std::uint64_t> ranges_cm_;  ///< histogram of the finite ranges, the last bin open
-  std::uint64_t beyond_stated_ = 0;       ///< finite ranges at or above the limit that the log states
+  std::vector<std::uint64_t> steps_ms_;          ///< histogram of the forward steps, the last bin open
+  std::vector<LogEvent> longest_steps_;          ///< the longest first
+  std::vector<std::uint64_t> ranges_cm_;         ///< histogram of the finite ranges, the last bin open
+  std::vector<std::uint64_t> beyond_stated_cm_;  ///< likewise, of those at or above the limit that the log states
 };
 
 }  // namespace gdtslam

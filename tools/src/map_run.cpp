@@ -60,7 +60,9 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
     outcome.read_s += seconds_between(before, read);
     before = read;
     if (!record) break;
+    const double cpu_before_s = process_cpu_s();
     const MatchResult result = mapper_.process(record->scan, record->T_odom_base);
+    outcome.mapper_cpu_s += process_cpu_s() - cpu_before_s;
     const Clock::time_point mapped = Clock::now();
     outcome.mapper_s += seconds_between(read, mapped);
     if (with_occupancy_ && result.accepted) occupancy_.add(record->scan, result.T_map_base);

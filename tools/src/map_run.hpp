@@ -44,7 +44,8 @@ struct MapOutcome {
   double wall_s = 0.0;          ///< of the whole run, reading included
   double cpu_s = 0.0;           ///< of the process during the run
   double read_s = 0.0;
-  double mapper_s = 0.0;  ///< inside Mapper::process
+  double mapper_s = 0.0;      ///< inside Mapper::process
+  double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads
   double occupancy_s = 0.0;
   bool interrupted = false;
 };

@@ -68,7 +68,7 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const Mapper& mappe
   report["wall_s"] = outcome.wall_s;
   report["cpu_s"] = outcome.cpu_s;
   report["scans_per_s"] = ratio(scans, outcome.wall_s);
-  report["mapper_scans_per_s"] = ratio(scans, outcome.mapper_s);
+  report["scans_per_core_s"] = ratio(scans, outcome.mapper_cpu_s);  // mapper alone: no reading, no occupancy map
   report["realtime_factor"] = ratio(outcome.log_duration_s, outcome.wall_s);
   report["map_sha256"] = sha256_of(view_of(mapper.field()));
   report["trajectory_sha256"] = sha256_of(outcome.trajectory);

@@ -63,7 +63,7 @@ std::string error_text(const ErrorSummary& m, const ErrorSummary& deg) {
 
 std::string row_of(const AblationVariant& variant, const MapOutcome& outcome, const RelationReport& report) {
   const MapperStatistics& s = outcome.statistics;
-  const double rate = outcome.mapper_s > 0.0 ? static_cast<double>(s.scans) / outcome.mapper_s : 0.0;
+  const double rate = outcome.mapper_cpu_s > 0.0 ? static_cast<double>(s.scans) / outcome.mapper_cpu_s : 0.0;
   return fmt::format("| {} | {} | {} | {} | {} | {:.0f} | {} | {} |\n", variant.name, sets_text(variant.sets),
                      error_text(report.all.translation_m, report.all.rotation_deg),
                      error_text(report.short_term.translation_m, report.short_term.rotation_deg),
@@ -105,9 +105,9 @@ int ablation(const AblationOptions& options) {
   }
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   std::string table = fmt::format(
-      "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans a second inside the mapper on "
-      "{} ({}, {} thread{}).\n\n"
-      "| variant | options | all relations | short (≤ 20 s) | loops | scans/s | keyframes | doubtful |\n"
+      "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans per core-second "
+      "inside the mapper on {} ({}, {} thread{}).\n\n"
+      "| variant | options | all relations | short (≤ 20 s) | loops | scans/core-s | keyframes | doubtful |\n"
       "|---|---|---|---|---|---|---|---|\n",
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
       backend->device().threads, backend->device().threads == 1 ? "" : "s");
