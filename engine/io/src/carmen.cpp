@@ -51,7 +51,7 @@ class CarmenReader final : public LogReader {
       return std::nullopt;
     }
     try {
-      CarmenLine parsed = parse_carmen_line(line.text, options_);
+      CarmenLine parsed = parse_carmen_line(without_byte_order_mark(line), options_);
       if (!line.has_newline && !parsed.is_whole) {
         warn("cut last line", "its end may be missing, so it is dropped");
         return std::nullopt;
@@ -62,6 +62,12 @@ class CarmenReader final : public LogReader {
       refuse(line, error.what());
       return std::nullopt;
     }
+  }
+
+  /// Some editors begin a text with U+FEFF.
+  static std::string_view without_byte_order_mark(const TextLine& line) {
+    constexpr std::string_view kMark = "\xef\xbb\xbf";
+    return line.number == 1 && line.text.starts_with(kMark) ? line.text.substr(kMark.size()) : line.text;
   }
 
   /// A line that cannot be read: the end of a log that was cut, an error, or one to skip.

@@ -154,7 +154,7 @@ bool is_message_kind(std::string_view word) {
   if (word.size() > kMaxKindLength) {
     return false;
   }
-  for (const char c : word) {
+  for (const char& c : word) {
     const bool is_letter = (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
     const bool is_other = (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
     if (!is_letter && !(is_other && &c != word.data())) {

@@ -1,0 +1,271 @@
+// Damaged and hostile logs: one stated outcome each, within a second and 256 MB (docs/formats.md lists them).
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/carmen.hpp"
+#include "io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::string_view kSmallLog =
+    "# a small log\n"
+    "PARAM robot_frontlaser_offset -0.04 1071.5 merci 1071.4\n"
+    "ODOM 0.1 0.2 0.3 0.4 0.5 0.6 1071.6 merci 1071.5\n"
+    "FLASER 3 1.25 2.5 81.83 0.06 0.2 0.3 0.1 0.2 0.3 1071.7 merci 1071.6\n"
+    "ENCODER 1234 1071.8 merci 1071.7\n"
+    "TILT 0.125 1071.9 merci 1071.8\n"
+    "FLASER 3 1.5 2.75 3.5 0.16 0.2 0.3 0.2 0.2 0.3 1072.0 merci 1071.9\n";
+
+/// A record as text, to compare records of two logs.
+std::string text_of(const LogRecord& record) {
+  std::string text = std::to_string(record.index());
+  if (const auto* scan = std::get_if<ScanRecord>(&record)) {
+    text += " " + std::to_string(scan->scan.stamp_s) + " " + std::to_string(scan->T_odom_base->x_m);
+    for (const float range_m : scan->scan.ranges_m) {
+      text += " " + std::to_string(range_m);
+    }
+  } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
+    text += " " + std::to_string(odometry->stamp_s) + " " + std::to_string(odometry->T_odom_base.theta_rad);
+  } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
+    text += " " + std::to_string(encoder->stamp_s) + " " + std::to_string(encoder->ticks);
+  } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
+    text += " " + std::to_string(tilt->stamp_s) + " " + std::to_string(tilt->elevation_rad);
+  } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
+    text += " " + parameter->name + " " + parameter->value;
+  }
+  return text;
+}
+
+std::string error_of(std::string_view text, const ReadOptions& options = {}) {
+  try {
+    read_text(text, options);
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string scan_line(const std::string& ranges, int beams, const std::string& stamp = "5") {
+  return "FLASER " + std::to_string(beams) + " " + ranges + " 0 0 0 0 0 0 " + stamp + " h 0\n";
+}
+
+TEST(CarmenDamage, CutAtEveryByteKeepsWholeRecordsOnly) {
+  const WholeLog whole = read_text(kSmallLog);
+  ASSERT_EQ(whole.records.size(), 6U);
+  for (std::size_t size = 0; size < kSmallLog.size(); ++size) {
+    const std::string_view cut = kSmallLog.substr(0, size);
+    const auto whole_lines = static_cast<std::size_t>(std::count(cut.begin(), cut.end(), '\n'));
+    const std::size_t complete = whole_lines > 0 ? whole_lines - 1 : 0;  // the first line is a comment
+    WholeLog log;
+    try {
+      log = read_text(cut);
+    } catch (const InputError&) {
+      EXPECT_EQ(complete, 0U) << size;
+      continue;
+    }
+    // The last line may be whole but for its newline, or but for digits of the logger's stamp that nobody reads.
+    ASSERT_GE(log.records.size(), complete) << size;
+    ASSERT_LE(log.records.size(), complete + 1) << size;
+    for (std::size_t i = 0; i < log.records.size(); ++i) {
+      ASSERT_EQ(text_of(log.records[i]), text_of(whole.records[i])) << size;
+    }
+    const bool ends_inside_a_line = size > 0 && cut.back() != '\n';
+    const std::uint64_t dropped = ends_inside_a_line && log.records.size() == complete ? 1 : 0;
+    // A word of letters alone may be a message of another kind; it is then counted as such.
+    EXPECT_EQ(
+        log.warned("cut last line") + (log.warnings.empty() ? 0 : log.warnings.back().kind.starts_with("skipped")),
+        dropped)
+        << size << " " << cut;
+  }
+}
+
+TEST(CarmenDamage, GzipCutAtEveryByteKeepsWhatWasComplete) {
+  const WholeLog whole = read_text(kSmallLog);
+  const std::string packed = gzip(kSmallLog);
+  std::size_t most = 0;
+  for (std::size_t size = 2; size < packed.size(); ++size) {
+    try {
+      const WholeLog log = read_text(std::string_view(packed).substr(0, size));
+      EXPECT_EQ(log.warned("gzip stream"), 1U) << size;
+      ASSERT_LE(log.records.size(), whole.records.size());
+      for (std::size_t i = 0; i < log.records.size(); ++i) {
+        ASSERT_EQ(text_of(log.records[i]), text_of(whole.records[i])) << size;
+      }
+      EXPECT_GE(log.records.size(), most) << size;
+      most = log.records.size();
+    } catch (const InputError& error) {
+      EXPECT_EQ(most, 0U) << size << " " << error.what();
+    }
+  }
+  EXPECT_EQ(most, whole.records.size());
+}
+
+TEST(CarmenDamage, EmptyInputIsAnError) {
+  EXPECT_THAT(error_of(""), HasSubstr("test.log: is empty"));
+  EXPECT_THAT(error_of(gzip("")), HasSubstr("test.log: is empty"));
+}
+
+TEST(CarmenDamage, LogWithoutAnyMessageIsAnError) {
+  EXPECT_THAT(error_of("# only\n# comments\n"), HasSubstr("no complete CARMEN message in 2 lines"));
+  EXPECT_THAT(error_of("SYNC x\n"), HasSubstr("no complete CARMEN message"));
+}
+
+TEST(CarmenDamage, BinaryDataIsAnError) {
+  std::string binary;
+  for (int i = 0; i < 5000; ++i) {
+    binary += static_cast<char>((i * 7919) % 256);
+  }
+  EXPECT_THAT(error_of(binary), HasSubstr("binary data"));
+  EXPECT_THAT(error_of("\xff\xfe\x01\x02\n"), HasSubstr("test.log:1:"));
+}
+
+TEST(CarmenDamage, NulBytesAtTheEndAreACutLine) {
+  std::string text(kSmallLog);
+  while (text.size() < 5000) {
+    text += kSmallLog;
+  }
+  const std::size_t records = read_text(text).records.size();
+  const WholeLog log = read_text(text + std::string(4096, '\0'));
+  EXPECT_EQ(log.records.size(), records);
+  EXPECT_EQ(log.warned("cut last line"), 1U);
+}
+
+TEST(CarmenDamage, DamagedGzipIsAnError) {
+  std::string packed = gzip(std::string(kSmallLog) + std::string(kSmallLog));
+  packed[packed.size() / 2] = static_cast<char>(packed[packed.size() / 2] ^ 0x55);
+  EXPECT_THAT(error_of(packed), HasSubstr("test.log: damaged gzip data"));
+}
+
+TEST(CarmenDamage, BytesAfterGzipAreIgnoredWithAWarning) {
+  const WholeLog log = read_text(gzip(kSmallLog) + "junk");
+  EXPECT_EQ(log.records.size(), 6U);
+  EXPECT_EQ(log.warned("gzip stream"), 1U);
+}
+
+TEST(CarmenDamage, GigabyteLineIsAnErrorWithoutReadingIt) {
+  const std::string block = gzip(std::string(std::size_t{16} << 20U, '7'));
+  std::string packed = gzip("# one\nFLASER 1 ");
+  for (int i = 0; i < 64; ++i) {
+    packed += block;
+  }
+  const BoundedRun run =
+      run_alone([&] { return error_of(packed).find("test.log:2: the line \"FLASER\" is longer") == 0 ? 0 : 1; });
+  EXPECT_EQ(run.code, 0);
+  expect_bounded(run);
+}
+
+TEST(CarmenDamage, LongLineIsSkippedWhenLenient) {
+  const std::string long_line = "FLASER 1 " + std::string(std::size_t{9} << 20U, '7') + "\n";
+  const WholeLog log = read_text(long_line + scan_line("1.5", 1), {.lenient = true});
+  EXPECT_EQ(log.records.size(), 1U);
+  EXPECT_EQ(log.warned("malformed line"), 1U);
+}
+
+TEST(CarmenDamage, LongestLineIsRead) {
+  std::string ranges;
+  std::size_t beams = 0;
+  while (ranges.size() < kMaxLogLineBytes - 100) {
+    ranges += beams == 0 ? "1" : " 1";
+    ++beams;
+  }
+  const WholeLog log = read_text(scan_line(ranges, static_cast<int>(beams)));
+  EXPECT_EQ(log.of<ScanRecord>().at(0).scan.ranges_m.size(), beams);
+}
+
+TEST(CarmenDamage, NotANumberAndNegativeRangesAreNoReturns) {
+  const WholeLog log = read_text(scan_line("1.5 nan -1 NaN -0.25 inf 2.5 -inf", 8));
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(log.of<ScanRecord>().at(0).scan.ranges_m,
+              ::testing::ElementsAre(1.5F, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity, 2.5F, kInfinity));
+  EXPECT_EQ(log.warned("range not a number"), 2U);
+  EXPECT_EQ(log.warned("negative range"), 3U);
+  const WholeLog clean = read_text(scan_line("1.5 inf inf inf inf inf 2.5 inf", 8));
+  EXPECT_EQ(text_of(log.records[0]), text_of(clean.records[0]));
+  EXPECT_TRUE(clean.warnings.empty());
+}
+
+TEST(CarmenDamage, RepeatedAndBackwardStampsAreCountedAndNeverSorted) {
+  const WholeLog log =
+      read_text(scan_line("1", 1, "5") + scan_line("2", 1, "5") + scan_line("3", 1, "4") + scan_line("4", 1, "6"));
+  const auto scans = log.of<ScanRecord>();
+  ASSERT_EQ(scans.size(), 4U);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    EXPECT_EQ(scans[i].scan.ranges_m.at(0), static_cast<float>(i + 1));
+  }
+  EXPECT_EQ(log.warned("repeated stamp"), 1U);
+  EXPECT_EQ(log.warned("backward stamp"), 1U);
+  EXPECT_THAT(log.warnings.at(0).first, HasSubstr("test.log:2:"));
+}
+
+TEST(CarmenDamage, ChangingBeamCountIsCounted) {
+  const WholeLog log = read_text(scan_line("1 2", 2) + scan_line("1 2 3", 3, "6") + scan_line("1 2 3", 3, "7"));
+  EXPECT_EQ(log.records.size(), 3U);
+  EXPECT_EQ(log.warned("beam count changed"), 1U);
+}
+
+TEST(CarmenDamage, ScanWithoutBeamsIsKeptAndCounted) {
+  const WholeLog log = read_text(scan_line("", 0));
+  EXPECT_TRUE(log.of<ScanRecord>().at(0).scan.ranges_m.empty());
+  EXPECT_EQ(log.warned("scan without beams"), 1U);
+}
+
+TEST(CarmenDamage, BillionBeamsInAHeaderTakeNoMemory) {
+  const BoundedRun run = run_alone([] {
+    for (const char* count : {"1000000000", "9223372036854775807", "99999999999999999999", "-1"}) {
+      const std::string error = error_of("# c\nFLASER " + std::string(count) + " 1 2 0 0 0 0 0 0 5 h 0\n");
+      if (error.find("test.log:2:") != 0) {
+        return 1;
+      }
+    }
+    return error_of("FLASER 1000000000 1\n").find("at most") == std::string::npos ? 2 : 0;
+  });
+  EXPECT_EQ(run.code, 0);
+  expect_bounded(run);
+}
+
+TEST(CarmenDamage, MalformedLinesNameFileLineAndFault) {
+  const std::string good = scan_line("1 2", 2);
+  struct Case {
+    std::string line;
+    std::string fault;
+  };
+  for (const Case& c :
+       {Case{"FLASER 2 1 x 0 0 0 0 0 0 5 h 0", "has \"x\" as its range, which is not a number"},
+        Case{"FLASER 1 1 2 0 0 0 0 0 0 5 h 0", "has \"h\" as its logger_timestamp"},
+        Case{"FLASER 1 1 0 0 0 0 0 0 5 h 0 9", "goes on with \"9\""},
+        Case{"FLASER 2 1 2 0 0 nan 0 0 0 5 h 0", "has \"nan\" as its laser pose, which is not a finite"},
+        Case{"FLASER 2 1 2 0 0 0 0 0 0 inf h 0", "ipc_timestamp"},
+        Case{"FLASER 2.5 1 2 0 0 0 0 0 0 5 h 0", "which is not a whole number"},
+        Case{"FLASER 2 1 2 0 0 0 0 0 0 5 h", "ends before its logger_timestamp"},
+        Case{"ODOM 1 2", "ends before its robot pose"}, Case{"ENCODER 1.5 2 h 3", "\"1.5\" as its ticks"},
+        Case{"TILT inf 2 h 3", "elevation"}, Case{"PARAM", "ends before its parameter name"},
+        Case{"ROBOTLASER1 0 -1 3 0 80 0 0 1 5 0 0 0 0 0 0 0 0 0 0 0 0 5 h 0", "angular resolution"},
+        Case{"ROBOTLASER1 0 -9 3 1 80 0 0 1 5 0 0 0 0 0 0 0 0 0 0 0 0 5 h 0", "start_angle"},
+        Case{"ROBOTLASER1 0 -1 3 1 -80 0 0 1 5 0 0 0 0 0 0 0 0 0 0 0 0 5 h 0", "negative maximum range"},
+        Case{"1 2 3", "starts with \"1\", which is no CARMEN message"}}) {
+    const std::string text = good + c.line + "\n" + good;
+    const std::string error = error_of(text);
+    EXPECT_THAT(error, HasSubstr("test.log:2: ")) << c.line;
+    EXPECT_THAT(error, HasSubstr(c.fault)) << c.line;
+    EXPECT_THAT(error, HasSubstr("--lenient")) << c.line;
+    const WholeLog log = read_text(text, {.lenient = true});
+    EXPECT_EQ(log.records.size(), 2U) << c.line;
+    EXPECT_EQ(log.warned("malformed line"), 1U) << c.line;
+  }
+}
+
+TEST(CarmenDamage, UnprintableBytesNeverReachAMessage) {
+  const std::string error = error_of(scan_line("1", 1) + "FLASER 1 \x1b[31m\x07 0\n");
+  EXPECT_EQ(error.find('\x1b'), std::string::npos);
+  EXPECT_EQ(error.find('\x07'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gdtslam

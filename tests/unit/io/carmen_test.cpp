@@ -1,0 +1,257 @@
+// The CARMEN reader on lines whose meaning is written in the format's description.
+#include "gdtslam/io/carmen.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kDeg = kPi / 180.0;
+
+std::string flaser(std::size_t beams, const std::string& range = "2.5") {
+  std::string line = "FLASER " + std::to_string(beams);
+  for (std::size_t k = 0; k < beams; ++k) {
+    line += " " + range;
+  }
+  return line + " 1 2 0.5 1 2 0.5 100.25 host 0.5\n";
+}
+
+TEST(Carmen, ReadsFlaser) {
+  const WholeLog log = read_text("FLASER 3 1.07 2.50 81.83 1.0 2.0 0.5 1.0 2.0 0.5 976052857.337284 nohost 0.1\n");
+  ASSERT_EQ(log.records.size(), 1U);
+  const auto& record = std::get<ScanRecord>(log.records[0]);
+  EXPECT_THAT(record.scan.ranges_m, ::testing::ElementsAre(1.07F, 2.50F, 81.83F));
+  EXPECT_EQ(record.scan.stamp_s, 976052857.337284);
+  EXPECT_EQ(record.T_odom_base, (Pose2{1.0, 2.0, 0.5}));
+  EXPECT_EQ(record.scan.T_base_laser, Pose2{});
+  EXPECT_EQ(record.scan.max_range_m, 0.0);
+  EXPECT_TRUE(log.warnings.empty());
+}
+
+TEST(Carmen, MountIsTheLaserSeenFromTheRobot) {
+  // The robot looks along +y; the laser sits 4 cm behind it and 1 cm to its left, turned by 0.1 rad.
+  const WholeLog log = read_text("FLASER 1 1.0 4.99 4.96 1.6707963267948966 5 5 1.5707963267948966 1 h 1\n");
+  const Pose2 T_base_laser = std::get<ScanRecord>(log.records.at(0)).scan.T_base_laser;
+  EXPECT_NEAR(T_base_laser.x_m, -0.04, 1e-12);
+  EXPECT_NEAR(T_base_laser.y_m, 0.01, 1e-12);
+  EXPECT_NEAR(T_base_laser.theta_rad, 0.1, 1e-12);
+}
+
+TEST(Carmen, ReadsRobotlaser) {
+  const WholeLog log = read_text(
+      "ROBOTLASER1 0 -1.5 3.0 0.0174 80.0 0.01 1 2 3.5 4.5 2 10 20 1.1 2.0 0.0 1.0 2.0 0.0 0.4 0.1 0.5 0.3 1e6 "
+      "1234.5 host 0.5\n");
+  const auto& record = std::get<ScanRecord>(log.records.at(0));
+  EXPECT_THAT(record.scan.ranges_m, ::testing::ElementsAre(3.5F, 4.5F));
+  EXPECT_EQ(record.scan.first_bearing_rad, -1.5);
+  EXPECT_EQ(record.scan.bearing_step_rad, 0.0174);
+  EXPECT_EQ(record.scan.max_range_m, 80.0);
+  EXPECT_EQ(record.scan.stamp_s, 1234.5);
+  EXPECT_NEAR(record.scan.T_base_laser.x_m, 0.1, 1e-12);
+  EXPECT_EQ(record.T_odom_base, (Pose2{1.0, 2.0, 0.0}));
+}
+
+TEST(Carmen, ReadsTheOtherKinds) {
+  const WholeLog log = read_text(
+      "# comment\n\n"
+      "PARAM robot_frontlaser_offset 0.07 nohost 0\n"
+      "ODOM 1.5 -2.5 0.25 0.4 0.1 0 10.5 nohost 0.1\n"
+      "ENCODER -123456789012 11.5 nohost 0.2\n"
+      "TILT -0.75 12.5 nohost 0.3\n");
+  ASSERT_EQ(log.records.size(), 4U);
+  const auto& parameter = std::get<Parameter>(log.records[0]);
+  EXPECT_EQ(parameter.name, "robot_frontlaser_offset");
+  EXPECT_EQ(parameter.value, "0.07");
+  const auto& odometry = std::get<Odometry>(log.records[1]);
+  EXPECT_EQ(odometry.T_odom_base, (Pose2{1.5, -2.5, 0.25}));
+  EXPECT_EQ(odometry.stamp_s, 10.5);
+  EXPECT_EQ(std::get<Encoder>(log.records[2]).ticks, -123456789012);
+  EXPECT_EQ(std::get<Encoder>(log.records[2]).stamp_s, 11.5);
+  EXPECT_EQ(std::get<Tilt>(log.records[3]).elevation_rad, -0.75);
+  EXPECT_EQ(std::get<Tilt>(log.records[3]).stamp_s, 12.5);
+}
+
+TEST(Carmen, SkipsOtherMessagesAndCountsThemByKind) {
+  const WholeLog log = read_text("SYNC a\nRLASER 1 2 3\nSYNC b\n" + flaser(1) + "TRUEPOS 1 2 3\n");
+  EXPECT_EQ(log.records.size(), 1U);
+  EXPECT_EQ(log.warned("skipped message SYNC"), 2U);
+  EXPECT_EQ(log.warned("skipped message RLASER"), 1U);
+  EXPECT_EQ(log.warned("skipped message TRUEPOS"), 1U);
+  EXPECT_THAT(log.warnings.at(0).first, HasSubstr("test.log:1:"));
+}
+
+TEST(Carmen, NumberOfSkippedKindsIsBounded) {
+  std::string text = flaser(1);
+  for (int i = 0; i < 5000; ++i) {
+    text += "KIND" + std::to_string(i) + " 1\n";
+  }
+  const WholeLog log = read_text(text);
+  EXPECT_LE(log.warnings.size(), 65U);
+  EXPECT_GT(log.warned("other kinds"), 4900U);
+}
+
+TEST(Carmen, ReadsWindowsLineEndsTabsAndAByteOrderMark) {
+  const WholeLog log =
+      read_text("\xef\xbb\xbf# made on Windows\r\nFLASER\t1  2.5 1 2 0 1 2 0 7 h 0\r\nPARAM a b c d\r\n");
+  ASSERT_EQ(log.records.size(), 2U);
+  EXPECT_EQ(std::get<ScanRecord>(log.records[0]).scan.stamp_s, 7.0);
+  EXPECT_EQ(std::get<Parameter>(log.records[1]).value, "b");
+}
+
+TEST(Carmen, BearingsFollowTheNumberOfBeams) {
+  struct Case {
+    std::size_t beams;
+    double first_deg;
+    double step_deg;
+    double last_deg;
+  };
+  for (const Case& c :
+       {Case{180, -90, 1.0, 89}, Case{360, -90, 0.5, 89.5}, Case{361, -90, 0.5, 90}, Case{181, -90, 1.0, 90},
+        Case{90, -90, 2.0, 88}, Case{401, -50, 0.25, 50}, Case{101, -50, 1.0, 50}, Case{201, -50, 0.5, 50}}) {
+    const LaserScan scan = std::get<ScanRecord>(read_text(flaser(c.beams)).records.at(0)).scan;
+    EXPECT_NEAR(scan.first_bearing_rad, c.first_deg * kDeg, 1e-12) << c.beams;
+    EXPECT_NEAR(scan.bearing_step_rad, c.step_deg * kDeg, 1e-12) << c.beams;
+    const double last = scan.first_bearing_rad + static_cast<double>(c.beams - 1) * scan.bearing_step_rad;
+    EXPECT_NEAR(last, c.last_deg * kDeg, 1e-12) << c.beams;
+  }
+  EXPECT_EQ(bearing_rule(1).first_rad, 0.0);
+}
+
+TEST(Carmen, OptionsOverrideWhatTheLogSays) {
+  ReadOptions options;
+  options.first_bearing_rad = -2.0;
+  options.bearing_step_rad = 0.01;
+  options.max_range_m = 30.0;
+  options.T_base_laser = Pose2{0.2, 0.0, 3.0};
+  const LaserScan scan = std::get<ScanRecord>(read_text(flaser(180), options).records.at(0)).scan;
+  EXPECT_EQ(scan.first_bearing_rad, -2.0);
+  EXPECT_EQ(scan.bearing_step_rad, 0.01);
+  EXPECT_EQ(scan.max_range_m, 30.0);
+  EXPECT_EQ(scan.T_base_laser, (Pose2{0.2, 0.0, 3.0}));
+}
+
+TEST(Carmen, SensorLimitComesFromTheParameter) {
+  const WholeLog log = read_text(flaser(2) + "PARAM robot_front_laser_max 80.99 1 h 1\n" + flaser(2));
+  const auto scans = log.of<ScanRecord>();
+  EXPECT_EQ(scans.at(0).scan.max_range_m, 0.0);
+  EXPECT_EQ(scans.at(1).scan.max_range_m, 80.99);
+}
+
+TEST(Carmen, FarLaserIsReported) {
+  const WholeLog log = read_text("FLASER 1 2.5 30 2 0.5 1 2 0.5 100.25 host 0.5\n");
+  EXPECT_EQ(log.warned("laser far from robot"), 1U);
+}
+
+TEST(Carmen, GzipGivesTheSameRecords) {
+  const std::string text = flaser(180) + flaser(180, "3.25");
+  const WholeLog plain = read_text(text);
+  const WholeLog packed = read_text(gzip(text));
+  ASSERT_EQ(packed.records.size(), plain.records.size());
+  EXPECT_EQ(packed.of<ScanRecord>().at(1).scan.ranges_m, plain.of<ScanRecord>().at(1).scan.ranges_m);
+  EXPECT_EQ(packed.warned("gzip stream"), 0U);
+}
+
+TEST(Carmen, ReadsGzipMembersOneAfterTheOther) {
+  const WholeLog log = read_text(gzip(flaser(2)) + gzip(flaser(2)) + gzip(flaser(2)));
+  EXPECT_EQ(log.records.size(), 3U);
+  EXPECT_EQ(log.warned("gzip stream"), 0U);
+}
+
+TEST(Carmen, ReadsFilesAndStatesProgress) {
+  const TemporaryFolder folder;
+  put_file(folder / "a.clf", flaser(180));
+  const auto reader = open_carmen(folder / "a.clf", {});
+  EXPECT_EQ(drain(*reader).records.size(), 1U);
+  EXPECT_EQ(reader->progress(), 1.0);
+}
+
+TEST(Carmen, MissingFileAndFolderAreFileErrors) {
+  const TemporaryFolder folder;
+  for (const std::string& path : {folder / "none.log", folder.path().string()}) {
+    try {
+      open_carmen(path, {});
+      FAIL() << path;
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path));
+      EXPECT_EQ(error.code(), ExitCode::kInputOutput);
+    }
+  }
+}
+
+TEST(Carmen, ReadsStandardInput) {
+  const TemporaryFolder folder;
+  put_file(folder / "in.log", flaser(4));
+  const std::string path = folder / "in.log";
+  const BoundedRun run = run_alone([&] {
+    if (std::freopen(path.c_str(), "rb", stdin) == nullptr) {
+      return 100;
+    }
+    return static_cast<int>(drain(*open_carmen("-", {})).records.size());
+  });
+  EXPECT_EQ(run.code, 1);
+}
+
+TEST(CarmenRealData, IntelHasItsKnownCounts) {
+  GDTSLAM_REAL_DATA(path, "slam2d/intel.clf.gz");
+  const auto reader = open_carmen(path, {});
+  const WholeLog log = drain(*reader);
+  const auto scans = log.of<ScanRecord>();
+  EXPECT_EQ(scans.size(), 13631U);
+  EXPECT_EQ(log.of<Odometry>().size(), 26915U);
+  EXPECT_EQ(log.warned("backward stamp"), 631U);
+  EXPECT_EQ(log.warnings.size(), 1U);
+  for (const ScanRecord& record : scans) {
+    ASSERT_EQ(record.scan.ranges_m.size(), 180U);
+    ASSERT_EQ(record.scan.T_base_laser, Pose2{});
+  }
+}
+
+TEST(CarmenRealData, IntelIsReadInAFractionOfASecond) {
+  GDTSLAM_REAL_DATA(path, "slam2d/intel.clf.gz");
+  const BoundedRun run = run_alone([&] {
+    const auto reader = open_carmen(path, {});
+    while (reader->next()) {
+    }
+    return 0;
+  });
+  EXPECT_EQ(run.code, 0);
+  RecordProperty("cpu_s", std::to_string(run.cpu_s));
+  expect_bounded(run);
+  if (!kIsInstrumented) {
+    EXPECT_LT(run.cpu_s, 0.35);
+  }
+}
+
+TEST(CarmenRealData, Freiburg079HasItsLaserFourCentimetresBehind) {
+  GDTSLAM_REAL_DATA(path, "slam2d/fr079.clf.gz");
+  const auto scans = drain(*open_carmen(path, {})).of<ScanRecord>();
+  EXPECT_EQ(scans.size(), 4934U);
+  for (const ScanRecord& record : scans) {
+    ASSERT_EQ(record.scan.ranges_m.size(), 360U);
+    ASSERT_NEAR(record.scan.T_base_laser.x_m, -0.04, 3e-6);
+    ASSERT_NEAR(record.scan.T_base_laser.y_m, 0.0, 3e-6);
+    ASSERT_NEAR(record.scan.T_base_laser.theta_rad, 0.0, 3e-6);
+  }
+  EXPECT_EQ(scans.back().scan.max_range_m, 80.99);
+}
+
+TEST(CarmenRealData, CsailCarriesItsOdometryInItsScans) {
+  GDTSLAM_REAL_DATA(path, "slam2d/mit-csail.clf.gz");
+  const WholeLog log = drain(*open_carmen(path, {}));
+  EXPECT_EQ(log.of<ScanRecord>().size(), 1988U);
+  EXPECT_TRUE(log.of<Odometry>().empty());
+  EXPECT_TRUE(log.of<ScanRecord>().at(0).T_odom_base.has_value());
+  EXPECT_NEAR(log.of<ScanRecord>().at(0).scan.bearing_step_rad, 0.5 * kDeg, 1e-15);
+}
+
+}  // namespace
+}  // namespace gdtslam
