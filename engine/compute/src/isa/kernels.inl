@@ -12,6 +12,11 @@ namespace {
 
 // clang-format off
 #include "kernels/common.inl"
+#if GDTSLAM_ISA_LEVEL == 2
+#include "kernels/lanes_avx512.inl"
+#elif GDTSLAM_ISA_LEVEL == 1
+#include "kernels/lanes_avx2.inl"
+#endif
 #include "kernels/edt.inl"
 #include "kernels/edt_full.inl"
 #include "kernels/distance_field.inl"

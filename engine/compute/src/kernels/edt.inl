@@ -24,7 +24,8 @@ void edt_columns(const EdtColumns::Params& params, const std::uint8_t* seeds, st
   }
 }
 
-// One row: squares of the column distances between margins of R cells that hold R*R, then the minimum over 2R+1 offsets.
+// One row: squares of the column distances between margins of R cells that hold R*R, then the minimum over 2R+1
+// offsets.
 void edt_rows(const EdtRows::Params& params, const std::uint8_t* distance, std::uint16_t* sq_distance,
               std::uint32_t begin, std::uint32_t end, std::uint16_t* scratch) {
   const std::uint32_t radius = params.radius;

@@ -1,0 +1,59 @@
+// Sixteen lanes: AVX-512.
+
+constexpr std::uint32_t kLanes = 16;
+using Floats = __m512;
+using Ints = __m512i;
+
+inline Floats all(float value) { return _mm512_set1_ps(value); }
+inline Ints all(std::int32_t value) { return _mm512_set1_epi32(value); }
+inline Floats add(Floats a, Floats b) { return _mm512_add_ps(a, b); }
+inline Floats sub(Floats a, Floats b) { return _mm512_sub_ps(a, b); }
+inline Floats mul(Floats a, Floats b) { return _mm512_mul_ps(a, b); }
+/// a > b ? a : b, and a < b ? a : b: b when a is NaN.
+inline Floats greater(Floats a, Floats b) { return _mm512_max_ps(a, b); }
+inline Floats lesser(Floats a, Floats b) { return _mm512_min_ps(a, b); }
+inline Ints floor_to_int(Floats a) { return _mm512_cvt_roundps_epi32(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
+inline Ints add(Ints a, Ints b) { return _mm512_add_epi32(a, b); }
+inline Ints sub(Ints a, Ints b) { return _mm512_sub_epi32(a, b); }
+inline Ints mul(Ints a, Ints b) { return _mm512_mullo_epi32(a, b); }
+inline Ints greater(Ints a, Ints b) { return _mm512_max_epi32(a, b); }
+inline Ints lesser(Ints a, Ints b) { return _mm512_min_epi32(a, b); }
+inline Ints both(Ints a, Ints b) { return _mm512_and_si512(a, b); }
+inline Ints either(Ints a, Ints b) { return _mm512_xor_si512(a, b); }
+/// Sum of the products of the signed 16-bit halves.
+inline Ints dot_halves(Ints a, Ints b) { return _mm512_madd_epi16(a, b); }
+template <int kBits>
+Ints shift_left(Ints a) {
+  return _mm512_slli_epi32(a, kBits);
+}
+template <int kBits>
+Ints shift_right_signed(Ints a) {
+  return _mm512_srai_epi32(a, kBits);
+}
+inline Ints shift_right(Ints a, __m128i bits) { return _mm512_srl_epi32(a, bits); }
+inline Ints load(const void* aligned) { return _mm512_load_si512(aligned); }
+inline void store(void* aligned, Ints a) { _mm512_store_si512(aligned, a); }
+inline std::uint32_t sum_of(Ints a) { return static_cast<std::uint32_t>(_mm512_reduce_add_epi32(a)); }
+
+/// Points of the lanes. A lane's point is fixed, but lanes are not in the order of the points: sums do not mind.
+struct LanePoints {
+  Floats x;
+  Floats y;
+};
+inline LanePoints split(Floats low, Floats high) {
+  return {_mm512_shuffle_ps(low, high, 0x88), _mm512_shuffle_ps(low, high, 0xDD)};
+}
+inline LanePoints load_points(const PointCells* points) {
+  return split(_mm512_loadu_ps(&points->x), _mm512_loadu_ps(&points->x + 16));
+}
+/// The first `count` < 16 points; what lies behind them is not read, and zero.
+inline LanePoints load_points(const PointCells* points, std::uint32_t count) {
+  const std::uint32_t mask = (1U << 2 * count) - 1U;
+  return split(_mm512_maskz_loadu_ps(static_cast<__mmask16>(mask & 0xFFFFU), &points->x),
+               _mm512_maskz_loadu_ps(static_cast<__mmask16>(mask >> 16U), &points->x + 16));
+}
+/// The lanes of the first `count` < 16 points, zero in the others.
+inline Ints only_first(Ints a, std::uint32_t count) {
+  const Ints point_of_lane = _mm512_setr_epi32(0, 1, 8, 9, 2, 3, 10, 11, 4, 5, 12, 13, 6, 7, 14, 15);
+  return _mm512_maskz_mov_epi32(_mm512_cmplt_epi32_mask(point_of_lane, all(static_cast<std::int32_t>(count))), a);
+}

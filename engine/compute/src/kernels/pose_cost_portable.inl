@@ -1,0 +1,63 @@
+// The steps of pose_cost in plain loops, for any processor.
+
+/// floor of a clamped position; NaN counts as -2^30.
+inline std::int32_t floor_position(float position) {
+  position = position > -kFarthestPosition ? position : -kFarthestPosition;
+  position = position < kFarthestPosition ? position : kFarthestPosition;
+  const auto truncated = static_cast<std::int32_t>(position);
+  return truncated - (static_cast<float>(truncated) > position ? 1 : 0);
+}
+
+template <bool kBilinear, bool kSquared>
+class BlockSteps {
+ public:
+  BlockSteps(const CostContext& context, const CostPose& pose) : context_(context), pose_(pose) {}
+
+  /// Fills in positions and cells of the points; returns how many cells there are to look up.
+  std::uint32_t locate(const PointCells* points, std::uint32_t count, CostBlock& block) const {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const float u = (pose_.c * points[i].x - pose_.s * points[i].y) + pose_.x;
+      const float v = (pose_.s * points[i].x + pose_.c * points[i].y) + pose_.y;
+      const std::int32_t qx = floor_position(u * 256.0F + 0.5F) + context_.shift_x;
+      const std::int32_t qy = floor_position(v * 256.0F + 0.5F) + context_.shift_y;
+      block.position_x[i] = qx;
+      block.position_y[i] = qy;
+      const auto x = static_cast<std::uint32_t>(clamped(qx >> 8, 0, context_.last_x));
+      const auto y = static_cast<std::uint32_t>(clamped(qy >> 8, 0, context_.last_y));
+      block.cell[i] = y * context_.stride + x;
+    }
+    return count;
+  }
+
+  void add_values(const CostBlock& block, std::uint32_t count) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t value = lesser(value_of(block, i), context_.cap);
+      sum_ += kSquared ? (value * value) >> context_.square_shift : value;
+    }
+  }
+
+  [[nodiscard]] std::uint32_t sum() const { return sum_; }
+
+ private:
+  static std::uint32_t value_of(const CostBlock& block, std::uint32_t i) {
+    if constexpr (!kBilinear) {
+      return block.lower[i];
+    }
+    const auto fx = static_cast<std::uint32_t>(block.position_x[i] & 255);
+    const auto fy = static_cast<std::uint32_t>(block.position_y[i] & 255);
+    const std::uint32_t lower = left(block.lower[i]) * (256 - fx) + right(block.lower[i]) * fx;
+    const std::uint32_t upper = left(block.upper[i]) * (256 - fx) + right(block.upper[i]) * fx;
+    return (lower * (256 - fy) + upper * fy) >> 16U;
+  }
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+  static std::uint32_t left(std::uint32_t pair) { return pair >> 16U; }
+  static std::uint32_t right(std::uint32_t pair) { return pair & 0xFFFFU; }
+#else
+  static std::uint32_t left(std::uint32_t pair) { return pair & 0xFFFFU; }
+  static std::uint32_t right(std::uint32_t pair) { return pair >> 16U; }
+#endif
+
+  const CostContext& context_;
+  CostPose pose_;
+  std::uint32_t sum_ = 0;
+};
