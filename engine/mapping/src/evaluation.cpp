@@ -41,7 +41,7 @@ class StampIndex {
         }));
       }
     }
-    if (best == nullptr || std::fabs((*trajectory_)[*best].stamp_s - stamp_s) > tolerance_s) return std::nullopt;
+    if (best == nullptr || !(std::fabs((*trajectory_)[*best].stamp_s - stamp_s) <= tolerance_s)) return std::nullopt;
     return (*trajectory_)[*best].T_map_base;
   }
 

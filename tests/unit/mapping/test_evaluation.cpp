@@ -2,14 +2,21 @@
 // on the public logs.
 #include "gdtslam/mapping/evaluation.hpp"
 
-#include <cmath>
-#include <limits>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <variant>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
 
 namespace gdtslam {
 namespace {
@@ -120,7 +127,8 @@ TEST(EvaluateRelations, IsInvariantUnderAMotionOfTheMap) {
   const Trajectory walk = random_walk(random, 60);
   std::vector<Relation> relations;
   for (int k = 0; k < 40; ++k) {
-    relations.push_back({static_cast<double>(k), static_cast<double>(59 - k),
+    relations.push_back({static_cast<double>(k),
+                         static_cast<double>(59 - k),
                          {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0), random.uniform(-3.0, 3.0)}});
   }
   const RelationReport before = evaluate_relations(walk, relations);
@@ -204,6 +212,52 @@ TEST(EvaluateReference, TooFewCommonStampsAreAnError) {
   EXPECT_THROW(evaluate_reference({{0, {}}, {1, {}}}, {{0, {}}, {7, {}}}, {}), InputError);
   EXPECT_THROW(evaluate_reference({}, {}, {}), InputError);
 }
+
+// The public logs' own odometry against their verified relations: published figures, so this tests the metric, the
+// matching of stamps and the readers together.
+struct RawOdometry {
+  const char* name;
+  std::size_t relations;
+  std::size_t loops;
+  double translation_m;
+  double rotation_deg;
+  double tolerance_m;  // half a unit of the last published digit
+  double tolerance_deg;
+};
+
+void PrintTo(const RawOdometry& log, std::ostream* out) { *out << log.name; }
+
+class RawOdometryTest : public testing::TestWithParam<RawOdometry> {};
+
+std::filesystem::path data_folder() {
+  const char* const folder = std::getenv("GDTSLAM_DATA");
+  return folder != nullptr ? folder : std::filesystem::path(GDTSLAM_SOURCE_DIR) / "../shared/data";
+}
+
+TEST_P(RawOdometryTest, ScoresThePublishedError) {
+  const std::string stem = (data_folder() / "slam2d" / GetParam().name).string();
+  if (!std::filesystem::exists(stem + ".clf.gz")) GTEST_SKIP() << "no " << stem << ".clf.gz; set GDTSLAM_DATA";
+  Trajectory trajectory;
+  const auto reader = open_log(stem + ".clf.gz", {});
+  while (const auto record = reader->next()) {
+    const auto* const scan = std::get_if<ScanRecord>(&*record);
+    if (scan != nullptr) trajectory.push_back({scan->scan.stamp_s, scan->T_odom_base.value()});
+  }
+  const RelationReport report = evaluate_relations(trajectory, read_relations(stem + ".relations.gz"));
+  EXPECT_EQ(report.unmatched, 0u);
+  EXPECT_EQ(report.all.translation_m.count, GetParam().relations);
+  EXPECT_EQ(report.loops.translation_m.count, GetParam().loops);
+  EXPECT_NEAR(report.all.translation_m.mean, GetParam().translation_m, GetParam().tolerance_m);
+  EXPECT_NEAR(report.all.rotation_deg.mean, GetParam().rotation_deg, GetParam().tolerance_deg);
+}
+
+INSTANTIATE_TEST_SUITE_P(Logs, RawOdometryTest,
+                         testing::Values(RawOdometry{"intel", 2984, 1212, 7.37, 39.0, 0.005, 0.5},
+                                         RawOdometry{"fr079", 1685, 698, 6.50, 30.0, 0.005, 0.5},
+                                         RawOdometry{"mit-csail", 1172, 126, 1.68, 5.1, 0.005, 0.05}),
+                         [](const auto& log) {
+                           return std::string(log.param.name == std::string("mit-csail") ? "csail" : log.param.name);
+                         });
 
 }  // namespace
 }  // namespace gdtslam

@@ -1,0 +1,230 @@
+// Expected cells come from geometry done by hand, or from a brute-force oracle that clips the beam against every cell.
+#include "gdtslam/mapping/occupancy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/elementary.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+const OccupancyConfig kOneEnd{.min_ends = 1};
+const OccupancyBuilder::Limits kUnitCells{.resolution_m = 1.0, .min_range_m = 0.1, .max_range_m = 40.0};
+
+LaserScan scan_of(std::vector<float> ranges_m, double first_rad = 0.0, double step_rad = 0.0) {
+  return {.stamp_s = 0.0,
+          .first_bearing_rad = first_rad,
+          .bearing_step_rad = step_rad,
+          .max_range_m = 0.0,
+          .ranges_m = std::move(ranges_m),
+          .T_base_laser = {}};
+}
+
+// '#' occupied, '.' free, ' ' unknown; the row with the highest y first.
+std::vector<std::string> picture(const OccupancyMap& map) {
+  std::vector<std::string> rows;
+  for (std::int32_t y = map.geometry.height - 1; y >= 0; --y) {
+    std::string row;
+    for (std::int32_t x = 0; x < map.geometry.width; ++x) {
+      const CellState state = map.at({x, y});
+      row += state == CellState::kOccupied ? '#' : state == CellState::kFree ? '.' : ' ';
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+using Picture = std::vector<std::string>;
+
+TEST(Occupancy, NothingSeenIsOneUnknownCell) {
+  OccupancyBuilder builder(kOneEnd, kUnitCells);
+  EXPECT_EQ(picture(builder.build()), (Picture{" "}));
+  builder.add(scan_of({kInf, kNan, 0.05F, 50.0F}), {});
+  EXPECT_EQ(picture(builder.build()), (Picture{" "}));
+}
+
+TEST(Occupancy, StraightBeamsInEveryDirection) {
+  // From the centre of cell (0, 0), four beams of 2 m: right, up, left, down.
+  OccupancyBuilder builder(kOneEnd, kUnitCells);
+  builder.add(scan_of({2.0F, 2.0F, 2.0F, 2.0F}, 0.0, kPi / 2), {0.5, 0.5, 0.0});
+  const OccupancyMap map = builder.build();
+  EXPECT_EQ(picture(map), (Picture{"  #  ", "  .  ", "#...#", "  .  ", "  #  "}));
+  EXPECT_EQ(map.geometry, (GridGeometry{1.0, -2.0, -2.0, 5, 5}));
+}
+
+TEST(Occupancy, SlantedBeamCrossesTheCellsItCrosses) {
+  // From (0.5, 0.5) to (3.5, 2.0 - 1/8): x borders 1, 2, 3 at y = 0.729, 1.1875, 1.646, so y = 1 is crossed in x
+  // cell 1.
+  const double dx = 3.0;
+  const double dy = 1.375;
+  OccupancyBuilder builder(kOneEnd, kUnitCells);
+  builder.add(scan_of({static_cast<float>(std::sqrt(dx * dx + dy * dy))}, std::atan2(dy, dx)), {0.5, 0.5, 0.0});
+  EXPECT_EQ(picture(builder.build()), (Picture{" ..#", "..  "}));
+}
+
+TEST(Occupancy, PoseAndMountMoveTheBeam) {
+  // The laser is 1 m ahead of the robot and turned right by 90 degrees; the robot looks up from (0.5, 0.5): the laser
+  // is at (0.5, 1.5) and its beam goes right.
+  LaserScan scan = scan_of({2.0F});
+  scan.T_base_laser = {1.0, 0.0, -kPi / 2};
+  OccupancyBuilder builder(kOneEnd, kUnitCells);
+  builder.add(scan, {0.5, 0.5, kPi / 2});
+  const OccupancyMap map = builder.build();
+  EXPECT_EQ(picture(map), (Picture{"..#"}));
+  EXPECT_EQ(map.geometry.origin_y_m, 1.0);
+}
+
+TEST(Occupancy, BeamsWithoutReturnClearOnlyUpToTheStatedLength) {
+  for (const float no_return : {kInf, kNan, 50.0F}) {
+    OccupancyBuilder silent(kOneEnd, kUnitCells);
+    silent.add(scan_of({no_return, 1.0F}, 0.0, kPi / 2), {0.5, 0.5, 0.0});
+    EXPECT_EQ(picture(silent.build()), (Picture{"#", "."})) << no_return;
+    OccupancyBuilder clearing({.min_ends = 1, .no_return_free_m = 2.0}, kUnitCells);
+    clearing.add(scan_of({no_return, 1.0F}, 0.0, kPi / 2), {0.5, 0.5, 0.0});
+    EXPECT_EQ(picture(clearing.build()), (Picture{"#  ", "..."})) << no_return;
+  }
+}
+
+TEST(Occupancy, SensorLimitOfTheLogCountsToo) {
+  LaserScan scan = scan_of({5.0F});
+  scan.max_range_m = 5.0;
+  OccupancyBuilder builder(kOneEnd, kUnitCells);
+  builder.add(scan, {0.5, 0.5, 0.0});
+  EXPECT_EQ(picture(builder.build()), (Picture{" "}));
+}
+
+TEST(Occupancy, AnEndBeatsAPassWithinOneScan) {
+  // Both beams lie in one row; the first ends in the third cell, the second passes it, whatever their order.
+  for (const std::vector<float>& ranges : {std::vector{2.0F, 4.0F}, std::vector{4.0F, 2.0F}}) {
+    OccupancyBuilder builder(kOneEnd, kUnitCells);
+    builder.add(scan_of(ranges), {0.5, 0.5, 0.0});
+    EXPECT_EQ(picture(builder.build()), (Picture{"..#.#"}));
+  }
+}
+
+TEST(Occupancy, ShareAndNumberOfScansDecide) {
+  // The cell at 2 m is an end in 3 scans and passed by k more: occupied while 3 / (3 + k) >= 1/4, so up to k = 9.
+  OccupancyBuilder builder({.occupied_share = 0.25, .min_ends = 3}, kUnitCells);
+  const auto see = [&builder](float range_m) { builder.add(scan_of({range_m}), {0.5, 0.5, 0.0}); };
+  see(2.0F);
+  EXPECT_EQ(picture(builder.build()), (Picture{".."}));  // too few ends: not occupied, and nothing passed through it
+  see(2.0F);
+  see(2.0F);
+  EXPECT_EQ(picture(builder.build()), (Picture{"..#"}));
+  for (int k = 0; k < 9; ++k) see(3.0F);
+  EXPECT_EQ(picture(builder.build()), (Picture{"..##"}));
+  see(3.0F);
+  EXPECT_EQ(picture(builder.build()), (Picture{"...#"}));
+}
+
+TEST(Occupancy, FullCountersKeepTheirRatio) {
+  // 40,000 ends and 60,000 passes pass the counters' 16 bits; the share is 0.4 all the same.
+  const auto occupied_at = [](double share) {
+    OccupancyBuilder builder({.occupied_share = share}, kUnitCells);
+    for (int k = 0; k < 20000; ++k) {
+      for (const float range_m : {2.0F, 3.0F, 3.0F, 2.0F, 3.0F}) builder.add(scan_of({range_m}), {0.5, 0.5, 0.0});
+    }
+    return builder.build().at({2, 0}) == CellState::kOccupied;
+  };
+  EXPECT_TRUE(occupied_at(0.39));
+  EXPECT_FALSE(occupied_at(0.41));
+}
+
+TEST(Occupancy, GridGrowsWithoutForgetting) {
+  OccupancyBuilder builder(kOneEnd, kUnitCells);
+  const Pose2 poses[] = {{0.5, 0.5, 0.0}, {-300.5, 0.5, 0.0}, {0.5, 200.5, 0.0}, {250.5, -99.5, 0.0}};
+  for (const Pose2& pose : poses) builder.add(scan_of({2.0F}), pose);
+  const OccupancyMap map = builder.build();
+  for (const Pose2& pose : poses) {
+    const CellIndex cell = map.geometry.cell_of(pose.translation());
+    EXPECT_EQ(map.at(cell), CellState::kFree);
+    EXPECT_EQ(map.at(cell + CellOffset{2, 0}), CellState::kOccupied);
+  }
+  EXPECT_EQ(map.geometry, (GridGeometry{1.0, -301.0, -100.0, 554, 301}));
+}
+
+TEST(Occupancy, RefusesToGrowBeyondTheLimitAndStaysAsItWas) {
+  OccupancyBuilder builder(kOneEnd, {.resolution_m = 1.0, .min_range_m = 0.1, .max_range_m = 40.0, .max_cells = 100});
+  builder.add(scan_of({2.0F}), {0.5, 0.5, 0.0});
+  const Picture before = picture(builder.build());
+  EXPECT_THROW(builder.add(scan_of({2.0F}), {200.5, 0.5, 0.0}), InputError);
+  EXPECT_THROW(builder.add(scan_of({2.0F}), {1e300, -1e300, 0.0}), InputError);
+  EXPECT_THROW(builder.add(scan_of({2.0F}), {std::nan(""), 0.0, 0.0}), InputError);
+  EXPECT_EQ(picture(builder.build()), before);
+}
+
+// Whether the open segment runs through the inside of a cell, all in units of 1/512 cell, by the signs of its corners.
+bool crosses(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, std::int64_t cx, std::int64_t cy) {
+  const std::int64_t left = cx * 512;
+  const std::int64_t low = cy * 512;
+  if (std::max(x0, x1) <= left || std::min(x0, x1) >= left + 512) return false;
+  if (std::max(y0, y1) <= low || std::min(y0, y1) >= low + 512) return false;
+  int above = 0;
+  int below = 0;
+  for (const std::int64_t x : {left, left + 512}) {
+    for (const std::int64_t y : {low, low + 512}) {
+      const std::int64_t side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0);
+      above += side > 0 ? 1 : 0;
+      below += side < 0 ? 1 : 0;
+    }
+  }
+  return above > 0 && below > 0;
+}
+
+TEST(Occupancy, TraversalAgreesWithBruteForce) {
+  Random random(5);
+  for (int round = 0; round < 300; ++round) {
+    const Pose2 pose{random.uniform(-4.0, 4.0), random.uniform(-4.0, 4.0), 0.0};
+    // Every eighth beam is parallel to an axis.
+    const double bearing_rad =
+        round % 8 == 0 ? static_cast<double>(round / 8 % 4) * kPi / 2 : random.uniform(-kPi, kPi);
+    const auto range_m = static_cast<float>(random.uniform(0.1, 12.0));
+    OccupancyBuilder builder(kOneEnd, kUnitCells);
+    builder.add(scan_of({range_m}, bearing_rad), pose);
+    const OccupancyMap map = builder.build();
+    const auto sub_cell = [](double metres) { return 2 * static_cast<std::int64_t>(std::floor(metres * 256.0)) + 1; };
+    const auto [sine, cosine] = sin_cos(bearing_rad);
+    const std::int64_t x0 = sub_cell(pose.x_m);
+    const std::int64_t y0 = sub_cell(pose.y_m);
+    const std::int64_t x1 = sub_cell(pose.x_m + cosine * static_cast<double>(range_m));
+    const std::int64_t y1 = sub_cell(pose.y_m + sine * static_cast<double>(range_m));
+    for (std::int32_t y = -20; y < 20; ++y) {
+      for (std::int32_t x = -20; x < 20; ++x) {
+        const CellIndex cell = map.geometry.cell_of({x + 0.5, y + 0.5});
+        const CellState state = map.geometry.contains(cell) ? map.at(cell) : CellState::kUnknown;
+        const bool is_end = x1 >> 9 == x && y1 >> 9 == y;
+        const bool is_start = x0 >> 9 == x && y0 >> 9 == y;
+        const CellState expected = is_end                                      ? CellState::kOccupied
+                                   : is_start || crosses(x0, y0, x1, y1, x, y) ? CellState::kFree
+                                                                               : CellState::kUnknown;
+        ASSERT_EQ(state, expected) << "round " << round << ", cell " << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(OccupancyOptions, PointIntoTheConfiguration) {
+  OccupancyConfig config;
+  const std::vector<Option> table = options_of(config);
+  ASSERT_EQ(table.size(), 3u);
+  *std::get<double*>(table[0].value) = 0.5;
+  *std::get<std::int32_t*>(table[1].value) = 7;
+  *std::get<double*>(table[2].value) = 3.0;
+  EXPECT_EQ(config.occupied_share, 0.5);
+  EXPECT_EQ(config.min_ends, 7);
+  EXPECT_EQ(config.no_return_free_m, 3.0);
+}
+
+}  // namespace
+}  // namespace gdtslam
