@@ -83,6 +83,13 @@ TEST(EvaluateRelations, LastPoseOfADuplicateStampCounts) {
   EXPECT_EQ(evaluate_relations(trajectory, {&below, 1}).all.translation_m.max, 0.0);
 }
 
+TEST(EvaluateRelations, LastPoseCountsAmongManyOfOneStamp) {
+  Trajectory trajectory;
+  for (int k = 0; k < 1000; ++k) trajectory.push_back({static_cast<double>(k % 2), {0.001 * k, 0.0, 0.0}});
+  const Relation relation{0.0, 1.0, {0.001, 0.0, 0.0}};  // from 0.998 to 0.999
+  EXPECT_NEAR(evaluate_relations(trajectory, {&relation, 1}).all.translation_m.max, 0.0, kTiny);
+}
+
 TEST(EvaluateRelations, TakesTheNearestStampWithinTheTolerance) {
   const Trajectory trajectory{{0.0, {}}, {1.0, {1.0, 0.0, 0.0}}, {1.1, {2.0, 0.0, 0.0}}};
   const auto error_at = [&trajectory](double t2_s, double tolerance_s) {

@@ -107,7 +107,7 @@ TEST(Occupancy, SensorLimitOfTheLogCountsToo) {
 TEST(Occupancy, AnEndBeatsAPassWithinOneScan) {
   // Both beams lie in one row; the first ends in the third cell, the second passes it, whatever their order.
   for (const std::vector<float>& ranges : {std::vector{2.0F, 4.0F}, std::vector{4.0F, 2.0F}}) {
-    OccupancyBuilder builder(kOneEnd, kUnitCells);
+    OccupancyBuilder builder({.occupied_share = 1.0, .min_ends = 1}, kUnitCells);
     builder.add(scan_of(ranges), {0.5, 0.5, 0.0});
     EXPECT_EQ(picture(builder.build()), (Picture{"..#.#"}));
   }
@@ -129,10 +129,10 @@ TEST(Occupancy, ShareAndNumberOfScansDecide) {
 }
 
 TEST(Occupancy, FullCountersKeepTheirRatio) {
-  // 40,000 ends and 60,000 passes pass the counters' 16 bits; the share is 0.4 all the same.
+  // 80,000 ends and 120,000 passes are more than the counters' 16 bits hold; the share is 0.4 all the same.
   const auto occupied_at = [](double share) {
     OccupancyBuilder builder({.occupied_share = share}, kUnitCells);
-    for (int k = 0; k < 20000; ++k) {
+    for (int k = 0; k < 40000; ++k) {
       for (const float range_m : {2.0F, 3.0F, 3.0F, 2.0F, 3.0F}) builder.add(scan_of({range_m}), {0.5, 0.5, 0.0});
     }
     return builder.build().at({2, 0}) == CellState::kOccupied;
