@@ -74,10 +74,36 @@ void add_search_options(MapperConfig& c, std::vector<Option>& table) {
   table.push_back({"search.step", "spacing of the samples", Unit::kMetre, 0.005, 10.0, &c.search.step_m});
   table.push_back({"search.step_angle", "spacing of the angles", Unit::kRadian, 0.0005, 3.15, &c.search.step_rad});
   table.push_back({"search.starts", "best local minima that are polished", Unit::kNone, 1, 64, &c.search.starts});
+  table.push_back(
+      {"search.max_half_width", "the window never grows beyond this", Unit::kMetre, 0.0, 1000.0, &c.search.max_half_m});
+  table.push_back({"search.max_points", "a scan is thinned to this many points for the window", Unit::kNone, 8, 65537,
+                   &c.search.max_points});
+  table.push_back({"search.attempts", "windows tried, each twice as large, while the match is in doubt", Unit::kNone, 1,
+                   8, &c.search.attempts});
+}
+
+void add_doubt_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"odometry.max_step", "a longer step between two scans is a fault and is not used", Unit::kMetre,
+                   0.01, 1000.0, &c.odometry.max_step_m});
+  table.push_back({"odometry.frozen", "odometry that stands still while the scans move this far counts as missing",
+                   Unit::kMetre, 0.0, 1000.0, &c.odometry.frozen_m});
+  table.push_back({"odometry.frozen_angle", "or turn this far", Unit::kRadian, 0.0, 100.0, &c.odometry.frozen_rad});
+  table.push_back({"odometry.unknown_step", "motion between two scans to allow for without odometry", Unit::kMetre, 0.0,
+                   100.0, &c.odometry.unknown_step_m});
+  table.push_back({"odometry.unknown_turn", "and turn", Unit::kRadian, 0.0, 3.15, &c.odometry.unknown_turn_rad});
+  table.push_back({"doubt.suspect_contradiction",
+                   "a window is searched when a larger share of the points lies beside known obstacles", Unit::kShare,
+                   0.0, 1.0, &c.doubt.suspect_contradiction});
+  table.push_back({"doubt.suspect_overlap", "or a smaller share within the final gate", Unit::kShare, 0.0, 1.0,
+                   &c.doubt.suspect_overlap});
+  table.push_back({"doubt.suspect_sigmas", "or the pose is this many standard deviations from the prediction",
+                   Unit::kNone, 0.0, 1000.0, &c.doubt.suspect_sigmas});
+  table.push_back({"doubt.max_contradiction", "a match with a larger share of points beside known obstacles is refused",
+                   Unit::kShare, 0.0, 1.0, &c.doubt.max_contradiction});
   table.push_back({"doubt.min_overlap", "a match with a smaller share of points within the final gate is refused",
                    Unit::kShare, 0.0, 1.0, &c.doubt.min_overlap});
-  table.push_back(
-      {"doubt.max_mean", "a match with a larger mean cost is refused", Unit::kMetre, 0.0, 10.0, &c.doubt.max_mean_m});
+  table.push_back({"doubt.restart", "after this much motion without a match the scan is merged where odometry says",
+                   Unit::kMetre, 0.1, 1000.0, &c.doubt.restart_m});
 }
 
 }  // namespace
@@ -91,6 +117,7 @@ std::vector<Option> options_of(MapperConfig& config) {
   add_map_options(config, table);
   add_match_options(config, table);
   add_search_options(config, table);
+  add_doubt_options(config, table);
   return table;
 }
 

@@ -1,17 +1,15 @@
 #include "gdtslam/mapping/mapper.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/exhaustive.hpp"
 #include "gdtslam/mapping/local_field.hpp"
-#include "gdtslam/mapping/objective.hpp"
+#include "gdtslam/mapping/motion_model.hpp"
+#include "gdtslam/mapping/scan_matcher.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
-#include "gdtslam/mapping/simplex.hpp"
 
 namespace gdtslam {
 namespace {
@@ -26,14 +24,15 @@ const MapperConfig& checked(const MapperConfig& config) {
 
 class StageTimer {
  public:
-  explicit StageTimer(double& seconds) : seconds_(&seconds), start_(std::chrono::steady_clock::now()) {}
+  explicit StageTimer(double& seconds) : seconds_(&seconds), start_(Clock::now()) {}
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
-  ~StageTimer() { *seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  ~StageTimer() { *seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
 
  private:
+  using Clock = std::chrono::steady_clock;
   double* seconds_;
-  std::chrono::steady_clock::time_point start_;
+  Clock::time_point start_;
 };
 
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
@@ -42,143 +41,110 @@ double turn(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.thet
 }  // namespace
 
 struct Mapper::State {
-  State(const MapperConfig& c, Backend& b)
+  State(const MapperConfig& c, Backend& backend)
       : config(checked(c)),
-        backend(&b),
-        field(b, config.map.resolution_m, config.map.radius_cells(), std::uint64_t(config.map.max_megacells) << 20U),
-        local(b, config.map.radius_cells()),
-        objective(b, field, config.match.interpolation, config.match.cost) {}
+        field(backend, config.map.resolution_m, config.map.radius_cells(),
+              static_cast<std::uint64_t>(config.map.max_megacells) << 20U),
+        local(backend, config.map.radius_cells()),
+        motion(config.odometry),
+        matcher(config, backend, field) {}
 
-  [[nodiscard]] std::uint32_t units(double metres) const {
-    return static_cast<std::uint32_t>(std::lround(metres / config.map.resolution_m * kFieldOne));
-  }
-  [[nodiscard]] float cells(double metres) const { return static_cast<float>(metres / config.map.resolution_m); }
-
-  Pose2 predict(const std::optional<Pose2>& T_odom_base);
-  void prepare(const Pose2& predicted);
-  CellPose descend(const CellPose& start, MatchResult& result);
-  CellPose search(const CellPose& centre, MatchResult& result);
-  void judge(const CellPose& pose, MatchResult& result);
-  bool is_keyframe(const Pose2& pose) const;
+  void see(const LaserScan& scan);
+  MatchResult locate(const Prediction& prediction);
+  [[nodiscard]] bool is_keyframe(const Pose2& pose) const;
+  [[nodiscard]] bool wants_search(const Pose2& predicted) const;
+  void update_map(MatchResult& result);
   void merge(const Pose2& pose);
+  void count(const MatchResult& result, const Prediction& prediction);
 
   MapperConfig config;
-  Backend* backend;
   GlobalField field;
   LocalField local;
-  Objective objective;
+  MotionModel motion;
+  ScanMatcher matcher;
   MapperStatistics statistics;
-
   bool started = false;
-  std::optional<Pose2> last_odometry;
-  Pose2 T_map_base;
   Pose2 last_keyframe;
-  double step_m = 0.0;  // motion since the last scan, by odometry
-  double step_rad = 0.0;
-
+  Pose2 last_pose;
+  double unmatched_m = 0.0;  // path since the last accepted match
   std::vector<Point2> points_m;
   std::vector<PointCells> points;
-  std::vector<PointCells> gated;
-  std::vector<std::uint16_t> values;
 };
 
-Pose2 Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
-  Pose2 motion;
-  if (T_odom_base && last_odometry) motion = between(*last_odometry, *T_odom_base);
-  if (T_odom_base) last_odometry = T_odom_base;
-  step_m = motion.translation().norm();
-  step_rad = std::fabs(motion.theta_rad);
-  return T_map_base * motion;
+// The returns of the scan in the robot's frame, the P of equation (6).
+void Mapper::State::see(const LaserScan& scan) {
+  points_m = points_of(scan, {.min_m = config.scan.min_range_m, .max_m = config.scan.max_range_m});
+  points = in_cells(points_m, config.map.resolution_m);
 }
 
-void Mapper::State::prepare(const Pose2& predicted) {
-  const double r = config.map.resolution_m;
-  objective.set_anchor({static_cast<std::int32_t>(std::floor(predicted.x_m / r)),
-                        static_cast<std::int32_t>(std::floor(predicted.y_m / r))});
-  const double sigma_xy = (config.prior.sigma_m + config.prior.sigma_per_m * step_m) / r;
-  const double sigma_theta = config.prior.sigma_rad + config.prior.sigma_per_rad * step_rad;
-  const double weight = config.prior.weight * kFieldOne * static_cast<double>(points.size());
-  objective.set_prior({.mean = objective.to_cells(predicted),
-                       .weight_xy = static_cast<float>(weight / (sigma_xy * sigma_xy)),
-                       .weight_theta = static_cast<float>(weight / (sigma_theta * sigma_theta))});
-}
-
-// Equations (8) and (4) in turn, the gate narrowing around the best pose so far.
-CellPose Mapper::State::descend(const CellPose& start, MatchResult& result) {
-  CellPose pose = start;
-  SimplexOptions options;
-  for (double gate = config.gate.wide_m;; gate *= config.gate.narrowing) {
-    const bool last = gate <= config.gate.final_m * 1.0001;
-    const auto limit = units(last ? config.gate.final_m : gate);
-    objective.residuals(pose, points, values);
-    gated.clear();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (values[i] <= limit) gated.push_back(points[i]);
-    }
-    const bool enough = static_cast<double>(gated.size()) >= config.gate.min_share * static_cast<double>(points.size());
-    objective.set_points(enough ? std::span<const PointCells>(gated) : std::span<const PointCells>(points));
-    objective.set_cap(last ? field.cap() : field.cap());
-    const SimplexResult found = minimise_simplex(objective, pose, options);
-    pose = found.pose;
-    result.stop = found.stop;
-    options.step_cells *= 0.5F;
-    options.step_rad *= 0.5F;
-    if (last || !enough) break;
+// Equations (6) to (8) and (4); the first scan is the map's origin.
+MatchResult Mapper::State::locate(const Prediction& prediction) {
+  MatchResult result;
+  result.T_map_base = result.T_map_predicted = prediction.T_map_base;
+  result.points = static_cast<std::uint32_t>(points.size());
+  if (points.size() < static_cast<std::size_t>(config.scan.min_points)) {
+    result.doubt = Doubt::kFewPoints;
+    return result;
   }
-  return pose;
-}
-
-CellPose Mapper::State::search(const CellPose& centre, MatchResult& result) {
-  const SearchConfig& s = config.search;
-  const SearchWindow window{.centre = centre,
-                            .half_xy_cells = cells(s.half_m + s.half_per_m * step_m),
-                            .half_theta_rad = static_cast<float>(std::min(s.half_rad + s.half_per_rad * step_rad, kPi)),
-                            .step_cells = cells(s.step_m),
-                            .step_rad = static_cast<float>(s.step_rad)};
-  objective.set_points(points);
-  objective.set_cap(units(config.gate.wide_m));
-  const ExhaustiveResult found =
-      search_window(objective, window, static_cast<std::uint32_t>(s.starts), {.step_cells = 1.0F, .step_rad = 0.01F});
-  result.searched = true;
-  ++statistics.searches;
-  return found.pose;
-}
-
-void Mapper::State::judge(const CellPose& pose, MatchResult& result) {
-  objective.set_points(points);
-  objective.set_cap(units(config.gate.wide_m));
-  const double count = static_cast<double>(points.size());
-  result.mean_cost_m = objective.data_cost(pose) / (count * kFieldOne) * config.map.resolution_m;
-  objective.residuals(pose, points, values);
-  const auto limit = units(config.gate.final_m);
-  const auto near = std::count_if(values.begin(), values.end(), [&](std::uint16_t v) { return v <= limit; });
-  result.overlap = static_cast<double>(near) / count;
-  if (result.overlap < config.doubt.min_overlap) {
-    result.doubt = Doubt::kLowOverlap;
-  } else if (result.mean_cost_m > config.doubt.max_mean_m) {
-    result.doubt = Doubt::kHighCost;
+  if (!started) {
+    result.accepted = true;
+    return result;
   }
+  const StageTimer timer(statistics.stages.match_s);
+  return matcher.match(points, prediction, wants_search(prediction.T_map_base));
 }
 
 bool Mapper::State::is_keyframe(const Pose2& pose) const {
-  return config.keyframe.every_scan || distance(pose, last_keyframe) >= config.keyframe.distance_m ||
+  return !started || config.keyframe.every_scan || distance(pose, last_keyframe) >= config.keyframe.distance_m ||
          turn(pose, last_keyframe) >= config.keyframe.angle_rad;
 }
 
+bool Mapper::State::wants_search(const Pose2& predicted) const {
+  return config.match.matcher == MatcherKind::kExhaustive || config.search.when == SearchWhen::kAlways ||
+         (config.search.when == SearchWhen::kKeyframe && is_keyframe(predicted));
+}
+
+// Equations (9) to (11) with the local field of (1), for keyframes; and where nothing matched for so long that the
+// robot must be somewhere new, a fresh start there, because the map could never grow to it otherwise.
+void Mapper::State::update_map(MatchResult& result) {
+  unmatched_m = result.accepted ? 0.0 : unmatched_m + distance(result.T_map_base, last_pose);
+  const bool restart = !result.accepted && result.doubt != Doubt::kFewPoints && unmatched_m >= config.doubt.restart_m;
+  if (restart) {
+    ++statistics.restarts;
+    unmatched_m = 0.0;
+  }
+  if (restart || (result.accepted && is_keyframe(result.T_map_base))) {
+    merge(result.T_map_base);
+    result.merged = true;
+  }
+}
+
 void Mapper::State::merge(const Pose2& pose) {
-  const auto margin = static_cast<std::int32_t>(config.map.radius_cells());
-  const CellBox window = window_of(points_m, pose, config.map.resolution_m, margin);
+  const auto radius = static_cast<std::int32_t>(config.map.radius_cells());
+  const CellBox window = window_of(points_m, pose, config.map.resolution_m, radius);
   field.grow_to_hold(window);
   {
     const StageTimer timer(statistics.stages.local_field_s);
     local.compute(points_m, pose, config.map.resolution_m, window);
   }
   const StageTimer timer(statistics.stages.merge_s);
-  const auto threshold = units(config.merge.threshold_m);
-  local.merge_into(field, config.merge.rule, threshold,
+  const double threshold = config.merge.threshold_m / config.map.resolution_m * kFieldOne;
+  local.merge_into(field, config.merge.rule, static_cast<std::uint32_t>(std::lround(threshold)),
                    static_cast<std::uint32_t>(std::lround(threshold * config.merge.kappa)));
   last_keyframe = pose;
+  started = true;
   ++statistics.keyframes;
+}
+
+void Mapper::State::count(const MatchResult& result, const Prediction& prediction) {
+  ++statistics.scans;
+  statistics.matched += result.accepted ? 1 : 0;
+  statistics.doubtful += result.doubt != Doubt::kNone ? 1 : 0;
+  statistics.searches += result.searched ? 1 : 0;
+  statistics.evaluations += result.evaluations;
+  statistics.without_odometry += prediction.by_odometry ? 0 : 1;
+  statistics.odometry_leaps = motion.leaps();
+  statistics.path_m += distance(result.T_map_base, last_pose);
 }
 
 Mapper::Mapper(const MapperConfig& config, Backend& backend) : state_(std::make_unique<State>(config, backend)) {}
@@ -189,51 +155,14 @@ const GlobalField& Mapper::field() const { return state_->field; }
 
 MatchResult Mapper::process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
   State& s = *state_;
-  MatchResult result;
+  s.see(scan);
+  const Prediction prediction = s.motion.predict(T_odom_base);  // (5)
+  MatchResult result = s.locate(prediction);                    // (6), (7), (8), (4)
+  s.update_map(result);                                         // (1), (9), (10), (11)
+  s.motion.correct(result.T_map_base, result.accepted);
+  s.count(result, prediction);
+  s.last_pose = result.T_map_base;
   result.stamp_s = scan.stamp_s;
-  result.T_map_predicted = s.predict(T_odom_base);
-  s.points_m = points_of(scan, {.min_m = s.config.scan.min_range_m, .max_m = s.config.scan.max_range_m});
-  s.points = in_cells(s.points_m, s.config.map.resolution_m);
-  result.points = static_cast<std::uint32_t>(s.points.size());
-  Pose2 pose = result.T_map_predicted;
-  ++s.statistics.scans;
-  if (s.points.size() < static_cast<std::size_t>(s.config.scan.min_points)) {
-    result.doubt = Doubt::kFewPoints;
-  } else if (!s.started) {
-    s.merge(pose);
-    s.started = true;
-    result.accepted = result.merged = true;
-  } else {
-    const std::uint64_t before = s.objective.evaluations();
-    s.prepare(pose);
-    CellPose cell_pose = s.objective.to_cells(pose);
-    const bool keyframe_ahead = s.is_keyframe(pose);
-    if (s.config.search.when == SearchWhen::kAlways ||
-        (s.config.search.when == SearchWhen::kKeyframe && keyframe_ahead)) {
-      const StageTimer timer(s.statistics.stages.search_s);
-      cell_pose = s.search(cell_pose, result);
-    }
-    {
-      const StageTimer timer(s.statistics.stages.match_s);
-      cell_pose = s.descend(cell_pose, result);
-      s.judge(cell_pose, result);
-    }
-    result.evaluations = static_cast<std::uint32_t>(s.objective.evaluations() - before);
-    s.statistics.evaluations += result.evaluations;
-    if (result.doubt == Doubt::kNone) {
-      pose = s.objective.to_metres(cell_pose);
-      result.accepted = true;
-      ++s.statistics.matched;
-      if (s.is_keyframe(pose)) {
-        s.merge(pose);
-        result.merged = true;
-      }
-    }
-  }
-  if (result.doubt != Doubt::kNone) ++s.statistics.doubtful;
-  s.statistics.path_m += distance(pose, s.T_map_base);
-  s.T_map_base = pose;
-  result.T_map_base = pose;
   return result;
 }
 

@@ -10,12 +10,8 @@ std::string_view name_of(Doubt doubt) {
       return "few-points";
     case Doubt::kLowOverlap:
       return "low-overlap";
-    case Doubt::kHighCost:
-      return "high-cost";
-    case Doubt::kFarFromPrediction:
-      return "far-from-prediction";
-    case Doubt::kAmbiguous:
-      return "ambiguous";
+    case Doubt::kContradiction:
+      return "contradiction";
   }
   return "unknown";
 }

@@ -46,6 +46,14 @@ struct MatchConfig {
   Interpolation interpolation = Interpolation::kBilinear;
 };
 
+struct OdometryConfig {
+  double max_step_m = 5.0;         ///< a longer step between two scans is a fault
+  double frozen_m = 0.3;           ///< odometry that stands still while the scans move this far is taken as missing
+  double frozen_rad = 0.35;        ///< or turn this far
+  double unknown_step_m = 0.2;     ///< how far the robot may move between two scans when nothing tells
+  double unknown_turn_rad = 0.17;  ///< and turn
+};
+
 struct GateConfig {
   double wide_m = 0.5;
   double final_m = 0.0873;
@@ -69,12 +77,19 @@ struct SearchConfig {
   double half_per_rad = 1.2;
   double step_m = 0.1;
   double step_rad = 0.02;
+  double max_half_m = 5.0;
   std::int32_t starts = 3;
+  std::int32_t max_points = 96;  ///< a scan is thinned to this for the window
+  std::int32_t attempts = 3;
 };
 
 struct DoubtConfig {
-  double min_overlap = 0.3;
-  double max_mean_m = 0.3;
+  double suspect_contradiction = 0.12;  ///< a window is searched beyond these
+  double suspect_overlap = 0.6;
+  double suspect_sigmas = 3.0;
+  double max_contradiction = 0.3;  ///< a match is refused beyond these
+  double min_overlap = 0.2;
+  double restart_m = 2.0;  ///< after this much motion without a match the scan is merged where odometry says
 };
 
 struct MapperConfig {
@@ -82,6 +97,7 @@ struct MapperConfig {
   ScanConfig scan;
   MergeConfig merge;
   KeyframeConfig keyframe;
+  OdometryConfig odometry;
   MatchConfig match;
   GateConfig gate;
   PriorConfig prior;

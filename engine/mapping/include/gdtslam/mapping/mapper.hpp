@@ -21,7 +21,6 @@ namespace gdtslam {
 struct StageTimes {
   double predict_s = 0.0;
   double match_s = 0.0;
-  double search_s = 0.0;
   double local_field_s = 0.0;
   double merge_s = 0.0;
 };
@@ -29,10 +28,13 @@ struct StageTimes {
 /// Counts over the run so far.
 struct MapperStatistics {
   std::uint64_t scans = 0;
-  std::uint64_t matched = 0;    ///< pose from the matcher
-  std::uint64_t doubtful = 0;   ///< fell back to the prediction, or matched with weak evidence
-  std::uint64_t keyframes = 0;  ///< merged into the map
-  std::uint64_t searches = 0;   ///< window searches
+  std::uint64_t matched = 0;           ///< pose from the matcher
+  std::uint64_t doubtful = 0;          ///< fell back to the prediction, or matched with weak evidence
+  std::uint64_t keyframes = 0;         ///< merged into the map
+  std::uint64_t searches = 0;          ///< scans for which a window was searched
+  std::uint64_t restarts = 0;          ///< keyframes merged where odometry says, after a long stretch without a match
+  std::uint64_t odometry_leaps = 0;    ///< odometry steps too long to be true
+  std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
   std::uint64_t evaluations = 0;
   double path_m = 0.0;
   StageTimes stages;

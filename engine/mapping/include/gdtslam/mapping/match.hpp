@@ -11,11 +11,9 @@ namespace gdtslam {
 /// Why a match is in doubt.
 enum class Doubt : std::uint8_t {
   kNone,
-  kFewPoints,          ///< too few returns to match
-  kLowOverlap,         ///< too few points near known obstacles
-  kHighCost,           ///< the matched points lie too far from the map's obstacles
-  kFarFromPrediction,  ///< further from the prediction than odometry can be wrong
-  kAmbiguous,          ///< another pose in the window is as good
+  kFewPoints,      ///< too few returns to match
+  kLowOverlap,     ///< too few points near known obstacles
+  kContradiction,  ///< too many points beside known obstacles
 };
 std::string_view name_of(Doubt doubt);
 
@@ -29,6 +27,7 @@ struct MatchResult {
   Pose2 T_map_predicted;          ///< odometry on top of the last estimate
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
   double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
+  double contradiction = 0.0;     ///< share of the valid points near known obstacles but clearly beside them
   std::uint32_t points = 0;       ///< valid returns
   std::uint32_t evaluations = 0;  ///< poses that were costed
   StopReason stop = StopReason::kNotRun;

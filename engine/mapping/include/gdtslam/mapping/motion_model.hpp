@@ -1,0 +1,47 @@
+// Where the robot should be at the next scan, paper equations (5) and (6): the last estimate moved by what the odometry
+// says. Where there is no odometry, or it stands still while the scans show motion, or it leaps, the last motion is
+// taken to go on. Frame: map. Not thread-safe; constant time.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/mapping/config.hpp"
+
+namespace gdtslam {
+
+/// A predicted pose and how far the robot moved to get there.
+struct Prediction {
+  Pose2 T_map_base;
+  double travelled_m = 0.0;
+  double turned_rad = 0.0;
+  bool by_odometry = false;
+};
+
+class MotionModel {
+ public:
+  explicit MotionModel(const OdometryConfig& config) : config_(config) {}
+
+  /// Prediction for the next scan. A pose that is not finite counts as none.
+  Prediction predict(const std::optional<Pose2>& T_odom_base);
+  /// What the scan then showed; `matched` is false when the prediction itself was kept.
+  void correct(const Pose2& T_map_base, bool matched);
+
+  /// Steps longer than the odometry may take.
+  [[nodiscard]] std::uint64_t leaps() const { return leaps_; }
+
+ private:
+  [[nodiscard]] std::optional<Pose2> odometry_motion(const std::optional<Pose2>& T_odom_base);
+
+  OdometryConfig config_;
+  Pose2 T_map_base_;
+  std::optional<Pose2> last_odometry_;
+  Pose2 last_motion_;      // of the estimate, in the robot's frame
+  double frozen_m_ = 0.0;  // how far the estimate moved while the odometry stood still
+  double frozen_rad_ = 0.0;
+  bool stands_still_ = false;
+  std::uint64_t leaps_ = 0;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,167 @@
+#include "gdtslam/mapping/scan_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr SimplexOptions kFirstDescent{.step_cells = 2.0F, .step_rad = 0.03F};
+constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .stop_cells = 0.1F, .stop_rad = 0.002F};
+
+}  // namespace
+
+ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
+    : config_(config), map_(&map), objective_(backend, map, config.match.interpolation, config.match.cost) {}
+
+std::uint32_t ScanMatcher::units(double metres) const {
+  return static_cast<std::uint32_t>(std::lround(metres / config_.map.resolution_m * kFieldOne));
+}
+
+float ScanMatcher::cells(double metres) const { return static_cast<float>(metres / config_.map.resolution_m); }
+
+MatchResult ScanMatcher::match(const std::vector<PointCells>& points, const Prediction& prediction, bool search) {
+  const std::uint64_t before = objective_.evaluations();
+  points_ = &points;
+  prepare(prediction);
+  Estimate best = descend(predicted_);
+  const bool searched = search || (config_.search.when != SearchWhen::kNever && is_suspect(best, prediction));
+  if (searched) best = this->search(best, prediction);
+
+  MatchResult result;
+  result.T_map_predicted = prediction.T_map_base;
+  result.T_map_base = objective_.to_metres(best.pose);
+  result.mean_cost_m = best.evidence.mean_cost_m;
+  result.overlap = best.evidence.overlap;
+  result.contradiction = best.evidence.contradiction;
+  result.points = static_cast<std::uint32_t>(points.size());
+  result.evaluations = static_cast<std::uint32_t>(objective_.evaluations() - before);
+  result.stop = best.evidence.stop;
+  result.searched = searched;
+  result.doubt = doubt_of(best.evidence);
+  result.accepted = result.doubt == Doubt::kNone;
+  if (!result.accepted) result.T_map_base = prediction.T_map_base;
+  return result;
+}
+
+void ScanMatcher::prepare(const Prediction& prediction) {
+  const double r = config_.map.resolution_m;
+  objective_.set_anchor({static_cast<std::int32_t>(std::floor(prediction.T_map_base.x_m / r)),
+                         static_cast<std::int32_t>(std::floor(prediction.T_map_base.y_m / r))});
+  predicted_ = objective_.to_cells(prediction.T_map_base);
+  const PriorConfig& p = config_.prior;
+  const double sigma_cells = (p.sigma_m + p.sigma_per_m * prediction.travelled_m) / r;
+  const double sigma_rad = p.sigma_rad + p.sigma_per_rad * prediction.turned_rad;
+  const double weight = p.weight * kFieldOne * static_cast<double>(points_->size());
+  objective_.set_prior({.mean = predicted_,
+                        .weight_xy = static_cast<float>(weight / (sigma_cells * sigma_cells)),
+                        .weight_theta = static_cast<float>(weight / (sigma_rad * sigma_rad))});
+}
+
+// Equation (8): points farther from the map than the gate do not count, but a share of them always does.
+void ScanMatcher::keep_points_within(std::uint32_t gate, const CellPose& pose) {
+  objective_.residuals(pose, *points_, values_);
+  kept_.clear();
+  for (std::size_t i = 0; i < points_->size(); ++i) {
+    if (values_[i] <= gate) kept_.push_back((*points_)[i]);
+  }
+  const bool enough =
+      static_cast<double>(kept_.size()) >= config_.gate.min_share * static_cast<double>(points_->size());
+  objective_.set_points(enough ? kept_ : *points_);
+}
+
+// Equations (8) and (4) in turn, the gate narrowing around the best pose so far.
+ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
+  CellPose pose = start;
+  SimplexOptions simplex = kFirstDescent;
+  StopReason stop = StopReason::kNotRun;
+  const GateConfig& g = config_.gate;
+  objective_.set_cap(map_->cap());
+  for (double gate_m = g.wide_m;; gate_m = std::max(gate_m * g.narrowing, g.final_m)) {
+    keep_points_within(units(gate_m), pose);
+    const SimplexResult found = minimise_simplex(objective_, pose, simplex);
+    pose = found.pose;
+    stop = found.stop;
+    simplex.step_cells *= 0.5F;
+    simplex.step_rad *= 0.5F;
+    if (gate_m <= g.final_m) break;
+  }
+  Estimate estimate{pose, judge(pose)};
+  estimate.evidence.stop = stop;
+  return estimate;
+}
+
+ScanMatcher::Evidence ScanMatcher::judge(const CellPose& pose) {
+  Evidence evidence;
+  objective_.set_points(*points_);
+  objective_.set_cap(units(config_.gate.wide_m));
+  const auto count = static_cast<double>(points_->size());
+  const std::uint32_t data = objective_.data_cost(pose);
+  evidence.cost = objective_.evaluate(pose);
+  evidence.mean_cost_m = data / (count * kFieldOne) * config_.map.resolution_m;
+  objective_.residuals(pose, *points_, values_);
+  const std::uint32_t gate = units(config_.gate.final_m);
+  const auto near = std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v <= gate; });
+  const auto beside =
+      std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v > 2 * gate && v < map_->cap(); });
+  evidence.overlap = static_cast<double>(near) / count;
+  evidence.contradiction = static_cast<double>(beside) / count;
+  return evidence;
+}
+
+bool ScanMatcher::is_suspect(const Estimate& estimate, const Prediction& prediction) const {
+  const DoubtConfig& d = config_.doubt;
+  const PriorConfig& p = config_.prior;
+  const double allowed_m = d.suspect_sigmas * (p.sigma_m + p.sigma_per_m * prediction.travelled_m);
+  const double allowed_rad = d.suspect_sigmas * (p.sigma_rad + p.sigma_per_rad * prediction.turned_rad);
+  const auto dx = static_cast<double>(estimate.pose.x - predicted_.x) * config_.map.resolution_m;
+  const auto dy = static_cast<double>(estimate.pose.y - predicted_.y) * config_.map.resolution_m;
+  const auto dt = static_cast<double>(estimate.pose.theta - predicted_.theta);
+  return estimate.evidence.contradiction > d.suspect_contradiction || estimate.evidence.overlap < d.suspect_overlap ||
+         dx * dx + dy * dy > allowed_m * allowed_m || std::fabs(dt) > allowed_rad;
+}
+
+Doubt ScanMatcher::doubt_of(const Evidence& evidence) const {
+  if (evidence.contradiction > config_.doubt.max_contradiction) return Doubt::kContradiction;
+  if (evidence.overlap < config_.doubt.min_overlap) return Doubt::kLowOverlap;
+  return Doubt::kNone;
+}
+
+void ScanMatcher::choose_search_points() {
+  const auto most = static_cast<std::size_t>(config_.search.max_points);
+  search_points_.clear();
+  const std::size_t every = (points_->size() + most - 1) / most;
+  for (std::size_t i = every / 2; i < points_->size(); i += every) search_points_.push_back((*points_)[i]);
+}
+
+SearchWindow ScanMatcher::window_around(const Prediction& prediction, double scale) const {
+  const SearchConfig& s = config_.search;
+  const double half_m = scale * (s.half_m + s.half_per_m * prediction.travelled_m);
+  const double half_rad = scale * (s.half_rad + s.half_per_rad * prediction.turned_rad);
+  return {.centre = predicted_,
+          .half_xy_cells = cells(std::min(half_m, s.max_half_m)),
+          .half_theta_rad = static_cast<float>(std::min(half_rad, kPi)),
+          .step_cells = cells(s.step_m),
+          .step_rad = static_cast<float>(s.step_rad)};
+}
+
+// A window around the prediction, twice as large each time as long as what it finds is in doubt.
+ScanMatcher::Estimate ScanMatcher::search(const Estimate& local, const Prediction& prediction) {
+  Estimate best = local;
+  choose_search_points();
+  for (std::int32_t attempt = 0; attempt < config_.search.attempts; ++attempt) {
+    objective_.set_points(search_points_);
+    objective_.set_cap(units(config_.gate.wide_m));
+    const ExhaustiveResult found = search_window(objective_, window_around(prediction, std::ldexp(1.0, attempt)),
+                                                 static_cast<std::uint32_t>(config_.search.starts), kCoarsePolish);
+    const Estimate polished = descend(found.pose);
+    if (polished.evidence.cost < best.evidence.cost) best = polished;
+    if (doubt_of(best.evidence) == Doubt::kNone) break;
+  }
+  return best;
+}
+
+}  // namespace gdtslam
