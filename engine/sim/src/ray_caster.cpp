@@ -72,7 +72,23 @@ void meet_triangle(const RTCIntersectFunctionNArguments* arguments) {
 // Embree wants a function; a null one would make it count occlusion queries, which are never sent, as misses.
 void occlude_nothing(const RTCOccludedFunctionNArguments* /*arguments*/) {}
 
+// Embree takes any name without a word, and would run instructions that the processor lacks.
+bool can_run(const std::string& isa) {
+#if defined(__x86_64__) || defined(__i386__)
+  return isa.empty() || isa == "sse2" || (isa == "sse4.2" && __builtin_cpu_supports("sse4.2") != 0) ||
+         (isa == "avx" && __builtin_cpu_supports("avx") != 0) ||
+         (isa == "avx2" && __builtin_cpu_supports("avx2") != 0) ||
+         (isa == "avx512" && __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0);
+#else
+  return isa.empty();
+#endif
+}
+
 std::string device_settings(const RayCasterOptions& options) {
+  if (!can_run(options.embree_isa)) {
+    throw UnavailableError("Embree cannot run with the instruction set '" + options.embree_isa +
+                           "' here: use sse2, sse4.2, avx, avx2 or avx512 as far as the processor has them");
+  }
   // One thread: building is the only thing Embree would share out, and it starts no threads of its own this way.
   return "threads=1" + (options.embree_isa.empty() ? std::string() : ",isa=" + options.embree_isa);
 }

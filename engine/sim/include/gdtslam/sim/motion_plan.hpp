@@ -16,10 +16,10 @@ namespace gdtslam::sim {
 
 struct Waypoint {
   Point2 position_m{0.0, 0.0};
-  std::optional<double> speed_m_per_s;  ///< on the leg to here; the limit where empty
-  std::optional<double> corner_cut_m;   ///< at this corner; 0 turns on the spot
-  double pause_s = 0.0;                 ///< standing here
-  bool is_reverse = false;              ///< the leg to here is driven backward
+  std::optional<double> speed_m_per_s{};  ///< on the leg to here; the limit where empty
+  std::optional<double> corner_cut_m{};   ///< at this corner; 0 turns on the spot
+  double pause_s = 0.0;                   ///< standing here
+  bool is_reverse = false;                ///< the leg to here is driven backward
 };
 
 struct MotionLimits {

@@ -65,7 +65,7 @@ struct Door {
   double from_m = 0.0;  ///< along the leg, from its first point
   double width_m = 0.9;
   double height_m = 2.1;
-  std::optional<DoorLeaf> leaf;
+  std::optional<DoorLeaf> leaf{};
 };
 
 /// A wall along a polyline, half of its thickness on either side. Legs overlap at the corners so that they leave no
