@@ -86,11 +86,22 @@ std::string RunFolder::staged(std::string_view name) {
   return (staging_ / name).string();
 }
 
+// The old files stay under second names until every new one has its own, so that a failure half-way can be undone. A file
+// system without hard links offers no second names; there only the renames themselves are safe.
 void RunFolder::commit() {
-  for (const std::string& name : names_) {
-    std::error_code failed;
-    fs::rename(staging_ / name, folder_ / name, failed);
-    if (failed) throw FileError(file(name), "cannot be replaced: " + failed.message());
+  const fs::path kept = staging_ / "old";
+  std::error_code failed;
+  fs::create_directory(kept, failed);
+  for (const std::string& name : names_) fs::create_hard_link(folder_ / name, kept / name, failed);
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    fs::rename(staging_ / names_[k], folder_ / names_[k], failed);
+    if (!failed) continue;
+    const std::string reason = failed.message();
+    for (std::size_t done = 0; done < k; ++done) {
+      fs::rename(kept / names_[done], folder_ / names_[done], failed);
+      if (failed) fs::remove(folder_ / names_[done], failed);  // it was not there before
+    }
+    throw FileError(file(names_[k]), "cannot be replaced: " + reason);
   }
   names_.clear();
   sync_folder(folder_);

@@ -1,0 +1,57 @@
+// Maps live: CARMEN lines come in on standard input, and for each scan one line goes out as soon as its pose is known:
+//
+//   stamp x y theta accepted|predicted doubt
+//
+// seconds, metres and radians, the robot in the map, whose origin is its pose at the first scan. With a robot that logs
+// to a pipe, `robot_logger | live_mapper`; with a recorded log, `zcat drive.log.gz | live_mapper`. The poses are the
+// same, bit for bit, as those of `gdtslam map`.
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+
+namespace {
+
+void print_pose(const gdtslam::MatchResult& result) {
+  const gdtslam::Pose2& T = result.T_map_base;
+  const std::string doubt(gdtslam::name_of(result.doubt));
+  std::printf("%.9f %.9f %.9f %.9f %s %s\n", result.stamp_s, T.x_m, T.y_m, T.theta_rad,
+              result.accepted ? "accepted" : "predicted", doubt.c_str());
+  std::fflush(stdout);  // whoever steers by the pose needs it now
+}
+
+void map_standard_input() {
+  const std::unique_ptr<gdtslam::Backend> backend = gdtslam::make_cpu_backend({});
+  gdtslam::Mapper mapper({}, *backend);
+  const std::unique_ptr<gdtslam::LogReader> log = gdtslam::open_log("-", {});
+  std::optional<gdtslam::Pose2> T_odom_base;
+  while (const std::optional<gdtslam::LogRecord> record = log->next()) {
+    if (const auto* odometry = std::get_if<gdtslam::Odometry>(&*record)) T_odom_base = odometry->T_odom_base;
+    if (const auto* scan = std::get_if<gdtslam::ScanRecord>(&*record)) {
+      // A scan that carries odometry knows best; else the last known pose of the wheels serves.
+      print_pose(mapper.process(scan->scan, scan->T_odom_base ? scan->T_odom_base : T_odom_base));
+    }
+  }
+}
+
+}  // namespace
+
+int main() {
+  try {
+    map_standard_input();
+    return 0;
+  } catch (const gdtslam::Error& error) {
+    std::fprintf(stderr, "live_mapper: error: %s\n", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "live_mapper: error: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,123 @@
+"""What the tests of the command share: where things are, running the command, the logs that the cases need."""
+
+import gzip
+import json
+import math
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+SOURCE = pathlib.Path(os.environ["GDTSLAM_SOURCE"])
+PROGRAM = os.environ["GDTSLAM"]
+WORK = pathlib.Path(os.environ["GDTSLAM_CLI_WORK"])
+LOG = pathlib.Path(os.environ["GDTSLAM_CLI_LOG"])
+TRUTH = LOG.with_suffix(".truth.tum")
+RUN = WORK / "run"
+DATA = WORK / "data"
+SKIP = 77
+
+
+def command(*arguments, **options):
+    """Runs gdtslam; returns the finished process with text output."""
+    options.setdefault("timeout", 100)
+    options.setdefault("stdin", subprocess.DEVNULL if "input" not in options else None)
+    if options["stdin"] is None:
+        del options["stdin"]
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
+
+
+def fresh_folder(name):
+    """An empty folder below the work folder."""
+    folder = WORK / name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
+
+
+def expect(condition, message):
+    if not condition:
+        print("FAILED:", message)
+        sys.exit(1)
+
+
+def expect_exit(process, code):
+    expect(process.returncode == code,
+           f"exit {process.returncode}, expected {code}\nstdout: {process.stdout}\nstderr: {process.stderr}")
+
+
+def one_error_line(stderr):
+    """Standard error holds exactly one line, an error of ours."""
+    lines = stderr.splitlines()
+    expect(len(lines) == 1 and lines[0].startswith("gdtslam: error: "), f"not one error line: {stderr!r}")
+
+
+def validate(text, schema_name):
+    """Checks JSON text against tests/cli/schemas/<name>.schema.json."""
+    try:
+        import jsonschema
+    except ImportError:
+        print("python3-jsonschema is not installed")
+        sys.exit(SKIP)
+    schema = json.loads((SOURCE / "tests/cli/schemas" / f"{schema_name}.schema.json").read_text())
+    jsonschema.Draft7Validator.check_schema(schema)
+    faults = [f"{list(e.absolute_path)}: {e.message}" for e in jsonschema.Draft7Validator(schema).iter_errors(json.loads(text))]
+    expect(not faults, "\n".join(faults))
+
+
+def flaser(ranges, laser, robot, stamp):
+    """A FLASER line; poses are (x, y, theta)."""
+    words = ["FLASER", str(len(ranges)), *(f"{r:.2f}" for r in ranges), *(f"{v:.6f}" for v in (*laser, *robot))]
+    return " ".join([*words, f"{stamp:.6f}", "robot", f"{stamp:.6f}"]) + "\n"
+
+
+def room_ranges(x, y, theta, width=6.0, depth=4.0, beams=180):
+    """Ranges in an empty room with one corner at (0, 0)."""
+    ranges = []
+    for k in range(beams):
+        angle = theta - math.pi / 2 + math.pi * k / beams
+        dx, dy = math.cos(angle), math.sin(angle)
+        hits = []
+        if abs(dx) > 1e-9:
+            hits.append(((width if dx > 0 else 0.0) - x) / dx)
+        if abs(dy) > 1e-9:
+            hits.append(((depth if dy > 0 else 0.0) - y) / dy)
+        ranges.append(min(hits))
+    return ranges
+
+
+def room_scan(x, y, theta, stamp, odometry=None):
+    pose = (x, y, theta)
+    robot = odometry if odometry is not None else pose
+    return flaser(room_ranges(*pose), robot, robot, stamp)
+
+
+def write_data():
+    """The small logs and files of the cases, in DATA."""
+    fresh_folder("data")
+    drive = [(1.0 + 0.05 * k, 1.5 + 0.02 * k, 0.01 * k, 100.0 + 0.2 * k) for k in range(40)]
+    (DATA / "empty.log").write_text("")
+    (DATA / "no_scan.log").write_text("# a comment\nODOM 0 0 0 0 0 0 100.0 robot 100.0\n")
+    (DATA / "malformed.log").write_text(room_scan(*drive[0]) + room_scan(*drive[1]) + "FLASER many 1.0 2.0\n")
+    (DATA / "malformed.log").open("a").write("# the end\n")
+    (DATA / "no_return.log").write_text("".join(flaser([81.91] * 180, (0, 0, 0), (0, 0, 0), 1.0 + k) for k in range(5)))
+    (DATA / "no_odometry.log").write_text("".join(room_scan(*pose, odometry=(0, 0, 0)) for pose in drive))
+    faults = [list(pose) for pose in drive]
+    faults[10][3] = faults[9][3] - 0.5  # backward
+    faults[20][3] = faults[19][3]  # repeated
+    for pose in faults[30:]:
+        pose[3] += 30.0  # gap
+    text = ""
+    for k, (x, y, theta, stamp) in enumerate(faults):
+        text += room_scan(x, y, theta, stamp, odometry=(x + (5.0 if k >= 25 else 0.0), y, theta))  # one jump
+    (DATA / "faults.log").write_text(text)
+    (DATA / "bad.tum").write_text("1 0 0 0 0 0 0 1\n2 0 0 zero 0 0 0 1\n")
+    (DATA / "far.tum").write_text("".join(f"{k} 0 0 0 0 0 0 1\n" for k in (1, 2, 3)))
+    (DATA / "far.relations").write_text("1 2 0 0 0 0 0 0\n")
+    (DATA / "good.yaml").write_text("version: 1\nmap:\n  resolution: 10 cm\n")
+    (DATA / "unknown_key.yaml").write_text("version: 1\nmerge:\n  treshold: 5 cm\n")
+    stamps = [line.split()[0] for line in TRUTH.read_text().splitlines() if line[0] != "#"]
+    relations = f"{stamps[0]} {stamps[10]} 0.5 0 0 0 0 0\n{stamps[0]} {stamps[-1]} 1 0 0 0 0 0\n"
+    (DATA / "drive.relations").write_text(relations)
+    (DATA / "drive.relations.gz").write_bytes(gzip.compress(relations.encode(), mtime=0))
