@@ -77,7 +77,8 @@ struct FullRowsAdapter {
   static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
     const auto params = params_of<EdtFullRows::Params>(launch.params);
     functions.edt_full_rows(params, buffer_of<std::uint32_t>(launch, 0), buffer_of<std::uint32_t>(launch, 1),
-                            launch.begin, launch.end, thread_scratch<std::uint32_t>(edt_full_rows_scratch(params)));
+                            launch.begin, launch.end, thread_scratch<std::int32_t>(edt_full_rows_squares(params)),
+                            thread_scratch<std::uint32_t>(edt_full_rows_envelope(params)));
   }
   static void check(const EdtFullRows::Params& params, const LaunchCheck& check) {
     check_pass(params, check, kFullLimit, 4, 4);
@@ -126,7 +127,8 @@ void edt_full_host(Isa isa, const EdtFullColumns::Params& params, const std::uin
   const IsaFunctions& functions = functions_or_throw(isa);
   functions.edt_full_columns(params, seeds, column_distance, 0, params.width);
   functions.edt_full_rows(params, column_distance, sq_distance, 0, params.height,
-                          thread_scratch<std::uint32_t>(edt_full_rows_scratch(params)));
+                          thread_scratch<std::int32_t>(edt_full_rows_squares(params)),
+                          thread_scratch<std::uint32_t>(edt_full_rows_envelope(params)));
 }
 
 }  // namespace gdtslam

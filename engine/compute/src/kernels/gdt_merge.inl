@@ -1,28 +1,43 @@
-// Merge of a scan's field into the global one, paper equations (9) to (11).
+// Merge of a scan's field into the global one, paper equations (9) to (11), in 16 bits throughout so that vectors hold
+// twice as many cells.
 
-/// The new global value for global g and scan d, both 1/256 cell.
-std::uint16_t merged(const GdtMerge::Params& params, std::uint32_t g, std::uint32_t d) {
-  if (d >= params.cap) {
-    return u16(g);
-  }
-  if (g >= params.cap) {
-    return u16(d);
-  }
-  const std::uint32_t difference = g < d ? d - g : g - d;
-  if (difference <= params.threshold) {
-    return u16((g + d) >> 1);
-  }
-  const bool tentative = params.rule == MergeRule::kWorking ? g > d : g < d;
-  return u16(tentative ? lesser(d + params.lift, params.cap) : g);
+/// The parameters, cut to 16 bits where larger values mean the same.
+struct MergeLimits {
+  std::uint16_t threshold;
+  std::uint16_t lift;      ///< at most the cap
+  std::uint16_t unlifted;  ///< cap - lift: a larger value reaches the cap when lifted
+  std::uint16_t cap;
+};
+
+template <MergeRule kRule>
+inline std::uint16_t merged(const MergeLimits& limits, std::uint16_t g, std::uint16_t d) {
+  const std::uint16_t apart = u16(g < d ? d - g : g - d);
+  const std::uint16_t average = u16((g & d) + ((g ^ d) >> 1));
+  const std::uint16_t lifted = u16(u32(lesser(d, limits.unlifted)) + limits.lift);
+  const bool tentative = kRule == MergeRule::kWorking ? g > d : g < d;
+  std::uint16_t result = tentative ? lifted : g;
+  result = apart <= limits.threshold ? average : result;
+  result = g >= limits.cap ? d : result;
+  return d >= limits.cap ? g : result;
 }
 
-void gdt_merge(const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan,
-               const CellRange& range) {
+template <MergeRule kRule>
+void merge_cells(const GdtMerge::Params& params, const MergeLimits& shared_limits, std::uint16_t* global,
+                 const std::uint16_t* scan, CellRange range) {
+  const MergeLimits limits = shared_limits;
   for (std::uint32_t y = range.y_begin; y < range.y_end; ++y) {
-    const std::uint16_t* in = scan + at(params.scan_stride, y);
-    std::uint16_t* out = global + at(params.global_stride, params.offset_y + y) + params.offset_x;
+    const std::uint16_t* __restrict in = scan + at(params.scan_stride, y);
+    std::uint16_t* __restrict out = global + at(params.global_stride, params.offset_y + y) + params.offset_x;
     for (std::uint32_t x = range.x_begin; x < range.x_end; ++x) {
-      out[x] = merged(params, out[x], in[x]);
+      out[x] = merged<kRule>(limits, out[x], in[x]);
     }
   }
+}
+
+void gdt_merge(const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan, CellRange range) {
+  const std::uint32_t lift = lesser(params.lift, params.cap);
+  const MergeLimits limits{u16(lesser(params.threshold, std::uint32_t{65535})), u16(lift), u16(params.cap - lift),
+                           u16(params.cap)};
+  params.rule == MergeRule::kWorking ? merge_cells<MergeRule::kWorking>(params, limits, global, scan, range)
+                                     : merge_cells<MergeRule::kLiteral>(params, limits, global, scan, range);
 }
