@@ -206,7 +206,7 @@ double log(double x) {
   const double half_square = 0.5 * r.high * r.high;
   const HighLow sum = fast_two_sum(head, r.high);
   const double cube = (r.high * r.high) * r.high * horner(elementary::kLog, r.high);
-  const double rest = sum.low + ((r.low + (k * elementary::kLn2[1] + step.low)) + (cube - r.high * r.low));
+  const double rest = sum.low + ((r.low + (k * elementary::kLn2[1] + step.low)) + cube);
   return sum.high + (rest - half_square);
 }
 

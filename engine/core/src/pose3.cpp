@@ -1,6 +1,5 @@
 #include "gdtslam/core/pose3.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "gdtslam/core/angle.hpp"
@@ -51,20 +50,14 @@ struct ScrewFactors {
   double twice;  ///< (a - sin a) / a^3
 };
 
+// Both are used times a^2, so that what the closed form of the second loses to cancellation is one rounding of the
+// result; the series only keeps it away from 0/0.
 ScrewFactors screw_factors(double angle_rad) {
   const double sq_angle = angle_rad * angle_rad;
-  if (angle_rad < 0.25) {
-    // The series to a^10 / 13!, where the closed form of the second factor cancels.
-    const double twice =
-        (1.0 / 6.0) *
-        (1.0 -
-         sq_angle / 20.0 *
-             (1.0 - sq_angle / 42.0 * (1.0 - sq_angle / 72.0 * (1.0 - sq_angle / 110.0 * (1.0 - sq_angle / 156.0)))));
-    const double half = angle_rad == 0.0 ? 0.5 : sin_cos(0.5 * angle_rad).sin / angle_rad;
-    return {2.0 * half * half, twice};
-  }
-  const double half = sin_cos(0.5 * angle_rad).sin / angle_rad;
-  return {2.0 * half * half, (angle_rad - sin_cos(angle_rad).sin) / (sq_angle * angle_rad)};
+  const double half = angle_rad == 0.0 ? 0.5 : sin_cos(0.5 * angle_rad).sin / angle_rad;
+  const double twice = angle_rad < 0.01 ? (1.0 - sq_angle / 20.0 * (1.0 - sq_angle / 42.0)) / 6.0
+                                        : (angle_rad - sin_cos(angle_rad).sin) / (sq_angle * angle_rad);
+  return {2.0 * half * half, twice};
 }
 
 }  // namespace
@@ -129,25 +122,13 @@ Pose3 exp_se3(const Tangent3& tangent) {
   return {shift + factors.once * once + factors.twice * cross(turn, once), exp_so3(turn)};
 }
 
-// The inverse of V is 1 - [w]/2 + (1 - (a/2) cot(a/2))/a^2 [w]^2.
+// The inverse of V is 1 - [w]/2 + (1 - (a/2) cot(a/2))/a^2 [w]^2; again the last factor is used times a^2.
 Tangent3 log_se3(const Pose3& T) {
   const Vector3d turn = log_so3(T.rotation);
   const double half_rad = 0.5 * norm(turn);
-  double factor = 1.0 / 12.0;
-  if (half_rad >= 0.125) {
-    const SinCos<double> half = sin_cos(half_rad);
-    factor = (1.0 - half_rad * half.cos / half.sin) / (4.0 * half_rad * half_rad);
-  } else {
-    // |B_2k| a^(2k-2) / (2k)! for k = 1..6, the Bernoulli numbers of the cotangent.
-    constexpr std::array<double, 5> kSeries = {1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1209600.0, 1.0 / 47900160.0,
-                                               691.0 / 1307674368000.0};
-    const double sq_angle = 4.0 * half_rad * half_rad;
-    double sum = 0.0;
-    for (auto term = kSeries.rbegin(); term != kSeries.rend(); ++term) {
-      sum = (sum + *term) * sq_angle;
-    }
-    factor += sum;
-  }
+  const SinCos<double> half = sin_cos(half_rad);
+  const double factor =
+      half_rad < 1e-4 ? 1.0 / 12.0 : (1.0 - half_rad * half.cos / half.sin) / (4.0 * half_rad * half_rad);
   const Vector3d once = cross(turn, T.translation_m);
   Tangent3 tangent;
   tangent << T.translation_m - 0.5 * once + factor * cross(turn, once), turn;

@@ -17,23 +17,33 @@
 
 namespace gdtslam::test {
 
-/// Uniform in [-limit, limit].
+/// Uniform in [-limit, limit]. Not shrunk: a real number has no simpler one, and trying takes minutes.
 inline rc::Gen<double> real(double limit) {
-  return rc::gen::map(rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::int64_t>()),
-                      [limit](std::int64_t bits) { return limit * (static_cast<double>(bits) * 0x1p-63); });
+  return rc::gen::noShrink(
+      rc::gen::map(rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::int64_t>()),
+                   [limit](std::int64_t bits) { return limit * (static_cast<double>(bits) * 0x1p-63); }));
 }
 
-/// An angle in (-pi, pi): zero, tiny, close to half a turn, or anywhere.
+/// Either sign, its magnitude uniform on a logarithmic scale from 10^-18 to the limit.
+inline rc::Gen<double> of_any_scale(double limit) {
+  return rc::gen::map(rc::gen::pair(real(1.0), real(9.0)), [limit](const auto& values) {
+    return std::copysign(limit * std::pow(10.0, values.second - 9.0), values.first);
+  });
+}
+
+/// An angle in (-pi, pi): zero, of any scale, close to half a turn, or anywhere.
 inline rc::Gen<double> angle() {
   return rc::gen::oneOf(
-      rc::gen::just(0.0), rc::gen::map(real(1.0), [](double x) { return x * 1e-9; }),
+      rc::gen::just(0.0), of_any_scale(3.0),
       rc::gen::map(real(1.0),
                    [](double x) { return std::copysign(std::numbers::pi - 1e-12 - std::fabs(x) * 1e-6, x); }),
       real(3.14));
 }
 
-/// A length: zero, tiny, or up to 100 m.
-inline rc::Gen<double> length() { return rc::gen::oneOf(rc::gen::just(0.0), real(1e-9), real(1.0), real(100.0)); }
+/// A length: zero, of any scale, or up to 100 m.
+inline rc::Gen<double> length() {
+  return rc::gen::oneOf(rc::gen::just(0.0), of_any_scale(100.0), real(1.0), real(100.0));
+}
 
 inline rc::Gen<Pose2> pose2() {
   return rc::gen::map(rc::gen::tuple(length(), length(), angle()), [](const auto& values) {
