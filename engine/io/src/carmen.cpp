@@ -52,7 +52,7 @@ class CarmenReader final : public LogReader {
     }
     try {
       CarmenLine parsed = parse_carmen_line(without_byte_order_mark(line), options_);
-      if (!line.has_newline && !parsed.is_whole) {
+      if (!line.has_newline && (!parsed.is_whole || !parsed.skipped_kind.empty())) {
         warn("cut last line", "its end may be missing, so it is dropped");
         return std::nullopt;
       }

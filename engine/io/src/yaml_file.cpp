@@ -1,5 +1,6 @@
 #include "yaml_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -120,8 +121,8 @@ std::string DescriptionFile::image_path() const {
 std::string yaml_number(double value) {
   std::string text = fmt::format("{}", value);
   const std::size_t exponent = text.find('e');
-  if (exponent != std::string::npos && text.find('.') == std::string::npos) {
-    text.insert(exponent, ".0");  // YAML 1.1 takes 1e-07 for a text
+  if (text.find('.') == std::string::npos) {
+    text.insert(std::min(exponent, text.size()), ".0");  // YAML 1.1 takes 1e-07 for a text
   }
   return text;
 }

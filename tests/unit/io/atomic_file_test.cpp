@@ -1,0 +1,206 @@
+// Files that appear whole or not at all, also when the disk is full, the folder is closed or the writer is killed.
+#include "gdtslam/io/atomic_file.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <csignal>
+
+#include "gdtslam/core/error.hpp"
+#include "io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+TEST(AtomicFile, WritesTheBytes) {
+  const TemporaryFolder folder;
+  std::string expected;
+  {
+    AtomicFile file(folder / "a.txt");
+    for (int i = 0; i < 50000; ++i) {
+      file.write(std::to_string(i) + "\n");
+      expected += std::to_string(i) + "\n";
+    }
+    const std::string large(300000, 'x');
+    file.write(large);
+    expected += large;
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
+    file.commit();
+  }
+  EXPECT_EQ(get_file(folder / "a.txt"), expected);
+  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
+}
+
+TEST(AtomicFile, WithoutCommitTheOldFileStays) {
+  const TemporaryFolder folder;
+  put_file(folder / "a.txt", "old");
+  {
+    AtomicFile file(folder / "a.txt");
+    file.write("new");
+    EXPECT_EQ(folder.names().size(), 2U);
+  }
+  EXPECT_EQ(get_file(folder / "a.txt"), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
+}
+
+TEST(AtomicFile, KeepsPermissionsAndLinks) {
+  const TemporaryFolder folder;
+  put_file(folder / "a.txt", "old");
+  ASSERT_EQ(::chmod((folder / "a.txt").c_str(), 0640), 0);
+  std::filesystem::create_symlink("a.txt", folder / "link");
+  write_file_atomically(folder / "link", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(get_file(folder / "a.txt"), "new");
+  struct stat status {};
+  ASSERT_EQ(::stat((folder / "a.txt").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777U, 0640U);
+}
+
+TEST(AtomicFile, NewFilesFollowTheUmask) {
+  const TemporaryFolder folder;
+  const mode_t old_mask = ::umask(027);
+  write_file_atomically(folder / "a.txt", "new");
+  ::umask(old_mask);
+  struct stat status {};
+  ASSERT_EQ(::stat((folder / "a.txt").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777U, 0640U);
+}
+
+TEST(AtomicFile, FullDiskLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  put_file(folder / "a.txt", "old");
+  const BoundedRun run = run_alone([&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{100000, 100000};  // as if the disk were full behind this many bytes
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      write_file_atomically(folder / "a.txt", std::string(1000000, 'x'));
+    } catch (const FileError& error) {
+      return std::string(error.what()).find("a.txt: cannot be written") != std::string::npos ? 74 : 1;
+    }
+    return 0;
+  });
+  EXPECT_EQ(run.code, 74);
+  EXPECT_EQ(get_file(folder / "a.txt"), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
+}
+
+TEST(AtomicFile, FullDeviceIsAFileErrorWithTheSystemsText) {
+  if (!std::filesystem::exists("/dev/full")) {
+    GTEST_SKIP() << "/dev/full is not there";
+  }
+  try {
+    write_file_atomically("/dev/full", "text");
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/dev/full: cannot be written: No space left on device"));
+    EXPECT_EQ(error.code(), ExitCode::kInputOutput);
+  }
+}
+
+TEST(AtomicFile, MissingFolderAndFolderAreFileErrors) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(AtomicFile(folder / "none/a.txt"), FileError);
+  EXPECT_THROW(AtomicFile(folder.path().string()), FileError);
+  EXPECT_THAT(folder.names(), ElementsAre());
+}
+
+TEST(AtomicFile, ClosedFolderIsAFileErrorAndKeepsTheOldFile) {
+  const TemporaryFolder folder;
+  put_file(folder / "a.txt", "old");
+  ASSERT_EQ(::chmod(folder.path().c_str(), 0555), 0);
+  const BoundedRun run = run_alone([&] {
+    constexpr uid_t kNobody = 65534;
+    if (::geteuid() == 0 && ::setuid(kNobody) != 0) {  // permissions do not bind the superuser
+      return 1;
+    }
+    try {
+      write_file_atomically(folder / "a.txt", "new");
+    } catch (const FileError& error) {
+      return std::string(error.what()).find("a.txt: cannot be created: Permission denied") != std::string::npos ? 74
+                                                                                                                : 2;
+    }
+    return 3;
+  });
+  ASSERT_EQ(::chmod(folder.path().c_str(), 0755), 0);
+  EXPECT_EQ(run.code, 74);
+  EXPECT_EQ(get_file(folder / "a.txt"), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
+}
+
+TEST(AtomicFile, RemovesWhatAKilledWriterLeft) {
+  const TemporaryFolder folder;
+  put_file(folder / "a.txt", "old");
+  const BoundedRun run = run_alone([&] {
+    AtomicFile file(folder / "a.txt");
+    file.write(std::string(200000, 'x'));
+    ::kill(::getpid(), SIGKILL);
+    return 0;
+  });
+  EXPECT_FALSE(run.exited);
+  EXPECT_EQ(get_file(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.names().size(), 2U);
+  write_file_atomically(folder / "a.txt", "new");
+  EXPECT_EQ(get_file(folder / "a.txt"), "new");
+  EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
+}
+
+TEST(AtomicFile, LeavesTheTemporaryFileOfALivingWriterAlone) {
+  const TemporaryFolder folder;
+  AtomicFile first(folder / "a.txt");
+  first.write("first");
+  write_file_atomically(folder / "a.txt", "second");
+  EXPECT_EQ(get_file(folder / "a.txt"), "second");
+  first.commit();
+  EXPECT_EQ(get_file(folder / "a.txt"), "first");
+}
+
+TEST(AtomicFileSet, NamesAppearOnlyWhenAllIsOnTheDisk) {
+  const TemporaryFolder folder;
+  put_file(folder / "map.pgm", "old image");
+  put_file(folder / "map.yaml", "old text");
+  const BoundedRun run = run_alone([&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{100000, 100000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      AtomicFileSet files;
+      files.add(folder / "map.pgm").write("new image");
+      files.add(folder / "map.yaml").write(std::string(200000, 'x'));
+      files.commit();
+    } catch (const FileError&) {
+      return 74;
+    }
+    return 0;
+  });
+  EXPECT_EQ(run.code, 74);
+  EXPECT_EQ(get_file(folder / "map.pgm"), "old image");
+  EXPECT_EQ(get_file(folder / "map.yaml"), "old text");
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("map.pgm", "map.yaml"));
+}
+
+TEST(AtomicFileSet, CommitsAll) {
+  const TemporaryFolder folder;
+  AtomicFileSet files;
+  files.add(folder / "a").write("1");
+  files.add(folder / "b").write("2");
+  files.commit();
+  EXPECT_EQ(get_file(folder / "a") + get_file(folder / "b"), "12");
+}
+
+TEST(MakeFolder, MakesAndAcceptsFoldersOnly) {
+  const TemporaryFolder folder;
+  make_folder(folder / "x/y");
+  make_folder(folder / "x/y");
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "x/y"));
+  put_file(folder / "file", "");
+  EXPECT_THROW(make_folder(folder / "file"), FileError);
+  EXPECT_THROW(make_folder(folder / "file/below"), FileError);
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,103 @@
+// Decimal numbers against the C library, which rounds correctly, and against what IEEE 754 says.
+#include "gdtslam/io/decimal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string>
+
+namespace gdtslam {
+namespace {
+
+double parsed(const std::string& text) {
+  double value = -12345.0;
+  const char* const stop = parse_double(text.data(), text.data() + text.size(), value);
+  EXPECT_EQ(stop, text.data() + text.size()) << text;
+  return value;
+}
+
+TEST(Decimal, AgreesWithTheCLibraryBitForBit) {
+  for (const char* text : {"0",
+                           "-0",
+                           "1",
+                           "1.07",
+                           "81.83",
+                           "976052857.337284",
+                           "0.1",
+                           "0.30000000000000004",
+                           "123456789012345678",
+                           "9007199254740993",
+                           "9007199254740992",
+                           "9007199254740991.5",
+                           "1e22",
+                           "1e23",
+                           "1.7976931348623157e308",
+                           "5e-324",
+                           "2.2250738585072011e-308",
+                           "4.35",
+                           "1234567890123456789.5",
+                           "0.000000000000000000000000001",
+                           "00001.50",
+                           ".5",
+                           "5.",
+                           "-2.5e-3",
+                           "3E+2",
+                           "0.0000000000000000001234",
+                           "179769313486231570000",
+                           "8.5e-7"}) {
+    EXPECT_EQ(parsed(text), std::strtod(text, nullptr)) << text;
+    EXPECT_EQ(std::signbit(parsed(text)), std::signbit(std::strtod(text, nullptr))) << text;
+  }
+}
+
+TEST(Decimal, ReadsPlusInfinityAndNan) {
+  EXPECT_EQ(parsed("+1.5"), 1.5);
+  EXPECT_EQ(parsed("inf"), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(parsed("-inf"), -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(parsed("nan")));
+  EXPECT_TRUE(std::isnan(parsed("NaN")));
+}
+
+TEST(Decimal, OutOfRangeIsInfinityOrZero) {
+  EXPECT_EQ(parsed("1e999"), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(parsed("-1e999"), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(parsed("1e-999"), 0.0);
+  EXPECT_EQ(parsed(std::string(400, '9')), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(parsed("0." + std::string(400, '0') + "1"), 0.0);
+  EXPECT_EQ(parsed("0.5e999"), std::numeric_limits<double>::infinity());
+}
+
+TEST(Decimal, RefusesWhatIsNoNumber) {
+  for (const std::string text : {"", "-", "+", ".", "e5", "x", "--1", "+-1", "- 1", "-.", "+.e3"}) {
+    double value = 0.0;
+    EXPECT_EQ(parse_double(text.data(), text.data() + text.size(), value), nullptr) << text;
+  }
+}
+
+TEST(Decimal, StopsBehindTheNumberAndAtTheEnd) {
+  const std::string text = "1.25 7";
+  double value = 0.0;
+  EXPECT_EQ(parse_double(text.data(), text.data() + text.size(), value), text.data() + 4);
+  EXPECT_EQ(value, 1.25);
+  EXPECT_EQ(parse_double(text.data(), text.data() + 3, value), text.data() + 3);
+  EXPECT_EQ(value, 1.2);
+}
+
+TEST(Decimal, ReadsWholeNumbers) {
+  std::int64_t value = 0;
+  const auto parse = [&value](const std::string& text) {
+    return parse_int64(text.data(), text.data() + text.size(), value) == text.data() + text.size();
+  };
+  EXPECT_TRUE(parse("-9223372036854775808"));
+  EXPECT_EQ(value, std::numeric_limits<std::int64_t>::min());
+  EXPECT_TRUE(parse("+12"));
+  EXPECT_EQ(value, 12);
+  EXPECT_FALSE(parse("9223372036854775808"));
+  EXPECT_FALSE(parse("+-1"));
+  EXPECT_FALSE(parse(""));
+}
+
+}  // namespace
+}  // namespace gdtslam

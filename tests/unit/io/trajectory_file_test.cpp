@@ -1,0 +1,100 @@
+// TUM trajectories and relations.
+#include "gdtslam/io/trajectory_file.hpp"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string error_of(const std::string& text) {
+  try {
+    read_tum(bytes_of(text), "t.tum");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Tum, WritesNineDecimalsOfStampAndPose) {
+  // sin(30 deg) and cos(30 deg) for a yaw of 60 deg; the half turn has the quaternion (0, 0, 1, 0).
+  const Trajectory trajectory = {{976052857.337284, {1.5, -2.25, kPi / 3.0}}, {2.0, {0.0, 0.0, kPi}}};
+  EXPECT_EQ(tum_text(trajectory),
+            "976052857.337283969 1.500000000 -2.250000000 0.000000000 0.000000000 0.000000000 0.500000000 0.866025404\n"
+            "2.000000000 0.000000000 0.000000000 0.000000000 0.000000000 0.000000000 1.000000000 0.000000000\n");
+}
+
+TEST(Tum, RefusesPosesThatAreNotFinite) {
+  EXPECT_THROW(tum_text({{1.0, {std::numeric_limits<double>::quiet_NaN(), 0, 0}}}), Error);
+  EXPECT_THROW(tum_text({{std::numeric_limits<double>::infinity(), {0, 0, 0}}}), Error);
+}
+
+TEST(Tum, ReadsCommentsBlankLinesAndAnyRotation) {
+  const Trajectory trajectory = read_tum(bytes_of("# stamp x y z\n\n"
+                                                  "1.5 1 2 3 0 0 0.5 0.8660254037844386\r\n"
+                                                  "  2.5\t-1 -2 0 0 0 -0.5 -0.8660254037844386\n"
+                                                  "3.5 0 0 0 0 0 -0.7071067811865476 0.7071067811865476"),
+                                         "t");
+  ASSERT_EQ(trajectory.size(), 3U);
+  EXPECT_EQ(trajectory[0].stamp_s, 1.5);
+  EXPECT_EQ(trajectory[0].T_map_base.y_m, 2.0);
+  EXPECT_NEAR(trajectory[0].T_map_base.theta_rad, kPi / 3.0, 1e-12);
+  EXPECT_NEAR(trajectory[1].T_map_base.theta_rad, kPi / 3.0, 1e-12);  // q and -q are one rotation
+  EXPECT_NEAR(trajectory[2].T_map_base.theta_rad, -kPi / 2.0, 1e-12);
+}
+
+TEST(Tum, YawOfATiltedPoseIsKept) {
+  // Roll by 0.2 rad, then yaw by 90 deg: q = yaw * roll = (c s', s s', s c', c c').
+  const Trajectory trajectory = read_tum(
+      bytes_of("1 0 0 0 0.07059288589999417 0.07059288589999417 0.7035741925769524 0.7035741925769524\n"), "t");
+  EXPECT_NEAR(trajectory.at(0).T_map_base.theta_rad, kPi / 2.0, 1e-12);
+}
+
+TEST(Tum, ErrorsNameFileLineAndRow) {
+  EXPECT_THAT(error_of("1 0 0 0 0 0 0 1\n1 2 3\n"),
+              HasSubstr("t.tum:2: the row ends before its numbers; a row is `stamp"));
+  EXPECT_THAT(error_of("1 0 0 0 0 0 0 1 9\n"), HasSubstr("t.tum:1: the row has more numbers"));
+  EXPECT_THAT(error_of("1 0 0 x 0 0 0 1\n"), HasSubstr("t.tum:1: the row has \"x\""));
+  EXPECT_THAT(error_of("1 nan 0 0 0 0 0 1\n"), HasSubstr("not a finite number"));
+  EXPECT_THAT(error_of("1 0 0 0 0 0 0 0\n"), HasSubstr("quaternion"));
+  EXPECT_THAT(error_of("1 " + std::string(10000, '0') + "\n"), HasSubstr("is too long"));
+}
+
+TEST(Tum, WritesAndReadsFiles) {
+  const TemporaryFolder folder;
+  write_tum(folder / "t.tum", {{1.25, {3.0, 4.0, -1.0}}});
+  const Trajectory trajectory = read_tum(folder / "t.tum");
+  ASSERT_EQ(trajectory.size(), 1U);
+  EXPECT_NEAR(trajectory[0].T_map_base.theta_rad, -1.0, 5e-9);
+  EXPECT_THROW(read_tum(folder / "none.tum"), FileError);
+}
+
+TEST(Relations, ReadsRows) {
+  const TemporaryFolder folder;
+  put_file(folder / "r.gz", gzip("10.5 20.5 1 2 0 0 0 3.5\n# comment\n30 40 0 0 0 0 0 -1\n"));
+  const std::vector<Relation> relations = read_relations(folder / "r.gz");
+  ASSERT_EQ(relations.size(), 2U);
+  EXPECT_EQ(relations[0].t1_s, 10.5);
+  EXPECT_EQ(relations[0].t2_s, 20.5);
+  EXPECT_EQ(relations[0].T_1_2.x_m, 1.0);
+  EXPECT_NEAR(relations[0].T_1_2.theta_rad, 3.5 - 2.0 * kPi, 1e-12);
+}
+
+TEST(RelationsRealData, HaveTheirKnownCounts) {
+  GDTSLAM_REAL_DATA(intel, "slam2d/intel.relations.gz");
+  GDTSLAM_REAL_DATA(fr079, "slam2d/fr079.relations.gz");
+  GDTSLAM_REAL_DATA(csail, "slam2d/mit-csail.relations.gz");
+  EXPECT_EQ(read_relations(intel).size(), 2984U);
+  EXPECT_EQ(read_relations(fr079).size(), 1685U);
+  EXPECT_EQ(read_relations(csail).size(), 1172U);
+}
+
+}  // namespace
+}  // namespace gdtslam
