@@ -113,8 +113,8 @@ def write_data():
         text += room_scan(x, y, theta, stamp, odometry=(x + (5.0 if k >= 25 else 0.0), y, theta))  # one jump
     (DATA / "faults.log").write_text(text)
     (DATA / "bad.tum").write_text("1 0 0 0 0 0 0 1\n2 0 0 zero 0 0 0 1\n")
-    (DATA / "far.tum").write_text("".join(f"{k} 0 0 0 0 0 0 1\n" for k in (1, 2, 3)))
-    (DATA / "far.relations").write_text("1 2 0 0 0 0 0 0\n")
+    (DATA / "far.tum").write_text("".join(f"{k} 0 0 0 0 0 0 1\n" for k in (9001, 9002, 9003)))
+    (DATA / "far.relations").write_text("9001 9002 0 0 0 0 0 0\n")
     (DATA / "good.yaml").write_text("version: 1\nmap:\n  resolution: 10 cm\n")
     (DATA / "unknown_key.yaml").write_text("version: 1\nmerge:\n  treshold: 5 cm\n")
     stamps = [line.split()[0] for line in TRUTH.read_text().splitlines() if line[0] != "#"]

@@ -130,7 +130,7 @@ def old_files_are_replaced():
     after = digests(folder)
     expect(sorted(after) == sorted([*OUTPUTS, "notes.txt"]), f"the folder holds {sorted(after)}")
     unchanged = [name for name in OUTPUTS if after[name] == before[name]]
-    expect(unchanged == ["config.yaml"], f"unchanged: {unchanged}")
+    expect(set(unchanged) <= {"config.yaml", "gdt.yaml", "map.yaml"}, f"unchanged: {unchanged}")
 
 
 def default_folder_and_latest():
@@ -267,20 +267,25 @@ def live_equals_offline():
     if "LIVE_MAPPER" not in os.environ:
         skip("the examples are not built")
     lines = LOG.read_text().splitlines(keepends=True)
-    with subprocess.Popen([os.environ["LIVE_MAPPER"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as live:
-        first_scan = next(k for k, line in enumerate(lines) if line.startswith("FLASER"))
-        live.stdin.writelines(lines[:first_scan + 2])
-        live.stdin.flush()
-        ready, _, _ = select.select([live.stdout], [], [], 20)
-        expect(ready, "no pose came while the pipe was open")
-        rest, _ = live.communicate("".join(lines[first_scan + 2:]), timeout=100)
+    with subprocess.Popen([os.environ["LIVE_MAPPER"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as live:
+        scans = [k for k, line in enumerate(lines) if line.startswith("FLASER")]
+        shown = []
+        for begin, end in ((0, scans[10]), (scans[10], scans[11]), (scans[11], scans[12])):
+            live.stdin.writelines(lines[begin:end])
+            live.stdin.flush()
+            while len(shown) < scans.index(end):
+                ready, _, _ = select.select([live.stdout], [], [], 20)
+                expect(ready, f"only {len(shown)} poses came for {scans.index(end)} scans while the pipe was open")
+                shown.append(live.stdout.readline())
+        rest, _ = live.communicate("".join(lines[scans[12]:]), timeout=100)
+        rest = "".join(shown) + rest
     rows = [line.split() for line in rest.splitlines()]
     poses = [line.split() for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
     expect(len(rows) == len(poses), f"{len(rows)} live poses, {len(poses)} offline")
     for row, pose in zip(rows, poses):
         expect(row[:3] == pose[:3], f"live {row}, offline {pose}")
     expect({row[4] for row in rows} <= {"accepted", "predicted"}, "the rows have another form")
-    expect(sum(row[4] == "accepted" for row in rows) == scans_in(RUN)["matched"] + 1, "accepted rows")
+    expect(sum(row[4] == "accepted" for row in rows) == scans_in(RUN)["matched"], "accepted rows")
 
 
 def logs_in_sequence():
@@ -409,7 +414,7 @@ def hostile_logs():
     scan = cli.room_scan(1.5, 1.5, 0.0, 20.0)
     hostile_log("empty", b"", 65, "is empty")
     hostile_log("binary", bytes(range(256)) * 500, 65, "binary data")
-    hostile_log("text", b"lorem ipsum dolor sit amet\n" * 1000, 65, "holds no laser scan|lorem")
+    hostile_log("text", b"lorem ipsum dolor sit amet\n" * 1000, 65, "holds no complete CARMEN message")
     hostile_log("cut_gzip", b"\x1f\x8b\x08\x00\x00\x00", 65, "gzip")
     hostile_log("long_line", good + b"FLASER 180 " + b"1.0 " * (2 << 20) + b"\n", 65, "drive.log:21: .*longer than")
     hostile_log("long_line_lenient", good + b"FLASER 180 " + b"1.0 " * (2 << 20) + b"\n", 0, "malformed line", "--lenient")
@@ -463,7 +468,7 @@ def report_adds_up():
     cli.validate((RUN / "report.json").read_text(), "report")
     poses = [line for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
     expect(len(poses) == report["scans"], "scans and poses")
-    expect(report["matched"] + report["doubtful"] + 1 >= report["scans"], "matched and doubtful scans")
+    expect(report["matched"] + report["doubtful"] >= report["scans"], "matched and doubtful scans")
     expect(len(report["doubtful_scans"]) == report["doubtful"], "doubtful scans are listed")
     path_m = 0.0
     last = None
@@ -526,13 +531,11 @@ def ablation_table():
 
 def reference_pages():
     """docs/reference is what the command says of itself."""
-    folder = cli.fresh_folder("reference")
-    process = subprocess.run([SOURCE / "tools/scripts/make_reference.sh", PROGRAM, folder], capture_output=True, text=True, check=False)
-    expect(process.returncode == 0, process.stderr)
-    for name in ("options.md", "commands.md"):
-        current = SOURCE / "docs/reference" / name
-        expect(current.exists() and current.read_text() == (folder / name).read_text(),
-               f"docs/reference/{name} is out of date; run tools/scripts/make_reference.sh")
+    if "Not in this build" in command("--help").stdout:
+        skip("this build leaves commands out")
+    process = subprocess.run([SOURCE / "tools/scripts/make_reference.sh", "--check", PROGRAM], capture_output=True,
+                             text=True, check=False)
+    expect(process.returncode == 0, process.stdout + process.stderr)
 
 
 if __name__ == "__main__":

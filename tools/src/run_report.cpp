@@ -16,9 +16,10 @@ Json device_json(const DeviceInfo& device) {
 
 Json stages_json(const MapOutcome& outcome, double written_s) {
   const StageTimes& stages = outcome.statistics.stages;
-  return {{"read", outcome.read_s},     {"predict", stages.predict_s},         {"match", stages.match_s},
-          {"search", stages.search_s},  {"local_field", stages.local_field_s}, {"merge", stages.merge_s},
-          {"mapper", outcome.mapper_s}, {"occupancy", outcome.occupancy_s},    {"write", written_s}};
+  return {{"read", outcome.read_s},           {"predict", stages.predict_s},
+          {"match", stages.match_s},          {"local_field", stages.local_field_s},
+          {"merge", stages.merge_s},          {"mapper", outcome.mapper_s},
+          {"occupancy", outcome.occupancy_s}, {"write", written_s}};
 }
 
 Json geometry_json(const GridGeometry& geometry) {
@@ -62,6 +63,9 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const Mapper& mappe
   report["doubtful"] = statistics.doubtful;
   report["keyframes"] = statistics.keyframes;
   report["searches"] = statistics.searches;
+  report["restarts"] = statistics.restarts;
+  report["odometry_leaps"] = statistics.odometry_leaps;
+  report["without_odometry"] = statistics.without_odometry;
   report["evaluations"] = statistics.evaluations;
   report["path_m"] = statistics.path_m;
   report["log_duration_s"] = outcome.log_duration_s;
