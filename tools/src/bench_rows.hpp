@@ -1,0 +1,58 @@
+// What `gdtslam bench` measures: the kernels on the benchmark cases of the shared list, whole distance transforms, and
+// OpenCV's distance transform beside them when the build has it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench_timing.hpp"
+#include "gdtslam/compute/backend.hpp"
+
+namespace gdtslam {
+
+/// One line of the report.
+struct BenchRow {
+  std::string group;  ///< "kernel", "transform", "peer"
+  std::string name;
+  std::string variant;
+  std::string unit;  ///< of the work: cell, look-up, value
+  double work = 0.0;
+  Timing timing;
+  std::optional<double> copy_ratio;        ///< time of memcpy for the bytes read and written, over the time
+  std::optional<double> times_opencv;      ///< OpenCV's CPU time over ours, for the same result
+  std::optional<std::uint64_t> different;  ///< cells that differ from the exact transform
+};
+
+/// The kernels whose name contains the filter.
+std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, const TimingOptions& options);
+
+/// Whole transforms of a square of `size` cells with walls on 1.5 % of them, and the peers.
+std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options);
+
+/// A line of the table of jump flooding's errors.
+struct FloodErrorRow {
+  std::uint32_t size = 0;
+  std::string variant;
+  std::uint64_t passes = 0;
+  std::uint64_t wrong_cells = 0;
+  double wrong_share = 0.0;
+  double largest_cells = 0.0;
+};
+/// Errors of the four variants against the exact transform, on the seeds of bench_transforms.
+std::vector<FloodErrorRow> flood_errors(Backend& backend, std::uint32_t size);
+
+/// The version of OpenCV that is measured, or empty.
+std::string opencv_version();
+
+/// Seeds as OpenCV's distance transform takes them: it measures the distance to zeros.
+std::vector<std::uint8_t> opencv_input(const std::vector<std::uint8_t>& seeds);
+/// OpenCV's distance transform on one thread: fills `distance` (one float a cell, `size` a row). Throws
+/// UnavailableError without OpenCV.
+enum class OpenCvMask { kPrecise, kFive };
+void opencv_distance(std::vector<std::uint8_t>& input, std::uint32_t size, OpenCvMask mask,
+                     std::vector<float>& distance);
+
+}  // namespace gdtslam

@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "bench_rows.hpp"
+#include "gdtslam/compute/kernel_cases.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/jump_flood.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint64_t kRandomSeed = 1;
+constexpr std::uint32_t kNearRadius = 20;
+constexpr std::uint32_t kFarRadius = 255;
+constexpr JumpFloodVariant kVariants[] = {JumpFloodVariant::kPlain, JumpFloodVariant::kOnePlus,
+                                          JumpFloodVariant::kPlusTwo, JumpFloodVariant::kSquared};
+
+/// A square with walls and the buffers that all transforms need.
+class Square {
+ public:
+  Square(Backend& backend, std::uint32_t size)
+      : backend_(backend),
+        size_(size),
+        stride_(grid_stride(size)),
+        seeds_(make_seeds(SeedPattern::kWalls, size, size, stride_, kRandomSeed)),
+        seed_buffer_(backend.allocate(cells())),
+        columns_(backend.allocate(cells() * 4)),
+        result_(backend.allocate(cells() * 4)) {
+    backend.upload(seed_buffer_, std::as_bytes(std::span(seeds_)));
+  }
+
+  [[nodiscard]] std::size_t cells() const { return std::size_t{stride_} * size_; }
+  [[nodiscard]] const std::vector<std::uint8_t>& seeds() const { return seeds_; }
+
+  void exact() {
+    const EdtColumns::Params params{size_, size_, stride_, 0};
+    run<EdtFullColumns>(backend_, params, {size_, 1, 1}, seed_buffer_, columns_);
+    run<EdtFullRows>(backend_, params, {1, size_, 1}, columns_, result_);
+    wait();
+  }
+  void truncated(std::uint32_t radius) {
+    const EdtColumns::Params params{size_, size_, stride_, radius};
+    run<EdtColumns>(backend_, params, {size_, 1, 1}, seed_buffer_, columns_);
+    run<EdtRows>(backend_, params, {1, size_, 1}, columns_, result_);
+    wait();
+  }
+  void flood(JumpFloodVariant variant) {
+    const Extent all{size_, size_, 1};
+    run<JumpFloodInit>(backend_, {size_, size_, stride_}, all, seed_buffer_, columns_);
+    for (const std::uint32_t step : jump_flood_steps(variant, size_, size_)) {
+      run<JumpFloodStep>(backend_, {size_, size_, stride_, step}, all, columns_, result_);
+      std::swap(columns_, result_);
+    }
+    run<JumpFloodDistance>(backend_, {size_, size_, stride_}, all, columns_, result_);
+    wait();
+  }
+  /// Squared distances of the last transform, of type T.
+  template <class T>
+  std::vector<T> distances() {
+    std::vector<T> values(cells());
+    backend_.download(result_, std::as_writable_bytes(std::span(values)));
+    return values;
+  }
+  [[nodiscard]] JumpFloodInit::Params shape() const { return {size_, size_, stride_}; }
+
+ private:
+  void wait() {
+    std::byte last{};
+    backend_.download(result_, std::span(&last, 1));
+  }
+
+  Backend& backend_;
+  std::uint32_t size_;
+  std::uint32_t stride_;
+  std::vector<std::uint8_t> seeds_;
+  Buffer seed_buffer_;
+  Buffer columns_;
+  Buffer result_;
+};
+
+BenchRow transform_row(std::string name, std::string variant, std::uint32_t size, const std::function<void()>& work,
+                       const TimingOptions& options) {
+  BenchRow row;
+  row.group = "transform";
+  row.name = std::move(name);
+  row.variant = std::to_string(size) + "x" + std::to_string(size) + " " + variant;
+  row.unit = "cell";
+  row.work = static_cast<double>(size) * size;
+  row.timing = measure(work, options);
+  return row;
+}
+
+std::uint64_t count_different(const std::vector<std::uint32_t>& exact, const std::vector<std::uint16_t>& found,
+                              std::uint32_t radius) {
+  std::uint64_t different = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    different += found[i] != std::min(exact[i], radius * radius) ? 1U : 0U;
+  }
+  return different;
+}
+
+void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<std::uint32_t>& exact,
+                std::uint32_t size, const TimingOptions& options) {
+  if (opencv_version().empty() || square.cells() != std::size_t{size} * size) return;
+  std::vector<std::uint8_t> input = opencv_input(square.seeds());
+  for (const auto& [mask, name] :
+       {std::pair{OpenCvMask::kPrecise, "DIST_MASK_PRECISE"}, {OpenCvMask::kFive, "DIST_MASK_5"}}) {
+    std::vector<float> distance;
+    BenchRow row = transform_row(
+        "OpenCV " + opencv_version(), name, size, [&] { opencv_distance(input, size, mask, distance); }, options);
+    row.group = "peer";
+    row.different = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      const double found = static_cast<double>(distance[i]);
+      *row.different += std::fabs(found * found - static_cast<double>(exact[i])) > 0.5 ? 1U : 0U;
+    }
+    rows.push_back(std::move(row));
+  }
+}
+
+}  // namespace
+
+std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options) {
+  Square square(backend, size);
+  std::vector<BenchRow> rows;
+  rows.push_back(transform_row(
+      "edt", "R inf", size, [&] { square.exact(); }, options));
+  const std::vector<std::uint32_t> exact = square.distances<std::uint32_t>();
+  for (const std::uint32_t radius : {kNearRadius, kFarRadius}) {
+    rows.push_back(transform_row(
+        "edt", "R " + std::to_string(radius), size, [&] { square.truncated(radius); }, options));
+    rows.back().different = count_different(exact, square.distances<std::uint16_t>(), radius);
+  }
+  for (const JumpFloodVariant variant : kVariants) {
+    rows.push_back(transform_row(
+        "jump_flood", std::string(name_of(variant)), size, [&] { square.flood(variant); }, options));
+    rows.back().different = jump_flood_error(exact, square.distances<std::uint32_t>(), square.shape()).wrong_cells;
+  }
+  add_opencv(rows, square, exact, size, options);
+  for (const BenchRow& peer : rows) {
+    if (peer.group != "peer" || !peer.variant.ends_with("PRECISE")) continue;
+    for (BenchRow& row : rows) row.times_opencv = peer.timing.cpu_s / row.timing.cpu_s;
+    break;
+  }
+  return rows;
+}
+
+std::vector<FloodErrorRow> flood_errors(Backend& backend, std::uint32_t size) {
+  Square square(backend, size);
+  square.exact();
+  const std::vector<std::uint32_t> exact = square.distances<std::uint32_t>();
+  std::vector<FloodErrorRow> rows;
+  for (const JumpFloodVariant variant : kVariants) {
+    square.flood(variant);
+    const JumpFloodError error = jump_flood_error(exact, square.distances<std::uint32_t>(), square.shape());
+    rows.push_back({size, std::string(name_of(variant)), jump_flood_steps(variant, size, size).size(),
+                    error.wrong_cells, static_cast<double>(error.wrong_cells) / static_cast<double>(error.cells),
+                    error.largest_cells});
+  }
+  return rows;
+}
+
+}  // namespace gdtslam
