@@ -8,7 +8,7 @@ namespace gdtslam {
 
 /// Geometry of the drive.
 struct DifferentialDrive {
-  double track_width_m = 0.4;       ///< W, between the wheels
+  double track_width_m = 0.4;           ///< W, between the wheels
   double centre_ahead_of_axle_m = 0.0;  ///< c, how far the robot's centre O lies ahead of the axle
 };
 

@@ -1,5 +1,5 @@
-// Where the cells of a grid lie. Frame: map; x right, y up; cell (0, 0) is the lower left one and its centre is the origin
-// plus half a cell. An index and a displacement are two types, so that one cannot stand for the other.
+// Where the cells of a grid lie. Frame: map; x right, y up; cell (0, 0) is the lower left one and its centre is the
+// origin plus half a cell. An index and a displacement are two types, so that one cannot stand for the other.
 // Thread-safe, constant time.
 #pragma once
 
@@ -34,9 +34,7 @@ struct CellBox {
   [[nodiscard]] std::int32_t width() const { return end.x - min.x; }
   [[nodiscard]] std::int32_t height() const { return end.y - min.y; }
   [[nodiscard]] bool empty() const { return end.x <= min.x || end.y <= min.y; }
-  [[nodiscard]] bool contains(CellIndex c) const {
-    return c.x >= min.x && c.x < end.x && c.y >= min.y && c.y < end.y;
-  }
+  [[nodiscard]] bool contains(CellIndex c) const { return c.x >= min.x && c.x < end.x && c.y >= min.y && c.y < end.y; }
   friend bool operator==(const CellBox&, const CellBox&) = default;
 };
 

@@ -1,5 +1,5 @@
-// What a log is made of, whatever file it came from. Times are seconds since the epoch of the log, in the log's own clock;
-// the order of the records is the truth, not their stamps.
+// What a log is made of, whatever file it came from. Times are seconds since the epoch of the log, in the log's own
+// clock; the order of the records is the truth, not their stamps.
 #pragma once
 
 #include <cstddef>
