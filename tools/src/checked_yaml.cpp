@@ -159,11 +159,17 @@ YamlMapping::YamlMapping(const YamlValue& value) : value_(value) {
 
 std::optional<YamlValue> YamlMapping::find(const std::string& key) {
   asked_.push_back(key);
-  const YAML::Node node = value_.node()[key];
-  if (!node.IsDefined()) {
-    return std::nullopt;
+  for (const auto& entry : value_.node()) {
+    if (entry.first.Scalar() != key) {
+      continue;
+    }
+    if (entry.second.IsNull()) {
+      // An empty value has no place of its own in the file.
+      YamlValue(entry.first, value_.file(), value_.name()).refuse("the key '" + key + "' has no value");
+    }
+    return YamlValue(entry.second, value_.file(), value_.name().empty() ? key : value_.name() + "." + key);
   }
-  return YamlValue(node, value_.file(), value_.name().empty() ? key : value_.name() + "." + key);
+  return std::nullopt;
 }
 
 YamlValue YamlMapping::require(const std::string& key) {

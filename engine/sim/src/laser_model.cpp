@@ -11,7 +11,8 @@
 namespace gdtslam::sim {
 namespace {
 
-// SICK LMS 200/291: 75 turns a second, 1 cm in its 80 m mode; the deviation of about 1 cm is what [Ye2002] measured.
+// SICK LMS 2xx: 75 turns a second, 1 cm in its 80 m mode. The noise of 1 cm lies between what the maker states for the
+// younger LMS1xx (12 mm) and LMS5xx (6 mm).
 LaserModel sick(std::size_t beam_count, double step_deg) {
   LaserModel laser;
   laser.first_bearing_rad = rad_from_deg(-90.0);
