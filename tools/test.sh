@@ -83,45 +83,74 @@ add_results() {
   fi
 }
 
+# Prints what fails or skips; what passes is only counted.
 run_ctest() {
   rm -f "$reports/ctest.xml"
-  ctest --test-dir "$build" -j 2 --output-on-failure --no-tests=error --output-junit "$reports/ctest.xml" |
-    grep -vE '^ +(Start +[0-9]+:|[0-9]+/[0-9]+ Test +#.* Passed )' || true
+  {
+    local status=0
+    ctest --test-dir "$build" -j 2 --output-on-failure --no-tests=error --output-junit "$reports/ctest.xml" || status=$?
+    echo "$status" >"$reports/ctest.status"
+  } | grep -vE '^ +(Start +[0-9]+:|[0-9]+/[0-9]+ Test +#.* Passed )' || true
   add_results "tests" "$reports/ctest.xml"
+  check_status "tests" "$(<"$reports/ctest.status")"
+}
+
+# A program that fails although no test of it did (a leak found at its end) is a failure too.
+check_status() {
+  if (($2 != 0 && f == 0)); then check "$1 ended with status $2" false; fi
 }
 
 # The parts that read what strangers send, and what they stand on, under AddressSanitizer and UBSan.
 run_sanitized() {
-  local program name
-  for name in unit_core unit_io golden_io property_core property_io; do
-    [[ -d $root/tests/${name%%_*}/${name#*_} ]] || continue
-    cmake --build "$sanitized" --parallel "$(build_jobs)" --target "gdtslam_${name}_tests"
-    program=$sanitized/bin/gdtslam_${name}_tests
+  local folder names=() name status
+  for folder in "$root"/tests/{unit,property,golden}/{core,io}; do
+    compgen -G "$folder/*.cpp" >/dev/null || continue
+    name=${folder#"$root/tests/"}
+    names+=("gdtslam_${name/\//_}_tests")
+  done
+  cmake --build "$sanitized" --parallel "$(build_jobs)" --target "${names[@]}"
+  for name in "${names[@]}"; do
+    status=0
     rm -f "$reports/asan_$name.xml"
-    (cd "$sanitized" && UBSAN_OPTIONS=print_stacktrace=1 "$program" --gtest_brief=1 \
-      --gtest_output="xml:$reports/asan_$name.xml") || echo "$name under sanitizers: status $?"
+    (cd "$sanitized" && UBSAN_OPTIONS=print_stacktrace=1 "bin/$name" --gtest_brief=1 \
+      --gtest_output="xml:$reports/asan_$name.xml") || status=$?
     if [[ -f $reports/asan_$name.xml ]]; then
       add_results "$name under ASan and UBSan" "$reports/asan_$name.xml"
+      check_status "$name under ASan and UBSan" "$status"
     else
-      check "$name under ASan and UBSan crashed" false
+      check "$name under ASan and UBSan broke off with status $status" false
     fi
   done
 }
 
-# fuzz_target PROGRAM: from the corpus, new finds into the build tree; artefacts of a find stay there.
+# fuzz_target NAME: from its corpus; new inputs go into the build tree, and so does one that breaks something.
 fuzz_target() {
-  local program=$1 name work
-  name=$(basename "$program")
-  work=$fuzzed/work/$name
+  local work=$fuzzed/work/$1
   mkdir -p "$work/found"
-  local corpus=("$work/found")
-  if [[ -d $root/tests/fuzz/corpus/$name ]]; then corpus+=("$root/tests/fuzz/corpus/$name"); fi
-  "$program" -max_total_time="${GDTSLAM_FUZZ_S:-30}" -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=256 \
-    -print_final_stats=1 -artifact_prefix="$work/" "${corpus[@]}" >"$work/log" 2>&1 || {
+  "$fuzzed/bin/gdtslam_fuzz_$1" -max_total_time="${GDTSLAM_FUZZ_S:-30}" -max_len=4096 -timeout=5 -rss_limit_mb=1024 \
+    -malloc_limit_mb=256 -print_final_stats=1 -artifact_prefix="$work/" "$work/found" "$root/tests/fuzz/corpus/$1" \
+    >"$work/log" 2>&1 || {
     tail -n 40 "$work/log"
     return 1
   }
-  echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$work/log") executions, no finding"
+  echo "$1: $(sed -n 's/^stat::number_of_executed_units: *//p' "$work/log") executions, no finding"
+}
+
+# One fuzzer per processor at a time.
+run_fuzzers() {
+  local names=() name folder next=0 waiting=0
+  local -A process
+  for folder in "$root"/tests/fuzz/corpus/*/; do names+=("$(basename "$folder")"); done
+  cmake --build "$fuzzed" --parallel "$(build_jobs)" --target "${names[@]/#/gdtslam_fuzz_}"
+  for name in "${names[@]}"; do
+    while ((next < ${#names[@]} && next - waiting < $(nproc))); do
+      fuzz_target "${names[next]}" &
+      process[${names[next]}]=$!
+      next=$((next + 1))
+    done
+    check "fuzzing $name" wait "${process[$name]}"
+    waiting=$((waiting + 1))
+  done
 }
 
 begin "Packages"
@@ -160,9 +189,6 @@ if $quick; then
 else
   CC=clang CXX=clang++ configure "$fuzzed" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DGDTSLAM_BUILD_FUZZERS=ON \
     -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLAM_BUILD_EXAMPLES=OFF -DGDTSLAM_BUILD_SIM=OFF -DGDTSLAM_WERROR=OFF
-  cmake --build "$fuzzed" --parallel "$(build_jobs)" --target gdtslam_fuzzers
-  for program in "$fuzzed"/bin/*_fuzzer; do
-    check "fuzzing $(basename "$program")" fuzz_target "$program"
-  done
+  run_fuzzers
 fi
 complete=true
