@@ -13,7 +13,7 @@ namespace gdtslam {
 struct DeviceOptions {
   std::string device = "auto";
   unsigned threads = 1;
-  std::string isa;
+  std::string isa{};  ///< empty: the strongest there is
   bool no_fallback = false;
 };
 

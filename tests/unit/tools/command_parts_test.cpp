@@ -1,0 +1,153 @@
+// The parts of the command that have no test of their own: progress, run folder, settings, variants of the ablation.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "ablation_variants.hpp"
+#include "device_option.hpp"
+#include "did_you_mean.hpp"
+#include "gdtslam/core/error.hpp"
+#include "progress.hpp"
+#include "run_folder.hpp"
+#include "settings.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(Progress, ShowsShareCountRateAndTimeLeft) {
+  EXPECT_EQ(ProgressLine::text("scans", 5730, 0.42, 2.0), " 42 %  5,730 scans  2,865/s  3 s left");
+  EXPECT_EQ(ProgressLine::text("scans", 1234567, 0.5, 100.0), " 50 %  1,234,567 scans  12,345/s  1:40 min left");
+  EXPECT_EQ(ProgressLine::text("scans", 100, 0.01, 100.0), "  1 %  100 scans  1/s  2:45 h left");
+  EXPECT_EQ(ProgressLine::text("scans", 100, 1.0, 10.0), "100 %  100 scans  10/s  0 s left");
+}
+
+TEST(Progress, LeavesOutWhatIsNotKnown) {
+  EXPECT_EQ(ProgressLine::text("records", 7, -1.0, 2.0), "7 records  3/s");
+  EXPECT_EQ(ProgressLine::text("records", 0, 0.0, 0.0), "  0 %  0 records");
+}
+
+class RunFolderTest : public testing::Test {
+ protected:
+  RunFolderTest() {
+    std::string name = (fs::temp_directory_path() / "gdtslam-run-XXXXXX").string();
+    work_ = ::mkdtemp(name.data());
+  }
+  ~RunFolderTest() override { fs::remove_all(work_); }
+  static void write(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
+  static std::string read(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  fs::path work_;
+};
+
+TEST_F(RunFolderTest, FilesAppearAtTheCommitOnly) {
+  const fs::path folder = work_ / "a" / "run";
+  {
+    RunFolder run(folder);
+    write(run.staged("one"), "1");
+    write(run.staged("two"), "2");
+    EXPECT_FALSE(fs::exists(folder / "one"));
+    run.commit();
+    EXPECT_EQ(read(folder / "one"), "1");
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
+}
+
+TEST_F(RunFolderTest, WithoutCommitNothingChanges) {
+  write(work_ / "one", "old");
+  {
+    RunFolder run(work_);
+    write(run.staged("one"), "new");
+  }
+  EXPECT_EQ(read(work_ / "one"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(work_), {}), 1);
+  { RunFolder run(work_ / "never"); }
+  EXPECT_FALSE(fs::exists(work_ / "never"));
+}
+
+TEST_F(RunFolderTest, AFailureHalfWayIsUndone) {
+  write(work_ / "one", "old");
+  fs::create_directories(work_ / "three" / "inside");  // a folder cannot be replaced by a file
+  RunFolder run(work_);
+  write(run.staged("one"), "new");
+  write(run.staged("two"), "new");
+  write(run.staged("three"), "new");
+  EXPECT_THROW(run.commit(), FileError);
+  EXPECT_EQ(read(work_ / "one"), "old");
+  EXPECT_FALSE(fs::exists(work_ / "two"));
+  EXPECT_TRUE(fs::is_directory(work_ / "three"));
+}
+
+TEST_F(RunFolderTest, LatestPointsToTheRunButReplacesNothingElse) {
+  fs::create_directory(work_ / "one");
+  fs::create_directory(work_ / "two");
+  link_latest(work_ / "one");
+  link_latest(work_ / "two");
+  EXPECT_EQ(fs::read_symlink(work_ / "latest"), "two");
+  fs::remove(work_ / "latest");
+  write(work_ / "latest", "a file of the user");
+  link_latest(work_ / "one");
+  EXPECT_EQ(read(work_ / "latest"), "a file of the user");
+}
+
+TEST(DefaultRunFolder, IsNamedAfterTheLog) {
+  EXPECT_THAT(default_run_folder("../data/intel.clf.gz"), testing::MatchesRegex("runs/intel-[0-9]+T[0-9]+Z"));
+  EXPECT_THAT(default_run_folder("drive.log"), testing::StartsWith("runs/drive-"));
+  EXPECT_THAT(default_run_folder("-"), testing::StartsWith("runs/stdin-"));
+}
+
+TEST(Settings, CommandLineBeatsFileBeatsDefault) {
+  std::string name = (fs::temp_directory_path() / "gdtslam-config-XXXXXX").string();
+  const int descriptor = ::mkstemp(name.data());
+  ASSERT_GE(descriptor, 0);
+  ::close(descriptor);
+  std::ofstream(name) << "version: 1\nmap: {resolution: 10 cm}\nmerge: {kappa: 0.75}\noccupancy: {min_ends: 4}\n";
+  const Settings settings = load_settings({.file = name, .sets = {"merge.kappa=0.25", "merge.kappa=1"}});
+  fs::remove(name);
+  EXPECT_EQ(settings.mapper.map.resolution_m, 0.1);
+  EXPECT_EQ(settings.mapper.merge.kappa, 1.0);
+  EXPECT_EQ(settings.occupancy.min_ends, 4);
+  EXPECT_EQ(settings.mapper.merge.threshold_m, MapperConfig{}.merge.threshold_m);
+  EXPECT_THAT(settings.from_file, testing::UnorderedElementsAre("map.resolution", "merge.kappa", "occupancy.min_ends"));
+  EXPECT_THAT(settings.from_sets, ElementsAre("merge.kappa", "merge.kappa"));
+}
+
+TEST(Settings, RefusesWhatDoesNotFit) {
+  EXPECT_THROW(load_settings({.file = {}, .sets = {"occupancy.min_ends=0"}}), ConfigError);
+  EXPECT_THROW(load_settings({.file = {}, .sets = {"map.truncation=50 m"}}), ConfigError);  // more than 255 cells
+}
+
+TEST(AblationVariants, ChangeWhatTheyName) {
+  for (const AblationVariant& variant : default_variants()) {
+    EXPECT_NO_THROW(load_settings({.file = {}, .sets = variant.sets})) << variant.name;
+  }
+}
+
+TEST(DeviceOptions, NamesThatAreNot) {
+  EXPECT_THROW(make_backend({.device = "vulkan"}), UnavailableError);
+  EXPECT_THROW(make_backend({.device = "vulkan:12"}), UnavailableError);
+  for (const char* const device : {"vulkan:", "vulkan:x", "vulkan12", "gpu", ""}) {
+    EXPECT_THROW(make_backend({.device = device}), UsageError) << device;
+  }
+  EXPECT_EQ(isa_from_name("avx2"), Isa::kAvx2);
+  EXPECT_THROW(isa_from_name("AVX2"), UsageError);
+}
+
+TEST(DidYouMean, NamesTheNearestOrNothing) {
+  EXPECT_EQ(did_you_mean("mpa", {"map", "doctor"}), "; did you mean 'map'?");
+  EXPECT_EQ(did_you_mean("frobnicate", {"map", "doctor"}), "");
+}
+
+}  // namespace
+}  // namespace gdtslam

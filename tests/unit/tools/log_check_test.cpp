@@ -1,0 +1,231 @@
+// Logs are made record by record, with faults whose number and size are known.
+#include "log_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+using testing::AnyOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+ScanRecord scan_at(double stamp_s, const Pose2& T_odom_base, std::vector<float> ranges_m = {1.0F, 2.0F, 3.0F}) {
+  return {.scan = {.stamp_s = stamp_s,
+                   .first_bearing_rad = -0.5,
+                   .bearing_step_rad = 0.5,
+                   .max_range_m = 0.0,
+                   .ranges_m = std::move(ranges_m),
+                   .T_base_laser = {}},
+          .T_odom_base = T_odom_base};
+}
+
+LogCheck check_of(const std::vector<LogRecord>& records) {
+  LogChecker checker{StepBounds{}};
+  for (const LogRecord& record : records) checker.add(record);
+  return checker.finish({});
+}
+
+// A straight drive of 0.1 m a scan at 5 Hz.
+std::vector<LogRecord> drive(int scans) {
+  std::vector<LogRecord> records;
+  for (int k = 0; k < scans; ++k) records.emplace_back(scan_at(10.0 + 0.2 * k, {0.1 * k, 0.0, 0.0}));
+  return records;
+}
+
+TEST(LogCheck, CountsWhatIsThere) {
+  std::vector<LogRecord> records = drive(51);
+  records.emplace_back(Odometry{20.0, {}});
+  records.emplace_back(Encoder{20.0, 7});
+  records.emplace_back(Tilt{20.0, 0.1});
+  records.emplace_back(Parameter{"a", "b"});
+  const LogCheck check = check_of(records);
+  EXPECT_EQ(check.scans, 51u);
+  EXPECT_EQ(check.scans_with_odometry, 51u);
+  EXPECT_EQ(check.odometry_records, 1u);
+  EXPECT_EQ(check.encoder_records, 1u);
+  EXPECT_EQ(check.tilt_records, 1u);
+  EXPECT_EQ(check.parameters, 1u);
+  EXPECT_NEAR(check.duration_s(), 10.0, 1e-9);
+  EXPECT_NEAR(check.median_step_s, 0.2, 1e-9);
+  EXPECT_NEAR(check.path_m, 5.0, 1e-9);
+  EXPECT_EQ(check.gaps.count + check.backward_stamps.count + check.repeated_stamps.count + check.impossible_steps.count,
+            0u);
+  EXPECT_EQ(check.obstacle(), "");
+}
+
+TEST(LogCheck, NothingToMap) {
+  EXPECT_THAT(check_of({}).obstacle(), HasSubstr("no laser scan"));
+  EXPECT_THAT(check_of({Odometry{1.0, {}}}).obstacle(), HasSubstr("no laser scan"));
+  const float inf = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(check_of({scan_at(1.0, {}, {inf, 0.0F, inf})}).obstacle(), HasSubstr("has a return"));
+  EXPECT_THAT(check_of({scan_at(1.0, {}, {})}).obstacle(), HasSubstr("has a return"));
+}
+
+TEST(LogCheck, FindsTimeJumps) {
+  std::vector<LogRecord> records = drive(20);
+  std::get<ScanRecord>(records[5]).scan.stamp_s = std::get<ScanRecord>(records[4]).scan.stamp_s;         // repeated
+  std::get<ScanRecord>(records[10]).scan.stamp_s = std::get<ScanRecord>(records[9]).scan.stamp_s - 0.4;  // backward
+  for (std::size_t k = 15; k < 20; ++k) std::get<ScanRecord>(records[k]).scan.stamp_s += 7.0;            // gap
+  const LogCheck check = check_of(records);
+  EXPECT_EQ(check.repeated_stamps.count, 1u);
+  EXPECT_EQ(check.repeated_stamps.first[0].scan, 5u);
+  EXPECT_EQ(check.backward_stamps.count, 1u);
+  EXPECT_EQ(check.backward_stamps.first[0].scan, 10u);
+  EXPECT_NEAR(check.backward_stamps.largest, 0.4, 1e-9);
+  EXPECT_EQ(check.gaps.count, 1u);
+  ASSERT_EQ(check.gaps.first.size(), 1u);
+  EXPECT_EQ(check.gaps.first[0].scan, 15u);
+  EXPECT_NEAR(check.gaps.largest, 7.2, 1e-9);
+  EXPECT_THAT(check.suggestions(), Contains(HasSubstr("backward")));
+  EXPECT_THAT(check.suggestions(), Contains(HasSubstr("gaps")));
+}
+
+TEST(LogCheck, ListsTheLongestGapsOnly) {
+  std::vector<LogRecord> records;
+  double stamp_s = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    records.emplace_back(scan_at(stamp_s, {}));
+    stamp_s += k % 3 == 0 ? 2.0 + 0.01 * k : 0.1;
+  }
+  const LogCheck check = check_of(records);
+  EXPECT_EQ(check.gaps.count, 33u);  // the step after the last scan does not count
+  ASSERT_EQ(check.gaps.first.size(), EventList::kMostListed);
+  EXPECT_NEAR(check.gaps.first.front().time_step_s, 2.96, 1e-9);
+  EXPECT_GT(check.gaps.first[0].time_step_s, check.gaps.first[1].time_step_s);
+}
+
+TEST(LogCheck, FindsImpossibleStepsAndLeavesThemOutOfThePath) {
+  std::vector<LogRecord> records = drive(21);
+  for (std::size_t k = 10; k < 21; ++k) std::get<ScanRecord>(records[k]).T_odom_base->x_m += 5.0;  // one leap
+  for (std::size_t k = 15; k < 21; ++k) {                                                          // one twist
+    std::get<ScanRecord>(records[k]).T_odom_base->theta_rad = rad_from_deg(85.0);
+  }
+  const LogCheck check = check_of(records);
+  EXPECT_EQ(check.impossible_steps.count, 2u);
+  EXPECT_EQ(check.impossible_steps.first[0].scan, 10u);
+  EXPECT_NEAR(check.impossible_steps.first[0].distance_m, 5.1, 1e-9);
+  EXPECT_EQ(check.impossible_steps.first[1].scan, 15u);
+  EXPECT_NEAR(deg_from_rad(check.impossible_steps.first[1].angle_rad), 85.0, 1e-9);
+  EXPECT_NEAR(check.path_m, 18 * 0.1, 1e-9);
+}
+
+TEST(LogCheck, BoundOfAStepGrowsWithItsTimeUpToALimit) {
+  const StepBounds bounds;
+  const auto jumps = [](double step_s, double distance_m) {
+    return check_of({scan_at(0.0, {}), scan_at(step_s, {distance_m, 0.0, 0.0})}).impossible_steps.count;
+  };
+  for (const double step_s : {0.1, 1.0, 2.0}) {
+    EXPECT_EQ(jumps(step_s, bounds.distance_m + bounds.speed_m_s * step_s - 1e-6), 0u) << step_s;
+    EXPECT_EQ(jumps(step_s, bounds.distance_m + bounds.speed_m_s * step_s + 1e-6), 1u) << step_s;
+  }
+  EXPECT_EQ(jumps(100.0, 7.0), 1u);  // a pause does not excuse any distance
+  EXPECT_EQ(jumps(-50.0, 1.0), 1u);  // nor does a clock that goes backward
+  EXPECT_EQ(jumps(-50.0, 0.5), 0u);
+}
+
+TEST(LogCheck, OdometryRecordsServeWhereScansHaveNone) {
+  std::vector<LogRecord> records;
+  for (int k = 0; k < 11; ++k) {
+    records.emplace_back(Odometry{0.2 * k, {0.3 * k, 0.0, 0.0}});
+    ScanRecord scan = scan_at(0.2 * k, {});
+    scan.T_odom_base.reset();
+    records.emplace_back(scan);
+  }
+  const LogCheck check = check_of(records);
+  EXPECT_EQ(check.scans_with_odometry, 0u);
+  EXPECT_NEAR(check.path_m, 3.0, 1e-9);
+  EXPECT_THAT(check.suggestions(), IsEmpty());
+}
+
+TEST(LogCheck, SaysWhenThereIsNoOdometry) {
+  ScanRecord scan = scan_at(1.0, {});
+  scan.T_odom_base.reset();
+  EXPECT_THAT(check_of({scan}).suggestions(), ElementsAre(HasSubstr("no odometry")));
+}
+
+// A SICK reports 81.91 m where nothing comes back; the true ranges fill the histogram up to 30 m.
+TEST(LogCheck, FindsTheNoReturnValue) {
+  Random random(1);
+  std::vector<LogRecord> records;
+  for (int k = 0; k < 200; ++k) {
+    std::vector<float> ranges_m;
+    for (int beam = 0; beam < 180; ++beam) {
+      ranges_m.push_back(random.uniform() < 0.03 ? 81.91F : static_cast<float>(random.uniform(0.5, 30.0)));
+    }
+    records.emplace_back(scan_at(0.1 * k, {}, ranges_m));
+  }
+  const RangeStatistics ranges = check_of(records).ranges;
+  EXPECT_THAT(ranges.no_return_m, ElementsAre(testing::DoubleNear(81.91, 1e-9)));
+  EXPECT_EQ(ranges.returns + ranges.no_return_count, 200u * 180u);
+  EXPECT_NEAR(static_cast<double>(ranges.no_return_count), 0.03 * 200 * 180, 150.0);
+  EXPECT_NEAR(ranges.median_m, 15.25, 0.5);
+  EXPECT_LE(ranges.longest_m, 30.0);
+  EXPECT_GE(ranges.shortest_m, 0.5);
+}
+
+TEST(LogCheck, OrdinaryRangesHaveNoNoReturnValue) {
+  Random random(2);
+  std::vector<LogRecord> records;
+  for (int k = 0; k < 200; ++k) {
+    std::vector<float> ranges_m(180);
+    for (float& range_m : ranges_m) range_m = static_cast<float>(random.uniform(0.5, 10.0));
+    records.emplace_back(scan_at(0.1 * k, {}, ranges_m));
+  }
+  EXPECT_THAT(check_of(records).ranges.no_return_m, IsEmpty());
+}
+
+TEST(LogCheck, StatedLimitCounts) {
+  ScanRecord scan = scan_at(1.0, {}, std::vector<float>(20, 81.91F));
+  scan.scan.ranges_m[0] = 5.0F;
+  scan.scan.max_range_m = 80.0;
+  const RangeStatistics ranges = check_of({scan}).ranges;
+  EXPECT_EQ(ranges.no_return_count, 19u);
+  EXPECT_EQ(ranges.returns, 1u);
+  EXPECT_THAT(ranges.no_return_m, ElementsAre(testing::DoubleNear(81.91, 1e-9)));
+}
+
+TEST(LogCheck, BeamsAndMountThatChange) {
+  std::vector<LogRecord> records = drive(10);
+  std::get<ScanRecord>(records[3]).scan.ranges_m.push_back(1.0F);
+  std::get<ScanRecord>(records[7]).scan.T_base_laser = {0.002, 0.0, 0.0};
+  std::get<ScanRecord>(records[8]).scan.T_base_laser = {0.0, 0.0, rad_from_deg(0.2)};
+  std::get<ScanRecord>(records[9]).scan.T_base_laser = {0.0005, 0.0, 0.0};  // within rounding
+  const LogCheck check = check_of(records);
+  ASSERT_EQ(check.layouts.size(), 2u);
+  EXPECT_EQ(check.layouts[0].scans, 9u);
+  EXPECT_EQ(check.layouts[1].beams, 4u);
+  EXPECT_EQ(check.mount_changes, 2u);
+  EXPECT_THAT(check.suggestions(), Contains(HasSubstr("beams change")));
+  EXPECT_THAT(check.suggestions(), Contains(HasSubstr("laser moves")));
+}
+
+TEST(LogCheck, MemoryIsBounded) {
+  LogChecker checker{StepBounds{}};
+  for (int k = 0; k < 5000; ++k) {
+    ScanRecord scan =
+        scan_at(-static_cast<double>(k), {10.0 * k, 0.0, 0.0}, std::vector<float>(static_cast<std::size_t>(k % 50)));
+    checker.add(scan);
+  }
+  const LogCheck check = checker.finish({});
+  EXPECT_EQ(check.backward_stamps.count, 4999u);
+  EXPECT_EQ(check.backward_stamps.first.size(), EventList::kMostListed);
+  EXPECT_EQ(check.impossible_steps.count, 4999u);
+  EXPECT_LE(check.layouts.size(), 16u);
+  std::uint64_t scans = check.other_layouts;
+  for (const BeamLayout& layout : check.layouts) scans += layout.scans;
+  EXPECT_EQ(scans, 5000u);
+}
+
+}  // namespace
+}  // namespace gdtslam
