@@ -1,10 +1,10 @@
 #include "gdtslam/compute/backend.hpp"
-#include "isa/functions.hpp"
+#include "launch.hpp"
 
 namespace gdtslam {
 
 bool isa_available(Isa isa) {
-  if (functions_of(isa) == nullptr) {
+  if (!is_compiled(isa)) {
     return false;
   }
 #ifdef GDTSLAM_X86_KERNELS

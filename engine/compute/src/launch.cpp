@@ -16,11 +16,10 @@ void refuse_launch(std::string_view kernel, const std::string& message) {
 }
 
 const IsaFunctions& functions_or_throw(Isa isa) {
-  const IsaFunctions* functions = functions_of(isa);
-  if (functions == nullptr) {
+  if (!is_compiled(isa)) {
     throw UnavailableError("this build has no kernels for the instruction set " + std::string(name_of(isa)));
   }
-  return *functions;
+  return functions_of(isa);
 }
 
 std::size_t grid_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::size_t cell_bytes) {

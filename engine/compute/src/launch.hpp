@@ -12,6 +12,28 @@
 
 namespace gdtslam {
 
+/// Whether the build has kernels for an instruction set.
+constexpr bool is_compiled(Isa isa) {
+#ifdef GDTSLAM_X86_KERNELS
+  return isa == Isa::kBaseline || isa == Isa::kAvx2 || isa == Isa::kAvx512;
+#else
+  return isa == Isa::kBaseline;
+#endif
+}
+
+/// The functions of an instruction set that the build has.
+inline const IsaFunctions& functions_of(Isa isa) {
+#ifdef GDTSLAM_X86_KERNELS
+  if (isa == Isa::kAvx2) {
+    return kAvx2Functions;
+  }
+  if (isa == Isa::kAvx512) {
+    return kAvx512Functions;
+  }
+#endif
+  return kBaselineFunctions;
+}
+
 /// The parameters of a launch; their bytes need no alignment.
 template <class Params>
 Params params_of(std::span<const std::byte> bytes) {
@@ -78,10 +100,10 @@ const IsaFunctions& functions_or_throw(Isa isa);
 template <class Adapter>
 constexpr std::array<CpuFunction, kIsaCount> per_isa() {
   constexpr auto function = []<Isa isa>() -> CpuFunction {
-    if constexpr (functions_of(isa) == nullptr) {
+    if constexpr (!is_compiled(isa)) {
       return nullptr;
     } else {
-      return +[](const CpuLaunch& launch) { Adapter::call(*functions_of(isa), launch); };
+      return +[](const CpuLaunch& launch) { Adapter::call(functions_of(isa), launch); };
     }
   };
   return {function.template operator()<Isa::kBaseline>(), function.template operator()<Isa::kAvx2>(),

@@ -79,17 +79,4 @@ extern const IsaFunctions kAvx2Functions;
 extern const IsaFunctions kAvx512Functions;
 #endif
 
-/// The functions of an instruction set, or nullptr where the build has none.
-constexpr const IsaFunctions* functions_of(Isa isa) {
-#ifdef GDTSLAM_X86_KERNELS
-  if (isa == Isa::kAvx2) {
-    return &kAvx2Functions;
-  }
-  if (isa == Isa::kAvx512) {
-    return &kAvx512Functions;
-  }
-#endif
-  return isa == Isa::kBaseline ? &kBaselineFunctions : nullptr;
-}
-
 }  // namespace gdtslam
