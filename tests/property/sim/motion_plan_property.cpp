@@ -16,7 +16,9 @@ std::vector<Waypoint> random_waypoints(Random& random) {
   const std::uint64_t count = 2 + random.below(8);
   for (std::uint64_t i = 0; i < count; ++i) {
     Waypoint waypoint;
-    waypoint.position_m = {random.uniform(-6.0, 6.0), random.uniform(-6.0, 6.0)};
+    do {  // a plan refuses waypoints that are closer than 1 cm
+      waypoint.position_m = {random.uniform(-6.0, 6.0), random.uniform(-6.0, 6.0)};
+    } while (!waypoints.empty() && (waypoint.position_m - waypoints.back().position_m).norm() < 0.02);
     if (random.uniform() < 0.3) {
       waypoint.corner_cut_m = random.uniform() < 0.5 ? 0.0 : random.uniform(0.01, 3.0);
     }

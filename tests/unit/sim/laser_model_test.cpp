@@ -105,10 +105,11 @@ TEST(LaserModel, NoiseAndDropOutsHaveTheirSizes) {
 
 TEST(LaserModel, RoundingAddsItsVarianceAndGivesMultiples) {
   LaserModel laser = plain_laser();
-  laser.noise_constant_m = 0.02;
+  laser.noise_constant_m = 0.03;
   laser.range_resolution_m = 0.05;
   const Statistics statistics = statistics_of(laser, 7.013, 200'000);
-  EXPECT_NEAR(statistics.deviation, std::sqrt(0.02 * 0.02 + 0.05 * 0.05 / 12.0), 3e-4);
+  EXPECT_NEAR(statistics.mean, 0.0, 5e-4);
+  EXPECT_NEAR(statistics.deviation, std::sqrt(0.03 * 0.03 + 0.05 * 0.05 / 12.0), 3e-4);
   Random random(1);
   for (int i = 0; i < 1000; ++i) {
     const double steps = measured_range(laser, 3.3, random) / 0.05;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -15,6 +16,7 @@ struct Log {
   std::vector<SimulatedScan> scans;
   std::vector<Odometry> odometry;
   std::vector<double> stamps_s;  // of all records in order
+  std::string kinds;             // S for a scan, o for odometry
   SimulationSummary summary;
 };
 
@@ -50,10 +52,12 @@ Log record(const SimulationConfig& config) {
   SimulationSink sink;
   sink.scan = [&](const SimulatedScan& scan) {
     log.scans.push_back(scan);
+    log.kinds += 'S';
     log.stamps_s.push_back(scan.record.scan.stamp_s);
   };
   sink.odometry = [&](const Odometry& odometry) {
     log.odometry.push_back(odometry);
+    log.kinds += 'o';
     log.stamps_s.push_back(odometry.stamp_s);
   };
   sink.keep_on = [](double) { return true; };
@@ -70,6 +74,15 @@ TEST(Simulation, RecordsComeInTheOrderOfTheirTime) {
   EXPECT_TRUE(std::is_sorted(log.stamps_s.begin(), log.stamps_s.end()));
   EXPECT_EQ(log.scans[3].record.scan.stamp_s, 0.375);
   EXPECT_EQ(record(config_of(8.0, 0.0)).odometry.size(), 0U);
+  // Odometry comes first where both have the same time.
+  EXPECT_EQ(record(config_of(5.0, 10.0)).kinds.substr(0, 9), "oSooSooSo");
+}
+
+TEST(Simulation, EveryScanHasNoiseOfItsOwn) {
+  const Log log = record(config_of(1000.0, 0.0));
+  // Within the first 2 ms the robot has moved by a micrometre.
+  EXPECT_NE(log.scans[0].record.scan.ranges_m, log.scans[1].record.scan.ranges_m);
+  EXPECT_NE(log.scans[1].record.scan.ranges_m, log.scans[2].record.scan.ranges_m);
 }
 
 TEST(Simulation, TruthIsThePlanAtTheStamp) {
