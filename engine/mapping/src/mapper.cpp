@@ -50,6 +50,7 @@ struct Mapper::State {
         matcher(config, backend, field) {}
 
   void see(const LaserScan& scan);
+  Prediction predict(const std::optional<Pose2>& T_odom_base);
   MatchResult locate(const Prediction& prediction);
   [[nodiscard]] bool is_keyframe(const Pose2& pose) const;
   [[nodiscard]] bool wants_search(const Pose2& predicted) const;
@@ -75,6 +76,11 @@ struct Mapper::State {
 void Mapper::State::see(const LaserScan& scan) {
   points_m = points_of(scan, {.min_m = config.scan.min_range_m, .max_m = config.scan.max_range_m});
   points = in_cells(points_m, config.map.resolution_m);
+}
+
+Prediction Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
+  const StageTimer timer(statistics.stages.predict_s);
+  return motion.predict(T_odom_base);
 }
 
 // Equations (6) to (8) and (4); the first scan is the map's origin.
@@ -156,9 +162,9 @@ const GlobalField& Mapper::field() const { return state_->field; }
 MatchResult Mapper::process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
   State& s = *state_;
   s.see(scan);
-  const Prediction prediction = s.motion.predict(T_odom_base);  // (5)
-  MatchResult result = s.locate(prediction);                    // (6), (7), (8), (4)
-  s.update_map(result);                                         // (1), (9), (10), (11)
+  const Prediction prediction = s.predict(T_odom_base);  // (5)
+  MatchResult result = s.locate(prediction);             // (6), (7), (8), (4)
+  s.update_map(result);                                  // (1), (9), (10), (11)
   s.motion.correct(result.T_map_base, result.accepted);
   s.count(result, prediction);
   s.last_pose = result.T_map_base;

@@ -28,7 +28,8 @@ MatchResult ScanMatcher::match(const std::vector<PointCells>& points, const Pred
   points_ = &points;
   prepare(prediction);
   Estimate best = descend(predicted_);
-  const bool searched = search || (config_.search.when != SearchWhen::kNever && is_suspect(best, prediction));
+  const bool searched = search || (config_.search.when != SearchWhen::kNever &&
+                                   (is_suspect(best.evidence) || is_far(best.pose, prediction)));
   if (searched) best = this->search(best, prediction);
 
   MatchResult result;
@@ -112,16 +113,20 @@ ScanMatcher::Evidence ScanMatcher::judge(const CellPose& pose) {
   return evidence;
 }
 
-bool ScanMatcher::is_suspect(const Estimate& estimate, const Prediction& prediction) const {
+bool ScanMatcher::is_suspect(const Evidence& evidence) const {
+  return evidence.contradiction > config_.doubt.suspect_contradiction ||
+         evidence.overlap < config_.doubt.suspect_overlap;
+}
+
+bool ScanMatcher::is_far(const CellPose& pose, const Prediction& prediction) const {
   const DoubtConfig& d = config_.doubt;
   const PriorConfig& p = config_.prior;
   const double allowed_m = d.suspect_sigmas * (p.sigma_m + p.sigma_per_m * prediction.travelled_m);
   const double allowed_rad = d.suspect_sigmas * (p.sigma_rad + p.sigma_per_rad * prediction.turned_rad);
-  const auto dx = static_cast<double>(estimate.pose.x - predicted_.x) * config_.map.resolution_m;
-  const auto dy = static_cast<double>(estimate.pose.y - predicted_.y) * config_.map.resolution_m;
-  const auto dt = static_cast<double>(estimate.pose.theta - predicted_.theta);
-  return estimate.evidence.contradiction > d.suspect_contradiction || estimate.evidence.overlap < d.suspect_overlap ||
-         dx * dx + dy * dy > allowed_m * allowed_m || std::fabs(dt) > allowed_rad;
+  const auto dx = static_cast<double>(pose.x - predicted_.x) * config_.map.resolution_m;
+  const auto dy = static_cast<double>(pose.y - predicted_.y) * config_.map.resolution_m;
+  const auto dt = static_cast<double>(pose.theta - predicted_.theta);
+  return dx * dx + dy * dy > allowed_m * allowed_m || std::fabs(dt) > allowed_rad;
 }
 
 Doubt ScanMatcher::doubt_of(const Evidence& evidence) const {
@@ -148,7 +153,7 @@ SearchWindow ScanMatcher::window_around(const Prediction& prediction, double sca
           .step_rad = static_cast<float>(s.step_rad)};
 }
 
-// A window around the prediction, twice as large each time as long as what it finds is in doubt.
+// A window around the prediction, twice as large each time as long as what it finds is suspect.
 ScanMatcher::Estimate ScanMatcher::search(const Estimate& local, const Prediction& prediction) {
   Estimate best = local;
   choose_search_points();
@@ -159,7 +164,7 @@ ScanMatcher::Estimate ScanMatcher::search(const Estimate& local, const Predictio
                                                  static_cast<std::uint32_t>(config_.search.starts), kCoarsePolish);
     const Estimate polished = descend(found.pose);
     if (polished.evidence.cost < best.evidence.cost) best = polished;
-    if (doubt_of(best.evidence) == Doubt::kNone) break;
+    if (!is_suspect(best.evidence)) break;
   }
   return best;
 }

@@ -62,7 +62,7 @@ struct GateConfig {
 };
 
 struct PriorConfig {
-  double weight = 0.01;  ///< mean cost in cells that one standard deviation away from the prediction adds
+  double weight = 0.003;  ///< mean cost in cells that one standard deviation away from the prediction adds
   double sigma_m = 0.05;
   double sigma_per_m = 0.5;
   double sigma_rad = 0.035;
@@ -84,8 +84,8 @@ struct SearchConfig {
 };
 
 struct DoubtConfig {
-  double suspect_contradiction = 0.12;  ///< a window is searched beyond these
-  double suspect_overlap = 0.6;
+  double suspect_contradiction = 0.1;  ///< a window is searched beyond these
+  double suspect_overlap = 0.75;
   double suspect_sigmas = 3.0;
   double max_contradiction = 0.3;  ///< a match is refused beyond these
   double min_overlap = 0.2;

@@ -20,7 +20,7 @@ namespace gdtslam {
 /// Seconds spent in each step of figure 5.
 struct StageTimes {
   double predict_s = 0.0;
-  double match_s = 0.0;
+  double match_s = 0.0;  ///< gate, descent and search
   double local_field_s = 0.0;
   double merge_s = 0.0;
 };

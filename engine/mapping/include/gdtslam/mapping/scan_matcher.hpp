@@ -39,7 +39,8 @@ class ScanMatcher {
   Estimate descend(const CellPose& start);
   void keep_points_within(std::uint32_t gate, const CellPose& pose);
   [[nodiscard]] Evidence judge(const CellPose& pose);
-  [[nodiscard]] bool is_suspect(const Estimate& estimate, const Prediction& prediction) const;
+  [[nodiscard]] bool is_suspect(const Evidence& evidence) const;
+  [[nodiscard]] bool is_far(const CellPose& pose, const Prediction& prediction) const;
   [[nodiscard]] Doubt doubt_of(const Evidence& evidence) const;
   Estimate search(const Estimate& local, const Prediction& prediction);
   [[nodiscard]] SearchWindow window_around(const Prediction& prediction, double scale) const;
