@@ -44,7 +44,6 @@ Colour mix(Colour a, Colour b, double share) {
 
 Layer::Layer(std::uint32_t width, std::uint32_t height)
     : width_(width),
-      height_(height),
       clip_max_{static_cast<double>(width), static_cast<double>(height)},
       coverage_(std::size_t{width} * height),
       colours_(std::size_t{width} * height) {}

@@ -46,7 +46,6 @@ class Layer {
   [[nodiscard]] PixelRange columns(double low, double high) const;
   void cover(std::size_t pixel, double coverage, Colour colour);
   std::uint32_t width_;
-  std::uint32_t height_;
   Pixel2 clip_min_{};
   Pixel2 clip_max_;
   std::vector<std::uint8_t> coverage_;

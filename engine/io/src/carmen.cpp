@@ -9,6 +9,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/decimal.hpp"
 #include "line_reader.hpp"
+#include "message_text.hpp"
 #include "warning_counter.hpp"
 
 namespace gdtslam {

@@ -166,16 +166,6 @@ bool is_message_kind(std::string_view word) {
 
 }  // namespace
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kMaxShown = 32;
-  std::string shown = "\"";
-  for (const char c : text.substr(0, kMaxShown)) {
-    shown += c >= ' ' && c <= '~' ? c : '?';
-  }
-  shown += text.size() > kMaxShown ? "...\"" : "\"";
-  return shown;
-}
-
 BearingRule bearing_rule(std::size_t beams) {
   if (beams <= 1) {
     return {};

@@ -36,7 +36,4 @@ struct CarmenLine {
 /// Throws MalformedLine.
 CarmenLine parse_carmen_line(std::string_view text, const ReadOptions& options);
 
-/// A piece of a line for a message: at most 32 characters, unprintable ones replaced.
-std::string in_quotes(std::string_view text);
-
 }  // namespace gdtslam

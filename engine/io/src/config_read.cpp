@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "carmen_line.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/nearest_name.hpp"
+#include "message_text.hpp"
 #include "option_value.hpp"
 #include "yaml_file.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "carmen_line.hpp"
 #include "gdtslam/io/decimal.hpp"
+#include "message_text.hpp"
 
 namespace gdtslam {
 

@@ -5,7 +5,7 @@
 
 namespace gdtslam {
 namespace {
-constexpr std::size_t kInitialBytes = std::size_t{1} << 18;
+constexpr std::size_t kInitialBytes = std::size_t{1} << 16;
 }
 
 LineReader::LineReader(std::unique_ptr<ByteSource> source, std::size_t max_line_bytes)

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "carmen_line.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/nearest_name.hpp"
+#include "message_text.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "gdtslam/core/error.hpp"
+#include "message_text.hpp"
 
 namespace gdtslam {
 
@@ -20,6 +20,10 @@ std::string read_yaml_text(const std::string& path);
 
 /// yaml-cpp descends once per nested bracket or indent and has no bound of its own, so depth is bounded first.
 bool is_nested_too_deep(std::string_view text);
+
+/// True when something follows the first document. (YAML::LoadAll would tell, but never returns from some faulty
+/// texts.)
+bool goes_on_after_its_document(const std::string& text);
 
 inline std::uint64_t line_of(const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
@@ -33,13 +37,13 @@ YAML::Node parse_yaml(const std::string& text, const std::string& name) {
     throw Failure({name, 0}, "is nested too deeply for a file of this kind");
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      throw Failure({name, line_of(documents[1])}, "holds more than one YAML document");
+    if (goes_on_after_its_document(text)) {
+      throw Failure({name, 0}, "holds more than one YAML document");
     }
-    return documents.empty() ? YAML::Node() : documents.front();
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw Failure({name, static_cast<std::uint64_t>(error.mark.line + 1)}, fmt::format("is no YAML: {}", error.msg));
+    throw Failure({name, static_cast<std::uint64_t>(error.mark.line + 1)},
+                  fmt::format("is no YAML: {}", one_line(error.msg)));
   }
 }
 

@@ -1,12 +1,16 @@
 // Decimal numbers against the C library, which rounds correctly, and against what IEEE 754 says.
 #include "gdtslam/io/decimal.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <string>
+
+#include "gdtslam/core/random.hpp"
 
 namespace gdtslam {
 namespace {
@@ -49,6 +53,21 @@ TEST(Decimal, AgreesWithTheCLibraryBitForBit) {
                            "8.5e-7"}) {
     EXPECT_EQ(parsed(text), std::strtod(text, nullptr)) << text;
     EXPECT_EQ(std::signbit(parsed(text)), std::signbit(std::strtod(text, nullptr))) << text;
+  }
+}
+
+TEST(Decimal, AgreesWithTheCLibraryOnRandomNumbers) {
+  Random random(7);
+  for (int i = 0; i < 200000; ++i) {
+    const double any = std::bit_cast<double>(random.bits());
+    if (std::isfinite(any)) {
+      const std::string exact = fmt::format("{:.17g}", any);
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(parsed(exact)), std::bit_cast<std::uint64_t>(any)) << exact;
+    }
+    // Up to 20 digits with a point somewhere: both sides of the fast path's limits.
+    const int decimals = static_cast<int>(random.below(20));
+    const std::string fixed = fmt::format("{:.{}f}", random.uniform(-1e6, 1e6), decimals);
+    ASSERT_EQ(parsed(fixed), std::strtod(fixed.c_str(), nullptr)) << fixed;
   }
 }
 

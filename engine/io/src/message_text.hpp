@@ -1,0 +1,15 @@
+// Text from files within messages: one line, printable, short. Thread-safe.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace gdtslam {
+
+/// The text with '?' for everything that is no printable ASCII; cut at `limit` characters.
+std::string one_line(std::string_view text, std::size_t limit = 200);
+
+/// A short piece in quotation marks.
+std::string in_quotes(std::string_view text);
+
+}  // namespace gdtslam
