@@ -1,6 +1,7 @@
 // What a translation unit of one instruction set exports: the kernels as plain functions of pointers. No library
 // templates and no inline functions cross this line: the linker keeps one copy of those for the whole program, and a
-// copy compiled for AVX-512 must not end up in code that runs elsewhere (a test looks at the objects' symbols).
+// copy compiled for AVX-512 must not end up in code that runs elsewhere (a test looks at the objects' symbols). The small
+// functions below are static for that reason.
 #pragma once
 
 #include <cstddef>
@@ -30,22 +31,22 @@ constexpr std::uint32_t kEdtOffsets = 4;
 constexpr std::uint32_t kEdtFullReach = 128;
 
 /// A row's width in whole tiles.
-constexpr std::size_t edt_tiled_width(std::uint32_t width) {
+static constexpr std::size_t edt_tiled_width(std::uint32_t width) {
   return (static_cast<std::size_t>(width) + kEdtTile - 1) / kEdtTile * kEdtTile;
 }
 /// Cells on either side of a row that edt_rows reads: the radius, rounded up to what it searches at once.
-constexpr std::uint32_t edt_rows_margin(const EdtRows::Params& params) { return params.radius + kEdtOffsets; }
+static constexpr std::uint32_t edt_rows_margin(const EdtRows::Params& params) { return params.radius + kEdtOffsets; }
 /// u16 cells of scratch that edt_rows needs: a row with its margins, and one value a tile.
-constexpr std::size_t edt_rows_scratch(const EdtRows::Params& params) {
+static constexpr std::size_t edt_rows_scratch(const EdtRows::Params& params) {
   const std::size_t tiled = edt_tiled_width(params.width);
   return tiled + tiled / kEdtTile + 2 * static_cast<std::size_t>(edt_rows_margin(params));
 }
 /// Squares that edt_full_rows needs: a row with its margins.
-constexpr std::size_t edt_full_rows_squares(const EdtFullRows::Params& params) {
+static constexpr std::size_t edt_full_rows_squares(const EdtFullRows::Params& params) {
   return edt_tiled_width(params.width) + 2 * static_cast<std::size_t>(kEdtFullReach);
 }
 /// Scratch of its envelope: two values a cell.
-constexpr std::size_t edt_full_rows_envelope(const EdtFullRows::Params& params) {
+static constexpr std::size_t edt_full_rows_envelope(const EdtFullRows::Params& params) {
   return 2 * static_cast<std::size_t>(params.width);
 }
 
