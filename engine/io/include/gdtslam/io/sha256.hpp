@@ -1,4 +1,4 @@
-// SHA-256 [FIPS180-4], to say in one line that two results are the same bytes. Not thread-safe; O(n), no allocation.
+// SHA-256 [FIPS2015], to say in one line that two results are the same bytes. Not thread-safe; O(n), no allocation.
 #pragma once
 
 #include <array>
