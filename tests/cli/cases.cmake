@@ -1,5 +1,5 @@
 # Every sub-command, its help, and its errors: one line each. A semicolon would split a CMake list: a dot stands for it.
-foreach(command map simulate evaluate doctor ablation config devices)
+foreach(command map simulate evaluate doctor ablation config devices bench)
   gdtslam_cli_test(${command}.help ARGS ${command} --help STDOUT "^[A-Z].*\nUsage: gdtslam ${command} .*Examples:\n  gdtslam ${command}")
 endforeach()
 foreach(command show schema)
@@ -82,6 +82,10 @@ gdtslam_cli_test(config.show_origin ARGS config show -c {data}/good.yaml --set "
 gdtslam_cli_test(config.show_json ARGS config show --json SCHEMA config_show)
 gdtslam_cli_test(config.show_excludes ARGS config show --json --yaml EXIT 2)
 gdtslam_cli_test(config.schema ARGS config schema STDOUT "\\$schema.*map.*resolution")
+gdtslam_cli_test(bench.json ARGS bench arg_min --samples 1 --json SCHEMA bench)
+gdtslam_cli_test(bench.text ARGS bench arg_min --samples 1 STDOUT "arg_min .*per CPU second|per CPU second.*arg_min")
+gdtslam_cli_test(bench.unknown ARGS bench no_such_kernel EXIT 2 STDERR "no kernel's name contains 'no_such_kernel'")
+gdtslam_cli_test(bench.size ARGS bench --size 1 EXIT 2 STDERR "--size")
 
 if(TARGET gdtslam_sim)
   gdtslam_cli_test(simulate.json ARGS simulate corridor -o out.log --rate 1 --json SCHEMA simulate)

@@ -1,6 +1,7 @@
 """What the tests of the command share: where things are, running the command, the logs that the cases need."""
 
 import gzip
+import hashlib
 import json
 import math
 import os
@@ -121,3 +122,32 @@ def write_data():
     relations = f"{stamps[0]} {stamps[10]} 0.5 0 0 0 0 0\n{stamps[0]} {stamps[-1]} 1 0 0 0 0 0\n"
     (DATA / "drive.relations").write_text(relations)
     (DATA / "drive.relations.gz").write_bytes(gzip.compress(relations.encode(), mtime=0))
+
+
+OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", "overview.png", "report.json", "trajectory.tum"]
+
+
+def skip(reason):
+    print(reason)
+    sys.exit(SKIP)
+
+
+def digests(folder):
+    """sha256 by name of every file in a folder, hidden ones and folders too."""
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "folder"
+            for path in sorted(folder.rglob("*"))}
+
+
+def mapped(folder, *arguments, log=LOG, **options):
+    """Maps; returns report.json."""
+    process = command("map", log, "-o", folder, "--json", *arguments, **options)
+    expect_exit(process, 0)
+    return json.loads(process.stdout)
+
+
+def results(report):
+    return report["map_sha256"], report["trajectory_sha256"]
+
+def scans_in(folder):
+    """report.json of a run folder."""
+    return json.loads((folder / "report.json").read_text())

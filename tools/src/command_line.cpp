@@ -60,9 +60,7 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   add_ablation_command(*app, context);
   add_config_command(*app, context);
   add_devices_command(*app, context);
-#ifdef GDTSLAM_HAS_BENCH
   add_bench_command(*app, context);
-#endif
   return app;
 }
 

@@ -1,0 +1,80 @@
+"""Damaged logs and scarce memory: one stated outcome each."""
+
+import os
+import re
+import resource
+
+import cli_support as cli
+from cli_support import LOG, command, expect, expect_exit, one_error_line, skip
+
+
+def out_of_memory():
+    """An allocation that fails is an error (exit 1), not an abort."""
+    if "FULL_DISK" not in os.environ:
+        skip("a sanitized program needs all the address space")
+    folder = cli.fresh_folder("memory") / "run"
+    limit = 160 << 20
+    process = command("map", LOG, "-o", folder, "--set", "map.resolution=0.5 cm", "--set", "map.truncation=1 m", "-q",
+                      preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+    expect_exit(process, 1)
+    one_error_line(process.stderr)
+    expect("out of memory" in process.stderr, process.stderr)
+    expect(not folder.exists(), "a folder was left")
+
+
+def hostile_log(name, text, code, pattern, *arguments):
+    """One log and its one outcome, within a second and 256 MB."""
+    folder = cli.fresh_folder(f"hostile/{name}")
+    (folder / "drive.log").write_bytes(text)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    process = command("map", folder / "drive.log", "-o", folder / "run", *arguments)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    print(f"{name}: exit {process.returncode}, {cpu_s:.2f} s CPU, at most {after.ru_maxrss // 1024} MB")
+    expect_exit(process, code)
+    expect(re.search(pattern, process.stdout + process.stderr), f"{name}: {process.stdout}{process.stderr}")
+    if code != 0:
+        one_error_line(process.stderr)
+        expect(not (folder / "run").exists(), f"{name}: a folder was left")
+    expect(cpu_s < 1.0, f"{name}: took {cpu_s:.2f} s of CPU")
+    expect(after.ru_maxrss < 256 * 1024, f"{name}: took {after.ru_maxrss // 1024} MB")
+
+
+def hostile_logs():
+    """Damaged and malicious logs: one stated outcome each."""
+    if "FULL_DISK" not in os.environ:
+        skip("a sanitized program needs more time and memory")
+    drive = "".join(cli.room_scan(1 + 0.05 * k, 1.5, 0.01 * k, 10 + 0.2 * k) for k in range(20))
+    good = drive.encode()
+    scan = cli.room_scan(1.5, 1.5, 0.0, 20.0)
+    hostile_log("empty", b"", 65, "is empty")
+    hostile_log("binary", bytes(range(256)) * 500, 65, "binary data")
+    hostile_log("text", b"lorem ipsum dolor sit amet\n" * 1000, 65, "holds no complete CARMEN message")
+    hostile_log("cut_gzip", b"\x1f\x8b\x08\x00\x00\x00", 65, "gzip")
+    hostile_log("long_line", good + b"FLASER 180 " + b"1.0 " * (2 << 20) + b"\n", 65, "drive.log:21: .*longer than")
+    hostile_log("long_line_lenient", good + b"FLASER 180 " + b"1.0 " * (2 << 20) + b"\n", 0, "malformed line", "--lenient")
+    hostile_log("billion_beams", good + b"FLASER 1000000000 1.0 2.0\n", 65, "drive.log:21: ")
+    hostile_log("negative_beams", good + b"FLASER -5 1.0 2.0\n", 65, "drive.log:21: ")
+    hostile_log("many_digits", good + b"FLASER " + b"9" * 1000 + b" 1.0\n", 65, "drive.log:21: ")
+    words = scan.split()
+    for name, word in (("nan", "nan"), ("infinite", "inf"), ("negative", "-3.0"), ("huge", "1e300")):
+        changed = " ".join([*words[:50], word, *words[51:]]) + "\n"
+        hostile_log(f"range_{name}", good + changed.encode(), 0, "21 scans")
+    for name, word in (("nan", "nan"), ("infinite", "inf"), ("huge", "1e300")):
+        changed = " ".join([*words[:182], *[word] * 6, *words[188:]]) + "\n"
+        hostile_log(f"pose_{name}", good + changed.encode(), *((0, "21 scans|warning") if name == "huge" else (65, "drive.log:21: ")))
+        changed = " ".join([*words[:188], word, *words[189:]]) + "\n"
+        hostile_log(f"stamp_{name}", good + changed.encode(), *((0, "21 scans") if name == "huge" else (65, "drive.log:21: ")))
+    hostile_log("repeated_stamps", scan.encode() * 20, 0, "repeated stamp")
+    hostile_log("backward_stamps", "".join(reversed(drive.splitlines(keepends=True))).encode(), 0, "backward stamp")
+    fewer = cli.flaser(cli.room_ranges(1.5, 1.5, 0.0, beams=90), (1.5, 1.5, 0), (1.5, 1.5, 0), 30.0)
+    hostile_log("beams_change", good + fewer.encode() + scan.encode(), 0, "beam count changed")
+    hostile_log("no_beams", good + cli.flaser([], (1, 1, 0), (1, 1, 0), 30.0).encode(), 0, "scan without beams")
+    far = cli.flaser(cli.room_ranges(1.5, 1.5, 0.0), (1e7, 0, 0), (1e7, 0, 0), 30.0)
+    hostile_log("far_jump", good + far.encode() * 3, 0, "23 scans")
+    step = len(good) // 16
+    for size in range(step, len(good), step):
+        scans = good[:size].count(b"\n")
+        tail = good[:size].rsplit(b"\n", 1)[-1].split()
+        scans += len(tail) == len(words)  # only the end of the last word is missing, which is not used
+        hostile_log("cut", good[:size], 0 if scans else 65, f"^{scans} scans" if scans else "no complete CARMEN message")

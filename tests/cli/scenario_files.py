@@ -1,0 +1,112 @@
+"""Files of a run: written whole or not at all, old ones kept or replaced."""
+
+import os
+import re
+import resource
+import signal
+import subprocess
+
+import cli_support as cli
+from cli_support import DATA, LOG, OUTPUTS, RUN, command, digests, expect, expect_exit, mapped, one_error_line, skip
+
+
+def fixture():
+    """The drive and the map that the other tests start from."""
+    cli.WORK.mkdir(parents=True, exist_ok=True)
+    process = command("simulate", "office-loop", "-o", LOG, "--seed", 3, "--rate", 5, "--json")
+    expect_exit(process, 0)
+    cli.write_data()
+    mapped(RUN)
+    expect(sorted(digests(RUN)) == OUTPUTS, f"the run folder holds {sorted(digests(RUN))}")
+
+
+def old_run(name):
+    """A folder with an earlier run, to be kept or replaced."""
+    folder = cli.fresh_folder(name) / "run"
+    mapped(folder, "--first", 40)
+    return folder, digests(folder)
+
+
+def every_write_fails():
+    """Whichever write or sync fails because the disk is full: exit 74, one line, the old files byte for byte."""
+    if "FULL_DISK" not in os.environ:
+        skip("the library that fills the disk is not preloaded into a sanitized program")
+    folder, before = old_run("every_write_fails")
+    count_file = folder.parent / "count"
+    environment = {**os.environ, "LD_PRELOAD": os.environ["FULL_DISK"], "FULL_DISK_AT": "0", "FULL_DISK_COUNT": str(count_file)}
+    expect_exit(command("map", LOG, "-o", folder, "--first", 50, "-q", env=environment), 0)
+    count = int(count_file.read_text())
+    expect(count >= 2 * len(OUTPUTS), f"only {count} writes were seen")
+    folder, before = old_run("every_write_fails")
+    for failing in range(1, count + 1):
+        environment["FULL_DISK_AT"] = str(failing)
+        process = command("map", LOG, "-o", folder, "--first", 50, "-q", env=environment)
+        expect_exit(process, 74)
+        one_error_line(process.stderr)
+        expect("No space left on device" in process.stderr, process.stderr)
+        expect(digests(folder) == before, f"the folder changed when write {failing} failed")
+    fresh = folder.parent / "fresh"
+    environment["FULL_DISK_AT"] = "1"
+    expect_exit(command("map", LOG, "-o", fresh, "--first", 50, "-q", env=environment), 74)
+    expect(not fresh.exists(), "a folder that was made for a run that failed is still there")
+
+
+def file_size_limit():
+    """A limit of the file size (as of a quota): exit 74, the old files byte for byte."""
+    folder, before = old_run("file_size_limit")
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+
+    process = command("map", LOG, "-o", folder, "--first", 50, "-q", preexec_fn=limit)
+    expect_exit(process, 74)
+    one_error_line(process.stderr)
+    expect(digests(folder) == before, "the folder changed")
+
+
+def unwritable_output():
+    """An output below a regular file, and a result whose name a folder has: exit 74, nothing lost."""
+    folder, before = old_run("unwritable_output")
+    process = command("map", LOG, "-o", folder / "map.pgm" / "below", "-q")
+    expect_exit(process, 74)
+    one_error_line(process.stderr)
+    expect(digests(folder) == before, "the folder changed")
+    (folder / "map.yaml").unlink()
+    (folder / "map.yaml" / "inside").mkdir(parents=True)
+    before = digests(folder)
+    process = command("map", LOG, "-o", folder, "--first", 50, "-q")
+    expect_exit(process, 74)
+    one_error_line(process.stderr)
+    expect("map.yaml" in process.stderr, process.stderr)
+    expect(digests(folder) == before, "the folder changed although map.yaml could not be replaced")
+    process = command("ablation", LOG, "--relations", DATA / "drive.relations", "-o", folder, "--first", 5, "--variant",
+                      "merge.kappa=1", "-q")
+    expect_exit(process, 74)
+
+
+def old_files_are_replaced():
+    """A second run into a folder replaces its files and leaves others alone; leftovers of a killed run go."""
+    folder, before = old_run("old_files_are_replaced")
+    (folder / "notes.txt").write_text("mine")
+    dead = subprocess.Popen(["true"])
+    dead.wait()
+    (folder / f".gdtslam-staging-{dead.pid}").mkdir()
+    mapped(folder, "--first", 60)
+    after = digests(folder)
+    expect(sorted(after) == sorted([*OUTPUTS, "notes.txt"]), f"the folder holds {sorted(after)}")
+    unchanged = [name for name in OUTPUTS if after[name] == before[name]]
+    expect(set(unchanged) <= {"config.yaml", "gdt.yaml", "map.yaml"}, f"unchanged: {unchanged}")
+
+
+def default_folder_and_latest():
+    """Without -o: runs/<log>-<UTC time>, and runs/latest points to it."""
+    folder = cli.fresh_folder("default_folder")
+    (folder / "drive.log").symlink_to(LOG)
+    for _ in range(2):
+        expect_exit(command("map", "drive.log", "--first", 10, "-q", cwd=folder), 0)
+    runs = sorted(path.name for path in (folder / "runs").iterdir())
+    expect(len(runs) == 3 and runs[2] == "latest", f"runs holds {runs}")
+    expect(all(re.fullmatch(r"drive-\d{8}T\d{6}Z(-2)?", name) for name in runs[:2]), f"runs holds {runs}")
+    expect(os.readlink(folder / "runs/latest") == runs[1], "latest does not point to the last run")
+    expect(sorted(digests(folder / "runs" / runs[1])) == OUTPUTS, "the folder is not complete")

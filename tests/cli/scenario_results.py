@@ -1,0 +1,100 @@
+"""Results against the truth, and files against each other."""
+
+import json
+import subprocess
+
+import cli_support as cli
+from cli_support import DATA, LOG, PROGRAM, RUN, SOURCE, TRUTH, command, expect, expect_exit, mapped, results, scans_in, skip
+
+
+def accuracy_of_the_sample():
+    """The simulated drive is mapped to a few centimetres; a wrong merge rule is not (so this test can fail)."""
+    process = command("evaluate", RUN / "trajectory.tum", "--reference", TRUTH, "--json")
+    expect_exit(process, 0)
+    report = json.loads(process.stdout)
+    expect(report["unmatched"] == 0, f"{report['unmatched']} poses have no truth")
+    expect(report["ate"]["translation_m"]["rmse"] < 0.08, f"ATE {report['ate']['translation_m']}")
+    expect(report["ate"]["rotation_deg"]["rmse"] < 0.5, f"ATE {report['ate']['rotation_deg']}")
+    folder = cli.fresh_folder("wrong_merge")
+    error_m = {}
+    for rule in ("working", "literal"):
+        mapped(folder / rule, "--first", 400, "--set", f"merge.rule={rule}", "--set", "search.when=never")
+        process = command("evaluate", folder / rule / "trajectory.tum", "--reference", TRUTH, "--json")
+        error_m[rule] = json.loads(process.stdout)["ate"]["translation_m"]["rmse"]
+    expect(error_m["working"] < 0.04 and error_m["literal"] > 0.2, f"errors {error_m}")
+
+
+def report_adds_up():
+    """report.json agrees with the other files of the run."""
+    report = scans_in(RUN)
+    cli.validate((RUN / "report.json").read_text(), "report")
+    poses = [line for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+    expect(len(poses) == report["scans"], "scans and poses")
+    expect(report["matched"] + report["doubtful"] >= report["scans"], "matched and doubtful scans")
+    expect(len(report["doubtful_scans"]) == report["doubtful"], "doubtful scans are listed")
+    path_m = 0.0
+    last = None
+    for line in poses:
+        _, x, y = (float(word) for word in line.split()[:3])
+        if last is not None:
+            path_m += ((x - last[0]) ** 2 + (y - last[1]) ** 2) ** 0.5
+        last = (x, y)
+    expect(abs(path_m - report["path_m"]) < 1e-4 * report["scans"], f"path {path_m}, report {report['path_m']}")
+    with open(RUN / "map.pgm", "rb") as pgm:
+        header = pgm.read(64).split()
+        expect([int(header[1]), int(header[2])] == [report["map"]["width"], report["map"]["height"]], f"map.pgm {header[:3]}")
+    cells = (RUN / "map.pgm").read_bytes()[-report["map"]["width"] * report["map"]["height"]:]
+    expect(set(cells) == {0, 205, 254}, f"levels of map.pgm: {sorted(set(cells))}")
+    expect(cells.count(0) > 1000 and cells.count(254) > 10 * cells.count(0), "the map is no building")
+    stages = report["stages"]
+    expect(abs(stages["read"] + stages["mapper"] + stages["occupancy"] - report["wall_s"]) < 0.2 * report["wall_s"] + 0.05,
+           f"stages {stages} of {report['wall_s']} s")
+
+
+def config_round_trip():
+    """The configuration that a run wrote, and that `config show --yaml` prints, give the same run again."""
+    folder = cli.fresh_folder("config")
+    sets = ["--set", "map.resolution=8 cm", "--set", "merge.kappa=0.75", "--set", "occupancy.min_ends=3"]
+    first = mapped(folder / "a", "--first", 100, *sets)
+    again = mapped(folder / "b", "--first", 100, "-c", folder / "a" / "config.yaml")
+    expect(results(first) == results(again), "another result with the configuration of the run")
+    for name in ("config.yaml", "map.pgm", "map.yaml"):
+        expect((folder / "a" / name).read_bytes() == (folder / "b" / name).read_bytes(), f"another {name}")
+    shown = command("config", "show", "--yaml", *sets).stdout
+    expect(shown == (folder / "a" / "config.yaml").read_text(), "config show --yaml differs from the run's")
+    try:
+        import jsonschema
+        import yaml
+    except ImportError:
+        return
+    schema = json.loads(command("config", "schema").stdout)
+    jsonschema.validate(yaml.safe_load(shown), schema)
+    wrong = yaml.safe_load(shown)
+    wrong["map"]["resolutoin"] = 1
+    expect(not jsonschema.Draft7Validator(schema).is_valid(wrong), "the schema lets an unknown key pass")
+
+
+def ablation_table():
+    """The table has a row for each variant, with the variant's assignments."""
+    folder = cli.fresh_folder("ablation")
+    process = command("ablation", LOG, "--relations", DATA / "drive.relations", "-o", folder / "table.md", "--first", 120)
+    expect_exit(process, 0)
+    table = (folder / "table.md").read_text()
+    rows = [line for line in table.splitlines() if line.startswith("| ")][1:]
+    expect(len(rows) >= 8, f"{len(rows)} rows")
+    for words in ("merge.rule=literal", "merge.kappa=1", "keyframe.every_scan=true", "match.matcher=exhaustive", "match.cost=squared"):
+        expect(any(f"`{words}`" in row for row in rows), f"no row for {words}")
+    expect(all(row.count("|") == 9 for row in rows), "a row has another number of columns")
+    process = command("ablation", LOG, "--relations", DATA / "drive.relations", "-o", folder / "own.md", "--first", 50,
+                      "--variant", "merge.kappa=0.25  merge.threshold=0.1", "-q")
+    expect_exit(process, 0)
+    expect("`merge.kappa=0.25` `merge.threshold=0.1`" in (folder / "own.md").read_text(), "own variant")
+
+
+def reference_pages():
+    """docs/reference is what the command says of itself."""
+    if "Not in this build" in command("--help").stdout:
+        skip("this build leaves commands out")
+    process = subprocess.run([SOURCE / "tools/scripts/make_reference.sh", "--check", PROGRAM], capture_output=True,
+                             text=True, check=False)
+    expect(process.returncode == 0, process.stdout + process.stderr)

@@ -1,0 +1,97 @@
+"""The same input gives the same bytes: runs, threads, instruction sets, live and offline."""
+
+import json
+import os
+import select
+import subprocess
+
+import cli_support as cli
+from cli_support import LOG, OUTPUTS, RUN, command, digests, expect, expect_exit, mapped, results, scans_in, skip
+
+
+def same_bytes_twice():
+    """Two runs give the same files; report.json differs in times only."""
+    folders = [cli.fresh_folder("same_bytes") / name for name in ("a", "b")]
+    reports = [mapped(folder) for folder in folders]
+    expect(results(reports[0]) == results(reports[1]), "the hashes differ")
+    first, second = (digests(folder) for folder in folders)
+    differing = [name for name in OUTPUTS if first[name] != second[name]]
+    expect(differing in ([], ["report.json"]), f"differing files: {differing}")
+    times = {"wall_s", "cpu_s", "scans_per_s", "scans_per_core_s", "realtime_factor", "stages"}
+    expect(all(reports[0][key] == reports[1][key] for key in reports[0] if key not in times), "the reports differ")
+
+
+def same_bytes_by_threads():
+    for matcher in ("simplex", "exhaustive"):
+        reports = [mapped(cli.fresh_folder("threads") / "run", "--threads", n, "--matcher", matcher, "--first", 300) for n in (1, 2, 3)]
+        expect(len({results(report) for report in reports}) == 1, f"{matcher}: the result depends on the threads")
+
+
+def same_bytes_by_isa():
+    devices = json.loads(command("devices", "--json").stdout)
+    variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
+    expect("baseline" in variants, f"variants: {variants}")
+    for matcher in ("simplex", "exhaustive"):
+        reports = [mapped(cli.fresh_folder("isa") / "run", "--isa", isa, "--matcher", matcher, "--first", 300) for isa in variants]
+        expect([report["device"]["driver"] for report in reports] == variants, "not the variant that was asked for")
+        expect(len({results(report) for report in reports}) == 1, f"{matcher}: the result depends on the instruction set")
+
+
+def live_equals_offline():
+    """The example program maps live from a pipe; its poses are those of the command, and they come scan by scan."""
+    if "LIVE_MAPPER" not in os.environ:
+        skip("the examples are not built")
+    lines = LOG.read_text().splitlines(keepends=True)
+    with subprocess.Popen([os.environ["LIVE_MAPPER"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as live:
+        scans = [k for k, line in enumerate(lines) if line.startswith("FLASER")]
+        shown = []
+        for begin, end in ((0, scans[10]), (scans[10], scans[11]), (scans[11], scans[12])):
+            live.stdin.writelines(lines[begin:end])
+            live.stdin.flush()
+            while len(shown) < scans.index(end):
+                ready, _, _ = select.select([live.stdout], [], [], 20)
+                expect(ready, f"only {len(shown)} poses came for {scans.index(end)} scans while the pipe was open")
+                shown.append(live.stdout.readline())
+        rest, _ = live.communicate("".join(lines[scans[12]:]), timeout=100)
+        rest = "".join(shown) + rest
+    rows = [line.split() for line in rest.splitlines()]
+    poses = [line.split() for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+    expect(len(rows) == len(poses), f"{len(rows)} live poses, {len(poses)} offline")
+    for row, pose in zip(rows, poses):
+        expect(row[:3] == pose[:3], f"live {row}, offline {pose}")
+    expect({row[4] for row in rows} <= {"accepted", "predicted"}, "the rows have another form")
+    expect(sum(row[4] == "accepted" for row in rows) == scans_in(RUN)["matched"], "accepted rows")
+
+
+def logs_in_sequence():
+    """A log in two parts gives the poses of the whole: odometry carries over, --skip and --first count over all."""
+    folder = cli.fresh_folder("sequence")
+    lines = LOG.read_text().splitlines(keepends=True)
+    cut = [k for k, line in enumerate(lines) if line.startswith("FLASER")][100]
+    (folder / "a.log").write_text("".join(lines[:cut]))
+    (folder / "b.log").write_text("".join(lines[cut:]))
+    process = command("map", folder / "a.log", folder / "b.log", "-o", folder / "run", "--first", 150, "--json")
+    expect_exit(process, 0)
+    report = json.loads(process.stdout)
+    expect(report["scans"] == 150 and len(report["log"]) == 2, "scans of both logs")
+    process = command("map", folder / "b.log", folder / "a.log", "-o", folder / "run", "--skip", 5, "--first", 10, "-q")
+    expect_exit(process, 0)
+
+
+def equal_odometry_from_records():
+    """Scans whose own odometry was moved into ODOM records of the same time map as before."""
+    folder = cli.fresh_folder("records")
+    text = ""
+    count = 0
+    for line in LOG.read_text().splitlines():
+        words = line.split()
+        if words[0] != "FLASER" or count == 200:
+            continue
+        count += 1
+        beams = int(words[1])
+        stamp = words[beams + 8]
+        odometry = words[beams + 5:beams + 8]
+        text += f"ODOM {' '.join(odometry)} 0 0 0 {stamp} robot {stamp}\n{line}\n"
+    (folder / "with.log").write_text(text)
+    expect(results(mapped(folder / "a", log=folder / "with.log")) == results(mapped(folder / "b", "--first", 200)),
+           "ODOM records beside the scans' own odometry change the result")

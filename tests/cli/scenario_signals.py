@@ -1,0 +1,87 @@
+"""Interrupts: the scan in hand is finished and what there is is written."""
+
+import os
+import signal
+import subprocess
+import time
+
+import cli_support as cli
+from cli_support import LOG, OUTPUTS, PROGRAM, command, digests, expect, expect_exit, one_error_line, scans_in
+
+
+def start_slow_run(folder, **options):
+    """A run that takes long enough to be interrupted: the log over and over through a pipe."""
+    return subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True, **options)
+
+
+def finish(process):
+    stdout, stderr = process.communicate(timeout=60)
+    return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
+
+
+def interrupt_writes_what_there_is():
+    """SIGINT or SIGTERM in the middle of a file: the scan in hand is finished, all files are there, exit 130."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        folder = cli.fresh_folder("interrupt") / "run"
+        logs = [str(LOG)] * 200
+        process = subprocess.Popen([PROGRAM, "map", *logs, "-o", str(folder)], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        time.sleep(1.0)
+        process.send_signal(number)
+        done = finish(process)
+        expect_exit(done, 130)
+        report = scans_in(folder)
+        expect(sorted(digests(folder)) == OUTPUTS, "files are missing")
+        expect(report["interrupted"] is True and report["scans"] > 0, "the report does not say so")
+        poses = [line for line in (folder / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+        expect(len(poses) == report["scans"], f"{len(poses)} poses, {report['scans']} scans")
+        expect(f"interrupted after {report['scans']} scans" in done.stderr, done.stderr)
+
+
+def interrupt_of_standard_input():
+    """SIGINT while the command waits for a pipe that stays open."""
+    folder = cli.fresh_folder("interrupt_stdin") / "run"
+    process = start_slow_run(folder)
+    lines = LOG.read_text().splitlines(keepends=True)[:400]
+    process.stdin.write("".join(lines))
+    process.stdin.flush()
+    time.sleep(1.5)
+    expect(process.poll() is None, "the command did not wait for more input")
+    process.send_signal(signal.SIGINT)
+    done = finish(process)
+    expect_exit(done, 130)
+    scans = sum(line.startswith("FLASER") for line in lines)
+    expect(0 < scans_in(folder)["scans"] <= scans, "no scan was mapped")
+    expect(scans_in(folder)["scans"] >= scans - 1, f"{scans_in(folder)['scans']} of {scans} scans")
+
+
+def interrupt_before_the_first_scan():
+    """SIGINT before anything came: exit 130, one line, no folder."""
+    folder = cli.fresh_folder("interrupt_early") / "run"
+    process = start_slow_run(folder)
+    process.stdin.write("# nothing yet\n")
+    process.stdin.flush()
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    done = finish(process)
+    expect_exit(done, 130)
+    one_error_line(done.stderr)
+    expect(not folder.exists(), "a folder was left")
+
+
+def second_interrupt_ends():
+    """A second SIGINT ends the process at once, also where it cannot look at the flag."""
+    folder = cli.fresh_folder("second_interrupt")
+    os.mkfifo(folder / "pipe")
+    process = subprocess.Popen([PROGRAM, "doctor", str(folder / "pipe")], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    writer = os.open(folder / "pipe", os.O_WRONLY)
+    os.write(writer, b"# a comment\n")
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.3)
+    expect(process.poll() is None, "the first signal ended the process")
+    process.send_signal(signal.SIGINT)
+    process.wait(timeout=10)
+    expect(process.returncode == -signal.SIGINT, f"exit {process.returncode}")
+    os.close(writer)
