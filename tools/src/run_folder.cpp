@@ -2,11 +2,11 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <ctime>
 #include <system_error>
 
@@ -86,8 +86,8 @@ std::string RunFolder::staged(std::string_view name) {
   return (staging_ / name).string();
 }
 
-// The old files stay under second names until every new one has its own, so that a failure half-way can be undone. A file
-// system without hard links offers no second names; there only the renames themselves are safe.
+// The old files stay under second names until every new one has its own, so that a failure half-way can be undone. A
+// file system without hard links offers no second names; there only the renames themselves are safe.
 void RunFolder::commit() {
   const fs::path kept = staging_ / "old";
   std::error_code failed;

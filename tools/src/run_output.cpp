@@ -49,7 +49,7 @@ std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& ou
   write_overview(overview, overview_of(job, outcome));
   write_config(config, options_of(settings));
   const double written_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::string report = json_text(report_of(job, outcome, mapper, device, written_s));
+  std::string report = json_text(report_of(job, outcome, mapper, device, written_s));
   write_file_atomically(report_file, report);
   folder.commit();
   return report;

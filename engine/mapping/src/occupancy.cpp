@@ -12,6 +12,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
+constexpr double kEvenSteps = 256.0;
 constexpr std::int64_t kFurthestCell = 1 << 30;
 constexpr std::int32_t kSmallestMargin = 64;  // cells that a growing side gains at least
 
@@ -83,8 +84,8 @@ CellIndex OccupancyBuilder::SubCell::cell() const {
 
 OccupancyBuilder::SubCell OccupancyBuilder::sub_cell_of(const Point2& point_m) const {
   const auto odd = [this](double coordinate_m) {
-    const double steps = std::floor(coordinate_m / limits_.resolution_m * (static_cast<double>(kSubCells) / 2.0));
-    constexpr double kFurthest = static_cast<double>(kFurthestCell) * static_cast<double>(kSubCells / 2);
+    const double steps = std::floor(coordinate_m / limits_.resolution_m * kEvenSteps);
+    constexpr double kFurthest = static_cast<double>(kFurthestCell) * kEvenSteps;
     return 2 * static_cast<std::int64_t>(std::clamp(steps, -kFurthest, kFurthest)) + 1;
   };
   return {odd(point_m.x()), odd(point_m.y())};

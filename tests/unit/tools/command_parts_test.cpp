@@ -22,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 TEST(Progress, ShowsShareCountRateAndTimeLeft) {
   EXPECT_EQ(ProgressLine::text("scans", 5730, 0.42, 2.0), " 42 %  5,730 scans  2,865/s  3 s left");
@@ -37,12 +36,14 @@ TEST(Progress, LeavesOutWhatIsNotKnown) {
 }
 
 class RunFolderTest : public testing::Test {
- protected:
+ public:
   RunFolderTest() {
     std::string name = (fs::temp_directory_path() / "gdtslam-run-XXXXXX").string();
     work_ = ::mkdtemp(name.data());
   }
   ~RunFolderTest() override { fs::remove_all(work_); }
+
+ protected:
   static void write(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
   static std::string read(const fs::path& path) {
     std::ifstream file(path);

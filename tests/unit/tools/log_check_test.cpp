@@ -14,7 +14,6 @@
 namespace gdtslam {
 namespace {
 
-using testing::AnyOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;

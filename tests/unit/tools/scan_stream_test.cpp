@@ -85,16 +85,17 @@ TEST(OdometryInterpolator, OwnOdometryCountsAndOrderIsKept) {
 }
 
 class ScanStreamTest : public testing::Test {
- protected:
+ public:
   ScanStreamTest() {
     std::string name = (std::filesystem::temp_directory_path() / "gdtslam-stream-XXXXXX").string();
     folder_ = ::mkdtemp(name.data());
   }
   ~ScanStreamTest() override { std::filesystem::remove_all(folder_); }
 
+ protected:
   // A log of scans at these x of the odometry, one a second.
   std::string log(const std::string& name, const std::vector<double>& xs_m) {
-    const std::string path = folder_ / name;
+    std::string path = folder_ / name;
     std::ofstream file(path);
     int second = 0;
     for (const double x_m : xs_m) {
