@@ -17,14 +17,14 @@ constexpr std::uint32_t kFarRadius = 255;
 constexpr JumpFloodVariant kVariants[] = {JumpFloodVariant::kPlain, JumpFloodVariant::kOnePlus,
                                           JumpFloodVariant::kPlusTwo, JumpFloodVariant::kSquared};
 
-/// A square with walls and the buffers that all transforms need.
+/// A square with obstacles and the buffers that all transforms need.
 class Square {
  public:
-  Square(Backend& backend, std::uint32_t size)
+  Square(Backend& backend, SeedPattern pattern, std::uint32_t size)
       : backend_(backend),
         size_(size),
         stride_(grid_stride(size)),
-        seeds_(make_seeds(SeedPattern::kWalls, size, size, stride_, kRandomSeed)),
+        seeds_(make_seeds(pattern, size, size, stride_, kRandomSeed)),
         seed_buffer_(backend.allocate(cells())),
         columns_(backend.allocate(cells() * 4)),
         result_(backend.allocate(cells() * 4)) {
@@ -123,7 +123,7 @@ void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<s
 }  // namespace
 
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options) {
-  Square square(backend, size);
+  Square square(backend, SeedPattern::kWalls, size);
   std::vector<BenchRow> rows;
   rows.push_back(transform_row(
       "edt", "R inf", size, [&] { square.exact(); }, options));
@@ -148,16 +148,18 @@ std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, con
 }
 
 std::vector<FloodErrorRow> flood_errors(Backend& backend, std::uint32_t size) {
-  Square square(backend, size);
-  square.exact();
-  const std::vector<std::uint32_t> exact = square.distances<std::uint32_t>();
   std::vector<FloodErrorRow> rows;
-  for (const JumpFloodVariant variant : kVariants) {
-    square.flood(variant);
-    const JumpFloodError error = jump_flood_error(exact, square.distances<std::uint32_t>(), square.shape());
-    rows.push_back({size, std::string(name_of(variant)), jump_flood_steps(variant, size, size).size(),
-                    error.wrong_cells, static_cast<double>(error.wrong_cells) / static_cast<double>(error.cells),
-                    error.largest_cells});
+  for (const SeedPattern pattern : {SeedPattern::kWalls, SeedPattern::kSparse}) {
+    Square square(backend, pattern, size);
+    square.exact();
+    const std::vector<std::uint32_t> exact = square.distances<std::uint32_t>();
+    for (const JumpFloodVariant variant : kVariants) {
+      square.flood(variant);
+      const JumpFloodError error = jump_flood_error(exact, square.distances<std::uint32_t>(), square.shape());
+      rows.push_back({size, std::string(name_of(pattern)), std::string(name_of(variant)),
+                      jump_flood_steps(variant, size, size).size(), error.wrong_cells,
+                      static_cast<double>(error.wrong_cells) / static_cast<double>(error.cells), error.largest_cells});
+    }
   }
   return rows;
 }

@@ -92,12 +92,14 @@ std::string report_text(const Backend& backend, const std::vector<BenchRow>& row
 
 int print_flood_errors(Backend& backend, const BenchOptions& options) {
   Json list = Json::array();
-  std::string text = "| grid | variant | passes | wrong cells | share | largest error |\n|---|---|---|---|---|---|\n";
+  std::string text =
+      "| grid | seeds | variant | passes | wrong cells | share | largest error |\n|---|---|---|---|---|---|---|\n";
   for (std::uint32_t size = 512; size <= options.size; size *= 2) {
     for (const FloodErrorRow& row : flood_errors(backend, size)) {
-      text += fmt::format("| {}² | {} | {} | {} | {:.4f} % | {:.3f} cells |\n", row.size, row.variant, row.passes,
-                          row.wrong_cells, 100.0 * row.wrong_share, row.largest_cells);
+      text += fmt::format("| {}² | {} | {} | {} | {} | {:.4f} % | {:.3f} cells |\n", row.size, row.seeds, row.variant,
+                          row.passes, row.wrong_cells, 100.0 * row.wrong_share, row.largest_cells);
       list.push_back({{"size", row.size},
+                      {"seeds", row.seeds},
                       {"variant", row.variant},
                       {"passes", row.passes},
                       {"wrong_cells", row.wrong_cells},
