@@ -16,6 +16,12 @@ def start_slow_run(folder, **options):
 
 
 def finish(process):
+    """Waits for the end with the pipe to its standard input still open."""
+    try:
+        process.wait(timeout=60)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        expect(False, "the command did not end")
     stdout, stderr = process.communicate(timeout=60)
     return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
 
