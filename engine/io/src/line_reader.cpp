@@ -85,9 +85,10 @@ void LineReader::skip_rest_of_line() {
 }
 
 std::string_view LineReader::peek(std::size_t bytes) {
-  while (end_ - begin_ < bytes && fill()) {
+  const auto available = [this] { return std::string_view(buffer_.data() + begin_, end_ - begin_); };
+  while (available().size() < bytes && available().find('\n') == std::string_view::npos && fill()) {
   }
-  return {buffer_.data() + begin_, std::min(bytes, end_ - begin_)};
+  return available().substr(0, bytes);
 }
 
 }  // namespace gdtslam

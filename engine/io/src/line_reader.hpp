@@ -24,7 +24,8 @@ class LineReader {
   LineReader(std::unique_ptr<ByteSource> source, std::size_t max_line_bytes);
   /// The next line, or nothing at the end. After a line that is too long, the next call skips its rest.
   std::optional<TextLine> next();
-  /// Up to `bytes` bytes from the current position, without consuming them.
+  /// What there is from the current position, without consuming it: at least a line or `bytes` bytes, less only at the
+  /// end. Asks a live source for no more than that.
   std::string_view peek(std::size_t bytes);
   [[nodiscard]] const ByteSource& source() const { return *source_; }
 

@@ -165,12 +165,13 @@ TEST(AtomicFileSet, NamesAppearOnlyWhenAllIsOnTheDisk) {
   put_file(folder / "map.yaml", "old text");
   const BoundedRun run = run_alone([&] {
     std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{100000, 100000};
+    const rlimit limit{1000, 1000};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     try {
       AtomicFileSet files;
       files.add(folder / "map.pgm").write("new image");
-      files.add(folder / "map.yaml").write(std::string(200000, 'x'));
+      // Held back in memory until the commit, when the disk turns out to be full.
+      files.add(folder / "map.yaml").write(std::string(5000, 'x'));
       files.commit();
     } catch (const FileError&) {
       return 74;

@@ -200,6 +200,24 @@ TEST(Carmen, ReadsStandardInput) {
   EXPECT_EQ(run.code, 1);
 }
 
+TEST(Carmen, LivePipeGivesEachLineWhenItCame) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const auto send = [&](const std::string& text) {
+    EXPECT_EQ(::write(ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  };
+  send("TILT 0.5 1 h 2\n");
+  const auto reader = open_carmen("/dev/fd/" + std::to_string(ends[0]), {});
+  EXPECT_TRUE(reader->next().has_value());  // would wait for ever if it wanted more than this line
+  send("TILT 0.6 2 h 2\nTILT 0.7 3 h 2\n");
+  EXPECT_TRUE(reader->next().has_value());
+  EXPECT_TRUE(reader->next().has_value());
+  EXPECT_LT(reader->progress(), 0.0);
+  ::close(ends[1]);
+  EXPECT_FALSE(reader->next().has_value());
+  ::close(ends[0]);
+}
+
 TEST(CarmenRealData, IntelHasItsKnownCounts) {
   GDTSLAM_REAL_DATA(path, "slam2d/intel.clf.gz");
   const auto reader = open_carmen(path, {});
