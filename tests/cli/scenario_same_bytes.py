@@ -42,18 +42,17 @@ def live_equals_offline():
     if "LIVE_MAPPER" not in os.environ:
         skip("the examples are not built")
     lines = LOG.read_text().splitlines(keepends=True)
-    with subprocess.Popen([os.environ["LIVE_MAPPER"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as live:
+    with subprocess.Popen([os.environ["LIVE_MAPPER"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0) as live:
         scans = [k for k, line in enumerate(lines) if line.startswith("FLASER")]
-        shown = []
-        for begin, end in ((0, scans[10]), (scans[10], scans[11]), (scans[11], scans[12])):
-            live.stdin.writelines(lines[begin:end])
-            live.stdin.flush()
-            while len(shown) < scans.index(end):
+        shown = b""
+        for begin, end in ((0, scans[1]), (scans[1], scans[2]), (scans[2], scans[3])):
+            live.stdin.write("".join(lines[begin:end]).encode())
+            while shown.count(b"\n") < scans.index(end):
                 ready, _, _ = select.select([live.stdout], [], [], 20)
-                expect(ready, f"only {len(shown)} poses came for {scans.index(end)} scans while the pipe was open")
-                shown.append(live.stdout.readline())
-        rest, _ = live.communicate("".join(lines[scans[12]:]), timeout=100)
-        rest = "".join(shown) + rest
+                expect(ready, f"only {shown.count(10)} poses came for {scans.index(end)} scans while the pipe was open")
+                shown += os.read(live.stdout.fileno(), 65536)
+        rest, _ = live.communicate("".join(lines[scans[3]:]).encode(), timeout=100)
+        rest = (shown + rest).decode()
     rows = [line.split() for line in rest.splitlines()]
     poses = [line.split() for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
     expect(len(rows) == len(poses), f"{len(rows)} live poses, {len(poses)} offline")

@@ -64,16 +64,17 @@ def interrupt_of_standard_input():
 
 def interrupt_before_the_first_scan():
     """SIGINT before anything came: exit 130, one line, no folder."""
-    folder = cli.fresh_folder("interrupt_early") / "run"
-    process = start_slow_run(folder)
-    process.stdin.write("# nothing yet\n")
-    process.stdin.flush()
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
-    done = finish(process)
-    expect_exit(done, 130)
-    one_error_line(done.stderr)
-    expect(not folder.exists(), "a folder was left")
+    for text in ("", "# nothing yet\n", "FLASER 180 1.0 2.0"):
+        folder = cli.fresh_folder("interrupt_early") / "run"
+        process = start_slow_run(folder)
+        process.stdin.write(text)
+        process.stdin.flush()
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        done = finish(process)
+        expect_exit(done, 130)
+        one_error_line(done.stderr)
+        expect(not folder.exists(), "a folder was left")
 
 
 def second_interrupt_ends():

@@ -39,6 +39,16 @@ MapRun::MapRun(const MapJob& job, Backend& backend)
       mapper_(job.mapper, backend),
       occupancy_(job.occupancy, limits_of(job.mapper)) {}
 
+// A signal may cut the input in the middle of a line; what the reader says of that is not the user's concern.
+std::optional<ScanRecord> MapRun::next_scan(const std::function<bool()>& stop) {
+  try {
+    return scans_.next();
+  } catch (const InputError&) {
+    if (!stop()) throw;
+    return std::nullopt;
+  }
+}
+
 void MapRun::note(const MatchResult& result, MapOutcome& outcome) const {
   if (result.doubt != Doubt::kNone) {
     outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted});
@@ -55,7 +65,7 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   const Clock::time_point start = Clock::now();
   Clock::time_point before = start;
   while (!(outcome.interrupted = stop())) {
-    const std::optional<ScanRecord> record = scans_.next();
+    const std::optional<ScanRecord> record = next_scan(stop);
     const Clock::time_point read = Clock::now();
     outcome.read_s += seconds_between(before, read);
     before = read;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,7 @@ class MapRun {
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
 
  private:
+  std::optional<ScanRecord> next_scan(const std::function<bool()>& stop);
   void note(const MatchResult& result, MapOutcome& outcome) const;
 
   bool with_occupancy_;

@@ -68,7 +68,7 @@ void print_remarks(const MapOutcome& outcome) {
   }
 }
 
-int map(const MapOptions& options) {
+int map_logs(const MapOptions& options) {
   Settings settings = settings_of(options);
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   const MapJob job{.logs = options.logs,
@@ -94,6 +94,15 @@ int map(const MapOptions& options) {
   print_remark(
       fmt::format("interrupted after {} scans; their results are in {}", outcome.trajectory.size(), folder.path()));
   return static_cast<int>(ExitCode::kInterrupted);
+}
+
+int map(const MapOptions& options) {
+  try {
+    return map_logs(options);
+  } catch (const InputError&) {  // an input that a signal ended before anything came is no bad input
+    if (!interrupted()) throw;
+    throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+  }
 }
 
 void add_input_options(CLI::App& command, MapOptions& options) {
