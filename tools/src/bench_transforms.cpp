@@ -80,8 +80,8 @@ class Square {
   Buffer result_;
 };
 
-BenchRow transform_row(std::string name, std::string variant, std::uint32_t size, const std::function<void()>& work,
-                       const TimingOptions& options) {
+BenchRow transform_row(std::string name, const std::string& variant, std::uint32_t size,
+                       const std::function<void()>& work, const TimingOptions& options) {
   BenchRow row;
   row.group = "transform";
   row.name = std::move(name);
@@ -105,11 +105,15 @@ void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<s
                 std::uint32_t size, const TimingOptions& options) {
   if (opencv_version().empty() || square.cells() != std::size_t{size} * size) return;
   std::vector<std::uint8_t> input = opencv_input(square.seeds());
-  for (const auto& [mask, name] :
-       {std::pair{OpenCvMask::kPrecise, "DIST_MASK_PRECISE"}, {OpenCvMask::kFive, "DIST_MASK_5"}}) {
+  struct Mask {
+    OpenCvMask mask;
+    const char* name;
+  };
+  for (const Mask& peer : {Mask{OpenCvMask::kPrecise, "DIST_MASK_PRECISE"}, Mask{OpenCvMask::kFive, "DIST_MASK_5"}}) {
     std::vector<float> distance;
     BenchRow row = transform_row(
-        "OpenCV " + opencv_version(), name, size, [&] { opencv_distance(input, size, mask, distance); }, options);
+        "OpenCV " + opencv_version(), peer.name, size, [&] { opencv_distance(input, size, peer.mask, distance); },
+        options);
     row.group = "peer";
     row.different = 0;
     for (std::size_t i = 0; i < exact.size(); ++i) {

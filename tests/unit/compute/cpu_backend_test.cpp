@@ -135,6 +135,15 @@ TEST_F(Launch, SizesThatDoNotFitAreRefused) {
   EXPECT_EQ(backend->dispatch_count(), 0U);
 }
 
+TEST_F(Launch, OneByteTooFewIsTooFew) {
+  const Buffer just = backend->allocate(64 * 9 + 60);  // the last row needs no padding
+  EXPECT_NO_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, just, distance));
+  EXPECT_NO_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, just));
+  const Buffer short_by_one = backend->allocate(64 * 9 + 59);
+  EXPECT_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, short_by_one, distance), Error);
+  EXPECT_THROW(run<EdtColumns>(*backend, params, {60, 1, 1}, seeds, short_by_one), Error);
+}
+
 TEST_F(Launch, CountsOfBuffersAndParametersAreChecked) {
   const std::array<const Buffer*, 1> one{&seeds};
   const std::array<const Buffer*, 2> two{&seeds, &distance};
