@@ -70,8 +70,8 @@ YAML::Node load_yaml(const std::string& file) {
   }
 }
 
-YamlValue::YamlValue(YAML::Node node, std::string file, std::string name)
-    : node_(std::move(node)), file_(std::move(file)), name_(std::move(name)) {}
+YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string name)
+    : node_(node), file_(std::move(file)), name_(std::move(name)) {}
 
 void YamlValue::refuse(const std::string& fault) const {
   throw ConfigError({file_, line_of(node_)}, name_.empty() ? fault : name_ + ": " + fault);

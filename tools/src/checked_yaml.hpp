@@ -36,7 +36,7 @@ std::string read_whole_file(const std::string& file, std::size_t most_bytes);
 /// A node with its file and its name in it ("walls[2].doors[0]"), for messages.
 class YamlValue {
  public:
-  YamlValue(YAML::Node node, std::string file, std::string name);
+  YamlValue(const YAML::Node& node, std::string file, std::string name);
 
   [[nodiscard]] double number(const Quantity& quantity) const;
   [[nodiscard]] std::size_t count() const;

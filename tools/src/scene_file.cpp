@@ -1,5 +1,6 @@
 #include "scene_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <functional>
@@ -166,6 +167,19 @@ YamlMapping open_document(const std::string& file, const std::string& format) {
   return root;
 }
 
+// The names of the scenes in a folder, sorted, so that a hint does not depend on the file system.
+std::vector<std::string> scenes_in(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".yaml") {
+      names.push_back(entry.path().stem().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 }  // namespace
 
 SceneFile read_scene(const std::string& file) {
@@ -201,6 +215,7 @@ std::string find_scene(const std::string& scene, const std::vector<std::string>&
   if (std::filesystem::exists(scene)) {
     return scene;
   }
+  std::vector<std::string> names;
   std::string looked_in;
   for (const std::string& folder : folders) {
     for (const std::string& name : {scene, scene + ".yaml"}) {
@@ -209,9 +224,11 @@ std::string find_scene(const std::string& scene, const std::vector<std::string>&
         return candidate.string();
       }
     }
-    looked_in += (looked_in.empty() ? "" : ", ") + folder;
+    const std::vector<std::string> known = scenes_in(folder);
+    names.insert(names.end(), known.begin(), known.end());
+    looked_in += (looked_in.empty() ? " in " : ", ") + folder;
   }
-  throw FileError(scene, "is neither a file nor a scene" + (looked_in.empty() ? "" : " in " + looked_in));
+  throw FileError(scene, "is neither a file nor a scene" + looked_in + did_you_mean(scene, names));
 }
 
 }  // namespace gdtslam

@@ -235,6 +235,7 @@ TEST_F(SceneFileTest, FindsAScenePathFirstThenByName) {
     FAIL();
   } catch (const FileError& error) {
     EXPECT_THAT(error.what(), HasSubstr(folder_.string()));
+    EXPECT_THAT(error.what(), HasSubstr("did you mean 'hall'?"));
   }
 }
 
