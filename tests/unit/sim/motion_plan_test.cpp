@@ -47,6 +47,15 @@ TEST(MotionPlan, ShortLegNeverReachesItsSpeed) {
   EXPECT_NEAR(plan.state_at(1.0).speed_m_per_s, 0.5, 1e-12);
 }
 
+TEST(MotionPlan, WaypointsOnALineChangeNothing) {
+  // The speeds at the waypoints must be those of the single trapezoid, rising as well as braking.
+  const double whole_s = MotionPlan({at(0.0, 0.0), at(5.4, 0.0)}, limits()).duration_s();
+  const MotionPlan plan({at(0.0, 0.0), at(0.2, 0.0), at(5.2, 0.0), at(5.4, 0.0)}, limits());
+  EXPECT_NEAR(plan.duration_s(), whole_s, 1e-12);
+  EXPECT_NEAR(plan.state_at(whole_s - 1.0).T_map_axle.x_m, 5.4 - 0.25, 1e-12);
+  EXPECT_NEAR(plan.state_at(1.0).T_map_axle.x_m, 0.25, 1e-12);
+}
+
 TEST(MotionPlan, SharpCornersAndZeroCutsAreTurnedOnTheSpot) {
   Waypoint corner = at(5.0, 0.0);
   corner.corner_cut_m = 0.0;
