@@ -164,12 +164,10 @@ cmake --build "$build" --parallel "$(build_jobs)"
 begin "Tests"
 run_ctest
 
-begin "Format, scripts, shaders, reference pages"
+begin "Format, scripts, shaders"
 check "clang-format (mend with: tools/scripts/format.sh)" "$root/tools/scripts/format.sh" --check
 check "shellcheck" shellcheck -x -P "$root" "$root"/tools/*.sh "$root"/tools/scripts/*.sh "$root/.ci/run"
 check "shaders" "$root/tools/scripts/check_shaders.sh"
-check "reference pages (mend with: tools/scripts/make_reference.sh)" \
-  "$root/tools/scripts/make_reference.sh" --check "$build/bin/gdtslam"
 
 begin "clang-tidy"
 check "clang-tidy" python3 "$root/tools/scripts/lint.py" "$build"

@@ -42,13 +42,27 @@ struct Library {
 const std::vector<Library>& libraries() {
   static const Parts everybody{"core", "compute", "vulkan", "mapping", "io", "sim", "calib", "viewer", "examples"};
   static const std::vector<Library> table{
-      {"Eigen/", everybody, true},   {"yaml-cpp/", {"io"}}, {"nlohmann/", {"io"}, true},
-      {"fmt/", {"io"}},        {"png.h", {"io"}},     {"zlib.h", {"io"}},
-      {"embree3/", {"sim"}},   {"assimp/", {"sim"}},  {"ceres/", {"calib"}},
-      {"vulkan/", {"vulkan"}}, {"vtk", {"viewer"}},   {"GL/", {"viewer"}},
-      {"EGL/", {"viewer"}},    {"CLI/", {}},          {"spdlog/", {}},
-      {"opencv2/", {}},        {"gtest/", {}},        {"gmock/", {}},
-      {"rapidcheck", {}},      {"mpfr.h", {}},        {"benchmark/", {}},
+      {"Eigen/", everybody, true},
+      {"yaml-cpp/", {"io"}},
+      {"nlohmann/", {"io"}, true},
+      {"fmt/", {"io"}},
+      {"png.h", {"io"}},
+      {"zlib.h", {"io"}},
+      {"embree3/", {"sim"}},
+      {"assimp/", {"sim"}},
+      {"ceres/", {"calib"}},
+      {"vulkan/", {"vulkan"}},
+      {"vtk", {"viewer"}},
+      {"GL/", {"viewer"}},
+      {"EGL/", {"viewer"}},
+      {"CLI/", {}},
+      {"spdlog/", {}},
+      {"opencv2/", {}},
+      {"gtest/", {}},
+      {"gmock/", {}},
+      {"rapidcheck", {}},
+      {"mpfr.h", {}},
+      {"benchmark/", {}},
   };
   return table;
 }
