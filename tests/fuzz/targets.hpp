@@ -2,15 +2,105 @@
 // other exception is not. tests/unit/io replays the corpus with the same functions under every compiler.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <span>
+#include <string_view>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/carmen.hpp"
+#include "gdtslam/io/config_yaml.hpp"
+#include "gdtslam/io/pgm.hpp"
+#include "gdtslam/io/png.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam::fuzz {
+namespace detail {
 
-void read_carmen(std::span<const std::byte> data);
-void read_config(std::span<const std::byte> data);
-void read_map_image(std::span<const std::byte> data);
-void read_trajectory(std::span<const std::byte> data);
-void read_distance_image(std::span<const std::byte> data);
+/// A broken promise of the readers; ends the program so that the fuzzer sees it.
+inline void require(bool holds) {
+  if (!holds) {
+    std::abort();
+  }
+}
+
+inline bool is_one_line(const char* message) { return std::string_view(message).find('\n') == std::string_view::npos; }
+
+inline void check_record(const LogRecord& record) {
+  if (const auto* scan = std::get_if<ScanRecord>(&record)) {
+    require(std::isfinite(scan->scan.stamp_s) && scan->T_odom_base->is_finite());
+    for (const float range_m : scan->scan.ranges_m) {
+      require(range_m >= 0.0F);  // neither negative nor not a number
+    }
+  }
+}
+
+inline void drain(std::span<const std::byte> data, bool lenient) {
+  try {
+    const auto reader = open_carmen(data, "fuzz", {.lenient = lenient});
+    while (const std::optional<LogRecord> record = reader->next()) {
+      check_record(*record);
+    }
+    require(reader->warnings().size() <= 65);
+  } catch (const InputError& error) {
+    require(is_one_line(error.what()));
+  }
+}
+
+}  // namespace detail
+
+inline void read_carmen(std::span<const std::byte> data) {
+  detail::drain(data, false);
+  detail::drain(data, true);
+}
+
+inline void read_config(std::span<const std::byte> data) {
+  const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
+  MapperConfig config;
+  const std::vector<Option> options = options_of(config);
+  try {
+    read_config_text(text, "fuzz", options);
+    detail::require(violations(options).empty());
+    MapperConfig again;
+    const std::vector<Option> options_again = options_of(again);
+    const std::string written = config_text(options);
+    read_config_text(written, "written", options_again);
+    detail::require(config_text(options_again) == written);
+  } catch (const ConfigError& error) {
+    detail::require(detail::is_one_line(error.what()));
+  }
+}
+
+inline void read_map_image(std::span<const std::byte> data) {
+  try {
+    const Grey8Image image = decode_pgm(data, "fuzz");
+    detail::require(image.pixels.size() == std::size_t{image.width} * image.height &&
+                    image.pixels.size() < data.size());
+  } catch (const InputError& error) {
+    detail::require(detail::is_one_line(error.what()));
+  }
+}
+
+inline void read_trajectory(std::span<const std::byte> data) {
+  try {
+    for (const StampedPose& pose : read_tum(data, "fuzz")) {
+      detail::require(pose.T_map_base.is_finite());
+    }
+  } catch (const InputError& error) {
+    detail::require(detail::is_one_line(error.what()));
+  }
+}
+
+inline void read_distance_image(std::span<const std::byte> data) {
+  try {
+    constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22U;
+    const Grey16Image image = decode_png_grey16(data, "fuzz", kMaxPixels);
+    detail::require(image.pixels.size() == std::size_t{image.width} * image.height);
+  } catch (const InputError& error) {
+    detail::require(detail::is_one_line(error.what()));
+  }
+}
 
 }  // namespace gdtslam::fuzz

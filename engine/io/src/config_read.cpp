@@ -156,7 +156,7 @@ std::string set_option(std::span<const Option> options, std::string_view assignm
     throw ConfigError(
         fmt::format("{} is no assignment; write path=value, such as map.resolution=5cm", in_quotes(assignment)));
   }
-  const std::string path(assignment.substr(0, equals));
+  std::string path(assignment.substr(0, equals));
   for (const Option& option : options) {
     if (option.path == path) {
       try {

@@ -1,7 +1,7 @@
 // The fuzzers' corpus, replayed with every compiler; each file must end in a record or a typed error.
 #include <algorithm>
 
-#include "fuzz/targets.cpp"  // the fuzzers' own translation unit: they and this test must call the same code
+#include "fuzz/targets.hpp"
 #include "io_test_support.hpp"
 
 namespace gdtslam {

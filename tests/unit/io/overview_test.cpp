@@ -14,8 +14,6 @@
 namespace gdtslam {
 namespace {
 
-using ::testing::ElementsAre;
-
 using Rgb = std::array<int, 3>;
 constexpr Rgb kWhite = {255, 255, 255};
 
@@ -29,6 +27,11 @@ int colourfulness(const Rgb& rgb) {
   return *std::max_element(rgb.begin(), rgb.end()) - *std::min_element(rgb.begin(), rgb.end());
 }
 
+void set(OccupancyMap& map, std::int32_t x, std::int32_t y, CellState state) {
+  map.cells.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(map.geometry.width) +
+               static_cast<std::size_t>(x)) = state;
+}
+
 /// A room of 8 x 4 m, walls one cell thick, within unknown land, its lower left corner at (1, 2).
 OccupancyMap room() {
   OccupancyMap map;
@@ -37,7 +40,7 @@ OccupancyMap room() {
   for (std::int32_t y = 20; y < 60; ++y) {
     for (std::int32_t x = 10; x < 90; ++x) {
       const bool is_wall = x == 10 || x == 89 || y == 20 || y == 59;
-      map.cells[static_cast<std::size_t>(y * 120 + x)] = is_wall ? CellState::kOccupied : CellState::kFree;
+      set(map, x, y, is_wall ? CellState::kOccupied : CellState::kFree);
     }
   }
   return map;
@@ -71,7 +74,7 @@ TEST(Overview, ShowsWallsFreeAndUnknownWhereTheyAre) {
 
 TEST(Overview, UpIsUp) {
   OccupancyMap map = room();
-  map.cells[static_cast<std::size_t>(50 * 120 + 50)] = CellState::kOccupied;  // in the upper half of the room
+  set(map, 50, 50, CellState::kOccupied);  // in the upper half of the room
   const Trajectory trajectory;
   const OverviewInput input{.map = map, .trajectory = trajectory};
   const OverviewFrame frame = overview_frame(input);
@@ -94,7 +97,7 @@ TEST(Overview, IsCroppedToTheKnownAreaAndSizedToTheUsualSide) {
 TEST(Overview, StrayBeamsDoNotShrinkTheBuilding) {
   OccupancyMap map = room();
   for (std::int32_t x = 90; x < 98; ++x) {
-    map.cells[static_cast<std::size_t>(40 * 120 + x)] = CellState::kFree;
+    set(map, x, 40, CellState::kFree);
   }
   const Trajectory trajectory;
   EXPECT_NEAR(overview_frame({.map = map, .trajectory = trajectory}).width_px, kOverviewSide, 1.0);
