@@ -5,7 +5,7 @@ add_library(gdtslam_options INTERFACE)
 target_compile_options(gdtslam_options INTERFACE
   -ffp-contract=off # the same bits with and without FMA (docs/numerics.md)
   -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wold-style-cast -Woverloaded-virtual
-  -Wnull-dereference -Wdouble-promotion -Wformat=2
+  -Wdouble-promotion -Wformat=2
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>) # GCC 12 reports "literal" + std::string falsely (GCC bug 105651)
 if(GDTSLAM_WERROR)
   target_compile_options(gdtslam_options INTERFACE -Werror)

@@ -52,6 +52,8 @@ void add_match_options(MapperConfig& c, std::vector<Option>& table) {
                    &c.gate.min_share});
   table.push_back({"prior.weight", "mean cost in cells of one standard deviation from the prediction", Unit::kCell, 0.0,
                    10.0, &c.prior.weight});
+  table.push_back({"prior.limit", "beyond so many standard deviations the prior costs no more", Unit::kNone, 0.1,
+                   1000.0, &c.prior.limit_sigmas});
   table.push_back({"prior.sigma", "standard deviation of the predicted position at rest", Unit::kMetre, 0.001, 100.0,
                    &c.prior.sigma_m});
   table.push_back({"prior.sigma_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_m});
@@ -92,14 +94,15 @@ void add_doubt_options(MapperConfig& c, std::vector<Option>& table) {
                    100.0, &c.odometry.unknown_step_m});
   table.push_back({"odometry.unknown_turn", "and turn", Unit::kRadian, 0.0, 3.15, &c.odometry.unknown_turn_rad});
   table.push_back({"doubt.suspect_contradiction",
-                   "a window is searched when a larger share of the points lies beside known obstacles", Unit::kShare,
-                   0.0, 1.0, &c.doubt.suspect_contradiction});
+                   "a window is searched when a larger share of the points near known obstacles lies beside them",
+                   Unit::kShare, 0.0, 1.0, &c.doubt.suspect_contradiction});
   table.push_back({"doubt.suspect_overlap", "or a smaller share within the final gate", Unit::kShare, 0.0, 1.0,
                    &c.doubt.suspect_overlap});
   table.push_back({"doubt.suspect_sigmas", "or the pose is this many standard deviations from the prediction",
                    Unit::kNone, 0.0, 1000.0, &c.doubt.suspect_sigmas});
-  table.push_back({"doubt.max_contradiction", "a match with a larger share of points beside known obstacles is refused",
-                   Unit::kShare, 0.0, 1.0, &c.doubt.max_contradiction});
+  table.push_back({"doubt.max_contradiction",
+                   "a match with a larger share of points beside the obstacles near them is refused", Unit::kShare, 0.0,
+                   1.0, &c.doubt.max_contradiction});
   table.push_back({"doubt.min_overlap", "a match with a smaller share of points within the final gate is refused",
                    Unit::kShare, 0.0, 1.0, &c.doubt.min_overlap});
   table.push_back({"doubt.restart", "after this much motion without a match the scan is merged where odometry says",

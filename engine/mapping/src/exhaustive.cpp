@@ -42,7 +42,8 @@ bool Lattice::is_local_minimum(std::uint32_t x, std::uint32_t y, std::uint32_t t
 Lattice sample(Objective& objective, const SearchWindow& window) {
   Lattice lattice{.count_xy = window.count_xy(), .count_theta = window.count_theta(), .poses = {}, .costs = {}};
   const auto offset = [](std::uint32_t i, std::uint32_t count, float step) {
-    return (static_cast<float>(i) - static_cast<float>(count / 2)) * step;
+    const std::uint32_t middle = count / 2;
+    return (static_cast<float>(i) - static_cast<float>(middle)) * step;
   };
   lattice.poses.reserve(std::size_t{lattice.count_xy} * lattice.count_xy * lattice.count_theta);
   for (std::uint32_t t = 0; t < lattice.count_theta; ++t) {

@@ -36,8 +36,9 @@ std::uint32_t Objective::prior_cost(const CellPose& pose) const {
   const float dx = pose.x - prior_.mean.x;
   const float dy = pose.y - prior_.mean.y;
   const float dt = pose.theta - prior_.mean.theta;
-  const float cost = (dx * dx + dy * dy) * prior_.weight_xy + dt * dt * prior_.weight_theta;
-  return static_cast<std::uint32_t>(std::min(cost, 2.0e9F));
+  const float cost = std::min((dx * dx + dy * dy) * prior_.weight_xy, prior_.limit) +
+                     std::min(dt * dt * prior_.weight_theta, prior_.limit);
+  return static_cast<std::uint32_t>(cost);
 }
 
 void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs) {

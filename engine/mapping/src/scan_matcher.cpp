@@ -10,6 +10,9 @@ namespace gdtslam {
 namespace {
 
 constexpr SimplexOptions kFirstDescent{.step_cells = 2.0F, .step_rad = 0.03F};
+// A gate that is not the last needs no more than the accuracy that the next one starts from.
+constexpr float kLooseCells = 0.1F;
+constexpr float kLooseRad = 0.001F;
 constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .stop_cells = 0.1F, .stop_rad = 0.002F};
 
 }  // namespace
@@ -59,7 +62,8 @@ void ScanMatcher::prepare(const Prediction& prediction) {
   const double weight = p.weight * kFieldOne * static_cast<double>(points_->size());
   objective_.set_prior({.mean = predicted_,
                         .weight_xy = static_cast<float>(weight / (sigma_cells * sigma_cells)),
-                        .weight_theta = static_cast<float>(weight / (sigma_rad * sigma_rad))});
+                        .weight_theta = static_cast<float>(weight / (sigma_rad * sigma_rad)),
+                        .limit = static_cast<float>(std::min(weight * p.limit_sigmas * p.limit_sigmas, 1.0e9))});
 }
 
 // Equation (8): points farther from the map than the gate do not count, but a share of them always does.
@@ -82,13 +86,21 @@ ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
   const GateConfig& g = config_.gate;
   objective_.set_cap(map_->cap());
   for (double gate_m = g.wide_m;; gate_m = std::max(gate_m * g.narrowing, g.final_m)) {
+    const bool last = gate_m <= g.final_m;
+    if (!last) {
+      simplex.stop_cells = kLooseCells;
+      simplex.stop_rad = kLooseRad;
+    } else {
+      simplex.stop_cells = SimplexOptions{}.stop_cells;
+      simplex.stop_rad = SimplexOptions{}.stop_rad;
+    }
     keep_points_within(units(gate_m), pose);
     const SimplexResult found = minimise_simplex(objective_, pose, simplex);
     pose = found.pose;
     stop = found.stop;
     simplex.step_cells *= 0.5F;
     simplex.step_rad *= 0.5F;
-    if (gate_m <= g.final_m) break;
+    if (last) break;
   }
   Estimate estimate{pose, judge(pose)};
   estimate.evidence.stop = stop;
@@ -101,15 +113,15 @@ ScanMatcher::Evidence ScanMatcher::judge(const CellPose& pose) {
   objective_.set_cap(units(config_.gate.wide_m));
   const auto count = static_cast<double>(points_->size());
   const std::uint32_t data = objective_.data_cost(pose);
-  evidence.cost = objective_.evaluate(pose);
   evidence.mean_cost_m = data / (count * kFieldOne) * config_.map.resolution_m;
   objective_.residuals(pose, *points_, values_);
   const std::uint32_t gate = units(config_.gate.final_m);
   const auto near = std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v <= gate; });
+  const auto known = std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v < map_->cap(); });
   const auto beside =
       std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v > 2 * gate && v < map_->cap(); });
   evidence.overlap = static_cast<double>(near) / count;
-  evidence.contradiction = static_cast<double>(beside) / count;
+  evidence.contradiction = known > 0 ? static_cast<double>(beside) / static_cast<double>(known) : 0.0;
   return evidence;
 }
 
@@ -135,11 +147,27 @@ Doubt ScanMatcher::doubt_of(const Evidence& evidence) const {
   return Doubt::kNone;
 }
 
-void ScanMatcher::choose_search_points() {
+// Points over cells that the map does not know say nothing of where the robot is, but a pose that pulls them back over
+// known walls looks better for it; so they do not vote, unless the local estimate is so suspect that it cannot tell
+// which they are.
+void ScanMatcher::choose_voters(const Estimate& local) {
+  voters_.clear();
+  const bool trusted = !is_suspect(local.evidence);
+  objective_.residuals(local.pose, *points_, values_);
+  const std::uint32_t gate = units(config_.gate.wide_m);
+  for (std::size_t i = 0; i < points_->size(); ++i) {
+    if (!trusted || values_[i] < std::min<std::uint32_t>(gate, map_->cap())) voters_.push_back((*points_)[i]);
+  }
   const auto most = static_cast<std::size_t>(config_.search.max_points);
-  search_points_.clear();
-  const std::size_t every = (points_->size() + most - 1) / most;
-  for (std::size_t i = every / 2; i < points_->size(); i += every) search_points_.push_back((*points_)[i]);
+  const std::size_t every = (voters_.size() + most - 1) / most;
+  thinned_.clear();
+  for (std::size_t i = every / 2; i < voters_.size(); i += every) thinned_.push_back(voters_[i]);
+}
+
+std::uint32_t ScanMatcher::cost_to_voters(const CellPose& pose) {
+  objective_.set_points(voters_);
+  objective_.set_cap(units(config_.gate.wide_m));
+  return objective_.evaluate(pose);
 }
 
 SearchWindow ScanMatcher::window_around(const Prediction& prediction, double scale) const {
@@ -156,14 +184,19 @@ SearchWindow ScanMatcher::window_around(const Prediction& prediction, double sca
 // A window around the prediction, twice as large each time as long as what it finds is suspect.
 ScanMatcher::Estimate ScanMatcher::search(const Estimate& local, const Prediction& prediction) {
   Estimate best = local;
-  choose_search_points();
+  choose_voters(local);
+  std::uint32_t best_cost = cost_to_voters(local.pose);
   for (std::int32_t attempt = 0; attempt < config_.search.attempts; ++attempt) {
-    objective_.set_points(search_points_);
+    objective_.set_points(thinned_);
     objective_.set_cap(units(config_.gate.wide_m));
     const ExhaustiveResult found = search_window(objective_, window_around(prediction, std::ldexp(1.0, attempt)),
                                                  static_cast<std::uint32_t>(config_.search.starts), kCoarsePolish);
     const Estimate polished = descend(found.pose);
-    if (polished.evidence.cost < best.evidence.cost) best = polished;
+    const std::uint32_t cost = cost_to_voters(polished.pose);
+    if (cost < best_cost) {
+      best = polished;
+      best_cost = cost;
+    }
     if (!is_suspect(best.evidence)) break;
   }
   return best;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "gdtslam/core/elementary.hpp"
 
@@ -42,8 +43,8 @@ CellBox window_of(const std::vector<Point2>& points_m, const Pose2& T_map_base, 
                   std::int32_t margin) {
   if (points_m.empty()) return {};
   const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
-  Point2 low = Point2::Constant(INFINITY);
-  Point2 high = Point2::Constant(-INFINITY);
+  Point2 low = Point2::Constant(std::numeric_limits<double>::infinity());
+  Point2 high = Point2::Constant(-std::numeric_limits<double>::infinity());
   for (const Point2& p : points_m) {
     const Point2 q(cos * p.x() - sin * p.y() + T_map_base.x_m, sin * p.x() + cos * p.y() + T_map_base.y_m);
     low = low.cwiseMin(q);

@@ -16,8 +16,8 @@ enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive };
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
 struct MapConfig {
-  double resolution_m = 0.05;
-  double truncation_m = 1.0;  ///< R in metres
+  double resolution_m = 0.025;
+  double truncation_m = 0.5;  ///< R in metres
   std::int32_t max_megacells = 512;
   [[nodiscard]] std::uint32_t radius_cells() const;
 };
@@ -30,7 +30,7 @@ struct ScanConfig {
 
 struct MergeConfig {
   MergeRule rule = MergeRule::kWorking;
-  double threshold_m = 0.05;
+  double threshold_m = 0.025;
   double kappa = 0.5;
 };
 
@@ -62,9 +62,10 @@ struct GateConfig {
 };
 
 struct PriorConfig {
-  double weight = 0.003;  ///< mean cost in cells that one standard deviation away from the prediction adds
-  double sigma_m = 0.05;
-  double sigma_per_m = 0.5;
+  double weight = 0.01;       ///< mean cost in cells that one standard deviation away from the prediction adds
+  double limit_sigmas = 4.0;  ///< farther away costs no more
+  double sigma_m = 0.01;
+  double sigma_per_m = 0.1;
   double sigma_rad = 0.035;
   double sigma_per_rad = 0.3;
 };
@@ -75,8 +76,8 @@ struct SearchConfig {
   double half_per_m = 2.0;
   double half_rad = 0.17453292519943295;
   double half_per_rad = 1.2;
-  double step_m = 0.1;
-  double step_rad = 0.02;
+  double step_m = 0.15;
+  double step_rad = 0.035;
   double max_half_m = 5.0;
   std::int32_t starts = 3;
   std::int32_t max_points = 96;  ///< a scan is thinned to this for the window
@@ -88,7 +89,7 @@ struct DoubtConfig {
   double suspect_overlap = 0.75;
   double suspect_sigmas = 3.0;
   double max_contradiction = 0.3;  ///< a match is refused beyond these
-  double min_overlap = 0.2;
+  double min_overlap = 0.25;
   double restart_m = 2.0;  ///< after this much motion without a match the scan is merged where odometry says
 };
 

@@ -27,7 +27,7 @@ struct MatchResult {
   Pose2 T_map_predicted;          ///< odometry on top of the last estimate
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
   double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
-  double contradiction = 0.0;     ///< share of the valid points near known obstacles but clearly beside them
+  double contradiction = 0.0;     ///< of the points within R of known obstacles, the share clearly beside them
   std::uint32_t points = 0;       ///< valid returns
   std::uint32_t evaluations = 0;  ///< poses that were costed
   StopReason stop = StopReason::kNotRun;

@@ -20,11 +20,13 @@ struct CellPose {
   float theta = 0.0F;
 };
 
-/// Quadratic cost around a mean: weight * ((dx^2 + dy^2) / sigma_xy^2 + dtheta^2 / sigma_theta^2), in cost units.
+/// Quadratic cost around a mean, weight * ((dx^2 + dy^2) / sigma_xy^2 + dtheta^2 / sigma_theta^2), in cost units;
+/// neither part costs more than the limit, so that a prediction that is plainly wrong does not pull.
 struct PosePrior {
   CellPose mean;
   float weight_xy = 0.0F;     ///< weight / sigma_xy^2, cost units per squared cell
   float weight_theta = 0.0F;  ///< weight / sigma_theta^2, cost units per squared radian
+  float limit = 1.0e9F;       ///< cost units, at most 1e9
 };
 
 class Objective {

@@ -24,7 +24,6 @@ class ScanMatcher {
 
  private:
   struct Evidence {
-    std::uint32_t cost = 0;  // data at the wide gate, plus prior
     double mean_cost_m = 0.0;
     double overlap = 0.0;
     double contradiction = 0.0;
@@ -44,7 +43,8 @@ class ScanMatcher {
   [[nodiscard]] Doubt doubt_of(const Evidence& evidence) const;
   Estimate search(const Estimate& local, const Prediction& prediction);
   [[nodiscard]] SearchWindow window_around(const Prediction& prediction, double scale) const;
-  void choose_search_points();
+  void choose_voters(const Estimate& local);
+  [[nodiscard]] std::uint32_t cost_to_voters(const CellPose& pose);
 
   [[nodiscard]] std::uint32_t units(double metres) const;
   [[nodiscard]] float cells(double metres) const;
@@ -54,8 +54,9 @@ class ScanMatcher {
   Objective objective_;
   CellPose predicted_;
   const std::vector<PointCells>* points_ = nullptr;
-  std::vector<PointCells> kept_;           // points that pass the gate
-  std::vector<PointCells> search_points_;  // a thinned scan for the window
+  std::vector<PointCells> kept_;     // points that pass the gate
+  std::vector<PointCells> voters_;   // points that count in a window
+  std::vector<PointCells> thinned_;  // and a share of them for its samples
   std::vector<std::uint16_t> values_;
 };
 

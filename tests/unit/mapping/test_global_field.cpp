@@ -1,0 +1,92 @@
+// The map's store: growth keeps what is known, the guard stays at the cap, sizes are refused before they are allocated.
+// And the local field against plain distances.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/mapping/local_field.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kResolution = 0.05;
+constexpr std::uint32_t kRadius = 12;
+
+class Fields : public testing::Test {
+ protected:
+  // Nearest of the points' cells in cells, by looking at all of them.
+  static double distance_to_nearest(const std::vector<CellIndex>& seeds, CellIndex cell) {
+    double best = 1e9;
+    for (const CellIndex& s : seeds) best = std::min(best, std::hypot(s.x - cell.x, s.y - cell.y));
+    return best;
+  }
+
+  std::unique_ptr<Backend> backend_ = make_cpu_backend({});
+  GlobalField map_{*backend_, kResolution, kRadius, 1U << 20U};
+  LocalField local_{*backend_, kRadius};
+};
+
+TEST_F(Fields, AFreshMapIsUnknownEverywhere) {
+  EXPECT_EQ(map_.at({0, 0}), map_.cap());
+  map_.grow_to_hold({{-5, -7}, {20, 30}});
+  for (int y = -10; y < 40; ++y) {
+    for (int x = -10; x < 30; ++x) ASSERT_EQ(map_.at({x, y}), map_.cap()) << x << ' ' << y;
+  }
+}
+
+TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
+  // Cell centres, so that no rounding decides the seed cells.
+  const std::vector<CellIndex> seeds{{3, 4}, {10, -6}, {-8, 2}};
+  std::vector<Point2> points;
+  for (const CellIndex& s : seeds) points.emplace_back((s.x + 0.5) * kResolution, (s.y + 0.5) * kResolution);
+  const CellBox window{{-8 - 12, -6 - 12}, {10 + 13, 4 + 13}};
+  map_.grow_to_hold(window);
+  local_.compute(points, Pose2{}, kResolution, window);
+  local_.merge_into(map_, MergeRule::kWorking, 256, 128);
+  for (int y = window.min.y; y < window.end.y; ++y) {
+    for (int x = window.min.x; x < window.end.x; ++x) {
+      const double exact = std::min(distance_to_nearest(seeds, {x, y}), static_cast<double>(kRadius)) * 256.0;
+      ASSERT_NEAR(map_.at({x, y}), exact, 0.5) << x << ' ' << y;
+    }
+  }
+}
+
+TEST_F(Fields, GrowingKeepsWhatIsKnownAndTheGuard) {
+  map_.grow_to_hold({{0, 0}, {30, 30}});
+  local_.compute({{0.5, 0.5}}, Pose2{}, kResolution, {{0, 0}, {30, 30}});
+  local_.merge_into(map_, MergeRule::kWorking, 256, 128);
+  const std::uint16_t known = map_.at({12, 13});
+  ASSERT_LT(known, map_.cap());
+  for (const CellBox& box : {CellBox{{-300, 0}, {10, 10}}, CellBox{{0, -290}, {10, 10}}, CellBox{{0, 0}, {400, 10}},
+                             CellBox{{0, 0}, {10, 380}}}) {
+    map_.grow_to_hold(box);
+    EXPECT_EQ(map_.at({12, 13}), known);
+    EXPECT_EQ(map_.at({10, 10}), 0);
+  }
+  const GridGeometry g = map_.geometry();
+  const auto cells = map_.cells();
+  for (int y = 0; y < g.height; ++y) {
+    for (int x = 0; x < g.width; ++x) {
+      if (x >= 2 && y >= 2 && x < g.width - 2 && y < g.height - 2) continue;
+      ASSERT_EQ(cells[static_cast<std::size_t>(y) * map_.stride() + static_cast<std::size_t>(x)], map_.cap());
+    }
+  }
+}
+
+TEST_F(Fields, AMapThatWouldBeTooLargeIsRefusedWithBothSizesAndStaysAsItWas) {
+  map_.grow_to_hold({{0, 0}, {30, 30}});
+  const GridGeometry before = map_.geometry();
+  try {
+    map_.grow_to_hold({{0, 0}, {2000000, 2000000}});
+    FAIL() << "a map of 4e12 cells was accepted";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("2000"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("max_megacells"), std::string::npos) << e.what();
+  }
+  EXPECT_EQ(map_.geometry(), before);
+}
+
+}  // namespace
+}  // namespace gdtslam

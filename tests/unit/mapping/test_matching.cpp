@@ -1,0 +1,147 @@
+// Simplex, window search and matcher on the exact field of a known room. Truth comes from the room's geometry, the
+// optimum of a window from nested loops.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/exhaustive.hpp"
+#include "gdtslam/mapping/local_field.hpp"
+#include "gdtslam/mapping/scan_matcher.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+#include "support/pose_matchers.hpp"
+#include "support/room.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::PoseNear;
+
+class Matching : public testing::Test {
+ protected:
+  // Maps the room from a few true poses.
+  void SetUp() override {
+    for (const Pose2& pose : {Pose2{}, Pose2{0, 0, 2.0}, Pose2{0, 0, -2.0}, Pose2{3.9, 0.2, 0.3}, Pose2{2.5, -1, 3}}) {
+      const auto points = points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0});
+      const CellBox window = window_of(points, pose, resolution_m_, static_cast<std::int32_t>(radius_));
+      map_.grow_to_hold(window);
+      local_.compute(points, pose, resolution_m_, window);
+      local_.merge_into(map_, MergeRule::kWorking, 256, 128);
+    }
+  }
+
+  std::vector<PointCells> scan_from(const Pose2& pose) const {
+    return in_cells(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), resolution_m_);
+  }
+
+  std::vector<test::Segment> walls_ = test::furnished_room();
+  MapperConfig config_;
+  double resolution_m_ = config_.map.resolution_m;
+  std::uint32_t radius_ = config_.map.radius_cells();
+  std::unique_ptr<Backend> backend_ = make_cpu_backend({});
+  GlobalField map_{*backend_, resolution_m_, radius_, 1U << 24U};
+  LocalField local_{*backend_, radius_};
+};
+
+TEST_F(Matching, SimplexFindsThePoseFromNearby) {
+  const Pose2 truth{0.31, -0.17, 0.21};
+  const auto points = scan_from(truth);
+  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  objective.set_points(points);
+  objective.set_cap(map_.cap());
+  const SimplexResult found = minimise_simplex(objective, objective.to_cells({0.24, -0.11, 0.24}), {});
+  EXPECT_EQ(found.stop, StopReason::kConverged);
+  EXPECT_THAT(objective.to_metres(found.pose), PoseNear(truth, 0.02, 0.3));
+  EXPECT_EQ(found.cost, objective.evaluate(found.pose));
+}
+
+TEST_F(Matching, SimplexNeverEndsWorseThanItStartsAndKeepsToItsLimit) {
+  const auto points = scan_from({0.3, 0.1, 0.0});
+  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  objective.set_points(points);
+  objective.set_cap(map_.cap());
+  for (int i = 0; i < 50; ++i) {
+    const CellPose start{static_cast<float>(i % 7) - 3.0F, static_cast<float>(i % 5), static_cast<float>(i) * 0.06F};
+    const SimplexResult found = minimise_simplex(objective, start, {.max_evaluations = 40});
+    EXPECT_LE(found.cost, objective.evaluate(start));
+    EXPECT_LE(found.evaluations, 40U + 5U) << "one move more at most";
+  }
+}
+
+TEST_F(Matching, WindowSearchFindsTheLowestSampleOfTheWindow) {
+  const auto points = scan_from({0.4, -0.3, 0.5});
+  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  objective.set_points(points);
+  objective.set_cap(map_.cap());
+  const SearchWindow window{.centre = objective.to_cells({0.2, 0.0, 0.3}),
+                            .half_xy_cells = 20.0F,
+                            .half_theta_rad = 0.35F,
+                            .step_cells = 4.0F,
+                            .step_rad = 0.05F};
+  std::uint32_t lowest = 0xFFFFFFFFU;
+  for (int t = -7; t <= 7; ++t) {
+    for (int y = -5; y <= 5; ++y) {
+      for (int x = -5; x <= 5; ++x) {
+        lowest = std::min(lowest, objective.evaluate({window.centre.x + 4.0F * static_cast<float>(x),
+                                                      window.centre.y + 4.0F * static_cast<float>(y),
+                                                      window.centre.theta + 0.05F * static_cast<float>(t)}));
+      }
+    }
+  }
+  // A polish of one evaluation leaves the samples as they are.
+  const ExhaustiveResult sampled = search_window(objective, window, 1, {.max_evaluations = 1});
+  EXPECT_LE(sampled.cost, lowest);
+  const ExhaustiveResult polished = search_window(objective, window, 3, {});
+  EXPECT_LT(polished.cost, lowest);
+  EXPECT_FALSE(polished.at_edge);
+  EXPECT_THAT(objective.to_metres(polished.pose), PoseNear({0.4, -0.3, 0.5}, 0.02, 0.3));
+}
+
+TEST_F(Matching, APriorPullsTowardsItsMeanAndOnlyThen) {
+  const auto points = scan_from({0.3, 0.0, 0.1});
+  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  objective.set_points(points);
+  objective.set_cap(map_.cap());
+  const CellPose pose = objective.to_cells({0.5, 0.1, 0.2});
+  const std::uint32_t without = objective.evaluate(pose);
+  objective.set_prior(
+      {.mean = {pose.x - 3.0F, pose.y + 4.0F, pose.theta - 0.5F}, .weight_xy = 2.0F, .weight_theta = 8.0F});
+  EXPECT_EQ(objective.evaluate(pose), without + 50 + 2);
+  EXPECT_EQ(objective.data_cost(pose), without);
+}
+
+TEST_F(Matching, AFarPredictionIsSuspectAndCuredByTheWindow) {
+  const Pose2 truth{0.2, 0.1, 0.4};
+  ScanMatcher matcher(config_, *backend_, map_);
+  for (const Pose2& error : {Pose2{0.4, -0.3, 0.4}, Pose2{-0.45, 0.2, -0.6}, Pose2{0.1, 0.1, 1.2}}) {
+    const MatchResult result =
+        matcher.match(scan_from(truth), {.T_map_base = truth * error, .travelled_m = 0.1, .turned_rad = 0.1}, false);
+    EXPECT_TRUE(result.searched);
+    EXPECT_TRUE(result.accepted);
+    EXPECT_THAT(result.T_map_base, PoseNear(truth, 0.03, 0.5));
+    EXPECT_GT(result.overlap, 0.9);
+    EXPECT_LT(result.contradiction, 0.05);
+  }
+}
+
+TEST_F(Matching, AScanOfAnotherRoomIsRefusedAndThePredictionKept) {
+  // A round room of 1.1 m fits nowhere in the rectangular one.
+  std::vector<PointCells> circle;
+  for (int i = 0; i < 180; ++i) {
+    const double a = rad_from_deg(2.0 * i);
+    circle.push_back(
+        {static_cast<float>(std::cos(a) * 1.1 / resolution_m_), static_cast<float>(std::sin(a) * 1.1 / resolution_m_)});
+  }
+  ScanMatcher matcher(config_, *backend_, map_);
+  const Pose2 predicted{4.5, 0.3, 0.0};
+  const MatchResult result =
+      matcher.match(circle, {.T_map_base = predicted, .travelled_m = 0.1, .turned_rad = 0.1}, false);
+  EXPECT_FALSE(result.accepted) << result.overlap << " " << result.contradiction;
+  EXPECT_NE(result.doubt, Doubt::kNone);
+  EXPECT_EQ(result.T_map_base, predicted);
+}
+
+}  // namespace
+}  // namespace gdtslam

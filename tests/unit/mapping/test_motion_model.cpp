@@ -1,0 +1,80 @@
+// Prediction from odometry, and without it. Expected poses are composed by hand.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/mapping/motion_model.hpp"
+#include "support/pose_matchers.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::PoseNear;
+
+// Drives the model one step: odometry in, estimate back.
+Prediction step(MotionModel& model, const std::optional<Pose2>& odometry, const Pose2& estimate) {
+  const Prediction prediction = model.predict(odometry);
+  model.correct(estimate, true);
+  return prediction;
+}
+
+TEST(MotionModel, MovesTheLastEstimateByTheOdometryInItsOwnFrame) {
+  MotionModel model{OdometryConfig{}};
+  step(model, Pose2{10.0, 5.0, 0.0}, Pose2{});
+  step(model, Pose2{10.0, 5.0, 0.0}, Pose2{1.0, 2.0, M_PI / 2});
+  // Forward 0.5 in the odometry frame is up in the map, where the robot looks up.
+  const Prediction p = model.predict(Pose2{10.5, 5.0, 0.1});
+  EXPECT_THAT(p.T_map_base, PoseNear({1.0, 2.5, M_PI / 2 + 0.1}, 1e-9, 1e-7));
+  EXPECT_NEAR(p.travelled_m, 0.5, 1e-12);
+  EXPECT_NEAR(p.turned_rad, 0.1, 1e-12);
+  EXPECT_TRUE(p.by_odometry);
+}
+
+TEST(MotionModel, WithoutOdometryTheLastMotionGoesOn) {
+  MotionModel model{OdometryConfig{}};
+  step(model, std::nullopt, Pose2{});
+  step(model, std::nullopt, Pose2{0.3, 0.0, 0.2});
+  const Prediction p = model.predict(std::nullopt);
+  EXPECT_FALSE(p.by_odometry);
+  EXPECT_THAT(p.T_map_base, PoseNear({0.3 + 0.3 * std::cos(0.2), 0.3 * std::sin(0.2), 0.4}, 1e-9, 1e-7));
+}
+
+TEST(MotionModel, APoseThatIsNotFiniteCountsAsNone) {
+  MotionModel model{OdometryConfig{}};
+  step(model, Pose2{}, Pose2{});
+  EXPECT_FALSE(step(model, Pose2{std::nan(""), 0, 0}, Pose2{}).by_odometry);
+  EXPECT_FALSE(step(model, Pose2{0, std::numeric_limits<double>::infinity(), 0}, Pose2{}).by_odometry);
+  // The good pose before the bad ones is still the one to go on from.
+  EXPECT_THAT(model.predict(Pose2{0.2, 0, 0}).T_map_base, PoseNear({0.2, 0, 0}, 1e-12, 1e-9));
+}
+
+TEST(MotionModel, OdometryThatLeapsIsCountedAndNotUsed) {
+  OdometryConfig config;
+  config.max_step_m = 2.0;
+  MotionModel model{config};
+  step(model, Pose2{}, Pose2{});
+  const Prediction p = step(model, Pose2{50.0, 0.0, 0.0}, Pose2{});
+  EXPECT_FALSE(p.by_odometry);
+  EXPECT_EQ(model.leaps(), 1U);
+  EXPECT_THAT(p.T_map_base, PoseNear(Pose2{}, 1e-12, 1e-9));
+  EXPECT_TRUE(model.predict(Pose2{50.1, 0.0, 0.0}).by_odometry) << "the step after the leap is an honest one";
+}
+
+TEST(MotionModel, OdometryThatStandsStillWhileScansMoveIsTakenAsMissing) {
+  OdometryConfig config;
+  config.frozen_m = 0.25;
+  MotionModel model{config};
+  const Pose2 still{3.0, 4.0, 0.5};
+  step(model, still, Pose2{});
+  EXPECT_TRUE(step(model, still, Pose2{0.1, 0, 0}).by_odometry);
+  EXPECT_TRUE(step(model, still, Pose2{0.2, 0, 0}).by_odometry);
+  EXPECT_TRUE(step(model, still, Pose2{0.3, 0, 0}).by_odometry);
+  const Prediction p = step(model, still, Pose2{0.4, 0, 0});
+  EXPECT_FALSE(p.by_odometry);
+  EXPECT_THAT(p.T_map_base, PoseNear({0.4, 0, 0}, 1e-9, 1e-7));
+  EXPECT_TRUE(step(model, Pose2{3.1, 4.0, 0.5}, Pose2{0.5, 0, 0}).by_odometry) << "it moves again: it is trusted again";
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,86 @@
+// The default configuration on real logs, without loop closure: mean errors of the relations of [Kuemmerle2009],
+// processor time, and that a wrong merge rule shows. Skipped, visibly, where the logs are not there.
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+
+namespace gdtslam {
+namespace {
+
+struct RealLog {
+  const char* name;
+  double max_translation_m;
+  double max_rotation_deg;
+};
+
+void PrintTo(const RealLog& log, std::ostream* out) { *out << log.name; }
+
+std::string stem_of(const char* name) {
+  const char* const folder = std::getenv("GDTSLAM_DATA");
+  const std::filesystem::path root =
+      folder != nullptr ? std::filesystem::path(folder) : std::filesystem::path(GDTSLAM_SOURCE_DIR) / "../shared/data";
+  return (root / "slam2d" / name).string();
+}
+
+struct Outcome {
+  RelationReport report;
+  MapperStatistics statistics;
+  double cpu_s = 0.0;
+};
+
+Outcome map_log(const std::string& stem, const MapperConfig& config) {
+  const std::clock_t start = std::clock();
+  const auto backend = make_cpu_backend({});
+  Mapper mapper(config, *backend);
+  Trajectory trajectory;
+  const auto reader = open_log(stem + ".clf.gz", {});
+  while (const auto record = reader->next()) {
+    const auto* const scan = std::get_if<ScanRecord>(&*record);
+    if (scan == nullptr) continue;
+    const MatchResult result = mapper.process(scan->scan, scan->T_odom_base);
+    trajectory.push_back({result.stamp_s, result.T_map_base});
+  }
+  const double cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  return {evaluate_relations(trajectory, read_relations(stem + ".relations.gz")), mapper.statistics(), cpu_s};
+}
+
+class RealLogTest : public testing::TestWithParam<RealLog> {};
+
+TEST_P(RealLogTest, MapsWithinTheBoundsInUnderTenSecondsOfProcessorTime) {
+  const std::string stem = stem_of(GetParam().name);
+  if (!std::filesystem::exists(stem + ".clf.gz")) GTEST_SKIP() << "no " << stem << ".clf.gz; set GDTSLAM_DATA";
+  const Outcome run = map_log(stem, MapperConfig{});
+  EXPECT_EQ(run.report.unmatched, 0U);
+  EXPECT_LE(run.report.all.translation_m.mean, GetParam().max_translation_m);
+  EXPECT_LE(run.report.all.rotation_deg.mean, GetParam().max_rotation_deg);
+  EXPECT_EQ(run.statistics.restarts, 0U);
+#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_LT(run.cpu_s, 10.0);
+#endif
+}
+
+INSTANTIATE_TEST_SUITE_P(Logs, RealLogTest,
+                         testing::Values(RealLog{"intel", 0.030, 0.40}, RealLog{"fr079", 0.035, 0.50},
+                                         RealLog{"mit-csail", 0.035, 0.45}),
+                         [](const auto& log) {
+                           return std::string(log.param.name == std::string("mit-csail") ? "csail" : log.param.name);
+                         });
+
+TEST(RealLogRule, TheMergeRuleAsPrintedMissesTheBoundOnIntel) {
+  const std::string stem = stem_of("intel");
+  if (!std::filesystem::exists(stem + ".clf.gz")) GTEST_SKIP() << "no " << stem << ".clf.gz; set GDTSLAM_DATA";
+  MapperConfig config;
+  config.merge.rule = MergeRule::kLiteral;
+  config.search.attempts = 1;  // all is lost anyway, and soon
+  EXPECT_GT(map_log(stem, config).report.all.translation_m.mean, 0.3);
+}
+
+}  // namespace
+}  // namespace gdtslam
