@@ -77,7 +77,7 @@ gdtslam_cli_test(doctor.faults ARGS doctor {data}/faults.log --json SCHEMA docto
 gdtslam_cli_test(doctor.malformed ARGS doctor {data}/malformed.log STDOUT "malformed line +1, first: .*malformed.log:3.*--lenient")
 gdtslam_cli_test(devices.text ARGS devices STDOUT "^cpu .*--isa baseline .*vulkan   this build has no Vulkan backend")
 gdtslam_cli_test(devices.json ARGS devices --json SCHEMA devices)
-gdtslam_cli_test(config.show ARGS config show STDOUT "map.resolution += 0.05 m\n.*default 0.05 m. allowed 0.005 m to 1 m. from default")
+gdtslam_cli_test(config.show ARGS config show STDOUT "map.resolution += 0.025 m\n.*default 0.025 m. allowed 0.005 m to 1 m. from default")
 gdtslam_cli_test(config.show_origin ARGS config show -c {data}/good.yaml --set "merge.threshold=6 cm" STDOUT "map.resolution += 0.1 m\n.*from [^\n]*good.yaml.*merge.threshold += 0.06 m\n.*from --set")
 gdtslam_cli_test(config.show_json ARGS config show --json SCHEMA config_show)
 gdtslam_cli_test(config.show_excludes ARGS config show --json --yaml EXIT 2)

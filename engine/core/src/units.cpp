@@ -175,12 +175,32 @@ std::optional<double> parse_quantity(std::string_view text, Unit unit, std::stri
   return *value * factor;
 }
 
-std::string format_quantity(double value, Unit unit) {
+namespace {
+
+std::string shortest(double value) {
   std::array<char, 32> buffer{};
   const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  std::string text(buffer.data(), error == std::errc{} ? end : buffer.data());
+  return {buffer.data(), error == std::errc{} ? end : buffer.data()};
+}
+
+// A round number of degrees is an endless one of radians; empty where degrees would not read back as the same bits.
+std::string in_degrees(double angle_rad) {
+  constexpr double kDecimals = 1e6;
+  const double angle_deg = std::round(deg_from_rad(angle_rad) * kDecimals) / kDecimals;
+  std::string text = shortest(angle_deg) + " deg";
+  const std::optional<double> back = parse_quantity(text, Unit::kRadian, nullptr);
+  return back && *back == angle_rad && angle_deg != 0.0 ? text : std::string();
+}
+
+}  // namespace
+
+std::string format_quantity(double value, Unit unit) {
   const std::string_view symbol = unit_symbol(unit);
-  return symbol.empty() ? text : text.append(1, ' ').append(symbol);
+  std::string text = shortest(value);
+  if (!symbol.empty()) text.append(1, ' ').append(symbol);
+  if (unit != Unit::kRadian) return text;
+  std::string degrees = in_degrees(value);
+  return !degrees.empty() && degrees.size() < text.size() ? degrees : text;
 }
 
 }  // namespace gdtslam

@@ -8,30 +8,13 @@
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/core/error.hpp"
+#include "growth.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr std::int32_t kGuardCells = 2;       // the outermost rows and columns that always hold the cap
-constexpr std::int32_t kSmallestMargin = 64;  // cells that a growing side gains at least
+constexpr std::int32_t kGuardCells = 2;  // the outermost rows and columns that always hold the cap
 constexpr std::int64_t kFurthestCell = 1 << 30;
-
-CellBox hull(const CellBox& a, const CellBox& b) {
-  return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
-          {std::max(a.end.x, b.end.x), std::max(a.end.y, b.end.y)}};
-}
-
-// A side that must move moves by a quarter of the extent, so that a long drive copies the map a few times only.
-CellBox with_margin(const CellBox& stored, const CellBox& needed) {
-  const std::int32_t margin_x = std::max(kSmallestMargin, needed.width() / 4);
-  const std::int32_t margin_y = std::max(kSmallestMargin, needed.height() / 4);
-  CellBox grown = needed;
-  if (stored.empty() || needed.min.x < stored.min.x) grown.min.x -= margin_x;
-  if (stored.empty() || needed.min.y < stored.min.y) grown.min.y -= margin_y;
-  if (stored.empty() || needed.end.x > stored.end.x) grown.end.x += margin_x;
-  if (stored.empty() || needed.end.y > stored.end.y) grown.end.y += margin_y;
-  return grown;
-}
 
 std::uint64_t cells_of(const CellBox& box) {
   return std::uint64_t{grid_stride(static_cast<std::uint32_t>(box.width()))} * static_cast<std::uint64_t>(box.height());
@@ -73,7 +56,7 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
                         map_box.end + CellOffset{kGuardCells, kGuardCells}};
   const CellBox stored{first_,
                        first_ + CellOffset{static_cast<std::int32_t>(width_), static_cast<std::int32_t>(height_)}};
-  const CellBox needed = stored.empty() ? guarded : hull(stored, guarded);
+  const CellBox needed = hull_of(stored, guarded);
   if (needed == stored) return;
   if (std::min(needed.min.x, needed.min.y) < -kFurthestCell || std::max(needed.end.x, needed.end.y) > kFurthestCell ||
       cells_of(needed) > max_cells_) {

@@ -1,12 +1,10 @@
 #include "gdtslam/mapping/local_field.hpp"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
-#include "gdtslam/core/elementary.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 
@@ -29,18 +27,13 @@ void LocalField::reserve(std::uint32_t width, std::uint32_t height) {
   field_ = backend_->allocate(capacity_ * sizeof(std::uint16_t));
 }
 
-void LocalField::compute(const std::vector<Point2>& points_m, const Pose2& T_map_base, double resolution_m,
-                         const CellBox& window) {
+void LocalField::compute(const std::vector<Point2>& points_map_m, double resolution_m, const CellBox& window) {
   window_ = window;
   const auto width = static_cast<std::uint32_t>(window.width());
   const auto height = static_cast<std::uint32_t>(window.height());
   reserve(width, height);
-  const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
-  for (const Point2& p : points_m) {
-    const double x = cos * p.x() - sin * p.y() + T_map_base.x_m;
-    const double y = sin * p.x() + cos * p.y() + T_map_base.y_m;
-    const CellIndex cell{static_cast<std::int32_t>(std::floor(x / resolution_m)),
-                         static_cast<std::int32_t>(std::floor(y / resolution_m))};
+  for (const Point2& p : points_map_m) {
+    const CellIndex cell = map_cell_of(p, resolution_m);
     assert(window.contains(cell));
     const CellOffset d = cell - window.min;
     seeds_[static_cast<std::size_t>(d.dy) * stride_ + static_cast<std::size_t>(d.dx)] = 1;

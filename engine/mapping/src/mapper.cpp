@@ -127,11 +127,12 @@ void Mapper::State::update_map(MatchResult& result) {
 
 void Mapper::State::merge(const Pose2& pose) {
   const auto radius = static_cast<std::int32_t>(config.map.radius_cells());
-  const CellBox window = window_of(points_m, pose, config.map.resolution_m, radius);
+  const std::vector<Point2> points_map_m = in_map(points_m, pose);
+  const CellBox window = window_of(points_map_m, config.map.resolution_m, radius);
   field.grow_to_hold(window);
   {
     const StageTimer timer(statistics.stages.local_field_s);
-    local.compute(points_m, pose, config.map.resolution_m, window);
+    local.compute(points_map_m, config.map.resolution_m, window);
   }
   const StageTimer timer(statistics.stages.merge_s);
   const double threshold = config.merge.threshold_m / config.map.resolution_m * kFieldOne;
@@ -164,8 +165,8 @@ MatchResult Mapper::process(const LaserScan& scan, const std::optional<Pose2>& T
   s.see(scan);
   const Prediction prediction = s.predict(T_odom_base);  // (5)
   MatchResult result = s.locate(prediction);             // (6), (7), (8), (4)
-  s.update_map(result);                                  // (1), (9), (10), (11)
   s.motion.correct(result.T_map_base, result.accepted);
+  s.update_map(result);  // (1), (9), (10), (11)
   s.count(result, prediction);
   s.last_pose = result.T_map_base;
   result.stamp_s = scan.stamp_s;

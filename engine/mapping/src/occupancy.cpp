@@ -7,6 +7,7 @@
 
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
+#include "growth.hpp"
 
 namespace gdtslam {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
 constexpr double kEvenSteps = 256.0;
 constexpr std::int64_t kFurthestCell = 1 << 30;
-constexpr std::int32_t kSmallestMargin = 64;  // cells that a growing side gains at least
 
 void extend(CellBox& box, CellIndex cell) {
   if (box.empty()) {
@@ -28,18 +28,6 @@ void extend(CellBox& box, CellIndex cell) {
 std::uint64_t cells_of(const CellBox& box) {
   return static_cast<std::uint64_t>(std::int64_t{box.end.x} - box.min.x) *
          static_cast<std::uint64_t>(std::int64_t{box.end.y} - box.min.y);
-}
-
-// A side that must move moves by a quarter of the extent, so that a long drive copies the grid a few times only.
-CellBox with_margin(const CellBox& stored, const CellBox& needed) {
-  const std::int32_t margin_x = std::max(kSmallestMargin, needed.width() / 4);
-  const std::int32_t margin_y = std::max(kSmallestMargin, needed.height() / 4);
-  CellBox grown = needed;
-  if (stored.empty() || needed.min.x < stored.min.x) grown.min.x -= margin_x;
-  if (stored.empty() || needed.min.y < stored.min.y) grown.min.y -= margin_y;
-  if (stored.empty() || needed.end.x > stored.end.x) grown.end.x += margin_x;
-  if (stored.empty() || needed.end.y > stored.end.y) grown.end.y += margin_y;
-  return grown;
 }
 
 // Both counters are halved when one is full, which keeps their ratio.
@@ -130,9 +118,7 @@ std::size_t OccupancyBuilder::index_of(CellIndex map_cell) const {
 }
 
 void OccupancyBuilder::grow_to_hold(const CellBox& needed) {
-  CellBox hull = box_.empty() ? needed : box_;
-  extend(hull, needed.min);
-  extend(hull, needed.end - CellOffset{1, 1});
+  const CellBox hull = hull_of(box_, needed);
   if (hull == box_) return;
   if (std::min(hull.min.x, hull.min.y) <= -kFurthestCell || std::max(hull.end.x, hull.end.y) >= kFurthestCell ||
       cells_of(hull) > limits_.max_cells) {

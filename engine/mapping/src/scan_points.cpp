@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "gdtslam/core/elementary.hpp"
 
@@ -25,7 +24,8 @@ std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid) {
     const auto range = static_cast<double>(scan.ranges_m[beam]);
     if (!(range >= valid.min_m && range < limit)) continue;  // false for NaN too
     const auto direction = sin_cos(scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad);
-    points.push_back(scan.T_base_laser * Point2(range * direction.cos, range * direction.sin));
+    const Point2 point = scan.T_base_laser * Point2(range * direction.cos, range * direction.sin);
+    if (point.allFinite()) points.push_back(point);
   }
   return points;
 }
@@ -39,21 +39,30 @@ std::vector<PointCells> in_cells(const std::vector<Point2>& points_m, double res
   return cells;
 }
 
-CellBox window_of(const std::vector<Point2>& points_m, const Pose2& T_map_base, double resolution_m,
-                  std::int32_t margin) {
-  if (points_m.empty()) return {};
+std::vector<Point2> in_map(const std::vector<Point2>& points_m, const Pose2& T_map_base) {
   const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
-  Point2 low = Point2::Constant(std::numeric_limits<double>::infinity());
-  Point2 high = Point2::Constant(-std::numeric_limits<double>::infinity());
+  std::vector<Point2> points;
+  points.reserve(points_m.size());
   for (const Point2& p : points_m) {
-    const Point2 q(cos * p.x() - sin * p.y() + T_map_base.x_m, sin * p.x() + cos * p.y() + T_map_base.y_m);
-    low = low.cwiseMin(q);
-    high = high.cwiseMax(q);
+    points.emplace_back(cos * p.x() - sin * p.y() + T_map_base.x_m, sin * p.x() + cos * p.y() + T_map_base.y_m);
+  }
+  return points;
+}
+
+CellIndex map_cell_of(const Point2& point_map_m, double resolution_m) {
+  return {cell_floor(point_map_m.x() / resolution_m), cell_floor(point_map_m.y() / resolution_m)};
+}
+
+CellBox window_of(const std::vector<Point2>& points_map_m, double resolution_m, std::int32_t margin) {
+  if (points_map_m.empty()) return {};
+  Point2 low = points_map_m.front();
+  Point2 high = low;
+  for (const Point2& p : points_map_m) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
   }
   const CellOffset grow{margin, margin};
-  const CellIndex min{cell_floor(low.x() / resolution_m), cell_floor(low.y() / resolution_m)};
-  const CellIndex max{cell_floor(high.x() / resolution_m), cell_floor(high.y() / resolution_m)};
-  return {min - grow, max + grow + CellOffset{1, 1}};
+  return {map_cell_of(low, resolution_m) - grow, map_cell_of(high, resolution_m) + grow + CellOffset{1, 1}};
 }
 
 }  // namespace gdtslam

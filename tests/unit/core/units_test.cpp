@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "gdtslam/core/angle.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -94,6 +96,9 @@ TEST(ParseQuantity, KeepsTheReasonUntouchedWhenAllIsWell) {
 TEST(FormatQuantity, IsShortAndInTheBaseUnit) {
   EXPECT_EQ(format_quantity(0.05, Unit::kMetre), "0.05 m");
   EXPECT_EQ(format_quantity(0.1, Unit::kRadian), "0.1 rad");
+  EXPECT_EQ(format_quantity(10.0 * kPi / 180.0, Unit::kRadian), "10 deg");
+  EXPECT_EQ(format_quantity(-kPi / 2.0, Unit::kRadian), "-90 deg");
+  EXPECT_EQ(format_quantity(0.0, Unit::kRadian), "0 rad");
   EXPECT_EQ(format_quantity(2.0, Unit::kSecond), "2 s");
   EXPECT_EQ(format_quantity(3.0, Unit::kCell), "3 cells");
   EXPECT_EQ(format_quantity(0.3, Unit::kShare), "0.3");

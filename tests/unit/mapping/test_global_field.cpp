@@ -43,7 +43,7 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
   for (const CellIndex& s : seeds) points.emplace_back((s.x + 0.5) * kResolution, (s.y + 0.5) * kResolution);
   const CellBox window{{-8 - 12, -6 - 12}, {10 + 13, 4 + 13}};
   map_.grow_to_hold(window);
-  local_.compute(points, Pose2{}, kResolution, window);
+  local_.compute(points, kResolution, window);
   local_.merge_into(map_, MergeRule::kWorking, 256, 128);
   for (int y = window.min.y; y < window.end.y; ++y) {
     for (int x = window.min.x; x < window.end.x; ++x) {
@@ -55,7 +55,7 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
 
 TEST_F(Fields, GrowingKeepsWhatIsKnownAndTheGuard) {
   map_.grow_to_hold({{0, 0}, {30, 30}});
-  local_.compute({{0.5, 0.5}}, Pose2{}, kResolution, {{0, 0}, {30, 30}});
+  local_.compute({{0.5, 0.5}}, kResolution, {{0, 0}, {30, 30}});
   local_.merge_into(map_, MergeRule::kWorking, 256, 128);
   const std::uint16_t known = map_.at({12, 13});
   ASSERT_LT(known, map_.cap());

@@ -152,6 +152,34 @@ TEST_F(MapperTest, AScanWithoutReturnsKeepsThePredictionAndIsDoubtful) {
   EXPECT_EQ(statistics_.doubtful, 7U);
 }
 
+TEST_F(MapperTest, BearingsOrAMountThatAreNotFiniteGiveNoPoints) {
+  scans_[50].first_bearing_rad = std::nan("");
+  scans_[51].bearing_step_rad = std::numeric_limits<double>::infinity();
+  scans_[52].T_base_laser.x_m = std::nan("");
+  scans_[53].T_base_laser.theta_rad = std::nan("");
+  const auto results = map(good);
+  for (const std::size_t i : {50U, 52U, 53U}) EXPECT_EQ(results[i].doubt, Doubt::kFewPoints) << i;
+  expect_truth(results, 0.05, 1.0);
+}
+
+TEST_F(MapperTest, AMapThatMayNotGrowIsRefusedAndMappingGoesOn) {
+  MapperConfig config;
+  config.map.max_megacells = 1;
+  config.keyframe.every_scan = true;
+  const auto backend = make_cpu_backend({});
+  Mapper mapper(config, *backend);
+  mapper.process(scans_[0], truth_[0]);
+  // Most beams as before, the rest so long that the map would pass 2^20 cells.
+  LaserScan hall = scans_[0];
+  std::fill(hall.ranges_m.begin() + 150, hall.ranges_m.end(), 35.0F);
+  hall.ranges_m[0] = 35.0F;
+  MatchResult result;
+  EXPECT_THROW(result = mapper.process(hall, Pose2{0.0, 0.0, 0.2} * truth_[0]), InputError);
+  result = mapper.process(scans_[0], truth_[0]);
+  EXPECT_TRUE(result.accepted);
+  EXPECT_THAT(result.T_map_base, PoseNear(truth_[0], 0.03, 0.8));
+}
+
 TEST_F(MapperTest, AConfigurationThatCannotBeUsedNamesEveryViolation) {
   MapperConfig config;
   config.map.resolution_m = -1.0;

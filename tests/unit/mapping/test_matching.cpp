@@ -24,10 +24,10 @@ class Matching : public testing::Test {
   // Maps the room from a few true poses.
   void SetUp() override {
     for (const Pose2& pose : {Pose2{}, Pose2{0, 0, 2.0}, Pose2{0, 0, -2.0}, Pose2{3.9, 0.2, 0.3}, Pose2{2.5, -1, 3}}) {
-      const auto points = points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0});
-      const CellBox window = window_of(points, pose, resolution_m_, static_cast<std::int32_t>(radius_));
+      const auto points = in_map(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), pose);
+      const CellBox window = window_of(points, resolution_m_, static_cast<std::int32_t>(radius_));
       map_.grow_to_hold(window);
-      local_.compute(points, pose, resolution_m_, window);
+      local_.compute(points, resolution_m_, window);
       local_.merge_into(map_, MergeRule::kWorking, 256, 128);
     }
   }

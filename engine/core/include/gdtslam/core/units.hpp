@@ -21,7 +21,8 @@ std::string_view unit_symbol(Unit unit);
 /// double.
 std::optional<double> parse_quantity(std::string_view text, Unit unit, std::string* why);
 
-/// The shortest text that parse_quantity reads back as the same bits, with the base unit's symbol: "0.05 m".
+/// The shortest text that parse_quantity reads back as the same bits, with the base unit's symbol: "0.05 m"; angles in
+/// degrees where that is shorter: "10 deg".
 std::string format_quantity(double value, Unit unit);
 
 }  // namespace gdtslam

@@ -15,9 +15,8 @@ class LocalField {
  public:
   LocalField(Backend& backend, std::uint32_t radius_cells);
 
-  /// Field of the points as seen from the pose, on `window` (map cells; must hold every point).
-  void compute(const std::vector<Point2>& points_m, const Pose2& T_map_base, double resolution_m,
-               const CellBox& window);
+  /// Field of points of the map's frame on `window` (map cells; must hold every point).
+  void compute(const std::vector<Point2>& points_map_m, double resolution_m, const CellBox& window);
   /// Merges it into the map, paper equations (9) to (11); the map must hold the window.
   void merge_into(GlobalField& map, MergeRule rule, std::uint32_t threshold, std::uint32_t lift);
 

@@ -16,15 +16,21 @@ struct ValidRange {
   double max_m = 0.0;  ///< excluded; the scan's own limit counts too where the log states one
 };
 
-/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return.
+/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return, nor is
+/// a point that is not finite because a bearing or the mount is not.
 std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid);
 
 /// The same points in cells.
 std::vector<PointCells> in_cells(const std::vector<Point2>& points_m, double resolution_m);
 
-/// Paper equation (7): the cells that the points of a scan at this pose fall into, grown by `margin` cells on every
-/// side, in map cells. Empty when there is no point. Coordinates beyond +-2^28 cells are clamped.
-CellBox window_of(const std::vector<Point2>& points_m, const Pose2& T_map_base, double resolution_m,
-                  std::int32_t margin);
+/// The points at a pose of the robot, in the map's frame, paper equation (6).
+std::vector<Point2> in_map(const std::vector<Point2>& points_m, const Pose2& T_map_base);
+
+/// The cell of a point of the map's frame; coordinates beyond +-2^28 cells are clamped.
+CellIndex map_cell_of(const Point2& point_map_m, double resolution_m);
+
+/// Paper equation (7): the cells that points of the map's frame fall into, grown by `margin` cells on every side, in
+/// map cells. Empty when there is no point.
+CellBox window_of(const std::vector<Point2>& points_map_m, double resolution_m, std::int32_t margin);
 
 }  // namespace gdtslam
