@@ -5,6 +5,8 @@
 #include <png.h>
 
 #include <cstring>
+#include <filesystem>
+#include <functional>
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -119,42 +121,100 @@ TEST(Png, OtherKindsAreRefused) {
   EXPECT_THROW(decode_png_grey16(bytes_of(file), "t.png", 100), InputError);
 }
 
+std::string input_error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
 TEST(DistanceFieldFile, WritesEveryBitWithItsDescription) {
   const TemporaryFolder folder;
-  // Three cells a row, stored with a stride of five.
-  const std::vector<std::uint16_t> cells = {1, 2, 3, 99, 99, 40000, 5, 6, 99, 99};
+  // Three cells a row, stored with a stride of five; what lies in the padding is no part of the field.
+  const std::vector<std::uint16_t> cells = {1, 2, 3, 9999, 9999, 5120, 5, 0, 9999, 9999};
   write_distance_field(folder / "gdt.yaml", {{0.05, -1.5, 2.25, 3, 2}, 5, cells, 5120});
+  // By hand: floor(65535 / 5120) = 12, 5120 * 12 = 61440, 0.05 / 256 / 12 = 1.62760416...e-5.
   EXPECT_EQ(get_file(folder / "gdt.yaml"),
-            "version: 1\nimage: gdt.png\nresolution: 0.05  # m per pixel\norigin: [-1.5, 2.25, 0.0]  # m, lower left "
-            "corner\nunit: 0.0001953125  # m per grey level, 1/256 cell\ncap: 5120  # level that means this far or "
-            "farther, or unknown\n");
+            "version: 2\nimage: gdt.png\nresolution: 0.05  # m per pixel\norigin: [-1.5, 2.25, 0.0]  # m, lower left "
+            "corner\nunit: 1.6276041666666666e-05  # m per grey level, resolution/256/scale\nscale: 12  # grey levels "
+            "per 1/256 cell\ncap: 61440  # level that means this far or farther, or unknown\n");
   // The picture's first row is the one of the highest y.
-  EXPECT_THAT(read_png_grey16(folder / "gdt.png").pixels, ElementsAre(40000, 5, 6, 1, 2, 3));
+  EXPECT_THAT(read_png_grey16(folder / "gdt.png").pixels, ElementsAre(61440, 60, 0, 12, 24, 36));
   const DistanceFieldFile field = read_distance_field(folder / "gdt.yaml");
   EXPECT_EQ(field.geometry, (GridGeometry{0.05, -1.5, 2.25, 3, 2}));
-  EXPECT_THAT(field.cells, ElementsAre(1, 2, 3, 40000, 5, 6));
+  EXPECT_THAT(field.cells, ElementsAre(1, 2, 3, 5120, 5, 0));
   EXPECT_EQ(field.cap, 5120);
 }
 
-TEST(DistanceFieldFile, OtherVersionsAndCapsAreRefused) {
+TEST(DistanceFieldFile, EveryValueUnderEveryKindOfCapReadsBack) {
+  const TemporaryFolder folder;
+  for (const int cap : {1, 2, 255, 5120, 21845, 32767, 32768, 65535}) {
+    std::vector<std::uint16_t> cells;
+    for (int value = 0; value <= cap; ++value) cells.push_back(static_cast<std::uint16_t>(value));
+    const GridGeometry geometry{0.05, 0, 0, static_cast<std::int32_t>(cells.size()), 1};
+    write_distance_field(folder / "gdt.yaml", {geometry, cells.size(), cells, static_cast<std::uint16_t>(cap)});
+    const DistanceFieldFile field = read_distance_field(folder / "gdt.yaml");
+    EXPECT_EQ(field.cells, cells) << cap;
+    EXPECT_EQ(field.cap, cap);
+    // Bright enough to be seen: the farthest is in the upper half of the levels.
+    EXPECT_GE(read_png_grey16(folder / "gdt.png").pixels.back(), 32767) << cap;
+  }
+}
+
+TEST(DistanceFieldFile, VersionOneIsRead) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint16_t> levels = {7, 5120, 0, 1};
+  write_png(folder / "gdt.png", {2, 2, PixelFormat::kGrey16, std::as_bytes(std::span(levels))});
+  put_file(folder / "gdt.yaml",
+           "version: 1\nimage: gdt.png\nresolution: 0.05  # m per pixel\norigin: [-1.5, 2.25, 0.0]  # m, lower left "
+           "corner\nunit: 0.0001953125  # m per grey level, 1/256 cell\ncap: 5120  # level that means this far or "
+           "farther, or unknown\n");
+  const DistanceFieldFile field = read_distance_field(folder / "gdt.yaml");
+  EXPECT_THAT(field.cells, ElementsAre(0, 1, 7, 5120));
+  EXPECT_EQ(field.cap, 5120);
+}
+
+TEST(DistanceFieldFile, WhatCannotBeWrittenIsRefused) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint16_t> cells = {6};
+  const auto error = [&](const DistanceFieldView& field) {
+    return input_error_of([&] { write_distance_field(folder / "gdt.yaml", field); });
+  };
+  EXPECT_THAT(error({{0.05, 0, 0, 0, 0}, 0, {}, 5}), HasSubstr("gdt.yaml: a distance field of 0 x 0 cells"));
+  EXPECT_THAT(error({{0.05, 0, 0, 1, 0}, 1, cells, 5}), HasSubstr("1 x 0 cells"));
+  EXPECT_THAT(error({{0.05, 0, 0, 1, 1}, 1, cells, 0}), HasSubstr("cap is 0"));
+  EXPECT_THAT(error({{0.05, 0, 0, 1, 1}, 1, cells, 5}), HasSubstr("distance 6 in row 0 lies above"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "gdt.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "gdt.yaml"));
+}
+
+TEST(DistanceFieldFile, WhatContradictsItselfIsRefused) {
   const TemporaryFolder folder;
   const std::vector<std::uint16_t> cells = {1};
-  write_distance_field(folder / "gdt.yaml", {{0.05, 0, 0, 1, 1}, 1, cells, 5});
+  write_distance_field(folder / "gdt.yaml", {{0.05, 0, 0, 1, 1}, 1, cells, 5120});
   const std::string text = get_file(folder / "gdt.yaml");
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string changed = text;
     put_file(folder / "gdt.yaml", changed.replace(changed.find(from), from.size(), to));
-    try {
-      read_distance_field(folder / "gdt.yaml");
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
+    return input_error_of([&] { read_distance_field(folder / "gdt.yaml"); });
   };
-  EXPECT_THAT(with("version: 1", "version: 2"), HasSubstr("gdt.yaml:1: version: only version 1 is read"));
-  EXPECT_THAT(with("cap: 5", "cap: 65536"), HasSubstr("cap"));
-  EXPECT_THAT(with("cap: 5", "cap: 1.5"), HasSubstr("cap"));
+  EXPECT_THAT(with("version: 2", "version: 3"), HasSubstr("gdt.yaml:1: version: only versions 1 and 2 are read"));
+  EXPECT_THAT(with("cap: 61440", "cap: 65536"), HasSubstr("cap: must be a whole number"));
+  EXPECT_THAT(with("cap: 61440", "cap: 12.5"), HasSubstr("cap: must be a whole number"));
+  EXPECT_THAT(with("cap: 61440", "cap: 61441"), HasSubstr("61441 is no multiple of the scale 12"));
+  EXPECT_THAT(with("scale: 12", "scale: 0"), HasSubstr("scale: must be a whole number"));
+  EXPECT_THAT(with("scale: 12", "ladder: 12"), HasSubstr("the key scale is missing"));
+  EXPECT_THAT(with("scale: 12", "scale: 6"), HasSubstr("unit: must be"));
   EXPECT_THAT(with("image: gdt.png", "image: ../gdt.png"), HasSubstr("leads out"));
+  put_file(folder / "gdt.yaml", text);
+  for (const std::uint16_t level : {std::uint16_t{13}, std::uint16_t{61452}}) {
+    const std::vector<std::uint16_t> levels = {level};
+    write_png(folder / "gdt.png", {1, 1, PixelFormat::kGrey16, std::as_bytes(std::span(levels))});
+    EXPECT_THAT(input_error_of([&] { read_distance_field(folder / "gdt.yaml"); }),
+                HasSubstr(level == 13 ? "level 13, which is no multiple of the scale 12" : "above the cap 61440"));
+  }
 }
 
 }  // namespace

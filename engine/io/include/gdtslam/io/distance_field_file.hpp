@@ -1,6 +1,6 @@
 // The GDT as a picture that keeps every bit: gdt.png (16-bit grey, top row = highest y) with gdt.yaml
-// (docs/formats.md). A grey level is 1/256 cell; the cap means "this far or farther, or unknown". Thread-safe;
-// O(cells).
+// (docs/formats.md). Values are in 1/256 cell; the cap means "this far or farther, or unknown". The picture holds value
+// times a whole scale, the largest that fits, so that it can be looked at. Thread-safe; O(cells).
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,8 @@ struct DistanceFieldView {
 };
 DistanceFieldView view_of(const GlobalField& field);
 
-/// Writes the YAML at `yaml_path` and the PNG beside it (the same stem), the YAML last. Throws FileError.
+/// Writes the YAML at `yaml_path` and the PNG beside it (the same stem), the YAML last. Throws FileError;
+/// InputError when the field has no cells, its cap is 0 or a value lies above the cap.
 void write_distance_field(const std::string& yaml_path, const DistanceFieldView& field);
 
 /// What was read back; stride = width.
