@@ -3,13 +3,16 @@
 //   stamp x y theta accepted|predicted doubt
 //
 // seconds, metres and radians, the robot in the map, whose origin is its pose at the first scan. With a robot that logs
-// to a pipe, `robot_logger | live_mapper`; with a recorded log, `zcat drive.log.gz | live_mapper`. The poses are the
-// same, bit for bit, as those of `gdtslam map`.
+// to a pipe, `robot_logger | live_mapper`; with a recorded log, `zcat drive.log.gz | live_mapper`. Where each scan
+// carries its odometry, as FLASER lines do, the poses are the same, bit for bit, as those of `gdtslam map`. Where the
+// odometry comes in records of its own, `gdtslam map` interpolates it between the records before and after the scan;
+// here the one after is not known yet and the last one serves.
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "gdtslam/compute/backend.hpp"
@@ -43,7 +46,15 @@ void map_standard_input() {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) {
+    const bool wants_help = std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h";
+    std::fputs(
+        "Usage: live_mapper < LOG\nCARMEN lines in, for each scan a line out: stamp x y theta accepted|predicted "
+        "doubt\n",
+        wants_help ? stdout : stderr);
+    return wants_help ? 0 : static_cast<int>(gdtslam::ExitCode::kUsage);
+  }
   try {
     map_standard_input();
     return 0;

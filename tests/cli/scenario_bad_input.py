@@ -85,6 +85,15 @@ def hostile_logs():
     hostile_log("no_beams", good + cli.flaser([], (1, 1, 0), (1, 1, 0), 30.0).encode(), 0, "scan without beams")
     far = cli.flaser(cli.room_ranges(1.5, 1.5, 0.0), (1e7, 0, 0), (1e7, 0, 0), 30.0)
     hostile_log("far_jump", good + far.encode() * 3, 0, "23 scans")
+    silent = "".join(cli.flaser([float("inf"), float("nan"), -1.0] * 60, (k, 0, 0), (k, 0, 0), 1.0 + k) for k in range(5))
+    hostile_log("all_no_return", silent.encode(), 65, r"drive.log: none of the 5 scans has 20 returns \(scan.min_points\)")
+    coarse = "".join(cli.flaser(cli.room_ranges(1.5, 1.5, 0.0, beams=16), (1.5, 1.5, 0), (1.5, 1.5, 0), 1.0 + k)
+                     for k in range(5))
+    hostile_log("sixteen_beams", coarse.encode(), 65, r"drive.log: none of the 5 scans has 20 returns \(scan.min_points\)")
+    hostile_log("sixteen_beams_allowed", coarse.encode(), 0, "5 scans", "--set", "scan.min_points=10")
+    doctor = command("doctor", cli.WORK / "hostile/sixteen_beams/drive.log")
+    expect_exit(doctor, 65)
+    expect("It cannot be mapped: none of the 5 scans has 20 returns" in doctor.stdout, doctor.stdout)
     step = len(good) // 16
     for size in range(step, len(good), step):
         scans = good[:size].count(b"\n")

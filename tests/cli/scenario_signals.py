@@ -77,6 +77,19 @@ def interrupt_before_the_first_scan():
         expect(not folder.exists(), "a folder was left")
 
 
+def interrupt_of_bench():
+    """SIGINT while kernels are measured: exit 130 soon, one line, no figures."""
+    process = subprocess.Popen([PROGRAM, "bench", "--samples", "1000"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    start = time.monotonic()
+    done = finish(process)
+    expect_exit(done, 130)
+    one_error_line(done.stderr)
+    expect(done.stdout == "", done.stdout)
+    expect(time.monotonic() - start < 10.0, "it did not end soon")
+
+
 def second_interrupt_ends():
     """A second SIGINT ends the process at once, also where it cannot look at the flag."""
     folder = cli.fresh_folder("second_interrupt")

@@ -5,6 +5,9 @@
 #include <ctime>
 #include <vector>
 
+#include "gdtslam/core/error.hpp"
+#include "interrupt.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -52,6 +55,7 @@ Timing measure(const std::function<void()>& work, const TimingOptions& options) 
   std::vector<double> wall;
   std::vector<double> cpu;
   for (int i = 0; i < options.samples; ++i) {
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is printed");
     const Sample sample = take_sample(work, repeats);
     wall.push_back(sample.wall_s);
     cpu.push_back(sample.cpu_s);

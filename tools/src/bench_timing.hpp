@@ -20,6 +20,7 @@ struct Timing {
   int samples = 0;
 };
 
+/// Throws Error(kInterrupted) where a signal came in between.
 Timing measure(const std::function<void()>& work, const TimingOptions& options);
 
 }  // namespace gdtslam

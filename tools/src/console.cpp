@@ -13,6 +13,7 @@ namespace gdtslam {
 void print_result(std::string_view text) {
   errno = 0;
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    if (errno == EPIPE) return;  // the reader had enough, as `head` has
     throw FileError("standard output", "cannot be written: " + std::generic_category().message(errno));
   }
 }

@@ -1,5 +1,7 @@
 #include "log_check.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +9,7 @@
 #include <variant>
 
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
@@ -62,6 +65,18 @@ std::vector<std::size_t> no_return_bins(const std::vector<std::uint64_t>& histog
 
 }  // namespace
 
+bool is_mappable(const LaserScan& scan, const ScanConfig& config) {
+  const std::vector<Point2> points_m = points_of(scan, {.min_m = config.min_range_m, .max_m = config.max_range_m});
+  return points_m.size() >= static_cast<std::size_t>(config.min_points);
+}
+
+std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config) {
+  return fmt::format(
+      "none of the {} scans has {} returns (scan.min_points) between {:g} m (scan.min_range) and {:g} m "
+      "(scan.max_range)",
+      scans, config.min_points, config.min_range_m, config.max_range_m);
+}
+
 void EventList::add(const LogEvent& event, double size) {
   ++count;
   largest = std::max(largest, size);
@@ -86,6 +101,7 @@ void LogChecker::add_scan(const ScanRecord& record) {
     add_odometry(record.scan.stamp_s, *record.T_odom_base);
   }
   add_ranges(record.scan);
+  check_.mappable_scans += is_mappable(record.scan, check_.scan) ? 1U : 0U;
   add_layout(record.scan);
   add_mount(record.scan.T_base_laser);
   ++check_.scans;
@@ -230,6 +246,7 @@ LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) con
 std::string LogCheck::obstacle() const {
   if (scans == 0) return "it holds no laser scan";
   if (ranges.returns == 0) return "no beam of any scan has a return";
+  if (mappable_scans == 0) return nothing_mappable(scans, scan);
   return "";
 }
 

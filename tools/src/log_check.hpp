@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 
@@ -61,6 +62,11 @@ struct RangeStatistics {
   double longest_m = 0.0;
 };
 
+/// Whether the mapper can use the scan: it has scan.min_points returns.
+bool is_mappable(const LaserScan& scan, const ScanConfig& config);
+/// "none of the 12 scans has 20 returns (scan.min_points) between 0.1 m (scan.min_range) and 40 m (scan.max_range)".
+std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config);
+
 struct LogCheck {
   std::uint64_t scans = 0;
   std::uint64_t scans_with_odometry = 0;
@@ -85,6 +91,8 @@ struct LogCheck {
   std::optional<Pose2> T_base_laser;  ///< of the first scan
   std::uint64_t mount_changes = 0;    ///< scans whose mount differs from it by more than 1 mm or 0.1 degrees
   std::uint64_t scans_without_returns = 0;
+  std::uint64_t mappable_scans = 0;  ///< with at least scan.min_points returns, as the mapper counts them
+  ScanConfig scan;                   ///< the rule that they were counted by
   std::vector<LogReader::Warning> warnings;
 
   [[nodiscard]] double duration_s() const { return last_stamp_s - first_stamp_s; }
@@ -97,7 +105,8 @@ struct LogCheck {
 /// Collects a LogCheck record by record.
 class LogChecker {
  public:
-  explicit LogChecker(const StepBounds& bounds) : bounds_(bounds) {}
+  /// `scan` says which scans the mapper can use.
+  explicit LogChecker(const StepBounds& bounds, const ScanConfig& scan = {}) : bounds_(bounds) { check_.scan = scan; }
   void add(const LogRecord& record);
   /// The result; the warnings are the reader's.
   [[nodiscard]] LogCheck finish(const std::vector<LogReader::Warning>& warnings) const;

@@ -1,12 +1,16 @@
 #include "map_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <limits>
 #include <optional>
 
 #include "gdtslam/core/error.hpp"
+#include "log_check.hpp"
 
 namespace gdtslam {
 namespace {
@@ -34,6 +38,8 @@ double process_cpu_s() {
 
 MapRun::MapRun(const MapJob& job, Backend& backend)
     : with_occupancy_(job.with_occupancy),
+      scan_(job.mapper.scan),
+      range_(job.range),
       logs_(job.logs),
       scans_(job.logs, job.read, job.range),
       mapper_(job.mapper, backend),
@@ -51,10 +57,28 @@ std::optional<ScanRecord> MapRun::next_scan(const std::function<bool()>& stop) {
 
 void MapRun::note(const MatchResult& result, MapOutcome& outcome) const {
   if (result.doubt != Doubt::kNone) {
-    outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted});
+    const Pose2 off = between(result.T_map_predicted, result.T_map_base);
+    outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
+                                off.translation().norm(), std::fabs(off.theta_rad)});
   }
   if (result.merged) outcome.keyframes.push_back(outcome.trajectory.size());
   outcome.trajectory.push_back({result.stamp_s, result.T_map_base});
+}
+
+// Without one merged scan there is no map to write.
+void MapRun::require_a_map(const MapOutcome& outcome) const {
+  if (outcome.statistics.keyframes > 0) return;
+  const FilePosition place{log_name(logs_.front()), 0};
+  if (outcome.interrupted) {
+    throw Error(ExitCode::kInterrupted, outcome.trajectory.empty()
+                                            ? "interrupted before the first scan; nothing is written"
+                                            : "interrupted before a scan could be mapped; nothing is written");
+  }
+  if (!outcome.trajectory.empty()) throw InputError(place, nothing_mappable(outcome.trajectory.size(), scan_));
+  if (scans_.scans_read() > 0) {
+    throw InputError(place, fmt::format("--skip {} leaves none of its {} scans", range_.skip, scans_.scans_read()));
+  }
+  throw InputError(place, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
 }
 
 MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& stop) {
@@ -86,11 +110,7 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   outcome.interrupted = stop();
   outcome.warnings = scans_.warnings();
   outcome.statistics = mapper_.statistics();
-  if (outcome.trajectory.empty()) {
-    if (outcome.interrupted)
-      throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
-    throw InputError({logs_.front(), 0}, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
-  }
+  require_a_map(outcome);
   if (with_occupancy_) outcome.occupancy = occupancy_.build();
   outcome.occupancy_s += seconds_between(before, Clock::now());
   outcome.log_duration_s = last_s - first_s;

@@ -31,7 +31,9 @@ struct DoubtfulScan {
   std::uint64_t index = 0;  ///< in the trajectory, from 0
   double stamp_s = 0.0;
   Doubt reason = Doubt::kNone;
-  bool accepted = false;
+  bool accepted = false;             ///< the match is taken all the same, not the prediction
+  double from_prediction_m = 0.0;    ///< of the estimate
+  double from_prediction_rad = 0.0;  ///< likewise, absolute
 };
 
 struct MapOutcome {
@@ -58,7 +60,8 @@ class MapRun {
 
   /// Called after each scan with the number of scans and the share done (negative when unknown).
   using Progress = std::function<void(std::uint64_t, double)>;
-  /// Runs to the end, or until stop() is true. Throws InputError when the logs hold no scan.
+  /// Runs to the end, or until stop() is true. Throws InputError when the logs
+  /// hold no scan that can be mapped.
   MapOutcome run(const Progress& progress, const std::function<bool()>& stop);
 
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
@@ -66,8 +69,11 @@ class MapRun {
  private:
   std::optional<ScanRecord> next_scan(const std::function<bool()>& stop);
   void note(const MatchResult& result, MapOutcome& outcome) const;
+  void require_a_map(const MapOutcome& outcome) const;
 
   bool with_occupancy_;
+  ScanConfig scan_;
+  ScanRange range_;
   std::vector<std::string> logs_;
   ScanStream scans_;
   Mapper mapper_;

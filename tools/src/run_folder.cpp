@@ -86,20 +86,41 @@ std::string RunFolder::staged(std::string_view name) {
   return (staging_ / name).string();
 }
 
-// The old files stay under second names until every new one has its own, so that a failure half-way can be undone. A
-// file system without hard links offers no second names; there only the renames themselves are safe.
-void RunFolder::commit() {
-  const fs::path kept = staging_ / "old";
+// The old files get second names until every new one has its own, so that a failure half-way can be undone; copies
+// where the file system offers no hard links. Tells which files there were.
+std::vector<bool> RunFolder::keep_old(const fs::path& kept) const {
   std::error_code failed;
   fs::create_directory(kept, failed);
-  for (const std::string& name : names_) fs::create_hard_link(folder_ / name, kept / name, failed);
+  if (failed) throw FileError(folder_.string(), "cannot be written to: " + failed.message());
+  std::vector<bool> existed;
+  for (const std::string& name : names_) {
+    const fs::file_status status = fs::symlink_status(folder_ / name, failed);
+    existed.push_back(fs::exists(status));
+    if (!existed.back()) continue;
+    if (fs::is_directory(status)) throw FileError(file(name), "cannot be replaced: " + text_of(EISDIR));
+    fs::create_hard_link(folder_ / name, kept / name, failed);
+    if (failed) fs::copy(folder_ / name, kept / name, fs::copy_options::copy_symlinks, failed);
+    if (failed) throw FileError(file(name), "cannot be kept while it is replaced: " + failed.message());
+  }
+  return existed;
+}
+
+void RunFolder::commit() {
+  const fs::path kept = staging_ / "old";
+  const std::vector<bool> existed = keep_old(kept);
+  sync_folder(staging_);
+  std::error_code failed;
   for (std::size_t k = 0; k < names_.size(); ++k) {
     fs::rename(staging_ / names_[k], folder_ / names_[k], failed);
     if (!failed) continue;
-    const std::string reason = failed.message();
+    std::string reason = failed.message();
     for (std::size_t done = 0; done < k; ++done) {
-      fs::rename(kept / names_[done], folder_ / names_[done], failed);
-      if (failed) fs::remove(folder_ / names_[done], failed);  // it was not there before
+      if (existed[done]) {
+        fs::rename(kept / names_[done], folder_ / names_[done], failed);
+      } else {
+        fs::remove(folder_ / names_[done], failed);
+      }
+      if (failed) reason += "; nor can " + names_[done] + " be put back: " + failed.message();
     }
     throw FileError(file(names_[k]), "cannot be replaced: " + reason);
   }

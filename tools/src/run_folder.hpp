@@ -30,6 +30,8 @@ class RunFolder {
   [[nodiscard]] std::string file(std::string_view name) const { return (folder_ / name).string(); }
 
  private:
+  [[nodiscard]] std::vector<bool> keep_old(const std::filesystem::path& kept) const;
+
   std::filesystem::path folder_;
   std::filesystem::path staging_;
   std::vector<std::string> names_;

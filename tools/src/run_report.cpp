@@ -1,5 +1,6 @@
 #include "run_report.hpp"
 
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/sha256.hpp"
 
@@ -41,7 +42,9 @@ Json doubtful_json(const std::vector<DoubtfulScan>& doubtful) {
     list.push_back({{"index", scan.index},
                     {"stamp_s", scan.stamp_s},
                     {"reason", name_of(scan.reason)},
-                    {"accepted", scan.accepted}});
+                    {"accepted", scan.accepted},
+                    {"from_prediction_m", scan.from_prediction_m},
+                    {"from_prediction_deg", deg_from_rad(scan.from_prediction_rad)}});
   }
   return list;
 }

@@ -32,6 +32,8 @@ void merge_into(std::vector<LogReader::Warning>& list, const std::vector<LogRead
 
 }  // namespace
 
+std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
+
 void OdometryInterpolator::take(const Odometry& odometry) {
   for (ScanRecord& scan : waiting_) {
     scan.T_odom_base = interpolated(*last_, odometry, scan.scan.stamp_s);
@@ -106,6 +108,7 @@ std::optional<ScanRecord> ScanStream::next_of_all() {
     }
     if (!scan) scan = interpolator_.next(true);
     if (scan) {
+      ++read_;
       connect(scan->T_odom_base);
       return scan;
     }

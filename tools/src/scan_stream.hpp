@@ -24,6 +24,9 @@ struct ScanRange {
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
 };
 
+/// The log as messages name it: "-" is the standard input.
+std::string log_name(const std::string& path);
+
 /// Gives scans without odometry the pose between the odometry records before and after them in the log. Scans before
 /// the first odometry record stay without. At most kMostHeld scans wait for the next record.
 class OdometryInterpolator {
@@ -48,6 +51,8 @@ class ScanStream {
   std::optional<ScanRecord> next();
   /// Share of the wanted scans or of the input, whichever is further; negative when unknown.
   [[nodiscard]] double progress() const;
+  /// Scans that were read so far, those that were left out at the start among them.
+  [[nodiscard]] std::uint64_t scans_read() const { return read_; }
   /// Of all logs so far, by kind.
   [[nodiscard]] std::vector<LogReader::Warning> warnings() const;
 
@@ -63,6 +68,7 @@ class ScanStream {
   std::unique_ptr<LogReader> reader_;
   OdometryInterpolator interpolator_;
   std::vector<LogReader::Warning> earlier_warnings_;
+  std::uint64_t read_ = 0;
   std::uint64_t given_ = 0;
   bool skipped_ = false;
   std::optional<Pose2> T_odom_base_last_;  ///< of the scan before, in the frame of the first log

@@ -34,18 +34,28 @@ std::string truth_file_of(const std::string& log_file) {
   return without_ending(without_ending(without_ending(log_file, ".gz"), ".log"), ".clf") + ".truth.tum";
 }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 void apply_options(const SimulateOptions& options, SceneFile& scene) {
   if (options.laser) {
     const std::optional<sim::LaserModel> laser = sim::laser_preset(*options.laser);
     if (!laser) {
       throw UsageError("unknown laser '" + *options.laser + "'" +
-                       did_you_mean(*options.laser, sim::laser_preset_names()));
+                       did_you_mean(*options.laser, sim::laser_preset_names()) + "; there are " +
+                       joined(sim::laser_preset_names()));
     }
     scene.laser = *options.laser;
     scene.config.laser = *laser;
   }
   if (options.scan_rate_hz) {
     scene.config.scan_rate_hz = *options.scan_rate_hz;
+    if (const std::vector<std::string> faults = validate(scene.config); !faults.empty()) {
+      throw UsageError("--rate: " + faults.front());
+    }
   }
   if (options.trajectory) {
     scene.waypoints = read_waypoints(*options.trajectory);

@@ -30,7 +30,7 @@ ScanRecord scan_at(double stamp_s, const Pose2& T_odom_base, std::vector<float> 
 }
 
 LogCheck check_of(const std::vector<LogRecord>& records) {
-  LogChecker checker{StepBounds{}};
+  LogChecker checker{StepBounds{}, ScanConfig{.min_points = 3}};
   for (const LogRecord& record : records) checker.add(record);
   return checker.finish({});
 }
@@ -69,6 +69,16 @@ TEST(LogCheck, NothingToMap) {
   const float inf = std::numeric_limits<float>::infinity();
   EXPECT_THAT(check_of({scan_at(1.0, {}, {inf, 0.0F, inf})}).obstacle(), HasSubstr("has a return"));
   EXPECT_THAT(check_of({scan_at(1.0, {}, {})}).obstacle(), HasSubstr("has a return"));
+}
+
+// The rule is the mapper's: enough returns within its limits, in at least one scan.
+TEST(LogCheck, TooFewReturnsInEveryScan) {
+  const LogCheck few = check_of({scan_at(1.0, {}, {1.0F, 2.0F}), scan_at(2.0, {}, {1.0F, 0.05F, 45.0F})});
+  EXPECT_EQ(few.mappable_scans, 0u);
+  EXPECT_THAT(few.obstacle(), HasSubstr("none of the 2 scans has 3 returns (scan.min_points) between 0.1 m"));
+  const LogCheck enough = check_of({scan_at(1.0, {}, {1.0F, 2.0F}), scan_at(2.0, {}, {1.0F, 2.0F, 3.0F})});
+  EXPECT_EQ(enough.mappable_scans, 1u);
+  EXPECT_EQ(enough.obstacle(), "");
 }
 
 TEST(LogCheck, FindsTimeJumps) {

@@ -18,6 +18,7 @@
 #include "map_run.hpp"
 #include "progress.hpp"
 #include "settings.hpp"
+#include "whole_number.hpp"
 
 namespace gdtslam {
 namespace {
@@ -58,6 +59,7 @@ std::string sets_text(const std::vector<std::string>& sets) {
 }
 
 std::string error_text(const ErrorSummary& m, const ErrorSummary& deg) {
+  if (m.count == 0) return "-";
   return fmt::format("{:.4f} ± {:.4f} m, {:.3f} ± {:.3f}°", m.mean, m.deviation, deg.mean, deg.deviation);
 }
 
@@ -70,9 +72,22 @@ std::string row_of(const AblationVariant& variant, const MapOutcome& outcome, co
                      error_text(report.loops.translation_m, report.loops.rotation_deg), rate, s.keyframes, s.doubtful);
 }
 
-// A variant that cannot be run is a result too: its row says why.
-std::string run_variant(const AblationVariant& variant, const AblationOptions& options,
-                        const std::vector<Relation>& relations, Backend& backend) {
+RelationReport evaluated(const MapOutcome& outcome, const std::vector<Relation>& relations,
+                         const AblationOptions& options) {
+  RelationReport report = evaluate_relations(outcome.trajectory, relations);
+  if (report.all.translation_m.count > 0) return report;
+  throw InputError({options.relations, 0},
+                   fmt::format("none of its {} relations has stamps of {}; do both belong to the same log?",
+                               relations.size(), options.log));
+}
+
+struct VariantResult {
+  std::string row;
+  std::size_t unmatched = 0;  ///< relations whose stamps the log does not have
+};
+
+VariantResult run_variant(const AblationVariant& variant, const AblationOptions& options,
+                          const std::vector<Relation>& relations, Backend& backend) {
   SettingsOptions chosen = options.settings;
   chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
   const Settings settings = load_settings(chosen);
@@ -83,13 +98,20 @@ std::string run_variant(const AblationVariant& variant, const AblationOptions& o
              .occupancy = settings.occupancy,
              .with_occupancy = false};
   ProgressLine progress("scans, " + variant.name, options.quiet);
+  const MapOutcome outcome = MapRun(job, backend)
+                                 .run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
+                                      [] { return interrupted(); });
+  if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; no table is written");
+  const RelationReport report = evaluated(outcome, relations, options);
+  return {row_of(variant, outcome, report), report.unmatched};
+}
+
+// The first variant shows whether the log and the relations can be used at all. Where a later one cannot map what the
+// first one could, that is a result: its row says why.
+std::string row_after_the_first(const AblationVariant& variant, const AblationOptions& options,
+                                const std::vector<Relation>& relations, Backend& backend) {
   try {
-    const MapOutcome outcome =
-        MapRun(job, backend)
-            .run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
-                 [] { return interrupted(); });
-    if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; no table is written");
-    return row_of(variant, outcome, evaluate_relations(outcome.trajectory, relations));
+    return run_variant(variant, options, relations, backend).row;
   } catch (const InputError& error) {
     return fmt::format("| {} | {} | failed: {} | | | | | |\n", variant.name, sets_text(variant.sets), error.what());
   }
@@ -111,11 +133,21 @@ int ablation(const AblationOptions& options) {
       "|---|---|---|---|---|---|---|---|\n",
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
       backend->device().threads, backend->device().threads == 1 ? "" : "s");
+  std::size_t unmatched = 0;
   for (const AblationVariant& variant : variants) {
-    const std::string row = run_variant(variant, options, relations, *backend);
+    std::string row;
+    if (&variant == &variants.front()) {
+      VariantResult first = run_variant(variant, options, relations, *backend);
+      row = std::move(first.row);
+      unmatched = first.unmatched;
+    } else {
+      row = row_after_the_first(variant, options, relations, *backend);
+    }
     if (!options.quiet) print_result(row);
     table += row;
   }
+  table +=
+      fmt::format("\n{} relations; {} of them have stamps that the log does not have.\n", relations.size(), unmatched);
   write_file_atomically(options.output, table);
   return static_cast<int>(ExitCode::kDone);
 }
@@ -137,8 +169,10 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
       ->allow_extra_args(false);
   add_settings_options(*command, options->settings);
   add_device_options(*command, options->device);
-  command->add_option("--skip", options->range.skip, "Leave out the first N scans")->type_name("N");
-  command->add_option("--first", options->range.count, "Map N scans only")->type_name("N");
+  command->add_option("--skip", options->range.skip, "Leave out the first N scans")
+      ->type_name("N")
+      ->check(whole_number_from(0));
+  command->add_option("--first", options->range.count, "Map N scans only")->type_name("N")->check(whole_number_from(1));
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Every variant maps the whole log with the configuration of -c and --set and its own assignments on top.\n"

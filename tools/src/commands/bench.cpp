@@ -10,6 +10,7 @@
 #include "device_option.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/json_file.hpp"
+#include "interrupt.hpp"
 
 namespace gdtslam {
 namespace {
@@ -95,6 +96,7 @@ int print_flood_errors(Backend& backend, const BenchOptions& options) {
   std::string text =
       "| grid | seeds | variant | passes | wrong cells | share | largest error |\n|---|---|---|---|---|---|---|\n";
   for (std::uint32_t size = 512; size <= options.size; size *= 2) {
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is printed");
     for (const FloodErrorRow& row : flood_errors(backend, size)) {
       text += fmt::format("| {}² | {} | {} | {} | {} | {:.4f} % | {:.3f} cells |\n", row.size, row.seeds, row.variant,
                           row.passes, row.wrong_cells, 100.0 * row.wrong_share, row.largest_cells);

@@ -37,6 +37,14 @@ struct Row {
   std::string doc;
 };
 
+// Whole bounds in full: "100000", where the shortest text is "1e+05".
+std::string bound_text(double value, Unit unit) {
+  std::string text = format_quantity(value, unit);
+  const std::size_t end = std::min(text.find(' '), text.size());
+  if (text.find("e+") < end) text.replace(0, end, fmt::format("{:.0f}", value));
+  return text;
+}
+
 std::string allowed_text(const Option& option) {
   if (std::holds_alternative<bool*>(option.value)) return "true or false";
   if (const auto* choice = std::get_if<Choice>(&option.value)) {
@@ -44,7 +52,7 @@ std::string allowed_text(const Option& option) {
     for (const std::string_view name : choice->names()) names += (names.empty() ? "" : ", ") + std::string(name);
     return names;
   }
-  return format_quantity(option.min, option.unit) + " to " + format_quantity(option.max, option.unit);
+  return bound_text(option.min, option.unit) + " to " + bound_text(option.max, option.unit);
 }
 
 bool contains(const std::vector<std::string>& paths, std::string_view path) {

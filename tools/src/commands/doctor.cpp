@@ -16,6 +16,7 @@
 #include "interrupt.hpp"
 #include "log_check.hpp"
 #include "progress.hpp"
+#include "scan_stream.hpp"
 
 namespace gdtslam {
 namespace {
@@ -100,14 +101,18 @@ std::string faults_text(const LogCheck& c, const StepBounds& bounds) {
                   });
   if (c.scans_without_returns > 0)
     text += fmt::format("empty scans      {} without any return\n", c.scans_without_returns);
+  if (c.mappable_scans < c.scans) {
+    text += fmt::format("unused scans     {} with fewer than {} returns (scan.min_points)\n",
+                        c.scans - c.mappable_scans, c.scan.min_points);
+  }
   for (const LogReader::Warning& w : c.warnings)
     text += fmt::format("{:<16} {}, first: {}\n", w.kind, w.count, w.first);
   return text;
 }
 
 std::string text_of(const LogCheck& check, const StepBounds& bounds, const std::string& log) {
-  std::string text =
-      fmt::format("log              {}\n", log) + counts_text(check) + sensor_text(check) + faults_text(check, bounds);
+  std::string text = fmt::format("log              {}\n", log_name(log)) + counts_text(check) + sensor_text(check) +
+                     faults_text(check, bounds);
   for (const std::string& suggestion : check.suggestions()) text += "-> " + suggestion + "\n";
   text += check.obstacle().empty() ? "It can be mapped.\n" : "It cannot be mapped: " + check.obstacle() + ".\n";
   return text;
@@ -151,6 +156,7 @@ Json layouts_json(const std::vector<BeamLayout>& layouts) {
 Json json_of(const LogCheck& c, const StepBounds& bounds, const std::string& log) {
   Json report{{"log", log}, {"mappable", c.obstacle().empty()}, {"obstacle", c.obstacle()}};
   report["scans"] = c.scans;
+  report["mappable_scans"] = c.mappable_scans;
   report["duration_s"] = c.duration_s();
   report["median_step_s"] = c.median_step_s;
   report["scans_with_odometry"] = c.scans_with_odometry;
@@ -199,7 +205,7 @@ int doctor(const DoctorOptions& options) {
   print_result(options.json ? json_text(json_of(check, bounds, options.log)) : text_of(check, bounds, options.log));
   if (interrupted())
     throw Error(ExitCode::kInterrupted, "interrupted; the figures are those of the part that was read");
-  if (!check.obstacle().empty()) throw InputError({options.log, 0}, "cannot be mapped: " + check.obstacle());
+  if (!check.obstacle().empty()) throw InputError({log_name(options.log), 0}, "cannot be mapped: " + check.obstacle());
   return static_cast<int>(ExitCode::kDone);
 }
 

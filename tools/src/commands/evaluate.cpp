@@ -29,14 +29,19 @@ struct EvaluateOptions {
 
 constexpr const char* kHeading = "                    count      mean       std    median      rmse       max\n";
 
+// Without a sample there is no error to state; a zero would look like a perfect one.
 std::string row(const std::string& name, const ErrorSummary& e, const std::string& unit) {
+  if (e.count == 0) {
+    return fmt::format("{:<16} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}  {}\n", name, 0, "-", "-", "-", "-", "-", unit);
+  }
   return fmt::format("{:<16} {:>8} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f}  {}\n", name, e.count, e.mean,
                      e.deviation, e.median, e.rmse, e.max, unit);
 }
 
 Json json_of(const ErrorSummary& e) {
-  return {{"count", e.count},   {"mean", e.mean}, {"std", e.deviation},
-          {"median", e.median}, {"rmse", e.rmse}, {"max", e.max}};
+  const auto value = [&e](double number) { return e.count > 0 ? Json(number) : Json(); };
+  return {{"count", e.count},          {"mean", value(e.mean)}, {"std", value(e.deviation)},
+          {"median", value(e.median)}, {"rmse", value(e.rmse)}, {"max", value(e.max)}};
 }
 
 Json json_of(const RelationErrors& e) {
@@ -88,6 +93,9 @@ std::string reference_text(const ReferenceReport& report, const ReferenceOptions
                       options.align ? "rigid alignment (least squares)" : "first poses made to agree",
                       report.T_reference_estimate.x_m, report.T_reference_estimate.y_m,
                       deg_from_rad(report.T_reference_estimate.theta_rad));
+  if (report.rpe_m.count == 0) {
+    text += fmt::format("no RPE: no two poses are {:g} m of reference path apart\n", options.rpe_distance_m);
+  }
   if (report.unmatched > 0) text += fmt::format("{} poses have no counterpart in the reference\n", report.unmatched);
   return text;
 }

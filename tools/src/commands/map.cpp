@@ -10,6 +10,7 @@
 #include "console.hpp"
 #include "device_option.hpp"
 #include "did_you_mean.hpp"
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "interrupt.hpp"
 #include "map_run.hpp"
@@ -17,6 +18,7 @@
 #include "run_folder.hpp"
 #include "run_output.hpp"
 #include "settings.hpp"
+#include "whole_number.hpp"
 
 namespace gdtslam {
 namespace {
@@ -53,14 +55,20 @@ std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
       outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, folder);
 }
 
+std::string text_of(const DoubtfulScan& scan) {
+  const std::string what = scan.accepted
+                               ? fmt::format("the match is taken, {:.3f} m and {:.1f} deg from the prediction",
+                                             scan.from_prediction_m, deg_from_rad(scan.from_prediction_rad))
+                               : "the prediction is taken";
+  return fmt::format("doubtful scan {} at {:.6f} s: {}; {}", scan.index, scan.stamp_s, name_of(scan.reason), what);
+}
+
 void print_remarks(const MapOutcome& outcome) {
   for (const LogReader::Warning& warning : outcome.warnings) {
     print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
   }
   for (std::size_t k = 0; k < outcome.doubtful.size() && k < kMostDoubtsShown; ++k) {
-    const DoubtfulScan& scan = outcome.doubtful[k];
-    print_remark(fmt::format("doubtful scan {} at {:.6f} s: {}, {}", scan.index, scan.stamp_s, name_of(scan.reason),
-                             scan.accepted ? "matched with weak evidence" : "the prediction is taken"));
+    print_remark(text_of(outcome.doubtful[k]));
   }
   if (outcome.doubtful.size() > kMostDoubtsShown) {
     print_remark(
@@ -111,8 +119,10 @@ void add_input_options(CLI::App& command, MapOptions& options) {
       ->required()
       ->type_name("LOG");
   command.add_flag("--lenient", options.read.lenient, "Count and skip malformed lines instead of failing");
-  command.add_option("--skip", options.range.skip, "Leave out the first N scans")->type_name("N");
-  command.add_option("--first", options.range.count, "Map N scans only")->type_name("N");
+  command.add_option("--skip", options.range.skip, "Leave out the first N scans")
+      ->type_name("N")
+      ->check(whole_number_from(0));
+  command.add_option("--first", options.range.count, "Map N scans only")->type_name("N")->check(whole_number_from(1));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "simulate_run.hpp"
+#include "whole_number.hpp"
 
 namespace gdtslam {
 namespace {
@@ -87,7 +88,10 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
                    "The log to write; .gz compresses it. The truth goes beside it, as NAME.truth.tum")
       ->required()
       ->type_name("LOG");
-  command->add_option("--seed", options.seed, "Seed of every random number")->type_name("N")->capture_default_str();
+  command->add_option("--seed", options.seed, "Seed of every random number")
+      ->type_name("N")
+      ->check(whole_number_from(0))
+      ->capture_default_str();
   command
       ->add_option("--laser", options.laser,
                    "Instead of the scene's laser: sick-lms, sick-361 or hokuyo-961 (mount and height stay)")

@@ -1,0 +1,22 @@
+// Options that are counts. CLI11 alone takes "-1" for an unsigned number and wraps it. Thread-safe.
+#pragma once
+
+#include <CLI/Validators.hpp>
+#include <charconv>
+#include <cstdint>
+#include <string>
+
+namespace gdtslam {
+
+/// Accepts whole decimal numbers of at least `minimum` that fit 64 bits.
+inline CLI::Validator whole_number_from(std::uint64_t minimum) {
+  const auto fault_of = [minimum](const std::string& text) -> std::string {
+    std::uint64_t number = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (code == std::errc{} && end == text.data() + text.size() && number >= minimum) return {};
+    return "'" + text + "' is no whole number of at least " + std::to_string(minimum);
+  };
+  return {fault_of, ""};
+}
+
+}  // namespace gdtslam
