@@ -79,13 +79,18 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   }
   double dot = 0.0;
   double cross = 0.0;
+  double largest_offset_m = 0.0;
   for (const MatchedPose& m : matched) {
     const Point2 a = m.T_map_base.translation() - mean_map;
     const Point2 b = m.T_reference_base.translation() - mean_reference;
     dot += a.dot(b);
     cross += a.x() * b.y() - a.y() * b.x();
+    largest_offset_m = std::max({largest_offset_m, a.norm(), b.norm()});
   }
-  if (dot == 0.0 && cross == 0.0) {
+  // The mean of equal numbers need not be that number: offsets of rounding size are none.
+  const bool coincide = largest_offset_m <= 1e-9 * (1.0 + mean_map.norm() + mean_reference.norm());
+  if (coincide) {
+    dot = cross = 0.0;
     for (const MatchedPose& m : matched) {
       const auto [sine, cosine] = sin_cos(m.T_reference_base.theta_rad - m.T_map_base.theta_rad);
       dot += cosine;

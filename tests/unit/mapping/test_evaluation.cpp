@@ -191,6 +191,20 @@ TEST(EvaluateReference, RotationOnTheSpotIsAlignedByTheHeadings) {
   EXPECT_EQ(report.rpe_m.count, 0u);  // no path
 }
 
+// The mean of seven times 0.1 is not 0.1: what rounding leaves of the offsets must not decide the rotation.
+TEST(EvaluateReference, EqualPositionsThatDoNotAverageExactlyAreAlignedByTheHeadings) {
+  Trajectory estimate;
+  Trajectory reference;
+  for (int k = 0; k < 7; ++k) {
+    estimate.push_back({static_cast<double>(k), {0.1, 0.2, 0.3 * k}});
+    reference.push_back({static_cast<double>(k), {0.3, 0.7, 0.3 * k}});
+  }
+  const ReferenceReport report = evaluate_reference(estimate, reference, {});
+  EXPECT_NEAR(report.T_reference_estimate.theta_rad, 0.0, kTiny);
+  EXPECT_NEAR(report.ate_rotation_deg.max, 0.0, 1e-10);
+  EXPECT_NEAR(report.ate_m.max, 0.0, kTiny);
+}
+
 // Perturbing the alignment in any direction must not lower the sum of squares: it is the minimum.
 TEST(EvaluateReference, AlignmentIsOptimal) {
   Random random(3);
