@@ -16,9 +16,9 @@ namespace {
 constexpr double kMarginPx = 28.0;
 constexpr double kHeaderPx = 64.0;
 constexpr double kFooterPx = 62.0;
-constexpr double kMinWidthPx = 900.0;  // what the legend needs
-constexpr double kLineRadiusPx = 1.9;
-constexpr double kHaloPx = 1.6;
+constexpr double kMinWidthPx = 1200.0;  // what the legend needs
+constexpr double kLineRadiusPx = 1.25;
+constexpr double kHaloPx = 1.4;
 
 constexpr Colour kWhite{255, 255, 255};
 constexpr Colour kInk{31, 41, 51};
@@ -98,11 +98,18 @@ void draw_crosses(RgbImage& image, const OverviewFrame& frame, const std::vector
   cross.blend_onto(image);
 }
 
+/// A bead on the path, a little wider and darker than it: a white one would cut so thin a line into dashes.
+void add_keyframe(Layer& layer, Pixel2 centre, Colour path_colour) {
+  constexpr double kRadiusPx = 1.9;
+  constexpr double kInkShare = 0.3;
+  layer.disc(centre, kRadiusPx, mix(path_colour, kInk, kInkShare));
+}
+
 void draw_marks(RgbImage& image, const OverviewFrame& frame, const OverviewInput& input) {
   const Trajectory& trajectory = input.trajectory;
   Layer keyframes = map_layer(image, frame);
   for (const std::size_t index : input.keyframes) {
-    keyframes.disc(pixel_of(frame, trajectory.at(index)), 0.9, kWhite);
+    add_keyframe(keyframes, pixel_of(frame, trajectory.at(index)), time_colour(share_of(index, trajectory.size())));
   }
   keyframes.blend_onto(image);
   std::vector<Pixel2> doubtful;
@@ -165,6 +172,18 @@ double draw_time_legend(Layer& layer, Pixel2 left, const TextStyle& style) {
   return draw_text(layer, {x + kSteps + 16.0, baseline}, "end", style);
 }
 
+double draw_keyframe_legend(Layer& path, Layer& dots, Pixel2 left, std::size_t count, const TextStyle& style) {
+  constexpr double kPathPx = 36.0;  // a piece of the path with its dots, as on the map
+  constexpr int kDots = 3;
+  const Colour colour = time_colour(0.0);
+  path.stroke(left, {left.x + kPathPx, left.y}, kLineRadiusPx, colour);
+  for (int i = 0; i < kDots; ++i) {
+    add_keyframe(dots, {left.x + kPathPx * (i + 0.5) / kDots, left.y}, colour);
+  }
+  return draw_text(path, {left.x + kPathPx + 12.0, left.y + 0.5 * style.cap_height_px},
+                   fmt::format("{} keyframe{}", count, count == 1 ? "" : "s"), style);
+}
+
 double draw_doubtful_legend(Layer& layer, Pixel2 left, std::size_t count, const TextStyle& style) {
   add_cross(layer, {left.x + 5.0, left.y}, 5.0, 1.5, kDoubtful);
   return draw_text(layer, {left.x + 22.0, left.y + 0.5 * style.cap_height_px},
@@ -179,15 +198,20 @@ void draw_texts(RgbImage& image, const OverviewFrame& frame, const OverviewInput
   const double title_end = draw_text(layer, {kMarginPx, 46.0}, input.title, title);
   draw_text(layer, {title_end + (input.title.empty() ? 0.0 : 24.0), 46.0}, input.caption, small);
   const double y = static_cast<double>(image.height) - 0.5 * kFooterPx;
-  constexpr double kGapPx = 60.0;
+  constexpr double kGapPx = 52.0;
+  Layer dots(image.width, image.height);
   double x = draw_scale_bar(layer, frame, {kMarginPx, y}, legend) + kGapPx;
   if (!input.trajectory.empty()) {
     x = draw_time_legend(layer, {x, y}, legend) + kGapPx;
+  }
+  if (!input.keyframes.empty()) {
+    x = draw_keyframe_legend(layer, dots, {x, y}, input.keyframes.size(), legend) + kGapPx;
   }
   if (!input.doubtful.empty()) {
     draw_doubtful_legend(layer, {x, y}, input.doubtful.size(), legend);
   }
   layer.blend_onto(image);
+  dots.blend_onto(image);
 }
 
 }  // namespace

@@ -26,23 +26,23 @@ void include(MapArea& area, bool& is_empty, const MapArea& other) {
   area.max_y_m = std::max(area.max_y_m, other.max_y_m);
 }
 
-/// Number of known cells in every column and row.
-struct KnownProfile {
+/// Number of occupied cells in every column and row.
+struct OccupiedProfile {
   std::vector<std::uint64_t> columns;
   std::vector<std::uint64_t> rows;
   std::uint64_t total = 0;
 };
-KnownProfile known_profile(const OccupancyMap& map) {
+OccupiedProfile occupied_profile(const OccupancyMap& map) {
   const GridGeometry& geometry = map.geometry;
-  KnownProfile profile;
+  OccupiedProfile profile;
   profile.columns.resize(static_cast<std::size_t>(geometry.width));
   profile.rows.resize(static_cast<std::size_t>(geometry.height));
   for (std::int32_t y = 0; y < geometry.height; ++y) {
     for (std::int32_t x = 0; x < geometry.width; ++x) {
-      const std::uint64_t is_known = map.at({x, y}) != CellState::kUnknown ? 1 : 0;
-      profile.columns[static_cast<std::size_t>(x)] += is_known;
-      profile.rows[static_cast<std::size_t>(y)] += is_known;
-      profile.total += is_known;
+      const std::uint64_t is_occupied = map.at({x, y}) == CellState::kOccupied ? 1 : 0;
+      profile.columns[static_cast<std::size_t>(x)] += is_occupied;
+      profile.rows[static_cast<std::size_t>(y)] += is_occupied;
+      profile.total += is_occupied;
     }
   }
   return profile;
@@ -61,14 +61,29 @@ std::pair<std::int32_t, std::int32_t> trimmed(const std::vector<std::uint64_t>& 
   return {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)};
 }
 
-/// The cells that are known, as a box; empty when none is. The few cells that single beams reached through windows
-/// (kStrayShare of all at each side) do not count, lest they shrink the building.
-CellBox known_box(const OccupancyMap& map) {
-  const KnownProfile profile = known_profile(map);
-  const auto spare = static_cast<std::uint64_t>(kStrayShare * static_cast<double>(profile.total));
+/// The cells that are occupied, as a box; empty when none is. Free cells do not count: beams through windows reach far
+/// and would shrink the building. Nor do the few occupied ones (kStrayShare of all at each side) in which such beams
+/// end.
+CellBox occupied_box(const OccupancyMap& map) {
+  const OccupiedProfile profile = occupied_profile(map);
+  const auto spare = static_cast<std::uint64_t>(std::ceil(kStrayShare * static_cast<double>(profile.total)));
   const auto [left, right] = trimmed(profile.columns, spare);
   const auto [bottom, top] = trimmed(profile.rows, spare);
   return {{left, bottom}, {right, top}};
+}
+
+/// The known cells, for a map in which nothing is occupied.
+CellBox known_box(const OccupancyMap& map) {
+  CellBox box{{map.geometry.width, map.geometry.height}, {0, 0}};
+  for (std::int32_t y = 0; y < map.geometry.height; ++y) {
+    for (std::int32_t x = 0; x < map.geometry.width; ++x) {
+      if (map.at({x, y}) != CellState::kUnknown) {
+        box.min = {std::min(box.min.x, x), std::min(box.min.y, y)};
+        box.end = {std::max(box.end.x, x + 1), std::max(box.end.y, y + 1)};
+      }
+    }
+  }
+  return box;
 }
 
 MapArea area_of(const GridGeometry& geometry, const CellBox& box) {
@@ -125,7 +140,8 @@ MapArea shown_area(const OverviewInput& input) {
   const GridGeometry& geometry = input.map.geometry;
   MapArea area;
   bool is_empty = true;
-  const CellBox box = known_box(input.map);
+  const CellBox occupied = occupied_box(input.map);
+  const CellBox box = occupied.empty() ? known_box(input.map) : occupied;
   if (!box.empty()) {
     include(area, is_empty, area_of(geometry, box));
   }

@@ -14,7 +14,8 @@ struct MapArea {
   double max_y_m = 0.0;
 };
 
-/// What is known, without stray beams, and where the robot was, with a margin; a metre square when there is nothing.
+/// What is occupied, without stray returns (what is known when nothing is occupied), and where the robot was, with a
+/// margin; a metre square when there is nothing.
 MapArea shown_area(const OverviewInput& input);
 
 /// Fills the frame's rectangle: each pixel is the mean of the cells under it, where occupied cells weigh more in small

@@ -83,7 +83,7 @@ TEST(Overview, UpIsUp) {
   EXPECT_LT(p.y, frame.top_px + frame.height_px / 2.0);
 }
 
-TEST(Overview, IsCroppedToTheKnownAreaAndSizedToTheUsualSide) {
+TEST(Overview, IsCroppedToTheBuildingAndSizedToTheUsualSide) {
   const OccupancyMap map = room();
   const Trajectory trajectory;
   const OverviewFrame frame = overview_frame({.map = map, .trajectory = trajectory});
@@ -94,14 +94,93 @@ TEST(Overview, IsCroppedToTheKnownAreaAndSizedToTheUsualSide) {
   EXPECT_NEAR(frame.y_m, 6.5, 0.01);
 }
 
-TEST(Overview, StrayBeamsDoNotShrinkTheBuilding) {
+TEST(Overview, BeamsThroughWindowsDoNotShrinkTheBuilding) {
   OccupancyMap map = room();
-  for (std::int32_t x = 90; x < 98; ++x) {
-    set(map, x, 40, CellState::kFree);
+  // A fan of free cells from the right wall to the edge of the grid, an eighth of all that is known, and one return.
+  for (std::int32_t x = 90; x < 120; ++x) {
+    for (std::int32_t y = 33; y < 47; ++y) set(map, x, y, CellState::kFree);
   }
+  set(map, 119, 40, CellState::kOccupied);
+  // To be shown all the same: the robot itself has been beyond the upper wall, at y = 7.
+  const Trajectory trajectory = {{0, {5, 4, 0}}, {1, {5, 7, 0}}};
+  const OverviewFrame frame = overview_frame({.map = map, .trajectory = trajectory});
+  EXPECT_NEAR(frame.width_px * frame.m_per_pixel, 8.0 + 2 * 0.5, 0.02);
+  EXPECT_NEAR(frame.height_px * frame.m_per_pixel, 5.0 + 2 * 0.5, 0.02);
+  EXPECT_NEAR(frame.y_m, 7.5, 0.01);
+}
+
+TEST(Overview, WithoutWallsTheKnownCellsAreShown) {
+  OccupancyMap map = room();
+  for (CellState& cell : map.cells) cell = cell == CellState::kOccupied ? CellState::kFree : cell;
   const Trajectory trajectory;
-  EXPECT_NEAR(overview_frame({.map = map, .trajectory = trajectory}).width_px, kOverviewSide, 1.0);
-  EXPECT_LT(overview_frame({.map = map, .trajectory = trajectory}).m_per_pixel * kOverviewSide, 9.3);
+  const OverviewFrame frame = overview_frame({.map = map, .trajectory = trajectory});
+  EXPECT_NEAR(frame.width_px * frame.m_per_pixel, 8.0 + 2 * 0.5, 0.02);
+  EXPECT_NEAR(frame.height_px * frame.m_per_pixel, 4.0 + 2 * 0.5, 0.02);
+}
+
+TEST(Overview, PathIsAThinLine) {
+  const OccupancyMap map = room();
+  const Trajectory trajectory = {{0, {2, 4, 0}}, {1, {8, 4, 0}}};
+  const OverviewInput input{.map = map, .trajectory = trajectory};
+  const OverviewFrame frame = overview_frame(input);
+  const RgbImage image = draw_overview(input);
+  const Place p = place(frame, 5.0, 4.0);
+  // The colour's share across the line, summed over its pixels, is its width whatever the anti-aliasing.
+  int fullest = 0;
+  int sum = 0;
+  for (double y = p.y - 8; y <= p.y + 8; ++y) {
+    const int colour = colourfulness(pixel(image, p.x, y));
+    fullest = std::max(fullest, colour);
+    sum += colour;
+  }
+  EXPECT_NEAR(static_cast<double>(sum) / fullest, 2.5, 0.5);
+}
+
+/// Dark pixels and red ones below the map.
+struct LegendInk {
+  int dark = 0;
+  int red = 0;
+  bool operator==(const LegendInk&) const = default;
+};
+LegendInk legend_ink(const OverviewInput& input) {
+  const OverviewFrame frame = overview_frame(input);
+  const RgbImage image = draw_overview(input);
+  LegendInk ink;
+  for (double y = frame.top_px + frame.height_px + 2; y < image.height; ++y) {
+    for (double x = 0; x < image.width; ++x) {
+      const Rgb rgb = pixel(image, x, y);
+      ink.dark += brightness(rgb) < 300 ? 1 : 0;
+      ink.red += rgb[0] > 190 && rgb[1] < 60 && rgb[2] < 90 ? 1 : 0;
+    }
+  }
+  return ink;
+}
+
+TEST(Overview, LegendNamesTheMarksThatArePresent) {
+  const OccupancyMap map = room();
+  const Trajectory trajectory = {{0, {2, 3, 0}}, {1, {5, 5, 0}}, {2, {8, 3, 0}}};
+  const LegendInk plain = legend_ink({.map = map, .trajectory = trajectory});
+  const LegendInk keyframes = legend_ink({.map = map, .trajectory = trajectory, .keyframes = {0, 1}});
+  const LegendInk doubtful = legend_ink({.map = map, .trajectory = trajectory, .doubtful = {1}});
+  const LegendInk both = legend_ink({.map = map, .trajectory = trajectory, .doubtful = {1}, .keyframes = {0, 1}});
+  EXPECT_GT(keyframes.dark, plain.dark + 200);
+  EXPECT_EQ(keyframes.red, plain.red);
+  EXPECT_GT(doubtful.dark, plain.dark + 200);
+  EXPECT_GT(doubtful.red, plain.red + 20);
+  EXPECT_GT(both.dark, std::max(keyframes.dark, doubtful.dark) + 200);
+}
+
+TEST(Overview, TheLongestLegendFitsANarrowPicture) {
+  OccupancyMap map;
+  map.geometry = {0.1, 0.0, 0.0, 20, 400};
+  map.cells.assign(map.geometry.cell_count(), CellState::kOccupied);
+  const Trajectory trajectory = {{0, {1, 1, 0}}, {1, {1, 39, 0}}};
+  const std::vector<std::size_t> many(88888, 1);
+  const OverviewInput input{.map = map, .trajectory = trajectory, .doubtful = many, .keyframes = many};
+  const RgbImage image = draw_overview(input);
+  for (double y = image.height - 50; y < image.height; ++y) {
+    for (double x = image.width - 12; x < image.width; ++x) EXPECT_EQ(pixel(image, x, y), kWhite);
+  }
 }
 
 TEST(Overview, TrajectoryIsColouredAndChangesColourOnItsWay) {
