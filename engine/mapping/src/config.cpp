@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "gdtslam/core/angle.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -100,6 +102,12 @@ void add_doubt_options(MapperConfig& c, std::vector<Option>& table) {
                    &c.doubt.suspect_overlap});
   table.push_back({"doubt.suspect_sigmas", "or the pose is this many standard deviations from the prediction",
                    Unit::kNone, 0.0, 1000.0, &c.doubt.suspect_sigmas});
+  table.push_back({"doubt.leap_gain",
+                   "a pose that far is taken only where it costs less than this share of the near one", Unit::kShare,
+                   0.01, 1.0, &c.doubt.leap_gain});
+  table.push_back({"doubt.report_distance", "an accepted match this far from the odometry is reported as doubtful",
+                   Unit::kMetre, 0.0, 1000.0, &c.doubt.report_m});
+  table.push_back({"doubt.report_angle", "or turned this far from it", Unit::kRadian, 0.0, 3.2, &c.doubt.report_rad});
   table.push_back({"doubt.max_contradiction",
                    "a match with a larger share of points beside the obstacles near them is refused", Unit::kShare, 0.0,
                    1.0, &c.doubt.max_contradiction});
@@ -107,6 +115,16 @@ void add_doubt_options(MapperConfig& c, std::vector<Option>& table) {
                    Unit::kShare, 0.0, 1.0, &c.doubt.min_overlap});
   table.push_back({"doubt.restart", "after this much motion without a match the scan is merged where odometry says",
                    Unit::kMetre, 0.1, 1000.0, &c.doubt.restart_m});
+}
+
+constexpr std::int64_t kMostSamples = std::int64_t{1} << 25U;
+
+// Poses of the largest window that a configuration allows.
+std::int64_t most_samples(const MapperConfig& config) {
+  const SearchConfig& s = config.search;
+  const auto side = static_cast<std::int64_t>(2.0 * std::ceil(s.max_half_m / s.step_m)) + 1;
+  const auto angles = static_cast<std::int64_t>(2.0 * std::ceil(kPi / s.step_rad)) + 1;
+  return side > 100000 ? kMostSamples + 1 : side * side * angles;
 }
 
 }  // namespace
@@ -130,6 +148,14 @@ std::vector<std::string> validate(const MapperConfig& config) {
   if (found.empty() && (config.map.radius_cells() < 1 || config.map.radius_cells() > 255)) {
     found.push_back("map.truncation is " + std::to_string(config.map.radius_cells()) +
                     " cells of map.resolution; it must be 1 to 255 cells");
+  }
+  if (found.empty() && config.map.truncation_m <= 2.0 * config.gate.final_m) {
+    found.emplace_back("map.truncation must be larger than twice gate.final, or no scan could contradict the map");
+  }
+  if (found.empty() && most_samples(config) > kMostSamples) {
+    found.emplace_back(
+        "search.half_width, search.max_half_width, search.step and search.step_angle ask for windows of more than " +
+        std::to_string(kMostSamples) + " poses");
   }
   if (found.empty() && config.gate.final_m > config.gate.wide_m) {
     found.emplace_back("gate.final must not be larger than gate.wide");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace gdtslam {
 namespace {
@@ -81,14 +80,10 @@ std::vector<std::size_t> best_minima(const Lattice& lattice, std::uint32_t count
 
 bool on_edge(const CellPose& pose, const SearchWindow& window) {
   const float slack = 0.5F;
+  if (window.half_xy_cells <= 0.0F || window.half_theta_rad <= 0.0F) return false;
   return std::fabs(pose.x - window.centre.x) > window.half_xy_cells - slack * window.step_cells ||
          std::fabs(pose.y - window.centre.y) > window.half_xy_cells - slack * window.step_cells ||
          std::fabs(pose.theta - window.centre.theta) > window.half_theta_rad - slack * window.step_rad;
-}
-
-bool elsewhere(const CellPose& a, const CellPose& b, const SearchWindow& window) {
-  return std::fabs(a.x - b.x) > 2.0F * window.step_cells || std::fabs(a.y - b.y) > 2.0F * window.step_cells ||
-         std::fabs(a.theta - b.theta) > 2.0F * window.step_rad;
 }
 
 }  // namespace
@@ -106,14 +101,8 @@ ExhaustiveResult search_window(Objective& objective, const SearchWindow& window,
   }
   const auto best = std::min_element(polished.begin(), polished.end(),
                                      [](const SimplexResult& a, const SimplexResult& b) { return a.cost < b.cost; });
-  ExhaustiveResult result{.pose = best->pose,
-                          .cost = best->cost,
-                          .runner_up_cost = std::numeric_limits<std::uint32_t>::max(),
-                          .evaluations = 0,
-                          .at_edge = on_edge(best->pose, window)};
-  for (const SimplexResult& other : polished) {
-    if (elsewhere(other.pose, best->pose, window)) result.runner_up_cost = std::min(result.runner_up_cost, other.cost);
-  }
+  ExhaustiveResult result{
+      .pose = best->pose, .cost = best->cost, .evaluations = 0, .at_edge = on_edge(best->pose, window)};
   result.evaluations = static_cast<std::uint32_t>(objective.evaluations() - before);
   return result;
 }

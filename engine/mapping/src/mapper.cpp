@@ -35,6 +35,9 @@ class StageTimer {
   Clock::time_point start_;
 };
 
+// More terms of 16 bits could overflow the sum of a cost; a larger scan is thinned for matching, not for the map.
+constexpr std::size_t kMostPoints = 65537;
+
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
 double turn(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.theta_rad - b.theta_rad)); }
 
@@ -76,6 +79,11 @@ struct Mapper::State {
 void Mapper::State::see(const LaserScan& scan) {
   points_m = points_of(scan, {.min_m = config.scan.min_range_m, .max_m = config.scan.max_range_m});
   points = in_cells(points_m, config.map.resolution_m);
+  if (points.size() <= kMostPoints) return;
+  const std::size_t every = (points.size() + kMostPoints - 1) / kMostPoints;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); i += every) points[kept++] = points[i];
+  points.resize(kept);
 }
 
 Prediction Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
@@ -115,13 +123,13 @@ bool Mapper::State::wants_search(const Pose2& predicted) const {
 void Mapper::State::update_map(MatchResult& result) {
   unmatched_m = result.accepted ? 0.0 : unmatched_m + distance(result.T_map_base, last_pose);
   const bool restart = !result.accepted && result.doubt != Doubt::kFewPoints && unmatched_m >= config.doubt.restart_m;
-  if (restart) {
-    ++statistics.restarts;
-    unmatched_m = 0.0;
-  }
   if (restart || (result.accepted && is_keyframe(result.T_map_base))) {
     merge(result.T_map_base);
     result.merged = true;
+  }
+  if (restart) {
+    ++statistics.restarts;
+    unmatched_m = 0.0;
   }
 }
 

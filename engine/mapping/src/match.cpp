@@ -12,6 +12,10 @@ std::string_view name_of(Doubt doubt) {
       return "low-overlap";
     case Doubt::kContradiction:
       return "contradiction";
+    case Doubt::kWeakEvidence:
+      return "weak-evidence";
+    case Doubt::kFarFromPrediction:
+      return "far-from-prediction";
   }
   return "unknown";
 }

@@ -73,23 +73,22 @@ std::uint32_t Objective::evaluate(const CellPose& pose) {
   return cost;
 }
 
-std::uint32_t Objective::data_cost(const CellPose& pose) const {
-  const PoseCandidate candidate{pose.x, pose.y, pose.theta, 0};
-  std::uint32_t cost = 0;
-  pose_cost_host(backend_->host_isa(), params(interpolation_, points_.size()), map_->cells().data(), points_.data(),
-                 &candidate, 1, &cost);
-  return cost;
-}
-
 void Objective::residuals(const CellPose& pose, std::span<const PointCells> points,
                           std::vector<std::uint16_t>& values) const {
   values.resize(points.size());
+  const PoseCost::Params grid = params(Interpolation::kNearest, points.size());
+  const std::uint16_t* const cells = map_->cells().data();
   const auto [sin, cos] = sin_cos(pose.theta);
+  // The two outermost rows and columns hold the cap, so a point off the map reads it at the nearest of them.
+  const auto cell_of = [](float position, std::int32_t anchor, std::uint32_t size) {
+    const float last = static_cast<float>(size - 1);
+    return static_cast<std::uint32_t>(std::clamp(std::floor(position) + static_cast<float>(anchor), 0.0F, last));
+  };
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float x = (cos * points[i].x - sin * points[i].y) + pose.x;
     const float y = (sin * points[i].x + cos * points[i].y) + pose.y;
-    const CellOffset cell{static_cast<std::int32_t>(std::floor(x)), static_cast<std::int32_t>(std::floor(y))};
-    values[i] = map_->at(anchor_ + cell);
+    values[i] = cells[std::size_t{cell_of(y, grid.anchor_y, grid.height)} * grid.stride +
+                      cell_of(x, grid.anchor_x, grid.width)];
   }
 }
 

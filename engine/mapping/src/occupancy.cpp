@@ -106,6 +106,7 @@ CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map
     const Point2 d = bearings_.directions[k] * length_m;
     const Point2 end_m{T_map_laser.x_m + cosine * d.x() - sine * d.y(),
                        T_map_laser.y_m + sine * d.x() + cosine * d.y()};
+    if (!end_m.allFinite()) continue;
     rays_.push_back({sub_cell_of(end_m), is_return});
     extend(touched, rays_.back().end.cell());
   }

@@ -5,6 +5,7 @@
 
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
@@ -47,14 +48,17 @@ MatchResult ScanMatcher::match(const std::vector<PointCells>& points, const Pred
   result.searched = searched;
   result.doubt = doubt_of(best.evidence);
   result.accepted = result.doubt == Doubt::kNone;
-  if (!result.accepted) result.T_map_base = prediction.T_map_base;
+  if (result.accepted) {
+    result.doubt = reservation_about(best, prediction);
+  } else {
+    result.T_map_base = prediction.T_map_base;
+  }
   return result;
 }
 
 void ScanMatcher::prepare(const Prediction& prediction) {
   const double r = config_.map.resolution_m;
-  objective_.set_anchor({static_cast<std::int32_t>(std::floor(prediction.T_map_base.x_m / r)),
-                         static_cast<std::int32_t>(std::floor(prediction.T_map_base.y_m / r))});
+  objective_.set_anchor(map_cell_of(prediction.T_map_base.translation(), r));
   predicted_ = objective_.to_cells(prediction.T_map_base);
   const PriorConfig& p = config_.prior;
   const double sigma_cells = (p.sigma_m + p.sigma_per_m * prediction.travelled_m) / r;
@@ -108,21 +112,23 @@ ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
 }
 
 ScanMatcher::Evidence ScanMatcher::judge(const CellPose& pose) {
-  Evidence evidence;
-  objective_.set_points(*points_);
-  objective_.set_cap(units(config_.gate.wide_m));
-  const auto count = static_cast<double>(points_->size());
-  const std::uint32_t data = objective_.data_cost(pose);
-  evidence.mean_cost_m = data / (count * kFieldOne) * config_.map.resolution_m;
   objective_.residuals(pose, *points_, values_);
   const std::uint32_t gate = units(config_.gate.final_m);
-  const auto near = std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v <= gate; });
-  const auto known = std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v < map_->cap(); });
-  const auto beside =
-      std::count_if(values_.begin(), values_.end(), [&](std::uint16_t v) { return v > 2 * gate && v < map_->cap(); });
-  evidence.overlap = static_cast<double>(near) / count;
-  evidence.contradiction = known > 0 ? static_cast<double>(beside) / static_cast<double>(known) : 0.0;
-  return evidence;
+  const std::uint32_t wide = units(config_.gate.wide_m);
+  std::uint64_t sum = 0;
+  std::size_t near = 0;
+  std::size_t beside = 0;
+  std::size_t known = 0;
+  for (const std::uint16_t value : values_) {
+    sum += std::min<std::uint32_t>(value, wide);
+    near += value <= gate ? 1U : 0U;
+    known += value < map_->cap() ? 1U : 0U;
+    beside += value > 2 * gate && value < map_->cap() ? 1U : 0U;
+  }
+  const auto count = static_cast<double>(points_->size());
+  return {.mean_cost_m = static_cast<double>(sum) / (count * kFieldOne) * config_.map.resolution_m,
+          .overlap = static_cast<double>(near) / count,
+          .contradiction = known > 0 ? static_cast<double>(beside) / static_cast<double>(known) : 0.0};
 }
 
 bool ScanMatcher::is_suspect(const Evidence& evidence) const {
@@ -131,10 +137,20 @@ bool ScanMatcher::is_suspect(const Evidence& evidence) const {
 }
 
 bool ScanMatcher::is_far(const CellPose& pose, const Prediction& prediction) const {
-  const DoubtConfig& d = config_.doubt;
+  const double sigmas = config_.doubt.suspect_sigmas;
   const PriorConfig& p = config_.prior;
-  const double allowed_m = d.suspect_sigmas * (p.sigma_m + p.sigma_per_m * prediction.travelled_m);
-  const double allowed_rad = d.suspect_sigmas * (p.sigma_rad + p.sigma_per_rad * prediction.turned_rad);
+  return is_beyond(pose, sigmas * (p.sigma_m + p.sigma_per_m * prediction.travelled_m),
+                   sigmas * (p.sigma_rad + p.sigma_per_rad * prediction.turned_rad));
+}
+
+// What is to be said of a match that stands: the map supports it badly, or the odometry says something quite different.
+Doubt ScanMatcher::reservation_about(const Estimate& estimate, const Prediction& prediction) const {
+  if (is_suspect(estimate.evidence)) return Doubt::kWeakEvidence;
+  const bool far = prediction.by_odometry && is_beyond(estimate.pose, config_.doubt.report_m, config_.doubt.report_rad);
+  return far ? Doubt::kFarFromPrediction : Doubt::kNone;
+}
+
+bool ScanMatcher::is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const {
   const auto dx = static_cast<double>(pose.x - predicted_.x) * config_.map.resolution_m;
   const auto dy = static_cast<double>(pose.y - predicted_.y) * config_.map.resolution_m;
   const auto dt = static_cast<double>(pose.theta - predicted_.theta);
@@ -181,7 +197,7 @@ SearchWindow ScanMatcher::window_around(const Prediction& prediction, double sca
           .step_rad = static_cast<float>(s.step_rad)};
 }
 
-// A window around the prediction, twice as large each time as long as what it finds is suspect.
+// A window around the prediction, twice as large each time as long as what it finds is suspect or lies on its edge.
 ScanMatcher::Estimate ScanMatcher::search(const Estimate& local, const Prediction& prediction) {
   Estimate best = local;
   choose_voters(local);
@@ -192,12 +208,17 @@ ScanMatcher::Estimate ScanMatcher::search(const Estimate& local, const Predictio
     const ExhaustiveResult found = search_window(objective_, window_around(prediction, std::ldexp(1.0, attempt)),
                                                  static_cast<std::uint32_t>(config_.search.starts), kCoarsePolish);
     const Estimate polished = descend(found.pose);
-    const std::uint32_t cost = cost_to_voters(polished.pose);
-    if (cost < best_cost) {
+    std::uint32_t cost = cost_to_voters(polished.pose);
+    if (is_far(polished.pose, prediction) && !is_far(local.pose, prediction)) {
+      const double factor = 1.0 / config_.doubt.leap_gain;
+      cost = static_cast<std::uint32_t>(std::min(cost * factor, 4.0e9));
+    }
+    const bool taken = cost < best_cost;
+    if (taken) {
       best = polished;
       best_cost = cost;
     }
-    if (!is_suspect(best.evidence)) break;
+    if (!is_suspect(best.evidence) && !(taken && found.at_edge)) break;
   }
   return best;
 }

@@ -9,6 +9,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kFurthestCell = 1 << 28;
+constexpr double kFurthest_m = 1.0e5;  // from the robot; farther is a mount that is plainly wrong
 
 std::int32_t cell_floor(double cells) {
   return static_cast<std::int32_t>(std::floor(std::clamp(cells, -kFurthestCell, kFurthestCell)));
@@ -25,7 +26,7 @@ std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid) {
     if (!(range >= valid.min_m && range < limit)) continue;  // false for NaN too
     const auto direction = sin_cos(scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad);
     const Point2 point = scan.T_base_laser * Point2(range * direction.cos, range * direction.sin);
-    if (point.allFinite()) points.push_back(point);
+    if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthest_m) points.push_back(point);
   }
   return points;
 }

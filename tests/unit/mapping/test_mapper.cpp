@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "support/pose_matchers.hpp"
 #include "support/room.hpp"
@@ -82,6 +83,20 @@ TEST_F(MapperTest, SurvivesAFaultOf85DegreesAndHalfAMetreInOneStep) {
     return i < 60 ? truth : Pose2{0.4, -0.25, 1.4835} * truth;
   });
   expect_truth(results, 0.05, 1.0);
+  EXPECT_TRUE(results[60].accepted);
+  EXPECT_EQ(results[60].doubt, Doubt::kFarFromPrediction) << "a fault that large must be reported";
+  EXPECT_EQ(statistics_.doubtful, 1U);
+}
+
+TEST_F(MapperTest, ARobotThatIsParkedKeepsItsOdometry) {
+  truth_.assign(400, Pose2{0.3, 0.1, 0.2});
+  scans_.assign(400, test::scan_of(walls_, truth_[0], 0.0));
+  Random random(7);
+  for (LaserScan& scan : scans_) {
+    for (float& range : scan.ranges_m) range += static_cast<float>(random.normal(0.0, 0.02));
+  }
+  map(good);
+  EXPECT_LE(statistics_.without_odometry, 1U);
 }
 
 TEST_F(MapperTest, SurvivesOdometryWithTheSignOfDrivingWrong) {
@@ -115,9 +130,9 @@ TEST_F(MapperTest, ExhaustiveMatchesToo) {
 
 TEST_F(MapperTest, TheRuleAsPrintedLosesTheRoom) {
   MapperConfig config;
-  config.merge.rule = MergeRule::kLiteral;
   config.search.when = SearchWhen::kNever;
-  const auto working = map(good);
+  const auto working = map(good, {}, config);
+  config.merge.rule = MergeRule::kLiteral;
   const auto literal = map(good, {}, config);
   double worse = 0.0;
   double better = 0.0;
@@ -169,15 +184,16 @@ TEST_F(MapperTest, AMapThatMayNotGrowIsRefusedAndMappingGoesOn) {
   const auto backend = make_cpu_backend({});
   Mapper mapper(config, *backend);
   mapper.process(scans_[0], truth_[0]);
-  // Most beams as before, the rest so long that the map would pass 2^20 cells.
-  LaserScan hall = scans_[0];
+  // Most beams as they are, the rest so long that the map would pass 2^20 cells.
+  LaserScan hall = scans_[1];
   std::fill(hall.ranges_m.begin() + 150, hall.ranges_m.end(), 35.0F);
   hall.ranges_m[0] = 35.0F;
   MatchResult result;
-  EXPECT_THROW(result = mapper.process(hall, Pose2{0.0, 0.0, 0.2} * truth_[0]), InputError);
-  result = mapper.process(scans_[0], truth_[0]);
+  EXPECT_THROW(result = mapper.process(hall, truth_[1]), InputError);
+  result = mapper.process(scans_[2], truth_[2]);
+  EXPECT_THAT(result.T_map_predicted, PoseNear(truth_[2], 0.03, 0.8)) << "the motion of the refused scan was lost";
   EXPECT_TRUE(result.accepted);
-  EXPECT_THAT(result.T_map_base, PoseNear(truth_[0], 0.03, 0.8));
+  EXPECT_THAT(result.T_map_base, PoseNear(truth_[2], 0.03, 0.8));
 }
 
 TEST_F(MapperTest, AConfigurationThatCannotBeUsedNamesEveryViolation) {
@@ -196,7 +212,7 @@ TEST_F(MapperTest, AConfigurationThatCannotBeUsedNamesEveryViolation) {
 }
 
 TEST_F(MapperTest, AScanAsLargeAsALaserCouldNeverMakeIsMapped) {
-  scans_[0] = test::scan_of(walls_, truth_[0], 0.0, 60000);
+  scans_[0] = test::scan_of(walls_, truth_[0], 0.0, 100000);
   EXPECT_TRUE(map(good)[0].merged);
 }
 

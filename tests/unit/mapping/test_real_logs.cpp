@@ -18,6 +18,7 @@ struct RealLog {
   const char* name;
   double max_translation_m;
   double max_rotation_deg;
+  double max_error_m;  // of the worst relation
 };
 
 void PrintTo(const RealLog& log, std::ostream* out) { *out << log.name; }
@@ -60,6 +61,7 @@ TEST_P(RealLogTest, MapsWithinTheBoundsInUnderTenSecondsOfProcessorTime) {
   EXPECT_EQ(run.report.unmatched, 0U);
   EXPECT_LE(run.report.all.translation_m.mean, GetParam().max_translation_m);
   EXPECT_LE(run.report.all.rotation_deg.mean, GetParam().max_rotation_deg);
+  EXPECT_LE(run.report.all.translation_m.max, GetParam().max_error_m) << "a wrong jump hides in the mean";
   EXPECT_EQ(run.statistics.restarts, 0U);
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_LT(run.cpu_s, 10.0);
@@ -67,8 +69,8 @@ TEST_P(RealLogTest, MapsWithinTheBoundsInUnderTenSecondsOfProcessorTime) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Logs, RealLogTest,
-                         testing::Values(RealLog{"intel", 0.030, 0.40}, RealLog{"fr079", 0.035, 0.50},
-                                         RealLog{"mit-csail", 0.035, 0.45}),
+                         testing::Values(RealLog{"intel", 0.030, 0.40, 0.25}, RealLog{"fr079", 0.035, 0.50, 0.25},
+                                         RealLog{"mit-csail", 0.035, 0.45, 0.35}),
                          [](const auto& log) {
                            return std::string(log.param.name == std::string("mit-csail") ? "csail" : log.param.name);
                          });

@@ -88,6 +88,9 @@ struct DoubtConfig {
   double suspect_contradiction = 0.1;  ///< a window is searched beyond these
   double suspect_overlap = 0.75;
   double suspect_sigmas = 3.0;
+  double leap_gain = 0.75;  ///< a pose that far must cost less than this share of the near one
+  double report_m = 0.25;   ///< accepted matches farther from the odometry than this are reported
+  double report_rad = 0.2617993877991494;
   double max_contradiction = 0.3;  ///< a match is refused beyond these
   double min_overlap = 0.25;
   double restart_m = 2.0;  ///< after this much motion without a match the scan is merged where odometry says

@@ -25,9 +25,8 @@ struct SearchWindow {
 struct ExhaustiveResult {
   CellPose pose;
   std::uint32_t cost = 0;
-  std::uint32_t runner_up_cost = 0;  ///< best polished cost of a pose clearly elsewhere; 2^32-1 when there is none
   std::uint32_t evaluations = 0;
-  bool at_edge = false;  ///< the best sample lies on the edge of the window
+  bool at_edge = false;  ///< the pose lies within half a step of the window's edge
 };
 
 /// Costs every sample, keeps the `starts` best local minima of the grid, polishes each.

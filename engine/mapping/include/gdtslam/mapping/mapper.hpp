@@ -51,8 +51,8 @@ class Mapper {
   /// Takes the next scan and the robot's pose by odometry when it was taken (nothing, or a constant, where there is no
   /// odometry) and returns the robot's pose in the map with its evidence. Poses or ranges that are not finite never
   /// reach the map: such a pose counts as no odometry, such a range as no return. Throws InputError when the map would
-  /// grow beyond map.max_cells, with the size needed and the size allowed; the map stays as it
-  /// was, the robot's motion is kept, and mapping may go on.
+  /// grow beyond map.max_megacells, with the size needed and the size allowed; the map then stays as it was, the
+  /// robot's motion is kept, and mapping may go on.
   MatchResult process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
 
   [[nodiscard]] const MapperConfig& config() const;

@@ -8,12 +8,14 @@
 
 namespace gdtslam {
 
-/// Why a match is in doubt.
+/// Why a scan is in doubt: the first three refuse the match, the last two only report one that was accepted.
 enum class Doubt : std::uint8_t {
   kNone,
-  kFewPoints,      ///< too few returns to match
-  kLowOverlap,     ///< too few points near known obstacles
-  kContradiction,  ///< too many points beside known obstacles
+  kFewPoints,          ///< too few returns to match
+  kLowOverlap,         ///< too few points near known obstacles
+  kContradiction,      ///< too many points beside known obstacles
+  kWeakEvidence,       ///< accepted, but overlap or contradiction are those of few good matches
+  kFarFromPrediction,  ///< accepted, but farther from the odometry than it should ever be wrong
 };
 std::string_view name_of(Doubt doubt);
 

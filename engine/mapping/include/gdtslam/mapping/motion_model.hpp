@@ -37,10 +37,9 @@ class MotionModel {
   OdometryConfig config_;
   Pose2 T_map_base_;
   std::optional<Pose2> last_odometry_;
-  Pose2 last_motion_;      // of the estimate, in the robot's frame
-  double frozen_m_ = 0.0;  // how far the estimate moved while the odometry stood still
-  double frozen_rad_ = 0.0;
-  bool stands_still_ = false;
+  Pose2 last_motion_;                // of the estimate, in the robot's frame
+  std::optional<Pose2> T_map_stop_;  // where the odometry stopped; nothing while it moves
+  bool frozen_ = false;              // the scans moved on from there
   std::uint64_t leaps_ = 0;
 };
 

@@ -45,10 +45,7 @@ class Objective {
   void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
   std::uint32_t evaluate(const CellPose& pose);
 
-  /// The cost of a pose without the prior, in units of 1/256 cell (or squared as the form says), summed over the
-  /// points.
-  [[nodiscard]] std::uint32_t data_cost(const CellPose& pose) const;
-  /// Field value under each point, nearest cell.
+  /// Field value under each point, nearest cell; no coordinate may be NaN.
   void residuals(const CellPose& pose, std::span<const PointCells> points, std::vector<std::uint16_t>& values) const;
 
   [[nodiscard]] CellPose to_cells(const Pose2& T_map_base) const;

@@ -40,6 +40,8 @@ class ScanMatcher {
   [[nodiscard]] Evidence judge(const CellPose& pose);
   [[nodiscard]] bool is_suspect(const Evidence& evidence) const;
   [[nodiscard]] bool is_far(const CellPose& pose, const Prediction& prediction) const;
+  [[nodiscard]] bool is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const;
+  [[nodiscard]] Doubt reservation_about(const Estimate& estimate, const Prediction& prediction) const;
   [[nodiscard]] Doubt doubt_of(const Evidence& evidence) const;
   Estimate search(const Estimate& local, const Prediction& prediction);
   [[nodiscard]] SearchWindow window_around(const Prediction& prediction, double scale) const;

@@ -17,7 +17,8 @@ struct ValidRange {
 };
 
 /// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return, nor is
-/// a point that is not finite because a bearing or the mount is not.
+/// a point that is
+/// not finite or 100 km away because a bearing or the mount is wrong.
 std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid);
 
 /// The same points in cells.
