@@ -80,7 +80,7 @@ def unwritable_output():
     one_error_line(process.stderr)
     expect("map.yaml" in process.stderr, process.stderr)
     expect(digests(folder) == before, "the folder changed although map.yaml could not be replaced")
-    process = command("ablation", LOG, "--relations", DATA / "drive.relations", "-o", folder, "--first", 5, "--variant",
+    process = command("ablation", LOG, "--relations", DATA / "drive.relations", "-o", folder, "--first", 12, "--variant",
                       "merge.kappa=1", "-q")
     expect_exit(process, 74)
 
