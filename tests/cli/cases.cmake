@@ -21,6 +21,7 @@ gdtslam_cli_test(usage.no_number ARGS map {log} --first few EXIT 2 STDERR "--fir
 gdtslam_cli_test(usage.first_nothing ARGS map {log} --first 0 EXIT 2 STDERR "--first: '0' is no whole number of at least 1")
 gdtslam_cli_test(usage.negative_first ARGS map {log} --first=-1 EXIT 2 STDERR "--first: '-1' is no whole number")
 gdtslam_cli_test(usage.negative_skip ARGS ablation {log} --relations {data}/drive.relations -o t.md --skip=-1 EXIT 2 STDERR "--skip: '-1' is no whole number")
+gdtslam_cli_test(usage.ablation_pipe ARGS ablation - --relations {data}/drive.relations -o t.md EXIT 2 STDERR "give a file, not standard input")
 gdtslam_cli_test(usage.isa ARGS map {log} --isa avx3 EXIT 2 STDERR "no instruction set 'avx3'. did you mean 'avx2'")
 gdtslam_cli_test(usage.device ARGS map {log} --device gpu EXIT 2 STDERR "no device 'gpu'")
 gdtslam_cli_test(usage.evaluate_nothing ARGS evaluate {run}/trajectory.tum EXIT 2 STDERR "relations.*reference")

@@ -22,7 +22,7 @@ OverviewInput overview_of(const MapJob& job, const MapOutcome& outcome) {
   for (const DoubtfulScan& scan : outcome.doubtful) input.doubtful.push_back(scan.index);
   input.keyframes = outcome.keyframes;
   const MapperStatistics& s = outcome.statistics;
-  input.title = std::filesystem::path(job.logs.front()).filename().string();
+  input.title = std::filesystem::path(log_name(job.logs.front())).filename().string();
   input.caption = fmt::format("{} scans, {} matched, {} doubtful, {} keyframes, {:.1f} m; {}x{} cells of {:g} m",
                               s.scans, s.matched, s.doubtful, s.keyframes, s.path_m, outcome.occupancy.geometry.width,
                               outcome.occupancy.geometry.height, outcome.occupancy.geometry.resolution_m);

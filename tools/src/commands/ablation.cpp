@@ -118,6 +118,8 @@ std::string row_after_the_first(const AblationVariant& variant, const AblationOp
 }
 
 int ablation(const AblationOptions& options) {
+  if (options.log == "-")
+    throw UsageError("ablation reads the log once for each variant: give a file, not standard input");
   const std::vector<Relation> relations = read_relations(options.relations);
   const std::vector<AblationVariant> variants = variants_of(options);
   for (const AblationVariant& variant : variants) {  // a misspelt option must not show after an hour
