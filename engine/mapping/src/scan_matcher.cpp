@@ -209,7 +209,7 @@ ScanMatcher::Estimate ScanMatcher::search(const Estimate& local, const Predictio
                                                  static_cast<std::uint32_t>(config_.search.starts), kCoarsePolish);
     const Estimate polished = descend(found.pose);
     std::uint32_t cost = cost_to_voters(polished.pose);
-    if (is_far(polished.pose, prediction) && !is_far(local.pose, prediction)) {
+    if (prediction.by_odometry && is_far(polished.pose, prediction) && !is_far(local.pose, prediction)) {
       const double factor = 1.0 / config_.doubt.leap_gain;
       cost = static_cast<std::uint32_t>(std::min(cost * factor, 4.0e9));
     }

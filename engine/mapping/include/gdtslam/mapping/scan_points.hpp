@@ -16,9 +16,8 @@ struct ValidRange {
   double max_m = 0.0;  ///< excluded; the scan's own limit counts too where the log states one
 };
 
-/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return, nor is
-/// a point that is
-/// not finite or 100 km away because a bearing or the mount is wrong.
+/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return, nor are
+/// points that are not finite or 100 km away because a bearing or the mount is wrong.
 std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid);
 
 /// The same points in cells.
