@@ -1,7 +1,6 @@
 /* Preloaded to make the disk full: of the writes and syncs of regular files, the one that the environment variable
  * FULL_DISK_AT names (from 1) and all later ones fail with ENOSPC. Where the number is 0 they are only counted: at the
  * end the count goes into the file FULL_DISK_COUNT. */
-#define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
