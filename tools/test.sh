@@ -125,15 +125,15 @@ run_sanitized() {
 
 # fuzz_target NAME: from its corpus; new inputs go into the build tree, and so does one that breaks something.
 fuzz_target() {
-  local work=$fuzzed/work/$1
-  mkdir -p "$work/found"
+  local runs=$fuzzed/runs/$1
+  mkdir -p "$runs/found"
   "$fuzzed/bin/gdtslam_fuzz_$1" -max_total_time="${GDTSLAM_FUZZ_S:-30}" -max_len=4096 -timeout=5 -rss_limit_mb=1024 \
-    -malloc_limit_mb=256 -print_final_stats=1 -artifact_prefix="$work/" "$work/found" "$root/tests/fuzz/corpus/$1" \
-    >"$work/log" 2>&1 || {
-    tail -n 40 "$work/log"
+    -malloc_limit_mb=256 -print_final_stats=1 -artifact_prefix="$runs/" "$runs/found" "$root/tests/fuzz/corpus/$1" \
+    >"$runs/log" 2>&1 || {
+    tail -n 40 "$runs/log"
     return 1
   }
-  echo "$1: $(sed -n 's/^stat::number_of_executed_units: *//p' "$work/log") executions, no finding"
+  echo "$1: $(sed -n 's/^stat::number_of_executed_units: *//p' "$runs/log") executions, no finding"
 }
 
 # One fuzzer per processor at a time.
