@@ -79,10 +79,14 @@ class CpuBackend final : public Backend {
   void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) override;
   void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> params,
                 Extent threads) override;
-  void download(const Buffer& source, std::span<std::byte> data, std::size_t offset) override;
+  void fill(const Buffer& target, std::uint32_t word) override;
+  PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset) override;
+  void finish_download(PendingDownload download, std::span<std::byte> data) override;
+  void flush() override {}
   [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override { return memory_of(buffer); }
   [[nodiscard]] Isa host_isa() const override { return isa_; }
   [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatch_count_; }
+  [[nodiscard]] std::uint64_t submit_count() const override { return 0; }
 
  private:
   void release(std::uint64_t id) noexcept override { allocations_.erase(id); }
@@ -97,6 +101,7 @@ class CpuBackend final : public Backend {
   std::unordered_map<std::uint64_t, Allocation> allocations_;
   std::uint64_t next_id_ = 1;
   std::uint64_t dispatch_count_ = 0;
+  std::unordered_map<std::uint64_t, std::vector<std::byte>> downloads_;  // started, not finished
   std::vector<std::span<std::byte>> bound_;
   std::vector<std::size_t> bound_bytes_;
 };
@@ -135,9 +140,29 @@ void CpuBackend::upload(const Buffer& target, std::span<const std::byte> data, s
   std::copy(data.begin(), data.end(), part.begin());
 }
 
-void CpuBackend::download(const Buffer& source, std::span<std::byte> data, std::size_t offset) {
-  const std::span<std::byte> part = part_of(source, data.size(), offset, "download");
-  std::copy(part.begin(), part.end(), data.begin());
+void CpuBackend::fill(const Buffer& target, std::uint32_t word) {
+  const std::span<std::byte> memory = memory_of(target);
+  const auto pattern = std::as_bytes(std::span(&word, 1));
+  for (std::size_t i = 0; i < memory.size(); ++i) {
+    memory[i] = pattern[i % pattern.size()];
+  }
+}
+
+// The copy is made here: what is dispatched later must not be seen.
+PendingDownload CpuBackend::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
+  const std::span<std::byte> part = part_of(source, bytes, offset, "download");
+  const std::uint64_t id = next_id_++;
+  downloads_.emplace(id, std::vector<std::byte>(part.begin(), part.end()));
+  return {id, bytes};
+}
+
+void CpuBackend::finish_download(PendingDownload download, std::span<std::byte> data) {
+  const auto found = downloads_.find(download.id);
+  if (found == downloads_.end() || data.size() != found->second.size()) {
+    throw Error(ExitCode::kFailed, "a download was asked for that is not under way, or with another size");
+  }
+  std::copy(found->second.begin(), found->second.end(), data.begin());
+  downloads_.erase(found);
 }
 
 void CpuBackend::bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers) {

@@ -1,6 +1,8 @@
-// The seam between the algorithms and the device that runs them. A backend knows five verbs: allocate, upload,
-// dispatch, download, and (for the host) a view of the memory where there is one. Dispatches run in the order of the
-// calls. A backend and its buffers belong to one thread at a time.
+// The seam between the algorithms and the device that runs them. A backend knows few verbs: allocate, upload, fill,
+// dispatch, download, flush, and (for the host) a view of the memory where there is one. Work is done in the order of
+// the calls. A device collects what it is asked for and starts it at flush() or when a download is waited for, so what
+// lies between two such calls is one submission. A backend and its buffers belong to one thread at a time. Every verb
+// throws DeviceError when the device fails; such a backend refuses all further work, and can only be destroyed.
 #pragma once
 
 #include <cstddef>
@@ -58,6 +60,12 @@ struct DeviceInfo {
   unsigned threads = 1;
 };
 
+/// A download that is under way: delivered once, by Backend::finish_download().
+struct PendingDownload {
+  std::uint64_t id = 0;
+  std::size_t bytes = 0;
+};
+
 class Backend {
  public:
   Backend() = default;
@@ -68,18 +76,31 @@ class Backend {
   [[nodiscard]] virtual const DeviceInfo& device() const = 0;
   /// Zero-filled memory. Throws Error with the size asked for and the size allowed.
   virtual Buffer allocate(std::size_t bytes) = 0;
+  /// The data are copied before the call returns. Offset and size are multiples of 4, or the last bytes of the buffer.
   virtual void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset = 0) = 0;
+  /// Sets every 32-bit word of a buffer, the bytes beyond the last whole word too.
+  virtual void fill(const Buffer& target, std::uint32_t word) = 0;
   /// Runs a kernel over `threads` invocations; a zero extent is a no-op. Buffers are in the order of the bindings.
   virtual void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers,
                         std::span<const std::byte> params, Extent threads) = 0;
-  /// Waits for what was dispatched before and copies.
-  virtual void download(const Buffer& source, std::span<std::byte> data, std::size_t offset = 0) = 0;
+  /// Puts the copy of a part of a buffer in line behind what was asked for before.
+  virtual PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset = 0) = 0;
+  /// Waits for a download and delivers it; `data` has its size. Starts what is in line where it has to.
+  virtual void finish_download(PendingDownload download, std::span<std::byte> data) = 0;
+  /// Waits for what was asked for before and copies.
+  void download(const Buffer& source, std::span<std::byte> data, std::size_t offset = 0) {
+    finish_download(start_download(source, data.size(), offset), data);
+  }
+  /// Starts what is in line and returns at once.
+  virtual void flush() = 0;
   /// The memory itself where the host shares it (the CPU backend), else empty.
   [[nodiscard]] virtual std::span<std::byte> host_view(const Buffer& buffer) = 0;
   /// Instruction set for work that stays on the host (host_kernels.hpp); the CPU backend answers its own.
   [[nodiscard]] virtual Isa host_isa() const { return best_isa(); }
   /// Dispatches so far.
   [[nodiscard]] virtual std::uint64_t dispatch_count() const = 0;
+  /// Submissions so far; a device that works at once, as the CPU does, counts none.
+  [[nodiscard]] virtual std::uint64_t submit_count() const = 0;
 
  private:
   friend class Buffer;

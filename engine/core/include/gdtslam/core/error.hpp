@@ -68,6 +68,21 @@ class UnavailableError : public Error {
   explicit UnavailableError(const std::string& message) : Error(ExitCode::kUnavailable, message) {}
 };
 
+/// A call of a device's driver that failed while running (exit 1): the device is lost or out of memory, and nothing more
+/// should be asked of it. What the host keeps is intact, so the work can go on elsewhere.
+class DeviceError : public Error {
+ public:
+  /// The call as the interface names it and the code that it gave, for example "vkQueueSubmit", "ErrorDeviceLost".
+  DeviceError(const std::string& device, const std::string& call, const std::string& result)
+      : Error(ExitCode::kFailed, device + ": " + call + " gave " + result), call_(call), result_(result) {}
+  [[nodiscard]] const std::string& call() const noexcept { return call_; }
+  [[nodiscard]] const std::string& result() const noexcept { return result_; }
+
+ private:
+  std::string call_;
+  std::string result_;
+};
+
 /// A command line that makes no sense (exit 2).
 class UsageError : public Error {
  public:
