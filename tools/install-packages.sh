@@ -3,26 +3,33 @@
 # neither the network nor the package database. Runs as root or through sudo. docs/dependencies.md says why each is here.
 set -euo pipefail
 
-# To build and run the libraries and the command.
+# To build and run the libraries and the command. The Vulkan backend needs headers and compilers of shaders here, and no
+# driver: it looks for one when it is used.
 build_packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
   libpng-dev zlib1g-dev libembree-dev libassimp-dev
+  libvulkan-dev glslang-tools spirv-tools
 )
+# To compute with Vulkan where the GPU's vendor brought no driver: the loader and Mesa's drivers, lavapipe (which computes
+# on the processor) among them.
+vulkan_packages=(libvulkan1 mesa-vulkan-drivers)
 # To build and run the tests, the checks and the benchmark's peer.
 test_packages=(
   git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libopencv-imgproc-dev
-  clang libclang-rt-14-dev clang-tidy clang-format shellcheck glslang-tools
+  clang libclang-rt-14-dev clang-tidy clang-format shellcheck
   python3 python3-jsonschema python3-yaml
+  "${vulkan_packages[@]}" vulkan-validationlayers
 )
 
 usage() {
   cat <<'USAGE'
-Usage: tools/install-packages.sh [build|test|all] [--list]
+Usage: tools/install-packages.sh [build|vulkan|test|all] [--list]
 
   build    what the libraries and the gdtslam command need (default)
+  vulkan   a Vulkan loader and Mesa's drivers, to run with: for GPUs by AMD and Intel, and lavapipe, which needs no GPU
   test     what the tests and checks need besides
-  all      both
+  all      all of them
   --list   print the packages with their state, install nothing
 USAGE
 }
@@ -31,16 +38,19 @@ group=build
 list_only=false
 for argument in "$@"; do
   case "$argument" in
-    build | test | all) group=$argument ;;
+    build | vulkan | test | all) group=$argument ;;
     --list) list_only=true ;;
     -h | --help) usage; exit 0 ;;
     *) echo "install-packages: unknown argument '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
 
-packages=()
-if [[ $group != test ]]; then packages+=("${build_packages[@]}"); fi
-if [[ $group != build ]]; then packages+=("${test_packages[@]}"); fi
+case "$group" in
+  build) packages=("${build_packages[@]}") ;;
+  vulkan) packages=("${vulkan_packages[@]}") ;;
+  test) packages=("${test_packages[@]}") ;;
+  all) packages=("${build_packages[@]}" "${test_packages[@]}") ;;
+esac
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   echo "install-packages: this is no Debian system (no dpkg or apt-get). Install the equivalents of:" >&2

@@ -131,6 +131,23 @@ class InstallPackages(ScriptTest):
         self.assertEqual(done.returncode, 69)
         self.assertIn("no Debian system", done.stderr)
 
+    def listed(self, group):
+        done = self.install(group, "--list")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse(self.calls.exists())
+        return [line.split()[0] for line in done.stdout.splitlines()]
+
+    def test_what_is_needed_to_build_has_no_driver(self):
+        drivers = set(self.listed("vulkan"))
+        self.assertIn("mesa-vulkan-drivers", drivers)
+        self.assertFalse(drivers & set(self.listed("build")))
+        self.assertLess(drivers, set(self.listed("test")))
+
+    def test_all_is_every_group_and_nothing_twice(self):
+        everything = self.listed("all")
+        self.assertEqual(len(everything), len(set(everything)))
+        self.assertEqual(set(everything), set(self.listed("build")) | set(self.listed("test")))
+
     def test_wrong_argument(self):
         self.assertEqual(self.install("everything").returncode, 2)
 
