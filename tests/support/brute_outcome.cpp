@@ -2,12 +2,16 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/field_grow.hpp"
+#include "gdtslam/compute/kernels/seed_scatter.hpp"
 #include "support/brute_force.hpp"
+#include "support/brute_lattice.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -177,6 +181,41 @@ void merge_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   outcome.contents[0] = bytes_of(global);
 }
 
+void lattice_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  outcome.contents[0] = bytes_of(brute_lattice(params_of<PoseLattice::Params>(kernel_case)));
+}
+
+void minima_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto costs = values_of<std::uint32_t>(outcome.contents[0]);
+  outcome.contents[1] = bytes_of(brute_minima(params_of<LatticeMinima::Params>(kernel_case), costs));
+}
+
+void smallest_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto values = values_of<std::uint32_t>(outcome.contents[0]);
+  outcome.contents[1] = bytes_of(brute_smallest(values, params_of<SmallestValues::Params>(kernel_case).wanted));
+}
+
+void scatter_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto cells = values_of<std::uint32_t>(outcome.contents[0]);
+  const std::set<std::uint32_t> named(cells.begin(), cells.end());
+  const auto before = values_of<std::uint8_t>(outcome.contents[1]);
+  const std::size_t stride = params_of<SeedScatter::Params>(kernel_case).stride;
+  fill<std::uint8_t>(kernel_case, outcome, 1, [&](std::uint32_t x, std::uint32_t y) {
+    return named.contains(y * 65536 + x) ? std::uint8_t{1} : before[y * stride + x];
+  });
+}
+
+void grow_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<FieldGrow::Params>(kernel_case);
+  const auto old_field = values_of<std::uint16_t>(outcome.contents[0]);
+  fill<std::uint16_t>(kernel_case, outcome, 1, [&](std::int64_t x, std::int64_t y) {
+    const std::int64_t old_x = x - params.offset_x;
+    const std::int64_t old_y = y - params.offset_y;
+    const bool known = old_x >= 0 && old_y >= 0 && old_x < params.old_width && old_y < params.old_height;
+    return known ? old_field[static_cast<std::size_t>(old_y * params.old_stride + old_x)] : params.cap;
+  });
+}
+
 using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;
 
 std::uint32_t radius_of(const KernelCase& kernel_case) { return params_of<EdtColumns::Params>(kernel_case).radius; }
@@ -197,7 +236,12 @@ const std::map<std::string_view, Oracle>& oracles() {
       {"distance_field", field_oracle},
       {"pose_cost", cost_oracle},
       {"arg_min", arg_min_oracle},
-      {"gdt_merge", merge_oracle}};
+      {"gdt_merge", merge_oracle},
+      {"pose_lattice", lattice_oracle},
+      {"lattice_minima", minima_oracle},
+      {"smallest_values", smallest_oracle},
+      {"seed_scatter", scatter_oracle},
+      {"field_grow", grow_oracle}};
   return table;
 }
 

@@ -1,5 +1,7 @@
 #include "launch.hpp"
 
+#include <cmath>
+
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -52,6 +54,15 @@ void LaunchCheck::extent(Extent wanted) const {
   if (!(shape_.threads == wanted)) {
     refuse_launch(kernel_, "extent " + to_text(shape_.threads) + ", expected " + to_text(wanted));
   }
+}
+
+void LaunchCheck::prior(const PriorParams& prior) const {
+  const auto is_weight = [](float weight) { return std::isfinite(weight) && weight >= 0.0F; };
+  require(std::isfinite(prior.mean_x) && std::isfinite(prior.mean_y) && std::isfinite(prior.mean_theta),
+          "the prior's mean is not finite");
+  require(is_weight(prior.weight_xy) && is_weight(prior.weight_theta),
+          "a weight of the prior is negative or not finite");
+  require(prior.limit >= 0.0F && prior.limit <= 1.0e9F, "the prior's limit is not within 0 to 1e9");
 }
 
 void LaunchCheck::require(bool condition, const char* message) const {

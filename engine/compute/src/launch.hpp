@@ -81,6 +81,8 @@ class LaunchCheck {
   void buffer(std::size_t binding, std::size_t bytes) const;
   void extent(Extent wanted) const;
   [[nodiscard]] Extent threads() const { return shape_.threads; }
+  /// What PriorParams promises, finite means besides.
+  void prior(const PriorParams& prior) const;
   void require(bool condition, const char* message) const;
 
  private:

@@ -5,9 +5,12 @@
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 #include "gdtslam/compute/kernels/jump_flood.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/compute/kernels/pose_lattice.hpp"
+#include "gdtslam/compute/kernels/seed_scatter.hpp"
 
 namespace gdtslam {
 
@@ -25,9 +28,10 @@ std::string_view name_of(Isa isa) {
 
 std::span<const KernelInfo* const> kernel_registry() {
   static const std::array kernels{
-      &EdtColumns::info(),    &EdtRows::info(),       &EdtFullColumns::info(),    &EdtFullRows::info(),
-      &JumpFloodInit::info(), &JumpFloodStep::info(), &JumpFloodDistance::info(), &DistanceField::info(),
-      &PoseCost::info(),      &ArgMin::info(),        &GdtMerge::info()};
+      &EdtColumns::info(),    &EdtRows::info(),        &EdtFullColumns::info(),    &EdtFullRows::info(),
+      &JumpFloodInit::info(), &JumpFloodStep::info(),  &JumpFloodDistance::info(), &DistanceField::info(),
+      &PoseCost::info(),      &ArgMin::info(),         &GdtMerge::info(),          &PoseLattice::info(),
+      &LatticeMinima::info(), &SmallestValues::info(), &SeedScatter::info(),       &FieldGrow::info()};
   return kernels;
 }
 

@@ -88,5 +88,7 @@ void add_jump_flood_cases(std::vector<KernelCaseSource>& list);
 void add_field_cases(std::vector<KernelCaseSource>& list);
 void add_pose_cost_cases(std::vector<KernelCaseSource>& list);
 void add_merge_cases(std::vector<KernelCaseSource>& list);
+void add_lattice_cases(std::vector<KernelCaseSource>& list);
+void add_map_cases(std::vector<KernelCaseSource>& list);
 
 }  // namespace gdtslam

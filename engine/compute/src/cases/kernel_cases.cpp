@@ -57,6 +57,8 @@ std::vector<KernelCaseSource> kernel_cases() {
   add_field_cases(list);
   add_pose_cost_cases(list);
   add_merge_cases(list);
+  add_lattice_cases(list);
+  add_map_cases(list);
   return list;
 }
 

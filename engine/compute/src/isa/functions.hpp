@@ -9,9 +9,12 @@
 
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 #include "gdtslam/compute/kernels/jump_flood.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/compute/kernels/pose_lattice.hpp"
+#include "gdtslam/compute/kernels/seed_scatter.hpp"
 #include "gdtslam/core/elementary.hpp"
 
 namespace gdtslam {
@@ -72,6 +75,16 @@ struct IsaFunctions {
   void (*jump_flood_step)(const JumpFloodStep::Params&, const std::uint32_t* source, std::uint32_t* target, CellRange);
   void (*jump_flood_distance)(const JumpFloodDistance::Params&, const std::uint32_t* nearest,
                               std::uint32_t* sq_distance, CellRange);
+  /// Samples [begin, end).
+  void (*pose_lattice)(const PoseLattice::Params&, PoseCandidate* candidates, std::uint32_t begin, std::uint32_t end);
+  /// Samples [begin, end).
+  void (*lattice_minima)(const LatticeMinima::Params&, const std::uint32_t* cost, std::uint32_t* minima,
+                         std::uint32_t begin, std::uint32_t end);
+  void (*smallest_values)(const SmallestValues::Params&, const std::uint32_t* values, std::uint32_t* picks);
+  /// Entries [begin, end) of the list.
+  void (*seed_scatter)(const SeedScatter::Params&, const std::uint32_t* cells, std::uint8_t* seeds, std::uint32_t begin,
+                       std::uint32_t end);
+  void (*field_grow)(const FieldGrow::Params&, const std::uint16_t* old_field, std::uint16_t* field, CellRange);
 };
 
 extern const IsaFunctions kBaselineFunctions;

@@ -24,12 +24,31 @@ namespace {
 #include "kernels/arg_min.inl"
 #include "kernels/gdt_merge.inl"
 #include "kernels/jump_flood.inl"
+#include "kernels/pose_lattice.inl"
+#include "kernels/smallest_values.inl"
+#include "kernels/seed_scatter.inl"
+#include "kernels/field_grow.inl"
 // clang-format on
 
 }  // namespace
 
 const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
-    edt_columns, edt_rows,  edt_full_columns, edt_full_rows,   distance_field,     pose_cost,
-    arg_min,     gdt_merge, jump_flood_init,  jump_flood_step, jump_flood_distance};
+    .edt_columns = edt_columns,
+    .edt_rows = edt_rows,
+    .edt_full_columns = edt_full_columns,
+    .edt_full_rows = edt_full_rows,
+    .distance_field = distance_field,
+    .pose_cost = pose_cost,
+    .arg_min = arg_min,
+    .gdt_merge = gdt_merge,
+    .jump_flood_init = jump_flood_init,
+    .jump_flood_step = jump_flood_step,
+    .jump_flood_distance = jump_flood_distance,
+    .pose_lattice = pose_lattice,
+    .lattice_minima = lattice_minima,
+    .smallest_values = smallest_values,
+    .seed_scatter = seed_scatter,
+    .field_grow = field_grow,
+};
 
 }  // namespace gdtslam

@@ -3,6 +3,7 @@
 constexpr std::uint8_t lesser(std::uint8_t a, std::uint8_t b) { return a < b ? a : b; }
 constexpr std::uint16_t lesser(std::uint16_t a, std::uint16_t b) { return a < b ? a : b; }
 constexpr std::uint32_t lesser(std::uint32_t a, std::uint32_t b) { return a < b ? a : b; }
+constexpr std::uint32_t greater(std::uint32_t a, std::uint32_t b) { return a > b ? a : b; }
 constexpr std::uint16_t greater(std::uint16_t a, std::uint16_t b) { return a > b ? a : b; }
 constexpr std::int32_t clamped(std::int32_t value, std::int32_t low, std::int32_t high) {
   const std::int32_t raised = value < low ? low : value;

@@ -1,0 +1,142 @@
+// The samples of a window, and which of them are local minima.
+
+/// The prior's cost of one coordinate's share: `square` is not negative or NaN, which counts as the limit.
+inline float limited(float cost, float limit) { return cost < limit ? cost : limit; }
+
+/// A sample's coordinate along one axis.
+inline float lattice_coordinate(float centre, std::uint32_t i, std::uint32_t count, float step) {
+  // Both are below 2^31: the signed conversion gives the same float, and vectors have it.
+  const auto place = static_cast<float>(static_cast<std::int32_t>(i));
+  const auto middle = static_cast<float>(static_cast<std::int32_t>(count / 2));
+  return centre + (place - middle) * step;
+}
+
+/// What all samples of one row share.
+struct LatticeRow {
+  float y;
+  float theta;
+  float sq_dy;
+  float turn_cost;  ///< of the prior, limited
+};
+
+/// Columns [begin, end) of a row; `candidates` is where column `begin` goes.
+void lattice_row(const PoseLattice::Params& params, const LatticeRow& row, std::uint32_t begin, std::uint32_t end,
+                 PoseCandidate* candidates) {
+  const PoseLattice::Params p = params;
+  const LatticeRow shared = row;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const float x = lattice_coordinate(p.centre_x, i, p.count_xy, p.step_cells);
+    const float dx = x - p.prior.mean_x;
+    const float shift_cost = limited((dx * dx + shared.sq_dy) * p.prior.weight_xy, p.prior.limit);
+    PoseCandidate& candidate = candidates[i - begin];
+    candidate.x = x;
+    candidate.y = shared.y;
+    candidate.theta = shared.theta;
+    // At most 2e9, which int32 holds.
+    candidate.bias = static_cast<std::uint32_t>(static_cast<std::int32_t>(shift_cost + shared.turn_cost));
+  }
+}
+
+void pose_lattice(const PoseLattice::Params& params, PoseCandidate* candidates, std::uint32_t begin,
+                  std::uint32_t end) {
+  const std::uint32_t n = params.count_xy;
+  for (std::uint32_t first = begin; first < end;) {
+    const std::uint32_t row = first / n;
+    const std::uint32_t column = first % n;
+    const std::uint32_t last = lesser(end, first - column + n);
+    LatticeRow shared{};
+    shared.y = lattice_coordinate(params.centre_y, row % n, n, params.step_cells);
+    shared.theta = lattice_coordinate(params.centre_theta, row / n, params.count_theta, params.step_rad);
+    const float dy = shared.y - params.prior.mean_y;
+    const float dt = shared.theta - params.prior.mean_theta;
+    shared.sq_dy = dy * dy;
+    shared.turn_cost = limited((dt * dt) * params.prior.weight_theta, params.prior.limit);
+    lattice_row(params, shared, column, column + (last - first), candidates + first);
+    first = last;
+  }
+}
+
+/// Samples of a row that are looked at together.
+constexpr std::uint32_t kMinimaTile = 256;
+
+/// The least neighbours of a tile of samples: those of lower and those of higher index.
+struct MinimaTile {
+  alignas(64) std::uint32_t before[kMinimaTile];
+  alignas(64) std::uint32_t after[kMinimaTile];
+};
+
+/// Lowers `least` to the three neighbours in another row, of `width` samples, for columns [begin, end).
+void lower_to_row(const std::uint32_t* row, std::uint32_t width, std::uint32_t begin, std::uint32_t end,
+                  std::uint32_t* least) {
+  const std::uint32_t first = begin > 0 ? begin : 1;
+  const std::uint32_t last = end < width ? end : width - 1;
+  for (std::uint32_t x = first; x < last; ++x) {
+    const std::uint32_t sides = lesser(row[x - 1], row[x + 1]);
+    least[x - begin] = lesser(least[x - begin], lesser(sides, row[x]));
+  }
+  if (begin == 0) {
+    least[0] = lesser(least[0], lesser(row[0], row[width > 1 ? 1 : 0]));
+  }
+  if (end == width) {
+    const std::uint32_t x = width - 1;
+    least[x - begin] = lesser(least[x - begin], lesser(row[x], row[x > 0 ? x - 1 : 0]));
+  }
+}
+
+/// Starts both with the neighbours in the samples' own row. Where there is none stands kNoCost, which beats nothing.
+void start_tile(const std::uint32_t* row, std::uint32_t width, std::uint32_t begin, std::uint32_t end,
+                MinimaTile& tile) {
+  const std::uint32_t count = end - begin;
+  for (std::uint32_t i = begin == 0 ? 1 : 0; i < count; ++i) {
+    tile.before[i] = row[begin + i - 1];
+  }
+  for (std::uint32_t i = 0; i < count - (end == width ? 1 : 0); ++i) {
+    tile.after[i] = row[begin + i + 1];
+  }
+  if (begin == 0) {
+    tile.before[0] = kNoCost;
+  }
+  if (end == width) {
+    tile.after[count - 1] = kNoCost;
+  }
+}
+
+/// Columns [begin, end) of a row, at most a tile; `row_index` counts rows over all angles.
+void minima_of_tile(const LatticeMinima::Params& params, const std::uint32_t* cost, std::uint32_t row_index,
+                    std::uint32_t begin, std::uint32_t end, std::uint32_t* minima) {
+  const std::uint32_t n = params.count_xy;
+  const std::uint32_t y = row_index % n;
+  const std::uint32_t t = row_index / n;
+  const std::uint32_t* row = cost + at(n, row_index);
+  MinimaTile tile;
+  start_tile(row, n, begin, end, tile);
+  for (std::uint32_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v < n; ++v) {
+    const std::uint32_t* beside = cost + at(n, t * n + v);
+    if (t > 0) {
+      lower_to_row(beside - at(n, n), n, begin, end, tile.before);
+    }
+    if (v != y) {
+      lower_to_row(beside, n, begin, end, v < y ? tile.before : tile.after);
+    }
+    if (t + 1 < params.count_theta) {
+      lower_to_row(beside + at(n, n), n, begin, end, tile.after);
+    }
+  }
+  for (std::uint32_t i = 0; i < end - begin; ++i) {
+    const std::uint32_t own = row[begin + i];
+    const bool stays = (own < tile.before[i]) & (own <= tile.after[i]);
+    minima[at(n, row_index) + begin + i] = stays ? own : kNoCost;
+  }
+}
+
+void lattice_minima(const LatticeMinima::Params& params, const std::uint32_t* cost, std::uint32_t* minima,
+                    std::uint32_t begin, std::uint32_t end) {
+  const std::uint32_t n = params.count_xy;
+  for (std::uint32_t first = begin; first < end;) {
+    const std::uint32_t row = first / n;
+    const std::uint32_t column = first % n;
+    const std::uint32_t count = lesser(lesser(n - column, end - first), kMinimaTile);
+    minima_of_tile(params, cost, row, column, column + count, minima);
+    first += count;
+  }
+}
