@@ -19,21 +19,21 @@ struct LatticeRow {
   float turn_cost;  ///< of the prior, limited
 };
 
-/// Columns [begin, end) of a row; `candidates` is where column `begin` goes.
-void lattice_row(const PoseLattice::Params& params, const LatticeRow& row, std::uint32_t begin, std::uint32_t end,
+/// `count` samples of a row from column `begin` on.
+void lattice_row(const PoseLattice::Params& params, const LatticeRow& row, std::uint32_t begin, std::uint32_t count,
                  PoseCandidate* candidates) {
   const PoseLattice::Params p = params;
   const LatticeRow shared = row;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const float x = lattice_coordinate(p.centre_x, i, p.count_xy, p.step_cells);
+  PoseCandidate* __restrict out = candidates;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float x = lattice_coordinate(p.centre_x, begin + static_cast<std::uint32_t>(i), p.count_xy, p.step_cells);
     const float dx = x - p.prior.mean_x;
     const float shift_cost = limited((dx * dx + shared.sq_dy) * p.prior.weight_xy, p.prior.limit);
-    PoseCandidate& candidate = candidates[i - begin];
-    candidate.x = x;
-    candidate.y = shared.y;
-    candidate.theta = shared.theta;
+    out[i].x = x;
+    out[i].y = shared.y;
+    out[i].theta = shared.theta;
     // At most 2e9, which int32 holds.
-    candidate.bias = static_cast<std::uint32_t>(static_cast<std::int32_t>(shift_cost + shared.turn_cost));
+    out[i].bias = static_cast<std::uint32_t>(static_cast<std::int32_t>(shift_cost + shared.turn_cost));
   }
 }
 
@@ -51,7 +51,7 @@ void pose_lattice(const PoseLattice::Params& params, PoseCandidate* candidates, 
     const float dt = shared.theta - params.prior.mean_theta;
     shared.sq_dy = dy * dy;
     shared.turn_cost = limited((dt * dt) * params.prior.weight_theta, params.prior.limit);
-    lattice_row(params, shared, column, column + (last - first), candidates + first);
+    lattice_row(params, shared, column, last - first, candidates + first);
     first = last;
   }
 }
@@ -68,11 +68,13 @@ struct MinimaTile {
 /// Lowers `least` to the three neighbours in another row, of `width` samples, for columns [begin, end).
 void lower_to_row(const std::uint32_t* row, std::uint32_t width, std::uint32_t begin, std::uint32_t end,
                   std::uint32_t* least) {
-  const std::uint32_t first = begin > 0 ? begin : 1;
-  const std::uint32_t last = end < width ? end : width - 1;
-  for (std::uint32_t x = first; x < last; ++x) {
-    const std::uint32_t sides = lesser(row[x - 1], row[x + 1]);
-    least[x - begin] = lesser(least[x - begin], lesser(sides, row[x]));
+  const std::uint32_t skipped = begin == 0 ? 1 : 0;  // the first and the last column lack a side
+  const std::uint32_t inner_end = end < width ? end : width - 1;
+  const std::size_t inner = inner_end > begin + skipped ? inner_end - begin - skipped : 0;
+  const std::uint32_t* __restrict in = row + begin + skipped;
+  std::uint32_t* __restrict out = least + skipped;
+  for (std::size_t i = 0; i < inner; ++i) {
+    out[i] = lesser(lesser(out[i], in[i]), lesser((in - 1)[i], in[i + 1]));
   }
   if (begin == 0) {
     least[0] = lesser(least[0], lesser(row[0], row[width > 1 ? 1 : 0]));
@@ -122,10 +124,11 @@ void minima_of_tile(const LatticeMinima::Params& params, const std::uint32_t* co
       lower_to_row(beside + at(n, n), n, begin, end, tile.after);
     }
   }
-  for (std::uint32_t i = 0; i < end - begin; ++i) {
-    const std::uint32_t own = row[begin + i];
-    const bool stays = (own < tile.before[i]) & (own <= tile.after[i]);
-    minima[at(n, row_index) + begin + i] = stays ? own : kNoCost;
+  std::uint32_t* __restrict out = minima + at(n, row_index) + begin;
+  const std::uint32_t* __restrict own = row + begin;
+  for (std::size_t i = 0; i < end - begin; ++i) {
+    const bool stays = (own[i] < tile.before[i]) & (own[i] <= tile.after[i]);
+    out[i] = stays ? own[i] : kNoCost;
   }
 }
 
