@@ -10,6 +10,7 @@
 #include "gdtslam/compute/kernels/jump_flood.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
+#include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
 
 namespace gdtslam {
@@ -31,7 +32,8 @@ std::span<const KernelInfo* const> kernel_registry() {
       &EdtColumns::info(),    &EdtRows::info(),        &EdtFullColumns::info(),    &EdtFullRows::info(),
       &JumpFloodInit::info(), &JumpFloodStep::info(),  &JumpFloodDistance::info(), &DistanceField::info(),
       &PoseCost::info(),      &ArgMin::info(),         &GdtMerge::info(),          &PoseLattice::info(),
-      &LatticeMinima::info(), &SmallestValues::info(), &SeedScatter::info(),       &FieldGrow::info()};
+      &LatticeMinima::info(), &SmallestValues::info(), &SeedScatter::info(),       &FieldGrow::info(),
+      &PoseStarts::info(),    &PoseSimplex::info(),    &ChoosePose::info()};
   return kernels;
 }
 

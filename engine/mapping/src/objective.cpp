@@ -32,13 +32,30 @@ PoseCost::Params Objective::params(Interpolation interpolation, std::size_t poin
           .form = form_};
 }
 
+PriorParams Objective::prior_params() const {
+  return {.mean_x = prior_.mean.x,
+          .mean_y = prior_.mean.y,
+          .mean_theta = prior_.mean.theta,
+          .weight_xy = prior_.weight_xy,
+          .weight_theta = prior_.weight_theta,
+          .limit = prior_.limit};
+}
+
+// The arithmetic of PriorParams.
 std::uint32_t Objective::prior_cost(const CellPose& pose) const {
   const float dx = pose.x - prior_.mean.x;
   const float dy = pose.y - prior_.mean.y;
   const float dt = pose.theta - prior_.mean.theta;
-  const float cost = std::min((dx * dx + dy * dy) * prior_.weight_xy, prior_.limit) +
-                     std::min(dt * dt * prior_.weight_theta, prior_.limit);
-  return static_cast<std::uint32_t>(cost);
+  const auto limited = [this](float cost) { return cost < prior_.limit ? cost : prior_.limit; };
+  return static_cast<std::uint32_t>(limited((dx * dx + dy * dy) * prior_.weight_xy) +
+                                    limited((dt * dt) * prior_.weight_theta));
+}
+
+PolishedPose Objective::descend(const CellPose& start, const PoseSimplex::Params& walk) {
+  PolishedPose pose{start.x, start.y, start.theta};
+  pose_simplex_host(backend_->host_isa(), walk, map_->cells().data(), points_.data(), &pose, 1);
+  evaluations_ += pose.evaluations;
+  return pose;
 }
 
 void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs) {

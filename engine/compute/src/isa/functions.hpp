@@ -14,6 +14,7 @@
 #include "gdtslam/compute/kernels/jump_flood.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
+#include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
 #include "gdtslam/core/elementary.hpp"
 
@@ -85,6 +86,14 @@ struct IsaFunctions {
   void (*seed_scatter)(const SeedScatter::Params&, const std::uint32_t* cells, std::uint8_t* seeds, std::uint32_t begin,
                        std::uint32_t end);
   void (*field_grow)(const FieldGrow::Params&, const std::uint16_t* old_field, std::uint16_t* field, CellRange);
+  /// Starts [begin, end).
+  void (*pose_starts)(const PoseStarts::Params&, const PoseCandidate* candidates, const std::uint32_t* picks,
+                      PolishedPose* poses, std::uint32_t begin, std::uint32_t end);
+  void (*pose_simplex)(const PoseSimplex::Params&, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint32_t count);
+  /// `values` and `voters` are scratch, one of each a point.
+  void (*choose_pose)(const ChoosePose::Params&, const std::uint16_t* field, const PointCells* points,
+                      const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters);
 };
 
 extern const IsaFunctions kBaselineFunctions;

@@ -28,6 +28,9 @@ namespace {
 #include "kernels/smallest_values.inl"
 #include "kernels/seed_scatter.inl"
 #include "kernels/field_grow.inl"
+#include "kernels/pose_starts.inl"
+#include "kernels/pose_simplex.inl"
+#include "kernels/choose_pose.inl"
 // clang-format on
 
 }  // namespace
@@ -49,6 +52,9 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .smallest_values = smallest_values,
     .seed_scatter = seed_scatter,
     .field_grow = field_grow,
+    .pose_starts = pose_starts,
+    .pose_simplex = pose_simplex,
+    .choose_pose = choose_pose,
 };
 
 }  // namespace gdtslam

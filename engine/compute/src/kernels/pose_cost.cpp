@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "gdtslam/compute/host_kernels.hpp"
+#include "kernels/pose_cost_check.hpp"
 #include "launch.hpp"
 
 namespace gdtslam {
@@ -24,16 +25,7 @@ struct CostAdapter {
                         launch.end - launch.begin, buffer_of<std::uint32_t>(launch, 3) + launch.begin);
   }
   static void check(const PoseCost::Params& params, const LaunchCheck& check) {
-    check.grid(params.width, params.height, params.stride, kFarthestCell);
-    const auto in_reach = [](std::int32_t anchor) { return -kFarthestAnchor <= anchor && anchor <= kFarthestAnchor; };
-    check.require(in_reach(params.anchor_x) && in_reach(params.anchor_y), "the anchor is more than 2^21 cells off");
-    check.require(params.width >= 2 && params.height >= 2, "the field must be at least 2 x 2 cells");
-    check.require(params.point_count <= kMostPoints, "more than 65,537 points");
-    check.require(params.cap <= 65535, "the cap exceeds 16 bits");
-    check.require(params.interpolation <= Interpolation::kNearest && params.form <= CostForm::kSquared,
-                  "unknown interpolation or form");
-    check.buffer(0, grid_bytes(params.width, params.height, params.stride, 2));
-    check.buffer(1, params.point_count * sizeof(PointCells));
+    check_cost(params, check);
     check.buffer(2, check.threads().x * sizeof(PoseCandidate));
     check.buffer(3, check.threads().x * sizeof(std::uint32_t));
     check.extent({check.threads().x, 1, 1});
@@ -61,6 +53,19 @@ struct ArgMinAdapter {
 };
 
 }  // namespace
+
+void check_cost(const PoseCost::Params& params, const LaunchCheck& check) {
+  check.grid(params.width, params.height, params.stride, kFarthestCell);
+  const auto in_reach = [](std::int32_t anchor) { return -kFarthestAnchor <= anchor && anchor <= kFarthestAnchor; };
+  check.require(in_reach(params.anchor_x) && in_reach(params.anchor_y), "the anchor is more than 2^21 cells off");
+  check.require(params.width >= 2 && params.height >= 2, "the field must be at least 2 x 2 cells");
+  check.require(params.point_count <= kMostPoints, "more than 65,537 points");
+  check.require(params.cap <= 65535, "the cap exceeds 16 bits");
+  check.require(params.interpolation <= Interpolation::kNearest && params.form <= CostForm::kSquared,
+                "unknown interpolation or form");
+  check.buffer(0, grid_bytes(params.width, params.height, params.stride, 2));
+  check.buffer(1, params.point_count * sizeof(PointCells));
+}
 
 const KernelInfo& PoseCost::info() {
   static const KernelInfo row = kernel_info<PoseCost, CostAdapter>();

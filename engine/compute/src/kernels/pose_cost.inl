@@ -35,6 +35,14 @@ struct CostPose {
 /// Where coordinates are clamped, 1/256 cell: far off any map, and an integer of float32 and int32 alike.
 constexpr float kFarthestPosition = 1073741824.0F;  // 2^30
 
+/// floor of a clamped position; NaN counts as -2^30.
+inline std::int32_t floor_position(float position) {
+  position = position > -kFarthestPosition ? position : -kFarthestPosition;
+  position = position < kFarthestPosition ? position : kFarthestPosition;
+  const auto truncated = static_cast<std::int32_t>(position);
+  return truncated - (static_cast<float>(truncated) > position ? 1 : 0);
+}
+
 /// Points of a block: enough that the look-ups' stores have reached the cache when vectors are loaded from them.
 constexpr std::uint32_t kCostBlock = 128;
 
@@ -96,22 +104,25 @@ void candidate_costs(const CostContext& context, const PoseCandidate* candidates
   }
 }
 
+CostContext cost_context(const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points) {
+  const std::int32_t half_cell = params.interpolation == Interpolation::kBilinear ? 128 : 0;
+  return {field,
+          points,
+          params.point_count,
+          params.stride,
+          static_cast<std::int32_t>(params.width) - 2,
+          static_cast<std::int32_t>(params.height) - 2,
+          params.anchor_x * 256 - half_cell,
+          params.anchor_y * 256 - half_cell,
+          params.cap,
+          shift_for(params.cap)};
+}
+
 void pose_cost(const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
                const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost) {
-  const bool bilinear = params.interpolation == Interpolation::kBilinear;
   const bool squared = params.form == CostForm::kSquared;
-  const std::int32_t half_cell = bilinear ? 128 : 0;
-  const CostContext context{field,
-                            points,
-                            params.point_count,
-                            params.stride,
-                            static_cast<std::int32_t>(params.width) - 2,
-                            static_cast<std::int32_t>(params.height) - 2,
-                            params.anchor_x * 256 - half_cell,
-                            params.anchor_y * 256 - half_cell,
-                            params.cap,
-                            shift_for(params.cap)};
-  if (bilinear) {
+  const CostContext context = cost_context(params, field, points);
+  if (params.interpolation == Interpolation::kBilinear) {
     squared ? candidate_costs<true, true>(context, candidates, count, cost)
             : candidate_costs<true, false>(context, candidates, count, cost);
   } else {

@@ -1,13 +1,5 @@
 // The steps of pose_cost in plain loops, for any processor.
 
-/// floor of a clamped position; NaN counts as -2^30.
-inline std::int32_t floor_position(float position) {
-  position = position > -kFarthestPosition ? position : -kFarthestPosition;
-  position = position < kFarthestPosition ? position : kFarthestPosition;
-  const auto truncated = static_cast<std::int32_t>(position);
-  return truncated - (static_cast<float>(truncated) > position ? 1 : 0);
-}
-
 template <bool kBilinear, bool kSquared>
 class BlockSteps {
  public:

@@ -11,12 +11,17 @@
 #include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/compute/kernels/pose_simplex.hpp"
 
 namespace gdtslam {
 
 /// Costs of `count` candidates; field height and width at least 2, at most 65,537 points.
 void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
                     const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost);
+
+/// A descent from each of `count` poses, in place; field height and width at least 2, at most 65,537 points.
+void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint32_t count);
 
 /// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
 void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,

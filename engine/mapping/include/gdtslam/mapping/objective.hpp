@@ -8,6 +8,7 @@
 
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 
@@ -44,6 +45,12 @@ class Objective {
   /// Costs of a batch of poses, prior included; one dispatch on the backend when the batch is large.
   void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
   std::uint32_t evaluate(const CellPose& pose);
+  /// Where a simplex from the pose ends, walked on this thread; the cost and the prior of `walk` must be those below.
+  PolishedPose descend(const CellPose& start, const PoseSimplex::Params& walk);
+
+  /// What kernels are given of this objective.
+  [[nodiscard]] PoseCost::Params cost_params() const { return params(interpolation_, points_.size()); }
+  [[nodiscard]] PriorParams prior_params() const;
 
   /// Field value under each point, nearest cell; no coordinate may be NaN.
   void residuals(const CellPose& pose, std::span<const PointCells> points, std::vector<std::uint16_t>& values) const;

@@ -1,6 +1,6 @@
 // Downhill simplex of Nelder and Mead [Nelder1965] over (x, y, theta), the paper's optimizer ("linear simplex"). Adds,
-// multiplies and comparisons in float32 only, so every host gives the same bits. Thread-safe on objectives of their
-// own.
+// multiplies and comparisons in float32 only, so every host gives the same bits. The walk itself is the kernel
+// pose_simplex. Thread-safe on objectives of their own.
 #pragma once
 
 #include <cstdint>
