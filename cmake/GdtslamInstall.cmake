@@ -17,6 +17,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/gdtslamConfigVersion.cmak
 install(FILES ${PROJECT_BINARY_DIR}/gdtslamConfig.cmake ${PROJECT_BINARY_DIR}/gdtslamConfigVersion.cmake
   DESTINATION ${package_dir} COMPONENT core)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT core)
-if(GDTSLAM_BUILD_SIM AND GDTSLAM_BUILD_TOOLS) # the sample scenes, which the command finds beside itself
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/gdtslam COMPONENT tools)
+if(GDTSLAM_BUILD_TOOLS) # the sample scenes and what verify compares with, which the command finds beside itself
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/gdtslam COMPONENT tools)
 endif()
