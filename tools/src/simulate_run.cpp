@@ -219,24 +219,4 @@ SimulateResult simulate(const SimulateOptions& options) {
   return result;
 }
 
-std::vector<std::string> default_scene_folders() {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) {
-    return {};
-  }
-  const fs::path folder = program.parent_path();
-  std::vector<std::string> folders{(folder.parent_path() / "share" / "gdtslam" / "scenes").string()};
-  // A program in a build folder stands some levels below the source tree.
-  constexpr int kLevels = 4;
-  fs::path above = folder;
-  for (int level = 0; level < kLevels; ++level) {
-    above = above.parent_path();
-    folders.push_back((above / "assets" / "scenes").string());
-  }
-  std::erase_if(folders, [](const std::string& candidate) { return !fs::is_directory(candidate); });
-  return folders;
-}
-
 }  // namespace gdtslam

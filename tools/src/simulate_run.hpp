@@ -45,7 +45,4 @@ struct SimulateResult {
 /// Throws ConfigError for a scene, FileError for a file, UsageError for an option that makes no sense.
 SimulateResult simulate(const SimulateOptions& options);
 
-/// Where the named scenes are: beside an installed command, else in the source tree it was built from.
-std::vector<std::string> default_scene_folders();
-
 }  // namespace gdtslam

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "asset_folder.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "gdtslam/core/error.hpp"
@@ -57,7 +58,7 @@ Json report_of(const SimulateResult& result, std::uint64_t seed) {
 int run_simulate(const SimulateCommand& command) {
   SimulateOptions options = command.options;
   ProgressLine progress("scans", command.quiet);
-  options.scene_folders = default_scene_folders();
+  options.scene_folders = asset_folders("scenes");
   options.progress = [&progress](std::uint64_t scans, double share) { progress.update(scans, share); };
   options.stop = [] { return interrupted(); };
   const SimulateResult result = simulate(options);
