@@ -142,10 +142,9 @@ void CpuBackend::upload(const Buffer& target, std::span<const std::byte> data, s
 
 void CpuBackend::fill(const Buffer& target, std::uint32_t word) {
   const std::span<std::byte> memory = memory_of(target);
-  const auto pattern = std::as_bytes(std::span(&word, 1));
-  for (std::size_t i = 0; i < memory.size(); ++i) {
-    memory[i] = pattern[i % pattern.size()];
-  }
+  const std::size_t whole = memory.size() / sizeof(word) * sizeof(word);
+  for (std::size_t i = 0; i < whole; i += sizeof(word)) std::memcpy(memory.data() + i, &word, sizeof(word));
+  std::memcpy(memory.data() + whole, &word, memory.size() - whole);
 }
 
 // The copy is made here: what is dispatched later must not be seen.
