@@ -78,18 +78,18 @@ std::vector<std::size_t> best_minima(const Lattice& lattice, std::uint32_t count
   return minima;
 }
 
-bool on_edge(const CellPose& pose, const SearchWindow& window) {
-  const float slack = 0.5F;
-  if (window.half_xy_cells <= 0.0F || window.half_theta_rad <= 0.0F) return false;
-  return std::fabs(pose.x - window.centre.x) > window.half_xy_cells - slack * window.step_cells ||
-         std::fabs(pose.y - window.centre.y) > window.half_xy_cells - slack * window.step_cells ||
-         std::fabs(pose.theta - window.centre.theta) > window.half_theta_rad - slack * window.step_rad;
-}
-
 }  // namespace
 
 std::uint32_t SearchWindow::count_xy() const { return 2 * samples_per_side(half_xy_cells, step_cells) + 1; }
 std::uint32_t SearchWindow::count_theta() const { return 2 * samples_per_side(half_theta_rad, step_rad) + 1; }
+
+bool SearchWindow::has_at_edge(const CellPose& pose) const {
+  if (half_xy_cells <= 0.0F || half_theta_rad <= 0.0F) return false;
+  constexpr float kSlack = 0.5F;  // steps
+  return std::fabs(pose.x - centre.x) > half_xy_cells - kSlack * step_cells ||
+         std::fabs(pose.y - centre.y) > half_xy_cells - kSlack * step_cells ||
+         std::fabs(pose.theta - centre.theta) > half_theta_rad - kSlack * step_rad;
+}
 
 ExhaustiveResult search_window(Objective& objective, const SearchWindow& window, std::uint32_t starts,
                                const SimplexOptions& polish) {
@@ -102,7 +102,7 @@ ExhaustiveResult search_window(Objective& objective, const SearchWindow& window,
   const auto best = std::min_element(polished.begin(), polished.end(),
                                      [](const SimplexResult& a, const SimplexResult& b) { return a.cost < b.cost; });
   ExhaustiveResult result{
-      .pose = best->pose, .cost = best->cost, .evaluations = 0, .at_edge = on_edge(best->pose, window)};
+      .pose = best->pose, .cost = best->cost, .evaluations = 0, .at_edge = window.has_at_edge(best->pose)};
   result.evaluations = static_cast<std::uint32_t>(objective.evaluations() - before);
   return result;
 }

@@ -3,87 +3,180 @@
 #include <algorithm>
 #include <cassert>
 #include <string>
-#include <vector>
 
+#include "device_memory.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/core/error.hpp"
 #include "growth.hpp"
+#include "host_copy.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr std::int32_t kGuardCells = 2;  // the outermost rows and columns that always hold the cap
 constexpr std::int64_t kFurthestCell = 1 << 30;
+constexpr std::size_t kLongJournal = 64;  // keyframes: some megabytes, and a moment's work to replay
+
+std::uint32_t stride_of(const CellBox& box) { return grid_stride(static_cast<std::uint32_t>(box.width())); }
 
 std::uint64_t cells_of(const CellBox& box) {
-  return std::uint64_t{grid_stride(static_cast<std::uint32_t>(box.width()))} * static_cast<std::uint64_t>(box.height());
+  return std::uint64_t{stride_of(box)} * static_cast<std::uint64_t>(box.height());
+}
+
+// What a device leaves between the rows is its own affair.
+void blank_padding(std::vector<std::uint16_t>& cells, const CellBox& box, std::uint16_t value) {
+  const std::size_t stride = stride_of(box);
+  for (std::size_t row = 0; row < static_cast<std::size_t>(box.height()); ++row) {
+    std::fill(cells.begin() + static_cast<std::ptrdiff_t>(row * stride + static_cast<std::size_t>(box.width())),
+              cells.begin() + static_cast<std::ptrdiff_t>((row + 1) * stride), value);
+  }
 }
 
 }  // namespace
 
 GlobalField::GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells)
-    : backend_(&backend), resolution_m_(resolution_m), radius_(radius_cells), max_cells_(max_cells) {}
+    : backend_(&backend),
+      isa_(backend.host_isa()),
+      resolution_m_(resolution_m),
+      radius_(radius_cells),
+      max_cells_(max_cells),
+      copy_(std::make_unique<HostCopy>(radius_cells)) {}
+
+GlobalField::~GlobalField() = default;
 
 GridGeometry GlobalField::geometry() const {
   return {.resolution_m = resolution_m_,
-          .origin_x_m = first_.x * resolution_m_,
-          .origin_y_m = first_.y * resolution_m_,
-          .width = static_cast<std::int32_t>(width_),
-          .height = static_cast<std::int32_t>(height_)};
+          .origin_x_m = box_.min.x * resolution_m_,
+          .origin_y_m = box_.min.y * resolution_m_,
+          .width = box_.width(),
+          .height = box_.height()};
 }
 
 std::uint16_t GlobalField::cap() const { return field_cap(radius_); }
 
 std::span<const std::uint16_t> GlobalField::cells() const {
-  if (!buffer_.valid()) return {};
-  const std::span<std::byte> bytes = backend_->host_view(buffer_);
-  // The bytes were written as uint16 by upload and by the kernels, aligned by the backend.
-  return {reinterpret_cast<const std::uint16_t*>(bytes.data()), bytes.size() / sizeof(std::uint16_t)};
+  if (shares_memory()) return shared_;
+  if (box_.empty()) return {};
+  return copy_->cells(box_, isa_);
 }
 
 std::uint16_t GlobalField::at(CellIndex map_cell) const {
-  const CellOffset d = map_cell - first_;
-  if (d.dx < 0 || d.dy < 0 || d.dx >= static_cast<std::int32_t>(width_) || d.dy >= static_cast<std::int32_t>(height_)) {
-    return cap();
-  }
+  if (!box_.contains(map_cell)) return cap();
+  const CellOffset d = map_cell - box_.min;
   return cells()[static_cast<std::size_t>(d.dy) * stride_ + static_cast<std::size_t>(d.dx)];
 }
 
 void GlobalField::grow_to_hold(const CellBox& map_box) {
+  resize_to_hold(map_box);
+  resize_buffer();
+}
+
+void GlobalField::admit(const KeyframeCells& keyframe, const MergeStep& step) {
+  resize_to_hold(keyframe.window);
+  if (!shares_memory()) copy_->note(keyframe, step);
+  resize_buffer();
+}
+
+void GlobalField::resize_to_hold(const CellBox& map_box) {
   assert(!map_box.empty());
   const CellBox guarded{map_box.min - CellOffset{kGuardCells, kGuardCells},
                         map_box.end + CellOffset{kGuardCells, kGuardCells}};
-  const CellBox stored{first_,
-                       first_ + CellOffset{static_cast<std::int32_t>(width_), static_cast<std::int32_t>(height_)}};
-  const CellBox needed = hull_of(stored, guarded);
-  if (needed == stored) return;
+  const CellBox needed = hull_of(box_, guarded);
+  if (needed == box_) return;
   if (std::min(needed.min.x, needed.min.y) < -kFurthestCell || std::max(needed.end.x, needed.end.y) > kFurthestCell ||
       cells_of(needed) > max_cells_) {
     throw InputError("the map would need " + std::to_string(needed.width()) + " x " + std::to_string(needed.height()) +
                      " cells, more than map.max_megacells allows (" + std::to_string(max_cells_ >> 20U) +
                      " x 2^20); check the log with 'gdtslam doctor' or raise the limit");
   }
-  CellBox grown = with_margin(stored, needed);
+  CellBox grown = with_margin(box_, needed);
   if (cells_of(grown) > max_cells_) grown = needed;
+  box_ = grown;
+  stride_ = stride_of(box_);
+}
 
-  const auto width = static_cast<std::uint32_t>(grown.width());
-  const auto height = static_cast<std::uint32_t>(grown.height());
-  const std::uint32_t stride = grid_stride(width);
-  std::vector<std::uint16_t> fresh(std::size_t{stride} * height, cap());
-  const std::span<const std::uint16_t> old = cells();
-  const CellOffset shift = first_ - grown.min;
-  for (std::uint32_t row = 0; row < height_; ++row) {
-    const std::size_t to = (static_cast<std::size_t>(shift.dy) + row) * stride + static_cast<std::size_t>(shift.dx);
-    std::copy_n(old.data() + std::size_t{row} * stride_, width_, fresh.data() + to);
+void GlobalField::resize_buffer() {
+  if (backend_ == nullptr || buffer_box_ == box_) return;
+  Buffer buffer = allocate_on(*backend_, cells_of(box_) * sizeof(std::uint16_t));
+  if (buffer_box_.empty()) {
+    backend_->fill(buffer, std::uint32_t{cap()} << 16U | cap());
+  } else {
+    const CellOffset offset = buffer_box_.min - box_.min;
+    const auto width = static_cast<std::uint32_t>(box_.width());
+    const auto height = static_cast<std::uint32_t>(box_.height());
+    run<FieldGrow>(*backend_,
+                   {.old_width = static_cast<std::uint32_t>(buffer_box_.width()),
+                    .old_height = static_cast<std::uint32_t>(buffer_box_.height()),
+                    .old_stride = stride_of(buffer_box_),
+                    .width = width,
+                    .height = height,
+                    .stride = stride_,
+                    .offset_x = static_cast<std::uint32_t>(offset.dx),
+                    .offset_y = static_cast<std::uint32_t>(offset.dy),
+                    .cap = cap()},
+                   {width, height, 1}, buffer_, buffer);
   }
-  Buffer buffer = backend_->allocate(fresh.size() * sizeof(std::uint16_t));
-  backend_->upload(buffer, std::as_bytes(std::span(fresh)));
   buffer_ = std::move(buffer);
-  first_ = grown.min;
-  width_ = width;
-  height_ = height;
-  stride_ = stride;
+  buffer_box_ = box_;
+  look_for_shared_memory();
+}
+
+void GlobalField::look_for_shared_memory() {
+  const std::span<const std::byte> view = backend_->host_view(buffer_);
+  // The bytes are written as uint16 by the kernels, aligned by the backend.
+  shared_ = {reinterpret_cast<const std::uint16_t*>(view.data()), view.size() / sizeof(std::uint16_t)};
+  if (shares_memory()) copy_ = std::make_unique<HostCopy>(radius_);
+}
+
+std::size_t GlobalField::journal_length() const { return copy_->journal_length(); }
+
+void GlobalField::start_checkpoint() {
+  if (backend_ == nullptr || checkpoint_ || copy_->journal_length() < kLongJournal) return;
+  const PendingDownload download = backend_->start_download(buffer_, cells_of(buffer_box_) * sizeof(std::uint16_t));
+  checkpoint_ = Checkpoint{download, buffer_box_, copy_->keyframes()};
+}
+
+void GlobalField::finish_checkpoint() {
+  if (!checkpoint_) return;
+  const Checkpoint taken = *checkpoint_;
+  checkpoint_.reset();
+  std::vector<std::uint16_t> cells(cells_of(taken.box));
+  backend_->finish_download(taken.download, std::as_writable_bytes(std::span(cells)));
+  blank_padding(cells, taken.box, cap());
+  copy_->adopt(taken.box, std::move(cells), taken.keyframes);
+}
+
+std::vector<std::uint16_t> GlobalField::download_device_cells() {
+  std::vector<std::uint16_t> cells(cells_of(buffer_box_));
+  if (cells.empty()) return cells;
+  backend_->download(buffer_, std::as_writable_bytes(std::span(cells)));
+  blank_padding(cells, buffer_box_, cap());
+  return cells;
+}
+
+void GlobalField::move_to(Backend& backend) {
+  const std::span<const std::uint16_t> known = cells();
+  Buffer buffer;
+  if (!known.empty()) {
+    buffer = allocate_on(backend, known.size_bytes());
+    backend.upload(buffer, std::as_bytes(known));
+  }
+  leave_device();
+  backend_ = &backend;
+  isa_ = backend.host_isa();
+  buffer_ = std::move(buffer);
+  buffer_box_ = box_;
+  if (!box_.empty()) look_for_shared_memory();
+}
+
+void GlobalField::leave_device() {
+  checkpoint_.reset();
+  shared_ = {};
+  buffer_ = Buffer();
+  buffer_box_ = {};
+  backend_ = nullptr;
 }
 
 }  // namespace gdtslam

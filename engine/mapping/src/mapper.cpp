@@ -1,15 +1,16 @@
 #include "gdtslam/mapping/mapper.hpp"
 
-#include <chrono>
+#include <cassert>
 #include <cmath>
+#include <utility>
 
-#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "device_map.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/local_field.hpp"
+#include "gdtslam/mapping/matcher.hpp"
 #include "gdtslam/mapping/motion_model.hpp"
-#include "gdtslam/mapping/scan_matcher.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
+#include "stage_timer.hpp"
 
 namespace gdtslam {
 namespace {
@@ -22,90 +23,81 @@ const MapperConfig& checked(const MapperConfig& config) {
   throw ConfigError(text);
 }
 
-class StageTimer {
- public:
-  explicit StageTimer(double& seconds) : seconds_(&seconds), start_(Clock::now()) {}
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-  ~StageTimer() { *seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double* seconds_;
-  Clock::time_point start_;
-};
-
-// More terms of 16 bits could overflow the sum of a cost; a larger scan is thinned for matching, not for the map.
-constexpr std::size_t kMostPoints = 65537;
-
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
 double turn(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.theta_rad - b.theta_rad)); }
 
 }  // namespace
 
 struct Mapper::State {
-  State(const MapperConfig& c, Backend& backend)
-      : config(checked(c)),
-        field(backend, config.map.resolution_m, config.map.radius_cells(),
-              static_cast<std::uint64_t>(config.map.max_megacells) << 20U),
-        local(backend, config.map.radius_cells()),
-        motion(config.odometry),
-        matcher(config, backend, field) {}
+  State(const MapperConfig& c, Backend& backend, MapperOptions options)
+      : config(checked(c)), map(config, backend, std::move(options)), motion(config.odometry) {}
 
   void see(const LaserScan& scan);
-  Prediction predict(const std::optional<Pose2>& T_odom_base);
-  MatchResult locate(const Prediction& prediction);
+  void predict(const std::optional<Pose2>& T_odom_base);
+  void begin_match();
+  MatchResult locate();
   [[nodiscard]] bool is_keyframe(const Pose2& pose) const;
   [[nodiscard]] bool wants_search(const Pose2& predicted) const;
   void update_map(MatchResult& result);
   void merge(const Pose2& pose);
-  void count(const MatchResult& result, const Prediction& prediction);
+  void note_keyframe(const Pose2& pose);
+  void count(const MatchResult& result);
 
   MapperConfig config;
-  GlobalField field;
-  LocalField local;
+  DeviceMap map;
   MotionModel motion;
-  ScanMatcher matcher;
   MapperStatistics statistics;
   bool started = false;
   Pose2 last_keyframe;
   Pose2 last_pose;
   double unmatched_m = 0.0;  // path since the last accepted match
+
+  // The scan in hand, from start() to finish().
+  bool in_hand = false;
+  bool is_matched = false;  // the matcher is at work on it
+  double stamp_s = 0.0;
+  Prediction prediction;
   std::vector<Point2> points_m;
   std::vector<PointCells> points;
 };
 
-// The returns of the scan in the robot's frame, the P of equation (6).
+// The returns of the scan in the robot's frame, the P of equation (6). A scan with more than a matcher takes is thinned
+// for matching, not for the map.
 void Mapper::State::see(const LaserScan& scan) {
+  stamp_s = scan.stamp_s;
   points_m = points_of(scan, {.min_m = config.scan.min_range_m, .max_m = config.scan.max_range_m});
   points = in_cells(points_m, config.map.resolution_m);
-  if (points.size() <= kMostPoints) return;
-  const std::size_t every = (points.size() + kMostPoints - 1) / kMostPoints;
+  if (points.size() <= Matcher::kMostPoints) return;
+  const std::size_t every = (points.size() + Matcher::kMostPoints - 1) / Matcher::kMostPoints;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); i += every) points[kept++] = points[i];
   points.resize(kept);
 }
 
-Prediction Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
+void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
   const StageTimer timer(statistics.stages.predict_s);
-  return motion.predict(T_odom_base);
+  prediction = motion.predict(T_odom_base);
 }
 
-// Equations (6) to (8) and (4); the first scan is the map's origin.
-MatchResult Mapper::State::locate(const Prediction& prediction) {
+// Equations (6) to (8) and (4) for a scan that can be matched; the first one is the map's origin.
+void Mapper::State::begin_match() {
+  is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
+  if (!is_matched) return;
+  const StageTimer timer(statistics.stages.match_s);
+  map.start_match(points, prediction, wants_search(prediction.T_map_base));
+}
+
+MatchResult Mapper::State::locate() {
+  if (is_matched) {
+    const StageTimer timer(statistics.stages.match_s);
+    return map.finish_match();
+  }
   MatchResult result;
   result.T_map_base = result.T_map_predicted = prediction.T_map_base;
   result.points = static_cast<std::uint32_t>(points.size());
-  if (points.size() < static_cast<std::size_t>(config.scan.min_points)) {
-    result.doubt = Doubt::kFewPoints;
-    return result;
-  }
-  if (!started) {
-    result.accepted = true;
-    return result;
-  }
-  const StageTimer timer(statistics.stages.match_s);
-  return matcher.match(points, prediction, wants_search(prediction.T_map_base));
+  result.accepted = points.size() >= static_cast<std::size_t>(config.scan.min_points);
+  if (!result.accepted) result.doubt = Doubt::kFewPoints;
+  return result;
 }
 
 bool Mapper::State::is_keyframe(const Pose2& pose) const {
@@ -114,7 +106,7 @@ bool Mapper::State::is_keyframe(const Pose2& pose) const {
 }
 
 bool Mapper::State::wants_search(const Pose2& predicted) const {
-  return config.match.matcher == MatcherKind::kExhaustive || config.search.when == SearchWhen::kAlways ||
+  return config.search.when == SearchWhen::kAlways ||
          (config.search.when == SearchWhen::kKeyframe && is_keyframe(predicted));
 }
 
@@ -134,50 +126,79 @@ void Mapper::State::update_map(MatchResult& result) {
 }
 
 void Mapper::State::merge(const Pose2& pose) {
-  const auto radius = static_cast<std::int32_t>(config.map.radius_cells());
-  const std::vector<Point2> points_map_m = in_map(points_m, pose);
-  const CellBox window = window_of(points_map_m, config.map.resolution_m, radius);
-  field.grow_to_hold(window);
-  {
-    const StageTimer timer(statistics.stages.local_field_s);
-    local.compute(points_map_m, config.map.resolution_m, window);
+  const KeyframeCells keyframe =
+      keyframe_of(in_map(points_m, pose), config.map.resolution_m, config.map.radius_cells());
+  try {
+    map.merge(keyframe, statistics.stages);
+  } catch (const DeviceError&) {
+    note_keyframe(pose);
+    throw;
   }
-  const StageTimer timer(statistics.stages.merge_s);
-  const double threshold = config.merge.threshold_m / config.map.resolution_m * kFieldOne;
-  local.merge_into(field, config.merge.rule, static_cast<std::uint32_t>(std::lround(threshold)),
-                   static_cast<std::uint32_t>(std::lround(threshold * config.merge.kappa)));
+  note_keyframe(pose);
+}
+
+void Mapper::State::note_keyframe(const Pose2& pose) {
   last_keyframe = pose;
   started = true;
   ++statistics.keyframes;
 }
 
-void Mapper::State::count(const MatchResult& result, const Prediction& prediction) {
+void Mapper::State::count(const MatchResult& result) {
   ++statistics.scans;
   statistics.matched += result.accepted ? 1 : 0;
   statistics.doubtful += result.doubt != Doubt::kNone ? 1 : 0;
-  statistics.searches += result.searched ? 1 : 0;
+  statistics.searches += result.attempts > 0 ? 1 : 0;
+  statistics.attempts += result.attempts;
   statistics.evaluations += result.evaluations;
   statistics.without_odometry += prediction.by_odometry ? 0 : 1;
   statistics.odometry_leaps = motion.leaps();
   statistics.path_m += distance(result.T_map_base, last_pose);
 }
 
-Mapper::Mapper(const MapperConfig& config, Backend& backend) : state_(std::make_unique<State>(config, backend)) {}
+Mapper::Mapper(const MapperConfig& config, Backend& backend, MapperOptions options)
+    : state_(std::make_unique<State>(config, backend, std::move(options))) {}
 Mapper::~Mapper() = default;
 const MapperConfig& Mapper::config() const { return state_->config; }
-const MapperStatistics& Mapper::statistics() const { return state_->statistics; }
-const GlobalField& Mapper::field() const { return state_->field; }
+const GlobalField& Mapper::field() const { return state_->map.field(); }
+const std::string& Mapper::device_loss() const { return state_->map.loss(); }
+std::vector<std::uint16_t> Mapper::download_device_cells() { return state_->map.download_device_cells(); }
 
-MatchResult Mapper::process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
+const MapperStatistics& Mapper::statistics() const {
+  state_->map.count_work(state_->statistics);
+  return state_->statistics;
+}
+
+void Mapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
   State& s = *state_;
+  assert(!s.in_hand);
+  s.map.require_device();
   s.see(scan);
-  const Prediction prediction = s.predict(T_odom_base);  // (5)
-  MatchResult result = s.locate(prediction);             // (6), (7), (8), (4)
+  s.predict(T_odom_base);  // (5)
+  try {
+    s.begin_match();  // (6), (7), (8), (4)
+  } catch (const DeviceError&) {
+    s.motion.correct(s.prediction.T_map_base, false);  // the scan is lost, its motion is not
+    throw;
+  }
+  s.in_hand = true;
+}
+
+MatchResult Mapper::finish() {
+  State& s = *state_;
+  assert(s.in_hand);
+  s.in_hand = false;
+  MatchResult result;
+  try {
+    result = s.locate();
+  } catch (const DeviceError&) {
+    s.motion.correct(s.prediction.T_map_base, false);
+    throw;
+  }
   s.motion.correct(result.T_map_base, result.accepted);
   s.update_map(result);  // (1), (9), (10), (11)
-  s.count(result, prediction);
+  s.count(result);
   s.last_pose = result.T_map_base;
-  result.stamp_s = scan.stamp_s;
+  result.stamp_s = s.stamp_s;
   return result;
 }
 

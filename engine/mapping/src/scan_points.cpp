@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "gdtslam/core/elementary.hpp"
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kFurthestCell = 1 << 28;
-constexpr double kFurthest_m = 1.0e5;  // from the robot; farther is a mount that is plainly wrong
+constexpr std::int32_t kMostWindowCells = 65535;  // along a side: two coordinates share a word
+constexpr double kFurthest_m = 1.0e5;             // from the robot; farther is a mount that is plainly wrong
 
 std::int32_t cell_floor(double cells) {
   return static_cast<std::int32_t>(std::floor(std::clamp(cells, -kFurthestCell, kFurthestCell)));
@@ -64,6 +67,23 @@ CellBox window_of(const std::vector<Point2>& points_map_m, double resolution_m, 
   }
   const CellOffset grow{margin, margin};
   return {map_cell_of(low, resolution_m) - grow, map_cell_of(high, resolution_m) + grow + CellOffset{1, 1}};
+}
+
+KeyframeCells keyframe_of(const std::vector<Point2>& points_map_m, double resolution_m, std::uint32_t radius_cells) {
+  KeyframeCells keyframe{window_of(points_map_m, resolution_m, static_cast<std::int32_t>(radius_cells)), {}};
+  const CellBox& window = keyframe.window;
+  if (window.width() > kMostWindowCells || window.height() > kMostWindowCells) {
+    throw InputError("a scan spans " + std::to_string(window.width()) + " x " + std::to_string(window.height()) +
+                     " cells, more than " + std::to_string(kMostWindowCells) +
+                     " along a side; lower scan.max_range or raise map.resolution");
+  }
+  keyframe.cells.reserve(points_map_m.size());
+  for (const Point2& point : points_map_m) {
+    const CellOffset d = map_cell_of(point, resolution_m) - window.min;
+    const std::uint32_t cell = static_cast<std::uint32_t>(d.dy) << 16U | static_cast<std::uint32_t>(d.dx);
+    if (keyframe.cells.empty() || keyframe.cells.back() != cell) keyframe.cells.push_back(cell);
+  }
+  return keyframe;
 }
 
 }  // namespace gdtslam

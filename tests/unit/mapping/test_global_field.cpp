@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kResolution = 0.05;
 constexpr std::uint32_t kRadius = 12;
+constexpr MergeStep kStep{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
 
 class Fields : public testing::Test {
  protected:
@@ -21,6 +22,15 @@ class Fields : public testing::Test {
     double best = 1e9;
     for (const CellIndex& s : seeds) best = std::min(best, std::hypot(s.x - cell.x, s.y - cell.y));
     return best;
+  }
+
+  // Merges a keyframe and returns it.
+  KeyframeCells merge(const std::vector<Point2>& points) {
+    const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
+    map_.admit(keyframe, kStep);
+    local_.compute(keyframe);
+    local_.merge_into(map_, kStep);
+    return keyframe;
   }
 
   std::unique_ptr<Backend> backend_ = make_cpu_backend({});
@@ -42,9 +52,7 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
   std::vector<Point2> points;
   for (const CellIndex& s : seeds) points.emplace_back((s.x + 0.5) * kResolution, (s.y + 0.5) * kResolution);
   const CellBox window{{-8 - 12, -6 - 12}, {10 + 13, 4 + 13}};
-  map_.grow_to_hold(window);
-  local_.compute(points, kResolution, window);
-  local_.merge_into(map_, MergeRule::kWorking, 256, 128);
+  EXPECT_EQ(merge(points).window, window);
   for (int y = window.min.y; y < window.end.y; ++y) {
     for (int x = window.min.x; x < window.end.x; ++x) {
       const double exact = std::min(distance_to_nearest(seeds, {x, y}), static_cast<double>(kRadius)) * 256.0;
@@ -55,8 +63,7 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
 
 TEST_F(Fields, GrowingKeepsWhatIsKnownAndTheGuard) {
   map_.grow_to_hold({{0, 0}, {30, 30}});
-  local_.compute({{0.5, 0.5}}, kResolution, {{0, 0}, {30, 30}});
-  local_.merge_into(map_, MergeRule::kWorking, 256, 128);
+  merge({{0.525, 0.525}});
   const std::uint16_t known = map_.at({12, 13});
   ASSERT_LT(known, map_.cap());
   for (const CellBox& box : {CellBox{{-300, 0}, {10, 10}}, CellBox{{0, -290}, {10, 10}}, CellBox{{0, 0}, {400, 10}},

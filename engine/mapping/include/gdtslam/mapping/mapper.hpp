@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,18 +33,33 @@ struct MapperStatistics {
   std::uint64_t doubtful = 0;          ///< fell back to the prediction, or matched with weak evidence
   std::uint64_t keyframes = 0;         ///< merged into the map
   std::uint64_t searches = 0;          ///< scans for which a window was searched
+  std::uint64_t attempts = 0;          ///< windows searched, all together
   std::uint64_t restarts = 0;          ///< keyframes merged where odometry says, after a long stretch without a match
   std::uint64_t odometry_leaps = 0;    ///< odometry steps too long to be true
   std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
   std::uint64_t evaluations = 0;
+  std::uint64_t dispatches = 0;   ///< kernels run, by all backends
+  std::uint64_t submissions = 0;  ///< of a device; a backend that works at once, as the CPU does, counts none
   double path_m = 0.0;
   StageTimes stages;
+};
+
+/// What a mapper does when its device fails.
+struct MapperOptions {
+  bool fall_back = true;  ///< go on with a CPU backend of its own; else the DeviceError goes to the caller
+  CpuOptions cpu;         ///< of that backend
+  /// Called once, with one line that says what failed and what happens now.
+  std::function<void(const std::string&)> warn;
 };
 
 class Mapper {
  public:
   /// Throws ConfigError that names every violation. The backend must outlive the mapper.
-  Mapper(const MapperConfig& config, Backend& backend);
+  ///
+  /// Where the backend throws DeviceError, at any time from here on, the mapper goes over to a CPU backend of its own:
+  /// the map is rebuilt there from what the host knows, the scan in hand is matched again, and the device is asked for
+  /// nothing more. Map and poses are the same, bit for bit, as if all had been done on the CPU.
+  Mapper(const MapperConfig& config, Backend& backend, MapperOptions options = {});
   ~Mapper();
   Mapper(const Mapper&) = delete;
   Mapper& operator=(const Mapper&) = delete;
@@ -53,12 +69,26 @@ class Mapper {
   /// reach the map: such a pose counts as no odometry, such a range as no return. Throws InputError when the map would
   /// grow beyond map.max_megacells, with the size needed and the size allowed; the map then stays as it was, the
   /// robot's motion is kept, and mapping may go on.
-  MatchResult process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
+  MatchResult process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
+    start(scan, T_odom_base);
+    return finish();
+  }
+
+  /// process() in two steps, one finish() for each start(). A device works on the scan from start() on, and on the map
+  /// after finish() has returned, so what the caller does in between costs no time: reading the next scan, drawing.
+  void start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
+  /// With fall_back off throws DeviceError, as does every later call; the map keeps what was merged so far.
+  MatchResult finish();
 
   [[nodiscard]] const MapperConfig& config() const;
   [[nodiscard]] const MapperStatistics& statistics() const;
   /// The global distance transform, on the host.
   [[nodiscard]] const GlobalField& field() const;
+  /// Whether the device failed, and the text of its error; empty while it works.
+  [[nodiscard]] bool lost_device() const { return !device_loss().empty(); }
+  [[nodiscard]] const std::string& device_loss() const;
+  /// The device's own cells (GlobalField::download_device_cells), to be compared with the host's copy.
+  [[nodiscard]] std::vector<std::uint16_t> download_device_cells();
 
  private:
   struct State;

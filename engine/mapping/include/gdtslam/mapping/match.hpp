@@ -34,9 +34,9 @@ struct MatchResult {
   std::uint32_t evaluations = 0;  ///< poses that were costed
   StopReason stop = StopReason::kNotRun;
   Doubt doubt = Doubt::kNone;
-  bool searched = false;  ///< a window was searched
-  bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
-  bool merged = false;    ///< a keyframe: the scan went into the map
+  std::uint32_t attempts = 0;  ///< windows that were searched
+  bool accepted = false;       ///< the estimate is the matcher's (or the first scan's), not the prediction
+  bool merged = false;         ///< a keyframe: the scan went into the map
 };
 
 }  // namespace gdtslam

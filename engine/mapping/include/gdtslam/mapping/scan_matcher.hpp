@@ -1,5 +1,6 @@
-// Steps (6) to (8) and the minimisation of (4) for one scan: from a predicted pose down through narrowing gates, and
-// through a window of poses where that descent may have ended in the wrong valley. Frame: map. Not thread-safe.
+// The matcher `simplex`: steps (6) to (8) and the minimisation of (4) for one scan, from a predicted pose down through
+// narrowing gates, and through a window of poses where that descent may have ended in the wrong valley. Works on the
+// host, on the map's copy there; only the samples of a window go to the device. Frame: map. Not thread-safe.
 #pragma once
 
 #include <vector>
@@ -8,54 +9,43 @@
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/exhaustive.hpp"
 #include "gdtslam/mapping/global_field.hpp"
-#include "gdtslam/mapping/match.hpp"
-#include "gdtslam/mapping/motion_model.hpp"
+#include "gdtslam/mapping/match_rules.hpp"
+#include "gdtslam/mapping/matcher.hpp"
 #include "gdtslam/mapping/objective.hpp"
 
 namespace gdtslam {
 
-class ScanMatcher {
+class ScanMatcher final : public Matcher {
  public:
+  /// The map must outlive the matcher and live on the backend.
   ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map);
 
-  /// Best pose of the points (cells, robot frame) near the prediction, with its evidence. `search` asks for a window
-  /// even when the descent raises no suspicion.
-  MatchResult match(const std::vector<PointCells>& points, const Prediction& prediction, bool search);
+  void start(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
+  MatchResult finish() override;
 
  private:
-  struct Evidence {
-    double mean_cost_m = 0.0;
-    double overlap = 0.0;
-    double contradiction = 0.0;
-    StopReason stop = StopReason::kNotRun;
-  };
   struct Estimate {
     CellPose pose;
     Evidence evidence;
   };
 
-  void prepare(const Prediction& prediction);
   Estimate descend(const CellPose& start);
   void keep_points_within(std::uint32_t gate, const CellPose& pose);
   [[nodiscard]] Evidence judge(const CellPose& pose);
-  [[nodiscard]] bool is_suspect(const Evidence& evidence) const;
-  [[nodiscard]] bool is_far(const CellPose& pose, const Prediction& prediction) const;
-  [[nodiscard]] bool is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const;
-  [[nodiscard]] Doubt reservation_about(const Estimate& estimate, const Prediction& prediction) const;
-  [[nodiscard]] Doubt doubt_of(const Evidence& evidence) const;
-  Estimate search(const Estimate& local, const Prediction& prediction);
-  [[nodiscard]] SearchWindow window_around(const Prediction& prediction, double scale) const;
+  Estimate search(const Estimate& local);
   void choose_voters(const Estimate& local);
   [[nodiscard]] std::uint32_t cost_to_voters(const CellPose& pose);
 
-  [[nodiscard]] std::uint32_t units(double metres) const;
-  [[nodiscard]] float cells(double metres) const;
-
-  MapperConfig config_;
+  GateConfig gate_;
+  SearchConfig search_;
+  double leap_gain_;
   const GlobalField* map_;
+  MatchRules rules_;
   Objective objective_;
-  CellPose predicted_;
-  const std::vector<PointCells>* points_ = nullptr;
+  std::span<const PointCells> points_;
+  bool by_odometry_ = false;
+  bool must_search_ = false;
+  std::uint32_t attempts_ = 0;       // windows searched for this scan
   std::vector<PointCells> kept_;     // points that pass the gate
   std::vector<PointCells> voters_;   // points that count in a window
   std::vector<PointCells> thinned_;  // and a share of them for its samples

@@ -2,6 +2,7 @@
 // into the map, paper equation (6). Thread-safe; linear in the beams.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "gdtslam/compute/kernels/pose_cost.hpp"
@@ -32,5 +33,14 @@ CellIndex map_cell_of(const Point2& point_map_m, double resolution_m);
 /// Paper equation (7): the cells that points of the map's frame fall into, grown by `margin` cells on every side, in
 /// map cells. Empty when there is no point.
 CellBox window_of(const std::vector<Point2>& points_map_m, double resolution_m, std::int32_t margin);
+
+/// A keyframe as the map takes it: the cells that its points fall into, in the window that they can change.
+struct KeyframeCells {
+  CellBox window;                    ///< map cells
+  std::vector<std::uint32_t> cells;  ///< y * 65536 + x from the window's lower left cell
+};
+
+/// The window of (7) with a margin of the truncation radius. Throws InputError when it is wider than 65535 cells.
+KeyframeCells keyframe_of(const std::vector<Point2>& points_map_m, double resolution_m, std::uint32_t radius_cells);
 
 }  // namespace gdtslam

@@ -1,0 +1,63 @@
+// The matcher `exhaustive`: all poses of a window around the prediction, simplexes from the best of them and from the
+// prediction itself, through the narrowing gates, and the choice between their ends; all of it kernels, so that a scan
+// is one upload, one submission and one download of a few words. A point beyond a gate counts as the gate, where
+// `simplex` leaves it out. Frame: map. Not thread-safe. Cost: docs/benchmarks.md.
+#pragma once
+
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernels/pose_simplex.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/mapping/match_rules.hpp"
+#include "gdtslam/mapping/matcher.hpp"
+
+namespace gdtslam {
+
+class WindowMatcher final : public Matcher {
+ public:
+  /// The map must outlive the matcher and live on the backend.
+  WindowMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map);
+
+  /// Sets the device to work and returns at once. A window is always searched.
+  void start(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
+  /// While the best pose is suspect or lies at the window's edge, further windows follow, each twice as large.
+  MatchResult finish() override;
+
+ private:
+  void upload(Buffer& buffer, std::span<const std::byte> bytes);
+  void launch();
+  void launch_lattice();
+  void launch_descents();
+  void launch_choice();
+  [[nodiscard]] MatchVerdict wait();
+  [[nodiscard]] Evidence evidence_of(const MatchVerdict& verdict) const;
+  [[nodiscard]] PoseCost::Params cost_params(std::uint32_t points, std::uint32_t cap) const;
+  [[nodiscard]] PriorParams prior_params(double share) const;
+  [[nodiscard]] std::uint32_t pose_count() const { return static_cast<std::uint32_t>(search_.starts) + 1; }
+
+  MatchConfig match_;
+  SearchConfig search_;
+  DoubtConfig doubt_;
+  Backend* backend_;
+  const GlobalField* map_;
+  MatchRules rules_;
+  bool by_odometry_ = false;
+  std::uint32_t points_ = 0;
+  std::vector<PointCells> thinned_;
+  SearchWindow window_;
+  std::uint32_t samples_ = 0;
+  std::uint32_t attempts_ = 0;
+  PendingDownload pending_;
+  Buffer point_buffer_;
+  Buffer thinned_buffer_;
+  Buffer candidates_;
+  Buffer costs_;
+  Buffer minima_;
+  Buffer picks_;
+  Buffer poses_;
+  Buffer verdict_;
+};
+
+}  // namespace gdtslam

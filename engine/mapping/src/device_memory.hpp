@@ -1,0 +1,17 @@
+// Memory of a device for the mapper's buffers.
+#pragma once
+
+#include <cstddef>
+
+#include "gdtslam/compute/backend.hpp"
+
+namespace gdtslam {
+
+/// Zeroed memory of the backend. Throws DeviceError where the device cannot bind that much at once, so that the mapper
+/// goes on elsewhere.
+Buffer allocate_on(Backend& backend, std::size_t bytes);
+
+/// Makes a buffer that is too small larger, with room to spare; what it held is lost.
+void reserve_on(Backend& backend, Buffer& buffer, std::size_t bytes);
+
+}  // namespace gdtslam

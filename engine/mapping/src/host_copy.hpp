@@ -1,0 +1,52 @@
+// The map's copy on the host, for devices whose memory the host does not see: a field and the keyframes that it does
+// not hold yet. The kernels that replay them are those of the CPU backend, so copy and device hold the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+
+namespace gdtslam {
+
+class GlobalField::HostCopy {
+ public:
+  explicit HostCopy(std::uint32_t radius_cells);
+
+  /// Notes a keyframe that is about to be merged.
+  void note(const KeyframeCells& keyframe, const MergeStep& step) { journal_.push_back({keyframe, step}); }
+  /// Keyframes noted but not in the copy.
+  [[nodiscard]] std::size_t journal_length() const { return journal_.size(); }
+  /// Keyframes noted so far.
+  [[nodiscard]] std::uint64_t keyframes() const { return held_ + journal_.size(); }
+
+  /// The field of `box` (map cells, which holds all keyframes) with every keyframe noted so far.
+  const std::vector<std::uint16_t>& cells(const CellBox& box, Isa isa);
+  /// Takes over a field of `box` that holds the first `keyframes` ones; a field older than the copy is left.
+  void adopt(const CellBox& box, std::vector<std::uint16_t> cells, std::uint64_t keyframes);
+
+ private:
+  struct Entry {
+    KeyframeCells keyframe;
+    MergeStep step;
+  };
+
+  void grow(const CellBox& box);
+  void merge(const Entry& entry, Isa isa);
+
+  std::uint32_t radius_;
+  std::vector<std::uint16_t> table_;
+  CellBox box_{};
+  std::vector<std::uint16_t> cells_;
+  std::uint64_t held_ = 0;  // keyframes in the copy
+  std::deque<Entry> journal_;
+  std::vector<std::uint8_t> seeds_;
+  std::vector<std::uint8_t> column_distance_;
+  std::vector<std::uint16_t> squared_distance_;
+  std::vector<std::uint16_t> field_;
+};
+
+}  // namespace gdtslam

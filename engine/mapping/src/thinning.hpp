@@ -1,0 +1,19 @@
+// An even share of the points of a scan.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+
+namespace gdtslam {
+
+/// Every n-th point, in order, so that at most `most` are left; all where there are no more.
+inline void thin(std::span<const PointCells> points, std::size_t most, std::vector<PointCells>& thinned) {
+  const std::size_t every = (points.size() + most - 1) / most;
+  thinned.clear();
+  for (std::size_t i = every / 2; i < points.size(); i += every) thinned.push_back(points[i]);
+}
+
+}  // namespace gdtslam

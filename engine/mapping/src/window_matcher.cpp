@@ -1,0 +1,182 @@
+#include "gdtslam/mapping/window_matcher.hpp"
+
+#include <cmath>
+
+#include "device_memory.hpp"
+#include "gdtslam/compute/kernels/pose_lattice.hpp"
+#include "thinning.hpp"
+
+namespace gdtslam {
+namespace {
+
+std::uint32_t q16(double share) { return static_cast<std::uint32_t>(std::lround(share * 65536.0)); }
+
+StopReason stop_of(std::uint32_t stop) {
+  if (stop == 1) return StopReason::kConverged;
+  return stop == 2 ? StopReason::kEvaluationLimit : StopReason::kNotRun;
+}
+
+}  // namespace
+
+WindowMatcher::WindowMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
+    : match_(config.match),
+      search_(config.search),
+      doubt_(config.doubt),
+      backend_(&backend),
+      map_(&map),
+      rules_(config),
+      picks_(allocate_on(backend, std::size_t{SmallestValues::kMost} * 2 * sizeof(std::uint32_t))),
+      poses_(allocate_on(backend, std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
+      verdict_(allocate_on(backend, sizeof(MatchVerdict))) {}
+
+void WindowMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool /*search*/) {
+  by_odometry_ = prediction.by_odometry;
+  points_ = static_cast<std::uint32_t>(points.size());
+  rules_.begin(prediction, points.size());
+  thin(points, static_cast<std::size_t>(search_.max_points), thinned_);
+  upload(point_buffer_, std::as_bytes(points));
+  upload(thinned_buffer_, std::as_bytes(std::span(thinned_)));
+  attempts_ = 0;
+  launch();
+}
+
+MatchResult WindowMatcher::finish() {
+  MatchVerdict best;
+  Evidence evidence;
+  std::uint64_t evaluations = 0;
+  for (;;) {
+    const MatchVerdict found = wait();
+    evaluations += samples_ + found.evaluations;
+    const bool first = attempts_ == 1;
+    const bool taken = first ? found.chosen != 0 : found.cost < best.cost;
+    if (first || taken) {
+      best = found;
+      evidence = evidence_of(found);
+    }
+    const bool at_edge = taken && window_.has_at_edge({found.x, found.y, found.theta});
+    if (attempts_ >= static_cast<std::uint32_t>(search_.attempts) || (!rules_.is_suspect(evidence) && !at_edge)) break;
+    launch();
+  }
+  MatchResult result = rules_.judged({best.x, best.y, best.theta}, evidence);
+  result.evaluations = static_cast<std::uint32_t>(evaluations);
+  result.attempts = attempts_;
+  return result;
+}
+
+void WindowMatcher::upload(Buffer& buffer, std::span<const std::byte> bytes) {
+  reserve_on(*backend_, buffer, bytes.size());
+  backend_->upload(buffer, bytes);
+}
+
+// One submission: from the points to the verdict.
+void WindowMatcher::launch() {
+  window_ = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
+  samples_ = window_.count_xy() * window_.count_xy() * window_.count_theta();
+  ++attempts_;
+  launch_lattice();
+  launch_descents();
+  launch_choice();
+  pending_ = backend_->start_download(verdict_, sizeof(MatchVerdict));
+  backend_->flush();
+}
+
+// The samples of the window at a share of the points, and the best of its valleys.
+void WindowMatcher::launch_lattice() {
+  reserve_on(*backend_, candidates_, std::size_t{samples_} * sizeof(PoseCandidate));
+  reserve_on(*backend_, costs_, std::size_t{samples_} * sizeof(std::uint32_t));
+  reserve_on(*backend_, minima_, std::size_t{samples_} * sizeof(std::uint32_t));
+  const auto thinned = static_cast<std::uint32_t>(thinned_.size());
+  const std::uint32_t count_xy = window_.count_xy();
+  const std::uint32_t count_theta = window_.count_theta();
+  run<PoseLattice>(*backend_,
+                   {.centre_x = window_.centre.x,
+                    .centre_y = window_.centre.y,
+                    .centre_theta = window_.centre.theta,
+                    .step_cells = window_.step_cells,
+                    .step_rad = window_.step_rad,
+                    .count_xy = count_xy,
+                    .count_theta = count_theta,
+                    .prior = prior_params(static_cast<double>(thinned) / points_)},
+                   {samples_, 1, 1}, candidates_);
+  run<PoseCost>(*backend_, cost_params(thinned, rules_.wide_gate()), {samples_, 1, 1}, map_->buffer(), thinned_buffer_,
+                candidates_, costs_);
+  run<LatticeMinima>(*backend_, {.count_xy = count_xy, .count_theta = count_theta}, {samples_, 1, 1}, costs_, minima_);
+  run<SmallestValues>(*backend_, {.count = samples_, .wanted = pose_count() - 1}, {1, 1, 1}, minima_, picks_);
+}
+
+// From the prediction and from each of those valleys down, the gate narrowing.
+void WindowMatcher::launch_descents() {
+  const CellPose& predicted = rules_.predicted();
+  run<PoseStarts>(*backend_,
+                  {.x = predicted.x, .y = predicted.y, .theta = predicted.theta, .candidate_count = samples_},
+                  {pose_count(), 1, 1}, candidates_, picks_, poses_);
+  const PriorParams prior = prior_params(1.0);
+  for (const DescentStage& stage : rules_.stages()) {
+    run<PoseSimplex>(*backend_,
+                     {.cost = cost_params(points_, stage.gate),
+                      .prior = prior,
+                      .step_cells = stage.simplex.step_cells,
+                      .step_rad = stage.simplex.step_rad,
+                      .stop_cells = stage.simplex.stop_cells,
+                      .stop_rad = stage.simplex.stop_rad,
+                      .max_evaluations = stage.simplex.max_evaluations},
+                     {pose_count(), 1, 1}, map_->buffer(), point_buffer_, poses_);
+  }
+}
+
+void WindowMatcher::launch_choice() {
+  const double far_cells = rules_.far_m() / map_->geometry().resolution_m;
+  run<ChoosePose>(*backend_,
+                  {.cost = cost_params(points_, rules_.wide_gate()),
+                   .prior = prior_params(1.0),
+                   .pose_count = pose_count(),
+                   .map_cap = map_->cap(),
+                   .gate = rules_.final_gate(),
+                   .contradiction_q16 = q16(doubt_.suspect_contradiction),
+                   .overlap_q16 = q16(doubt_.suspect_overlap),
+                   .leap_q8 = by_odometry_ ? static_cast<std::uint32_t>(std::lround(256.0 / doubt_.leap_gain)) : 0U,
+                   .far_sq_cells = static_cast<float>(far_cells * far_cells),
+                   .far_rad = static_cast<float>(rules_.far_rad())},
+                  {1, 1, 1}, map_->buffer(), point_buffer_, poses_, verdict_);
+}
+
+MatchVerdict WindowMatcher::wait() {
+  MatchVerdict verdict;
+  backend_->finish_download(pending_, std::as_writable_bytes(std::span(&verdict, 1)));
+  return verdict;
+}
+
+Evidence WindowMatcher::evidence_of(const MatchVerdict& verdict) const {
+  Evidence evidence =
+      rules_.evidence({.sum = verdict.sum, .near = verdict.near, .beside = verdict.beside, .known = verdict.known});
+  evidence.stop = stop_of(verdict.stop);
+  return evidence;
+}
+
+PoseCost::Params WindowMatcher::cost_params(std::uint32_t points, std::uint32_t cap) const {
+  const GridGeometry grid = map_->geometry();
+  const CellOffset anchor = rules_.anchor() - map_->first_cell();
+  return {.width = static_cast<std::uint32_t>(grid.width),
+          .height = static_cast<std::uint32_t>(grid.height),
+          .stride = map_->stride(),
+          .anchor_x = anchor.dx,
+          .anchor_y = anchor.dy,
+          .point_count = points,
+          .cap = cap,
+          .interpolation = match_.interpolation,
+          .form = match_.cost};
+}
+
+// The prior of a share of the points: what one point says against it stays the same.
+PriorParams WindowMatcher::prior_params(double share) const {
+  const PosePrior& prior = rules_.prior();
+  const auto part = static_cast<float>(share);
+  return {.mean_x = prior.mean.x,
+          .mean_y = prior.mean.y,
+          .mean_theta = prior.mean.theta,
+          .weight_xy = prior.weight_xy * part,
+          .weight_theta = prior.weight_theta * part,
+          .limit = prior.limit * part};
+}
+
+}  // namespace gdtslam
