@@ -9,7 +9,7 @@ build_packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
   libpng-dev zlib1g-dev libembree-dev libassimp-dev
-  libvulkan-dev glslang-tools spirv-tools
+  libvulkan-dev libglm-dev glslang-tools spirv-tools
 )
 # To compute with Vulkan where the GPU's vendor brought no driver: the loader and Mesa's drivers, lavapipe (which computes
 # on the processor) among them.
