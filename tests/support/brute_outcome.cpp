@@ -12,6 +12,7 @@
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
 #include "support/brute_force.hpp"
 #include "support/brute_lattice.hpp"
+#include "support/brute_polish.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -216,6 +217,28 @@ void grow_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   });
 }
 
+void starts_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  outcome.contents[2] =
+      bytes_of(brute_starts(params_of<PoseStarts::Params>(kernel_case), values_of<PoseCandidate>(outcome.contents[0]),
+                            values_of<std::uint32_t>(outcome.contents[1]), kernel_case.threads.x));
+}
+
+void simplex_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto field = values_of<std::uint16_t>(outcome.contents[0]);
+  const auto points = values_of<PointCells>(outcome.contents[1]);
+  auto poses = values_of<PolishedPose>(outcome.contents[2]);
+  for (PolishedPose& pose : poses) {
+    pose = brute_descent(params_of<PoseSimplex::Params>(kernel_case), field, points, pose);
+  }
+  outcome.contents[2] = bytes_of(poses);
+}
+
+void choice_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  outcome.contents[3] = bytes_of(std::vector{
+      brute_choice(params_of<ChoosePose::Params>(kernel_case), values_of<std::uint16_t>(outcome.contents[0]),
+                   values_of<PointCells>(outcome.contents[1]), values_of<PolishedPose>(outcome.contents[2]))});
+}
+
 using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;
 
 std::uint32_t radius_of(const KernelCase& kernel_case) { return params_of<EdtColumns::Params>(kernel_case).radius; }
@@ -241,7 +264,10 @@ const std::map<std::string_view, Oracle>& oracles() {
       {"lattice_minima", minima_oracle},
       {"smallest_values", smallest_oracle},
       {"seed_scatter", scatter_oracle},
-      {"field_grow", grow_oracle}};
+      {"field_grow", grow_oracle},
+      {"pose_starts", starts_oracle},
+      {"pose_simplex", simplex_oracle},
+      {"choose_pose", choice_oracle}};
   return table;
 }
 

@@ -90,5 +90,7 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list);
 void add_merge_cases(std::vector<KernelCaseSource>& list);
 void add_lattice_cases(std::vector<KernelCaseSource>& list);
 void add_map_cases(std::vector<KernelCaseSource>& list);
+void add_pose_simplex_cases(std::vector<KernelCaseSource>& list);
+void add_choose_pose_cases(std::vector<KernelCaseSource>& list);
 
 }  // namespace gdtslam

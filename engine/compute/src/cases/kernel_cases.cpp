@@ -59,6 +59,8 @@ std::vector<KernelCaseSource> kernel_cases() {
   add_merge_cases(list);
   add_lattice_cases(list);
   add_map_cases(list);
+  add_pose_simplex_cases(list);
+  add_choose_pose_cases(list);
   return list;
 }
 

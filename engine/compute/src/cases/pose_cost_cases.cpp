@@ -1,6 +1,5 @@
-#include <algorithm>
-
 #include "cases/case_builder.hpp"
+#include "cases/scan_data.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 
 namespace gdtslam {
@@ -16,34 +15,6 @@ struct CostCase {
   Interpolation interpolation;
   CostForm form;
 };
-
-/// A field whose values change slowly, as those of distances do, with the border of caps that the kernel relies on.
-std::vector<std::uint16_t> make_field(const CostCase& shape, Random& random) {
-  std::vector<std::uint16_t> field = noise<std::uint16_t>(shape.field, random.bits());
-  std::uint64_t value = random.below(shape.cap + 1);
-  for (std::uint32_t y = 0; y < shape.field.height; ++y) {
-    for (std::uint32_t x = 0; x < shape.field.width; ++x) {
-      const bool border = x < 2 || y < 2 || x + 2 >= shape.field.width || y + 2 >= shape.field.height;
-      value = std::min<std::uint64_t>(shape.cap, value + random.below(513) - std::min<std::uint64_t>(value, 256));
-      field[std::size_t{y} * shape.field.stride + x] = static_cast<std::uint16_t>(border ? shape.cap : value);
-    }
-  }
-  return field;
-}
-
-/// Points as of a scan: within a circle of a third of the field, the first at the sensor itself.
-std::vector<PointCells> make_points(const CostCase& shape, Random& random) {
-  const double reach = std::min(shape.field.width, shape.field.height) / 3.0;
-  std::vector<PointCells> points(shape.points);
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    points[i].x = static_cast<float>(random.uniform(-reach, reach));
-    points[i].y = static_cast<float>(random.uniform(-reach, reach));
-  }
-  return points;
-}
-
-/// A cell near the field's middle.
-std::int32_t anchor_of(std::uint32_t side) { return static_cast<std::int32_t>(side / 2) - 7; }
 
 /// Poses around the anchor; one lies on whole cells without rotation, one far off, one has a bias that saturates.
 std::vector<PoseCandidate> make_candidates(const CostCase& shape, Random& random) {
@@ -82,8 +53,8 @@ void add_cost(std::vector<KernelCaseSource>& list, const CostCase& shape, bool b
                                       .cap = shape.cap,
                                       .interpolation = shape.interpolation,
                                       .form = shape.form};
-        const std::vector<std::uint16_t> field = make_field(shape, random);
-        const std::vector<PointCells> points = make_points(shape, random);
+        const std::vector<std::uint16_t> field = slow_field(shape.field, shape.cap, random);
+        const std::vector<PointCells> points = scattered_points(shape.field, shape.points, random);
         const std::vector<PoseCandidate> poses = make_candidates(shape, random);
         return make_case<PoseCost>(
             named, params, {shape.candidates, 1, 1},
