@@ -187,5 +187,139 @@ class RunAndTest(ScriptTest):
             self.assertEqual(self.run_script(self.work / "tree/tools" / script, "--help").returncode, 0, script)
 
 
+DEVICES = """{ "devices": [],
+  "vulkan": { "devices": [
+      {
+        "device": "vulkan:0",
+        "name": "A GPU"
+      }
+  ] } }"""
+
+BENCH = """{
+  "rows": [
+    {
+      "on": "vulkan:0",
+      "name": "pose_cost",
+      "variant": "4096 poses: nearest | wide",
+      "unit": "look-up",
+      "wall_s": 0.00025,
+      "device_s": null,
+      "basis": "wall",
+      "rate": 2500000000.0,
+      "copy_ratio": 0.5,
+      "times_cpu": 3.25
+    }
+  ]
+}"""
+
+REPORT = """{
+  "device": {
+    "name": "NAME",
+    "kind": "discrete"
+  },
+  "scans": 350,
+  "wall_s": SECONDS,
+  "cpu_s": 1.5,
+  "map_sha256": "MAP",
+  "trajectory_sha256": "abcdef0123456789",
+  "stages": {
+    "mapper": 0.5
+  }
+}"""
+
+
+class GpuServer(ScriptTest):
+    """gpu_server.sh with a gdtslam that computes nothing: what it shows, and that no fault passes."""
+
+    def setUp(self):
+        super().setUp()
+        (self.work / "assets/logs").mkdir(parents=True)
+        (self.work / "assets/logs/office.log.gz").touch()
+        for name, text in (("devices", DEVICES), ("bench", BENCH), ("report", REPORT)):
+            (self.work / name).write_text(text)
+        self.gdtslam()
+
+    def gdtslam(self, verify="echo 0 differences", map_of_gpu="123456789abcdef0"):
+        """A gdtslam whose second and later runs of a log are slower than the first."""
+        self.stand_in("gdtslam", f'''case "$1 $*" in
+          devices*--json) cat {self.work}/devices ;;
+          devices*) echo "vulkan:0   A GPU" ;;
+          verify*) {verify} ;;
+          bench*) cat {self.work}/bench ;;
+          map*)
+            while [[ $1 != -o ]]; do shift; done
+            echo run >>{self.work}/runs; mkdir "$2"
+            name=CPU map=123456789abcdef0
+            if [[ $* == *"--device vulkan"* ]]; then name="A GPU" map={map_of_gpu}; fi
+            sed "s/NAME/$name/; s/MAP/$map/; s/SECONDS/$(wc -l <{self.work}/runs).25/" {self.work}/report >"$2/report.json" ;;
+          --version*) echo gdtslam 1.2.3 ;;
+          *) exit 2 ;; esac''')
+
+    def prove(self, *arguments):
+        environment = {"PATH": os.environ["PATH"], "GDTSLAM": str(self.programs / "gdtslam"),
+                       "GDTSLAM_ASSETS": str(self.work / "assets")}
+        done = subprocess.run(["/bin/sh", str(ROOT / "tools/scripts/gpu_server.sh"), "--output", str(self.work / "out"),
+                               *arguments], env=environment, capture_output=True, text=True, check=False)
+        page = self.work / "out/report.md"
+        return done, page.read_text() if page.exists() else ""
+
+    def test_everything_equal(self):
+        done, page = self.prove()
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(page.splitlines()[0], "# gdtslam 1.2.3 on A GPU")
+        self.assertIn("Everything is equal", page)
+        self.assertIn("| pose_cost | 4096 poses: nearest / wide | vulkan:0 | 250.0 |  | 2.500 G look-up/s of wall time |"
+                      " 0.50 | 3.25 |", page)
+        # The fastest of three runs each: the first, the fourth and the seventh.
+        for device, seconds in (("cpu, 1 thread: CPU", 1), ("cpu, all threads: CPU", 4), ("vulkan: A GPU", 7)):
+            self.assertIn(f"| office.log | {device} | 350 | {seconds}.25 | 0.5 | 1.5 | 123456789abc | abcdef012345 |", page)
+        self.assertFalse((self.work / "out/runs").exists())
+
+    def test_another_map_on_the_gpu_fails(self):
+        self.gdtslam(map_of_gpu="023456789abcdef0")
+        done, page = self.prove("--repeat", "1")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("**FAILED**: office.log.gz: the map or the trajectory is not the same", page)
+        self.assertNotIn("Everything is equal", page)
+
+    def test_a_difference_in_verify_fails(self):
+        self.gdtslam(verify="echo '3 differences'; echo 'gdtslam: error: vulkan:0: 3 differences' >&2; exit 1")
+        done, page = self.prove("--repeat", "1")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("**FAILED**: verify ended with status 1: gdtslam: error: vulkan:0: 3 differences", page)
+        self.assertIn("\n3 differences\n", page)
+
+    def test_a_bench_without_rows_fails(self):
+        (self.work / "bench").write_text('{\n  "rows": []\n}')
+        done, page = self.prove("--repeat", "1")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("**FAILED**: bench measured nothing", page)
+
+    def test_logs_are_verified_and_mapped_too(self):
+        own = self.work / "my own.log"
+        own.touch()
+        self.gdtslam(verify=f"printf '%s;' \"$@\" >{self.work}/verified")
+        done, page = self.prove("--repeat", "1", "--device", "vulkan:0", str(own), str(own))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual((self.work / "verified").read_text(),
+                         f"verify;--device;vulkan:0;--quiet;--log;{own};--log;{own};")
+        self.assertIn("| my own.log | vulkan:0: A GPU |", page)
+
+    def test_no_device(self):
+        (self.work / "devices").write_text('{ "devices": [], "vulkan": { "devices": [] } }')
+        done, _ = self.prove()
+        self.assertEqual(done.returncode, 69)
+        self.assertFalse((self.work / "out").exists())
+
+    def test_another_device(self):
+        self.assertEqual(self.prove("--device", "vulkan:1")[0].returncode, 69)
+
+    def test_wrong_arguments(self):
+        for wrong in (["--device", "cpu"], ["--repeat", "0"], ["--repeat"], ["--fast"], ["no-such.log"]):
+            self.assertEqual(self.prove(*wrong)[0].returncode, 2, wrong)
+        (self.work / "out").mkdir()
+        self.assertEqual(self.prove()[0].returncode, 2)
+
+
 if __name__ == "__main__":
     unittest.main()

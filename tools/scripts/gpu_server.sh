@@ -89,9 +89,41 @@ verify() {
   cat "$output/verify.txt"
 }
 
+# rows_of BENCH.JSON: its rows as a table; fails where there is none.
+rows_of() {
+  echo '| kernel | work | on | wall, us | on the device, us | rate | share of a copy | times the CPU |'
+  echo '|---|---|---|---|---|---|---|---|'
+  awk '
+    function micro(seconds) { return seconds == "null" ? "" : sprintf("%.1f", seconds * 1e6) }
+    function number(value) { return value == "null" ? "" : sprintf("%.2f", value) }
+    {
+      key = $1
+      gsub(/[":]/, "", key)
+      value = $0
+      sub(/^[^:]*: */, "", value)
+      sub(/,$/, "", value)
+      gsub(/^"|"$/, "", value)
+      gsub(/[|]/, "/", value)
+      row[key] = value
+    }
+    key == "on" { inside = 1 }
+    inside && /^ *}/ {
+      printf "| %s | %s | %s | %s | %s | %.3f G %s/s of %s time | %s | %s |\n", row["name"], row["variant"], row["on"],
+        micro(row["wall_s"]), micro(row["device_s"]), row["rate"] * 1e-9, row["unit"], row["basis"],
+        number(row["copy_ratio"]), number(row["times_cpu"])
+      inside = 0
+      rows++
+    }
+    END { exit rows == 0 }' "$1"
+}
+
 bench() {
-  "$gdtslam" bench --device "$device" --no-fallback >"$output/bench.txt" || failed "bench ended with status $?"
-  "$gdtslam" bench --device "$device" --no-fallback --json >"$output/bench.json" || failed "bench --json ended with status $?"
+  : >"$output/bench.txt"
+  "$gdtslam" bench --device "$device" --no-fallback --json >"$output/bench.json" || {
+    failed "bench ended with status $?"
+    return 0
+  }
+  rows_of "$output/bench.json" >"$output/bench.txt" || failed "bench measured nothing"
   cat "$output/bench.txt"
 }
 
@@ -173,13 +205,17 @@ say ""
 say "## Whole logs, \`--matcher exhaustive\`, the fastest of $repeat"
 say ""
 cat "$output/logs.md" >>"$page"
-for part in "verify:The same bits" "bench:Kernels" "devices:Devices"; do
+say ""
+say "## Kernels"
+say ""
+cat "$output/bench.txt" >>"$page"
+for part in "verify:The same bits" "devices:Devices"; do
   say ""
   say "## ${part#*:}"
   say ""
   in_block "$output/${part%%:*}.txt"
 done
-rm "$output/logs.md"
+rm "$output/logs.md" "$output/bench.txt"
 
 announce "Done: $page"
 if [ "$status" -eq 0 ]; then echo "Everything is equal on the processor and on the device."; else printf '%s' "$failures"; fi
