@@ -1,7 +1,8 @@
 # GDTSLAM_STATIC: every package that the command links is linked statically, the C++ runtime too, so that the program asks a
 # machine for nothing but the C library. It is how the relocatable bundle is built (GdtslamBundle.cmake). Static, and not
 # shared libraries in a folder beside the program, because of the drivers: a Vulkan driver is loaded into the process and
-# brings its own libstdc++ and libz, which are often newer than ours. With ours loaded first such a driver does not load.
+# brings libstdc++, libz and others; a process has each of them once. With an older one of ours loaded first, a driver that
+# needs a newer one does not load.
 #
 # The packages' own targets are defined here, before find_package looks for them anywhere in the tree.
 option(GDTSLAM_STATIC "Link the packages and the C++ runtime statically, for the bundle (without simulator and OpenCV)" OFF)
