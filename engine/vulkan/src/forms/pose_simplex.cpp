@@ -1,0 +1,105 @@
+#include "gdtslam/compute/kernels/pose_simplex.hpp"
+
+#include "forms/form_tools.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kPoints = 1;  // their binding
+
+template <std::uint32_t kEach>
+GroupCount groups(const LaunchShape& shape) {
+  return groups_for(shape.threads.x, kEach);
+}
+
+template <Interpolation kInterpolation>
+bool interpolates(const FormContext& context) {
+  return launch_params<PoseSimplex>(context.shape).cost.interpolation == kInterpolation;
+}
+
+/// Whether `turns` turns of a loop a pose that is costed are few enough.
+bool fits(const FormContext& context, std::uint32_t turns) {
+  // A move that ends the descent costs up to five poses more than the limit.
+  const std::uint64_t evaluations = std::uint64_t{launch_params<PoseSimplex>(context.shape).max_evaluations} + 5;
+  return fits_loops(context, evaluations * (turns + 1));
+}
+
+constexpr std::uint32_t kGroup = 128;
+
+template <Interpolation kInterpolation>
+bool is_wide(const FormContext& context) {
+  const std::uint32_t points = launch_params<PoseSimplex>(context.shape).cost.point_count;
+  return context.wide() && fits(context, points / kGroup + 1) && interpolates<kInterpolation>(context);
+}
+
+template <Interpolation kInterpolation>
+bool is_narrow(const FormContext& context) {
+  const std::uint32_t points = launch_params<PoseSimplex>(context.shape).cost.point_count;
+  return fits(context, points / 8 + 8) && interpolates<kInterpolation>(context);
+}
+
+template <Interpolation kInterpolation>
+bool is_narrow_with_few_points(const FormContext& context) {
+  return launch_params<PoseSimplex>(context.shape).cost.point_count <= kUniformPoints &&
+         is_narrow<kInterpolation>(context);
+}
+
+/// The forms are listed once for each interpolation, which is a constant of the shader. The last is for descents so
+/// long that a device which ends loops needs many invocations.
+template <Interpolation kInterpolation>
+constexpr std::array<ShaderForm, 4> forms() {
+  constexpr std::array<std::uint32_t, 2> kConstants{static_cast<std::uint32_t>(kInterpolation), 0};
+  return {{{.kernel = "pose_simplex",
+            .name = "pose_simplex_wide",
+            .spirv = shader::pose_simplex_wide_spirv,
+            .local_size = {kGroup, 1, 1},
+            .constants = kConstants,
+            .takes_count = true,
+            .groups = groups<1>,
+            .suits = is_wide<kInterpolation>},
+           {.kernel = "pose_simplex",
+            .name = "pose_simplex_narrow_uniform",
+            .spirv = shader::pose_simplex_narrow_uniform_spirv,
+            .local_size = {8, 1, 1},
+            .constants = kConstants,
+            .uniform_binding = kPoints,
+            .takes_count = true,
+            .groups = groups<8>,
+            .suits = is_narrow_with_few_points<kInterpolation>},
+           {.kernel = "pose_simplex",
+            .name = "pose_simplex_narrow",
+            .spirv = shader::pose_simplex_narrow_spirv,
+            .local_size = {8, 1, 1},
+            .constants = kConstants,
+            .takes_count = true,
+            .groups = groups<8>,
+            .suits = is_narrow<kInterpolation>},
+           {.kernel = "pose_simplex",
+            .name = "pose_simplex_wide",
+            .spirv = shader::pose_simplex_wide_spirv,
+            .local_size = {1024, 1, 1},
+            .constants = kConstants,
+            .takes_count = true,
+            .groups = groups<1>,
+            .suits = interpolates<kInterpolation>}}};
+}
+
+constexpr std::array<ShaderForm, 8> all_forms() {
+  std::array<ShaderForm, 8> all{};
+  const auto nearest = forms<Interpolation::kNearest>();
+  const auto bilinear = forms<Interpolation::kBilinear>();
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    all[i] = nearest[i];
+    all[i + nearest.size()] = bilinear[i];
+  }
+  all.back().suits = nullptr;
+  return all;
+}
+
+constexpr std::array kForms = all_forms();
+
+}  // namespace
+
+std::span<const ShaderForm> pose_simplex_forms() { return kForms; }
+
+}  // namespace gdtslam
