@@ -21,6 +21,7 @@ const IsaFunctions& functions_or_throw(Isa isa) {
   if (!is_compiled(isa)) {
     throw UnavailableError("this build has no kernels for the instruction set " + std::string(name_of(isa)));
   }
+  count_kernel_call();
   return functions_of(isa);
 }
 

@@ -9,6 +9,7 @@
 
 #include "gdtslam/compute/kernel.hpp"
 #include "isa/functions.hpp"
+#include "kernel_calls.hpp"
 
 namespace gdtslam {
 
@@ -95,7 +96,8 @@ inline constexpr std::uint32_t kNoLimit = 0x7FFFFFFFU;
 /// Grids whose squared distances must fit 31 bits.
 inline constexpr std::uint32_t kFullLimit = 32767;
 
-/// The functions of an instruction set for a direct call; throws UnavailableError where the build has none.
+/// The functions of an instruction set for a direct call, which is counted; throws UnavailableError where the build has
+/// none.
 const IsaFunctions& functions_or_throw(Isa isa);
 
 /// The adapter of an instruction set, or nullptr where the build has none. `Adapter` turns a launch into a call.
@@ -105,7 +107,10 @@ constexpr std::array<CpuFunction, kIsaCount> per_isa() {
     if constexpr (!is_compiled(isa)) {
       return nullptr;
     } else {
-      return +[](const CpuLaunch& launch) { Adapter::call(functions_of(isa), launch); };
+      return +[](const CpuLaunch& launch) {
+        count_kernel_call();
+        Adapter::call(functions_of(isa), launch);
+      };
     }
   };
   return {function.template operator()<Isa::kBaseline>(), function.template operator()<Isa::kAvx2>(),

@@ -73,9 +73,11 @@ std::vector<std::vector<std::byte>> run_fenced(const KernelCase& kernel_case, Is
 
 TEST(GuardPages, NoKernelTouchesWhatIsNotItsOwn) {
   for (const KernelCaseSource& source : kernel_cases()) {
+    if (source.benchmark || source.large) {
+      continue;
+    }
     const KernelCase kernel_case = source.make();
-    const bool empty = kernel_case.threads.x == 0 || kernel_case.threads.y == 0;
-    if (source.benchmark || empty) {
+    if (kernel_case.threads.x == 0 || kernel_case.threads.y == 0) {
       continue;
     }
     const auto expected = run_fenced(kernel_case, Isa::kBaseline, true);

@@ -118,7 +118,7 @@ TEST(Registry, EveryKernelHasCasesABenchmarkAndAnOracle) {
 
 TEST(KernelCases, FitTheirKernelsAndAreTheSameBytesEachTime) {
   for (const KernelCaseSource& source : kernel_cases()) {
-    if (source.benchmark) {
+    if (source.benchmark || source.large) {
       continue;
     }
     const KernelCase once = source.make();
@@ -132,6 +132,29 @@ TEST(KernelCases, FitTheirKernelsAndAreTheSameBytesEachTime) {
           << source.name;
     }
   }
+}
+
+TEST(RandomKernelCases, DrawEveryKernelAndComeBackByTheirNumbers) {
+  const std::vector<KernelCaseSource> list = random_kernel_cases(7, 600);
+  std::set<std::string_view> drawn;
+  std::set<std::string> names;
+  for (std::uint32_t i = 0; i < list.size(); ++i) {
+    drawn.insert(list[i].kernel->name);
+    names.insert(list[i].name);
+    if (i % 20 == 0) {
+      const KernelCase once = list[i].make();
+      const KernelCase again = random_kernel_case(7, i).make();
+      EXPECT_EQ(once.name, "random 7/" + std::to_string(i));
+      EXPECT_EQ(once.kernel, again.kernel);
+      EXPECT_EQ(once.params, again.params);
+      for (std::size_t b = 0; b < once.buffers.size(); ++b) {
+        EXPECT_EQ(once.buffers[b].content, again.buffers[b].content) << once.name;
+      }
+    }
+  }
+  EXPECT_EQ(drawn.size(), kernel_registry().size()) << "a kernel is never drawn";
+  EXPECT_EQ(names.size(), list.size());
+  EXPECT_NE(random_kernel_case(7, 0).make().params, random_kernel_case(8, 0).make().params);
 }
 
 TEST(SeedPatterns, WallsCoverAboutOneAndAHalfPercent) {

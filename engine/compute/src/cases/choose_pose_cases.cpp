@@ -53,35 +53,36 @@ Poses make_poses(std::uint32_t count, Random& random) {
   return poses;
 }
 
+template <class Change>
+KernelCase choice_case(const std::string& name, const ChoiceCase& shape, Change change) {
+  Random random(seed_from(name));
+  ChoosePose::Params params{
+      .cost = cost_params(shape.field, shape.points, shape.wide, shape.interpolation, shape.form),
+      .prior = {.mean_x = 2.0F, .mean_y = -1.0F, .mean_theta = 0.28F, .weight_xy = 900.0F, .weight_theta = 4.0e5F},
+      .map_cap = shape.map_cap,
+      .gate = 256,
+      .contradiction_q16 = 65536,
+      .overlap_q16 = 0,
+      .leap_q8 = 0,
+      .far_sq_cells = 4.0F,
+      .far_rad = 0.05F};
+  Poses poses = make_poses(shape.poses, random);
+  change(params, poses);
+  params.pose_count = static_cast<std::uint32_t>(poses.size());
+  auto buffers = scene_buffers(shape.field, shape.room, shape.map_cap, shape.points, random);
+  buffers.push_back(words_buffer(poses));
+  constexpr auto kWords = static_cast<std::uint32_t>(sizeof(MatchVerdict) / 4);
+  buffers.push_back(list_buffer(noise<std::uint32_t>({kWords, 1, kWords}, random.bits())));
+  return make_case<ChoosePose>(name, params, {1, 1, 1}, std::move(buffers));
+}
+
 /// Adds a case; `change(params, poses)` makes it what it is called.
 template <class Change>
 void add_choice(std::vector<KernelCaseSource>& list, const ChoiceCase& shape, const std::string& what, Change change,
                 bool benchmark = false) {
   add_case<ChoosePose>(
       list, name_of(shape) + what,
-      [shape, change](const std::string& named) {
-        Random random(seed_from(named));
-        ChoosePose::Params params{
-            .cost = cost_params(shape.field, shape.points, shape.wide, shape.interpolation, shape.form),
-            .prior =
-                {.mean_x = 2.0F, .mean_y = -1.0F, .mean_theta = 0.28F, .weight_xy = 900.0F, .weight_theta = 4.0e5F},
-            .map_cap = shape.map_cap,
-            .gate = 256,
-            .contradiction_q16 = 65536,
-            .overlap_q16 = 0,
-            .leap_q8 = 0,
-            .far_sq_cells = 4.0F,
-            .far_rad = 0.05F};
-        Poses poses = make_poses(shape.poses, random);
-        change(params, poses);
-        params.pose_count = static_cast<std::uint32_t>(poses.size());
-        auto buffers = scene_buffers(shape.field, shape.room, shape.map_cap, shape.points, random);
-        buffers.push_back(words_buffer(poses));
-        constexpr auto kWords = static_cast<std::uint32_t>(sizeof(MatchVerdict) / 4);
-        buffers.push_back(list_buffer(noise<std::uint32_t>({kWords, 1, kWords}, random.bits())));
-        return make_case<ChoosePose>(named, params, {1, 1, 1}, std::move(buffers));
-      },
-      benchmark);
+      [shape, change](const std::string& name) { return choice_case(name, shape, change); }, benchmark);
 }
 
 constexpr auto kNoChange = [](ChoosePose::Params&, Poses&) {};
@@ -224,6 +225,26 @@ void add_extremes(std::vector<KernelCaseSource>& list) {
   }
 }
 
+KernelCase draw_choice(const std::string& name, Random& random) {
+  ChoiceCase shape;
+  shape.field = draw_size(random, 2);
+  shape.room = random.below(2) == 0;
+  shape.points = draw_count(random, 500);
+  shape.poses = 1 + draw_count(random, SmallestValues::kMost);
+  shape.map_cap = random.below(2) == 0 ? 5120 : draw_count(random, 65535);
+  shape.wide = random.below(2) == 0 ? 2560 : draw_count(random, 65535);
+  shape.interpolation = random.below(2) == 0 ? Interpolation::kBilinear : Interpolation::kNearest;
+  shape.form = random.below(2) == 0 ? CostForm::kDistance : CostForm::kSquared;
+  return choice_case(name, shape, [&](ChoosePose::Params& params, Poses&) {
+    params.gate = draw_count(random, 5120);
+    params.contradiction_q16 = draw_count(random, 65536);
+    params.overlap_q16 = draw_count(random, 65536);
+    params.leap_q8 = draw_count(random, 1024);
+    params.far_sq_cells = static_cast<float>(random.uniform(0.0, 9.0));
+    params.far_rad = static_cast<float>(random.uniform(0.0, 0.1));
+  });
+}
+
 }  // namespace
 
 void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
@@ -237,5 +258,7 @@ void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
                kNoChange, true);
   }
 }
+
+void add_choose_pose_draws(std::vector<RandomKernel>& list) { list.push_back({&ChoosePose::info(), draw_choice}); }
 
 }  // namespace gdtslam

@@ -4,34 +4,33 @@
 namespace gdtslam {
 namespace {
 
-constexpr SeedPattern kPatterns[] = {SeedPattern::kNone, SeedPattern::kOne, SeedPattern::kSparse,
-                                     SeedPattern::kHalf, SeedPattern::kAll, SeedPattern::kChecks};
+constexpr std::uint32_t kRadii[] = {1, 20, 255};
+constexpr CaseSize kBenchSize{1024, 1024, 1024};
 
-EdtColumns::Params params_for(CaseSize size, std::uint32_t radius) {
-  return {size.width, size.height, size.stride, radius};
-}
+/// Seeds on a grid, and the radius of the transform; 0 where there is none.
+struct EdtGrid {
+  CaseSize size;
+  SeedPattern pattern;
+  std::uint32_t radius;
 
-std::vector<std::uint8_t> seeds_for(SeedPattern pattern, CaseSize size) {
-  return make_seeds(pattern, size.width, size.height, size.stride, seed_from(size_name(size)));
-}
+  [[nodiscard]] std::string name() const {
+    return size_name(size) + " " + std::string(name_of(pattern)) + " R" + std::to_string(radius);
+  }
+  [[nodiscard]] EdtColumns::Params params() const { return {size.width, size.height, size.stride, radius}; }
+  [[nodiscard]] std::vector<std::uint8_t> seeds(const std::string& named) const {
+    return make_seeds(pattern, size.width, size.height, size.stride, seed_from(named));
+  }
+};
 
 template <class K, class Out>
-void add_columns(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pattern, std::uint32_t radius,
-                 bool benchmark) {
-  const std::string name = size_name(size) + " " + std::string(name_of(pattern)) + " R" + std::to_string(radius);
-  add_case<K>(
-      list, name,
-      [=](const std::string& named) {
-        return make_case<K>(named, params_for(size, radius), {size.width, 1, 1},
-                            {grid_buffer(size, seeds_for(pattern, size)), grid_buffer(size, noise<Out>(size, 1))});
-      },
-      benchmark);
+KernelCase columns_case(const std::string& name, const EdtGrid& grid) {
+  return make_case<K>(name, grid.params(), {grid.size.width, 1, 1},
+                      {grid_buffer(grid.size, grid.seeds(name)), grid_buffer(grid.size, noise<Out>(grid.size, 1))});
 }
 
 /// Distances along the columns as the first pass leaves them, by the plainest loop: the input of the second pass.
 template <class T>
-std::vector<T> column_distances(CaseSize size, SeedPattern pattern, std::uint32_t none) {
-  const std::vector<std::uint8_t> seeds = seeds_for(pattern, size);
+std::vector<T> column_distances(CaseSize size, const std::vector<std::uint8_t>& seeds, std::uint32_t none) {
   std::vector<T> distances = noise<T>(size, 2);
   for (std::uint32_t x = 0; x < size.width; ++x) {
     std::uint32_t down = none;
@@ -50,55 +49,107 @@ std::vector<T> column_distances(CaseSize size, SeedPattern pattern, std::uint32_
   return distances;
 }
 
+/// `none` is the distance where a column has no seed.
 template <class K, class In, class Out>
-void add_rows(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pattern, std::uint32_t radius,
-              std::uint32_t none, bool benchmark) {
-  const std::string name = size_name(size) + " " + std::string(name_of(pattern)) + " R" + std::to_string(radius);
-  add_case<K>(
-      list, name,
-      [=](const std::string& named) {
-        return make_case<K>(
-            named, params_for(size, radius), {1, size.height, 1},
-            {grid_buffer(size, column_distances<In>(size, pattern, none)), grid_buffer(size, noise<Out>(size, 3))});
-      },
-      benchmark);
+KernelCase rows_case(const std::string& name, const EdtGrid& grid, std::uint32_t none) {
+  return make_case<K>(name, grid.params(), {1, grid.size.height, 1},
+                      {grid_buffer(grid.size, column_distances<In>(grid.size, grid.seeds(name), none)),
+                       grid_buffer(grid.size, noise<Out>(grid.size, 3))});
 }
 
-template <class Add>
-void for_each_grid(Add add) {
-  for (const CaseSize& size : kCaseSizes) {
-    for (const SeedPattern pattern : kPatterns) {
-      add(size, pattern);
+// The four kernels, each with the types of its values.
+struct Columns {
+  using Kernel = EdtColumns;
+  static KernelCase make(const std::string& name, const EdtGrid& grid) {
+    return columns_case<EdtColumns, std::uint8_t>(name, grid);
+  }
+};
+struct Rows {
+  using Kernel = EdtRows;
+  static KernelCase make(const std::string& name, const EdtGrid& grid) {
+    return rows_case<EdtRows, std::uint8_t, std::uint16_t>(name, grid, grid.radius);
+  }
+};
+struct FullColumns {
+  using Kernel = EdtFullColumns;
+  static KernelCase make(const std::string& name, const EdtGrid& grid) {
+    return columns_case<EdtFullColumns, std::uint32_t>(name, grid);
+  }
+};
+struct FullRows {
+  using Kernel = EdtFullRows;
+  static KernelCase make(const std::string& name, const EdtGrid& grid) {
+    return rows_case<EdtFullRows, std::uint32_t, std::uint32_t>(name, grid, kNoSeed);
+  }
+};
+
+template <class Pass>
+void add_grid(std::vector<KernelCaseSource>& list, const EdtGrid& grid, bool benchmark = false) {
+  add_case<typename Pass::Kernel>(
+      list, grid.name(), [grid](const std::string& name) { return Pass::make(name, grid); }, benchmark);
+}
+
+/// Every size with every pattern and the given radii, every small size with two patterns and one radius.
+template <class Pass, std::size_t kCount>
+void add_grids(std::vector<KernelCaseSource>& list, const std::uint32_t (&radii)[kCount]) {
+  for (const SeedPattern pattern : kCasePatterns) {
+    for (const std::uint32_t radius : radii) {
+      for (const CaseSize& size : kCaseSizes) {
+        if (size.width > kSmallSide || size.height > kSmallSide) {
+          add_grid<Pass>(list, {size, pattern, radius});
+        }
+      }
     }
+  }
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+    add_grid<Pass>(list, {size, in_turn(kCasePatterns, turn), in_turn(radii, turn / 2)});
+    add_grid<Pass>(list, {size, in_turn(kCasePatterns, turn + 3), in_turn(radii, turn / 3)});
+  });
+  for (const CaseSize& size : kLongSizes) {
+    add_grid<Pass>(list, {size, SeedPattern::kNone, radii[kCount - 1]});
+    add_grid<Pass>(list, {size, SeedPattern::kOne, radii[kCount - 1]});
+    add_grid<Pass>(list, {size, SeedPattern::kSparse, radii[0]});
+  }
+  for (const CaseSize& size : kLargeSizes) {
+    const EdtGrid grid{size, SeedPattern::kWalls, radii[kCount / 2]};
+    add_large_case<typename Pass::Kernel>(list, grid.name(),
+                                          [grid](const std::string& name) { return Pass::make(name, grid); });
   }
 }
 
-constexpr CaseSize kBenchSize{1024, 1024, 1024};
+template <class Pass>
+KernelCase draw_truncated(const std::string& name, Random& random) {
+  const CaseSize size = draw_size(random);
+  const SeedPattern pattern = draw_pattern(random);
+  return Pass::make(name, {size, pattern, 1 + draw_count(random, 254)});
+}
+
+template <class Pass>
+KernelCase draw_full(const std::string& name, Random& random) {
+  const CaseSize size = draw_size(random);
+  return Pass::make(name, {size, draw_pattern(random), 0});
+}
 
 }  // namespace
 
 void add_edt_cases(std::vector<KernelCaseSource>& list) {
-  for_each_grid([&](CaseSize size, SeedPattern pattern) {
-    for (const std::uint32_t radius : {1U, 20U, 255U}) {
-      add_columns<EdtColumns, std::uint8_t>(list, size, pattern, radius, false);
-    }
-  });
-  add_columns<EdtColumns, std::uint8_t>(list, kBenchSize, SeedPattern::kWalls, 20, true);
-  for_each_grid([&](CaseSize size, SeedPattern pattern) {
-    for (const std::uint32_t radius : {1U, 20U, 255U}) {
-      add_rows<EdtRows, std::uint8_t, std::uint16_t>(list, size, pattern, radius, radius, false);
-    }
-  });
-  add_rows<EdtRows, std::uint8_t, std::uint16_t>(list, kBenchSize, SeedPattern::kWalls, 20, 20, true);
-  add_rows<EdtRows, std::uint8_t, std::uint16_t>(list, kBenchSize, SeedPattern::kWalls, 255, 255, true);
-  for_each_grid([&](CaseSize size, SeedPattern pattern) {
-    add_columns<EdtFullColumns, std::uint32_t>(list, size, pattern, 0, false);
-  });
-  add_columns<EdtFullColumns, std::uint32_t>(list, kBenchSize, SeedPattern::kWalls, 0, true);
-  for_each_grid([&](CaseSize size, SeedPattern pattern) {
-    add_rows<EdtFullRows, std::uint32_t, std::uint32_t>(list, size, pattern, 0, kNoSeed, false);
-  });
-  add_rows<EdtFullRows, std::uint32_t, std::uint32_t>(list, kBenchSize, SeedPattern::kWalls, 0, kNoSeed, true);
+  constexpr std::uint32_t kNoRadius[] = {0};
+  add_grids<Columns>(list, kRadii);
+  add_grid<Columns>(list, {kBenchSize, SeedPattern::kWalls, 20}, true);
+  add_grids<Rows>(list, kRadii);
+  add_grid<Rows>(list, {kBenchSize, SeedPattern::kWalls, 20}, true);
+  add_grid<Rows>(list, {kBenchSize, SeedPattern::kWalls, 255}, true);
+  add_grids<FullColumns>(list, kNoRadius);
+  add_grid<FullColumns>(list, {kBenchSize, SeedPattern::kWalls, 0}, true);
+  add_grids<FullRows>(list, kNoRadius);
+  add_grid<FullRows>(list, {kBenchSize, SeedPattern::kWalls, 0}, true);
+}
+
+void add_edt_draws(std::vector<RandomKernel>& list) {
+  list.push_back({&EdtColumns::info(), draw_truncated<Columns>});
+  list.push_back({&EdtRows::info(), draw_truncated<Rows>});
+  list.push_back({&EdtFullColumns::info(), draw_full<FullColumns>});
+  list.push_back({&EdtFullRows::info(), draw_full<FullRows>});
 }
 
 }  // namespace gdtslam

@@ -11,23 +11,39 @@ namespace {
 constexpr std::size_t kGuardBytes = 256;
 constexpr std::byte kGuard{0xA5};
 
-std::uint64_t value_at(const std::vector<std::byte>& content, const ValueLayout& layout, std::uint32_t x,
-                       std::uint32_t y) {
-  const std::size_t first = (std::size_t{y} * layout.stride + x) * layout.value_bytes;
+/// A part of a value, as an unsigned integer.
+std::uint64_t part_at(const std::vector<std::byte>& content, std::size_t first, std::size_t bytes) {
   std::uint64_t value = 0;
-  for (std::size_t i = std::min<std::size_t>(layout.value_bytes, 8); i-- > 0;) {
+  for (std::size_t i = bytes; i-- > 0;) {
     value = value << 8U | std::to_integer<std::uint64_t>(content[first + i]);
   }
   return value;
 }
 
+/// How far two values are apart: structs are compared word by word, and the largest difference counts.
+std::uint64_t value_difference(const ValueLayout& layout, std::size_t index, const std::vector<std::byte>& expected,
+                               const std::vector<std::byte>& found) {
+  const std::size_t bytes = layout.value_bytes;
+  const std::size_t step = bytes <= 8 ? bytes : 4;
+  std::uint64_t largest = 0;
+  for (std::size_t offset = 0; offset < bytes; offset += step) {
+    const std::size_t part = std::min(step, bytes - offset);
+    const std::uint64_t a = part_at(expected, index * bytes + offset, part);
+    const std::uint64_t b = part_at(found, index * bytes + offset, part);
+    largest = std::max(largest, a > b ? a - b : b - a);
+  }
+  return largest;
+}
+
 void compare_buffer(const ValueLayout& layout, std::size_t binding, const std::vector<std::byte>& expected,
                     const std::vector<std::byte>& found, CaseDifference& result) {
+  if (expected == found) {
+    return;
+  }
   for (std::uint32_t y = 0; y < layout.height; ++y) {
     for (std::uint32_t x = 0; x < layout.width; ++x) {
-      const std::uint64_t a = value_at(expected, layout, x, y);
-      const std::uint64_t b = value_at(found, layout, x, y);
-      if (a == b) {
+      const std::uint64_t apart = value_difference(layout, std::size_t{y} * layout.stride + x, expected, found);
+      if (apart == 0) {
         continue;
       }
       if (result.values++ == 0) {
@@ -35,7 +51,7 @@ void compare_buffer(const ValueLayout& layout, std::size_t binding, const std::v
         result.x = x;
         result.y = y;
       }
-      result.largest = std::max(result.largest, a > b ? a - b : b - a);
+      result.largest = std::max(result.largest, apart);
     }
   }
 }

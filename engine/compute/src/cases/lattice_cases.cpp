@@ -15,10 +15,21 @@ struct WindowSize {
   }
 };
 
-constexpr WindowSize kWindows[] = {{1, 1},  {1, 2},  {1, 7},  {1, 100}, {2, 1},  {2, 2},   {3, 1},
-                                   {3, 3},  {4, 5},  {5, 2},  {8, 8},   {9, 13}, {16, 3},  {17, 4},
-                                   {31, 7}, {64, 2}, {65, 3}, {101, 2}, {97, 5}, {257, 1}, {300, 2}};
+/// Beyond the sizes of vectors and tiles; smaller ones are tried in all pairs.
+constexpr WindowSize kWindows[] = {{1, 100}, {16, 3}, {17, 4},  {31, 7},  {64, 2}, {65, 3},
+                                   {101, 2}, {97, 5}, {257, 1}, {300, 2}, {2, 200}};
+constexpr WindowSize kLargeWindow{317, 83};
 constexpr WindowSize kBenchWindow{101, 41};  // +-1 m in steps of 2 cm, +-10 degrees in steps of half a degree
+
+/// add(window, turn) for all pairs of counts up to kSmallSide.
+template <class Add>
+void for_each_small_window(Add add) {
+  for (std::uint32_t theta = 1; theta <= kSmallSide; ++theta) {
+    for (std::uint32_t xy = 1; xy <= kSmallSide; ++xy) {
+      add(WindowSize{xy, theta}, theta * 7 + xy);
+    }
+  }
+}
 
 /// Priors: none, one as a scan has it, one that is at its limit everywhere but near the mean.
 enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep };
@@ -43,25 +54,26 @@ PriorParams make_prior(PriorKind kind, Random& random) {
   return prior;
 }
 
-void add_lattice(std::vector<KernelCaseSource>& list, WindowSize window, PriorKind kind, bool benchmark) {
+KernelCase lattice_case(const std::string& name, WindowSize window, PriorKind kind) {
+  Random random(seed_from(name));
+  PoseLattice::Params params;
+  params.centre_x = static_cast<float>(random.uniform(-20.0, 20.0));
+  params.centre_y = static_cast<float>(random.uniform(-20.0, 20.0));
+  params.centre_theta = static_cast<float>(random.uniform(-3.2, 3.2));
+  params.step_cells = static_cast<float>(random.uniform(0.1, 2.0));
+  params.step_rad = static_cast<float>(random.uniform(0.001, 0.05));
+  params.count_xy = window.xy;
+  params.count_theta = window.theta;
+  params.prior = make_prior(kind, random);
+  const std::uint32_t words = 4 * window.samples();
+  return make_case<PoseLattice>(name, params, {window.samples(), 1, 1},
+                                {list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()))});
+}
+
+void add_lattice(std::vector<KernelCaseSource>& list, WindowSize window, PriorKind kind, bool benchmark = false) {
   add_case<PoseLattice>(
       list, window.name() + " " + std::string(name_of(kind)),
-      [=](const std::string& named) {
-        Random random(seed_from(named));
-        PoseLattice::Params params;
-        params.centre_x = static_cast<float>(random.uniform(-20.0, 20.0));
-        params.centre_y = static_cast<float>(random.uniform(-20.0, 20.0));
-        params.centre_theta = static_cast<float>(random.uniform(-3.2, 3.2));
-        params.step_cells = static_cast<float>(random.uniform(0.1, 2.0));
-        params.step_rad = static_cast<float>(random.uniform(0.001, 0.05));
-        params.count_xy = window.xy;
-        params.count_theta = window.theta;
-        params.prior = make_prior(kind, random);
-        const std::uint32_t words = 4 * window.samples();
-        return make_case<PoseLattice>(named, params, {window.samples(), 1, 1},
-                                      {list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()))});
-      },
-      benchmark);
+      [=](const std::string& name) { return lattice_case(name, window, kind); }, benchmark);
 }
 
 /// Costs of a window: how many values there are decides how many ties; 0 stands for kNoCost everywhere.
@@ -80,21 +92,22 @@ std::string range_name(std::uint32_t range) {
   return range == 0 ? " no cost" : range == 1 ? " all equal" : " of " + std::to_string(range);
 }
 
-void add_minima(std::vector<KernelCaseSource>& list, WindowSize window, std::uint32_t range, bool benchmark) {
+KernelCase minima_case(const std::string& name, WindowSize window, std::uint32_t range) {
+  Random random(seed_from(name));
+  const std::uint32_t count = window.samples();
+  std::vector<std::uint32_t> costs = window_costs(count, range, random);
+  if (range == 1) {
+    costs.assign(count, 7);
+  }
+  return make_case<LatticeMinima>(
+      name, {window.xy, window.theta}, {count, 1, 1},
+      {list_buffer(costs), list_buffer(noise<std::uint32_t>({count, 1, count}, random.bits()))});
+}
+
+void add_minima(std::vector<KernelCaseSource>& list, WindowSize window, std::uint32_t range, bool benchmark = false) {
   add_case<LatticeMinima>(
       list, window.name() + range_name(range),
-      [=](const std::string& named) {
-        Random random(seed_from(named));
-        const std::uint32_t count = window.samples();
-        std::vector<std::uint32_t> costs = window_costs(count, range, random);
-        if (range == 1) {
-          costs.assign(count, 7);
-        }
-        return make_case<LatticeMinima>(
-            named, {window.xy, window.theta}, {count, 1, 1},
-            {list_buffer(costs), list_buffer(noise<std::uint32_t>({count, 1, count}, random.bits()))});
-      },
-      benchmark);
+      [=](const std::string& name) { return minima_case(name, window, range); }, benchmark);
 }
 
 /// A window whose lowest samples lie in its corners and in the middles of its edges and faces.
@@ -115,18 +128,18 @@ void add_corner_minima(std::vector<KernelCaseSource>& list, WindowSize window) {
   });
 }
 
+KernelCase smallest_case(const std::string& name, std::uint32_t count, std::uint32_t wanted, std::uint32_t range) {
+  Random random(seed_from(name));
+  return make_case<SmallestValues>(name, {count, wanted}, {1, 1, 1},
+                                   {list_buffer(window_costs(count, range, random)),
+                                    list_buffer(noise<std::uint32_t>({2 * wanted, 1, 2 * wanted}, random.bits()))});
+}
+
 void add_smallest(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t wanted, std::uint32_t range,
-                  bool benchmark) {
+                  bool benchmark = false) {
   add_case<SmallestValues>(
       list, std::to_string(wanted) + " among " + std::to_string(count) + range_name(range),
-      [=](const std::string& named) {
-        Random random(seed_from(named));
-        return make_case<SmallestValues>(
-            named, {count, wanted}, {1, 1, 1},
-            {list_buffer(window_costs(count, range, random)),
-             list_buffer(noise<std::uint32_t>({2 * wanted, 1, 2 * wanted}, random.bits()))});
-      },
-      benchmark);
+      [=](const std::string& name) { return smallest_case(name, count, wanted, range); }, benchmark);
 }
 
 /// Values that fall all the way, so that each enters the list; every fourth is kNoCost.
@@ -142,31 +155,87 @@ void add_falling(std::vector<KernelCaseSource>& list, std::uint32_t count, std::
       });
 }
 
-}  // namespace
+WindowSize draw_window(Random& random) {
+  const std::uint32_t xy = 1 + draw_count(random, 40);
+  return {xy, 1 + draw_count(random, 20)};
+}
 
-void add_lattice_cases(std::vector<KernelCaseSource>& list) {
+constexpr PriorKind kPriors[] = {PriorKind::kNone, PriorKind::kWeak, PriorKind::kSteep};
+constexpr std::uint32_t kRanges[] = {0, 1, 3, 1U << 30U};
+
+KernelCase draw_lattice(const std::string& name, Random& random) {
+  const WindowSize window = draw_window(random);
+  return lattice_case(name, window, draw_from(random, kPriors));
+}
+KernelCase draw_minima(const std::string& name, Random& random) {
+  const WindowSize window = draw_window(random);
+  return minima_case(name, window, draw_count(random, 1U << 31U));
+}
+KernelCase draw_smallest(const std::string& name, Random& random) {
+  const std::uint32_t count = draw_count(random, 100000);
+  const auto wanted = static_cast<std::uint32_t>(1 + random.below(SmallestValues::kMost));
+  return smallest_case(name, count, wanted, draw_count(random, 1U << 31U));
+}
+
+void add_lattices(std::vector<KernelCaseSource>& list) {
   for (const WindowSize& window : kWindows) {
-    for (const PriorKind kind : {PriorKind::kNone, PriorKind::kWeak, PriorKind::kSteep}) {
-      add_lattice(list, window, kind, false);
+    for (const PriorKind kind : kPriors) {
+      add_lattice(list, window, kind);
     }
   }
+  for_each_small_window(
+      [&](WindowSize window, std::uint32_t turn) { add_lattice(list, window, in_turn(kPriors, turn)); });
+  add_large_case<PoseLattice>(list, kLargeWindow.name(), [](const std::string& name) {
+    return lattice_case(name, kLargeWindow, PriorKind::kWeak);
+  });
   add_lattice(list, kBenchWindow, PriorKind::kWeak, true);
+}
+
+void add_window_minima(std::vector<KernelCaseSource>& list) {
   for (const WindowSize& window : kWindows) {
-    for (const std::uint32_t range : {0U, 1U, 3U, 1U << 30U}) {
-      add_minima(list, window, range, false);
+    for (const std::uint32_t range : kRanges) {
+      add_minima(list, window, range);
     }
     add_corner_minima(list, window);
   }
+  for_each_small_window([&](WindowSize window, std::uint32_t turn) {
+    add_minima(list, window, in_turn(kRanges, turn));
+    add_minima(list, window, in_turn(kRanges, turn + 2));
+  });
+  add_large_case<LatticeMinima>(list, kLargeWindow.name(),
+                                [](const std::string& name) { return minima_case(name, kLargeWindow, 1U << 12U); });
   add_minima(list, kBenchWindow, 1U << 20U, true);
+}
+
+void add_smallest_lists(std::vector<KernelCaseSource>& list) {
   for (const std::uint32_t count : {0U, 1U, 2U, 15U, 16U, 17U, 63U, 64U, 65U, 255U, 1000U, 70001U}) {
     for (const std::uint32_t wanted : {1U, 2U, 8U, 16U}) {
-      for (const std::uint32_t range : {0U, 1U, 3U, 1U << 30U}) {
-        add_smallest(list, count, wanted, range, false);
+      for (const std::uint32_t range : kRanges) {
+        add_smallest(list, count, wanted, range);
       }
       add_falling(list, count, wanted);
     }
   }
+  for (std::uint32_t count = 18; count < 63; ++count) {
+    add_smallest(list, count, 1 + count % SmallestValues::kMost, in_turn(kRanges, count));
+  }
+  add_large_case<SmallestValues>(list, "16 among 16777259",
+                                 [](const std::string& name) { return smallest_case(name, 16777259, 16, 1U << 31U); });
   add_smallest(list, kBenchWindow.samples(), 8, 1U << 30U, true);
+}
+
+}  // namespace
+
+void add_lattice_cases(std::vector<KernelCaseSource>& list) {
+  add_lattices(list);
+  add_window_minima(list);
+  add_smallest_lists(list);
+}
+
+void add_lattice_draws(std::vector<RandomKernel>& list) {
+  list.push_back({&PoseLattice::info(), draw_lattice});
+  list.push_back({&LatticeMinima::info(), draw_minima});
+  list.push_back({&SmallestValues::info(), draw_smallest});
 }
 
 }  // namespace gdtslam

@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "cases/case_builder.hpp"
 #include "cases/scan_data.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
@@ -8,13 +10,34 @@ namespace {
 /// What a case of pose_cost varies.
 struct CostCase {
   CaseSize field;
-  std::uint32_t points;
-  std::uint32_t candidates;
-  std::uint32_t cap;
-  double spread_cells;  ///< how far from the field's middle candidates lie
-  Interpolation interpolation;
-  CostForm form;
+  std::uint32_t points = 0;
+  std::uint32_t candidates = 0;
+  std::uint32_t cap = 0;
+  double spread_cells = 0.0;  ///< how far from the field's middle candidates lie
+  Interpolation interpolation = Interpolation::kBilinear;
+  CostForm form = CostForm::kDistance;
+  std::int32_t anchor_shift = 0;  ///< of the anchor, out of the field's middle
+  bool odd_points = false;        ///< some are no numbers, or far off
+
+  [[nodiscard]] std::string name() const {
+    return size_name(field) + " " + std::to_string(candidates) + " poses " + std::to_string(points) + " points cap " +
+           std::to_string(cap) + (interpolation == Interpolation::kBilinear ? " bilinear" : " nearest") +
+           (form == CostForm::kSquared ? " squared" : "") +
+           (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "");
+  }
 };
+
+/// Puts what is no number, infinite, huge and at the limits of the clamp among the points.
+void spoil(std::vector<PointCells>& points) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  constexpr PointCells kOdd[] = {{kNaN, 0.0F},       {1.0F, kNaN},        {kInfinity, 2.0F},
+                                 {0.0F, -kInfinity}, {3.0e38F, 1.0F},     {1.0F, -3.0e38F},
+                                 {4194304.0F, 0.0F}, {0.0F, -4194304.0F}, {4194303.5F, 9.0F}};
+  for (std::size_t i = 1; i < points.size(); i += 2) {
+    points[i] = kOdd[i / 2 % std::size(kOdd)];
+  }
+}
 
 /// Poses around the anchor; one lies on whole cells without rotation, one far off, one has a bias that saturates.
 std::vector<PoseCandidate> make_candidates(const CostCase& shape, Random& random) {
@@ -35,78 +58,124 @@ std::vector<PoseCandidate> make_candidates(const CostCase& shape, Random& random
   return poses;
 }
 
-void add_cost(std::vector<KernelCaseSource>& list, const CostCase& shape, bool benchmark) {
-  const std::string name = size_name(shape.field) + " " + std::to_string(shape.candidates) + " poses " +
-                           std::to_string(shape.points) + " points cap " + std::to_string(shape.cap) +
-                           (shape.interpolation == Interpolation::kBilinear ? " bilinear" : " nearest") +
-                           (shape.form == CostForm::kSquared ? " squared" : "");
+KernelCase cost_case(const std::string& name, const CostCase& shape) {
+  Random random(seed_from(name));
+  PoseCost::Params params = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form);
+  params.anchor_x += shape.anchor_shift;
+  params.anchor_y -= shape.anchor_shift;
+  const std::vector<std::uint16_t> field = slow_field(shape.field, shape.cap, random);
+  std::vector<PointCells> points = scattered_points(shape.field, shape.points, random);
+  if (shape.odd_points) {
+    spoil(points);
+  }
+  const std::vector<PoseCandidate> poses = make_candidates(shape, random);
+  return make_case<PoseCost>(
+      name, params, {shape.candidates, 1, 1},
+      {grid_buffer(shape.field, field), list_buffer(points), list_buffer(poses),
+       list_buffer(noise<std::uint32_t>({shape.candidates, 1, shape.candidates}, random.bits()))});
+}
+
+void add_cost(std::vector<KernelCaseSource>& list, const CostCase& shape, bool benchmark = false) {
   add_case<PoseCost>(
-      list, name,
-      [shape](const std::string& named) {
-        Random random(seed_from(named));
-        const PoseCost::Params params{.width = shape.field.width,
-                                      .height = shape.field.height,
-                                      .stride = shape.field.stride,
-                                      .anchor_x = anchor_of(shape.field.width),
-                                      .anchor_y = anchor_of(shape.field.height),
-                                      .point_count = shape.points,
-                                      .cap = shape.cap,
-                                      .interpolation = shape.interpolation,
-                                      .form = shape.form};
-        const std::vector<std::uint16_t> field = slow_field(shape.field, shape.cap, random);
-        const std::vector<PointCells> points = scattered_points(shape.field, shape.points, random);
-        const std::vector<PoseCandidate> poses = make_candidates(shape, random);
-        return make_case<PoseCost>(
-            named, params, {shape.candidates, 1, 1},
-            {grid_buffer(shape.field, field), list_buffer(points), list_buffer(poses),
-             list_buffer(noise<std::uint32_t>({shape.candidates, 1, shape.candidates}, random.bits()))});
-      },
+      list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); }, benchmark);
+}
+
+KernelCase arg_min_case(const std::string& name, std::uint32_t count, std::uint32_t range) {
+  Random random(seed_from(name));
+  std::vector<std::uint32_t> costs(count);
+  for (std::uint32_t& cost : costs) {
+    cost = 0xFFFFFFFFU - static_cast<std::uint32_t>(random.below(range));
+  }
+  return make_case<ArgMin>(name, {count}, {1, 1, 1},
+                           {list_buffer(costs), list_buffer(std::vector<std::uint32_t>{7, 7})});
+}
+
+std::string arg_min_name(std::uint32_t count, std::uint32_t range) {
+  return std::to_string(count) + " of " + std::to_string(range);
+}
+
+void add_arg_min(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t range,
+                 bool benchmark = false) {
+  add_case<ArgMin>(
+      list, arg_min_name(count, range), [=](const std::string& name) { return arg_min_case(name, count, range); },
       benchmark);
 }
 
-void add_arg_min(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t range, bool benchmark) {
-  add_case<ArgMin>(
-      list, std::to_string(count) + " of " + std::to_string(range),
-      [=](const std::string& name) {
-        Random random(seed_from(name));
-        std::vector<std::uint32_t> costs(count);
-        for (std::uint32_t& cost : costs) {
-          cost = 0xFFFFFFFFU - static_cast<std::uint32_t>(random.below(range));
-        }
-        return make_case<ArgMin>(name, {count}, {1, 1, 1},
-                                 {list_buffer(costs), list_buffer(std::vector<std::uint32_t>{7, 7})});
-      },
-      benchmark);
+constexpr Interpolation kInterpolations[] = {Interpolation::kBilinear, Interpolation::kNearest};
+constexpr CostForm kForms[] = {CostForm::kDistance, CostForm::kSquared};
+constexpr CaseSize kBenchField{1024, 1024, 1024};
+
+void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
+  constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 3},  {1, 1},   {7, 4},   {15, 8},  {16, 1},
+                                                                 {17, 5}, {33, 17}, {180, 3}, {361, 70}};
+  for (const auto& [points, candidates] : kCounts) {
+    add_cost(list, {{97, 83, 100}, points, candidates, 20 * 256, 60.0, interpolation, form});
+    add_cost(list, {{256, 200, 256}, points, candidates, 65535, 20.0, interpolation, form});
+  }
+  add_cost(list, {{2, 2, 4}, 9, 6, 1000, 3.0, interpolation, form});
+  add_cost(list, {{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form});
+  add_cost(list, {{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form});
+  add_cost(list, {{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
+  for (const std::int32_t shift : {-(1 << 20), 1 << 20}) {
+    add_cost(list, {{97, 83, 100}, 9, 5, 5120, 60.0, interpolation, form, shift});
+  }
+}
+
+KernelCase draw_cost(const std::string& name, Random& random) {
+  CostCase shape{draw_size(random, 2)};
+  shape.points = draw_count(random, 500);
+  shape.candidates = draw_count(random, 60);
+  shape.cap = random.below(2) == 0 ? 5120 : draw_count(random, 65535);
+  shape.spread_cells = random.uniform(0.0, 100.0);
+  shape.interpolation = draw_from(random, kInterpolations);
+  shape.form = draw_from(random, kForms);
+  shape.anchor_shift = static_cast<std::int32_t>(draw_count(random, 1000)) - 20;
+  shape.odd_points = random.below(8) == 0;
+  return cost_case(name, shape);
+}
+
+KernelCase draw_arg_min(const std::string& name, Random& random) {
+  const std::uint32_t count = 1 + draw_count(random, 100000);
+  return arg_min_case(name, count, 1 + draw_count(random, 1U << 31U));
 }
 
 }  // namespace
 
 void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
-  constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 3},  {1, 1},   {7, 4},   {15, 8},  {16, 1},
-                                                                 {17, 5}, {33, 17}, {180, 3}, {361, 70}};
-  for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
-    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) {
-      for (const auto& [points, candidates] : kCounts) {
-        add_cost(list, {{97, 83, 100}, points, candidates, 20 * 256, 60.0, interpolation, form}, false);
-        add_cost(list, {{256, 200, 256}, points, candidates, 65535, 20.0, interpolation, form}, false);
-      }
-      add_cost(list, {{2, 2, 4}, 9, 6, 1000, 3.0, interpolation, form}, false);
-      add_cost(list, {{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form}, false);
-      add_cost(list, {{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form}, false);
+  for (const Interpolation interpolation : kInterpolations) {
+    for (const CostForm form : kForms) {
+      add_costs(list, interpolation, form);
     }
   }
-  constexpr CaseSize kBenchField{1024, 1024, 1024};
-  for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+    if (size.width >= 2 && size.height >= 2) {
+      const std::uint32_t cap = turn % 5 == 0 ? 65535 : 5120;
+      add_cost(list, {size, turn % 41, turn % 6, cap, 9.0, in_turn(kInterpolations, turn), in_turn(kForms, turn / 2)});
+    }
+  });
+  for (const CaseSize& size : kLargeSizes) {
+    const CostCase shape{size, 361, 20000, 5120, 900.0, Interpolation::kBilinear, CostForm::kDistance};
+    add_large_case<PoseCost>(list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); });
+  }
+  for (const Interpolation interpolation : kInterpolations) {
     add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, interpolation, CostForm::kDistance}, true);
   }
   add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, Interpolation::kBilinear, CostForm::kSquared}, true);
   add_cost(list, {kBenchField, 180, 2, 20 * 256, 4.0, Interpolation::kBilinear, CostForm::kDistance}, true);
   for (const std::uint32_t count : {1U, 2U, 15U, 16U, 17U, 255U, 1000U, 70001U}) {
-    add_arg_min(list, count, 3, false);
-    add_arg_min(list, count, 1U << 31U, false);
+    add_arg_min(list, count, 3);
+    add_arg_min(list, count, 1U << 31U);
   }
-  add_arg_min(list, 1, 1, false);
+  add_arg_min(list, 1, 1);
+  for (std::uint32_t count = 18; count < 80; ++count) {
+    add_arg_min(list, count, count % 2 == 0 ? 1 : count);
+  }
   add_arg_min(list, 1U << 17U, 1U << 31U, true);
+}
+
+void add_pose_cost_draws(std::vector<RandomKernel>& list) {
+  list.push_back({&PoseCost::info(), draw_cost});
+  list.push_back({&ArgMin::info(), draw_arg_min});
 }
 
 }  // namespace gdtslam

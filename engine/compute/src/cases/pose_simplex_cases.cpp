@@ -11,27 +11,28 @@ float around(float middle, double spread, Random& random) {
   return middle + static_cast<float>(random.uniform(-spread, spread));
 }
 
+KernelCase starts_case(const std::string& name, std::uint32_t starts, std::uint32_t candidates) {
+  Random random(seed_from(name));
+  std::vector<PoseCandidate> poses(candidates);
+  for (PoseCandidate& pose : poses) {
+    pose = {around(0, 9, random), around(0, 9, random), around(0, 3, random), any_word(random)};
+  }
+  std::vector<std::uint32_t> picks;
+  for (std::uint32_t i = 0; i + 1 < starts; ++i) {
+    const std::uint32_t odd[] = {kNoCost, candidates, candidates - 1, 0, 0x80000000U};
+    const auto any = static_cast<std::uint32_t>(random.below(std::uint64_t{candidates} + 1));
+    picks.insert(picks.end(), {any_word(random), i % 2 == 0 ? any : odd[i / 2 % 5]});
+  }
+  return make_case<PoseStarts>(name, {.x = 1.5F, .y = -0.0F, .theta = -3.0F, .candidate_count = candidates},
+                               {starts, 1, 1},
+                               {list_buffer(poses), list_buffer(picks),
+                                list_buffer(noise<std::uint32_t>({8 * starts, 1, 8 * starts}, random.bits()))});
+}
+
 void add_starts(std::vector<KernelCaseSource>& list, std::uint32_t starts, std::uint32_t candidates, bool benchmark) {
   add_case<PoseStarts>(
       list, std::to_string(starts) + " starts of " + std::to_string(candidates),
-      [=](const std::string& named) {
-        Random random(seed_from(named));
-        std::vector<PoseCandidate> poses(candidates);
-        for (PoseCandidate& pose : poses) {
-          pose = {around(0, 9, random), around(0, 9, random), around(0, 3, random), any_word(random)};
-        }
-        std::vector<std::uint32_t> picks;
-        for (std::uint32_t i = 0; i + 1 < starts; ++i) {
-          const std::uint32_t odd[] = {kNoCost, candidates, candidates - 1, 0, 0x80000000U};
-          const auto any = static_cast<std::uint32_t>(random.below(std::uint64_t{candidates} + 1));
-          picks.insert(picks.end(), {any_word(random), i % 2 == 0 ? any : odd[i / 2 % 5]});
-        }
-        return make_case<PoseStarts>(named, {.x = 1.5F, .y = -0.0F, .theta = -3.0F, .candidate_count = candidates},
-                                     {starts, 1, 1},
-                                     {list_buffer(poses), list_buffer(picks),
-                                      list_buffer(noise<std::uint32_t>({8 * starts, 1, 8 * starts}, random.bits()))});
-      },
-      benchmark);
+      [=](const std::string& name) { return starts_case(name, starts, candidates); }, benchmark);
 }
 
 /// Priors: none, one that weighs about as much as the points, one at its limit everywhere but near the mean.
@@ -98,25 +99,25 @@ std::vector<PolishedPose> make_poses(std::uint32_t count, bool odd, Random& rand
   return poses;
 }
 
+KernelCase descent_case(const std::string& name, const DescentCase& shape) {
+  Random random(seed_from(name));
+  const PoseSimplex::Params params{
+      .cost = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form),
+      .prior = make_prior(shape.prior, shape.points),
+      .step_cells = shape.step_cells,
+      .step_rad = shape.step_rad,
+      .stop_cells = shape.stop_cells,
+      .stop_rad = shape.stop_rad,
+      .max_evaluations = shape.max_evaluations};
+  auto buffers = scene_buffers(shape.field, shape.room, shape.cap, shape.points, random);
+  buffers.push_back(words_buffer(make_poses(shape.poses, shape.odd_poses, random)));
+  return make_case<PoseSimplex>(name, params, {shape.poses, 1, 1}, std::move(buffers));
+}
+
 void add_descent(std::vector<KernelCaseSource>& list, const DescentCase& shape, const std::string& what = {},
                  bool benchmark = false) {
   add_case<PoseSimplex>(
-      list, name_of(shape) + what,
-      [shape](const std::string& named) {
-        Random random(seed_from(named));
-        const PoseSimplex::Params params{
-            .cost = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form),
-            .prior = make_prior(shape.prior, shape.points),
-            .step_cells = shape.step_cells,
-            .step_rad = shape.step_rad,
-            .stop_cells = shape.stop_cells,
-            .stop_rad = shape.stop_rad,
-            .max_evaluations = shape.max_evaluations};
-        auto buffers = scene_buffers(shape.field, shape.room, shape.cap, shape.points, random);
-        buffers.push_back(words_buffer(make_poses(shape.poses, shape.odd_poses, random)));
-        return make_case<PoseSimplex>(named, params, {shape.poses, 1, 1}, std::move(buffers));
-      },
-      benchmark);
+      list, name_of(shape) + what, [shape](const std::string& name) { return descent_case(name, shape); }, benchmark);
 }
 
 void add_descents(std::vector<KernelCaseSource>& list) {
@@ -168,6 +169,30 @@ void add_descents(std::vector<KernelCaseSource>& list) {
   }
 }
 
+KernelCase draw_starts(const std::string& name, Random& random) {
+  const auto starts = static_cast<std::uint32_t>(random.below(SmallestValues::kMost + 2));
+  return starts_case(name, starts, draw_count(random, 3000));
+}
+
+KernelCase draw_descent(const std::string& name, Random& random) {
+  DescentCase shape;
+  shape.field = draw_size(random, 2);
+  shape.room = random.below(2) == 0;
+  shape.points = draw_count(random, 400);
+  shape.poses = draw_count(random, 9);
+  shape.cap = random.below(2) == 0 ? 5120 : draw_count(random, 65535);
+  shape.interpolation = random.below(2) == 0 ? Interpolation::kBilinear : Interpolation::kNearest;
+  shape.form = random.below(2) == 0 ? CostForm::kDistance : CostForm::kSquared;
+  shape.prior = static_cast<PriorKind>(random.below(3));
+  shape.max_evaluations = draw_count(random, 200);
+  shape.step_cells = around(0.0F, 4.0, random);
+  shape.step_rad = around(0.0F, 0.1, random);
+  shape.stop_cells = static_cast<float>(random.uniform(0.0, 0.1));
+  shape.stop_rad = static_cast<float>(random.uniform(0.0, 0.002));
+  shape.odd_poses = random.below(4) == 0;
+  return descent_case(name, shape);
+}
+
 }  // namespace
 
 void add_pose_simplex_cases(std::vector<KernelCaseSource>& list) {
@@ -178,6 +203,11 @@ void add_pose_simplex_cases(std::vector<KernelCaseSource>& list) {
   add_starts(list, 3, 0, false);
   add_starts(list, 17, 1U << 17U, true);
   add_descents(list);
+}
+
+void add_pose_simplex_draws(std::vector<RandomKernel>& list) {
+  list.push_back({&PoseStarts::info(), draw_starts});
+  list.push_back({&PoseSimplex::info(), draw_descent});
 }
 
 }  // namespace gdtslam

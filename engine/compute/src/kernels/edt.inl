@@ -22,6 +22,9 @@ inline void sweep_up(const std::uint8_t* __restrict below, std::uint8_t* __restr
 
 void edt_columns(const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* distance,
                  std::uint32_t begin, std::uint32_t end) {
+  if (params.height == 0) {
+    return;
+  }
   const std::uint8_t radius = u8(params.radius);
   for (std::uint32_t x = begin; x < end; ++x) {
     distance[x] = seeds[x] != 0 ? std::uint8_t{0} : radius;

@@ -22,6 +22,9 @@ inline void sweep_up(const std::uint32_t* __restrict below, std::uint32_t* __res
 
 void edt_full_columns(const EdtFullColumns::Params& params, const std::uint8_t* seeds, std::uint32_t* distance,
                       std::uint32_t begin, std::uint32_t end) {
+  if (params.height == 0) {
+    return;
+  }
   for (std::uint32_t x = begin; x < end; ++x) {
     distance[x] = seeds[x] != 0 ? 0 : kNoSeed;
   }

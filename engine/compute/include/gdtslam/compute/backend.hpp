@@ -123,6 +123,11 @@ struct CpuOptions {
   std::optional<Isa> isa;  ///< forced instruction set; the strongest there is when empty
 };
 
+/// Calls of CPU kernels so far in this process, on all threads: a dispatch on the CPU counts one or more (one per
+/// slice), and so does a call of host_kernels.hpp. A device that leaves it unchanged has computed by itself.
+/// Thread-safe; calls of other threads that are not synchronised with the caller may be missing.
+std::uint64_t cpu_kernel_calls();
+
 /// Throws UnavailableError when the processor lacks a forced instruction set.
 std::unique_ptr<Backend> make_cpu_backend(const CpuOptions& options);
 

@@ -44,11 +44,17 @@ struct KernelCaseSource {
   const KernelInfo* kernel = nullptr;
   std::string name;        ///< unique within the kernel
   bool benchmark = false;  ///< of a size that is worth timing
+  bool large = false;      ///< takes long: quick runs leave it out
   std::function<KernelCase()> make;
 };
 
 /// Every case of every kernel, grouped by kernel in the order of the registry.
 std::vector<KernelCaseSource> kernel_cases();
+
+/// `count` cases at random: kernel, sizes, parameters and contents. Case i is named "random SEED/i" and depends on
+/// these two numbers alone, so that random_kernel_case(SEED, i) makes it again.
+std::vector<KernelCaseSource> random_kernel_cases(std::uint64_t seed, std::uint32_t count);
+KernelCaseSource random_kernel_case(std::uint64_t seed, std::uint32_t index);
 
 /// What a case left behind: the buffers' bytes after the dispatch.
 struct CaseOutcome {

@@ -1,0 +1,61 @@
+#include "kernel_calls.hpp"
+
+#include <deque>
+#include <mutex>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+
+namespace gdtslam {
+
+constinit thread_local std::atomic<std::uint64_t>* calls_of_this_thread = nullptr;
+
+namespace {
+
+/// All words there are. Those of threads that have ended keep their counts and serve the next thread.
+struct Words {
+  std::mutex mutex;
+  std::deque<std::atomic<std::uint64_t>> all;  // never moves an element
+  std::vector<std::atomic<std::uint64_t>*> unused;
+};
+
+Words& words() {
+  static Words& shared = *new Words;  // never destroyed: threads may end after the statics have gone
+  return shared;
+}
+
+/// Hands the word back when the thread ends.
+struct Membership {
+  Membership() = default;
+  Membership(const Membership&) = delete;
+  Membership& operator=(const Membership&) = delete;
+  ~Membership() {
+    const std::lock_guard lock(words().mutex);
+    words().unused.push_back(calls_of_this_thread);
+    calls_of_this_thread = nullptr;
+  }
+};
+
+}  // namespace
+
+std::atomic<std::uint64_t>& enlist_this_thread() {
+  const std::lock_guard lock(words().mutex);
+  if (words().unused.empty()) {
+    words().unused.push_back(&words().all.emplace_back(0));
+  }
+  calls_of_this_thread = words().unused.back();
+  words().unused.pop_back();
+  thread_local const Membership membership;
+  return *calls_of_this_thread;
+}
+
+std::uint64_t cpu_kernel_calls() {
+  const std::lock_guard lock(words().mutex);
+  std::uint64_t sum = 0;
+  for (const std::atomic<std::uint64_t>& word : words().all) {
+    sum += word.load(std::memory_order_relaxed);
+  }
+  return sum;
+}
+
+}  // namespace gdtslam
