@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "device_memory.hpp"
 #include "gdtslam/compute/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
@@ -70,12 +71,12 @@ void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_
     return;
   }
   const auto upload = [&](Buffer& buffer, std::span<const std::byte> bytes) {
-    if (buffer.bytes() < bytes.size()) buffer = backend_->allocate(bytes.size() + bytes.size() / 2);
+    reserve_on(*backend_, buffer, bytes.size());
     backend_->upload(buffer, bytes);
   };
   upload(point_buffer_, std::as_bytes(points_));
   upload(candidate_buffer_, std::as_bytes(std::span(candidates_)));
-  if (cost_buffer_.bytes() < costs.size_bytes()) cost_buffer_ = backend_->allocate(costs.size_bytes() * 3 / 2);
+  reserve_on(*backend_, cost_buffer_, costs.size_bytes());
   run<PoseCost>(*backend_, p, {static_cast<std::uint32_t>(poses.size()), 1, 1}, map_->buffer(), point_buffer_,
                 candidate_buffer_, cost_buffer_);
   backend_->download(cost_buffer_, std::as_writable_bytes(costs));

@@ -1,0 +1,96 @@
+// The map on a device that shares no memory: the host's copy is the device's field, bit for bit, and the number of
+// submissions is the one that the design promises: one a window, one a keyframe.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/mapping/mapper.hpp"
+#include "support/queued_backend.hpp"
+#include "support/room.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::QueuedBackend;
+
+class DeviceMapTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto walls = test::furnished_room();
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      scans_.push_back(test::scan_of(walls, truth_[i], static_cast<double>(i)));
+    }
+  }
+
+  std::vector<Pose2> truth_ = test::drive_through_room();
+  std::vector<LaserScan> scans_;
+  MapperConfig config_;
+  QueuedBackend device_;
+};
+
+TEST_F(DeviceMapTest, OneSubmissionAWindowAndOneAKeyframe) {
+  config_.match.matcher = MatcherKind::kExhaustive;
+  Mapper mapper(config_, device_);
+  std::uint64_t keyframes = 0;
+  std::uint64_t attempts = 0;
+  // Half way the robot is turned by 56 degrees while no odometry tells, so that some scans need more than one window.
+  constexpr std::size_t kTurned = 75;
+  scans_.erase(scans_.begin() + kTurned, scans_.begin() + kTurned + 14);
+  truth_.erase(truth_.begin() + kTurned, truth_.begin() + kTurned + 14);
+  for (std::size_t i = 0; i < truth_.size(); ++i) {
+    const bool first = i == 0;
+    const std::uint64_t before = device_.submit_count();
+    mapper.start(scans_[i], i == kTurned ? std::nullopt : std::optional(truth_[i]));
+    EXPECT_EQ(device_.submit_count() - before, first ? 0U : 1U) << "the device must be at work when start() returns";
+    const MatchResult result = mapper.finish();
+    EXPECT_EQ(device_.submit_count() - before, result.attempts + (result.merged ? 1U : 0U)) << i;
+    EXPECT_EQ(result.attempts > 0, !first);
+    attempts += result.attempts;
+    keyframes += result.merged ? 1 : 0;
+  }
+  const MapperStatistics& statistics = mapper.statistics();
+  EXPECT_GT(attempts, truth_.size() - 1) << "no scan needed a second window";
+  EXPECT_EQ(statistics.attempts, attempts);
+  EXPECT_EQ(statistics.keyframes, keyframes);
+  EXPECT_EQ(statistics.submissions, attempts + keyframes);
+  EXPECT_EQ(statistics.dispatches, device_.dispatch_count());
+  const auto& calls = device_.calls();
+  EXPECT_EQ(std::count(calls.begin(), calls.end(), "finish_download"), static_cast<std::ptrdiff_t>(attempts))
+      << "nothing but verdicts comes back";
+}
+
+TEST_F(DeviceMapTest, AJournalCutShortCostsNoSubmission) {
+  config_.match.matcher = MatcherKind::kExhaustive;
+  config_.keyframe.every_scan = true;
+  Mapper mapper(config_, device_);
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < truth_.size(); ++i) {
+    mapper.process(scans_[i], truth_[i]);
+    longest = std::max(longest, mapper.field().journal_length());
+  }
+  EXPECT_EQ(longest, 64U);
+  EXPECT_LT(mapper.field().journal_length(), 64U);
+  const MapperStatistics& statistics = mapper.statistics();
+  EXPECT_EQ(statistics.keyframes, truth_.size());
+  EXPECT_EQ(statistics.submissions, statistics.attempts + statistics.keyframes);
+  // What was downloaded and what was replayed on top of it.
+  const auto copy = mapper.field().cells();
+  EXPECT_EQ(mapper.download_device_cells(), std::vector<std::uint16_t>(copy.begin(), copy.end()));
+}
+
+TEST_F(DeviceMapTest, TheCopyIsTheDevicesFieldAtAnyTime) {
+  for (const MatcherKind kind : {MatcherKind::kSimplex, MatcherKind::kExhaustive}) {
+    config_.match.matcher = kind;
+    QueuedBackend device;
+    Mapper mapper(config_, device);
+    EXPECT_TRUE(mapper.download_device_cells().empty());
+    for (std::size_t i = 0; i < 60; ++i) {
+      if (!mapper.process(scans_[i], truth_[i]).merged) continue;
+      const auto copy = mapper.field().cells();
+      ASSERT_EQ(mapper.download_device_cells(), std::vector<std::uint16_t>(copy.begin(), copy.end())) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam
