@@ -52,6 +52,7 @@ const std::vector<Library>& libraries() {
       {"assimp/", {"sim"}},
       {"ceres/", {"calib"}},
       {"vulkan/", {"vulkan"}},
+      {"glm/", {"vulkan"}},
       {"vtk", {"viewer"}},
       {"GL/", {"viewer"}},
       {"EGL/", {"viewer"}},

@@ -1,0 +1,110 @@
+// Vulkan compute as a backend. The loader is opened at run time, so a program that links this runs on machines without
+// Vulkan as well; no Vulkan header is needed to use it. Source of the rules: docs/numerics.md, docs/architecture.md.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+
+namespace gdtslam {
+
+/// A physical device as the driver describes it.
+struct VulkanDeviceInfo {
+  unsigned index = 0;  ///< N of vulkan:N
+  std::string name;
+  std::string kind;         ///< "discrete", "integrated", "virtual", "lavapipe" (a CPU as a device), "other"
+  std::string driver;       ///< driver, its version, what it adds
+  std::string api_version;  ///< for example "1.3.230"
+  std::string problem;      ///< why it cannot be used; empty when it can
+  std::uint32_t vendor_id = 0;
+  std::uint32_t device_id = 0;
+  std::size_t memory_bytes = 0;  ///< of its largest device-local heap
+  std::size_t max_storage_buffer_bytes = 0;
+  std::size_t max_uniform_buffer_bytes = 0;
+  std::size_t shared_memory_bytes = 0;
+  std::uint32_t max_group_invocations = 0;
+  std::uint32_t max_push_constant_bytes = 0;
+  std::uint32_t subgroup_size = 0;
+  double timestamp_ns = 0.0;  ///< 0: no timestamps
+  /// Whether it is a GPU rather than a CPU that plays one.
+  [[nodiscard]] bool is_hardware() const { return kind == "discrete" || kind == "integrated" || kind == "virtual"; }
+};
+
+struct VulkanListing {
+  std::vector<VulkanDeviceInfo> devices;
+  std::string problem;  ///< why there is none: no loader, no driver, or the call that failed
+};
+
+/// What Vulkan finds on this machine. Never throws for what is missing.
+VulkanListing list_vulkan_devices();
+
+/// A fault to rehearse: the call number `at` (from 1) of the calls to the driver that can fail gives `code`; a lost
+/// device stays lost for every later call.
+struct VulkanFault {
+  enum class Code : std::uint8_t { kOutOfDeviceMemory, kOutOfHostMemory, kDeviceLost };
+  std::uint64_t at = 0;  ///< 0: none
+  Code code = Code::kDeviceLost;
+};
+
+/// Which of several shaders of a kernel to take.
+enum class ShaderForms : std::uint8_t {
+  kByDevice,  ///< what suits the device
+  kWide,      ///< those for GPUs: much parallelism, shared memory
+  kNarrow,    ///< those for CPUs as devices: few long invocations
+};
+
+struct VulkanOptions {
+  std::optional<unsigned> index;  ///< of the listing; the first hardware GPU when empty
+  std::string cache_folder;       ///< of the pipeline cache; empty: none is read or written
+  bool validation = false;        ///< with validation and synchronisation validation; each message throws DeviceError
+  double wait_limit_s = 30.0;     ///< a wait that takes longer is a lost device
+  ShaderForms forms = ShaderForms::kByDevice;
+  VulkanFault fault;
+  /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
+  std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader;
+};
+
+/// A backend with counters that only a Vulkan device can have.
+class VulkanBackend : public Backend {
+ public:
+  [[nodiscard]] virtual const VulkanDeviceInfo& vulkan_device() const = 0;
+  /// Calls to the driver that can fail, so far.
+  [[nodiscard]] virtual std::uint64_t call_count() const = 0;
+  /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 without
+  /// timestamps.
+  [[nodiscard]] virtual double last_submission_ns() const = 0;
+  /// Barriers recorded so far: those that the kernels' bindings and the transfers ask for.
+  [[nodiscard]] virtual std::uint64_t barrier_count() const = 0;
+  /// Whether a pipeline cache of an earlier run was found and taken.
+  [[nodiscard]] virtual bool cache_was_loaded() const = 0;
+  /// Writes the pipeline cache where something was added to it, as the destructor does; false when that failed, which
+  /// costs time at the next start and nothing else.
+  virtual bool save_cache() noexcept = 0;
+};
+
+/// Throws UnavailableError when there is no such device, DeviceError when a call of its driver fails.
+std::unique_ptr<VulkanBackend> make_vulkan_backend(const VulkanOptions& options);
+
+/// A shader of the build as the backend uses it, for the tests that look inside.
+struct ShaderModule {
+  std::string_view kernel;  ///< name of the kernel
+  std::string_view name;    ///< stem of the file in shaders/
+  std::span<const std::uint32_t> spirv;
+  std::array<std::uint32_t, 3> local_size{};
+  int uniform_binding = -1;  ///< the binding that is a uniform buffer; -1: none
+  std::uint32_t push_constant_bytes = 0;
+  bool is_always_suitable = false;  ///< serves every launch and every device
+};
+/// In the order of the registry, and for each kernel in the order in which its forms are tried.
+std::span<const ShaderModule> shader_modules();
+
+}  // namespace gdtslam

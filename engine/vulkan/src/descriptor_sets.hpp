@@ -1,0 +1,52 @@
+// The descriptor sets that bind buffers to a form's pipeline.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "buffers.hpp"
+#include "pipelines.hpp"
+
+namespace gdtslam {
+
+/// Most buffers of a kernel: what every Vulkan device binds to one stage.
+inline constexpr std::size_t kMostBindings = 4;
+
+/// Descriptor sets, each written once and used again whenever the same form meets the same buffers.
+class DescriptorSets {
+ public:
+  explicit DescriptorSets(const Device& device) : device_(device) {}
+
+  /// The set for a form and its buffers, given by id and handle.
+  vk::DescriptorSet set_for(const ShaderForm& form, const FormPipeline& pipeline, std::span<const std::uint64_t> ids,
+                            std::span<DeviceBuffer* const> buffers, std::uint64_t batch);
+  /// Forgets the sets that bind a buffer; they are written anew when the device is done with them.
+  void drop(std::uint64_t buffer_id) noexcept;
+  void collect(std::uint64_t done_batch) noexcept;
+
+ private:
+  struct Key {
+    const ShaderForm* form = nullptr;
+    std::array<std::uint64_t, kMostBindings> ids{};
+    friend auto operator<=>(const Key&, const Key&) = default;
+  };
+  struct Entry {
+    vk::DescriptorSet set;
+    std::uint64_t last_batch = 0;
+  };
+  vk::DescriptorSet new_set(const ShaderForm& form, const FormPipeline& pipeline);
+  void add_pool();
+  void write(vk::DescriptorSet set, const ShaderForm& form, std::span<DeviceBuffer* const> buffers) const;
+
+  const Device& device_;
+  std::vector<vk::raii::DescriptorPool> pools_;
+  std::uint32_t sets_left_ = 0;
+  std::map<Key, Entry> sets_;
+  std::multimap<Key, Entry> dropped_;  ///< perhaps still in use
+  std::multimap<Key, Entry> unused_;   ///< under a key without buffers, to be written anew
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,43 @@
+// All that a backend has on the device, in the order in which it is made; it goes in the reverse order.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "barriers.hpp"
+#include "batches.hpp"
+#include "buffers.hpp"
+#include "descriptor_sets.hpp"
+#include "device.hpp"
+#include "driver_calls.hpp"
+#include "instance.hpp"
+#include "pipelines.hpp"
+#include "transfers.hpp"
+
+namespace gdtslam {
+
+/// Made within a DriverCalls::Scope.
+struct VulkanEngine {
+  VulkanEngine(const VulkanOptions& options, ValidationLog& log)
+      : instance(make_instance(options.validation ? &log : nullptr)),
+        device(instance, options),
+        batches(device, options.wait_limit_s),
+        buffers(device),
+        pipelines(device, options),
+        sets(device),
+        transfers(device, batches, barriers) {}
+  VulkanEngine(const VulkanEngine&) = delete;
+  VulkanEngine& operator=(const VulkanEngine&) = delete;
+  ~VulkanEngine() = default;
+
+  VulkanInstance instance;
+  Device device;
+  BarrierTracker barriers;
+  Batches batches;
+  Buffers buffers;
+  Pipelines pipelines;
+  DescriptorSets sets;
+  Transfers transfers;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,88 @@
+#include "instance.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "driver_calls.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr std::uint32_t kApiVersion = VK_API_VERSION_1_2;
+
+VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
+  static_cast<ValidationLog*>(log)->emplace_back(data->pMessage);
+  return VK_FALSE;
+}
+
+vk::DebugUtilsMessengerCreateInfoEXT messenger_info(ValidationLog* log) {
+  using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+  using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+  vk::DebugUtilsMessengerCreateInfoEXT info;
+  info.messageSeverity = Severity::eWarning | Severity::eError;
+  info.messageType = Type::eGeneral | Type::eValidation | Type::ePerformance;
+  info.pfnUserCallback = &keep_message;
+  info.pUserData = log;
+  return info;
+}
+
+void require_validation_layer(const vk::raii::Context& context) {
+  const std::vector<vk::LayerProperties> layers = context.enumerateInstanceLayerProperties();
+  const bool found = std::any_of(layers.begin(), layers.end(), [](const vk::LayerProperties& layer) {
+    return std::string_view(layer.layerName) == kValidationLayer;
+  });
+  if (!found) {
+    throw UnavailableError(
+        "the Vulkan validation layer is asked for and not installed (Debian package vulkan-validationlayers)");
+  }
+}
+
+void require_version(const vk::raii::Context& context) {
+  const std::uint32_t version = context.enumerateInstanceVersion();
+  if (version < kApiVersion) {
+    throw UnavailableError("the Vulkan loader offers version " + std::to_string(VK_API_VERSION_MAJOR(version)) + "." +
+                           std::to_string(VK_API_VERSION_MINOR(version)) + ", 1.2 is needed");
+  }
+}
+
+}  // namespace
+
+VulkanInstance make_instance(ValidationLog* log) {
+  vk::raii::Context context(&DriverCalls::instance_function);
+  require_version(context);
+  vk::ApplicationInfo application;
+  application.pApplicationName = "gdtslam";
+  application.apiVersion = kApiVersion;
+  vk::InstanceCreateInfo info;
+  info.pApplicationInfo = &application;
+
+  const std::array wanted{vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
+  const std::array extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  vk::DebugUtilsMessengerCreateInfoEXT messages = messenger_info(log);
+  vk::ValidationFeaturesEXT features;
+  if (log != nullptr) {
+    require_validation_layer(context);
+    features.setEnabledValidationFeatures(wanted);
+    features.pNext = &messages;  // so that creating the instance is watched, too
+    info.setPEnabledExtensionNames(extensions);
+    info.setPEnabledLayerNames(kValidationLayer);
+    info.pNext = &features;
+  }
+  try {
+    vk::raii::Instance instance = context.createInstance(info);
+    vk::raii::DebugUtilsMessengerEXT messenger{nullptr};
+    if (log != nullptr) {
+      messenger = instance.createDebugUtilsMessengerEXT(messages);
+    }
+    return {std::move(context), std::move(instance), std::move(messenger)};
+  } catch (const vk::IncompatibleDriverError&) {
+    throw UnavailableError(
+        "Vulkan finds no driver on this machine; install one (Debian package mesa-vulkan-drivers, or the maker's) or "
+        "use the CPU");
+  }
+}
+
+}  // namespace gdtslam
