@@ -6,6 +6,9 @@
 layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 
+// Of an invocation, 1 or 16. lavapipe ends loops after 65,535 turns, and does not unroll them itself.
+layout(constant_id = 11) const uint kPointsATurn = 1u;
+
 #define FIELD_WORD(i) field[i]
 #include "common/launch.glsl"
 #include "common/pose_simplex.glsl"
@@ -17,8 +20,19 @@ shared uint turn_sum[3];
 uint own_sum(vec3 pose) {
   Costing costing = costing_of(pose);
   uint sum = 0u;
-  for (uint i = gl_LocalInvocationID.x; i < params.point_count; i += gl_WorkGroupSize.x) {
+  uint step_width = gl_WorkGroupSize.x;
+  for (uint i = gl_LocalInvocationID.x; i < params.point_count; i += kPointsATurn * step_width) {
     sum += point_cost(costing, points[i]);
+    if (kPointsATurn > 1u) {
+#define ADD(k)                                                                                    \
+  {                                                                                               \
+    uint beyond = i + (k) * step_width;                                                           \
+    uint cost = point_cost(costing, points[min(beyond, params.point_count - 1u)]);                \
+    sum += beyond < params.point_count ? cost : 0u;                                               \
+  }
+      ADD(1u) ADD(2u) ADD(3u) ADD(4u) ADD(5u) ADD(6u) ADD(7u) ADD(8u)
+      ADD(9u) ADD(10u) ADD(11u) ADD(12u) ADD(13u) ADD(14u) ADD(15u)
+    }
   }
   return sum;
 }

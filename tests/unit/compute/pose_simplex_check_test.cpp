@@ -129,9 +129,9 @@ TEST(PoseSimplexCheck, RefusesWhatDoesNotFit) {
     expect_refused<PoseSimplex>(
         good, [=](L& l) { l.params.stop_rad = bad; }, "stop");
   }
-  expect_taken<PoseSimplex>(good, [](L& l) { l.params.max_evaluations = 65535; });
+  expect_taken<PoseSimplex>(good, [](L& l) { l.params.max_evaluations = PoseSimplex::kMostEvaluations; });
   expect_refused<PoseSimplex>(
-      good, [](L& l) { l.params.max_evaluations = 65536; }, "evaluations");
+      good, [](L& l) { l.params.max_evaluations = PoseSimplex::kMostEvaluations + 1; }, "evaluations");
   const auto with_points = [](std::uint32_t count) {
     return [=](L& l) {
       l.params.cost.point_count = count;

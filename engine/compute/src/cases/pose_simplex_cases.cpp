@@ -148,6 +148,18 @@ void add_descents(std::vector<KernelCaseSource>& list) {
     add_descent(list, {.poses = 5, .max_evaluations = limit});
   }
   add_descent(list, {.points = 17, .poses = 5, .max_evaluations = PoseSimplex::kMostEvaluations});
+  // Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
+  add_descent(list, {.poses = 2, .max_evaluations = 4000, .stop_cells = 0.0F, .stop_rad = 0.0F, .odd_poses = false},
+              ", to the limit");
+  add_descent(list,
+              {.points = 65537,
+               .poses = 2,
+               .cap = 65535,
+               .max_evaluations = 150,
+               .stop_cells = 0.0F,
+               .stop_rad = 0.0F,
+               .odd_poses = false},
+              ", to the limit");
   add_descent(list, {.step_cells = 0.0F, .step_rad = 0.0F}, ", no steps");
   add_descent(list, {.step_cells = -3.0F, .step_rad = -0.1F}, ", steps backwards");
   add_descent(list, {.stop_cells = 3.0e38F, .stop_rad = 3.0e38F}, ", any size is small");

@@ -50,7 +50,7 @@ struct SimplexAdapter {
                   "a step of the first simplex is not finite");
     check.require(is_size(params.stop_cells) && is_size(params.stop_rad),
                   "a size to stop at is negative or not finite");
-    check.require(params.max_evaluations <= PoseSimplex::kMostEvaluations, "more than 65,535 evaluations");
+    check.require(params.max_evaluations <= PoseSimplex::kMostEvaluations, "more than 8,192 evaluations");
     check.buffer(2, check.threads().x * sizeof(PolishedPose));
     check.extent({check.threads().x, 1, 1});
   }

@@ -17,43 +17,51 @@ bool interpolates(const FormContext& context) {
   return launch_params<PoseSimplex>(context.shape).cost.interpolation == kInterpolation;
 }
 
-/// Whether `turns` turns of a loop a pose that is costed are few enough.
+constexpr std::uint32_t kGroup = 128;
+/// The group for descents so long that a device which ends loops needs many invocations, and points a turn of its loop.
+constexpr std::uint32_t kLargeGroup = 1024;
+constexpr std::uint32_t kPointsATurn = 16;
+
+/// Whether `turns` turns of a loop for each pose that is costed are few enough.
 bool fits(const FormContext& context, std::uint32_t turns) {
-  // A move that ends the descent costs up to five poses more than the limit.
+  // The last move costs up to five poses beyond the limit.
   const std::uint64_t evaluations = std::uint64_t{launch_params<PoseSimplex>(context.shape).max_evaluations} + 5;
   return fits_loops(context, evaluations * (turns + 1));
 }
+static_assert((PoseSimplex::kMostEvaluations + 5) * (65537U / (kLargeGroup * kPointsATurn) + 2) < 65535,
+              "the largest form takes every descent");
 
-constexpr std::uint32_t kGroup = 128;
-
-template <Interpolation kInterpolation>
-bool is_wide(const FormContext& context) {
-  const std::uint32_t points = launch_params<PoseSimplex>(context.shape).cost.point_count;
-  return context.wide() && fits(context, points / kGroup + 1) && interpolates<kInterpolation>(context);
+std::uint32_t points_of(const FormContext& context) {
+  return launch_params<PoseSimplex>(context.shape).cost.point_count;
 }
 
 template <Interpolation kInterpolation>
 bool is_narrow(const FormContext& context) {
-  const std::uint32_t points = launch_params<PoseSimplex>(context.shape).cost.point_count;
-  return fits(context, points / 8 + 8) && interpolates<kInterpolation>(context);
+  return fits(context, points_of(context) / 8 + 8) && interpolates<kInterpolation>(context);
+}
+
+/// Also for devices that like few invocations, where those would take too many turns.
+template <Interpolation kInterpolation>
+bool is_wide(const FormContext& context) {
+  return fits(context, points_of(context) / kGroup + 1) && interpolates<kInterpolation>(context) &&
+         (context.wide() || !is_narrow<kInterpolation>(context));
 }
 
 template <Interpolation kInterpolation>
 bool is_narrow_with_few_points(const FormContext& context) {
-  return launch_params<PoseSimplex>(context.shape).cost.point_count <= kUniformPoints &&
-         is_narrow<kInterpolation>(context);
+  return points_of(context) <= kUniformPoints && is_narrow<kInterpolation>(context);
 }
 
 /// The forms are listed once for each interpolation, which is a constant of the shader. The last is for descents so
 /// long that a device which ends loops needs many invocations.
 template <Interpolation kInterpolation>
 constexpr std::array<ShaderForm, 4> forms() {
-  constexpr std::array<std::uint32_t, 2> kConstants{static_cast<std::uint32_t>(kInterpolation), 0};
+  constexpr auto kMode = static_cast<std::uint32_t>(kInterpolation);
   return {{{.kernel = "pose_simplex",
             .name = "pose_simplex_wide",
             .spirv = shader::pose_simplex_wide_spirv,
             .local_size = {kGroup, 1, 1},
-            .constants = kConstants,
+            .constants = {kMode, 1},
             .takes_count = true,
             .groups = groups<1>,
             .suits = is_wide<kInterpolation>},
@@ -61,7 +69,7 @@ constexpr std::array<ShaderForm, 4> forms() {
             .name = "pose_simplex_narrow_uniform",
             .spirv = shader::pose_simplex_narrow_uniform_spirv,
             .local_size = {8, 1, 1},
-            .constants = kConstants,
+            .constants = {kMode, 0},
             .uniform_binding = kPoints,
             .takes_count = true,
             .groups = groups<8>,
@@ -70,15 +78,15 @@ constexpr std::array<ShaderForm, 4> forms() {
             .name = "pose_simplex_narrow",
             .spirv = shader::pose_simplex_narrow_spirv,
             .local_size = {8, 1, 1},
-            .constants = kConstants,
+            .constants = {kMode, 0},
             .takes_count = true,
             .groups = groups<8>,
             .suits = is_narrow<kInterpolation>},
            {.kernel = "pose_simplex",
             .name = "pose_simplex_wide",
             .spirv = shader::pose_simplex_wide_spirv,
-            .local_size = {1024, 1, 1},
-            .constants = kConstants,
+            .local_size = {kLargeGroup, 1, 1},
+            .constants = {kMode, kPointsATurn},
             .takes_count = true,
             .groups = groups<1>,
             .suits = interpolates<kInterpolation>}}};

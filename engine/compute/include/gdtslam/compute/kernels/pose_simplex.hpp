@@ -60,8 +60,9 @@ struct PoseSimplex {
     float stop_rad = 0.0002F;  ///< ... and than this in theta
     std::uint32_t max_evaluations = 200;
   };
-  /// Largest max_evaluations: where coordinates are so large that they cannot come close, nothing else ends a descent.
-  static constexpr std::uint32_t kMostEvaluations = 65535;
+  /// Largest max_evaluations: where coordinates are so large that they cannot come close, nothing else ends a descent;
+  /// and there are devices that end loops by themselves after 65,535 turns.
+  static constexpr std::uint32_t kMostEvaluations = 8192;
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kReadWrite};
   static const KernelInfo& info();
 };
