@@ -1,5 +1,5 @@
 # Every sub-command, its help, and its errors: one line each. A semicolon would split a CMake list: a dot stands for it.
-foreach(command map simulate evaluate doctor ablation config devices bench)
+foreach(command map simulate evaluate doctor ablation config devices verify bench)
   gdtslam_cli_test(${command}.help ARGS ${command} --help STDOUT "^[A-Z].*\nUsage: gdtslam ${command} .*Examples:\n  gdtslam ${command}")
 endforeach()
 foreach(command show schema)
@@ -42,10 +42,6 @@ gdtslam_cli_test(input.ablation_other_relations ARGS ablation {log} --relations 
 gdtslam_cli_test(input.ablation_malformed ARGS ablation {data}/malformed.log --relations {data}/drive.relations -o t.md EXIT 65 STDERR "malformed.log:3: ")
 gdtslam_cli_test(input.other_relations ARGS evaluate {run}/trajectory.tum --relations {data}/far.relations EXIT 65 STDERR "none of its 1 relations has stamps of")
 
-# 69: not available
-gdtslam_cli_test(unavailable.vulkan ARGS map {log} --device vulkan EXIT 69 STDERR "--device vulkan: this build has no Vulkan backend")
-gdtslam_cli_test(unavailable.vulkan_number ARGS map {log} --device vulkan:1 --no-fallback EXIT 69 STDERR "no Vulkan backend")
-
 # 74: cannot read or write
 gdtslam_cli_test(file.missing_log ARGS map nowhere.log EXIT 74 STDERR "nowhere.log: cannot be opened: No such file or directory")
 gdtslam_cli_test(input.folder_as_log ARGS map {data} EXIT 65 STDERR "data: is a folder")
@@ -85,13 +81,24 @@ gdtslam_cli_test(doctor.text ARGS doctor {log} STDOUT "beams +180 from -90.00 to
 gdtslam_cli_test(doctor.json ARGS doctor {log} --json SCHEMA doctor)
 gdtslam_cli_test(doctor.faults ARGS doctor {data}/faults.log --json SCHEMA doctor STDOUT "\"impossible_steps\": {\n +\"count\": 1,")
 gdtslam_cli_test(doctor.malformed ARGS doctor {data}/malformed.log STDOUT "malformed line +1, first: .*malformed.log:3.*--lenient")
-gdtslam_cli_test(devices.text ARGS devices STDOUT "^cpu .*--isa baseline .*vulkan   this build has no Vulkan backend")
+gdtslam_cli_test(devices.text ARGS devices STDOUT "^cpu .*--isa baseline .*\nvulkan(:0)? ")
 gdtslam_cli_test(devices.json ARGS devices --json SCHEMA devices)
 gdtslam_cli_test(config.show ARGS config show STDOUT "map.resolution += 0.025 m\n.*default 0.025 m. allowed 0.005 m to 1 m. from default")
 gdtslam_cli_test(config.show_origin ARGS config show -c {data}/good.yaml --set "merge.threshold=6 cm" STDOUT "map.resolution += 0.1 m\n.*from [^\n]*good.yaml.*merge.threshold += 0.06 m\n.*from --set")
 gdtslam_cli_test(config.show_json ARGS config show --json SCHEMA config_show)
 gdtslam_cli_test(config.show_excludes ARGS config show --json --yaml EXIT 2)
 gdtslam_cli_test(config.schema ARGS config schema STDOUT "\\$schema.*map.*resolution")
+gdtslam_cli_test(verify.cpu ARGS verify --device cpu edt STDOUT "^cpu .*\nkernel +cases +values +different +largest\nedt_columns +[0-9]+ +[0-9]+ +0 +0\n.*\n0 differences\n$")
+gdtslam_cli_test(verify.cpu_json ARGS verify --device cpu arg_min --random 200 --seed 7 --json SCHEMA verify STDOUT "\"differences\": 0\n")
+gdtslam_cli_test(verify.cpu_log ARGS verify --device cpu logs --log {log} STDOUT "office-start.log.gz, exhaustive: 350 scans, map [0-9a-f]+, trajectory [0-9a-f]+: equal, and as shipped\n.*office.log, simplex: [0-9]+ scans, .*: equal\n")
+gdtslam_cli_test(verify.unknown ARGS verify --device cpu no_such_kernel EXIT 2 STDERR "no kernel's name contains 'no_such_kernel'")
+gdtslam_cli_test(verify.forms ARGS verify --forms slim EXIT 2 STDERR "--forms")
+gdtslam_cli_test(verify.random ARGS verify --random=-1 EXIT 2 STDERR "--random")
+gdtslam_cli_test(verify.seed ARGS verify --seed=-1 EXIT 2 STDERR "--seed")
+gdtslam_cli_test(verify.isa ARGS verify --device cpu --isa avx3 EXIT 2 STDERR "no instruction set 'avx3'")
+gdtslam_cli_test(verify.missing_log ARGS verify logs --device cpu --log nowhere.log EXIT 74 STDERR "nowhere.log: cannot be opened")
+gdtslam_cli_test(verify.no_log ARGS verify logs --device cpu --log {data}/no_scan.log EXIT 65 STDERR "no_scan.log: holds no laser scan")
+gdtslam_cli_test(usage.device_number ARGS verify --device vulkan:x EXIT 2 STDERR "no device 'vulkan:x'")
 gdtslam_cli_test(bench.json ARGS bench arg_min --samples 1 --json SCHEMA bench)
 gdtslam_cli_test(bench.text ARGS bench arg_min --samples 1 STDOUT "arg_min .*per CPU second|per CPU second.*arg_min")
 gdtslam_cli_test(bench.unknown ARGS bench no_such_kernel EXIT 2 STDERR "no kernel's name contains 'no_such_kernel'")

@@ -20,6 +20,27 @@ DATA = WORK / "data"
 SKIP = 77
 
 
+def vulkan_devices(**options):
+    """The Vulkan devices that can be used here, as `gdtslam devices --json` has them."""
+    process = command("devices", "--json", **options)
+    expect_exit(process, 0)
+    return [device for device in json.loads(process.stdout)["vulkan"]["devices"] if device["problem"] is None]
+
+
+def require_vulkan():
+    """Skips a scenario where there is no Vulkan device; fails it when GDTSLAM_REQUIRE_VULKAN=1."""
+    devices = vulkan_devices()
+    if not devices:
+        expect(os.environ.get("GDTSLAM_REQUIRE_VULKAN") != "1", "there is no Vulkan device, and GDTSLAM_REQUIRE_VULKAN=1")
+        skip("there is no Vulkan device")
+    return devices
+
+
+def environment(**changes):
+    """The environment with changes; None takes a variable out."""
+    return {key: value for key, value in {**os.environ, **changes}.items() if value is not None}
+
+
 def command(*arguments, **options):
     """Runs gdtslam; returns the finished process with text output."""
     options.setdefault("timeout", 100)

@@ -1,11 +1,18 @@
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <utility>
 
 #include "bench_rows.hpp"
 #include "gdtslam/compute/kernel_cases.hpp"
+#include "gdtslam/compute/kernels/field_grow.hpp"
+#include "gdtslam/vulkan/vulkan.hpp"
 
 namespace gdtslam {
 namespace {
+
+/// Dispatches in one submission of a device: enough to hide what a submission costs, few enough for its memory of them.
+constexpr int kMostInLine = 64;
 
 /// Bytes of a case that are read plus those that are written.
 std::size_t traffic_bytes(const KernelCase& kernel_case) {
@@ -17,15 +24,31 @@ std::size_t traffic_bytes(const KernelCase& kernel_case) {
   return bytes;
 }
 
-/// CPU seconds of memcpy for so many bytes read and written together.
-double copy_s(std::size_t traffic, const TimingOptions& options) {
-  const std::vector<std::byte> from(std::max<std::size_t>(traffic / 2, 1), std::byte{1});
+Timing memcpy_timing(std::size_t bytes, const TimingOptions& options) {
+  const std::vector<std::byte> from(bytes, std::byte{1});
   std::vector<std::byte> to(from.size());
   const auto copy = [&] {
     std::memcpy(to.data(), from.data(), from.size());
     asm volatile("" : : "r"(to.data()) : "memory");  // the copy is for its own sake
   };
-  return measure(copy, options).cpu_s;
+  return measure({.step = copy}, options);
+}
+
+// Rows of so many bytes are copied whole by every backend.
+Timing device_copy_timing(Backend& backend, std::size_t bytes, const TimingOptions& options) {
+  constexpr std::uint32_t kRow = 1024;  // cells of two bytes
+  const auto height = static_cast<std::uint32_t>(std::max<std::size_t>(bytes / (2 * kRow), 1));
+  const std::size_t size = std::size_t{2} * kRow * height;
+  const Buffer from = backend.allocate(size);
+  const Buffer to = backend.allocate(size);
+  const FieldGrow::Params params{kRow, height, kRow, kRow, height, kRow, 0, 0, 0};
+  const auto copy = [&] { run<FieldGrow>(backend, params, {kRow, height, 1}, from, to); };
+  Timing timing = measure(work_on(backend, to, copy), options);
+  const double share = static_cast<double>(bytes) / static_cast<double>(size);  // whole rows are not quite the bytes
+  timing.wall_s *= share;
+  timing.cpu_s *= share;
+  if (timing.device_s) *timing.device_s *= share;
+  return timing;
 }
 
 BenchRow bench_case(Backend& backend, const KernelCase& kernel_case, const TimingOptions& options) {
@@ -39,25 +62,61 @@ BenchRow bench_case(Backend& backend, const KernelCase& kernel_case, const Timin
     bound.push_back(&buffers.back());
     sizes.push_back(buffer.content.size());
   }
-  std::byte last{};
-  const auto dispatch = [&] {
-    backend.dispatch(*kernel_case.kernel, bound, kernel_case.params, kernel_case.threads);
-    backend.download(buffers.back(), std::span(&last, 1));  // waits for the dispatch
-  };
+  const auto dispatch = [&] { backend.dispatch(*kernel_case.kernel, bound, kernel_case.params, kernel_case.threads); };
   BenchRow row;
   row.group = "kernel";
   row.name = kernel_case.kernel->name;
   row.variant = kernel_case.name;
   row.unit = kernel_case.kernel->work_unit;
   row.work = static_cast<double>(kernel_case.kernel->work({sizes, kernel_case.params, kernel_case.threads}));
-  row.timing = measure(dispatch, options);
+  row.timing = measure(work_on(backend, buffers.back(), dispatch), options);
   if (row.unit != "look-up") {  // look-ups are bound by latency: bytes do not describe them
-    row.copy_ratio = copy_s(traffic_bytes(kernel_case), options) / row.timing.cpu_s;
+    row.copy_ratio =
+        copy_seconds(backend, traffic_bytes(kernel_case), options) / seconds_of(row.timing, basis_of(backend));
   }
   return row;
 }
 
 }  // namespace
+
+Basis basis_of(const Backend& backend) {
+  const std::string& kind = backend.device().kind;
+  if (kind == "cpu" || kind == "lavapipe") return Basis::kCpu;
+  const auto* const vulkan = dynamic_cast<const VulkanBackend*>(&backend);
+  return vulkan != nullptr && vulkan->vulkan_device().timestamp_ns > 0.0 ? Basis::kDevice : Basis::kWall;
+}
+
+double seconds_of(const Timing& timing, Basis basis) {
+  if (basis == Basis::kCpu) return timing.cpu_s;
+  return basis == Basis::kDevice ? timing.device_s.value_or(timing.wall_s) : timing.wall_s;
+}
+
+std::function<double()> clock_of(Backend& backend) {
+  const auto* const vulkan = dynamic_cast<const VulkanBackend*>(&backend);
+  if (vulkan == nullptr || !(vulkan->vulkan_device().timestamp_ns > 0.0)) return nullptr;
+  return [vulkan, before = vulkan->submit_count()]() mutable {
+    const std::uint64_t submissions = std::exchange(before, vulkan->submit_count());
+    return vulkan->submit_count() == submissions + 1 ? vulkan->last_submission_ns() : -1.0;
+  };
+}
+
+Work work_on(Backend& backend, const Buffer& last, std::function<void()> step) {
+  if (backend.device().kind == "cpu") return {.step = std::move(step)};
+  Work work{.step = std::move(step), .most_in_line = kMostInLine};
+  work.wait = [&backend, &last] {
+    std::array<std::byte, 4> word{};
+    backend.download(last, std::span(word).first(std::min(word.size(), last.bytes())));
+  };
+  work.device_ns = clock_of(backend);
+  return work;
+}
+
+double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options) {
+  const std::size_t bytes = std::max<std::size_t>(traffic / 2, 1);
+  const bool is_cpu = backend.device().kind == "cpu";
+  const Timing timing = is_cpu ? memcpy_timing(bytes, options) : device_copy_timing(backend, bytes, options);
+  return seconds_of(timing, basis_of(backend));
+}
 
 std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, const TimingOptions& options) {
   std::vector<BenchRow> rows;

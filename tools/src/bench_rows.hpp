@@ -1,8 +1,9 @@
-// What `gdtslam bench` measures: the kernels on the benchmark cases of the shared list, whole distance transforms, and
-// OpenCV's distance transform beside them when the build has it.
+// What `gdtslam bench` measures on a backend: the kernels on the benchmark cases of the shared list, whole distance
+// transforms, whole scans, and OpenCV's distance transform beside them when the build has it.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,24 +14,44 @@
 
 namespace gdtslam {
 
-/// One line of the report.
+/// One measurement.
 struct BenchRow {
-  std::string group;  ///< "kernel", "transform", "peer"
+  std::string group;  ///< "kernel", "transform", "scan", "peer"
   std::string name;
   std::string variant;
   std::string unit;  ///< of the work: cell, look-up, value
   double work = 0.0;
   Timing timing;
-  std::optional<double> copy_ratio;        ///< time of memcpy for the bytes read and written, over the time
-  std::optional<double> times_opencv;      ///< OpenCV's CPU time over ours, for the same result
+  std::optional<double> copy_ratio;    ///< time that the device takes to copy the bytes read and written, over the time
+  std::optional<double> times_opencv;  ///< OpenCV's CPU time over ours, for the same result
   std::optional<std::uint64_t> different;  ///< cells that differ from the exact transform
 };
+
+/// Whose seconds a rate is per: CPU time where a CPU does the work, be it as a Vulkan device; else the device's own
+/// clock; else wall time.
+enum class Basis : std::uint8_t { kCpu, kDevice, kWall };
+Basis basis_of(const Backend& backend);
+/// The time of a measurement on that basis.
+double seconds_of(const Timing& timing, Basis basis);
+
+/// What tells the device's time for the submission that was waited for last; empty where there is no such clock.
+std::function<double()> clock_of(Backend& backend);
+
+/// Steps on a backend: what waits for them, and the device's clock where it has one. The step ends by writing `last`.
+Work work_on(Backend& backend, const Buffer& last, std::function<void()> step);
+
+/// Time that a backend takes to copy so many bytes, read and written together, on its basis: memcpy on the CPU, the
+/// kernel field_grow without growth on a device.
+double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options);
 
 /// The kernels whose name contains the filter.
 std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, const TimingOptions& options);
 
-/// Whole transforms of a square of `size` cells with walls on 1.5 % of them, and the peers.
+/// Whole transforms of a square of `size` cells with walls on 1.5 % of them; on the CPU the peers too.
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options);
+
+/// What a scan costs from its points to its pose and into the map.
+std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options);
 
 /// A line of the table of jump flooding's errors.
 struct FloodErrorRow {

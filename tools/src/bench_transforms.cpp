@@ -38,13 +38,11 @@ class Square {
     const EdtColumns::Params params{size_, size_, stride_, 0};
     run<EdtFullColumns>(backend_, params, {size_, 1, 1}, seed_buffer_, columns_);
     run<EdtFullRows>(backend_, params, {1, size_, 1}, columns_, result_);
-    wait();
   }
   void truncated(std::uint32_t radius) {
     const EdtColumns::Params params{size_, size_, stride_, radius};
     run<EdtColumns>(backend_, params, {size_, 1, 1}, seed_buffer_, columns_);
     run<EdtRows>(backend_, params, {1, size_, 1}, columns_, result_);
-    wait();
   }
   void flood(JumpFloodVariant variant) {
     const Extent all{size_, size_, 1};
@@ -54,7 +52,6 @@ class Square {
       std::swap(columns_, result_);
     }
     run<JumpFloodDistance>(backend_, {size_, size_, stride_}, all, columns_, result_);
-    wait();
   }
   /// Squared distances of the last transform, of type T.
   template <class T>
@@ -64,13 +61,10 @@ class Square {
     return values;
   }
   [[nodiscard]] JumpFloodInit::Params shape() const { return {size_, size_, stride_}; }
+  /// A transform as work to be timed.
+  Work work(std::function<void()> step) { return work_on(backend_, result_, std::move(step)); }
 
  private:
-  void wait() {
-    std::byte last{};
-    backend_.download(result_, std::span(&last, 1));
-  }
-
   Backend& backend_;
   std::uint32_t size_;
   std::uint32_t stride_;
@@ -80,8 +74,8 @@ class Square {
   Buffer result_;
 };
 
-BenchRow transform_row(std::string name, const std::string& variant, std::uint32_t size,
-                       const std::function<void()>& work, const TimingOptions& options) {
+BenchRow transform_row(std::string name, const std::string& variant, std::uint32_t size, const Work& work,
+                       const TimingOptions& options) {
   BenchRow row;
   row.group = "transform";
   row.name = std::move(name);
@@ -111,9 +105,8 @@ void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<s
   };
   for (const Mask& peer : {Mask{OpenCvMask::kPrecise, "DIST_MASK_PRECISE"}, Mask{OpenCvMask::kFive, "DIST_MASK_5"}}) {
     std::vector<float> distance;
-    BenchRow row = transform_row(
-        "OpenCV " + opencv_version(), peer.name, size, [&] { opencv_distance(input, size, peer.mask, distance); },
-        options);
+    BenchRow row = transform_row("OpenCV " + opencv_version(), peer.name, size,
+                                 {.step = [&] { opencv_distance(input, size, peer.mask, distance); }}, options);
     row.group = "peer";
     row.different = 0;
     for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -129,20 +122,19 @@ void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<s
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options) {
   Square square(backend, SeedPattern::kWalls, size);
   std::vector<BenchRow> rows;
-  rows.push_back(transform_row(
-      "edt", "R inf", size, [&] { square.exact(); }, options));
+  rows.push_back(transform_row("edt", "R inf", size, square.work([&] { square.exact(); }), options));
   const std::vector<std::uint32_t> exact = square.distances<std::uint32_t>();
   for (const std::uint32_t radius : {kNearRadius, kFarRadius}) {
-    rows.push_back(transform_row(
-        "edt", "R " + std::to_string(radius), size, [&] { square.truncated(radius); }, options));
+    rows.push_back(transform_row("edt", "R " + std::to_string(radius), size,
+                                 square.work([&] { square.truncated(radius); }), options));
     rows.back().different = count_different(exact, square.distances<std::uint16_t>(), radius);
   }
   for (const JumpFloodVariant variant : kVariants) {
-    rows.push_back(transform_row(
-        "jump_flood", std::string(name_of(variant)), size, [&] { square.flood(variant); }, options));
+    rows.push_back(transform_row("jump_flood", std::string(name_of(variant)), size,
+                                 square.work([&] { square.flood(variant); }), options));
     rows.back().different = jump_flood_error(exact, square.distances<std::uint32_t>(), square.shape()).wrong_cells;
   }
-  add_opencv(rows, square, exact, size, options);
+  if (backend.device().kind == "cpu") add_opencv(rows, square, exact, size, options);
   for (const BenchRow& peer : rows) {
     if (peer.group != "peer" || !peer.variant.ends_with("PRECISE")) continue;
     for (BenchRow& row : rows) row.times_opencv = peer.timing.cpu_s / row.timing.cpu_s;

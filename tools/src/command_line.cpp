@@ -24,6 +24,7 @@ constexpr const char* kExamples =
     "  gdtslam map intel.clf.gz -o intel          map a log; the results are in the folder intel\n"
     "  gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz\n"
     "  gdtslam doctor intel.clf.gz                what is in a log, and what is wrong with it\n"
+    "  gdtslam verify --device vulkan             whether a GPU gives the same results as the CPU\n"
     "\n"
     "Exit codes: 0 done; 1 failed while running; 2 wrong usage; 65 bad input data; 69 a device or a part of the\n"
     "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
@@ -60,6 +61,7 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   add_ablation_command(*app, context);
   add_config_command(*app, context);
   add_devices_command(*app, context);
+  add_verify_command(*app, context);
   add_bench_command(*app, context);
   return app;
 }

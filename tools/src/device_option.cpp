@@ -2,28 +2,30 @@
 
 #include <vector>
 
+#include "cache_folder.hpp"
+#include "console.hpp"
+#include "device_choice.hpp"
 #include "did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
+#include "verify_record.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr unsigned kMostThreads = 1024;
 
-// vulkan or vulkan:N
-bool names_vulkan(const std::string& device) {
-  constexpr std::string_view kVulkan = "vulkan";
-  if (!device.starts_with(kVulkan)) return false;
-  const std::string_view rest = std::string_view(device).substr(kVulkan.size());
-  if (rest.empty()) return true;
-  return rest.size() > 1 && rest.size() < 5 && rest.front() == ':' &&
-         rest.substr(1).find_first_not_of("0123456789") == std::string_view::npos;
+bool found_wrong(const VulkanDeviceInfo& device) {
+  const std::optional<VerifyRecord> record = user_records().find(device);
+  return record && !record->passed();
 }
 
 }  // namespace
 
-void add_device_options(CLI::App& command, DeviceOptions& options) {
-  command.add_option("--device", options.device, "Where to compute: auto, cpu, vulkan or vulkan:N")
+void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback) {
+  command
+      .add_option("--device", options.device,
+                  "Where to compute: auto (a GPU where there is one, else the CPU), cpu, vulkan or vulkan:N;\n"
+                  "'gdtslam devices' lists them. Results do not depend on it")
       ->type_name("NAME")
       ->capture_default_str();
   command
@@ -35,8 +37,9 @@ void add_device_options(CLI::App& command, DeviceOptions& options) {
       .add_option("--isa", options.isa,
                   "Force the CPU's instruction set: baseline, avx2 or avx512. Results do not depend on it")
       ->type_name("NAME");
+  if (!with_fallback) return;
   command.add_flag("--no-fallback", options.no_fallback,
-                   "Fail (exit 69) rather than go on with the CPU when the device fails");
+                   "Fail (exit 1, with the call of the driver) rather than go on with the CPU when the device fails");
 }
 
 Isa isa_from_name(const std::string& name) {
@@ -49,19 +52,34 @@ Isa isa_from_name(const std::string& name) {
                    " (baseline, avx2 or avx512)");
 }
 
-std::unique_ptr<Backend> make_backend(const DeviceOptions& options) {
+std::unique_ptr<Backend> make_cpu(const DeviceOptions& options) {
   CpuOptions cpu{.threads = options.threads, .isa = {}};
   if (!options.isa.empty()) cpu.isa = isa_from_name(options.isa);
-  if (names_vulkan(options.device)) {
-    throw UnavailableError("--device " + options.device +
-                           ": this build has no Vulkan backend; use --device cpu, which gives the same results");
-  }
-  if (options.device != "auto" && options.device != "cpu") {
-    const std::vector<std::string> names{"auto", "cpu", "vulkan"};
-    throw UsageError("--device: there is no device '" + options.device + "'" + did_you_mean(options.device, names) +
-                     " (auto, cpu, vulkan or vulkan:N)");
-  }
   return make_cpu_backend(cpu);
+}
+
+std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, ShaderForms forms) {
+  const DeviceName name = parse_device_name(options.device);
+  if (name.kind == DeviceName::Kind::kCpu) return nullptr;
+  const DeviceChoice choice = choose_device(name, list_vulkan_devices(), found_wrong);
+  if (!choice.remark.empty()) print_remark(choice.remark);
+  if (!choice.index) return nullptr;
+  VulkanOptions vulkan;
+  vulkan.index = choice.index;
+  vulkan.cache_folder = cache_folder().path;
+  vulkan.forms = forms;
+  return make_vulkan_backend(vulkan);
+}
+
+std::unique_ptr<Backend> make_backend(const DeviceOptions& options) {
+  std::unique_ptr<Backend> cpu = make_cpu(options);  // a misspelt --isa is an error on any device
+  try {
+    if (std::unique_ptr<VulkanBackend> device = make_vulkan(options)) return device;
+  } catch (const DeviceError& error) {
+    if (options.no_fallback) throw;
+    print_remark(std::string("warning: ") + error.what() + "; going on with the CPU");
+  }
+  return cpu;
 }
 
 }  // namespace gdtslam

@@ -7,6 +7,7 @@
 #include <CLI/App.hpp>
 
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/vulkan/vulkan.hpp"
 
 namespace gdtslam {
 
@@ -17,12 +18,21 @@ struct DeviceOptions {
   bool no_fallback = false;
 };
 
-void add_device_options(CLI::App& command, DeviceOptions& options);
-
-/// The backend that was asked for. Throws UnavailableError for a device that this build or this machine does not have.
-std::unique_ptr<Backend> make_backend(const DeviceOptions& options);
+/// --device, --threads and --isa; with_fallback also --no-fallback.
+void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback = true);
 
 /// The instruction set of that name: baseline, avx2 or avx512. Throws UsageError.
 Isa isa_from_name(const std::string& name);
+
+/// The CPU with its threads and instruction set.
+std::unique_ptr<Backend> make_cpu(const DeviceOptions& options);
+
+/// The Vulkan device that was asked for, or nothing where the CPU is meant (device_choice.hpp has the rules). A
+/// pipeline cache is kept in the user's cache folder. Throws UsageError, UnavailableError and DeviceError.
+std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, ShaderForms forms = ShaderForms::kByDevice);
+
+/// The backend that was asked for. A device whose driver fails while it is opened is replaced by the CPU with one
+/// warning, unless no_fallback is set. Throws UnavailableError for a device that this machine does not have.
+std::unique_ptr<Backend> make_backend(const DeviceOptions& options);
 
 }  // namespace gdtslam

@@ -1,8 +1,13 @@
-// gdtslam bench: how fast the kernels are here, beside a plain copy and beside OpenCV where the build has it.
+// gdtslam bench: how fast the kernels are here, CPU and device side by side, beside a plain copy and beside OpenCV
+// where the build has it.
 #include <fmt/format.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "bench_rows.hpp"
 #include "commands.hpp"
@@ -28,15 +33,38 @@ struct BenchOptions {
   bool flood_errors = false;
 };
 
-Json device_json(const Backend& backend) {
-  const DeviceInfo& device = backend.device();
-  Json json{{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
-  if (device.kind == "cpu") json["isa"] = name_of(backend.host_isa());
-  return json;
+/// All rows of one backend, and what it is called.
+struct Measured {
+  std::string name;  ///< "cpu", "vulkan:0"
+  DeviceInfo device;
+  std::optional<Isa> isa;  ///< of a CPU
+  Basis basis = Basis::kCpu;
+  std::vector<BenchRow> rows;
+};
+
+const char* text_of(Basis basis) { return basis == Basis::kCpu ? "cpu" : basis == Basis::kDevice ? "device" : "wall"; }
+
+double rate_of(const BenchRow& row, Basis basis) { return row.work / seconds_of(row.timing, basis); }
+
+const BenchRow* same_row(const Measured& measured, const BenchRow& wanted) {
+  for (const BenchRow& row : measured.rows) {
+    if (row.group == wanted.group && row.name == wanted.name && row.variant == wanted.variant) return &row;
+  }
+  return nullptr;
 }
 
-Json row_json(const BenchRow& row) {
-  Json json{{"group", row.group},
+Json device_json(const DeviceInfo& device) {
+  return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
+}
+
+template <class T>
+Json json_or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json row_json(const BenchRow& row, const Measured& measured, const Measured& cpu) {
+  Json json{{"on", measured.name},
+            {"group", row.group},
             {"name", row.name},
             {"variant", row.variant},
             {"unit", row.unit},
@@ -46,48 +74,93 @@ Json row_json(const BenchRow& row) {
             {"cpu_s", row.timing.cpu_s},
             {"cpu_fastest_s", row.timing.fastest_s},
             {"cpu_slowest_s", row.timing.slowest_s},
-            {"per_cpu_s", row.work / row.timing.cpu_s}};
-  json["copy_ratio"] = row.copy_ratio ? Json(*row.copy_ratio) : Json();
-  json["times_opencv"] = row.times_opencv ? Json(*row.times_opencv) : Json();
-  json["different_cells"] = row.different ? Json(*row.different) : Json();
+            {"device_s", json_or_null(row.timing.device_s)},
+            {"basis", text_of(measured.basis)},
+            {"rate", rate_of(row, measured.basis)},
+            {"copy_ratio", json_or_null(row.copy_ratio)},
+            {"times_opencv", json_or_null(row.times_opencv)},
+            {"different_cells", json_or_null(row.different)}};
+  const BenchRow* const beside = same_row(cpu, row);
+  const bool has_ratio = &measured != &cpu && beside != nullptr;
+  json["times_cpu"] = has_ratio ? Json(beside->timing.wall_s / row.timing.wall_s) : Json();
   return json;
 }
 
-Json report_json(const Backend& backend, const std::vector<BenchRow>& rows) {
+Json report_json(const std::vector<Measured>& all) {
+  Json devices = Json::array();
   Json list = Json::array();
-  for (const BenchRow& row : rows) list.push_back(row_json(row));
+  for (const Measured& measured : all) {
+    Json device = device_json(measured.device);
+    device["device"] = measured.name;
+    if (measured.isa) device["isa"] = name_of(*measured.isa);
+    devices.push_back(std::move(device));
+    for (const BenchRow& row : measured.rows) list.push_back(row_json(row, measured, all.front()));
+  }
   const std::string opencv = opencv_version();
   return {{"version", GDTSLAM_VERSION},
-          {"device", device_json(backend)},
+          {"devices", devices},
           {"opencv", opencv.empty() ? Json() : Json(opencv)},
           {"rows", list}};
 }
 
-std::string device_line(const Backend& backend) {
-  const DeviceInfo& device = backend.device();
-  return fmt::format("gdtslam {} on {} ({}, {}), {} thread{}\n", GDTSLAM_VERSION, device.name, device.kind,
-                     device.driver, device.threads, device.threads == 1 ? "" : "s");
+std::string device_line(const Measured& measured) {
+  const DeviceInfo& device = measured.device;
+  return fmt::format("{:<9} {} ({}, {}), {} thread{}\n", measured.name, device.name, device.kind, device.driver,
+                     device.threads, device.threads == 1 ? "" : "s");
 }
 
-std::string row_text(const BenchRow& row) {
-  const std::string rate = fmt::format("{:.3f} G {}s", row.work / row.timing.cpu_s * 1e-9, row.unit);
-  const std::string spread = fmt::format("{:.1f}-{:.1f}", row.timing.fastest_s * 1e6, row.timing.slowest_s * 1e6);
-  const std::string copy = row.copy_ratio ? fmt::format("{:.2f}", *row.copy_ratio) : "";
-  const std::string opencv = row.times_opencv ? fmt::format("{:.1f}", *row.times_opencv) : "";
-  const std::string different = row.different ? fmt::format("{}", *row.different) : "";
-  return fmt::format("{:<20} {:<58} {:>10.1f} {:>18} {:>10.1f} {:>17} {:>6} {:>8} {:>9}\n", row.name, row.variant,
-                     row.timing.cpu_s * 1e6, spread, row.timing.wall_s * 1e6, rate, copy, opencv, different);
+std::string microseconds(double seconds) { return fmt::format("{:.1f}", seconds * 1e6); }
+
+std::string share_text(const BenchRow& row) { return row.copy_ratio ? fmt::format("{:.2f}", *row.copy_ratio) : ""; }
+
+constexpr const char* kCpuLine = "{:<20} {:<58} {:>10} {:>18} {:>10} {:>17} {:>6} {:>8} {:>9}\n";
+
+std::string cpu_row_text(const BenchRow& row) {
+  const std::string spread = microseconds(row.timing.fastest_s) + "-" + microseconds(row.timing.slowest_s);
+  return fmt::format(fmt::runtime(kCpuLine), row.name, row.variant, microseconds(row.timing.cpu_s), spread,
+                     microseconds(row.timing.wall_s),
+                     fmt::format("{:.3f} G {}s", rate_of(row, Basis::kCpu) * 1e-9, row.unit), share_text(row),
+                     row.times_opencv ? fmt::format("{:.1f}", *row.times_opencv) : "",
+                     row.different ? fmt::format("{}", *row.different) : "");
 }
 
-std::string report_text(const Backend& backend, const std::vector<BenchRow>& rows) {
-  std::string text = device_line(backend);
-  text += fmt::format("{:<20} {:<58} {:>10} {:>18} {:>10} {:>17} {:>6} {:>8} {:>9}\n", "", "", "CPU us", "spread",
-                      "wall us", "per CPU second", "copy", "xOpenCV", "different");
-  for (const BenchRow& row : rows) text += row_text(row);
+std::string cpu_report(const Measured& cpu) {
+  std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu);
+  text += fmt::format(fmt::runtime(kCpuLine), "", "", "CPU us", "spread", "wall us", "per CPU second", "copy",
+                      "xOpenCV", "different");
+  for (const BenchRow& row : cpu.rows) text += cpu_row_text(row);
   text += "copy: time of a plain copy of the bytes read and written, over the time. ";
   text += opencv_version().empty() ? "This build has no OpenCV to compare with.\n"
                                    : "xOpenCV: CPU time of OpenCV's precise transform over ours. "
                                      "different: cells that are not those of the exact transform.\n";
+  return text;
+}
+
+constexpr const char* kPairLine =
+    "{:<18} {:<52} {:>8} | {:>10} {:>9} {:>5} | {:>10} {:>10} {:>10} {:>9} {:>5} | {:>7}\n";
+
+std::string pair_row_text(const BenchRow& row, const Measured& device, const Measured& cpu) {
+  const BenchRow* const beside = same_row(cpu, row);
+  const auto giga = [](double rate) { return fmt::format("{:.3f}", rate * 1e-9); };
+  return fmt::format(fmt::runtime(kPairLine), row.name, row.variant, row.unit,
+                     beside != nullptr ? microseconds(beside->timing.wall_s) : "",
+                     beside != nullptr ? giga(rate_of(*beside, cpu.basis)) : "",
+                     beside != nullptr ? share_text(*beside) : "", microseconds(row.timing.wall_s),
+                     microseconds(row.timing.cpu_s), row.timing.device_s ? microseconds(*row.timing.device_s) : "-",
+                     giga(rate_of(row, device.basis)), share_text(row),
+                     beside != nullptr ? fmt::format("{:.2f}", beside->timing.wall_s / row.timing.wall_s) : "");
+}
+
+std::string pair_report(const Measured& cpu, const Measured& device) {
+  std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu) + device_line(device);
+  text += fmt::format("{:<80} | {:^26} | {:^48} |\n", "", "cpu", device.name);
+  text += fmt::format(fmt::runtime(kPairLine), "", "", "unit", "wall us", "G/CPU s", "copy", "wall us", "CPU us",
+                      "device us", fmt::format("G/{} s", text_of(device.basis)), "copy", "x CPU");
+  for (const BenchRow& row : device.rows) text += pair_row_text(row, device, cpu);
+  text +=
+      "wall us, CPU us: of the process, all its threads; device us: by the device's own clock. G/s: units of work in "
+      "1e9 a second.\ncopy: time that the same processor takes to copy the bytes read and written, over the time. "
+      "x CPU: wall time on the CPU over that on the device.\n";
   return text;
 }
 
@@ -109,20 +182,37 @@ int print_flood_errors(Backend& backend, const BenchOptions& options) {
                       {"largest_cells", row.largest_cells}});
     }
   }
-  const Json report{{"version", GDTSLAM_VERSION}, {"device", device_json(backend)}, {"jump_flood_errors", list}};
+  const Json report{
+      {"version", GDTSLAM_VERSION}, {"device", device_json(backend.device())}, {"jump_flood_errors", list}};
   print_result(options.json ? json_text(report) : text);
   return static_cast<int>(ExitCode::kDone);
 }
 
+bool wants(const BenchOptions& options, std::string_view group) { return group.find(options.filter) != group.npos; }
+
+Measured measure_all(Backend& backend, std::string name, const BenchOptions& options) {
+  Measured measured{std::move(name), backend.device(), {}, basis_of(backend), {}};
+  if (measured.device.kind == "cpu") measured.isa = backend.host_isa();
+  measured.rows = bench_kernels(backend, options.filter, options.timing);
+  const auto add = [&measured](std::vector<BenchRow> rows) {
+    for (BenchRow& row : rows) measured.rows.push_back(std::move(row));
+  };
+  if (wants(options, "transform")) add(bench_transforms(backend, options.size, options.timing));
+  if (wants(options, "scan")) add(bench_scans(backend, options.timing));
+  if (measured.rows.empty()) throw UsageError("bench: no kernel's name contains '" + options.filter + "'");
+  return measured;
+}
+
 int bench(const BenchOptions& options) {
-  const std::unique_ptr<Backend> backend = make_backend(options.device);
-  if (options.flood_errors) return print_flood_errors(*backend, options);
-  std::vector<BenchRow> rows = bench_kernels(*backend, options.filter, options.timing);
-  if (options.filter.empty() || std::string_view("transform").find(options.filter) != std::string_view::npos) {
-    for (BenchRow& row : bench_transforms(*backend, options.size, options.timing)) rows.push_back(std::move(row));
+  const std::unique_ptr<Backend> cpu = make_cpu(options.device);
+  const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device);
+  if (options.flood_errors) return print_flood_errors(device ? *device : *cpu, options);
+  std::vector<Measured> all{measure_all(*cpu, "cpu", options)};
+  if (device) {
+    all.push_back(measure_all(*device, fmt::format("vulkan:{}", device->vulkan_device().index), options));
   }
-  if (rows.empty()) throw UsageError("bench: no kernel's name contains '" + options.filter + "'");
-  print_result(options.json ? json_text(report_json(*backend, rows)) : report_text(*backend, rows));
+  const std::string text = device ? pair_report(all.front(), all.back()) : cpu_report(all.front());
+  print_result(options.json ? json_text(report_json(all)) : text);
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -130,23 +220,29 @@ int bench(const BenchOptions& options) {
 
 void add_bench_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "How fast the kernels are here, beside a plain copy and OpenCV");
-  command->add_option("filter", options->filter, "Only kernels whose name contains this; 'transform': whole transforms")
+  CLI::App* command =
+      app.add_subcommand("bench", "How fast the kernels are here, on the CPU and on a device, beside a plain copy");
+  command
+      ->add_option("filter", options->filter,
+                   "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
       ->check(CLI::Range(std::uint32_t{32}, kLargestSize).description(""))
       ->capture_default_str();
-  command->add_option("--samples", options->timing.samples, "Samples of each time; the median counts")
+  command->add_option("--samples", options->timing.samples, "Samples of each time at most; the median counts")
       ->type_name("N")
       ->check(CLI::Range(1, 1000).description(""))
       ->capture_default_str();
   command->add_flag("--flood-errors", options->flood_errors,
                     "Instead of times: the errors of jump flooding from 512 to --size, as a table");
   command->add_flag("--json", options->json, "Print JSON");
-  add_device_options(*command, options->device);
+  add_device_options(*command, options->device, false);
   command->footer(
-      "Examples:\n  gdtslam bench\n  gdtslam bench pose_cost --isa avx2\n"
+      "With a device, the CPU is measured too and both stand side by side. Steps are put in line and waited for\n"
+      "together, so that a submission's own time is shared; a time is that of one step, the median of the samples.\n"
+      "\n"
+      "Examples:\n  gdtslam bench\n  gdtslam bench --device vulkan --json\n  gdtslam bench pose_cost --isa avx2\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");
   command->callback([options, &context] { context.run = [options] { return bench(*options); }; });
 }

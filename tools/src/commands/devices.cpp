@@ -1,49 +1,174 @@
-// gdtslam devices: what can compute here.
+// gdtslam devices: what can compute here, with its limits, and whether `gdtslam verify` passed on it.
 #include <fmt/format.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "device_choice.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/json_file.hpp"
+#include "verify_record.hpp"
 
 namespace gdtslam {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-bool is_available(Isa isa) {
-  try {
-    make_cpu_backend({.threads = 1, .isa = isa});
-    return true;
-  } catch (const UnavailableError&) {
-    return false;
+/// Everything that the command shows.
+struct Inventory {
+  DeviceInfo cpu;
+  VulkanListing vulkan;
+  VerifyRecords records = user_records();
+  DeviceChoice auto_choice;
+};
+
+Inventory take_inventory() {
+  Inventory all;
+  all.cpu = make_cpu_backend({.threads = 0, .isa = {}})->device();
+  all.vulkan = list_vulkan_devices();
+  const auto failed = [&all](const VulkanDeviceInfo& device) {
+    const std::optional<VerifyRecord> record = all.records.find(device);
+    return record && !record->passed();
+  };
+  all.auto_choice = choose_device({}, all.vulkan, failed);
+  return all;
+}
+
+std::string size_text(std::size_t bytes) {
+  constexpr const char* kUnits[] = {"B", "KiB", "MiB", "GiB", "TiB"};
+  auto value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  while (value >= 1024.0 && unit + 1 < std::size(kUnits)) {
+    value /= 1024.0;
+    ++unit;
   }
+  return fmt::format("{:.{}f} {}", value, value == static_cast<double>(static_cast<std::uint64_t>(value)) ? 0 : 1,
+                     kUnits[unit]);
+}
+
+std::string line(const std::string& name, const std::string& text) { return fmt::format("{:<10} {}\n", name, text); }
+
+std::string cpu_text(const Inventory& all) {
+  std::string text = line("cpu", all.cpu.name);
+  text += line("", fmt::format("{} thread{}, {}", all.cpu.threads, all.cpu.threads == 1 ? "" : "s", all.cpu.driver));
+  for (std::size_t k = 0; k < kIsaCount; ++k) {
+    const Isa isa = static_cast<Isa>(k);
+    const char* const state = isa == best_isa()    ? "used by default"
+                              : isa_available(isa) ? "available"
+                                                   : "not on this machine";
+    text += line("", fmt::format("--isa {:<9} {}", name_of(isa), state));
+  }
+  if (!all.auto_choice.index) text += line("", "taken by --device auto");
+  return text;
+}
+
+std::string limits_text(const VulkanDeviceInfo& device) {
+  std::string text =
+      line("", fmt::format("memory {}, storage buffer {}, uniform buffer {}, shared memory {}",
+                           size_text(device.memory_bytes), size_text(device.max_storage_buffer_bytes),
+                           size_text(device.max_uniform_buffer_bytes), size_text(device.shared_memory_bytes)));
+  const std::string clock =
+      device.timestamp_ns > 0.0 ? fmt::format("timestamps of {:g} ns", device.timestamp_ns) : "no timestamps";
+  text += line(
+      "", fmt::format("{} invocations in a group, subgroup of {}, push constants {}, {}", device.max_group_invocations,
+                      device.subgroup_size, size_text(device.max_push_constant_bytes), clock));
+  return text;
+}
+
+std::string verified_text(const VerifyRecord& record) {
+  if (record.passed()) {
+    return fmt::format("verified {}: {} cases and {} logs equal to the CPU", record.date, record.cases, record.logs);
+  }
+  return fmt::format("NOT equal to the CPU: {} differences on {}", record.differences, record.date);
+}
+
+std::string vulkan_text(const Inventory& all, const VulkanDeviceInfo& device) {
+  const std::string name = fmt::format("vulkan:{}", device.index);
+  std::string text = line(name, device.name);
+  text += line("", fmt::format("{}, driver {}, Vulkan {}", device.kind, device.driver, device.api_version));
+  text += limits_text(device);
+  if (!device.problem.empty()) return text + line("", "cannot be used: " + device.problem);
+  if (all.auto_choice.index == device.index) text += line("", "taken by --device auto");
+  if (!device.is_hardware()) text += line("", "a CPU that plays a GPU: taken only when it is named");
+  const std::optional<VerifyRecord> record = all.records.find(device);
+  text += line("", record ? verified_text(*record) : "not verified yet: gdtslam verify --device " + name);
+  return text;
+}
+
+std::string text_of(const Inventory& all) {
+  std::string text = cpu_text(all);
+  for (const VulkanDeviceInfo& device : all.vulkan.devices) text += vulkan_text(all, device);
+  if (all.vulkan.devices.empty()) text += line("vulkan", "none: " + all.vulkan.problem);
+  return text;
+}
+
+Json cpu_json(const Inventory& all) {
+  Json variants = Json::array();
+  for (std::size_t k = 0; k < kIsaCount; ++k) {
+    const Isa isa = static_cast<Isa>(k);
+    variants.push_back({{"name", name_of(isa)}, {"available", isa_available(isa)}, {"default", isa == best_isa()}});
+  }
+  return {{"device", "cpu"},
+          {"name", all.cpu.name},
+          {"driver", all.cpu.driver},
+          {"threads", all.cpu.threads},
+          {"auto", !all.auto_choice.index.has_value()},
+          {"isa", variants}};
+}
+
+Json limits_json(const VulkanDeviceInfo& device) {
+  return {{"memory_bytes", device.memory_bytes},
+          {"storage_buffer_bytes", device.max_storage_buffer_bytes},
+          {"uniform_buffer_bytes", device.max_uniform_buffer_bytes},
+          {"shared_memory_bytes", device.shared_memory_bytes},
+          {"group_invocations", device.max_group_invocations},
+          {"push_constant_bytes", device.max_push_constant_bytes},
+          {"subgroup_size", device.subgroup_size},
+          {"timestamp_ns", device.timestamp_ns}};
+}
+
+Json verified_json(const std::optional<VerifyRecord>& record) {
+  if (!record) return {};
+  return {{"passed", record->passed()},
+          {"date", record->date},
+          {"cases", record->cases},
+          {"logs", record->logs},
+          {"differences", record->differences}};
+}
+
+Json vulkan_json(const Inventory& all, const VulkanDeviceInfo& device) {
+  return {{"device", fmt::format("vulkan:{}", device.index)},
+          {"name", device.name},
+          {"kind", device.kind},
+          {"driver", device.driver},
+          {"api_version", device.api_version},
+          {"vendor_id", device.vendor_id},
+          {"device_id", device.device_id},
+          {"problem", device.problem.empty() ? Json() : Json(device.problem)},
+          {"auto", all.auto_choice.index == device.index},
+          {"limits", limits_json(device)},
+          {"verified", verified_json(all.records.find(device))}};
+}
+
+Json json_of(const Inventory& all) {
+  Json devices = Json::array();
+  for (const VulkanDeviceInfo& device : all.vulkan.devices) devices.push_back(vulkan_json(all, device));
+  return {{"version", GDTSLAM_VERSION},
+          {"devices", Json::array({cpu_json(all)})},
+          {"vulkan",
+           {{"built", GDTSLAM_HAS_VULKAN != 0},
+            {"problem", all.vulkan.problem.empty() ? Json() : Json(all.vulkan.problem)},
+            {"devices", devices}}}};
 }
 
 int devices(bool json) {
-  const std::unique_ptr<Backend> cpu = make_cpu_backend({.threads = 0, .isa = {}});
-  Json variants = Json::array();
-  std::string text = fmt::format("cpu      {}\n", cpu->device().name);
-  text += fmt::format("         {} threads, {}\n", cpu->device().threads, cpu->device().driver);
-  for (std::size_t k = 0; k < kIsaCount; ++k) {
-    const Isa isa = static_cast<Isa>(k);
-    const bool available = is_available(isa);
-    const char* const state = isa == best_isa() ? "used by default" : available ? "available" : "not on this machine";
-    variants.push_back({{"name", name_of(isa)}, {"available", available}, {"default", isa == best_isa()}});
-    text += fmt::format("         --isa {:<9} {}\n", name_of(isa), state);
-  }
-  text += "vulkan   this build has no Vulkan backend\n";
-  const Json report{{"devices", Json::array({{{"device", "cpu"},
-                                              {"name", cpu->device().name},
-                                              {"driver", cpu->device().driver},
-                                              {"threads", cpu->device().threads},
-                                              {"isa", variants}}})},
-                    {"vulkan", {{"built", false}, {"devices", Json::array()}}}};
-  print_result(json ? json_text(report) : text);
+  const Inventory all = take_inventory();
+  print_result(json ? json_text(json_of(all)) : text_of(all));
+  if (!json && !all.auto_choice.remark.empty()) print_remark(all.auto_choice.remark);
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -53,7 +178,10 @@ void add_devices_command(CLI::App& app, CommandContext& context) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("devices", "What can compute here: processor, instruction sets, GPUs");
   command->add_flag("--json", *json, "Print JSON");
-  command->footer("Examples:\n  gdtslam devices\n  gdtslam devices --json");
+  command->footer(
+      "A Vulkan device is verified when 'gdtslam verify' passed on it with this version of gdtslam and this driver.\n"
+      "\n"
+      "Examples:\n  gdtslam devices\n  gdtslam devices --json");
   command->callback([json, &context] { context.run = [json] { return devices(*json); }; });
 }
 

@@ -1,0 +1,276 @@
+"""Devices: what is there, what is taken, what fails, what is verified."""
+
+import ctypes.util
+import gzip
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+import cli_support as cli
+from cli_support import (LOG, PROGRAM, SOURCE, command, environment, expect, expect_exit, fresh_folder, mapped, one_error_line,
+                         require_vulkan, results, skip, vulkan_devices)
+
+NO_DRIVER = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent", "VK_ADD_DRIVER_FILES": None}
+SAMPLE = SOURCE / "assets/logs/office-start.log.gz"
+EXPECTED = SOURCE / "assets/expected/office-start.json"
+
+
+def has_vulkan_part():
+    return json.loads(command("devices", "--json").stdout)["vulkan"]["built"]
+
+
+def everything_works_without(changes, words):
+    """Commands without a Vulkan device: each says so in one line, and the CPU does its work."""
+    env = environment(**changes)
+    process = command("devices", env=env)
+    expect_exit(process, 0)
+    lines = [line for line in process.stdout.splitlines() if line.startswith("vulkan")]
+    expect(len(lines) == 1 and words in lines[0], f"devices: {process.stdout}")
+    expect(process.stderr == "", f"devices: {process.stderr}")
+    folder = fresh_folder("without_vulkan")
+    for arguments in (["map", LOG, "-o", folder / "no"], ["verify"], ["bench"]):
+        for device in ("vulkan", "vulkan:0"):
+            process = command(*arguments, "--device", device, env=env)
+            expect_exit(process, 69)
+            one_error_line(process.stderr)
+            expect(f"--device {device}: " in process.stderr and words in process.stderr, process.stderr)
+            expect(process.stdout == "", process.stdout)
+    expect(not (folder / "no").exists(), "a folder of results without results")
+    for device in ("auto", "cpu"):
+        report = mapped(folder / device, "--first", 20, "--device", device, env=env)
+        expect(report["device"]["kind"] == "cpu", f"--device {device} took {report['device']}")
+    expect_exit(command("verify", "arg_min", "--device", "cpu", env=env), 0)
+
+
+def no_vulkan_driver():
+    """A loader that finds no driver."""
+    if not has_vulkan_part():
+        everything_works_without({}, "this build has no Vulkan backend")
+        return
+    if ctypes.util.find_library("vulkan") is None:
+        skip("there is no Vulkan loader here")
+    everything_works_without(NO_DRIVER, "no driver")
+
+
+def no_vulkan_loader():
+    """No loader: a file of its name that is no library stands in its way."""
+    if not has_vulkan_part():
+        skip("this build has no Vulkan backend")
+    folder = fresh_folder("no_loader")
+    (folder / "libvulkan.so.1").write_text("")
+    everything_works_without({"LD_LIBRARY_PATH": str(folder)}, "libvulkan")
+
+
+def auto_leaves_lavapipe_alone():
+    """--device auto takes hardware only; --device vulkan takes what there is."""
+    devices = require_vulkan()
+    hardware = [device for device in devices if device["kind"] in ("discrete", "integrated", "virtual")]
+    folder = fresh_folder("auto")
+    chosen = mapped(folder / "auto", "--first", 20)["device"]
+    expect((chosen["kind"] == "cpu") == (not hardware), f"auto took {chosen} of {devices}")
+    named = mapped(folder / "vulkan", "--first", 20, "--device", "vulkan")["device"]
+    expect(named["name"] == (hardware or devices)[0]["name"], f"vulkan took {named}")
+
+
+def missing_vulkan_device():
+    """A number that no device has: exit 69, and which there are."""
+    devices = require_vulkan()
+    process = command("map", LOG, "-o", fresh_folder("missing") / "out", "--device", "vulkan:77")
+    expect_exit(process, 69)
+    one_error_line(process.stderr)
+    expect("there is no such device, only vulkan:0" in process.stderr and devices[0]["name"] in process.stderr, process.stderr)
+
+
+def vulkan_gives_the_same_bytes():
+    """Both matchers on the CPU and on each device: the same map and trajectory, and the device did something."""
+    devices = require_vulkan()
+    folder = fresh_folder("vulkan")
+    for matcher in ("simplex", "exhaustive"):
+        arguments = ["--first", 60, "--matcher", matcher]
+        cpu = mapped(folder / f"cpu-{matcher}", *arguments, "--device", "cpu")
+        for device in devices:
+            report = mapped(folder / f"{device['device'].replace(':', '')}-{matcher}", *arguments, "--device",
+                            device["device"], "--no-fallback")
+            expect(report["device"]["name"] == device["name"], f"mapped on {report['device']}")
+            expect(results(report) == results(cpu), f"{matcher}: another result on {device['name']}")
+
+
+def verify_passes_and_is_remembered():
+    """The whole verification of the first device: no difference, as `devices` knows afterwards."""
+    device = require_vulkan()[0]
+    env = environment(XDG_CACHE_HOME=str(fresh_folder("remembered")))
+    text = command("devices", env=env).stdout
+    expect(f"not verified yet: gdtslam verify --device {device['device']}" in text, text)
+    process = command("verify", "--device", device["device"], "--json", env=env, timeout=280)
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "verify")
+    report = json.loads(process.stdout)
+    expect(report["differences"] == 0, "differences with exit 0")
+    target = report["targets"][0]
+    expect(target["decoys"] == len(target["kernels"]) >= 15, f"{target['decoys']} decoys of {len(target['kernels'])} kernels")
+    expect(target["submissions"] >= target["dispatches"] > 1000, f"{target['dispatches']} dispatches")
+    shipped = {run["matcher"]: run for run in json.loads(EXPECTED.read_text())["runs"]}
+    expect({log["matcher"] for log in target["logs"]} == {"simplex", "exhaustive"}, "matchers")
+    for log in target["logs"]:
+        for side in ("reference", "device"):
+            expect(results(log[side]) == results(shipped[log["matcher"]]), f"{log['matcher']} on {side} is not as shipped")
+        expect(log["device"]["dispatches"] > log["scans"] and log["device"]["submissions"] > 0, f"{log['device']}")
+        expect(log["device"]["copy_equal"], "copy")
+    verified = vulkan_devices(env=env)[0]["verified"]
+    expect(verified is not None and verified["passed"] and verified["logs"] == 2, f"{verified}")
+    expect("equal to the CPU" in command("devices", env=env).stdout, "devices does not say so")
+
+
+def verify_of_a_part_is_not_remembered():
+    """A filter verifies kernels; that is no verification of the device."""
+    device = require_vulkan()[0]
+    env = environment(XDG_CACHE_HOME=str(fresh_folder("part")))
+    process = command("verify", "arg_min", "--device", device["device"], "--random", 30, "--forms", "all", env=env)
+    expect_exit(process, 0)
+    expect(process.stdout.splitlines()[-1] == "0 differences", process.stdout)
+    for name in (device["device"], device["device"] + " wide", device["device"] + " narrow"):
+        expect(f"\n{name}: " in "\n" + process.stdout, f"no part for {name}: {process.stdout}")
+    expect(vulkan_devices(env=env)[0]["verified"] is None, "a part counts as the whole")
+
+
+def copy_of_the_program(name):
+    """The program as it is installed, with its logs and expected results, to be damaged."""
+    folder = fresh_folder(name)
+    (folder / "bin").mkdir()
+    shutil.copy2(PROGRAM, folder / "bin/gdtslam")
+    (folder / "share/gdtslam").mkdir(parents=True)
+    for kind in ("logs", "expected"):
+        shutil.copytree(SOURCE / "assets" / kind, folder / "share/gdtslam" / kind)
+    return folder
+
+
+def verify_finds_results_that_are_not_as_shipped():
+    """Exit 1, the fault named, the last line the number of differences."""
+    folder = copy_of_the_program("not_as_shipped")
+    program, expected = folder / "bin/gdtslam", folder / "share/gdtslam/expected/office-start.json"
+    process = subprocess.run([program, "verify", "logs", "--device", "cpu"], capture_output=True, text=True, check=False)
+    expect_exit(process, 0)
+    expect(process.stdout.splitlines()[-1] == "0 differences", process.stdout)
+    wrong = json.loads(expected.read_text())
+    wrong["runs"][0]["map_sha256"] = "0" * 64
+    expected.write_text(json.dumps(wrong))
+    process = subprocess.run([program, "verify", "logs", "--device", "cpu"], capture_output=True, text=True, check=False)
+    expect_exit(process, 1)
+    one_error_line(process.stderr)
+    expect("DIFFERENT: map" in process.stdout and "shipped 000000000000" in process.stdout, process.stdout)
+    last = process.stdout.splitlines()[-1]
+    expect(last.endswith("difference") or last.endswith("differences"), last)
+    expect(int(last.split()[0]) >= 1, last)
+
+
+def verify_needs_its_files():
+    """A sample log or expected results that are missing, damaged or of another log: one line each."""
+    for damage, code, words in (("log", 74, "office-start.log.gz: comes with gdtslam but is in none of"),
+                                ("expected", 74, "office-start.json: comes with gdtslam but is in none of"),
+                                ("cut", 65, "office-start.json: is damaged"),
+                                ("other", 65, "office-start.json: is not of this office-start.log.gz"),
+                                ("format", 65, "office-start.json: is of another format")):
+        folder = copy_of_the_program("its_files")
+        log, expected = folder / "share/gdtslam/logs/office-start.log.gz", folder / "share/gdtslam/expected/office-start.json"
+        if damage == "log":
+            log.unlink()
+        elif damage == "expected":
+            expected.unlink()
+        elif damage == "cut":
+            expected.write_text(expected.read_text()[:100])
+        elif damage == "other":
+            log.write_bytes(gzip.compress(b"# another log\n", mtime=0))
+        else:
+            expected.write_text(expected.read_text().replace('"format": 1', '"format": 2'))
+        process = subprocess.run([folder / "bin/gdtslam", "verify", "logs", "--device", "cpu"], capture_output=True, text=True,
+                                 check=False)
+        expect_exit(process, code)
+        one_error_line(process.stderr)
+        expect(words in process.stderr, process.stderr)
+
+
+def interrupt_of_verify():
+    """A signal ends it with 130, and nothing is remembered."""
+    for arguments in (["--device", "cpu", "--random", "1000000"], ["logs", "--device", "cpu", *["--log", str(LOG)] * 20]):
+        process = subprocess.Popen([PROGRAM, "verify", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        output, error = process.communicate(timeout=60)
+        expect(process.returncode == 130, f"exit {process.returncode}: {output} {error}")
+        one_error_line(error)
+
+
+def sample_log_can_be_made_again():
+    """The simulator gives the sample log and its truth, and the mapper the expected results, as MANIFEST says."""
+    if "Not in this build" in command("simulate", "--help").stdout:
+        skip("this build has no simulator")
+    folder = fresh_folder("sample")
+    path = SOURCE / "assets/logs/office-start.path.yaml"
+    expect_exit(command("simulate", "office-loop", "--trajectory", path, "--rate", 6, "--seed", 1, "-o",
+                        folder / "office-start.log.gz"), 0)
+    # The text: another zlib may compress it otherwise.
+    expect(gzip.decompress((folder / "office-start.log.gz").read_bytes()) == gzip.decompress(SAMPLE.read_bytes()), "the log")
+    expect((folder / "office-start.truth.tum").read_bytes() == SAMPLE.with_name("office-start.truth.tum").read_bytes(), "truth")
+    expect_exit(command("verify", "--write-expected", folder / "expected.json"), 0)
+    expect((folder / "expected.json").read_bytes() == EXPECTED.read_bytes(), "the expected results")
+    process = command("verify", "--write-expected", LOG / "below-a-file.json")
+    expect_exit(process, 74)
+
+
+def failing(call, at):
+    """An environment in which a call of the driver fails."""
+    loader = os.environ.get("FAILING_VULKAN")
+    real = ctypes.util.find_library("vulkan")
+    if loader is None or real is None:
+        skip("the failing loader cannot be used here")
+    folder = fresh_folder("failing")
+    shutil.copy2(loader, folder / "libvulkan.so.1")
+    paths = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True).stdout
+    real_path = next(line.split("=> ")[1] for line in paths.splitlines() if line.strip().startswith(real))
+    return environment(LD_LIBRARY_PATH=str(folder), FAILING_VULKAN_REAL=real_path, FAILING_VULKAN_CALL=call,
+                       FAILING_VULKAN_AT=str(at))
+
+
+def device_that_fails():
+    """A driver that fails at once or on the way: one warning and the CPU's result, or exit 1 with the call's name."""
+    require_vulkan()
+    folder = fresh_folder("fails")
+    arguments = ["--first", 40, "--matcher", "exhaustive", "--device", "vulkan"]
+    wanted = results(mapped(folder / "cpu", *arguments[:-1], "cpu"))
+    for call, at, code in (("vkCreateDevice", 1, "DeviceLost"), ("vkAllocateMemory", 1, "OutOfDeviceMemory"),
+                           ("vkQueueSubmit", 1, "DeviceLost"), ("vkQueueSubmit", 25, "DeviceLost")):
+        env = failing(call, at)
+        process = command("map", LOG, "-o", folder / "out", "--json", *arguments, env=env)
+        expect_exit(process, 0)
+        warnings = process.stderr.splitlines()
+        expect(len(warnings) == 1 and warnings[0].startswith("gdtslam: warning: ") and call in warnings[0], process.stderr)
+        expect(results(json.loads(process.stdout)) == wanted, f"{call} number {at}: another result")
+        process = command("map", LOG, "-o", folder / "no", *arguments, "--no-fallback", env=env)
+        expect_exit(process, 1)
+        one_error_line(process.stderr)
+        expect(call in process.stderr and code in process.stderr, process.stderr)
+        expect(not (folder / "no").exists(), "a folder of results without results")
+        process = command("verify", "arg_min", "--device", "vulkan", env=env)
+        if at == 1:
+            expect_exit(process, 1)
+            one_error_line(process.stderr)
+            expect(call in process.stderr, process.stderr)
+
+
+def bench_of_a_device():
+    """CPU and device side by side."""
+    device = require_vulkan()[0]["device"]
+    process = command("bench", "arg_min", "--samples", 2, "--device", device, "--json")
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "bench")
+    report = json.loads(process.stdout)
+    expect([entry["device"] for entry in report["devices"]] == ["cpu", device], f"{report['devices']}")
+    rows = {on: [row["variant"] for row in report["rows"] if row["on"] == on] for on in ("cpu", device)}
+    expect(rows["cpu"] == rows[device] and rows[device], f"{rows}")
+    for row in report["rows"]:
+        expect((row["times_cpu"] is None) == (row["on"] == "cpu"), f"{row}")
+    text = command("bench", "arg_min", "--samples", 2, "--device", device).stdout
+    expect("x CPU" in text and "arg_min" in text, text)

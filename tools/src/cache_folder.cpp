@@ -1,0 +1,51 @@
+#include "cache_folder.hpp"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The specification of XDG has it that a path that is not absolute counts as none.
+fs::path absolute_from(const char* variable) {
+  const char* const value = std::getenv(variable);
+  if (value == nullptr || !fs::path(value).is_absolute()) return {};
+  return value;
+}
+
+fs::path base_folder() {
+  const fs::path named = absolute_from("XDG_CACHE_HOME");
+  if (!named.empty()) return named;
+  const fs::path home = absolute_from("HOME");
+  return home.empty() ? home : home / ".cache";
+}
+
+// An empty text where the folder is there now. Folders above it come with the same access.
+std::string problem_of_making(const fs::path& folder) {
+  if (::mkdir(folder.c_str(), S_IRWXU) == 0 || fs::is_directory(folder)) return {};
+  if (errno == ENOENT && folder.has_relative_path()) {
+    std::string above = problem_of_making(folder.parent_path());
+    if (!above.empty()) return above;
+    if (::mkdir(folder.c_str(), S_IRWXU) == 0 || fs::is_directory(folder)) return {};
+  }
+  return folder.string() + ": cannot be made: " + std::generic_category().message(errno);
+}
+
+}  // namespace
+
+CacheFolder cache_folder() {
+  const fs::path base = base_folder();
+  if (base.empty()) return {"", "neither XDG_CACHE_HOME nor HOME names a folder"};
+  const fs::path folder = base / "gdtslam";
+  std::string problem = problem_of_making(folder);
+  if (!problem.empty()) return {"", std::move(problem)};
+  return {folder.string(), ""};
+}
+
+}  // namespace gdtslam

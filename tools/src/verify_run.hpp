@@ -1,0 +1,55 @@
+// `gdtslam verify` as a value: what to compare with what, and what was found. Prints nothing but progress.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "device_option.hpp"
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/vulkan/vulkan.hpp"
+#include "verify_kernels.hpp"
+#include "verify_logs.hpp"
+
+namespace gdtslam {
+
+struct VerifyOptions {
+  DeviceOptions device;
+  std::string forms = "by-device";  ///< or wide, narrow, all
+  std::string filter{};             ///< kernels whose name contains this; "logs": the logs alone; empty: everything
+  std::uint64_t seed = 1;
+  std::uint32_t random_cases = 0;
+  bool large = false;
+  std::vector<std::string> logs{};  ///< beside the sample log
+  bool quiet = false;               ///< draws no progress
+};
+
+/// What one backend was found to do.
+struct TargetReport {
+  std::string name;  ///< "vulkan:0", "vulkan:0 wide", "cpu avx2"
+  DeviceInfo device;
+  bool is_vulkan = false;
+  std::vector<KernelVerdict> kernels;
+  DeviceWork work;
+  std::vector<LogVerdict> logs;
+  [[nodiscard]] std::uint64_t cases() const;
+  [[nodiscard]] std::uint64_t differences() const;
+};
+
+struct VerifyReport {
+  DeviceInfo reference;
+  std::vector<TargetReport> targets;
+  VulkanDeviceInfo vulkan;  ///< the device, where one was verified
+  double wall_s = 0.0;
+  [[nodiscard]] std::uint64_t differences() const;
+};
+
+/// Compares the device with the CPU, or, for the CPU, its instruction sets and threads with the baseline. Throws
+/// UnavailableError for a device that is not there, DeviceError when it fails, UsageError for a filter that leaves
+/// nothing, and Error(kInterrupted).
+VerifyReport run_verify(const VerifyOptions& options);
+
+/// Maps the sample log on the CPU and writes what it gave as what it must give. Throws FileError.
+void write_expected_results(const VerifyOptions& options, const std::string& path);
+
+}  // namespace gdtslam
