@@ -33,7 +33,7 @@ struct PoseLattice {
     float step_rad = 0.01F;
     std::uint32_t count_xy = 1;
     std::uint32_t count_theta = 1;
-    PriorParams prior;
+    PriorParams prior{};
   };
   static constexpr std::array kBindings{Access::kWrite};
   static const KernelInfo& info();
