@@ -9,11 +9,12 @@ GroupCount one_group(const LaunchShape&) { return {}; }
 
 constexpr std::uint32_t kFewInvocations = 8;
 
-/// An invocation takes one pose of eight, or two or three of more, through all points.
-bool takes_few(const FormContext& context) {
+/// Also for devices that like few invocations, where those would take too many turns: each takes one pose of eight, or
+/// two or three of more, through all points.
+bool takes_many(const FormContext& context) {
   const auto params = launch_params<ChoosePose>(context.shape);
   const std::uint64_t poses_each = (params.pose_count + kFewInvocations - 1) / kFewInvocations;
-  return fits_loops(context, poses_each * (params.cost.point_count + 1) + 100);
+  return context.wide() || !fits_loops(context, poses_each * (params.cost.point_count + 1) + 100);
 }
 
 constexpr ShaderForm kForms[] = {
@@ -22,17 +23,11 @@ constexpr ShaderForm kForms[] = {
      .spirv = shader::choose_pose_spirv,
      .local_size = {128, 1, 1},
      .groups = one_group,
-     .suits = wants_wide},
+     .suits = takes_many},
     {.kernel = "choose_pose",
      .name = "choose_pose",
      .spirv = shader::choose_pose_spirv,
      .local_size = {kFewInvocations, 1, 1},
-     .groups = one_group,
-     .suits = takes_few},
-    {.kernel = "choose_pose",
-     .name = "choose_pose",
-     .spirv = shader::choose_pose_spirv,
-     .local_size = {128, 1, 1},
      .groups = one_group},
 };
 

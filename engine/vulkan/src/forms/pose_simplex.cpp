@@ -35,25 +35,28 @@ std::uint32_t points_of(const FormContext& context) {
   return launch_params<PoseSimplex>(context.shape).cost.point_count;
 }
 
-template <Interpolation kInterpolation>
-bool is_narrow(const FormContext& context) {
-  return fits(context, points_of(context) / 8 + 8) && interpolates<kInterpolation>(context);
-}
+/// Whether an invocation a pose, which goes through all points, does not take too many turns.
+bool fits_narrow(const FormContext& context) { return fits(context, points_of(context) / 8 + 8); }
+/// The same of a group a pose.
+bool fits_wide(const FormContext& context) { return fits(context, points_of(context) / kGroup + 1); }
 
 /// Also for devices that like few invocations, where those would take too many turns.
 template <Interpolation kInterpolation>
 bool is_wide(const FormContext& context) {
-  return fits(context, points_of(context) / kGroup + 1) && interpolates<kInterpolation>(context) &&
-         (context.wide() || !is_narrow<kInterpolation>(context));
+  return (context.wide() || !fits_narrow(context)) && fits_wide(context) && interpolates<kInterpolation>(context);
 }
 
 template <Interpolation kInterpolation>
-bool is_narrow_with_few_points(const FormContext& context) {
-  return points_of(context) <= kUniformPoints && is_narrow<kInterpolation>(context);
+bool is_long(const FormContext& context) {
+  return (context.wide() || !fits_narrow(context)) && !fits_wide(context) && interpolates<kInterpolation>(context);
 }
 
-/// The forms are listed once for each interpolation, which is a constant of the shader. The last is for descents so
-/// long that a device which ends loops needs many invocations.
+template <Interpolation kInterpolation>
+bool has_few_points(const FormContext& context) {
+  return points_of(context) <= kUniformPoints && interpolates<kInterpolation>(context);
+}
+
+/// The forms are listed once for each interpolation, which is a constant of the shader.
 template <Interpolation kInterpolation>
 constexpr std::array<ShaderForm, 4> forms() {
   constexpr auto kMode = static_cast<std::uint32_t>(kInterpolation);
@@ -66,6 +69,14 @@ constexpr std::array<ShaderForm, 4> forms() {
             .groups = groups<1>,
             .suits = is_wide<kInterpolation>},
            {.kernel = "pose_simplex",
+            .name = "pose_simplex_wide",
+            .spirv = shader::pose_simplex_wide_spirv,
+            .local_size = {kLargeGroup, 1, 1},
+            .constants = {kMode, kPointsATurn},
+            .takes_count = true,
+            .groups = groups<1>,
+            .suits = is_long<kInterpolation>},
+           {.kernel = "pose_simplex",
             .name = "pose_simplex_narrow_uniform",
             .spirv = shader::pose_simplex_narrow_uniform_spirv,
             .local_size = {8, 1, 1},
@@ -73,7 +84,7 @@ constexpr std::array<ShaderForm, 4> forms() {
             .uniform_binding = kPoints,
             .takes_count = true,
             .groups = groups<8>,
-            .suits = is_narrow_with_few_points<kInterpolation>},
+            .suits = has_few_points<kInterpolation>},
            {.kernel = "pose_simplex",
             .name = "pose_simplex_narrow",
             .spirv = shader::pose_simplex_narrow_spirv,
@@ -81,14 +92,6 @@ constexpr std::array<ShaderForm, 4> forms() {
             .constants = {kMode, 0},
             .takes_count = true,
             .groups = groups<8>,
-            .suits = is_narrow<kInterpolation>},
-           {.kernel = "pose_simplex",
-            .name = "pose_simplex_wide",
-            .spirv = shader::pose_simplex_wide_spirv,
-            .local_size = {kLargeGroup, 1, 1},
-            .constants = {kMode, kPointsATurn},
-            .takes_count = true,
-            .groups = groups<1>,
             .suits = interpolates<kInterpolation>}}};
 }
 

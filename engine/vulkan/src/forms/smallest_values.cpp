@@ -6,19 +6,19 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kManyInvocations = 1024;
+constexpr std::uint32_t kFewInvocations = 8;
 
 GroupCount one_group(const LaunchShape&) { return {}; }
 
-bool takes_many(const FormContext& context) {
-  return context.wide() && context.device.max_group_invocations >= kManyInvocations;
-}
-
-constexpr std::uint32_t kFewInvocations = 8;
-
-/// Two turns a block of sixteen values, and those of the merge.
-bool takes_few(const FormContext& context) {
+/// Whether few invocations do not take too many turns of their loops: two a block of sixteen values, and the merge.
+bool fits_few(const FormContext& context) {
   const std::uint64_t blocks = launch_params<SmallestValues>(context.shape).count / (kFewInvocations * 16);
   return fits_loops(context, 2 * blocks + 1000);
+}
+
+/// Also for devices that like few, where those would take too many turns.
+bool takes_many(const FormContext& context) {
+  return (context.wide() || !fits_few(context)) && context.device.max_group_invocations >= kManyInvocations;
 }
 
 constexpr ShaderForm kForms[] = {
@@ -38,12 +38,6 @@ constexpr ShaderForm kForms[] = {
      .name = "smallest_values_narrow",
      .spirv = shader::smallest_values_narrow_spirv,
      .local_size = {kFewInvocations, 1, 1},
-     .groups = one_group,
-     .suits = takes_few},
-    {.kernel = "smallest_values",
-     .name = "smallest_values_wide",
-     .spirv = shader::smallest_values_wide_spirv,
-     .local_size = {kManyInvocations, 1, 1},
      .groups = one_group},
 };
 

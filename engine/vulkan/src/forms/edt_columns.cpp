@@ -1,0 +1,51 @@
+#include "forms/form_tools.hpp"
+#include "forms/grid_launch.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint32_t kWideWords = 64;  // of a group: 256 columns
+constexpr std::uint32_t kStripRows = 16;
+constexpr std::uint32_t kNarrowWords = 8;
+
+GroupCount wide_groups(const LaunchShape& shape) {
+  const auto params = launch_params<EdtColumns>(shape);
+  return grid_groups(divided_up(params.width, 4), kWideWords, params.height, kStripRows);
+}
+
+GroupCount narrow_groups(const LaunchShape& shape) {
+  return grid_groups(divided_up(launch_params<EdtColumns>(shape).width, 4), kNarrowWords, 1, 1);
+}
+
+/// Two sweeps of a column are few enough turns of a loop.
+bool is_low(const FormContext& context) {
+  return 2 * std::uint64_t{launch_params<EdtColumns>(context.shape).height} <= kMostTurns;
+}
+
+constexpr ShaderForm wide_form(bool (*suits)(const FormContext&)) {
+  return {.kernel = "edt_columns",
+          .name = "edt_columns_wide",
+          .spirv = shader::edt_columns_wide_spirv,
+          .local_size = {kWideWords, 1, 1},
+          .constants = {kStripRows, 0},
+          .groups = wide_groups,
+          .suits = suits};
+}
+
+constexpr ShaderForm kForms[] = {
+    wide_form(wants_wide),
+    {.kernel = "edt_columns",
+     .name = "edt_columns_narrow",
+     .spirv = shader::edt_columns_narrow_spirv,
+     .local_size = {kNarrowWords, 1, 1},
+     .groups = narrow_groups,
+     .suits = is_low},
+    wide_form(nullptr),
+};
+
+}  // namespace
+
+std::span<const ShaderForm> edt_columns_forms() { return kForms; }
+
+}  // namespace gdtslam

@@ -1,0 +1,51 @@
+#include "forms/form_tools.hpp"
+#include "forms/grid_launch.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint32_t kNarrowRows = 8;  // of a group
+constexpr std::uint32_t kWideGroup = 256;
+constexpr std::uint32_t kWideCells = 4;  // of an invocation
+
+GroupCount narrow_groups(const LaunchShape& shape) {
+  return groups_for(launch_params<EdtFullRows>(shape).height, kNarrowRows);
+}
+
+GroupCount wide_groups(const LaunchShape& shape) {
+  const auto params = launch_params<EdtFullRows>(shape);
+  return folded(std::uint64_t{divided_up(params.width, kWideGroup * kWideCells)} * params.height);
+}
+
+/// Building the envelope takes at most two turns of a loop a column, filling the row one and a quarter.
+bool is_short(const FormContext& context) {
+  return 4 * std::uint64_t{launch_params<EdtFullRows>(context.shape).width} <= kMostTurns;
+}
+
+constexpr ShaderForm wide_form(bool (*suits)(const FormContext&)) {
+  return {.kernel = "edt_full_rows",
+          .name = "edt_full_rows_wide",
+          .spirv = shader::edt_full_rows_wide_spirv,
+          .local_size = {kWideGroup, 1, 1},
+          .constants = {kWideCells, 0},
+          .groups = wide_groups,
+          .suits = suits};
+}
+
+constexpr ShaderForm kForms[] = {
+    wide_form(wants_wide),
+    {.kernel = "edt_full_rows",
+     .name = "edt_full_rows_narrow",
+     .spirv = shader::edt_full_rows_narrow_spirv,
+     .local_size = {kNarrowRows, 1, 1},
+     .groups = narrow_groups,
+     .suits = is_short},
+    wide_form(nullptr),
+};
+
+}  // namespace
+
+std::span<const ShaderForm> edt_full_rows_forms() { return kForms; }
+
+}  // namespace gdtslam

@@ -1,0 +1,59 @@
+// What the shaders of pose_cost share: its bindings but for the points, and a point's term of a candidate's cost. The
+// arithmetic itself is in field_lookup.glsl.
+#ifndef GDTSLAM_POSE_COST_GLSL
+#define GDTSLAM_POSE_COST_GLSL
+
+layout(constant_id = 10) const uint kInterpolation = 0;  // a constant, for devices that run both sides of a branch
+layout(push_constant) uniform Params {
+  uint width;
+  uint height;
+  uint stride;
+  int anchor_x;
+  int anchor_y;
+  uint point_count;
+  uint cap;
+  uint interpolation;
+  uint form;
+  uint count;  // of the candidates, from the launch
+};
+struct Candidate {
+  float x;
+  float y;
+  float theta;
+  uint bias;
+};
+layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
+layout(set = 0, binding = 2, std430) readonly buffer Candidates { Candidate candidates[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Cost { uint cost[]; };
+
+#define FIELD_WORD(i) field[i]
+#include "common/field_lookup.glsl"
+
+// What does not change from point to point.
+struct Context {
+  FieldView view;
+  CellRotation rotation;
+  vec2 translation;
+  uint cap;
+  uint form;
+  uint square_shift;
+};
+
+Context context_of(Candidate candidate) {
+  return Context(field_view(width, height, stride, anchor_x, anchor_y), cell_rotation(candidate.theta),
+                 vec2(candidate.x, candidate.y), cap, form, squared_shift(cap));
+}
+
+uint term(Context context, vec2 point) {
+  ivec2 position = point_position(context.view, context.rotation, context.translation, point);
+  uint value = kInterpolation == kBilinear ? bilinear_value(context.view, position)
+                                           : nearest_value(context.view, position);
+  return cost_term(value, context.cap, context.form, context.square_shift);
+}
+
+uint saturating_sum(uint sum, uint bias) {
+  uint total = sum + bias;
+  return total < sum ? 0xFFFFFFFFu : total;
+}
+
+#endif

@@ -1,0 +1,58 @@
+// Merge of a scan's field into the global one, paper equations (9) to (11). An invocation does four cells of the global
+// field, two words, of one or more rows; cells of these words that lie beside the scan's field are written back as they
+// were. No other invocation writes them, as rows begin at a multiple of four cells.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "common/launch.glsl"
+#include "common/packed.glsl"
+
+const uint kLiteral = 1;
+layout(push_constant) uniform Params {
+  uint scan_width;
+  uint scan_height;
+  uint scan_stride;
+  uint global_stride;
+  uint offset_x;
+  uint offset_y;
+  uint threshold;
+  uint lift;
+  uint cap;
+  uint rule;
+};
+layout(set = 0, binding = 0, std430) buffer Global { uvec2 global_field[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Scan { uvec2 scan_field[]; };
+
+uvec4 merged(uvec4 g, uvec4 d) {
+  uint shift = min(lift, cap);  // a value lifted beyond the cap is the cap
+  uvec4 apart = max(g, d) - min(g, d);
+  uvec4 lifted = min(d, uvec4(cap - shift)) + shift;
+  bvec4 is_tentative = rule == kLiteral ? lessThan(g, d) : greaterThan(g, d);
+  uvec4 result = mix(g, lifted, is_tentative);
+  result = mix(result, (g + d) >> 1, lessThanEqual(apart, uvec4(threshold)));
+  result = mix(result, d, greaterThanEqual(g, uvec4(cap)));
+  return mix(result, g, greaterThanEqual(d, uvec4(cap)));
+}
+
+// The scan's cells at columns x to x + 3 of row y, where x may lie outside; the cells outside of it are unknown.
+uvec4 scan_cells(int x, uint y) {
+  int last = int((scan_width - 1) / 4);
+  int quad = x >> 2;
+  uint row = y * (scan_stride / 4);
+  uvec4 low = unpack_cells(scan_field[row + uint(clamp(quad, 0, last))]);
+  uvec4 high = unpack_cells(scan_field[row + uint(clamp(quad + 1, 0, last))]);
+  int turn = x & 3;  // the same for all cells of a launch
+  uvec4 cells = turn == 0 ? low : turn == 1 ? uvec4(low.yzw, high.x) : turn == 2 ? uvec4(low.zw, high.xy) : uvec4(low.w, high.xyz);
+  return mix(uvec4(0xFFFFu), cells, lessThan(uvec4(x + ivec4(0, 1, 2, 3)), uvec4(scan_width)));
+}
+
+void main() {
+  uint quad = offset_x / 4 + gl_GlobalInvocationID.x;
+  if (quad > (offset_x + scan_width - 1) / 4) {
+    return;
+  }
+  int x = int(quad * 4) - int(offset_x);
+  for (uint y = gl_GlobalInvocationID.y; y < scan_height; y += launch_rows()) {
+    uint at = (offset_y + y) * (global_stride / 4) + quad;
+    global_field[at] = pack_cells(merged(unpack_cells(global_field[at]), scan_cells(x, y)));
+  }
+}

@@ -1,0 +1,6 @@
+// Cost of candidate poses on a CPU as a device, the points in a uniform buffer, from which they come faster.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#define POINTS uniform Points
+#define MOST_ELEMENTS 1024
+#include "common/pose_cost_four.glsl"
