@@ -166,6 +166,13 @@ TEST(ChoosePose, CostsSaturateBeforeAndBehindTheLeap) {
   MatchVerdict verdict = choose(params, {}, {first, shifted(3.0F)});
   EXPECT_EQ(verdict.chosen, 0U);
   EXPECT_EQ(verdict.cost, 250000000U);
+  params.leap_q8 = 1221679587;  // 1e9 times it is beyond 32 bits by far
+  verdict = choose(params, {}, {first, shifted(3.0F)});
+  EXPECT_EQ(verdict.chosen, 0U);
+  params.prior.weight_xy = 1.0F;  // 900 times it is 2^32 + 2
+  verdict = choose(params, {}, {first, shifted(30.0F)});
+  EXPECT_EQ(verdict.chosen, 0U);
+  params.prior.weight_xy = 1.0e9F;
   params.leap_q8 = 64;  // a quarter of 1e9
   verdict = choose(params, {}, {first, shifted(3.0F)});
   EXPECT_EQ(verdict.chosen, 0U);

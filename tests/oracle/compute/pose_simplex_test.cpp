@@ -171,6 +171,18 @@ TEST_F(Room, WithoutPointsAndPriorItShrinksOntoItsStart) {
   EXPECT_EQ(descend(0), std::pair(7U + 4U, 2U));
 }
 
+// Edges of 2 and 0.03 halved 8 times are as long as the sizes to stop at here, not shorter.
+TEST_F(Room, ASimplexOfJustTheSizeIsNotYetSmall) {
+  PoseSimplex::Params params = params_for(0);
+  for (const auto& [stop_cells, stop_rad] : {std::pair(0x1p-7F, 1.0F), std::pair(1.0F, 0.03F * 0x1p-8F)}) {
+    params.stop_cells = stop_cells;
+    params.stop_rad = stop_rad;
+    PolishedPose pose;
+    pose_simplex_host(best_isa(), params, field_.data(), nullptr, &pose, 1);
+    EXPECT_EQ(pose.evaluations, 4U + 9 * 5U);
+  }
+}
+
 TEST_F(Room, WithoutPointsItFindsThePriorsMean) {
   PoseSimplex::Params params = params_for(0);
   params.prior = {.mean_x = 3.0F, .mean_y = -1.5F, .mean_theta = 0.1F, .weight_xy = 1.0e6F, .weight_theta = 3.0e8F};

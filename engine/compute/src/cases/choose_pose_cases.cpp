@@ -13,7 +13,8 @@ using Poses = std::vector<PolishedPose>;
 /// What a case of choose_pose varies.
 struct ChoiceCase {
   CaseSize field{256, 200, 256};
-  bool room = true;  ///< else a field without any shape
+  bool room = true;    ///< else a field without any shape
+  bool steps = false;  ///< the field in whole cells, so that values meet limits
   std::uint32_t points = 180;
   std::uint32_t poses = 5;
   std::uint32_t map_cap = 20 * 256;
@@ -23,9 +24,10 @@ struct ChoiceCase {
 };
 
 std::string name_of(const ChoiceCase& shape) {
-  return size_name(shape.field) + (shape.room ? " room " : " slow ") + std::to_string(shape.poses) + " poses " +
-         std::to_string(shape.points) + " points caps " + std::to_string(shape.map_cap) + " " +
-         std::to_string(shape.wide) + (shape.interpolation == Interpolation::kNearest ? " nearest" : " bilinear") +
+  return size_name(shape.field) + (shape.room ? " room " : " slow ") + (shape.steps ? "steps " : "") +
+         std::to_string(shape.poses) + " poses " + std::to_string(shape.points) + " points caps " +
+         std::to_string(shape.map_cap) + " " + std::to_string(shape.wide) +
+         (shape.interpolation == Interpolation::kNearest ? " nearest" : " bilinear") +
          (shape.form == CostForm::kSquared ? " squared" : "");
 }
 
@@ -53,6 +55,16 @@ Poses make_poses(std::uint32_t count, Random& random) {
   return poses;
 }
 
+/// Rounds a field's values down to whole cells.
+void cut_to_cells(CaseBuffer& field) {
+  std::vector<std::uint16_t> values(field.content.size() / 2);
+  std::memcpy(values.data(), field.content.data(), field.content.size());
+  for (std::uint16_t& value : values) {
+    value = static_cast<std::uint16_t>(value / 256 * 256);
+  }
+  std::memcpy(field.content.data(), values.data(), field.content.size());
+}
+
 template <class Change>
 KernelCase choice_case(const std::string& name, const ChoiceCase& shape, Change change) {
   Random random(seed_from(name));
@@ -70,6 +82,9 @@ KernelCase choice_case(const std::string& name, const ChoiceCase& shape, Change 
   change(params, poses);
   params.pose_count = static_cast<std::uint32_t>(poses.size());
   auto buffers = scene_buffers(shape.field, shape.room, shape.map_cap, shape.points, random);
+  if (shape.steps) {
+    cut_to_cells(buffers[0]);
+  }
   buffers.push_back(words_buffer(poses));
   constexpr auto kWords = static_cast<std::uint32_t>(sizeof(MatchVerdict) / 4);
   buffers.push_back(list_buffer(noise<std::uint32_t>({kWords, 1, kWords}, random.bits())));
@@ -131,6 +146,42 @@ void add_voters(std::vector<KernelCaseSource>& list) {
   });
 }
 
+// Values, sizes and costs that meet their limits.
+void add_edges(std::vector<KernelCaseSource>& list) {
+  for (const bool room : {true, false}) {
+    add_choice(list, {.room = room, .steps = true, .points = 361}, ", gate 512",
+               [](ChoosePose::Params& p, Poses&) { p.gate = 512; });
+  }
+  // One pose at a limit of far or just beyond: were it taken for far, a 256th of its cost would win.
+  const float just_over_2 = std::nextafter(2.0F, 3.0F);
+  const float just_over_angle = std::nextafter(0.05F, 1.0F);
+  const PolishedPose at_limits[] = {pose_at(2.0F, 0.0F, 0.0F),
+                                    pose_at(0.0F, -2.0F, 0.0F),
+                                    pose_at(0.0F, 0.0F, 0.05F),
+                                    pose_at(0.0F, 0.0F, -0.05F),
+                                    pose_at(just_over_2, 0.0F, 0.0F),
+                                    pose_at(0.0F, -just_over_2, 0.0F),
+                                    pose_at(0.0F, 0.0F, just_over_angle),
+                                    pose_at(0.0F, 0.0F, -just_over_angle)};
+  for (std::size_t i = 0; i < std::size(at_limits); ++i) {
+    const PolishedPose pose = at_limits[i];
+    add_choice(list, {.poses = 2}, ", limit of far " + std::to_string(i), [pose](ChoosePose::Params& p, Poses& poses) {
+      p.prior = {.weight_xy = 1.0e5F, .weight_theta = 1.0e8F};
+      poses[0] = {};
+      poses[1] = pose;
+      p.leap_q8 = 1;
+    });
+  }
+  // A cost of 900 with a factor that makes it 2^32 + 2: saturated, not 2.
+  add_choice(list, {.points = 0, .poses = 2}, ", leap beyond 32 bits", [](ChoosePose::Params& p, Poses& poses) {
+    p.prior = {.weight_xy = 1.0F};
+    poses[0] = {};
+    poses[1] = pose_at(30.0F, 0.0F, 0.0F);
+    poses[0].x = 2.0F;
+    p.leap_q8 = 1221679587U;
+  });
+}
+
 // Poses 3 and 4 lie far from the prior's mean, the others do not.
 void set_apart(Poses& poses) {
   poses[0] = pose_at(2.2F, -1.1F, 0.29F);
@@ -157,18 +208,6 @@ void add_leaps(std::vector<KernelCaseSource>& list) {
     p.leap_q8 = 26;
     p.far_sq_cells = std::numeric_limits<float>::infinity();
     p.far_rad = std::numeric_limits<float>::infinity();
-  });
-  add_choice(list, {}, ", at the limits of far", [](ChoosePose::Params& p, Poses& poses) {
-    set_apart(poses);
-    p.prior.mean_x = 0.0F;
-    p.prior.mean_y = 0.0F;
-    p.prior.mean_theta = 0.0F;
-    poses[0] = pose_at(0.0F, 0.0F, 0.0F);
-    poses[1] = pose_at(0.0F, 2.0F, 0.05F);
-    poses[2] = pose_at(-2.0F, 0.0F, -0.05F);
-    poses[3] = pose_at(0.0F, 0.0F, std::nextafter(0.05F, 1.0F));
-    poses[4] = pose_at(0.0F, std::nextafter(2.0F, 3.0F), 0.0F);
-    p.leap_q8 = 1;
   });
 }
 
@@ -250,6 +289,7 @@ KernelCase draw_choice(const std::string& name, Random& random) {
 void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
   add_sizes(list);
   add_voters(list);
+  add_edges(list);
   add_leaps(list);
   add_ties(list);
   add_extremes(list);

@@ -160,6 +160,9 @@ void add_descents(std::vector<KernelCaseSource>& list) {
                .stop_rad = 0.0F,
                .odd_poses = false},
               ", to the limit");
+  // The fourth start lies on whole cells: its edges are halved without rounding and get just as long as these sizes.
+  add_descent(list, {.points = 0, .poses = 4, .stop_cells = 0x1p-7F, .stop_rad = 1.0F}, ", size in x and y met");
+  add_descent(list, {.points = 0, .poses = 4, .stop_cells = 9.0F, .stop_rad = 0.03F * 0x1p-8F}, ", size in theta met");
   add_descent(list, {.step_cells = 0.0F, .step_rad = 0.0F}, ", no steps");
   add_descent(list, {.step_cells = -3.0F, .step_rad = -0.1F}, ", steps backwards");
   add_descent(list, {.stop_cells = 3.0e38F, .stop_rad = 3.0e38F}, ", any size is small");
