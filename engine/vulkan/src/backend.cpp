@@ -12,6 +12,9 @@
 namespace gdtslam {
 namespace {
 
+/// A device that was given up for slowness gets this long, at least, to let go of its memory.
+constexpr double kLastWait_s = 5.0;
+
 Error error_of(const std::string& message) { return {ExitCode::kFailed, message}; }
 
 DeviceInfo device_info(const Device& device) {
@@ -71,7 +74,7 @@ VulkanBackendImpl::~VulkanBackendImpl() {
   // it does not come to an end, its memory is left to the end of the process.
   const std::uint64_t last = engine_->batches.submitted();
   const vk::SemaphoreWaitInfo wait = wait_info(*engine_->device.timeline(), last);
-  const auto limit_ns = to_nanoseconds(wait_limit_s_);
+  const auto limit_ns = to_nanoseconds(std::max(wait_limit_s_, kLastWait_s));
   const VkResult result = last == 0 ? VK_SUCCESS : calls_.wait_past_faults(*engine_->device.handle(), wait, limit_ns);
   if (result == VK_TIMEOUT) {
     static_cast<void>(engine_.release());
@@ -241,14 +244,16 @@ void VulkanBackendImpl::dispatch(const KernelInfo& kernel, std::span<const Buffe
   }
   const GroupCount groups = form.groups(shape);
   check_groups(form, groups);
-  guarded([&] { record(kernel, form, bound, shape, groups); });
+  const FormPipeline& pipeline =
+      guarded([&]() -> const FormPipeline& { return engine_->pipelines.pipeline_of(kernel, form); });
+  throw_validation_messages();  // a pipeline that does not fit must not be used
+  guarded([&] { record(kernel, form, pipeline, bound, shape, groups); });
   ++dispatch_count_;
 }
 
-void VulkanBackendImpl::record(const KernelInfo& kernel, const ShaderForm& form, Bound& bound, const LaunchShape& shape,
-                               GroupCount groups) {
+void VulkanBackendImpl::record(const KernelInfo& kernel, const ShaderForm& form, const FormPipeline& pipeline,
+                               const Bound& bound, const LaunchShape& shape, GroupCount groups) {
   const std::span<DeviceBuffer* const> buffers(bound.buffers.data(), bound.count);
-  const FormPipeline& pipeline = engine_->pipelines.pipeline_of(kernel, form);
   for (DeviceBuffer* buffer : buffers) {
     engine_->transfers.make_ready(*buffer);
   }

@@ -63,14 +63,14 @@ enum class ShaderForms : std::uint8_t {
 };
 
 struct VulkanOptions {
-  std::optional<unsigned> index;  ///< of the listing; the first hardware GPU when empty
-  std::string cache_folder;       ///< of the pipeline cache; empty: none is read or written
-  bool validation = false;        ///< with validation and synchronisation validation; each message throws DeviceError
-  double wait_limit_s = 30.0;     ///< a wait that takes longer is a lost device
+  std::optional<unsigned> index = std::nullopt;  ///< of the listing; the first hardware GPU when empty
+  std::string cache_folder = {};                 ///< of the pipeline cache; empty: none is read or written
+  bool validation = false;     ///< with validation and synchronisation validation; each message throws DeviceError
+  double wait_limit_s = 30.0;  ///< a wait that takes longer is a lost device
   ShaderForms forms = ShaderForms::kByDevice;
-  VulkanFault fault;
+  VulkanFault fault = {};
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
-  std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader;
+  std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
 };
 
 /// A backend with counters that only a Vulkan device can have.
