@@ -1,5 +1,6 @@
-// The smallest cost and its index, the lowest index among equals. One work group: each invocation takes every n-th pair of
-// quads, halves of the group then meet in shared memory. Pairs are compared by (cost, index), so their order is free.
+// The smallest cost and its index, the lowest index among equals. One work group: each invocation takes every n-th pair
+// of quads, halves of the group then meet in shared memory. Pairs are compared by (cost, index), so their order is
+// free.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/launch.glsl"

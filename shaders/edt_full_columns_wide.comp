@@ -1,6 +1,6 @@
-// Unlimited distance transform, columns. A work group does the columns of a few words; its invocations along y do a strip
-// of rows each. They look for the first and last seed of their strip, learn from each other through shared memory how far
-// the next seed beyond the strip is, and then sweep it down and up.
+// Unlimited distance transform, columns. A work group does the columns of a few words; its invocations along y do a
+// strip of rows each. They look for the first and last seed of their strip, learn from each other through shared memory
+// how far the next seed beyond the strip is, and then sweep it down and up.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/edt_params.glsl"

@@ -1,7 +1,7 @@
-// Unlimited distance transform, rows, by the lower envelope of parabolas [Meijster2000]: its time does not depend on the
-// distances. An invocation does a row. The envelope's stack lives in the row's part of the output, which has one word a
-// column: an entry is its apex and the column distance there, 15 bits each; entry j rules from a column >= j on, so filling
-// the row from its end overwrites no entry that is still needed.
+// Unlimited distance transform, rows, by the lower envelope of parabolas [Meijster2000]: its time does not depend on
+// the distances. An invocation does a row. The envelope's stack lives in the row's part of the output, which has one
+// word a column: an entry is its apex and the column distance there, 15 bits each; entry j rules from a column >= j on,
+// so filling the row from its end overwrites no entry that is still needed.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/edt_params.glsl"
@@ -29,8 +29,8 @@ int value_at(Site site, int x) {
   return dx * dx + site.sq;
 }
 
-// First column, at least 0 and at most the width, at which the parabola of `right` is strictly below that of `left`. The
-// float quotient is off by less than one where it matters; integers correct it, so its rounding does not.
+// First column, at least 0 and at most the width, at which the parabola of `right` is strictly below that of `left`.
+// The float quotient is off by less than one where it matters; integers correct it, so its rounding does not.
 int first_below(Site left, Site right) {
   int twice = right.apex * right.apex + right.sq - left.apex * left.apex - left.sq;
   int span = 2 * (right.apex - left.apex);

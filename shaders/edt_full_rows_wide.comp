@@ -1,6 +1,6 @@
-// Unlimited distance transform, rows. A work group does a piece of a row, an invocation some of its cells, one by one: it
-// searches outwards up to kReach, then by blocks of kBlock cells, of which it looks into those only whose smallest column
-// distance (in shared memory) can still improve the cell. So what is far costs a look at blocks, not at cells.
+// Unlimited distance transform, rows. A work group does a piece of a row, an invocation some of its cells, one by one:
+// it searches outwards up to kReach, then by blocks of kBlock cells, of which it looks into those only whose smallest
+// column distance (in shared memory) can still improve the cell. So what is far costs a look at blocks, not at cells.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/edt_params.glsl"

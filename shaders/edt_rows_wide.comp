@@ -1,5 +1,5 @@
-// Truncated distance transform, rows. An invocation does two cells, one word of the result: it searches outwards on both
-// sides until neither can become smaller.
+// Truncated distance transform, rows. An invocation does two cells, one word of the result: it searches outwards on
+// both sides until neither can become smaller.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/edt_params.glsl"

@@ -41,7 +41,8 @@ uvec4 scan_cells(int x, uint y) {
   uvec4 low = unpack_cells(scan_field[row + uint(clamp(quad, 0, last))]);
   uvec4 high = unpack_cells(scan_field[row + uint(clamp(quad + 1, 0, last))]);
   int turn = x & 3;  // the same for all cells of a launch
-  uvec4 cells = turn == 0 ? low : turn == 1 ? uvec4(low.yzw, high.x) : turn == 2 ? uvec4(low.zw, high.xy) : uvec4(low.w, high.xyz);
+  uvec4 by_one_or_two = turn == 1 ? uvec4(low.yzw, high.x) : uvec4(low.zw, high.xy);
+  uvec4 cells = turn == 0 ? low : turn == 3 ? uvec4(low.w, high.xyz) : by_one_or_two;
   return mix(uvec4(0xFFFFu), cells, lessThan(uvec4(x + ivec4(0, 1, 2, 3)), uvec4(scan_width)));
 }
 

@@ -1,11 +1,11 @@
-// Jump flooding, one pass, for jumps of 1, 2 or a multiple of 4 cells. An invocation does four cells of every row that is
-// a whole number of jumps beyond its first one, so that what it reads serves three rows.
+// Jump flooding, one pass, for jumps of 1, 2 or a multiple of 4 cells. An invocation does four cells of every row that
+// is a whole number of jumps beyond its first one, so that what it reads serves three rows.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/jump_flood.glsl"
 #include "common/launch.glsl"
 
-layout(constant_id = 10) const uint kShift = 0;  // the jump modulo 4, by which cells lie in other quads than their sources
+layout(constant_id = 10) const uint kShift = 0;  // the jump modulo 4
 layout(push_constant) uniform Params {
   uint width;
   uint height;

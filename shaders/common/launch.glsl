@@ -11,8 +11,8 @@ uint linear_group() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGrou
 // Invocation of such a launch; may be beyond the last one.
 uint linear_invocation() { return linear_group() * gl_WorkGroupSize.x + gl_LocalInvocationID.x; }
 
-// Rows of a grid launch from one row of an invocation to its next: a launch may have fewer rows than the grid, either to
-// give each invocation more work or because the grid has more than 65535.
+// Rows of a grid launch from one row of an invocation to its next: a launch may have fewer rows than the grid, either
+// to give each invocation more work or because the grid has more than 65535.
 uint launch_rows() { return gl_NumWorkGroups.y * gl_WorkGroupSize.y; }
 
 #endif

@@ -1,5 +1,5 @@
-// pose_cost with an invocation a candidate. The includer defines POINTS, the declaration of the points' buffer up to its
-// name, and MOST_ELEMENTS, its length.
+// pose_cost with an invocation a candidate. The includer defines POINTS, the declaration of the points' buffer up to
+// its name, and MOST_ELEMENTS, its length.
 #include "common/launch.glsl"
 #include "common/pose_cost.glsl"
 
