@@ -142,17 +142,19 @@ void add_smallest(std::vector<KernelCaseSource>& list, std::uint32_t count, std:
       [=](const std::string& name) { return smallest_case(name, count, wanted, range); }, benchmark);
 }
 
-/// Values that fall all the way, so that each enters the list; every fourth is kNoCost.
-void add_falling(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t wanted) {
-  add_case<SmallestValues>(
-      list, std::to_string(wanted) + " among " + std::to_string(count) + " falling", [=](const std::string& named) {
-        std::vector<std::uint32_t> values(count);
-        for (std::uint32_t i = 0; i < count; ++i) {
-          values[i] = i % 4 == 3 ? kNoCost : kNoCost - 1 - i;
-        }
-        return make_case<SmallestValues>(named, {count, wanted}, {1, 1, 1},
-                                         {list_buffer(values), list_buffer(std::vector<std::uint32_t>(2 * wanted, 9))});
-      });
+/// Values that fall by one every `every` values, so that many enter the list, each just below the last one; every
+/// fourth is kNoCost.
+void add_falling(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t wanted, std::uint32_t every) {
+  const std::string name =
+      std::to_string(wanted) + " among " + std::to_string(count) + " falling every " + std::to_string(every);
+  add_case<SmallestValues>(list, name, [=](const std::string& named) {
+    std::vector<std::uint32_t> values(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      values[i] = i % 4 == 3 ? kNoCost : kNoCost - 1 - i / every;
+    }
+    return make_case<SmallestValues>(named, {count, wanted}, {1, 1, 1},
+                                     {list_buffer(values), list_buffer(std::vector<std::uint32_t>(2 * wanted, 9))});
+  });
 }
 
 WindowSize draw_window(Random& random) {
@@ -213,7 +215,8 @@ void add_smallest_lists(std::vector<KernelCaseSource>& list) {
       for (const std::uint32_t range : kRanges) {
         add_smallest(list, count, wanted, range);
       }
-      add_falling(list, count, wanted);
+      add_falling(list, count, wanted, 1);
+      add_falling(list, count, wanted, 64);
     }
   }
   for (std::uint32_t count = 18; count < 63; ++count) {

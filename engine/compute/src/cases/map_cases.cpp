@@ -132,6 +132,7 @@ void add_grows(std::vector<KernelCaseSource>& list) {
   for (const CaseSize& size : kLongSizes) {
     add_grow(list, {size, 3, 2, 1, 4});
   }
+  add_grow(list, {{4096, 1, 4096}, 3, 0, 5, 0});  // one row: cut along it
   for (const CaseSize& size : kLargeSizes) {
     const GrowCase grow{size, 33, 1, 0, 2};
     add_large_case<FieldGrow>(list, grow.name(), [grow](const std::string& name) { return grow_case(name, grow); });
