@@ -205,6 +205,11 @@ TEST_F(Room, StartsThatAreNoPosesCostTheCapAndEnd) {
     for (const Isa isa : available_isas()) {
       PolishedPose poses[] = {{odd, 0.0F, 0.0F}, {0.0F, odd, odd}, {odd, odd, odd}};
       pose_simplex_host(isa, params, field_.data(), points.data(), poses, 3);
+      if (!std::isfinite(odd)) {  // no number, no size: the rest decides, and there are only ties to shrink by
+        EXPECT_EQ(poses[0].evaluations, 44U);
+        EXPECT_EQ(poses[1].evaluations, 44U);
+        EXPECT_EQ(poses[2].evaluations, 4U);
+      }
       for (const PolishedPose& pose : poses) {
         EXPECT_GE(pose.cost, 33 * kCap + 1000);
         EXPECT_LE(pose.cost, 33 * kCap + 2000);
