@@ -11,18 +11,20 @@ namespace gdtslam {
 
 /// A prior around a mean pose, as kernels take it. Its cost in float32, without contraction, with dx, dy, dt the
 /// pose less the mean: a = (dx*dx + dy*dy) * weight_xy, then a = a < limit ? a : limit; b = (dt*dt) * weight_theta,
-/// then b = b < limit ? b : limit; cost = uint32(a + b), cut towards zero. The limit is at most 1e9, so the sum fits.
+/// then b = b < limit ? b : limit; cost = uint32(a + b), cut towards zero. The limit is at most 1e9, so the sum fits;
+/// NaN counts as the limit.
 struct PriorParams {
-  float mean_x = 0.0F;
+  float mean_x = 0.0F;  ///< finite, as the other means
   float mean_y = 0.0F;
   float mean_theta = 0.0F;
   float weight_xy = 0.0F;     ///< cost units per squared cell, finite, not negative
   float weight_theta = 0.0F;  ///< cost units per squared radian, finite, not negative
-  float limit = 1.0e9F;
+  float limit = 1.0e9F;       ///< 0 to 1e9
 };
 
 /// The samples of a window, theta outermost, then y, then x: sample (x, y, t) has index (t*count_xy + y)*count_xy + x
 /// and coordinate centre + (float(i) - float(count/2)) * step in float32 (count/2 cut), the prior's cost as its bias.
+/// Centre and steps are finite, counts at least 1.
 /// Bindings: candidates (PoseCandidate, write). Extent: x = count_xy * count_xy * count_theta, at most 2^28.
 struct PoseLattice {
   struct Params {

@@ -9,7 +9,7 @@
 namespace gdtslam {
 
 /// Sets the seeds that a list of cells names; cells outside the grid are left out, all other seeds stay as they are.
-/// Bindings: cells (u32, y * 65536 + x, read), seeds (u8, read and write: 1 where a cell is named).
+/// Bindings: cells (u32, y * 65536 + x, read), seeds (u8, read and write: 1 where a cell is named, whatever it was).
 /// Extent: x = number of cells. Width and height at most 65535.
 struct SeedScatter {
   struct Params {
