@@ -1,21 +1,40 @@
 #!/usr/bin/env bash
-# Compiles every shader, and what shaders share (shaders/common) inside an empty one, so that source that is common to
-# C++ and GLSL stays valid in both.
+# Compiles every shader as the build does and checks its SPIR-V; finds files of shaders/common that no shader includes;
+# compiles the source that C++ shares (elementary.glsl) by itself, so that it stays valid in both. Lines have at most 120
+# characters.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+shared_with_cpp=elementary.glsl
 
-compile() { glslangValidator -V --quiet --target-env vulkan1.2 -I"$root/shaders" -o "$work/out.spv" "$1"; }
+# compile FILE: its SPIR-V is checked, what it includes is noted.
+compile() {
+  glslangValidator -V --quiet --target-env vulkan1.2 -I"$root/shaders" --depfile "$work/out.d" -o "$work/out.spv" "$1" &&
+    spirv-val --target-env vulkan1.2 "$work/out.spv" || { echo "in $1" >&2; exit 1; }
+  cat "$work/out.d" >>"$work/includes"
+}
 
 count=0
 while IFS= read -r -d '' file; do
-  source=$file
-  if [[ $file == *.glsl ]]; then
-    source=$work/wrapped.comp
-    { printf '#version 450\n#line 1\n' && cat "$file" && printf 'void main() {}\n'; } >"$source"
-  fi
-  compile "$source" || { echo "in $file" >&2; exit 1; }
+  compile "$file"
   count=$((count + 1))
-done < <(find "$root/shaders" \( -name '*.comp' -o -name '*.glsl' \) -print0 | sort -z)
-echo "$count shader sources compile"
+done < <(find "$root/shaders" -maxdepth 1 -name '*.comp' -print0 | sort -z)
+
+{ printf '#version 450\n#line 1\n' && cat "$root/shaders/common/$shared_with_cpp" && printf 'void main() {}\n'; } \
+  >"$work/shared.comp"
+compile "$work/shared.comp"
+
+status=0
+while IFS= read -r -d '' file; do
+  if ! grep -qF "common/$(basename "$file")" "$work/includes"; then
+    echo "$file: no shader includes it" >&2
+    status=1
+  fi
+done < <(find "$root/shaders/common" -name '*.glsl' -print0 | sort -z)
+if grep -rnE '.{121,}' --include='*.comp' --include='*.glsl' "$root/shaders" >&2; then
+  echo "lines above are longer than 120 characters" >&2
+  status=1
+fi
+if [[ $status -ne 0 ]]; then exit 1; fi
+echo "$count shaders compile"
