@@ -39,7 +39,7 @@ void QueuedBackend::release(std::uint64_t id) noexcept { memory_.erase(id); }
 
 Buffer QueuedBackend::allocate(std::size_t bytes) {
   enter("allocate");
-  if (bytes > device_.max_buffer_bytes) throw Error(ExitCode::kFailed, "too large a buffer");
+  if (bytes > device_.max_buffer_bytes) throw DeviceError(device_.name, "allocate", "too large a buffer");
   const std::uint64_t id = next_id_++;
   memory_.emplace(id, std::make_shared<Buffer>(cpu_->allocate(bytes)));
   return {*this, id, bytes};

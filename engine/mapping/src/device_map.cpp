@@ -86,7 +86,7 @@ void DeviceMap::start_match(std::span<const PointCells> points, const Prediction
 MatchResult DeviceMap::finish_match() {
   try {
     const MatchResult result = matcher_->finish();
-    field_.finish_checkpoint();  // it stood in line before this scan, so it is there
+    field_.take_checkpoint_piece();  // it stood in line before this scan, so it is there
     return result;
   } catch (const DeviceError& error) {
     go_over(error);
@@ -110,7 +110,7 @@ void DeviceMap::merge_on_device(const KeyframeCells& keyframe, StageTimes& stage
   }
   const StageTimer timer(stages.merge_s);
   local_->merge_into(field_, step_);
-  field_.start_checkpoint();
+  field_.continue_checkpoint();
   backend_->flush();
 }
 

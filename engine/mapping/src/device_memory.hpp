@@ -7,10 +7,6 @@
 
 namespace gdtslam {
 
-/// Zeroed memory of the backend. Throws DeviceError where the device cannot bind that much at once, so that the mapper
-/// goes on elsewhere.
-Buffer allocate_on(Backend& backend, std::size_t bytes);
-
 /// Makes a buffer that is too small larger, with room to spare; what it held is lost.
 void reserve_on(Backend& backend, Buffer& buffer, std::size_t bytes);
 

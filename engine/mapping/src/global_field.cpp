@@ -4,7 +4,6 @@
 #include <cassert>
 #include <string>
 
-#include "device_memory.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/compute/kernels/field_grow.hpp"
@@ -17,7 +16,8 @@ namespace {
 
 constexpr std::int32_t kGuardCells = 2;  // the outermost rows and columns that always hold the cap
 constexpr std::int64_t kFurthestCell = 1 << 30;
-constexpr std::size_t kLongJournal = 64;  // keyframes: some megabytes, and a moment's work to replay
+constexpr std::size_t kLongJournal = 64;  // keyframes: a moment's work to replay
+constexpr std::size_t kPieceBytes = std::size_t{1} << 20U;
 
 std::uint32_t stride_of(const CellBox& box) { return grid_stride(static_cast<std::uint32_t>(box.width())); }
 
@@ -99,28 +99,33 @@ void GlobalField::resize_to_hold(const CellBox& map_box) {
 
 void GlobalField::resize_buffer() {
   if (backend_ == nullptr || buffer_box_ == box_) return;
-  Buffer buffer = allocate_on(*backend_, cells_of(box_) * sizeof(std::uint16_t));
+  Buffer buffer = backend_->allocate(cells_of(box_) * sizeof(std::uint16_t));
   if (buffer_box_.empty()) {
     backend_->fill(buffer, std::uint32_t{cap()} << 16U | cap());
   } else {
-    const CellOffset offset = buffer_box_.min - box_.min;
-    const auto width = static_cast<std::uint32_t>(box_.width());
-    const auto height = static_cast<std::uint32_t>(box_.height());
-    run<FieldGrow>(*backend_,
-                   {.old_width = static_cast<std::uint32_t>(buffer_box_.width()),
-                    .old_height = static_cast<std::uint32_t>(buffer_box_.height()),
-                    .old_stride = stride_of(buffer_box_),
-                    .width = width,
-                    .height = height,
-                    .stride = stride_,
-                    .offset_x = static_cast<std::uint32_t>(offset.dx),
-                    .offset_y = static_cast<std::uint32_t>(offset.dy),
-                    .cap = cap()},
-                   {width, height, 1}, buffer_, buffer);
+    copy_field(buffer);
   }
   buffer_ = std::move(buffer);
   buffer_box_ = box_;
   look_for_shared_memory();
+}
+
+// The field as it lies in the buffer to one of the present size.
+void GlobalField::copy_field(const Buffer& target) const {
+  const CellOffset offset = buffer_box_.min - box_.min;
+  const auto width = static_cast<std::uint32_t>(box_.width());
+  const auto height = static_cast<std::uint32_t>(box_.height());
+  run<FieldGrow>(*backend_,
+                 {.old_width = static_cast<std::uint32_t>(buffer_box_.width()),
+                  .old_height = static_cast<std::uint32_t>(buffer_box_.height()),
+                  .old_stride = stride_of(buffer_box_),
+                  .width = width,
+                  .height = height,
+                  .stride = stride_,
+                  .offset_x = static_cast<std::uint32_t>(offset.dx),
+                  .offset_y = static_cast<std::uint32_t>(offset.dy),
+                  .cap = cap()},
+                 {width, height, 1}, buffer_, target);
 }
 
 void GlobalField::look_for_shared_memory() {
@@ -133,19 +138,35 @@ void GlobalField::look_for_shared_memory() {
 std::size_t GlobalField::journal_length() const { return copy_->journal_length(); }
 
 void GlobalField::start_checkpoint() {
-  if (backend_ == nullptr || checkpoint_ || copy_->journal_length() < kLongJournal) return;
-  const PendingDownload download = backend_->start_download(buffer_, cells_of(buffer_box_) * sizeof(std::uint16_t));
-  checkpoint_ = Checkpoint{download, buffer_box_, copy_->keyframes()};
+  checkpoint_.emplace();
+  checkpoint_->snapshot = backend_->allocate(cells_of(box_) * sizeof(std::uint16_t));
+  checkpoint_->box = box_;
+  checkpoint_->keyframes = copy_->keyframes();
+  checkpoint_->cells.resize(cells_of(box_));
+  copy_field(checkpoint_->snapshot);
 }
 
-void GlobalField::finish_checkpoint() {
-  if (!checkpoint_) return;
-  const Checkpoint taken = *checkpoint_;
+void GlobalField::continue_checkpoint() {
+  if (backend_ == nullptr || shares_memory()) return;
+  if (!checkpoint_ && copy_->journal_length() >= kLongJournal) start_checkpoint();
+  if (!checkpoint_ || checkpoint_->under_way) return;
+  Checkpoint& c = *checkpoint_;
+  const std::size_t bytes = std::min(kPieceBytes, (c.cells.size() - c.arrived) * sizeof(std::uint16_t));
+  c.under_way = backend_->start_download(c.snapshot, bytes, c.arrived * sizeof(std::uint16_t));
+}
+
+void GlobalField::take_checkpoint_piece() {
+  if (!checkpoint_ || !checkpoint_->under_way) return;
+  Checkpoint& c = *checkpoint_;
+  const PendingDownload piece = *c.under_way;
+  c.under_way.reset();
+  const std::size_t cells = piece.bytes / sizeof(std::uint16_t);
+  backend_->finish_download(piece, std::as_writable_bytes(std::span(c.cells).subspan(c.arrived, cells)));
+  c.arrived += cells;
+  if (c.arrived < c.cells.size()) return;
+  blank_padding(c.cells, c.box, cap());
+  copy_->adopt(c.box, std::move(c.cells), c.keyframes);
   checkpoint_.reset();
-  std::vector<std::uint16_t> cells(cells_of(taken.box));
-  backend_->finish_download(taken.download, std::as_writable_bytes(std::span(cells)));
-  blank_padding(cells, taken.box, cap());
-  copy_->adopt(taken.box, std::move(cells), taken.keyframes);
 }
 
 std::vector<std::uint16_t> GlobalField::download_device_cells() {
@@ -160,7 +181,7 @@ void GlobalField::move_to(Backend& backend) {
   const std::span<const std::uint16_t> known = cells();
   Buffer buffer;
   if (!known.empty()) {
-    buffer = allocate_on(backend, known.size_bytes());
+    buffer = backend.allocate(known.size_bytes());
     backend.upload(buffer, std::as_bytes(known));
   }
   leave_device();

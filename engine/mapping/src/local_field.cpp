@@ -13,7 +13,7 @@ namespace gdtslam {
 LocalField::LocalField(Backend& backend, std::uint32_t radius_cells) : backend_(&backend), radius_(radius_cells) {
   const std::vector<std::uint16_t> table = distance_table(radius_cells);
   table_size_ = static_cast<std::uint32_t>(table.size());
-  table_ = allocate_on(*backend_, table.size() * sizeof(std::uint16_t));
+  table_ = backend_->allocate(table.size() * sizeof(std::uint16_t));
   backend_->upload(table_, std::as_bytes(std::span(table)));
 }
 

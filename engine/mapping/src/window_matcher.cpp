@@ -25,9 +25,9 @@ WindowMatcher::WindowMatcher(const MapperConfig& config, Backend& backend, const
       backend_(&backend),
       map_(&map),
       rules_(config),
-      picks_(allocate_on(backend, std::size_t{SmallestValues::kMost} * 2 * sizeof(std::uint32_t))),
-      poses_(allocate_on(backend, std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
-      verdict_(allocate_on(backend, sizeof(MatchVerdict))) {}
+      picks_(backend.allocate(std::size_t{SmallestValues::kMost} * 2 * sizeof(std::uint32_t))),
+      poses_(backend.allocate(std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
+      verdict_(backend.allocate(sizeof(MatchVerdict))) {}
 
 void WindowMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool /*search*/) {
   by_odometry_ = prediction.by_odometry;

@@ -59,10 +59,11 @@ class GlobalField {
   /// leaves the keyframe in the journal.
   void admit(const KeyframeCells& keyframe, const MergeStep& step);
 
-  /// Where the journal has become long: asks the device for its cells, behind the work in line.
-  void start_checkpoint();
-  /// Takes the cells that were asked for, if any were, and forgets the keyframes that they hold.
-  void finish_checkpoint();
+  /// Where the journal has become long: copies the field on the device, and asks for one piece of the copy after the
+  /// other, behind the work in line; each is small, so that it needs no submission of its own.
+  void continue_checkpoint();
+  /// Takes the piece that was asked for, if one was; after the last forgets the keyframes that the copy holds.
+  void take_checkpoint_piece();
   /// Keyframes that the host's copy does not hold yet.
   [[nodiscard]] std::size_t journal_length() const;
 
@@ -76,14 +77,20 @@ class GlobalField {
 
  private:
   class HostCopy;
+  // A state of the field on its way to the host.
   struct Checkpoint {
-    PendingDownload download;
+    Buffer snapshot;
     CellBox box;
-    std::uint64_t keyframes = 0;  // that the download holds
+    std::uint64_t keyframes = 0;  // that it holds
+    std::vector<std::uint16_t> cells;
+    std::size_t arrived = 0;  // cells
+    std::optional<PendingDownload> under_way;
   };
 
+  void start_checkpoint();
   void resize_to_hold(const CellBox& map_box);
   void resize_buffer();
+  void copy_field(const Buffer& target) const;
   void look_for_shared_memory();
 
   Backend* backend_;
