@@ -8,6 +8,7 @@
 #include <ctime>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "gdtslam/core/error.hpp"
 #include "log_check.hpp"
@@ -15,11 +16,30 @@
 namespace gdtslam {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+// Wall and CPU time since the last look at it.
+class Stopwatch {
+ public:
+  void restart() {
+    start_ = Clock::now();
+    cpu_start_s_ = process_cpu_s();
+  }
+  void add_to(double& wall_s) {
+    double unused_s = 0.0;
+    add_to(wall_s, unused_s);
+  }
+  void add_to(double& wall_s, double& cpu_s) {
+    const Clock::time_point start = start_;
+    const double cpu_start_s = cpu_start_s_;
+    restart();
+    wall_s += std::chrono::duration<double>(start_ - start).count();
+    cpu_s += cpu_start_s_ - cpu_start_s;
+  }
 
-double seconds_between(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double>(end - begin).count();
-}
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+  double cpu_start_s_ = process_cpu_s();
+};
 
 OccupancyBuilder::Limits limits_of(const MapperConfig& config) {
   return {.resolution_m = config.map.resolution_m,
@@ -42,7 +62,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend)
       range_(job.range),
       logs_(job.logs),
       scans_(job.logs, job.read, job.range),
-      mapper_(job.mapper, backend),
+      mapper_(job.mapper, backend, job.on_failure),
       occupancy_(job.occupancy, limits_of(job.mapper)) {}
 
 // A signal may cut the input in the middle of a line; what the reader says of that is not the user's concern.
@@ -81,41 +101,55 @@ void MapRun::require_a_map(const MapOutcome& outcome) const {
   throw InputError(place, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
 }
 
+// The next scan is read while the device works on this one. What the reader has to complain of in it counts once this
+// one is done.
+MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop,
+                             MapOutcome& outcome) {
+  Stopwatch watch;
+  mapper_.start(scan.scan, scan.T_odom_base);
+  watch.add_to(outcome.mapper_s, outcome.mapper_cpu_s);
+  try {
+    next.scan = next_scan(stop);
+  } catch (...) {
+    next.problem = std::current_exception();
+  }
+  watch.add_to(outcome.read_s);
+  const MatchResult result = mapper_.finish();
+  watch.add_to(outcome.mapper_s, outcome.mapper_cpu_s);
+  return result;
+}
+
 MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& stop) {
   MapOutcome outcome;
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -first_s;
-  const double cpu_start_s = process_cpu_s();
-  const Clock::time_point start = Clock::now();
-  Clock::time_point before = start;
-  while (!(outcome.interrupted = stop())) {
-    const std::optional<ScanRecord> record = next_scan(stop);
-    const Clock::time_point read = Clock::now();
-    outcome.read_s += seconds_between(before, read);
-    before = read;
-    if (!record) break;
-    const double cpu_before_s = process_cpu_s();
-    const MatchResult result = mapper_.process(record->scan, record->T_odom_base);
-    outcome.mapper_cpu_s += process_cpu_s() - cpu_before_s;
-    const Clock::time_point mapped = Clock::now();
-    outcome.mapper_s += seconds_between(read, mapped);
-    if (with_occupancy_ && result.accepted) occupancy_.add(record->scan, result.T_map_base);
+  Stopwatch whole;
+  Stopwatch watch;
+  NextScan next;
+  if (!stop()) next.scan = next_scan(stop);
+  watch.add_to(outcome.read_s);
+  while (next.scan && !stop()) {
+    const ScanRecord record = *std::exchange(next.scan, std::nullopt);
+    const MatchResult result = map_scan(record, next, stop, outcome);
+    watch.restart();
+    if (with_occupancy_ && result.accepted) occupancy_.add(record.scan, result.T_map_base);
     note(result, outcome);
     first_s = std::min(first_s, result.stamp_s);
     last_s = std::max(last_s, result.stamp_s);
-    before = Clock::now();
-    outcome.occupancy_s += seconds_between(mapped, before);
+    watch.add_to(outcome.occupancy_s);
     progress(outcome.trajectory.size(), scans_.progress());
+    if (next.problem && !stop()) std::rethrow_exception(next.problem);
   }
   outcome.interrupted = stop();
   outcome.warnings = scans_.warnings();
   outcome.statistics = mapper_.statistics();
+  outcome.device_loss = mapper_.device_loss();
   require_a_map(outcome);
+  watch.restart();
   if (with_occupancy_) outcome.occupancy = occupancy_.build();
-  outcome.occupancy_s += seconds_between(before, Clock::now());
+  watch.add_to(outcome.occupancy_s);
   outcome.log_duration_s = last_s - first_s;
-  outcome.wall_s = seconds_between(start, Clock::now());
-  outcome.cpu_s = process_cpu_s() - cpu_start_s;
+  whole.add_to(outcome.wall_s, outcome.cpu_s);
   return outcome;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ struct MapJob {
   MapperConfig mapper;
   OccupancyConfig occupancy;
   bool with_occupancy = true;
+  MapperOptions on_failure;  ///< of the device
 };
 
 /// A scan whose match is in doubt.
@@ -43,11 +45,12 @@ struct MapOutcome {
   OccupancyMap occupancy;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
+  std::string device_loss;      ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;  ///< between the earliest and the latest stamp
   double wall_s = 0.0;          ///< of the whole run, reading included
   double cpu_s = 0.0;           ///< of the process during the run
   double read_s = 0.0;
-  double mapper_s = 0.0;      ///< inside Mapper::process
+  double mapper_s = 0.0;      ///< inside the mapper
   double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads
   double occupancy_s = 0.0;
   bool interrupted = false;
@@ -67,7 +70,14 @@ class MapRun {
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
 
  private:
+  /// The scan after the one in hand: read, or not to be had, or not to be read.
+  struct NextScan {
+    std::optional<ScanRecord> scan;
+    std::exception_ptr problem;
+  };
+
   std::optional<ScanRecord> next_scan(const std::function<bool()>& stop);
+  MatchResult map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop, MapOutcome& outcome);
   void note(const MatchResult& result, MapOutcome& outcome) const;
   void require_a_map(const MapOutcome& outcome) const;
 

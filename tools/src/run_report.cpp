@@ -63,6 +63,7 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const Mapper& mappe
   report["format"] = kReportVersion;
   report["version"] = GDTSLAM_VERSION;
   report["device"] = device_json(device);
+  if (!outcome.device_loss.empty()) report["device_lost"] = outcome.device_loss;
   report["log"] = job.logs;
   report["interrupted"] = outcome.interrupted;
   report["scans"] = statistics.scans;
@@ -70,10 +71,13 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const Mapper& mappe
   report["doubtful"] = statistics.doubtful;
   report["keyframes"] = statistics.keyframes;
   report["searches"] = statistics.searches;
+  report["windows"] = statistics.attempts;
   report["restarts"] = statistics.restarts;
   report["odometry_leaps"] = statistics.odometry_leaps;
   report["without_odometry"] = statistics.without_odometry;
   report["evaluations"] = statistics.evaluations;
+  report["dispatches"] = statistics.dispatches;
+  report["submissions"] = statistics.submissions;
   report["path_m"] = statistics.path_m;
   report["log_duration_s"] = outcome.log_duration_s;
   report["wall_s"] = outcome.wall_s;

@@ -9,6 +9,7 @@
 #include "ablation_variants.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "device_failure.hpp"
 #include "device_option.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
@@ -96,7 +97,8 @@ VariantResult run_variant(const AblationVariant& variant, const AblationOptions&
              .range = options.range,
              .mapper = settings.mapper,
              .occupancy = settings.occupancy,
-             .with_occupancy = false};
+             .with_occupancy = false,
+             .on_failure = on_failure_of(options.device)};
   ProgressLine progress("scans, " + variant.name, options.quiet);
   const MapOutcome outcome = MapRun(job, backend)
                                  .run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "device_failure.hpp"
 #include "device_option.hpp"
 #include "did_you_mean.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -44,15 +45,21 @@ Settings settings_of(const MapOptions& options) {
   return load_settings(settings);
 }
 
+// A device shows by its submissions that it did the work.
+std::string work_of(const MapperStatistics& s) {
+  const std::string dispatches = fmt::format("{} dispatches", s.dispatches);
+  return s.submissions > 0 ? fmt::format("{} in {} submissions", dispatches, s.submissions) : dispatches;
+}
+
 std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
   const MapperStatistics& s = outcome.statistics;
   const double rate = outcome.wall_s > 0.0 ? static_cast<double>(s.scans) / outcome.wall_s : 0.0;
   return fmt::format(
       "{} scans, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
-      "{:.2f} s ({:.0f} scans/s, {:.0f} times real time)\n"
+      "{:.2f} s ({:.0f} scans/s, {:.0f} times real time); {}\n"
       "results in {}\n",
       s.scans, s.matched, s.doubtful, s.keyframes, s.path_m, outcome.wall_s, rate,
-      outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, folder);
+      outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, work_of(s), folder);
 }
 
 std::string text_of(const DoubtfulScan& scan) {
@@ -83,7 +90,8 @@ int map_logs(const MapOptions& options) {
                    .read = options.read,
                    .range = options.range,
                    .mapper = settings.mapper,
-                   .occupancy = settings.occupancy};
+                   .occupancy = settings.occupancy,
+                   .on_failure = on_failure_of(options.device)};
   MapRun run(job, *backend);
   RunFolder folder(options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder);
   ProgressLine progress("scans", options.quiet);
