@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
 # Everything that has to hold before a change lands: installs the packages, builds all, runs every test, checks format and
-# lint, repeats the tests of the readers and the core under sanitizers, and fuzzes the readers for a short while.
+# lint, repeats the tests of the Vulkan backend under validation, verifies the command on a Vulkan device, repeats the tests
+# of the readers and the core under sanitizers, and fuzzes the readers for a short while.
 # The last line is 'N passed, N failed, N skipped' over all tests and checks; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=7
+step_count=9
 source "$root/tools/scripts/common.sh"
 
 usage() {
   cat <<'USAGE'
 Usage: tools/test.sh [--quick]
 
-  --quick   without the sanitizer build and the fuzzing (each counts as skipped)
+  --quick   without Vulkan validation, the sanitizer build and the fuzzing (each counts as skipped)
+
+Vulkan runs on lavapipe, which needs no GPU; VK_DRIVER_FILES=FILE names another driver.
 
 GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are none)
 GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 30)
@@ -26,6 +29,9 @@ for argument in "$@"; do
     *) echo "test.sh: unknown argument '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
+
+# Tests that need Vulkan fail where there is none. They run on lavapipe, so that the result is the same on every machine.
+export GDTSLAM_REQUIRE_VULKAN=1
 
 reports=$root/build/reports
 build=$root/build/test
@@ -83,16 +89,18 @@ add_results() {
   fi
 }
 
-# Prints what fails or skips; what passes is only counted.
+# run_ctest NAME REPORT ARGUMENT...: prints what fails or skips; what passes is only counted.
 run_ctest() {
-  rm -f "$reports/ctest.xml"
+  local name=$1 report=$reports/$2
+  shift 2
+  rm -f "$report.xml"
   {
     local status=0
-    ctest --test-dir "$build" -j 2 --output-on-failure --no-tests=error --output-junit "$reports/ctest.xml" || status=$?
-    echo "$status" >"$reports/ctest.status"
+    ctest --test-dir "$build" -j 2 --output-on-failure --no-tests=error --output-junit "$report.xml" "$@" || status=$?
+    echo "$status" >"$report.status"
   } | grep -vE '^ +(Start +[0-9]+:|[0-9]+/[0-9]+ Test +#.* Passed )' || true
-  add_results "tests" "$reports/ctest.xml"
-  check_status "tests" "$(<"$reports/ctest.status")"
+  add_results "$name" "$report.xml"
+  check_status "$name" "$(<"$report.status")"
 }
 
 # A program that fails although no test of it did (a leak found at its end) is a failure too.
@@ -156,17 +164,33 @@ run_fuzzers() {
 begin "Packages"
 "$root/tools/install-packages.sh" all
 mkdir -p "$reports"
+for lavapipe in /usr/share/vulkan/icd.d/lvp_icd{".$(uname -m)",}.json; do
+  if [[ -z ${VK_DRIVER_FILES:-} && -f $lavapipe ]]; then export VK_DRIVER_FILES=$lavapipe; fi
+done
 
 begin "Build with all tests"
 configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON
 cmake --build "$build" --parallel "$(build_jobs)"
 
 begin "Tests"
-run_ctest
+run_ctest "tests" ctest
+
+# The Vulkan backend once more with the validation layer, synchronisation validation included; any message of it fails.
+begin "Vulkan validation"
+if $quick; then
+  skip "Vulkan validation (--quick)"
+else
+  GDTSLAM_VULKAN_VALIDATION=1 run_ctest "Vulkan tests under validation" validation -L equivalence
+fi
+
+# As a user runs it: every kernel and whole logs on the device and on the CPU.
+begin "Verify the command on Vulkan"
+check "gdtslam verify" env "XDG_CACHE_HOME=$build/cache" "$build/bin/gdtslam" verify --device vulkan --quiet
 
 begin "Format, scripts, shaders"
 check "clang-format (mend with: tools/scripts/format.sh)" "$root/tools/scripts/format.sh" --check
-check "shellcheck" shellcheck -x -P "$root" "$root"/tools/*.sh "$root"/tools/scripts/*.sh "$root/.ci/run"
+check "shellcheck" shellcheck -x -P "$root" "$root"/tools/*.sh "$root"/tools/scripts/*.sh \
+  "$root"/tests/install/*.sh "$root/.ci/run"
 check "shaders" "$root/tools/scripts/check_shaders.sh"
 
 begin "clang-tidy"

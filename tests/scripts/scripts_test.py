@@ -191,7 +191,7 @@ DEVICES = """{ "devices": [],
   "vulkan": { "devices": [
       {
         "device": "vulkan:0",
-        "name": "A GPU"
+        "name": "A GPU (fast, new)"
       }
   ] } }"""
 
@@ -220,10 +220,12 @@ REPORT = """{
   "scans": 350,
   "wall_s": SECONDS,
   "cpu_s": 1.5,
+  "dispatches": 4080,
+  "submissions": 466,
   "map_sha256": "MAP",
   "trajectory_sha256": "abcdef0123456789",
   "stages": {
-    "mapper": 0.5
+    "match": 0.5
   }
 }"""
 
@@ -243,14 +245,15 @@ class GpuServer(ScriptTest):
         """A gdtslam whose second and later runs of a log are slower than the first."""
         self.stand_in("gdtslam", f'''case "$1 $*" in
           devices*--json) cat {self.work}/devices ;;
-          devices*) echo "vulkan:0   A GPU" ;;
+          devices*) echo "vulkan:0   A GPU (fast, new)" ;;
           verify*) {verify} ;;
+          bench*fallback*) exit 2 ;;
           bench*) cat {self.work}/bench ;;
           map*)
             while [[ $1 != -o ]]; do shift; done
             echo run >>{self.work}/runs; mkdir "$2"
             name=CPU map=123456789abcdef0
-            if [[ $* == *"--device vulkan"* ]]; then name="A GPU" map={map_of_gpu}; fi
+            if [[ $* == *"--device vulkan"* ]]; then name="A GPU (fast, new)" map={map_of_gpu}; fi
             sed "s/NAME/$name/; s/MAP/$map/; s/SECONDS/$(wc -l <{self.work}/runs).25/" {self.work}/report >"$2/report.json" ;;
           --version*) echo gdtslam 1.2.3 ;;
           *) exit 2 ;; esac''')
@@ -266,13 +269,14 @@ class GpuServer(ScriptTest):
     def test_everything_equal(self):
         done, page = self.prove()
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertEqual(page.splitlines()[0], "# gdtslam 1.2.3 on A GPU")
+        self.assertEqual(page.splitlines()[0], "# gdtslam 1.2.3 on A GPU (fast, new)")
         self.assertIn("Everything is equal", page)
-        self.assertIn("| pose_cost | 4096 poses: nearest / wide | vulkan:0 | 250.0 |  | 2.500 G look-up/s of wall time |"
-                      " 0.50 | 3.25 |", page)
+        self.assertIn("| pose_cost | 4096 poses: nearest / wide | vulkan:0 | 250.0 |  | 2500 M look-up/s of wall time |"
+                      " 0.5 | 3.25 |", page)
         # The fastest of three runs each: the first, the fourth and the seventh.
-        for device, seconds in (("cpu, 1 thread: CPU", 1), ("cpu, all threads: CPU", 4), ("vulkan: A GPU", 7)):
-            self.assertIn(f"| office.log | {device} | 350 | {seconds}.25 | 0.5 | 1.5 | 123456789abc | abcdef012345 |", page)
+        for device, seconds in (("cpu, 1 thread: CPU", 1), ("cpu, all threads: CPU", 4), ("vulkan: A GPU (fast, new)", 7)):
+            self.assertIn(f"| office.log | {device} | 350 | {seconds}.250 | 0.500 | 1.500 | 4080 | 466 | 123456789abc |"
+                          " abcdef012345 |", page)
         self.assertFalse((self.work / "out/runs").exists())
 
     def test_another_map_on_the_gpu_fails(self):
@@ -303,7 +307,7 @@ class GpuServer(ScriptTest):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual((self.work / "verified").read_text(),
                          f"verify;--device;vulkan:0;--quiet;--log;{own};--log;{own};")
-        self.assertIn("| my own.log | vulkan:0: A GPU |", page)
+        self.assertIn("| my own.log | vulkan:0: A GPU (fast, new) |", page)
 
     def test_no_device(self):
         (self.work / "devices").write_text('{ "devices": [], "vulkan": { "devices": [] } }')

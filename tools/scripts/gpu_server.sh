@@ -3,6 +3,7 @@
 # the CPU (every kernel, whole logs), measures both, maps logs on both, and writes all of it into one folder with a page
 # that can be sent or put into docs/benchmarks.md. Asks for nothing but /bin/sh and the usual small programs.
 set -eu
+export LC_ALL=C # numbers with a point
 
 usage() {
   cat <<'USAGE'
@@ -68,8 +69,9 @@ failed() {
 announce() { printf '\n== %s\n' "$1"; }
 say() { printf '%s\n' "$*" >>"$page"; }
 in_block() { { echo '```text'; cat "$1"; echo '```'; } >>"$page"; }
-# value KEY FILE: of the first such key in a JSON file of gdtslam, which has one key a line.
-value() { sed -n "s/^ *\"$1\": *\"\{0,1\}\([^\",]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$2" | head -n 1; }
+# value KEY FILE and seconds KEY FILE: of the first such key in a JSON file of gdtslam, which has one key a line.
+seconds() { printf '%.3f' "$(value "$1" "$2")"; }
+value() { sed -n "s/^ *\"$1\": *//p" "$2" | head -n 1 | sed 's/,$//; s/^"//; s/"$//'; }
 # made KEY: what the file BUILD says of how the bundle was made.
 made() { sed -n "s/^$1=//p" "$here/BUILD" 2>/dev/null || true; }
 # smaller A B: whether the number A is below B; anything is below nothing.
@@ -95,7 +97,7 @@ rows_of() {
   echo '|---|---|---|---|---|---|---|---|'
   awk '
     function micro(seconds) { return seconds == "null" ? "" : sprintf("%.1f", seconds * 1e6) }
-    function number(value) { return value == "null" ? "" : sprintf("%.2f", value) }
+    function number(value) { return value == "null" ? "" : sprintf("%.3g", value) }
     {
       key = $1
       gsub(/[":]/, "", key)
@@ -108,8 +110,8 @@ rows_of() {
     }
     key == "on" { inside = 1 }
     inside && /^ *}/ {
-      printf "| %s | %s | %s | %s | %s | %.3f G %s/s of %s time | %s | %s |\n", row["name"], row["variant"], row["on"],
-        micro(row["wall_s"]), micro(row["device_s"]), row["rate"] * 1e-9, row["unit"], row["basis"],
+      printf "| %s | %s | %s | %s | %s | %.4g M %s/s of %s time | %s | %s |\n", row["name"], row["variant"], row["on"],
+        micro(row["wall_s"]), micro(row["device_s"]), row["rate"] * 1e-6, row["unit"], row["basis"],
         number(row["copy_ratio"]), number(row["times_cpu"])
       inside = 0
       rows++
@@ -119,7 +121,7 @@ rows_of() {
 
 bench() {
   : >"$output/bench.txt"
-  "$gdtslam" bench --device "$device" --no-fallback --json >"$output/bench.json" || {
+  "$gdtslam" bench --device "$device" --json >"$output/bench.json" || {
     failed "bench ended with status $?"
     return 0
   }
@@ -150,9 +152,9 @@ map_on() {
     seconds=$(value wall_s "$report")
     if smaller "$seconds" "$best"; then best=$seconds && cp "$report" "$kept"; fi
   done
-  row="| $name | $label: $(value name "$kept") | $(value scans "$kept") | $(value wall_s "$kept") |"
-  row="$row $(value mapper "$kept") | $(value cpu_s "$kept") | $(value map_sha256 "$kept" | cut -c 1-12) |"
-  row="$row $(value trajectory_sha256 "$kept" | cut -c 1-12) |"
+  row="| $name | $label: $(value name "$kept") | $(value scans "$kept") | $(seconds wall_s "$kept") |"
+  row="$row $(seconds match "$kept") | $(seconds cpu_s "$kept") | $(value dispatches "$kept") | $(value submissions "$kept") |"
+  row="$row $(value map_sha256 "$kept" | cut -c 1-12) | $(value trajectory_sha256 "$kept" | cut -c 1-12) |"
   echo "$row"
   say "$row"
 }
@@ -181,8 +183,8 @@ announce "Bench ($device)"
 bench
 
 announce "Whole logs, matched exhaustively, on the processor and on $device: the fastest of $repeat"
-header='| log | device | scans | wall s | mapper s | CPU s | map | trajectory |'
-printf '%s\n%s\n' "$header" '|---|---|---|---|---|---|---|---|' >"$page"
+header='| log | device | scans | wall s | matching s | CPU s | dispatches | submissions | map | trajectory |'
+printf '%s\n%s\n' "$header" '|---|---|---|---|---|---|---|---|---|---|' >"$page"
 echo "$header"
 for log in "$sample_logs"/*.log.gz "$@"; do compare "$log"; done
 mv "$page" "$output/logs.md"
