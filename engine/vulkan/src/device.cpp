@@ -49,6 +49,9 @@ vk::raii::PhysicalDevice choose(const VulkanInstance& instance, const VulkanOpti
   }
   const std::size_t index = chosen_index(devices, options.index);
   info = devices[index];
+  if (!options.time_submissions.value_or(info.is_hardware())) {
+    info.timestamp_ns = 0.0;
+  }
   return std::move(all[index]);
 }
 

@@ -124,7 +124,7 @@ void Transfers::finish_download(std::uint64_t id, std::span<std::byte> data) {
   const Download& download = downloads_.at(id);
   for (const Piece& piece : download.pieces) {
     if (piece.is_kept) {
-      std::memcpy(data.data() + piece.target_offset, download.kept.data() + piece.target_offset, piece.bytes);
+      std::memcpy(data.data() + piece.target_offset, download.kept.get() + piece.target_offset, piece.bytes);
       continue;
     }
     if (piece.batch > batches_.submitted()) {
@@ -144,8 +144,10 @@ void Transfers::reuse(std::size_t slot) {
       if (piece.slot != slot || piece.is_kept) {
         continue;
       }
-      download.kept.resize(download.bytes);
-      std::memcpy(download.kept.data() + piece.target_offset, down_.at(piece.ring_offset), piece.bytes);
+      if (!download.kept) {
+        download.kept = std::make_unique_for_overwrite<std::byte[]>(download.bytes);
+      }
+      std::memcpy(download.kept.get() + piece.target_offset, down_.at(piece.ring_offset), piece.bytes);
       piece.is_kept = true;
     }
   }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -58,7 +59,7 @@ class Transfers {
   struct Download {
     std::size_t bytes = 0;
     std::vector<Piece> pieces;
-    std::vector<std::byte> kept;
+    std::unique_ptr<std::byte[]> kept;  ///< the pieces whose place in the ring was used again
   };
   void begin_operation(DeviceBuffer& buffer, bool is_written);
   void note_operation(DeviceBuffer& buffer, bool is_written);

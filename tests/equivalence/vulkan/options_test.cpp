@@ -5,9 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 
 #include "equivalence/vulkan/small_job.hpp"
 #include "gdtslam/core/error.hpp"
@@ -75,6 +77,19 @@ TEST_F(Options, WithoutAnIndexOnlyAHardwareGpuWillDo) {
     const auto make = [] { make_vulkan_backend({}); };
     EXPECT_THAT(make, ThrowsMessage<UnavailableError>(HasSubstr("no hardware GPU")));
   }
+}
+
+TEST_F(Options, WithoutADriverVulkanIsUnavailableAndSaysSo) {
+  const char* const set = std::getenv("VK_DRIVER_FILES");  // read by the loader
+  const std::optional<std::string> before = set == nullptr ? std::nullopt : std::optional<std::string>(set);
+  setenv("VK_DRIVER_FILES", "/nonexistent/driver.json", 1);
+  const VulkanListing listing = list_vulkan_devices();
+  const auto make = [] { make_vulkan_backend({.index = 0}); };
+  EXPECT_TRUE(listing.devices.empty());
+  EXPECT_THAT(listing.problem, HasSubstr("no driver"));
+  EXPECT_THAT(make, ThrowsMessage<UnavailableError>(HasSubstr("no driver")));
+  before ? setenv("VK_DRIVER_FILES", before->c_str(), 1) : unsetenv("VK_DRIVER_FILES");
+  EXPECT_FALSE(list_vulkan_devices().devices.empty());
 }
 
 class PipelineCache : public Options {

@@ -34,7 +34,7 @@ struct VulkanDeviceInfo {
   std::uint32_t max_group_invocations = 0;
   std::uint32_t max_push_constant_bytes = 0;
   std::uint32_t subgroup_size = 0;
-  double timestamp_ns = 0.0;  ///< 0: no timestamps
+  double timestamp_ns = 0.0;  ///< of one tick; 0: no timestamps, or none that a backend takes
   /// Whether it is a GPU rather than a CPU that plays one.
   [[nodiscard]] bool is_hardware() const { return kind == "discrete" || kind == "integrated" || kind == "virtual"; }
 };
@@ -68,6 +68,8 @@ struct VulkanOptions {
   bool validation = false;     ///< with validation and synchronisation validation; each message throws DeviceError
   double wait_limit_s = 30.0;  ///< a wait that takes longer is a lost device
   ShaderForms forms = ShaderForms::kByDevice;
+  /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
+  std::optional<bool> time_submissions = std::nullopt;
   VulkanFault fault = {};
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
   std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
@@ -79,8 +81,8 @@ class VulkanBackend : public Backend {
   [[nodiscard]] virtual const VulkanDeviceInfo& vulkan_device() const = 0;
   /// Calls to the driver that can fail, so far.
   [[nodiscard]] virtual std::uint64_t call_count() const = 0;
-  /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 without
-  /// timestamps.
+  /// Nanoseconds of the device's own clock between the start and the end of the last finished submission; 0 where
+  /// none are taken.
   [[nodiscard]] virtual double last_submission_ns() const = 0;
   /// Barriers recorded so far: those that the kernels' bindings and the transfers ask for.
   [[nodiscard]] virtual std::uint64_t barrier_count() const = 0;
