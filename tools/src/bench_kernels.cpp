@@ -24,6 +24,15 @@ std::size_t traffic_bytes(const KernelCase& kernel_case) {
   return bytes;
 }
 
+/// Whether the work covers a good part of the largest buffer; else its bytes say nothing of the work.
+bool touches_most(const KernelCase& kernel_case, double work) {
+  double values = 0.0;
+  for (const CaseBuffer& buffer : kernel_case.buffers) {
+    values = std::max(values, static_cast<double>(buffer.layout.width) * buffer.layout.height);
+  }
+  return work >= 0.25 * values;
+}
+
 Timing memcpy_timing(std::size_t bytes, const TimingOptions& options) {
   const std::vector<std::byte> from(bytes, std::byte{1});
   std::vector<std::byte> to(from.size());
@@ -70,7 +79,7 @@ BenchRow bench_case(Backend& backend, const KernelCase& kernel_case, const Timin
   row.unit = kernel_case.kernel->work_unit;
   row.work = static_cast<double>(kernel_case.kernel->work({sizes, kernel_case.params, kernel_case.threads}));
   row.timing = measure(work_on(backend, buffers.back(), dispatch), options);
-  if (row.unit != "look-up") {  // look-ups are bound by latency: bytes do not describe them
+  if (row.unit != "look-up" && touches_most(kernel_case, row.work)) {  // look-ups are bound by latency, not by bytes
     row.copy_ratio =
         copy_seconds(backend, traffic_bytes(kernel_case), options) / seconds_of(row.timing, basis_of(backend));
   }

@@ -7,6 +7,7 @@
 
 #include "bench_rows.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
@@ -32,6 +33,11 @@ MapperConfig wide_search() {
 }
 constexpr double kCandidates = 45.0 * 45.0 * 49.0;
 
+/// A million and twenty thousand candidates.
+constexpr std::uint32_t kManyAlong = 101;
+constexpr std::uint32_t kManyTurns = 100;
+constexpr std::uint32_t kManySamples = kManyAlong * kManyAlong * kManyTurns;
+
 /// What a laser in the middle of a room sees: four walls and a quarter of a step between them, all around.
 std::vector<Point2> points_of_room(double half_side_m) {
   std::vector<Point2> points;
@@ -49,7 +55,8 @@ std::vector<Point2> points_of_room(double half_side_m) {
 class ScanBench {
  public:
   explicit ScanBench(Backend& backend)
-      : config_(wide_search()),
+      : backend_(backend),
+        config_(wide_search()),
         map_(backend, config_.map.resolution_m, config_.map.radius_cells(), kMostCells),
         local_(backend, config_.map.radius_cells()),
         matcher_(config_, backend, map_) {
@@ -70,6 +77,35 @@ class ScanBench {
     local_.compute(keyframe_);
     local_.merge_into(map_, merge_step());
   }
+  /// Costs of a million candidates at every point, as the matcher asks for them.
+  void prepare_costs() {
+    candidates_ = backend_.allocate(kManySamples * sizeof(PoseCandidate));
+    costs_ = backend_.allocate(kManySamples * sizeof(std::uint32_t));
+    point_buffer_ = backend_.allocate(points_.size() * sizeof(PointCells));
+    backend_.upload(point_buffer_, std::as_bytes(std::span(points_)));
+    PoseLattice::Params lattice{.count_xy = kManyAlong, .count_theta = kManyTurns};
+    lattice.step_cells = 1.0F;
+    lattice.step_rad = 0.005F;
+    run<PoseLattice>(backend_, lattice, {kManySamples, 1, 1}, candidates_);
+  }
+  void cost_many() {
+    const GridGeometry grid = map_.geometry();
+    const CellOffset anchor = CellIndex{0, 0} - map_.first_cell();
+    const PoseCost::Params params{.width = static_cast<std::uint32_t>(grid.width),
+                                  .height = static_cast<std::uint32_t>(grid.height),
+                                  .stride = map_.stride(),
+                                  .anchor_x = anchor.dx,
+                                  .anchor_y = anchor.dy,
+                                  .point_count = static_cast<std::uint32_t>(points_.size()),
+                                  .cap = map_.cap(),
+                                  .interpolation = config_.match.interpolation,
+                                  .form = config_.match.cost};
+    run<PoseCost>(backend_, params, {kManySamples, 1, 1}, map_.buffer(), point_buffer_, candidates_, costs_);
+  }
+  [[nodiscard]] const Buffer& costs() const { return costs_; }
+  [[nodiscard]] double many_look_ups() const {
+    return static_cast<double>(kManySamples) * static_cast<double>(points_.size());
+  }
   /// A time counts only for a search that found the place.
   void require_found() const {
     const Pose2& found = result_.T_map_base;
@@ -87,6 +123,7 @@ class ScanBench {
     return {.rule = config_.merge.rule, .threshold = threshold, .lift = threshold / 2};
   }
 
+  Backend& backend_;
   MapperConfig config_;
   GlobalField map_;
   LocalField local_;
@@ -94,6 +131,9 @@ class ScanBench {
   std::vector<PointCells> points_;
   KeyframeCells keyframe_;
   MatchResult result_;
+  Buffer point_buffer_;
+  Buffer candidates_;
+  Buffer costs_;
 };
 
 BenchRow scan_row(const std::string& variant, std::string unit, double work, const Work& timed,
@@ -127,6 +167,10 @@ std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options
   both.device_ns = nullptr;  // two submissions: the clock tells of the last
   rows.push_back(scan_row("match and merge: " + size, "candidate", kCandidates, both, options));
   bench.require_found();
+  bench.prepare_costs();
+  Work costs = work_on(backend, bench.costs(), [&bench] { bench.cost_many(); });
+  costs.most_in_line = 1;  // one of them keeps a slow device busy for seconds
+  rows.push_back(scan_row("cost: 361 points, 1e6 candidates", "look-up", bench.many_look_ups(), costs, options));
   return rows;
 }
 

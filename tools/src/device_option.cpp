@@ -58,17 +58,15 @@ std::unique_ptr<Backend> make_cpu(const DeviceOptions& options) {
   return make_cpu_backend(cpu);
 }
 
-std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, ShaderForms forms) {
+std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, VulkanOptions wanted) {
   const DeviceName name = parse_device_name(options.device);
   if (name.kind == DeviceName::Kind::kCpu) return nullptr;
   const DeviceChoice choice = choose_device(name, list_vulkan_devices(), found_wrong);
   if (!choice.remark.empty()) print_remark(choice.remark);
   if (!choice.index) return nullptr;
-  VulkanOptions vulkan;
-  vulkan.index = choice.index;
-  vulkan.cache_folder = cache_folder().path;
-  vulkan.forms = forms;
-  return make_vulkan_backend(vulkan);
+  wanted.index = choice.index;
+  wanted.cache_folder = cache_folder().path;
+  return make_vulkan_backend(wanted);
 }
 
 std::unique_ptr<Backend> make_backend(const DeviceOptions& options) {

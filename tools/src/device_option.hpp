@@ -28,8 +28,9 @@ Isa isa_from_name(const std::string& name);
 std::unique_ptr<Backend> make_cpu(const DeviceOptions& options);
 
 /// The Vulkan device that was asked for, or nothing where the CPU is meant (device_choice.hpp has the rules). A
-/// pipeline cache is kept in the user's cache folder. Throws UsageError, UnavailableError and DeviceError.
-std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, ShaderForms forms = ShaderForms::kByDevice);
+/// pipeline cache is kept in the user's cache folder; the rest is as in `wanted`. Throws UsageError, UnavailableError
+/// and DeviceError.
+std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, VulkanOptions wanted = {});
 
 /// The backend that was asked for. A device whose driver fails while it is opened is replaced by the CPU with one
 /// warning, unless no_fallback is set. Throws UnavailableError for a device that this machine does not have.

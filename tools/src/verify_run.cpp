@@ -55,7 +55,7 @@ std::vector<Target> vulkan_targets(const VerifyOptions& options, unsigned index)
   std::vector<Target> targets;
   for (const auto& [suffix, forms] : forms_from(options.forms)) {
     targets.push_back({device.device + suffix, Proof::kDeviceDidIt, targets.empty(),
-                       [device, chosen = forms] { return make_vulkan(device, chosen); }});
+                       [device, chosen = forms] { return make_vulkan(device, {.forms = chosen}); }});
   }
   return targets;
 }

@@ -2,6 +2,8 @@
 // where the build has it.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -53,6 +55,11 @@ const BenchRow* same_row(const Measured& measured, const BenchRow& wanted) {
   return nullptr;
 }
 
+/// How many times as fast as the CPU: by CPU time where the device is a CPU itself, else by wall time.
+double times_cpu(const BenchRow& cpu, const BenchRow& row, Basis basis) {
+  return basis == Basis::kCpu ? cpu.timing.cpu_s / row.timing.cpu_s : cpu.timing.wall_s / row.timing.wall_s;
+}
+
 Json device_json(const DeviceInfo& device) {
   return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
 }
@@ -82,7 +89,7 @@ Json row_json(const BenchRow& row, const Measured& measured, const Measured& cpu
             {"different_cells", json_or_null(row.different)}};
   const BenchRow* const beside = same_row(cpu, row);
   const bool has_ratio = &measured != &cpu && beside != nullptr;
-  json["times_cpu"] = has_ratio ? Json(beside->timing.wall_s / row.timing.wall_s) : Json();
+  json["times_cpu"] = has_ratio ? Json(times_cpu(*beside, row, measured.basis)) : Json();
   return json;
 }
 
@@ -113,22 +120,41 @@ std::string microseconds(double seconds) { return fmt::format("{:.1f}", seconds 
 
 std::string share_text(const BenchRow& row) { return row.copy_ratio ? fmt::format("{:.2f}", *row.copy_ratio) : ""; }
 
-constexpr const char* kCpuLine = "{:<20} {:<58} {:>10} {:>18} {:>10} {:>17} {:>6} {:>8} {:>9}\n";
+/// Widths of the first two columns, which hold names.
+struct NameWidths {
+  std::size_t name = 0;
+  std::size_t variant = 0;
+  explicit NameWidths(const std::vector<BenchRow>& rows) {
+    for (const BenchRow& row : rows) {
+      name = std::max(name, row.name.size());
+      variant = std::max(variant, row.variant.size());
+    }
+  }
+};
 
-std::string cpu_row_text(const BenchRow& row) {
-  const std::string spread = microseconds(row.timing.fastest_s) + "-" + microseconds(row.timing.slowest_s);
-  return fmt::format(fmt::runtime(kCpuLine), row.name, row.variant, microseconds(row.timing.cpu_s), spread,
-                     microseconds(row.timing.wall_s),
-                     fmt::format("{:.3f} G {}s", rate_of(row, Basis::kCpu) * 1e-9, row.unit), share_text(row),
-                     row.times_opencv ? fmt::format("{:.1f}", *row.times_opencv) : "",
-                     row.different ? fmt::format("{}", *row.different) : "");
+// Three digits: a rate may be 1e-4 or 40 thousand million a second.
+std::string giga(double rate) { return fmt::format("{:.3g}", rate * 1e-9); }
+
+std::string cpu_line(const NameWidths& widths, const std::string& name, const std::string& variant,
+                     const std::array<std::string, 7>& cells) {
+  return fmt::format("{:<{}}  {:<{}} {:>10} {:>18} {:>10} {:>14} {:>6} {:>8} {:>9}\n", name, widths.name, variant,
+                     widths.variant, cells[0], cells[1], cells[2], cells[3], cells[4], cells[5], cells[6]);
+}
+
+std::string cpu_row_text(const NameWidths& widths, const BenchRow& row) {
+  return cpu_line(
+      widths, row.name, row.variant,
+      {microseconds(row.timing.cpu_s), microseconds(row.timing.fastest_s) + "-" + microseconds(row.timing.slowest_s),
+       microseconds(row.timing.wall_s), giga(rate_of(row, Basis::kCpu)) + " G " + row.unit, share_text(row),
+       row.times_opencv ? fmt::format("{:.1f}", *row.times_opencv) : "",
+       row.different ? fmt::format("{}", *row.different) : ""});
 }
 
 std::string cpu_report(const Measured& cpu) {
+  const NameWidths widths(cpu.rows);
   std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu);
-  text += fmt::format(fmt::runtime(kCpuLine), "", "", "CPU us", "spread", "wall us", "per CPU second", "copy",
-                      "xOpenCV", "different");
-  for (const BenchRow& row : cpu.rows) text += cpu_row_text(row);
+  text += cpu_line(widths, "", "", {"CPU us", "spread", "wall us", "per CPU second", "copy", "xOpenCV", "different"});
+  for (const BenchRow& row : cpu.rows) text += cpu_row_text(widths, row);
   text += "copy: time of a plain copy of the bytes read and written, over the time. ";
   text += opencv_version().empty() ? "This build has no OpenCV to compare with.\n"
                                    : "xOpenCV: CPU time of OpenCV's precise transform over ours. "
@@ -136,31 +162,37 @@ std::string cpu_report(const Measured& cpu) {
   return text;
 }
 
-constexpr const char* kPairLine =
-    "{:<18} {:<52} {:>8} | {:>10} {:>9} {:>5} | {:>10} {:>10} {:>10} {:>9} {:>5} | {:>7}\n";
+std::string pair_line(const NameWidths& widths, const std::string& name, const std::string& variant,
+                      const std::array<std::string, 10>& cells) {
+  return fmt::format("{:<{}}  {:<{}} {:>9} | {:>10} {:>8} {:>5} | {:>10} {:>10} {:>10} {:>10} {:>5} | {:>7}\n", name,
+                     widths.name, variant, widths.variant, cells[0], cells[1], cells[2], cells[3], cells[4], cells[5],
+                     cells[6], cells[7], cells[8], cells[9]);
+}
 
-std::string pair_row_text(const BenchRow& row, const Measured& device, const Measured& cpu) {
+std::string pair_row_text(const NameWidths& widths, const BenchRow& row, const Measured& device, const Measured& cpu) {
   const BenchRow* const beside = same_row(cpu, row);
-  const auto giga = [](double rate) { return fmt::format("{:.3f}", rate * 1e-9); };
-  return fmt::format(fmt::runtime(kPairLine), row.name, row.variant, row.unit,
-                     beside != nullptr ? microseconds(beside->timing.wall_s) : "",
-                     beside != nullptr ? giga(rate_of(*beside, cpu.basis)) : "",
-                     beside != nullptr ? share_text(*beside) : "", microseconds(row.timing.wall_s),
-                     microseconds(row.timing.cpu_s), row.timing.device_s ? microseconds(*row.timing.device_s) : "-",
-                     giga(rate_of(row, device.basis)), share_text(row),
-                     beside != nullptr ? fmt::format("{:.2f}", beside->timing.wall_s / row.timing.wall_s) : "");
+  const bool has_cpu = beside != nullptr;
+  return pair_line(
+      widths, row.name, row.variant,
+      {row.unit, has_cpu ? microseconds(beside->timing.wall_s) : "", has_cpu ? giga(rate_of(*beside, cpu.basis)) : "",
+       has_cpu ? share_text(*beside) : "", microseconds(row.timing.wall_s), microseconds(row.timing.cpu_s),
+       row.timing.device_s ? microseconds(*row.timing.device_s) : "-", giga(rate_of(row, device.basis)),
+       share_text(row), has_cpu ? fmt::format("{:.2f}", times_cpu(*beside, row, device.basis)) : ""});
 }
 
 std::string pair_report(const Measured& cpu, const Measured& device) {
+  const NameWidths widths(device.rows);
   std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu) + device_line(device);
-  text += fmt::format("{:<80} | {:^26} | {:^48} |\n", "", "cpu", device.name);
-  text += fmt::format(fmt::runtime(kPairLine), "", "", "unit", "wall us", "G/CPU s", "copy", "wall us", "CPU us",
-                      "device us", fmt::format("G/{} s", text_of(device.basis)), "copy", "x CPU");
-  for (const BenchRow& row : device.rows) text += pair_row_text(row, device, cpu);
+  text += fmt::format("{:<{}} | {:^25} | {:^49} |\n", "", widths.name + widths.variant + 12, "cpu", device.name);
   text +=
-      "wall us, CPU us: of the process, all its threads; device us: by the device's own clock. G/s: units of work in "
-      "1e9 a second.\ncopy: time that the same processor takes to copy the bytes read and written, over the time. "
-      "x CPU: wall time on the CPU over that on the device.\n";
+      pair_line(widths, "", "",
+                {"unit", "wall us", "G/CPU s", "copy", "wall us", "CPU us", "device us",
+                 fmt::format("G/{} s", device.basis == Basis::kCpu ? "CPU" : text_of(device.basis)), "copy", "x CPU"});
+  for (const BenchRow& row : device.rows) text += pair_row_text(widths, row, device, cpu);
+  text +=
+      "wall us, CPU us: of the process, all its threads; device us: by the device's own clock. G/s: 1e9 units of work "
+      "a second.\ncopy: time that the same processor takes to copy the bytes read and written, over the time. "
+      "x CPU: times as fast as the CPU, by CPU time where the device is a CPU itself, else by wall time.\n";
   return text;
 }
 
@@ -205,7 +237,7 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
 
 int bench(const BenchOptions& options) {
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
-  const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device);
+  const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
   if (options.flood_errors) return print_flood_errors(device ? *device : *cpu, options);
   std::vector<Measured> all{measure_all(*cpu, "cpu", options)};
   if (device) {
