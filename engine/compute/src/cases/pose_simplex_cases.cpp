@@ -135,6 +135,13 @@ void add_descents(std::vector<KernelCaseSource>& list) {
         slow.prior = PriorKind::kNone;
         add_descent(list, slow);
       }
+      // More points than a uniform buffer takes, and few enough evaluations for an invocation a pose.
+      add_descent(list, {.points = 2101,
+                         .poses = 3,
+                         .interpolation = interpolation,
+                         .form = form,
+                         .prior = PriorKind::kWeak,
+                         .max_evaluations = 60});
       add_descent(list, {.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
       add_descent(list,
                   {.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
