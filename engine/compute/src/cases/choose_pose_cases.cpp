@@ -122,6 +122,19 @@ void add_sizes(std::vector<KernelCaseSource>& list) {
   }
 }
 
+// One pose at an angle of every quarter turn, and at ones that no wrapping brought near zero: what is written is of the
+// chosen pose alone, so only so every angle shows.
+void add_angles(std::vector<KernelCaseSource>& list) {
+  std::uint32_t turn = 0;
+  for (const float theta : {1.0F, 2.0F, 3.1F, -1.2F, -2.5F, -3.14F, 1.5707964F, 10.0F, -30.0F, 63.9F}) {
+    const ChoiceCase shape{.room = false,
+                           .poses = 1,
+                           .interpolation = turn++ % 2 == 0 ? Interpolation::kBilinear : Interpolation::kNearest};
+    add_choice(list, shape, ", angle " + std::to_string(theta),
+               [theta](ChoosePose::Params&, Poses& poses) { poses.front().theta = theta; });
+  }
+}
+
 // Who votes: all, those over known cells, nobody.
 void add_voters(std::vector<KernelCaseSource>& list) {
   for (const bool room : {true, false}) {
@@ -288,6 +301,7 @@ KernelCase draw_choice(const std::string& name, Random& random) {
 
 void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
   add_sizes(list);
+  add_angles(list);
   add_voters(list);
   add_edges(list);
   add_leaps(list);
