@@ -15,17 +15,28 @@ std::vector<std::uint8_t> seeds_for(SeedPattern pattern, CaseSize size, const st
   return make_seeds(pattern, size.width, size.height, size.stride, seed_from(name));
 }
 
-/// A state of the flood: seeds know themselves, and half of the other cells some seed that is not always the nearest.
+/// A state of the flood: seeds know themselves, a quarter of the other cells the latest seed before them, a quarter any
+/// of the first 64, so that among equally far seeds the first one that is offered is not always the one of lower index.
 std::vector<std::uint32_t> half_flooded(SeedPattern pattern, CaseSize size, const std::string& name) {
   const std::vector<std::uint8_t> seeds = seeds_for(pattern, size, name);
   std::vector<std::uint32_t> nearest = noise<std::uint32_t>(size, 4);
   Random random(seed_from(name) + 1);
   std::uint32_t latest = kNoSeed;
+  std::vector<std::uint32_t> first;
+  for (std::uint32_t y = 0; y < size.height; ++y) {
+    for (std::uint32_t x = 0; x < size.width && first.size() < 64; ++x) {
+      if (seeds[std::size_t{y} * size.stride + x] != 0) {
+        first.push_back(y << 16U | x);
+      }
+    }
+  }
   for (std::uint32_t y = 0; y < size.height; ++y) {
     for (std::uint32_t x = 0; x < size.width; ++x) {
       const std::size_t cell = std::size_t{y} * size.stride + x;
       latest = seeds[cell] != 0 ? (y << 16U | x) : latest;
-      nearest[cell] = seeds[cell] != 0 || random.below(2) == 0 ? latest : kNoSeed;
+      const std::uint64_t kind = random.below(4);
+      const std::uint32_t any = first.empty() ? kNoSeed : first[random.below(first.size())];
+      nearest[cell] = seeds[cell] != 0 || kind == 0 ? latest : kind == 1 ? any : kNoSeed;
     }
   }
   return nearest;

@@ -37,8 +37,10 @@ std::vector<std::uint16_t> field_values(CaseSize size, std::uint32_t cap, std::u
 
 KernelCase merge_case(const std::string& name, const MergeCase& merge) {
   const CaseSize scan = merge.scan;
-  const std::uint32_t width = scan.width + merge.offset_x;
-  const CaseSize global{width, scan.height + merge.offset_y, grid_stride(width)};
+  constexpr std::uint32_t kBeyond =
+      3;  // cells of the global field behind the window and above it, which must not change
+  const std::uint32_t width = merge.offset_x + scan.width + kBeyond;
+  const CaseSize global{width, merge.offset_y + scan.height + kBeyond, grid_stride(width)};
   const std::uint64_t random_seed = seed_from(name);
   const GdtMerge::Params params{scan.width,     scan.height,     scan.stride, global.stride, merge.offset_x,
                                 merge.offset_y, merge.threshold, merge.lift,  merge.cap,     merge.rule};

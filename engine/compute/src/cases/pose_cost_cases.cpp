@@ -18,11 +18,12 @@ struct CostCase {
   CostForm form = CostForm::kDistance;
   std::int32_t anchor_shift = 0;  ///< of the anchor, out of the field's middle
   bool odd_points = false;        ///< some are no numbers, or far off
+  std::uint32_t field_cap = 0;    ///< what unknown cells hold; 0: the cap
 
   [[nodiscard]] std::string name() const {
     return size_name(field) + " " + std::to_string(candidates) + " poses " + std::to_string(points) + " points cap " +
            std::to_string(cap) + (interpolation == Interpolation::kBilinear ? " bilinear" : " nearest") +
-           (form == CostForm::kSquared ? " squared" : "") +
+           (form == CostForm::kSquared ? " squared" : "") + (field_cap != 0 ? " of " + std::to_string(field_cap) : "") +
            (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "");
   }
 };
@@ -63,7 +64,8 @@ KernelCase cost_case(const std::string& name, const CostCase& shape) {
   PoseCost::Params params = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form);
   params.anchor_x += shape.anchor_shift;
   params.anchor_y -= shape.anchor_shift;
-  const std::vector<std::uint16_t> field = slow_field(shape.field, shape.cap, random);
+  const std::vector<std::uint16_t> field =
+      slow_field(shape.field, shape.field_cap != 0 ? shape.field_cap : shape.cap, random);
   std::vector<PointCells> points = scattered_points(shape.field, shape.points, random);
   if (shape.odd_points) {
     spoil(points);
@@ -116,6 +118,7 @@ void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation,
   add_cost(list, {{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form});
   add_cost(list, {{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form});
   add_cost(list, {{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
+  add_cost(list, {{97, 83, 100}, 33, 17, 700, 60.0, interpolation, form, 0, false, 5120});
   for (const std::int32_t shift : {-(1 << 20), 1 << 20}) {
     add_cost(list, {{97, 83, 100}, 9, 5, 5120, 60.0, interpolation, form, shift});
   }
