@@ -74,8 +74,8 @@ bool right_may_improve(uint best, uint x, uint away) {
 // The first distance in blocks, from `away` on, at which a block can hold something better; none: the number of blocks.
 uint next_away(uint best, uint x, uint away) {
   while (away < blocks() && !left_may_improve(best, x, away) && !right_may_improve(best, x, away)) {
-    uint nearest = away * kBlock - kBlock + 1;
-    away = nearest * nearest < best ? away + 1 : blocks();
+    uint beyond = away * kBlock + 1;  // at least so far are the blocks after these two
+    away = beyond * beyond < best ? away + 1 : blocks();
   }
   return away;
 }

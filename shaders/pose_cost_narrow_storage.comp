@@ -1,4 +1,4 @@
-// Cost of candidate poses on a CPU as a device, for scans with more points than a uniform buffer takes.
+// Cost of candidate poses for scans with more points than a uniform buffer takes on every device.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #define POINTS readonly buffer Points

@@ -1,4 +1,4 @@
-// Cost of candidate poses on a CPU as a device, the points in a uniform buffer, from which they come faster.
+// Cost of candidate poses on CPUs as devices, the points in a uniform buffer, from which they come faster.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #define POINTS uniform Points

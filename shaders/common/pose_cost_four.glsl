@@ -1,5 +1,6 @@
 // pose_cost with an invocation four candidates: for CPUs as devices, where fetching a point takes as long as the
-// arithmetic of a look-up. The includer defines POINTS and MOST_ELEMENTS as for pose_cost_single.glsl.
+// arithmetic of a look-up. The includer defines POINTS, the declaration of the points' buffer up to its name, and
+// MOST_ELEMENTS, the length of its array.
 #include "common/launch.glsl"
 #include "common/pose_cost.glsl"
 

@@ -5,13 +5,14 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kLargeGroup = 1024;
-/// What a narrow group does soon: 64 costs a turn of its loop.
-constexpr std::uint32_t kMostNarrow = 1U << 20U;
+constexpr std::uint32_t kSmallGroup = 8;
+constexpr std::uint32_t kCostsATurn = 8;  // of an invocation
 
 GroupCount one_group(const LaunchShape&) { return {1, 1, 1}; }
 
 bool is_for_few(const FormContext& context) {
-  return !context.wide() && launch_params<ArgMin>(context.shape).count <= kMostNarrow;
+  const std::uint32_t count = launch_params<ArgMin>(context.shape).count;
+  return !context.wide() && fits_loops(context, count / (kSmallGroup * kCostsATurn) + 100);
 }
 
 bool takes_large_groups(const FormContext& context) { return context.device.max_group_invocations >= kLargeGroup; }
@@ -25,7 +26,8 @@ constexpr ShaderForm form(std::uint32_t invocations, bool (*suits)(const FormCon
           .suits = suits};
 }
 
-constexpr ShaderForm kForms[] = {form(8, is_for_few), form(kLargeGroup, takes_large_groups), form(128, nullptr)};
+constexpr ShaderForm kForms[] = {form(kSmallGroup, is_for_few), form(kLargeGroup, takes_large_groups),
+                                 form(128, nullptr)};
 
 }  // namespace
 

@@ -18,9 +18,8 @@ GroupCount narrow_groups(const LaunchShape& shape) {
   return grid_groups(divided_up(launch_params<EdtColumns>(shape).width, 4), kNarrowWords, 1, 1);
 }
 
-/// Two sweeps of a column are few enough turns of a loop.
 bool is_low(const FormContext& context) {
-  return 2 * std::uint64_t{launch_params<EdtColumns>(context.shape).height} <= kMostTurns;
+  return fits_loops(context, 2 * std::uint64_t{launch_params<EdtColumns>(context.shape).height});
 }
 
 constexpr ShaderForm wide_form(bool (*suits)(const FormContext&)) {

@@ -14,9 +14,8 @@ GroupCount groups(const LaunchShape& shape) {
   return grid_groups(divided_up(launch_params<EdtFullColumns>(shape).width, 4), kQuads, 1, 1);
 }
 
-/// Two sweeps of a column are few enough turns of a loop.
 bool is_low(const FormContext& context) {
-  return 2 * std::uint64_t{launch_params<EdtFullColumns>(context.shape).height} <= kMostTurns;
+  return fits_loops(context, 2 * std::uint64_t{launch_params<EdtFullColumns>(context.shape).height});
 }
 
 constexpr ShaderForm wide_form(bool (*suits)(const FormContext&)) {

@@ -20,7 +20,7 @@ GroupCount wide_groups(const LaunchShape& shape) {
 
 /// Building the envelope takes at most two turns of a loop a column, filling the row one and a quarter.
 bool is_short(const FormContext& context) {
-  return 4 * std::uint64_t{launch_params<EdtFullRows>(context.shape).width} <= kMostTurns;
+  return fits_loops(context, 4 * std::uint64_t{launch_params<EdtFullRows>(context.shape).width});
 }
 
 constexpr ShaderForm wide_form(bool (*suits)(const FormContext&)) {

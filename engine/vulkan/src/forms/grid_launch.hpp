@@ -8,10 +8,6 @@
 
 namespace gdtslam {
 
-/// Narrow forms stay below this many turns of all loops of an invocation together: lavapipe ends loops after 65535,
-/// without a word.
-inline constexpr std::uint64_t kMostTurns = 65000;
-
 constexpr std::uint32_t divided_up(std::uint32_t count, std::uint32_t part) {
   return static_cast<std::uint32_t>((std::uint64_t{count} + part - 1) / part);
 }

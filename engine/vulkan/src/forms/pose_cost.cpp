@@ -39,52 +39,37 @@ bool is_wide_with_few_points(const FormContext& context) {
   return context.wide() && has_few_points<kInterpolation>(context);
 }
 
+template <Interpolation kInterpolation>
+constexpr ShaderForm form(std::string_view name, std::span<const std::uint32_t> spirv, std::uint32_t local_size) {
+  return {.kernel = "pose_cost",
+          .name = name,
+          .spirv = spirv,
+          .local_size = {local_size, 1, 1},
+          .constants = {static_cast<std::uint32_t>(kInterpolation), 0},
+          .takes_count = true};
+}
+
 /// The forms for one interpolation, which is a constant of the shaders.
 template <Interpolation kInterpolation>
 constexpr std::array<ShaderForm, 5> forms() {
-  constexpr std::array<std::uint32_t, 2> kConstants{static_cast<std::uint32_t>(kInterpolation), 0};
-  return {{{.kernel = "pose_cost",
-            .name = "pose_cost_group",
-            .spirv = shader::pose_cost_group_spirv,
-            .local_size = {64, 1, 1},
-            .constants = kConstants,
-            .takes_count = true,
-            .groups = groups<1>,
-            .suits = is_small_batch<kInterpolation>},
-           {.kernel = "pose_cost",
-            .name = "pose_cost_wide_uniform",
-            .spirv = shader::pose_cost_wide_uniform_spirv,
-            .local_size = {128, 1, 1},
-            .constants = kConstants,
-            .uniform_binding = kPoints,
-            .takes_count = true,
-            .groups = groups<128>,
-            .suits = is_wide_with_few_points<kInterpolation>},
-           {.kernel = "pose_cost",
-            .name = "pose_cost_wide_storage",
-            .spirv = shader::pose_cost_wide_storage_spirv,
-            .local_size = {128, 1, 1},
-            .constants = kConstants,
-            .takes_count = true,
-            .groups = groups<128>,
-            .suits = is_wide<kInterpolation>},
-           {.kernel = "pose_cost",
-            .name = "pose_cost_narrow_uniform",
-            .spirv = shader::pose_cost_narrow_uniform_spirv,
-            .local_size = {8, 1, 1},
-            .constants = kConstants,
-            .uniform_binding = kPoints,
-            .takes_count = true,
-            .groups = groups<32>,
-            .suits = has_few_points<kInterpolation>},
-           {.kernel = "pose_cost",
-            .name = "pose_cost_narrow_storage",
-            .spirv = shader::pose_cost_narrow_storage_spirv,
-            .local_size = {8, 1, 1},
-            .constants = kConstants,
-            .takes_count = true,
-            .groups = groups<32>,
-            .suits = interpolates<kInterpolation>}}};
+  ShaderForm group = form<kInterpolation>("pose_cost_group", shader::pose_cost_group_spirv, 64);
+  group.groups = groups<1>;
+  group.suits = is_small_batch<kInterpolation>;
+  ShaderForm wide = form<kInterpolation>("pose_cost_wide", shader::pose_cost_wide_spirv, 128);
+  wide.uniform_binding = kPoints;
+  wide.groups = groups<128>;
+  wide.suits = is_wide_with_few_points<kInterpolation>;
+  ShaderForm narrow = form<kInterpolation>("pose_cost_narrow_uniform", shader::pose_cost_narrow_uniform_spirv, 8);
+  narrow.uniform_binding = kPoints;
+  narrow.groups = groups<8 * 4>;
+  narrow.suits = has_few_points<kInterpolation>;
+  ShaderForm wide_many = form<kInterpolation>("pose_cost_narrow_storage", shader::pose_cost_narrow_storage_spirv, 64);
+  wide_many.groups = groups<64 * 4>;
+  wide_many.suits = is_wide<kInterpolation>;
+  ShaderForm many = form<kInterpolation>("pose_cost_narrow_storage", shader::pose_cost_narrow_storage_spirv, 8);
+  many.groups = groups<8 * 4>;
+  many.suits = interpolates<kInterpolation>;
+  return {group, wide, narrow, wide_many, many};
 }
 
 constexpr auto all_forms() {

@@ -1,9 +1,11 @@
-// pose_cost with an invocation a candidate. The includer defines POINTS, the declaration of the points' buffer up to
-// its name, and MOST_ELEMENTS, its length.
+// Cost of candidate poses, for large batches on GPUs: an invocation a candidate. The points are in a uniform buffer, for
+// every invocation reads the same one at the same time.
+#version 450
+#extension GL_GOOGLE_include_directive : require
 #include "common/launch.glsl"
 #include "common/pose_cost.glsl"
 
-layout(set = 0, binding = 1) POINTS { vec4 points[MOST_ELEMENTS]; };  // two points an element
+layout(set = 0, binding = 1, std140) uniform Points { vec4 points[1024]; };  // two points an element
 
 void main() {
   uint index = linear_invocation();
