@@ -220,6 +220,11 @@ TEST_F(Launch, OtherKernelsRefuseWhatTheyCannotDo) {
   bad = fits;
   bad.lift = 10;
   EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
+  bad = fits;
+  bad.offset_x = bad.offset_y = 70;
+  EXPECT_NO_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan));
+  bad.global_stride = 99;  // rows must begin at whole quads of cells
+  EXPECT_THROW(run<GdtMerge>(*backend, bad, {20, 20, 1}, field, scan), Error);
 }
 
 }  // namespace

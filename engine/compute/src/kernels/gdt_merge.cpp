@@ -16,6 +16,7 @@ struct Adapter {
   }
   static void check(const GdtMerge::Params& params, const LaunchCheck& check) {
     check.grid(params.scan_width, params.scan_height, params.scan_stride, kNoLimit);
+    check.require(params.global_stride % 4 == 0, "the global field's stride must be a multiple of 4");
     check.require(std::uint64_t{params.offset_x} + params.scan_width <= params.global_stride,
                   "the scan field sticks out of the global field's rows");
     check.require(std::uint64_t{params.offset_y} + params.scan_height <= kNoLimit, "the row offset is too large");
