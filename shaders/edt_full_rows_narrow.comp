@@ -64,6 +64,18 @@ void push(inout Envelope envelope, Site site, uint distance) {
   envelope.top = site;
 }
 
+// The envelope at a column, after that of the next column on the right: the parabola below the uppermost begins to rule
+// where it is not above it, and they do so one at a time.
+int value_from_right(inout Envelope envelope, int x) {
+  int value = value_at(envelope.top, x);
+  int next = value_at(envelope.second, x);
+  if (envelope.count > 1 && next <= value) {
+    pop(envelope);
+    value = next;
+  }
+  return value;
+}
+
 void main() {
   uint y = gl_GlobalInvocationID.x;
   if (y >= height) {
@@ -94,18 +106,12 @@ void main() {
     }
   }
   bool none = envelope.count == 0;
-  for (uint x4 = (width + 3) / 4 * 4; x4 > 0; x4 -= 4) {
+  for (int x = int(width + 3) / 4 * 4 - 4; x >= 0; x -= 4) {
     uvec4 quad;
-    for (uint i = 4; i > 0; --i) {
-      int x = int(x4 - 5 + i);
-      int value = value_at(envelope.top, x);
-      int next = value_at(envelope.second, x);
-      if (envelope.count > 1 && next <= value) {  // here the one below begins to rule, which it does one at a time
-        pop(envelope);
-        value = next;
-      }
-      quad[i - 1] = none ? kNoSeed : uint(value);
-    }
-    sq_distance[(envelope.row + x4) / 4 - 1] = quad;
+    quad.w = uint(value_from_right(envelope, x + 3));
+    quad.z = uint(value_from_right(envelope, x + 2));
+    quad.y = uint(value_from_right(envelope, x + 1));
+    quad.x = uint(value_from_right(envelope, x));
+    sq_distance[(envelope.row + uint(x)) / 4] = none ? uvec4(kNoSeed) : quad;
   }
 }

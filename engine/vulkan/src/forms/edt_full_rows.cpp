@@ -18,9 +18,9 @@ GroupCount wide_groups(const LaunchShape& shape) {
   return folded(std::uint64_t{divided_up(params.width, kWideGroup * kWideCells)} * params.height);
 }
 
-/// Building the envelope takes at most two turns of a loop a column, filling the row one and a quarter.
+/// Building the envelope takes at most two turns of a loop a column, filling the row a quarter.
 bool is_short(const FormContext& context) {
-  return fits_loops(context, 4 * std::uint64_t{launch_params<EdtFullRows>(context.shape).width});
+  return fits_loops(context, 3 * std::uint64_t{launch_params<EdtFullRows>(context.shape).width});
 }
 
 constexpr ShaderForm wide_form(bool (*suits)(const FormContext&)) {
