@@ -60,7 +60,10 @@ fi
 
 contains out 'llvmpipe'
 map --device vulkan --matcher exhaustive --no-fallback
-expect 0 "$bundle/gpu_server.sh" --repeat 1 --output /tmp/report
+expect 69 "$bundle/gpu_server.sh" --output /tmp/report # lavapipe is no GPU
+contains err 'no hardware GPU'
+expect 0 "$bundle/gpu_server.sh" --device vulkan:0 --repeat 1 --output /tmp/report
 cat out
+contains out '^NO GPU'
 contains /tmp/report/report.md '^Everything is equal'
 contains /tmp/report/verify.txt '^0 differences'

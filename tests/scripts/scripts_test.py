@@ -191,9 +191,12 @@ DEVICES = """{ "devices": [],
   "vulkan": { "devices": [
       {
         "device": "vulkan:0",
-        "name": "A GPU (fast, new)"
+        "name": "A GPU (fast, new)",
+        "kind": "discrete",
+        "problem": null
       }
   ] } }"""
+SOFTWARE = DEVICES.replace("A GPU (fast, new)", "llvmpipe").replace("discrete", "lavapipe")
 
 BENCH = """{
   "rows": [
@@ -314,6 +317,24 @@ class GpuServer(ScriptTest):
         done, _ = self.prove()
         self.assertEqual(done.returncode, 69)
         self.assertFalse((self.work / "out").exists())
+
+    def test_a_processor_that_plays_a_gpu_is_no_proof(self):
+        (self.work / "devices").write_text(SOFTWARE)
+        for arguments in ([], ["--device", "vulkan"]):
+            done, _ = self.prove(*arguments)
+            self.assertEqual(done.returncode, 69)
+            self.assertIn("there is no hardware GPU here that can be used", done.stderr)
+            self.assertFalse((self.work / "out").exists())
+        done, page = self.prove("--device", "vulkan:0", "--repeat", "1")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(done.stdout.splitlines()[0],
+                         "NO GPU: vulkan:0 is no hardware (lavapipe); what follows says nothing of a GPU")
+        self.assertTrue(page.splitlines()[0].endswith(", no hardware GPU (lavapipe)"), page.splitlines()[0])
+
+    def test_hardware_that_cannot_be_used_is_no_device(self):
+        (self.work / "devices").write_text(DEVICES.replace("null", '"has no timeline semaphores"'))
+        for arguments in ([], ["--device", "vulkan:0"]):
+            self.assertEqual(self.prove(*arguments)[0].returncode, 69)
 
     def test_another_device(self):
         self.assertEqual(self.prove("--device", "vulkan:1")[0].returncode, 69)

@@ -11,7 +11,7 @@ Usage: gpu_server.sh [--device NAME] [--output DIR] [--repeat N] [LOG ...]
 
 Proves and measures gdtslam on a GPU; the results are in DIR/report.md and beside it.
 
-  --device NAME   vulkan (default: the first hardware GPU, else any Vulkan device) or vulkan:N ('gdtslam devices')
+  --device NAME   vulkan (default: the first hardware GPU) or vulkan:N, also one that is no hardware ('gdtslam devices')
   --output DIR    a new folder (default: gdtslam-report-<UTC time> in the current folder)
   --repeat N      runs of each log on each device, the fastest counts (default 3)
   LOG             CARMEN logs to verify and map beside the sample log
@@ -47,10 +47,28 @@ for log in "$@"; do [ -r "$log" ] || wrong_usage "cannot read the log '$log'"; d
 [ -x "$gdtslam" ] || unavailable "no program at $gdtslam"
 
 listing=$("$gdtslam" devices --json)
-case "$device $listing" in
-  vulkan\ *'"device": "vulkan:'* | vulkan:*\ *"\"device\": \"$device\""*) ;;
-  *) "$gdtslam" devices; unavailable "there is no device '$device' here; its driver may be missing" ;;
-esac
+# kinds_of NAME: the kind of the Vulkan device NAME ("vulkan": of each) that can be used, a line each.
+kinds_of() {
+  printf '%s\n' "$listing" | awk -v name="$1" '
+    { value = $2; gsub(/[",]/, "", value) }
+    $1 == "\"device\":" { found = index(value, "vulkan:") == 1 && (name == "vulkan" || value == name) }
+    $1 == "\"kind\":" { kind = value }
+    $1 == "\"problem\":" && value == "null" && found { print kind }'
+}
+is_hardware() { case "$1" in discrete | integrated | virtual) return 0 ;; *) return 1 ;; esac; }
+# A processor that plays a GPU proves nothing of a GPU whose driver does not load: it is taken only by its number.
+device_kind=
+for kind in $(kinds_of "$device"); do
+  if [ "$device" != vulkan ] || is_hardware "$kind"; then device_kind=$kind && break; fi
+done
+if [ -z "$device_kind" ]; then
+  "$gdtslam" devices
+  if [ "$device" = vulkan ]; then
+    unavailable "there is no hardware GPU here that can be used; its driver may be missing or not load (README.md, 'When no device is found'). --device vulkan:N proves another device"
+  fi
+  unavailable "there is no device '$device' here that can be used"
+fi
+is_hardware "$device_kind" || echo "NO GPU: $device is no hardware ($device_kind); what follows says nothing of a GPU"
 mkdir "$output" || wrong_usage "cannot make the folder '$output'; name another with --output"
 page=$output/report.md
 work=$output/runs
@@ -192,7 +210,9 @@ mv "$page" "$output/logs.md"
 # The page: what ran where, then everything that was printed.
 system=$(sed -n 's/^PRETTY_NAME=//p' /etc/os-release 2>/dev/null | tr -d '"')
 processor=$(sed -n 's/^model name[[:space:]]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
-say "# $("$gdtslam" --version) on $device_name"
+title="$("$gdtslam" --version) on $device_name"
+is_hardware "$device_kind" || title="$title, no hardware GPU ($device_kind)"
+say "# $title"
 say ""
 say "| | |"
 say "|---|---|"
