@@ -44,7 +44,7 @@ function(gdtslam_shaders target)
     get_filename_component(stem ${source} NAME_WE)
     set(spirv ${binary_dir}/${stem}.spv)
     set(header ${binary_dir}/${stem}.spv.hpp)
-    add_custom_command(OUTPUT ${header}
+    add_custom_command(OUTPUT ${spirv} ${header} # the file of dependencies names the first
       COMMAND ${GDTSLAM_GLSLANG_VALIDATOR} -V --quiet --target-env vulkan1.2 -I${source_dir} --depfile ${spirv}.d
         -o ${spirv} ${source}
       COMMAND ${GDTSLAM_SPIRV_VAL} --target-env vulkan1.2 ${spirv}

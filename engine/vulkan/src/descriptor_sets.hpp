@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "buffers.hpp"
@@ -31,7 +32,7 @@ class DescriptorSets {
   struct Key {
     const ShaderForm* form = nullptr;
     std::array<std::uint64_t, kMostBindings> ids{};
-    friend auto operator<=>(const Key&, const Key&) = default;
+    friend bool operator<(const Key& a, const Key& b) { return std::tie(a.form, a.ids) < std::tie(b.form, b.ids); }
   };
   struct Entry {
     vk::DescriptorSet set;

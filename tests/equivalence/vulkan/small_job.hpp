@@ -73,7 +73,7 @@ inline std::vector<std::byte> run_job(Backend& backend, int rounds) {
   const std::size_t row_bytes = std::size_t{grid_stride(kJobWidth)} * 2;
   for (std::uint32_t y = 0; y < kJobHeight; ++y) {
     const auto row = all.begin() + static_cast<std::ptrdiff_t>(y * row_bytes);
-    cells.insert(cells.end(), row, row + static_cast<std::ptrdiff_t>(kJobWidth * 2));
+    cells.insert(cells.end(), row, row + std::ptrdiff_t{kJobWidth} * 2);
   }
   return cells;
 }
