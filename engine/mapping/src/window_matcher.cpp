@@ -33,9 +33,11 @@ void WindowMatcher::start(std::span<const PointCells> points, const Prediction& 
   by_odometry_ = prediction.by_odometry;
   points_ = static_cast<std::uint32_t>(points.size());
   rules_.begin(prediction, points.size());
-  thin(points, static_cast<std::size_t>(search_.max_points), thinned_);
-  upload(point_buffer_, std::as_bytes(points));
-  upload(thinned_buffer_, std::as_bytes(std::span(thinned_)));
+  // Sums of integers do not depend on the order, so one upload serves both: a launch reads as many as it is told.
+  thinned_ = static_cast<std::uint32_t>(
+      put_thinned_first(points, static_cast<std::size_t>(search_.max_points), ordered_points_));
+  reserve_on(*backend_, point_buffer_, points.size_bytes());
+  backend_->upload(point_buffer_, std::as_bytes(std::span(ordered_points_)));
   attempts_ = 0;
   launch();
 }
@@ -63,11 +65,6 @@ MatchResult WindowMatcher::finish() {
   return result;
 }
 
-void WindowMatcher::upload(Buffer& buffer, std::span<const std::byte> bytes) {
-  reserve_on(*backend_, buffer, bytes.size());
-  backend_->upload(buffer, bytes);
-}
-
 // One submission: from the points to the verdict.
 void WindowMatcher::launch() {
   window_ = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
@@ -85,7 +82,6 @@ void WindowMatcher::launch_lattice() {
   reserve_on(*backend_, candidates_, std::size_t{samples_} * sizeof(PoseCandidate));
   reserve_on(*backend_, costs_, std::size_t{samples_} * sizeof(std::uint32_t));
   reserve_on(*backend_, minima_, std::size_t{samples_} * sizeof(std::uint32_t));
-  const auto thinned = static_cast<std::uint32_t>(thinned_.size());
   const std::uint32_t count_xy = window_.count_xy();
   const std::uint32_t count_theta = window_.count_theta();
   run<PoseLattice>(*backend_,
@@ -96,9 +92,9 @@ void WindowMatcher::launch_lattice() {
                     .step_rad = window_.step_rad,
                     .count_xy = count_xy,
                     .count_theta = count_theta,
-                    .prior = prior_params(static_cast<double>(thinned) / points_)},
+                    .prior = prior_params(static_cast<double>(thinned_) / points_)},
                    {samples_, 1, 1}, candidates_);
-  run<PoseCost>(*backend_, cost_params(thinned, rules_.wide_gate()), {samples_, 1, 1}, map_->buffer(), thinned_buffer_,
+  run<PoseCost>(*backend_, cost_params(thinned_, rules_.wide_gate()), {samples_, 1, 1}, map_->buffer(), point_buffer_,
                 candidates_, costs_);
   run<LatticeMinima>(*backend_, {.count_xy = count_xy, .count_theta = count_theta}, {samples_, 1, 1}, costs_, minima_);
   run<SmallestValues>(*backend_, {.count = samples_, .wanted = pose_count() - 1}, {1, 1, 1}, minima_, picks_);

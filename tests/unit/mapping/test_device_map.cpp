@@ -57,6 +57,9 @@ TEST_F(DeviceMapTest, OneSubmissionAWindowAndOneAKeyframe) {
   const auto& calls = device_.calls();
   EXPECT_EQ(std::count(calls.begin(), calls.end(), "finish_download"), static_cast<std::ptrdiff_t>(attempts))
       << "nothing but verdicts comes back";
+  EXPECT_EQ(std::count(calls.begin(), calls.end(), "upload"),
+            static_cast<std::ptrdiff_t>(truth_.size() - 1 + keyframes + 1))
+      << "a scan's points, a keyframe's cells, and the table of distances, each once";
 }
 
 TEST_F(DeviceMapTest, AJournalCutShortCostsNoSubmission) {

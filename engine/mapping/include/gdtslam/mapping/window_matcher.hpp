@@ -26,7 +26,6 @@ class WindowMatcher final : public Matcher {
   MatchResult finish() override;
 
  private:
-  void upload(Buffer& buffer, std::span<const std::byte> bytes);
   void launch();
   void launch_lattice();
   void launch_descents();
@@ -45,13 +44,13 @@ class WindowMatcher final : public Matcher {
   MatchRules rules_;
   bool by_odometry_ = false;
   std::uint32_t points_ = 0;
-  std::vector<PointCells> thinned_;
+  std::uint32_t thinned_ = 0;               ///< of them, the share that the window is costed with
+  std::vector<PointCells> ordered_points_;  ///< that share first
   SearchWindow window_;
   std::uint32_t samples_ = 0;
   std::uint32_t attempts_ = 0;
   PendingDownload pending_;
   Buffer point_buffer_;
-  Buffer thinned_buffer_;
   Buffer candidates_;
   Buffer costs_;
   Buffer minima_;
