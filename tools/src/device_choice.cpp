@@ -91,8 +91,8 @@ DeviceChoice choose_device(const DeviceName& name, const VulkanListing& listing,
   for (const VulkanDeviceInfo& device : listing.devices) {
     if (!device.problem.empty() || !device.is_hardware()) continue;
     if (!is_distrusted(device)) return {device.index, choice.remark};
-    choice.remark =
-        fmt::format("vulkan:{} ({}) is left out: 'gdtslam verify' found differences on it", device.index, device.name);
+    choice.remark = fmt::format("vulkan:{} ({}) is left out: its last 'gdtslam verify' found differences, or it failed",
+                                device.index, device.name);
   }
   return choice;
 }

@@ -23,7 +23,7 @@ struct DeviceChoice {
   std::string remark;             ///< what the user should know of it; empty as a rule
 };
 
-/// Whether the last `gdtslam verify` of a device found differences.
+/// Whether the last `gdtslam verify` of a device found differences, or the device failed in it.
 using IsDistrusted = std::function<bool(const VulkanDeviceInfo&)>;
 
 /// auto: the first hardware GPU that can be used and is not distrusted, else the CPU. vulkan: the first hardware GPU

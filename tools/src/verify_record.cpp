@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 // An empty list for a file that is missing, cut or of another format.
 Json read_list(const std::string& file) {
@@ -39,12 +39,19 @@ std::optional<std::uint64_t> count_in(const Json& entry, const char* key) {
   return entry[key].get<std::uint64_t>();
 }
 
+std::optional<std::string> text_in(const Json& entry, const char* key) {
+  if (!entry.contains(key) || !entry[key].is_string()) return std::nullopt;
+  return entry[key].get<std::string>();
+}
+
 std::optional<VerifyRecord> record_in(const Json& entry) {
   const std::optional<std::uint64_t> cases = count_in(entry, "cases");
   const std::optional<std::uint64_t> logs = count_in(entry, "logs");
   const std::optional<std::uint64_t> differences = count_in(entry, "differences");
-  if (!cases || !logs || !differences || !entry.contains("date") || !entry["date"].is_string()) return std::nullopt;
-  return VerifyRecord{entry["date"].get<std::string>(), *cases, *logs, *differences};
+  const std::optional<std::string> date = text_in(entry, "date");
+  const std::optional<std::string> failure = text_in(entry, "failure");
+  if (!cases || !logs || !differences || !date || !failure) return std::nullopt;
+  return VerifyRecord{*date, *cases, *logs, *differences, *failure};
 }
 
 }  // namespace
@@ -85,7 +92,8 @@ void VerifyRecords::keep(const VulkanDeviceInfo& device, const VerifyRecord& rec
                      {"date", record.date},
                      {"cases", record.cases},
                      {"logs", record.logs},
-                     {"differences", record.differences}});
+                     {"differences", record.differences},
+                     {"failure", record.failure}});
   write_json(file(), {{"format", kFormat}, {"results", results}});
 }
 

@@ -1,6 +1,7 @@
 // What `gdtslam verify` found last on each device, kept in the cache folder so that `gdtslam devices` can tell and
-// `--device auto` can leave out a device that computes wrongly. A result counts for the device, driver, version of
-// gdtslam and shaders that it was made with, and for no other. A file that cannot be read is as good as none.
+// `--device auto` can leave out a device that computes wrongly or fails. A result counts for the device, driver,
+// version of gdtslam and shaders that it was made with, and for no other. A file that cannot be read is as good as
+// none.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,8 @@ struct VerifyRecord {
   std::uint64_t cases = 0;
   std::uint64_t logs = 0;
   std::uint64_t differences = 0;
-  [[nodiscard]] bool passed() const { return differences == 0; }
+  std::string failure{};  ///< what the device's driver said when it failed and ended the verification; else empty
+  [[nodiscard]] bool passed() const { return differences == 0 && failure.empty(); }
 };
 
 /// SHA-256 over the names and words of the shaders.

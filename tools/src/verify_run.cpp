@@ -24,6 +24,7 @@ constexpr const char* kMatchers[] = {"simplex", "exhaustive"};
 struct Target {
   std::string name;
   Proof proof = Proof::kNone;
+  bool takes_own_forms = false;
   bool with_logs = true;
   std::function<std::unique_ptr<Backend>()> open;
 };
@@ -32,10 +33,10 @@ std::vector<Target> cpu_targets(const DeviceOptions& options) {
   std::vector<Target> targets;
   for (const Isa isa : {Isa::kAvx2, Isa::kAvx512}) {
     if (!isa_available(isa) || (!options.isa.empty() && isa != isa_from_name(options.isa))) continue;
-    targets.push_back({"cpu " + std::string(name_of(isa)), Proof::kNone, true,
+    targets.push_back({"cpu " + std::string(name_of(isa)), Proof::kNone, false, true,
                        [isa] { return make_cpu_backend({.threads = 1, .isa = isa}); }});
   }
-  targets.push_back({"cpu, " + std::to_string(kOtherThreads) + " threads", Proof::kNone, targets.empty(),
+  targets.push_back({"cpu, " + std::to_string(kOtherThreads) + " threads", Proof::kNone, false, targets.empty(),
                      [] { return make_cpu_backend({.threads = kOtherThreads, .isa = {}}); }});
   return targets;
 }
@@ -54,7 +55,8 @@ std::vector<Target> vulkan_targets(const VerifyOptions& options, unsigned index)
   device.device = "vulkan:" + std::to_string(index);
   std::vector<Target> targets;
   for (const auto& [suffix, forms] : forms_from(options.forms)) {
-    targets.push_back({device.device + suffix, Proof::kDeviceDidIt, targets.empty(),
+    const bool is_own = forms == ShaderForms::kByDevice;
+    targets.push_back({device.device + suffix, Proof::kDeviceDidIt, is_own, targets.empty(),
                        [device, chosen = forms] { return make_vulkan(device, {.forms = chosen}); }});
   }
   return targets;
@@ -92,17 +94,16 @@ class Verification {
     }
   }
 
-  TargetReport verify(const Target& target, Backend& reference) {
-    const std::unique_ptr<Backend> device = target.open();
-    TargetReport report;
+  /// Where the device fails, `report` holds what was found so far.
+  void verify(const Target& target, Backend& reference, TargetReport& report) {
     report.name = target.name;
-    report.device = device->device();
     report.is_vulkan = target.proof == Proof::kDeviceDidIt;
+    report.takes_own_forms = target.takes_own_forms;
+    const std::unique_ptr<Backend> device = target.open();
+    report.device = device->device();
     verify_kernels(target, reference, *device, report);
-    if (target.with_logs) {
-      for (const LogTask& task : logs_) report.logs.push_back(verify_log(task, target, reference, *device));
-    }
-    return report;
+    if (!target.with_logs) return;
+    for (const LogTask& task : logs_) report.logs.push_back(verify_log(task, target, reference, *device));
   }
 
  private:
@@ -172,9 +173,29 @@ VerifyReport run_verify(const VerifyOptions& options) {
   }
   report.reference = reference->device();
   Verification verification(options);
-  for (const Target& target : targets) report.targets.push_back(verification.verify(target, *reference));
+  for (const Target& target : targets) {
+    TargetReport& part = report.targets.emplace_back();
+    try {
+      verification.verify(target, *reference, part);
+    } catch (const DeviceError& error) {
+      part.failure = error.what();
+      report.failure = error;
+      break;
+    }
+  }
   report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
+}
+
+std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
+                                      const std::string& date) {
+  for (const TargetReport& target : report.targets) {
+    if (!target.takes_own_forms) continue;
+    const VerifyRecord record{date, target.cases(), target.logs.size(), target.differences(), target.failure};
+    if (record.passed() && !options.filter.empty()) break;
+    return record;
+  }
+  return std::nullopt;
 }
 
 void write_expected_results(const VerifyOptions& options, const std::string& path) {

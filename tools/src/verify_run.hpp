@@ -2,14 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "device_option.hpp"
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 #include "verify_kernels.hpp"
 #include "verify_logs.hpp"
+#include "verify_record.hpp"
 
 namespace gdtslam {
 
@@ -29,9 +32,11 @@ struct TargetReport {
   std::string name;  ///< "vulkan:0", "vulkan:0 wide", "cpu avx2"
   DeviceInfo device;
   bool is_vulkan = false;
+  bool takes_own_forms = false;  ///< the shaders that work on this device uses, not others that were forced
   std::vector<KernelVerdict> kernels;
   DeviceWork work;
   std::vector<LogVerdict> logs;
+  std::string failure{};  ///< of its driver, which ended the verification
   [[nodiscard]] std::uint64_t cases() const;
   [[nodiscard]] std::uint64_t differences() const;
 };
@@ -39,15 +44,21 @@ struct TargetReport {
 struct VerifyReport {
   DeviceInfo reference;
   std::vector<TargetReport> targets;
-  VulkanDeviceInfo vulkan;  ///< the device, where one was verified
+  VulkanDeviceInfo vulkan;               ///< the device, where one was verified
+  std::optional<DeviceError> failure{};  ///< of the last target's driver; those after it were not verified
   double wall_s = 0.0;
   [[nodiscard]] std::uint64_t differences() const;
 };
 
 /// Compares the device with the CPU, or, for the CPU, its instruction sets and threads with the baseline. Throws
-/// UnavailableError for a device that is not there, DeviceError when it fails, UsageError for a filter that leaves
-/// nothing, and Error(kInterrupted).
+/// UnavailableError for a device that is not there, DeviceError when it fails before there is anything to verify,
+/// UsageError for a filter that leaves nothing, and Error(kInterrupted).
 VerifyReport run_verify(const VerifyOptions& options);
+
+/// What `gdtslam devices` and --device auto should know of it; nothing where it says nothing of the device: of the CPU,
+/// of shaders that the device would not take, and of a part that passed.
+std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
+                                      const std::string& date);
 
 /// Maps the sample log on the CPU and writes what it gave as what it must give. Throws FileError.
 void write_expected_results(const VerifyOptions& options, const std::string& path);

@@ -187,6 +187,16 @@ TEST_F(CacheTest, TheLastRecordOfADeviceCounts) {
   EXPECT_EQ(records.find(gpu)->cases, 11U);
 }
 
+TEST_F(CacheTest, ADeviceThatFailedHasNotPassed) {
+  const VerifyRecords records(work_.string(), "shaders");
+  const VulkanDeviceInfo gpu = device(0, "GPU", "discrete");
+  records.keep(gpu, {"2026-01-02T03:04:05Z", 10, 2, 0});
+  records.keep(gpu, {"2026-01-03T03:04:05Z", 0, 0, 0, "GPU: vkQueueSubmit gave ErrorDeviceLost"});
+  ASSERT_TRUE(records.find(gpu));
+  EXPECT_FALSE(records.find(gpu)->passed());
+  EXPECT_EQ(records.find(gpu)->failure, "GPU: vkQueueSubmit gave ErrorDeviceLost");
+}
+
 TEST_F(CacheTest, ADamagedFileOfRecordsIsAsGoodAsNone) {
   const VerifyRecords records(work_.string(), "shaders");
   const VulkanDeviceInfo gpu = device(0, "GPU", "discrete");
@@ -198,8 +208,8 @@ TEST_F(CacheTest, ADamagedFileOfRecordsIsAsGoodAsNone) {
     whole.assign(std::istreambuf_iterator<char>(input), {});
   }
   for (const std::string& text :
-       {std::string(), std::string("{"), std::string("[]"), std::string("{\"format\": 2, \"results\": []}"),
-        std::string("{\"format\": 1, \"results\": 5}"), std::string("{\"format\": 1, \"results\": [5, {}]}"),
+       {std::string(), std::string("{"), std::string("[]"), std::string("{\"format\": 1, \"results\": []}"),
+        std::string("{\"format\": 2, \"results\": 5}"), std::string("{\"format\": 2, \"results\": [5, {}]}"),
         whole.substr(0, whole.size() / 2)}) {
     std::ofstream(file, std::ios::trunc) << text;
     EXPECT_EQ(records.find(gpu), std::nullopt) << text;

@@ -83,7 +83,11 @@ std::string verified_text(const VerifyRecord& record) {
   if (record.passed()) {
     return fmt::format("verified {}: {} cases and {} logs equal to the CPU", record.date, record.cases, record.logs);
   }
-  return fmt::format("NOT equal to the CPU: {} differences on {}", record.differences, record.date);
+  if (!record.failure.empty()) {
+    return fmt::format("FAILED while it was verified on {}: {}", record.date, record.failure);
+  }
+  return fmt::format("NOT equal to the CPU: {} difference{} on {}", record.differences,
+                     record.differences == 1 ? "" : "s", record.date);
 }
 
 std::string vulkan_text(const Inventory& all, const VulkanDeviceInfo& device) {
@@ -137,7 +141,8 @@ Json verified_json(const std::optional<VerifyRecord>& record) {
           {"date", record->date},
           {"cases", record->cases},
           {"logs", record->logs},
-          {"differences", record->differences}};
+          {"differences", record->differences},
+          {"failure", record->failure.empty() ? Json() : Json(record->failure)}};
 }
 
 Json vulkan_json(const Inventory& all, const VulkanDeviceInfo& device) {

@@ -141,18 +141,12 @@ std::string utc_now() {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
-// For `devices` and --device auto. Only a device that was verified as a whole counts as verified; a difference always
-// counts. A result that cannot be kept does not change what was found.
+// For `devices` and --device auto. A result that cannot be kept does not change what was found.
 void keep_result(const VerifyReport& report, const VerifyOptions& options) {
-  const TargetReport& first = report.targets.front();
-  if (!first.is_vulkan || (!options.filter.empty() && report.differences() == 0)) return;
-  VerifyRecord record{utc_now(), 0, 0, report.differences()};
-  for (const TargetReport& target : report.targets) {
-    record.cases += target.cases();
-    record.logs += target.logs.size();
-  }
+  const std::optional<VerifyRecord> record = record_of(report, options, utc_now());
+  if (!record) return;
   try {
-    user_records().keep(report.vulkan, record);
+    user_records().keep(report.vulkan, *record);
   } catch (const FileError& error) {
     print_remark(std::string("warning: the result is not kept for 'gdtslam devices': ") + error.what());
   }
@@ -165,6 +159,7 @@ int verify(const VerifyCommand& command) {
   }
   const VerifyReport report = run_verify(command.options);
   keep_result(report, command.options);
+  if (report.failure) throw DeviceError(*report.failure);
   print_result(command.json ? json_text(json_of(report)) : text_of(report));
   if (report.differences() == 0) return static_cast<int>(ExitCode::kDone);
   throw Error(ExitCode::kFailed, fmt::format("{}: {} from {}", report.targets.front().name,
@@ -219,7 +214,8 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
       "device did it itself is shown: no CPU kernel runs meanwhile, and each kernel runs once without its CPU\n"
       "functions. --device cpu compares the CPU's instruction sets and threads with the baseline.\n"
       "Exit 0: no difference; 1: differences, or the device failed; 69: there is no such device. 'gdtslam devices'\n"
-      "shows the last result.\n"
+      "shows the last result of the whole, and differences and failures of a part, with the shaders that the device\n"
+      "takes by itself.\n"
       "\n"
       "Examples:\n"
       "  gdtslam verify --device vulkan\n"
