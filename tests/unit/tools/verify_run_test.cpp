@@ -1,0 +1,83 @@
+// What of a verification is kept as the device's: by hand-made reports, each with what it must leave behind.
+#include "verify_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gdtslam {
+namespace {
+
+TargetReport target(bool takes_own_forms, std::uint64_t cases, std::uint64_t different, std::size_t logs) {
+  TargetReport report;
+  report.is_vulkan = true;
+  report.takes_own_forms = takes_own_forms;
+  KernelVerdict kernel;
+  kernel.kernel = "arg_min";
+  kernel.cases = cases;
+  kernel.different = different;
+  report.kernels = {kernel};
+  report.logs.resize(logs);
+  return report;
+}
+
+VerifyReport report_of(std::vector<TargetReport> targets) {
+  VerifyReport report;
+  report.targets = std::move(targets);
+  return report;
+}
+
+std::optional<VerifyRecord> kept(const VerifyReport& report, const std::string& filter = "") {
+  VerifyOptions options;
+  options.filter = filter;
+  return record_of(report, options, "2026-01-02T03:04:05Z");
+}
+
+TEST(RecordOf, TheWholeOfADevicesOwnShaders) {
+  const std::optional<VerifyRecord> record = kept(report_of({target(true, 10, 0, 2)}));
+  ASSERT_TRUE(record);
+  EXPECT_TRUE(record->passed());
+  EXPECT_EQ(record->date, "2026-01-02T03:04:05Z");
+  EXPECT_EQ(record->cases, 10U);
+  EXPECT_EQ(record->logs, 2U);
+}
+
+TEST(RecordOf, ShadersThatTheDeviceWouldNotTakeSayNothingOfIt) {
+  EXPECT_EQ(kept(report_of({target(false, 10, 0, 2)})), std::nullopt) << "--forms narrow that passed";
+  EXPECT_EQ(kept(report_of({target(false, 10, 3, 2)})), std::nullopt) << "--forms narrow that did not";
+  const std::optional<VerifyRecord> all = kept(report_of({target(true, 10, 0, 2), target(false, 7, 5, 0)}));
+  ASSERT_TRUE(all) << "--forms all";
+  EXPECT_TRUE(all->passed()) << "the differences are of the other shaders";
+  EXPECT_EQ(all->cases, 10U);
+}
+
+TEST(RecordOf, APartCountsOnlyWithADifference) {
+  EXPECT_EQ(kept(report_of({target(true, 10, 0, 0)}), "arg_min"), std::nullopt);
+  const std::optional<VerifyRecord> record = kept(report_of({target(true, 10, 3, 0)}), "arg_min");
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->differences, 3U);
+}
+
+TEST(RecordOf, ADeviceThatFailedIsRemembered) {
+  TargetReport failed;
+  failed.takes_own_forms = true;
+  failed.failure = "vulkan:0: vkQueueSubmit gave ErrorDeviceLost";
+  for (const char* filter : {"", "arg_min"}) {
+    const std::optional<VerifyRecord> record = kept(report_of({failed}), filter);
+    ASSERT_TRUE(record);
+    EXPECT_FALSE(record->passed());
+    EXPECT_EQ(record->failure, failed.failure);
+  }
+}
+
+TEST(RecordOf, TheCpuIsNoDevice) {
+  TargetReport cpu = target(false, 10, 3, 2);
+  cpu.is_vulkan = false;
+  EXPECT_EQ(kept(report_of({cpu})), std::nullopt);
+}
+
+}  // namespace
+}  // namespace gdtslam
