@@ -55,6 +55,23 @@ def no_vulkan_driver():
     everything_works_without(NO_DRIVER, "no driver")
 
 
+def vulkan_driver_that_does_not_load():
+    """A driver is installed and a library that it needs is not: the message leads to the loader's own, which names it."""
+    if not has_vulkan_part() or ctypes.util.find_library("vulkan") is None:
+        skip("there is no Vulkan loader here")
+    folder = fresh_folder("driver_does_not_load")
+    (folder / "libdriver.so").write_text("no library")
+    driver = {"file_format_version": "1.0.0", "ICD": {"library_path": str(folder / "libdriver.so"), "api_version": "1.3.0"}}
+    (folder / "driver.json").write_text(json.dumps(driver))
+    file = str(folder / "driver.json")
+    env = environment(VK_DRIVER_FILES=file, VK_ICD_FILENAMES=file, VK_ADD_DRIVER_FILES=None, VK_LOADER_DEBUG=None)
+    process = command("devices", env=env)
+    expect_exit(process, 0)
+    line = next(line for line in process.stdout.splitlines() if line.startswith("vulkan"))
+    expect("no driver" in line and "VK_LOADER_DEBUG=error" in line, line)
+    expect("libdriver.so" in command("devices", env={**env, "VK_LOADER_DEBUG": "error"}).stderr, "the loader names no library")
+
+
 def no_vulkan_loader():
     """No loader: a file of its name that is no library stands in its way."""
     if not has_vulkan_part():
@@ -134,6 +151,38 @@ def verify_of_a_part_is_not_remembered():
     for name in (device["device"], device["device"] + " wide", device["device"] + " narrow"):
         expect(f"\n{name}: " in "\n" + process.stdout, f"no part for {name}: {process.stdout}")
     expect(vulkan_devices(env=env)[0]["verified"] is None, "a part counts as the whole")
+
+
+def verify_of_other_shaders_leaves_the_record():
+    """Shaders that the device would not take are no verification of it: neither a pass nor a wipe of what went wrong."""
+    device = require_vulkan()[0]["device"]
+    folder = fresh_folder("other_shaders")
+    env = environment(XDG_CACHE_HOME=str(folder))
+    for forms in ("narrow", "wide"):
+        expect_exit(command("verify", "--device", device, "--forms", forms, "-q", env=env, timeout=280), 0)
+        expect(vulkan_devices(env=env)[0]["verified"] is None, f"--forms {forms} counts as a verification")
+    # A record that says otherwise, by a verification that the device fails.
+    expect_exit(command("verify", "arg_min", "--device", device, env={**env, "GDTSLAM_VULKAN_FAULT": "100:device-lost"}), 1)
+    failed = vulkan_devices(env=env)[0]["verified"]
+    expect(failed is not None and not failed["passed"], f"{failed}")
+    expect_exit(command("verify", "logs", "--device", device, "--forms", "narrow", env=env), 0)
+    expect(vulkan_devices(env=env)[0]["verified"] == failed, "--forms narrow wiped the record")
+
+
+def verify_remembers_a_device_that_fails():
+    """A device that fails on the way is not as if it had never been verified: `devices` says what failed."""
+    device = require_vulkan()[0]["device"]
+    env = environment(XDG_CACHE_HOME=str(fresh_folder("failed")))
+    process = command("verify", "--device", device, env={**env, "GDTSLAM_VULKAN_FAULT": "200:device-lost"})
+    expect_exit(process, 1)
+    one_error_line(process.stderr)
+    text = command("devices", "--json", env=env).stdout
+    cli.validate(text, "devices")
+    verified = json.loads(text)["vulkan"]["devices"][0]["verified"]
+    expect(verified is not None and not verified["passed"] and "ErrorDeviceLost" in verified["failure"], f"{verified}")
+    expect(verified["failure"] in process.stderr, f"{verified} but {process.stderr}")
+    text = command("devices", env=env).stdout
+    expect("FAILED while it was verified on" in text and "ErrorDeviceLost" in text, text)
 
 
 def copy_of_the_program(name):
@@ -242,7 +291,7 @@ def device_that_fails():
     wanted = results(mapped(folder / "cpu", *arguments[:-1], "cpu"))
     for call, at, code in (("vkCreateDevice", 1, "DeviceLost"), ("vkAllocateMemory", 1, "OutOfDeviceMemory"),
                            ("vkQueueSubmit", 1, "DeviceLost"), ("vkQueueSubmit", 25, "DeviceLost")):
-        env = failing(call, at)
+        env = {**failing(call, at), "XDG_CACHE_HOME": str(folder / "cache")}  # what fails here is not remembered elsewhere
         process = command("map", LOG, "-o", folder / "out", "--json", *arguments, env=env)
         expect_exit(process, 0)
         warnings = process.stderr.splitlines()

@@ -111,7 +111,8 @@ VulkanListing list_vulkan_devices() {
       }
     });
     if (listing.devices.empty()) {
-      listing.problem = "Vulkan finds no device on this machine";
+      listing.problem =
+          "Vulkan finds no device on this machine; VK_LOADER_DEBUG=error in the environment shows what its drivers say";
     }
   } catch (const Error& error) {
     listing.problem = error.what();

@@ -41,7 +41,9 @@ void require_validation_layer(const vk::raii::Context& context) {
 }
 
 void require_version(const vk::raii::Context& context) {
-  const std::uint32_t version = context.enumerateInstanceVersion();
+  // A loader of Vulkan 1.0 does not have the function.
+  const bool is_known = context.getDispatcher()->vkEnumerateInstanceVersion != nullptr;
+  const std::uint32_t version = is_known ? context.enumerateInstanceVersion() : VK_API_VERSION_1_0;
   if (version < kApiVersion) {
     throw UnavailableError("the Vulkan loader offers version " + std::to_string(VK_API_VERSION_MAJOR(version)) + "." +
                            std::to_string(VK_API_VERSION_MINOR(version)) + ", 1.2 is needed");
@@ -80,8 +82,9 @@ VulkanInstance make_instance(ValidationLog* log) {
     return {std::move(context), std::move(instance), std::move(messenger)};
   } catch (const vk::IncompatibleDriverError&) {
     throw UnavailableError(
-        "Vulkan finds no driver on this machine; install one (Debian package mesa-vulkan-drivers, or the maker's) or "
-        "use the CPU");
+        "Vulkan finds no driver on this machine that loads; install one (Debian package mesa-vulkan-drivers, or the "
+        "maker's), see with VK_LOADER_DEBUG=error in the environment why one that is installed does not load, or use "
+        "the CPU");
   }
 }
 
