@@ -120,42 +120,34 @@ void add_descent(std::vector<KernelCaseSource>& list, const DescentCase& shape, 
       list, name_of(shape) + what, [shape](const std::string& name) { return descent_case(name, shape); }, benchmark);
 }
 
-void add_descents(std::vector<KernelCaseSource>& list) {
+// Numbers of points and poses around the sizes of work groups, with and without a shape to find.
+void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
   constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 2},  {1, 1},   {7, 9},   {16, 1},
                                                                  {17, 5}, {180, 8}, {361, 17}};
-  for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
-    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) {
-      for (const auto& [points, poses] : kCounts) {
-        const DescentCase shape{
-            .points = points, .poses = poses, .interpolation = interpolation, .form = form, .prior = PriorKind::kWeak};
-        add_descent(list, shape);
-        DescentCase slow = shape;
-        slow.field = {97, 83, 100};
-        slow.room = false;
-        slow.prior = PriorKind::kNone;
-        add_descent(list, slow);
-      }
-      // More points than a uniform buffer takes, and few enough evaluations for an invocation a pose.
-      add_descent(list, {.points = 2101,
-                         .poses = 3,
-                         .interpolation = interpolation,
-                         .form = form,
-                         .prior = PriorKind::kWeak,
-                         .max_evaluations = 60});
-      add_descent(list, {.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
-      add_descent(list,
-                  {.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
-    }
+  for (const auto& [points, poses] : kCounts) {
+    const DescentCase shape{
+        .points = points, .poses = poses, .interpolation = interpolation, .form = form, .prior = PriorKind::kWeak};
+    add_descent(list, shape);
+    DescentCase slow = shape;
+    slow.field = {97, 83, 100};
+    slow.room = false;
+    slow.prior = PriorKind::kNone;
+    add_descent(list, slow);
   }
-  add_descent(list, {.poses = 0});
-  add_descent(list, {.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
-  add_descent(list, {.points = 361, .poses = 7});
-  add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 9});
-  for (std::uint32_t limit = 0; limit < 14; ++limit) {
-    add_descent(list, {.poses = 5, .max_evaluations = limit});
-  }
+  // More points than a uniform buffer takes, and few enough evaluations for an invocation a pose.
+  add_descent(list, {.points = 2101,
+                     .poses = 3,
+                     .interpolation = interpolation,
+                     .form = form,
+                     .prior = PriorKind::kWeak,
+                     .max_evaluations = 60});
+  add_descent(list, {.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
+  add_descent(list, {.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
+}
+
+// Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
+void add_longest_descents(std::vector<KernelCaseSource>& list) {
   add_descent(list, {.points = 17, .poses = 5, .max_evaluations = PoseSimplex::kMostEvaluations});
-  // Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
   add_descent(list, {.poses = 2, .max_evaluations = 4000, .stop_cells = 0.0F, .stop_rad = 0.0F, .odd_poses = false},
               ", to the limit");
   add_descent(list,
@@ -167,6 +159,9 @@ void add_descents(std::vector<KernelCaseSource>& list) {
                .stop_rad = 0.0F,
                .odd_poses = false},
               ", to the limit");
+}
+
+void add_descents_with_odd_sizes(std::vector<KernelCaseSource>& list) {
   // The fourth start lies on whole cells: its edges are halved without rounding and get just as long as these sizes.
   add_descent(list, {.points = 0, .poses = 4, .stop_cells = 0x1p-7F, .stop_rad = 1.0F}, ", size in x and y met");
   add_descent(list, {.points = 0, .poses = 4, .stop_cells = 9.0F, .stop_rad = 0.03F * 0x1p-8F}, ", size in theta met");
@@ -175,7 +170,10 @@ void add_descents(std::vector<KernelCaseSource>& list) {
   add_descent(list, {.stop_cells = 3.0e38F, .stop_rad = 3.0e38F}, ", any size is small");
   add_descent(list, {.max_evaluations = 90, .stop_cells = 0.0F}, ", no size in x and y is small");
   add_descent(list, {.max_evaluations = 90, .stop_rad = 0.0F}, ", no size in theta is small");
-  // Without a size to stop at, each goes to its limit, and rates are of look-ups that were made.
+}
+
+// Without a size to stop at, each goes to its limit, and rates are of look-ups that were made.
+void add_benchmark_descents(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
     add_descent(list,
                 {.field = {1024, 1024, 1024},
@@ -189,6 +187,22 @@ void add_descents(std::vector<KernelCaseSource>& list) {
                  .odd_poses = false},
                 ", to the limit", true);
   }
+}
+
+void add_descents(std::vector<KernelCaseSource>& list) {
+  for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
+    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents_of(list, interpolation, form);
+  }
+  add_descent(list, {.poses = 0});
+  add_descent(list, {.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
+  add_descent(list, {.points = 361, .poses = 7});
+  add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 9});
+  for (std::uint32_t limit = 0; limit < 14; ++limit) {
+    add_descent(list, {.poses = 5, .max_evaluations = limit});
+  }
+  add_longest_descents(list);
+  add_descents_with_odd_sizes(list);
+  add_benchmark_descents(list);
 }
 
 KernelCase draw_starts(const std::string& name, Random& random) {
