@@ -5,7 +5,6 @@
 
 #include "bench_rows.hpp"
 #include "gdtslam/compute/kernel_cases.hpp"
-#include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 
 namespace gdtslam {
@@ -43,21 +42,10 @@ Timing memcpy_timing(std::size_t bytes, const TimingOptions& options) {
   return measure({.step = copy}, options);
 }
 
-// Rows of so many bytes are copied whole by every backend.
-Timing device_copy_timing(Backend& backend, std::size_t bytes, const TimingOptions& options) {
-  constexpr std::uint32_t kRow = 1024;  // cells of two bytes
-  const auto height = static_cast<std::uint32_t>(std::max<std::size_t>(bytes / (2 * kRow), 1));
-  const std::size_t size = std::size_t{2} * kRow * height;
-  const Buffer from = backend.allocate(size);
-  const Buffer to = backend.allocate(size);
-  const FieldGrow::Params params{kRow, height, kRow, kRow, height, kRow, 0, 0, 0};
-  const auto copy = [&] { run<FieldGrow>(backend, params, {kRow, height, 1}, from, to); };
-  Timing timing = measure(work_on(backend, to, copy), options);
-  const double share = static_cast<double>(bytes) / static_cast<double>(size);  // whole rows are not quite the bytes
-  timing.wall_s *= share;
-  timing.cpu_s *= share;
-  if (timing.device_s) *timing.device_s *= share;
-  return timing;
+Timing device_copy_timing(VulkanBackend& device, std::size_t bytes, const TimingOptions& options) {
+  const Buffer from = device.allocate(bytes);
+  const Buffer to = device.allocate(bytes);
+  return measure(work_on(device, to, [&] { device.copy(from, to); }), options);
 }
 
 BenchRow bench_case(Backend& backend, const KernelCase& kernel_case, const TimingOptions& options) {
@@ -122,8 +110,8 @@ Work work_on(Backend& backend, const Buffer& last, std::function<void()> step) {
 
 double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options) {
   const std::size_t bytes = std::max<std::size_t>(traffic / 2, 1);
-  const bool is_cpu = backend.device().kind == "cpu";
-  const Timing timing = is_cpu ? memcpy_timing(bytes, options) : device_copy_timing(backend, bytes, options);
+  auto* const vulkan = dynamic_cast<VulkanBackend*>(&backend);
+  const Timing timing = vulkan != nullptr ? device_copy_timing(*vulkan, bytes, options) : memcpy_timing(bytes, options);
   return seconds_of(timing, basis_of(backend));
 }
 

@@ -40,8 +40,8 @@ std::function<double()> clock_of(Backend& backend);
 /// Steps on a backend: what waits for them, and the device's clock where it has one. The step ends by writing `last`.
 Work work_on(Backend& backend, const Buffer& last, std::function<void()> step);
 
-/// Time that a backend takes to copy so many bytes, read and written together, on its basis: memcpy on the CPU, the
-/// kernel field_grow without growth on a device.
+/// Time that a backend takes to copy so many bytes, read and written together, on its basis: memcpy on the CPU, a
+/// copy between two buffers of its own memory on a device.
 double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options);
 
 /// The kernels whose name contains the filter.

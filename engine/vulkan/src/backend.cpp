@@ -161,6 +161,16 @@ void VulkanBackendImpl::fill(const Buffer& target, std::uint32_t word) {
   guarded([&] { engine_->transfers.fill(memory, word); });
 }
 
+void VulkanBackendImpl::copy(const Buffer& source, const Buffer& target) {
+  DeviceBuffer& from = memory_of(source);
+  DeviceBuffer& to = memory_of(target);
+  if (from.bytes != to.bytes || source.id() == target.id()) {
+    throw error_of("a copy of " + std::to_string(from.bytes) + " bytes to " + std::to_string(to.bytes) +
+                   " bytes was asked for; it needs two buffers of one size");
+  }
+  guarded([&] { engine_->transfers.copy(from, to); });
+}
+
 PendingDownload VulkanBackendImpl::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
   DeviceBuffer& memory = part_of(source, bytes, offset, "download");
   return {guarded([&] { return engine_->transfers.start_download(memory, bytes, offset); }), bytes};

@@ -23,6 +23,7 @@ class VulkanBackendImpl final : public VulkanBackend {
   void fill(const Buffer& target, std::uint32_t word) override;
   void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> params,
                 Extent threads) override;
+  void copy(const Buffer& source, const Buffer& target) override;
   PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset) override;
   void finish_download(PendingDownload download, std::span<std::byte> data) override;
   void flush() override;

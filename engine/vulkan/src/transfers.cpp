@@ -59,6 +59,16 @@ void Transfers::fill(DeviceBuffer& target, std::uint32_t word) {
   target.is_fresh = false;
 }
 
+void Transfers::copy(DeviceBuffer& source, DeviceBuffer& target) {
+  make_ready(source);
+  barriers_.need(source.history, false);
+  begin_operation(target, true);
+  batches_.commands().copyBuffer(*source.handle, *target.handle, vk::BufferCopy(0, 0, source.padded_bytes));
+  note_operation(source, false);
+  note_operation(target, true);
+  target.is_fresh = false;
+}
+
 void Transfers::make_ready(DeviceBuffer& buffer) {
   if (buffer.is_fresh) {
     fill(buffer, 0);

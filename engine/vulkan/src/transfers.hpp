@@ -39,6 +39,8 @@ class Transfers {
 
   void upload(DeviceBuffer& target, std::span<const std::byte> data, std::size_t offset);
   void fill(DeviceBuffer& target, std::uint32_t word);
+  /// Both of one size.
+  void copy(DeviceBuffer& source, DeviceBuffer& target);
   /// Zeroes a buffer that nothing was written to so far.
   void make_ready(DeviceBuffer& buffer);
   std::uint64_t start_download(DeviceBuffer& source, std::size_t bytes, std::size_t offset);

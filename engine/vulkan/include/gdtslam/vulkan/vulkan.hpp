@@ -25,6 +25,7 @@ struct VulkanDeviceInfo {
   std::string driver;       ///< driver, its version, what it adds
   std::string api_version;  ///< for example "1.3.230"
   std::string problem;      ///< why it cannot be used; empty when it can
+  std::string uuid;         ///< which of several equal ones, 32 hexadecimal digits; empty where it cannot be used
   std::uint32_t vendor_id = 0;
   std::uint32_t device_id = 0;
   std::size_t memory_bytes = 0;  ///< of its largest device-local heap
@@ -48,7 +49,8 @@ struct VulkanListing {
 VulkanListing list_vulkan_devices();
 
 /// A fault to rehearse: the call number `at` (from 1) of the calls to the driver that can fail gives `code`; a lost
-/// device stays lost for every later call.
+/// device stays lost for every later call. The environment may ask for one where the options do not:
+/// GDTSLAM_VULKAN_FAULT=17:device-lost, 17:out-of-device-memory or 17:out-of-host-memory.
 struct VulkanFault {
   enum class Code : std::uint8_t { kOutOfDeviceMemory, kOutOfHostMemory, kDeviceLost };
   std::uint64_t at = 0;  ///< 0: none
@@ -65,7 +67,9 @@ enum class ShaderForms : std::uint8_t {
 struct VulkanOptions {
   std::optional<unsigned> index = std::nullopt;  ///< of the listing; the first hardware GPU when empty
   std::string cache_folder = {};                 ///< of the pipeline cache; empty: none is read or written
-  bool validation = false;     ///< with validation and synchronisation validation; each message throws DeviceError
+  /// With validation and synchronisation validation: a warning or an error of theirs throws DeviceError at the next
+  /// launch, flush or finished download. Also by GDTSLAM_VULKAN_VALIDATION=1. Needs the Khronos layer.
+  bool validation = false;
   double wait_limit_s = 30.0;  ///< a wait that takes longer is a lost device
   ShaderForms forms = ShaderForms::kByDevice;
   /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
@@ -86,6 +90,9 @@ class VulkanBackend : public Backend {
   [[nodiscard]] virtual double last_submission_ns() const = 0;
   /// Barriers recorded so far: those that the kernels' bindings and the transfers ask for.
   [[nodiscard]] virtual std::uint64_t barrier_count() const = 0;
+  /// Copies a buffer to another of the same size, in line with the other work: what the device's memory can do, for
+  /// benchmarks to compare with.
+  virtual void copy(const Buffer& source, const Buffer& target) = 0;
   /// Whether a pipeline cache of an earlier run was found and taken.
   [[nodiscard]] virtual bool cache_was_loaded() const = 0;
   /// Writes the pipeline cache where something was added to it, as the destructor does; false when that failed, which
