@@ -31,7 +31,8 @@ bool has_text(const Json& entry, const char* key, const std::string& text) {
 }
 
 bool is_of(const Json& entry, const VulkanDeviceInfo& device) {
-  return has_text(entry, "device", device.name) && has_text(entry, "driver", device.driver);
+  return has_text(entry, "device", device.name) && has_text(entry, "driver", device.driver) &&
+         has_text(entry, "uuid", device.uuid);
 }
 
 std::optional<std::uint64_t> count_in(const Json& entry, const char* key) {
@@ -86,6 +87,7 @@ void VerifyRecords::keep(const VulkanDeviceInfo& device, const VerifyRecord& rec
     if (!is_of(entry, device)) results.push_back(std::move(entry));
   }
   results.push_back({{"device", device.name},
+                     {"uuid", device.uuid},
                      {"driver", device.driver},
                      {"version", GDTSLAM_VERSION},
                      {"shaders", shaders_},

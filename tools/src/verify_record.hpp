@@ -1,7 +1,7 @@
 // What `gdtslam verify` found last on each device, kept in the cache folder so that `gdtslam devices` can tell and
-// `--device auto` can leave out a device that computes wrongly or fails. A result counts for the device, driver,
-// version of gdtslam and shaders that it was made with, and for no other. A file that cannot be read is as good as
-// none.
+// `--device auto` can leave out a device that computes wrongly or fails. A result counts for the device (one of several
+// equal ones has its UUID), driver, version of gdtslam and shaders that it was made with, and for no other. A file that
+// cannot be read is as good as none.
 #pragma once
 
 #include <cstdint>

@@ -35,6 +35,15 @@ std::string driver_text(const vk::PhysicalDeviceDriverProperties& driver) {
   return info.empty() ? name : name + " " + info;
 }
 
+std::string uuid_text(const vk::PhysicalDeviceIDProperties& ids) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : ids.deviceUUID) {
+    text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
+  }
+  return text;
+}
+
 std::size_t largest_local_heap(const vk::PhysicalDeviceMemoryProperties& memory) {
   vk::DeviceSize largest = 0;
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
@@ -89,7 +98,8 @@ VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index
   info.problem = problem_of(device, basic.apiVersion);
   if (basic.apiVersion >= VK_API_VERSION_1_2) {
     const auto more = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
-                                            vk::PhysicalDeviceSubgroupProperties>();
+                                            vk::PhysicalDeviceSubgroupProperties, vk::PhysicalDeviceIDProperties>();
+    info.uuid = uuid_text(more.get<vk::PhysicalDeviceIDProperties>());
     info.driver = driver_text(more.get<vk::PhysicalDeviceDriverProperties>());
     info.subgroup_size = more.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize;
   }

@@ -179,6 +179,21 @@ TEST_F(CacheTest, RecordsAreFoundForTheSameDeviceDriverAndShadersOnly) {
   EXPECT_EQ(records.find(gpu), std::nullopt);
 }
 
+TEST_F(CacheTest, EqualDevicesHaveEachTheirOwnRecord) {
+  const VerifyRecords records(work_.string(), "shaders");
+  VulkanDeviceInfo one = device(0, "GPU", "discrete");
+  VulkanDeviceInfo other = device(1, "GPU", "discrete");
+  one.uuid = "00112233445566778899aabbccddeeff";
+  other.uuid = "ffeeddccbbaa99887766554433221100";
+  records.keep(other, {"2026-01-02T03:04:05Z", 10, 2, 7});
+  EXPECT_EQ(records.find(one), std::nullopt) << "a fault of another";
+  records.keep(one, {"2026-01-03T03:04:05Z", 11, 2, 0});
+  ASSERT_TRUE(records.find(other)) << "wiped by another";
+  EXPECT_EQ(records.find(other)->differences, 7U);
+  one.index = 5;
+  EXPECT_TRUE(records.find(one)) << "another number, as when a device before it is taken out";
+}
+
 TEST_F(CacheTest, TheLastRecordOfADeviceCounts) {
   const VerifyRecords records(work_.string(), "shaders");
   const VulkanDeviceInfo gpu = device(0, "GPU", "discrete");

@@ -150,6 +150,7 @@ Json vulkan_json(const Inventory& all, const VulkanDeviceInfo& device) {
           {"name", device.name},
           {"kind", device.kind},
           {"driver", device.driver},
+          {"uuid", device.uuid},
           {"api_version", device.api_version},
           {"vendor_id", device.vendor_id},
           {"device_id", device.device_id},
