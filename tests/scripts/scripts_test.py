@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -344,6 +345,21 @@ class GpuServer(ScriptTest):
             self.assertEqual(self.prove(*wrong)[0].returncode, 2, wrong)
         (self.work / "out").mkdir()
         self.assertEqual(self.prove()[0].returncode, 2)
+
+
+class Variables(unittest.TestCase):
+    """What changes the behaviour from the environment can be looked up."""
+
+    def test_each_that_is_read_is_documented(self):
+        text = (ROOT / "CONTRIBUTING.md").read_text()
+        named = set()
+        for folder in ("engine", "tools/src", "tests"):
+            for file in (ROOT / folder).rglob("*.[ch]pp"):
+                source = file.read_text()
+                if "getenv" in source:
+                    named.update(re.findall(r'"(GDTSLAM_[A-Z_]+)"', source))
+        self.assertIn("GDTSLAM_VULKAN_FAULT", named)
+        self.assertEqual([name for name in sorted(named) if not re.search(f"`{name}[`=]", text)], [], "not in CONTRIBUTING.md")
 
 
 if __name__ == "__main__":
