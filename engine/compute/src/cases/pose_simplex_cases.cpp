@@ -54,6 +54,7 @@ struct DescentCase {
   float stop_cells = 0.01F;
   float stop_rad = 0.0002F;
   bool odd_poses = true;  ///< some of them far off
+  float turned = 0.0F;    ///< of all poses, out of the truth
 };
 
 std::string name_of(const DescentCase& shape) {
@@ -78,11 +79,11 @@ PriorParams make_prior(PriorKind kind, std::uint32_t points) {
 }
 
 /// Poses near the truth; one lies on whole cells without rotation, one off the map, one farther off than any map.
-std::vector<PolishedPose> make_poses(std::uint32_t count, bool odd, Random& random) {
+std::vector<PolishedPose> make_poses(std::uint32_t count, bool odd, float turned, Random& random) {
   std::vector<PolishedPose> poses(count);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     poses[i] = {around(kTruePose.x, 4.0, random), around(kTruePose.y, 4.0, random),
-                around(kTruePose.theta, 0.1, random)};
+                around(kTruePose.theta + turned, 0.1, random)};
     if (odd && i % 8 == 3) {
       poses[i] = {2.0F, -1.0F, 0.0F};
     } else if (odd && i % 8 == 5) {
@@ -110,7 +111,7 @@ KernelCase descent_case(const std::string& name, const DescentCase& shape) {
       .stop_rad = shape.stop_rad,
       .max_evaluations = shape.max_evaluations};
   auto buffers = scene_buffers(shape.field, shape.room, shape.cap, shape.points, random);
-  buffers.push_back(words_buffer(make_poses(shape.poses, shape.odd_poses, random)));
+  buffers.push_back(words_buffer(make_poses(shape.poses, shape.odd_poses, shape.turned, random)));
   return make_case<PoseSimplex>(name, params, {shape.poses, 1, 1}, std::move(buffers));
 }
 
@@ -143,6 +144,26 @@ void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpol
                      .max_evaluations = 60});
   add_descent(list, {.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
   add_descent(list, {.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
+}
+
+// At angles of every quarter turn, and at ones that no wrapping brought near zero; few points and more than a uniform
+// buffer takes.
+void add_turned_descents(std::vector<KernelCaseSource>& list) {
+  std::uint32_t turn = 0;
+  for (const float turned : {1.1F, 2.7F, -1.6F, -2.9F, 9.7F, -40.3F}) {
+    for (const std::uint32_t points : {61U, 2099U}) {
+      add_descent(list,
+                  {.room = false,
+                   .points = points,
+                   .poses = 2,
+                   .interpolation = turn++ % 2 == 0 ? Interpolation::kBilinear : Interpolation::kNearest,
+                   .max_evaluations = 60,
+                   .odd_poses = false,
+                   .turned = turned},
+                  ", turned " + std::to_string(turned));
+    }
+    ++turn;  // so that either number of points meets either interpolation
+  }
 }
 
 // Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
@@ -193,6 +214,7 @@ void add_descents(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
     for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents_of(list, interpolation, form);
   }
+  add_turned_descents(list);
   add_descent(list, {.poses = 0});
   add_descent(list, {.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
   add_descent(list, {.points = 361, .poses = 7});
