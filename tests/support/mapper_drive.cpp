@@ -40,9 +40,13 @@ std::vector<std::uint16_t> cells_of(const GlobalField& field) {
   return cells;
 }
 
-MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& config, Backend& backend) {
+MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& config, Backend& backend,
+                      const std::function<void()>& on_warning) {
   MappedDrive done;
-  const auto warn = [&done](const std::string& text) { done.warnings.push_back(text); };
+  const auto warn = [&](const std::string& text) {
+    done.warnings.push_back(text);
+    if (on_warning) on_warning();
+  };
   Mapper mapper(config, backend, {.fall_back = true, .cpu = {}, .warn = warn});
   for (const DriveScan& scan : scans) done.poses.push_back(mapper.process(scan.scan, scan.T_odom_base).T_map_base);
   done.cells = cells_of(mapper.field());

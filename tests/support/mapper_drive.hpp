@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,9 @@ struct MappedDrive {
   std::vector<std::string> warnings;
   std::string loss;  ///< Mapper::device_loss()
 };
-MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& config, Backend& backend);
+/// `on_warning` is called with each warning, at the moment it is given.
+MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& config, Backend& backend,
+                      const std::function<void()>& on_warning = {});
 
 /// The field's cells without what lies between its rows.
 std::vector<std::uint16_t> cells_of(const GlobalField& field);
