@@ -119,6 +119,7 @@ void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation,
   add_cost(list, {{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form});
   add_cost(list, {{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
   add_cost(list, {{97, 83, 100}, 33, 17, 700, 60.0, interpolation, form, 0, false, 5120});
+  add_cost(list, {{97, 83, 100}, 2101, 40, 5120, 60.0, interpolation, form});  // more than a uniform buffer takes
   for (const std::int32_t shift : {-(1 << 20), 1 << 20}) {
     add_cost(list, {{97, 83, 100}, 9, 5, 5120, 60.0, interpolation, form, shift});
   }
@@ -159,6 +160,13 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
   for (const CaseSize& size : kLargeSizes) {
     const CostCase shape{size, 361, 20000, 5120, 900.0, Interpolation::kBilinear, CostForm::kDistance};
     add_large_case<PoseCost>(list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); });
+  }
+  // As many candidates as fill a GPU with an invocation each.
+  for (const Interpolation interpolation : kInterpolations) {
+    for (const std::uint32_t points : {9U, 2053U}) {
+      add_cost(list, {{97, 83, 100}, points, 16387, 5120, 60.0, interpolation, CostForm::kDistance});
+    }
+    add_cost(list, {{97, 83, 100}, 9, 16387, 5120, 60.0, interpolation, CostForm::kSquared});
   }
   for (const Interpolation interpolation : kInterpolations) {
     add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, interpolation, CostForm::kDistance}, true);
