@@ -117,6 +117,7 @@ void add_sizes(std::vector<KernelCaseSource>& list) {
                  kNoChange);
     }
   }
+  add_choice(list, {.wide = 200, .form = CostForm::kSquared}, ", squares of 16 bits", kNoChange);
   for (std::uint32_t poses = 1; poses <= SmallestValues::kMost + 1; ++poses) {
     add_choice(list, {.points = 33, .poses = poses}, "", kNoChange);
   }
@@ -216,6 +217,12 @@ void add_leaps(std::vector<KernelCaseSource>& list) {
       p.leap_q8 = leap;
     });
   }
+  // A far pose that a leap makes cheap, of so high a cost that the product takes more than 32 bits.
+  add_choice(list, {.room = false, .points = 60000, .poses = 2, .map_cap = 65535, .wide = 65535}, ", a long product",
+             [](ChoosePose::Params& p, Poses& poses) {
+               poses = {pose_at(2.0F, -1.0F, 0.28F), pose_at(7.0F, -1.0F, 0.28F)};
+               p.leap_q8 = 64;
+             });
   add_choice(list, {}, ", nothing is far", [](ChoosePose::Params& p, Poses& poses) {
     set_apart(poses);
     p.leap_q8 = 26;

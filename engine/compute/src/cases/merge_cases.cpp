@@ -85,6 +85,7 @@ void add_merge_cases(std::vector<KernelCaseSource>& list) {
     }
   }
   add_merge(list, {{17, 16, 32}, 3, 0, MergeRule::kWorking, 70000, 70000});
+  add_merge(list, {{31, 5, 32}, 4001, 2});  // far from the left edge, in groups of any size
   add_merge(list, {{33, 16, 36}, 1, 2, MergeRule::kLiteral, 300, 200, 65535});
   add_merge(list, {{33, 16, 36}, 1, 2, MergeRule::kWorking, 300, 200, 0});
   for (const CaseSize& size : kLargeSizes) {

@@ -167,6 +167,9 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
       add_cost(list, {{97, 83, 100}, points, 16387, 5120, 60.0, interpolation, CostForm::kDistance});
     }
     add_cost(list, {{97, 83, 100}, 9, 16387, 5120, 60.0, interpolation, CostForm::kSquared});
+    for (const auto& [points, candidates] : {std::pair{9U, 16387U}, std::pair{2101U, 40U}, std::pair{9U, 40U}}) {
+      add_cost(list, {{97, 83, 100}, points, candidates, 200, 60.0, interpolation, CostForm::kSquared});  // 16 bits
+    }
   }
   for (const Interpolation interpolation : kInterpolations) {
     add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, interpolation, CostForm::kDistance}, true);

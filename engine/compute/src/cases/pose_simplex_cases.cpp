@@ -164,6 +164,10 @@ void add_turned_descents(std::vector<KernelCaseSource>& list) {
     }
     ++turn;  // so that either number of points meets either interpolation
   }
+  for (const std::uint32_t points : {61U, 2099U}) {
+    add_descent(list, {.room = false, .points = points, .cap = 200, .form = CostForm::kSquared, .max_evaluations = 60},
+                ", squares of 16 bits");
+  }
 }
 
 // Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
