@@ -219,8 +219,16 @@ void add_smallest_lists(std::vector<KernelCaseSource>& list) {
       add_falling(list, count, wanted, 64);
     }
   }
+  // The least value is the last one, at every place of a block that an invocation of a group of some size takes at
+  // once.
+  for (const auto& [group, wanted] : {std::pair{8U, 3U}, std::pair{128U, 4U}, std::pair{1024U, 5U}}) {
+    for (std::uint32_t place = 1; place < SmallestValues::kMost; ++place) {
+      add_falling(list, group * place + 1, wanted, 1);
+    }
+  }
   for (std::uint32_t count = 18; count < 63; ++count) {
-    add_smallest(list, count, 1 + count % SmallestValues::kMost, in_turn(kRanges, count));
+    add_smallest(list, count, 1 + count % SmallestValues::kMost,
+                 in_turn(kRanges, count + count / SmallestValues::kMost));
   }
   add_large_case<SmallestValues>(list, "16 among 16777259",
                                  [](const std::string& name) { return smallest_case(name, 16777259, 16, 1U << 31U); });
