@@ -83,6 +83,11 @@ std::vector<std::size_t> best_minima(const Lattice& lattice, std::uint32_t count
 std::uint32_t SearchWindow::count_xy() const { return 2 * samples_per_side(half_xy_cells, step_cells) + 1; }
 std::uint32_t SearchWindow::count_theta() const { return 2 * samples_per_side(half_theta_rad, step_rad) + 1; }
 
+bool SearchWindow::holds(const CellPose& pose) const {
+  return std::fabs(pose.x - centre.x) <= half_xy_cells && std::fabs(pose.y - centre.y) <= half_xy_cells &&
+         std::fabs(pose.theta - centre.theta) <= half_theta_rad;
+}
+
 bool SearchWindow::has_at_edge(const CellPose& pose) const {
   if (half_xy_cells <= 0.0F || half_theta_rad <= 0.0F) return false;
   constexpr float kSlack = 0.5F;  // steps

@@ -11,6 +11,8 @@ namespace {
 
 std::uint32_t q16(double share) { return static_cast<std::uint32_t>(std::lround(share * 65536.0)); }
 
+CellPose pose_of(const MatchVerdict& verdict) { return {verdict.x, verdict.y, verdict.theta}; }
+
 StopReason stop_of(std::uint32_t stop) {
   if (stop == 1) return StopReason::kConverged;
   return stop == 2 ? StopReason::kEvaluationLimit : StopReason::kNotRun;
@@ -39,35 +41,49 @@ void WindowMatcher::start(std::span<const PointCells> points, const Prediction& 
   reserve_on(*backend_, point_buffer_, points.size_bytes());
   backend_->upload(point_buffer_, std::as_bytes(std::span(ordered_points_)));
   attempts_ = 0;
-  launch();
+  launch(rules_.window(1.0));
 }
 
 MatchResult WindowMatcher::finish() {
-  MatchVerdict best;
-  Evidence evidence;
-  std::uint64_t evaluations = 0;
-  for (;;) {
+  MatchVerdict best = wait();
+  Evidence evidence = evidence_of(best);
+  std::uint64_t evaluations = samples_ + best.evaluations;
+  bool taken = best.chosen != 0;
+  SearchWindow before = window_;
+  while ((rules_.is_suspect(evidence) || (taken && window_.has_at_edge(pose_of(best)))) && launch_wider()) {
     const MatchVerdict found = wait();
     evaluations += samples_ + found.evaluations;
-    const bool first = attempts_ == 1;
-    const bool taken = first ? found.chosen != 0 : found.cost < best.cost;
-    if (first || taken) {
-      best = found;
-      evidence = evidence_of(found);
-    }
-    const bool at_edge = taken && window_.has_at_edge({found.x, found.y, found.theta});
-    if (attempts_ >= static_cast<std::uint32_t>(search_.attempts) || (!rules_.is_suspect(evidence) && !at_edge)) break;
-    launch();
+    taken = is_better(found, best, before);
+    before = window_;
+    if (!taken) continue;
+    best = found;
+    evidence = evidence_of(found);
   }
-  MatchResult result = rules_.judged({best.x, best.y, best.theta}, evidence);
+  MatchResult result = rules_.judged(pose_of(best), evidence);
   result.evaluations = static_cast<std::uint32_t>(evaluations);
   result.attempts = attempts_;
   return result;
 }
 
+// Somewhere far away something always looks alike. So what only the wider window holds must be clearly better, as any
+// pose that the odometry contradicts; CSAIL at half its rate is lost without this rule where its odometry fails.
+bool WindowMatcher::is_better(const MatchVerdict& found, const MatchVerdict& best, const SearchWindow& before) const {
+  const double share = by_odometry_ && !before.holds(pose_of(found)) ? doubt_.leap_gain : 1.0;
+  return static_cast<double>(found.cost) < share * static_cast<double>(best.cost);
+}
+
+// Twice as large a window, where one more may be tried and it would be larger at all.
+bool WindowMatcher::launch_wider() {
+  if (attempts_ >= static_cast<std::uint32_t>(search_.attempts)) return false;
+  const SearchWindow wider = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
+  if (wider.half_xy_cells <= window_.half_xy_cells && wider.half_theta_rad <= window_.half_theta_rad) return false;
+  launch(wider);
+  return true;
+}
+
 // One submission: from the points to the verdict.
-void WindowMatcher::launch() {
-  window_ = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
+void WindowMatcher::launch(const SearchWindow& window) {
+  window_ = window;
   samples_ = window_.count_xy() * window_.count_xy() * window_.count_theta();
   ++attempts_;
   launch_lattice();

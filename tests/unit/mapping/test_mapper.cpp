@@ -8,6 +8,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/mapper.hpp"
+#include "support/mapper_drive.hpp"
 #include "support/pose_matchers.hpp"
 #include "support/room.hpp"
 
@@ -29,8 +30,7 @@ class MapperTest : public testing::Test {
       results.push_back(mapper.process(scans_[i], odometry(i, truth_[i])));
     }
     statistics_ = mapper.statistics();
-    const auto cells = mapper.field().cells();
-    cells_.assign(cells.begin(), cells.end());
+    cells_ = test::cells_of(mapper.field());
     return results;
   }
 
@@ -107,15 +107,19 @@ TEST_F(MapperTest, SurvivesOdometryWithTheSignOfDrivingWrong) {
 }
 
 TEST_F(MapperTest, TheSameBitsInEveryInstructionSetAndWithThreads) {
-  const auto reference = map(good, {.threads = 1, .isa = Isa::kBaseline});
-  const std::vector<std::uint16_t> cells = cells_;
-  for (std::size_t isa = 0; isa <= static_cast<std::size_t>(best_isa()); ++isa) {
-    for (const unsigned threads : {1U, 2U, 3U}) {
-      const auto results = map(good, {.threads = threads, .isa = static_cast<Isa>(isa)});
-      EXPECT_EQ(cells_, cells) << name_of(static_cast<Isa>(isa)) << ' ' << threads;
-      for (std::size_t i = 0; i < results.size(); ++i) {
-        // Equality of doubles that are no NaN and no zero of either sign is equality of bits.
-        ASSERT_EQ(results[i].T_map_base, reference[i].T_map_base) << i;
+  for (const MatcherKind kind : {MatcherKind::kSimplex, MatcherKind::kExhaustive}) {
+    MapperConfig config;
+    config.match.matcher = kind;
+    const auto reference = map(good, {.threads = 1, .isa = Isa::kBaseline}, config);
+    const std::vector<std::uint16_t> cells = cells_;
+    for (std::size_t isa = 0; isa <= static_cast<std::size_t>(best_isa()); ++isa) {
+      for (const unsigned threads : {1U, 2U, 3U}) {
+        const auto results = map(good, {.threads = threads, .isa = static_cast<Isa>(isa)}, config);
+        EXPECT_EQ(cells_, cells) << name_of(static_cast<Isa>(isa)) << ' ' << threads;
+        for (std::size_t i = 0; i < results.size(); ++i) {
+          // Equality of doubles that are no NaN and no zero of either sign is equality of bits.
+          ASSERT_EQ(results[i].T_map_base, reference[i].T_map_base) << i;
+        }
       }
     }
   }

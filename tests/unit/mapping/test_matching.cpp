@@ -11,6 +11,7 @@
 #include "gdtslam/mapping/local_field.hpp"
 #include "gdtslam/mapping/scan_matcher.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
+#include "gdtslam/mapping/window_matcher.hpp"
 #include "support/pose_matchers.hpp"
 #include "support/room.hpp"
 
@@ -114,12 +115,43 @@ TEST_F(Matching, APriorPullsTowardsItsMeanAndOnlyThen) {
   EXPECT_EQ(objective.evaluate(pose), without);
 }
 
-TEST_F(Matching, AFarPredictionIsSuspectAndCuredByTheWindow) {
+// What every matcher must do.
+class Matchers : public Matching, public testing::WithParamInterface<MatcherKind> {
+ protected:
+  void SetUp() override {
+    Matching::SetUp();
+    if (GetParam() == MatcherKind::kExhaustive) {
+      matcher_ = std::make_unique<WindowMatcher>(config_, *backend_, map_);
+    } else {
+      matcher_ = std::make_unique<ScanMatcher>(config_, *backend_, map_);
+    }
+  }
+
+  std::unique_ptr<Matcher> matcher_;
+};
+
+TEST_P(Matchers, FindTheTruthFromNearby) {
+  for (const Pose2& truth : {Pose2{0.31, -0.17, 0.21}, Pose2{2.2, 0.4, -1.1}, Pose2{3.7, -0.6, 2.9}}) {
+    const Pose2 predicted = truth * Pose2{0.05, -0.04, 0.06};
+    const MatchResult result = matcher_->match(
+        scan_from(truth), {.T_map_base = predicted, .travelled_m = 0.1, .turned_rad = 0.1, .by_odometry = true}, false);
+    EXPECT_TRUE(result.accepted);
+    EXPECT_EQ(result.doubt, Doubt::kNone);
+    EXPECT_EQ(result.stop, StopReason::kConverged);
+    EXPECT_EQ(result.T_map_predicted, predicted);
+    EXPECT_THAT(result.T_map_base, PoseNear(truth, 0.02, 0.3));
+    EXPECT_GT(result.overlap, 0.9);
+    EXPECT_LT(result.contradiction, 0.05);
+    EXPECT_LT(result.mean_cost_m, 0.04);
+    EXPECT_GT(result.evaluations, 50U);
+  }
+}
+
+TEST_P(Matchers, CureAFarPredictionByAWindow) {
   const Pose2 truth{0.2, 0.1, 0.4};
-  ScanMatcher matcher(config_, *backend_, map_);
   for (const Pose2& error : {Pose2{0.4, -0.3, 0.4}, Pose2{-0.45, 0.2, -0.6}, Pose2{0.1, 0.1, 1.2}}) {
     const MatchResult result =
-        matcher.match(scan_from(truth), {.T_map_base = truth * error, .travelled_m = 0.1, .turned_rad = 0.1}, false);
+        matcher_->match(scan_from(truth), {.T_map_base = truth * error, .travelled_m = 0.1, .turned_rad = 0.1}, false);
     EXPECT_GT(result.attempts, 0U);
     EXPECT_TRUE(result.accepted);
     EXPECT_THAT(result.T_map_base, PoseNear(truth, 0.03, 0.5));
@@ -128,21 +160,74 @@ TEST_F(Matching, AFarPredictionIsSuspectAndCuredByTheWindow) {
   }
 }
 
-TEST_F(Matching, AScanOfAnotherRoomIsRefusedAndThePredictionKept) {
-  // A round room of 1.1 m fits nowhere in the rectangular one.
+TEST_P(Matchers, RefuseAScanOfAnotherRoomAndKeepThePrediction) {
+  // A round room of 1.3 m fits nowhere in the rectangular one.
   std::vector<PointCells> circle;
   for (int i = 0; i < 180; ++i) {
     const double a = rad_from_deg(2.0 * i);
     circle.push_back(
-        {static_cast<float>(std::cos(a) * 1.1 / resolution_m_), static_cast<float>(std::sin(a) * 1.1 / resolution_m_)});
+        {static_cast<float>(std::cos(a) * 1.3 / resolution_m_), static_cast<float>(std::sin(a) * 1.3 / resolution_m_)});
   }
-  ScanMatcher matcher(config_, *backend_, map_);
   const Pose2 predicted{4.5, 0.3, 0.0};
-  const MatchResult result =
-      matcher.match(circle, {.T_map_base = predicted, .travelled_m = 0.1, .turned_rad = 0.1}, false);
+  const MatchResult result = matcher_->match(
+      circle, {.T_map_base = predicted, .travelled_m = 0.1, .turned_rad = 0.1, .by_odometry = true}, false);
   EXPECT_FALSE(result.accepted) << result.overlap << " " << result.contradiction;
   EXPECT_NE(result.doubt, Doubt::kNone);
   EXPECT_EQ(result.T_map_base, predicted);
+}
+
+TEST_P(Matchers, TakeAsManyPointsAsThereMayBe) {
+  const Pose2 truth{0.31, -0.17, 0.21};
+  std::vector<PointCells> points;
+  while (points.size() < Matcher::kMostPoints) {
+    for (const PointCells& point : scan_from(truth)) points.push_back(point);
+  }
+  points.resize(Matcher::kMostPoints);
+  const MatchResult result =
+      matcher_->match(points, {.T_map_base = truth * Pose2{0.03, 0.02, 0.03}, .by_odometry = true}, false);
+  EXPECT_EQ(result.points, Matcher::kMostPoints);
+  EXPECT_THAT(result.T_map_base, PoseNear(truth, 0.02, 0.3));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Matchers, testing::Values(MatcherKind::kSimplex, MatcherKind::kExhaustive),
+                         [](const auto& kind) {
+                           return kind.param == MatcherKind::kSimplex ? "simplex" : "exhaustive";
+                         });
+
+// The whole window matcher against loops over its definition: the pose that it ends at costs no more, in points and
+// prior, than any sample of the window.
+TEST_F(Matching, NoSampleOfTheWindowBeatsWhatExhaustiveFinds) {
+  const Pose2 truth{0.4, -0.3, 0.5};
+  const std::vector<PointCells> points = scan_from(truth);
+  const Prediction prediction{
+      .T_map_base = truth * Pose2{0.15, 0.1, -0.1}, .travelled_m = 0.3, .turned_rad = 0.2, .by_odometry = true};
+  WindowMatcher matcher(config_, *backend_, map_);
+  const MatchResult result = matcher.match(points, prediction, false);
+  EXPECT_EQ(result.attempts, 1U);
+
+  MatchRules rules(config_);
+  rules.begin(prediction, points.size());
+  Objective objective(*backend_, map_, config_.match.interpolation, config_.match.cost);
+  objective.set_points(points);
+  objective.set_anchor(rules.anchor());
+  objective.set_prior(rules.prior());
+  objective.set_cap(rules.wide_gate());
+  const std::uint32_t found = objective.evaluate(objective.to_cells(result.T_map_base));
+  const SearchWindow window = rules.window(1.0);
+  std::uint32_t samples = 0;
+  const auto offset = [](std::uint32_t i, std::uint32_t count) {
+    return static_cast<float>(i) - static_cast<float>(count / 2);
+  };
+  for (std::uint32_t t = 0; t < window.count_theta(); ++t) {
+    for (std::uint32_t y = 0; y < window.count_xy(); ++y) {
+      for (std::uint32_t x = 0; x < window.count_xy(); ++x, ++samples) {
+        ASSERT_LE(found, objective.evaluate({window.centre.x + offset(x, window.count_xy()) * window.step_cells,
+                                             window.centre.y + offset(y, window.count_xy()) * window.step_cells,
+                                             window.centre.theta + offset(t, window.count_theta()) * window.step_rad}));
+      }
+    }
+  }
+  EXPECT_GT(result.evaluations, samples) << "descents count too";
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ struct SearchWindow {
 
   [[nodiscard]] std::uint32_t count_xy() const;  ///< samples along x (and along y)
   [[nodiscard]] std::uint32_t count_theta() const;
+  [[nodiscard]] bool holds(const CellPose& pose) const;
   /// Whether a pose lies within half a step of the edge; a window without extent has none.
   [[nodiscard]] bool has_at_edge(const CellPose& pose) const;
 };

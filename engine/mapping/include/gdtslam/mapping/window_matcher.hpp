@@ -26,11 +26,13 @@ class WindowMatcher final : public Matcher {
   MatchResult finish() override;
 
  private:
-  void launch();
+  bool launch_wider();
+  void launch(const SearchWindow& window);
   void launch_lattice();
   void launch_descents();
   void launch_choice();
   [[nodiscard]] MatchVerdict wait();
+  [[nodiscard]] bool is_better(const MatchVerdict& found, const MatchVerdict& best, const SearchWindow& before) const;
   [[nodiscard]] Evidence evidence_of(const MatchVerdict& verdict) const;
   [[nodiscard]] PoseCost::Params cost_params(std::uint32_t points, std::uint32_t cap) const;
   [[nodiscard]] PriorParams prior_params(double share) const;
