@@ -2,5 +2,5 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #define POINTS readonly buffer Points
-#define MOST_ELEMENTS 
+#define MOST_ELEMENTS
 #include "common/pose_cost_four.glsl"
