@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/matcher.hpp"
 
 namespace gdtslam {
 namespace {
@@ -40,18 +42,22 @@ void add_map_options(MapperConfig& c, std::vector<Option>& table) {
 }
 
 void add_match_options(MapperConfig& c, std::vector<Option>& table) {
-  table.push_back({"match.matcher", "optimizer of (4)", Unit::kNone, 0, 0, Choice(c.match.matcher, kMatchers)});
+  table.push_back({"match.matcher",
+                   "optimizer of (4): simplex, or exhaustive, a window for each scan, all on the device", Unit::kNone,
+                   0, 0, Choice(c.match.matcher, kMatchers)});
   table.push_back(
       {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
   table.push_back({"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
                    Choice(c.match.interpolation, kInterpolations)});
-  table.push_back({"gate.wide", "first gate of (8): points farther from the map do not count", Unit::kMetre, 0.01, 10.0,
-                   &c.gate.wide_m});
+  table.push_back(
+      {"gate.wide",
+       "first gate of (8): points farther from the map do not count; with exhaustive they count as the gate",
+       Unit::kMetre, 0.01, 10.0, &c.gate.wide_m});
   table.push_back(
       {"gate.final", "last gate, the paper's 20 m * sin 0.25 deg", Unit::kMetre, 0.01, 10.0, &c.gate.final_m});
   table.push_back({"gate.narrowing", "factor from one gate to the next", Unit::kShare, 0.05, 0.95, &c.gate.narrowing});
-  table.push_back({"gate.min_share", "a gate never leaves a smaller share of the points", Unit::kShare, 0.0, 1.0,
-                   &c.gate.min_share});
+  table.push_back({"gate.min_share", "a gate of simplex never leaves a smaller share of the points", Unit::kShare, 0.0,
+                   1.0, &c.gate.min_share});
   table.push_back({"prior.weight", "mean cost in cells of one standard deviation from the prediction", Unit::kCell, 0.0,
                    10.0, &c.prior.weight});
   table.push_back({"prior.limit", "beyond so many standard deviations the prior costs no more", Unit::kNone, 0.1,
@@ -66,7 +72,8 @@ void add_match_options(MapperConfig& c, std::vector<Option>& table) {
 }
 
 void add_search_options(MapperConfig& c, std::vector<Option>& table) {
-  table.push_back({"search.when", "when a window is searched", Unit::kNone, 0, 0, Choice(c.search.when, kSearchTimes)});
+  table.push_back({"search.when", "when simplex searches a window; exhaustive always does", Unit::kNone, 0, 0,
+                   Choice(c.search.when, kSearchTimes)});
   table.push_back(
       {"search.half_width", "half width of the window at rest", Unit::kMetre, 0.0, 100.0, &c.search.half_m});
   table.push_back(
@@ -77,11 +84,12 @@ void add_search_options(MapperConfig& c, std::vector<Option>& table) {
       {"search.half_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.search.half_per_rad});
   table.push_back({"search.step", "spacing of the samples", Unit::kMetre, 0.005, 10.0, &c.search.step_m});
   table.push_back({"search.step_angle", "spacing of the angles", Unit::kRadian, 0.0005, 3.15, &c.search.step_rad});
-  table.push_back({"search.starts", "best local minima that are polished", Unit::kNone, 1, 64, &c.search.starts});
+  table.push_back({"search.starts", "best local minima that are polished", Unit::kNone, 1, SmallestValues::kMost,
+                   &c.search.starts});
   table.push_back(
       {"search.max_half_width", "the window never grows beyond this", Unit::kMetre, 0.0, 1000.0, &c.search.max_half_m});
-  table.push_back({"search.max_points", "a scan is thinned to this many points for the window", Unit::kNone, 8, 65537,
-                   &c.search.max_points});
+  table.push_back({"search.max_points", "a scan is thinned to this many points for the window", Unit::kNone, 8,
+                   Matcher::kMostPoints, &c.search.max_points});
   table.push_back({"search.attempts", "windows tried, each twice as large, while the match is in doubt", Unit::kNone, 1,
                    8, &c.search.attempts});
 }

@@ -138,12 +138,13 @@ void GlobalField::look_for_shared_memory() {
 std::size_t GlobalField::journal_length() const { return copy_->journal_length(); }
 
 void GlobalField::start_checkpoint() {
-  checkpoint_.emplace();
-  checkpoint_->snapshot = backend_->allocate(cells_of(box_) * sizeof(std::uint16_t));
-  checkpoint_->box = box_;
-  checkpoint_->keyframes = copy_->keyframes();
-  checkpoint_->cells.resize(cells_of(box_));
-  copy_field(checkpoint_->snapshot);
+  Checkpoint begun;
+  begun.snapshot = backend_->allocate(cells_of(box_) * sizeof(std::uint16_t));
+  begun.box = box_;
+  begun.keyframes = copy_->keyframes();
+  begun.cells.resize(cells_of(box_));
+  copy_field(begun.snapshot);
+  checkpoint_ = std::move(begun);
 }
 
 void GlobalField::continue_checkpoint() {
