@@ -216,7 +216,8 @@ TEST_F(Matching, NoSampleOfTheWindowBeatsWhatExhaustiveFinds) {
   const SearchWindow window = rules.window(1.0);
   std::uint32_t samples = 0;
   const auto offset = [](std::uint32_t i, std::uint32_t count) {
-    return static_cast<float>(i) - static_cast<float>(count / 2);
+    const std::uint32_t middle = count / 2;
+    return static_cast<float>(i) - static_cast<float>(middle);
   };
   for (std::uint32_t t = 0; t < window.count_theta(); ++t) {
     for (std::uint32_t y = 0; y < window.count_xy(); ++y) {
