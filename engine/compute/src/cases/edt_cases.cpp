@@ -109,6 +109,10 @@ void add_grids(std::vector<KernelCaseSource>& list, const std::uint32_t (&radii)
     add_grid<Pass>(list, {size, SeedPattern::kNone, radii[kCount - 1]});
     add_grid<Pass>(list, {size, SeedPattern::kOne, radii[kCount - 1]});
     add_grid<Pass>(list, {size, SeedPattern::kSparse, radii[0]});
+    add_grid<Pass>(list, {size, SeedPattern::kCorners, radii[kCount - 1]});  // all that is near is at the edges
+  }
+  for (const CaseSize& size : {CaseSize{257, 131, 288}, CaseSize{129, 40, 132}, CaseSize{33, 19, 36}}) {
+    add_grid<Pass>(list, {size, SeedPattern::kCorners, radii[kCount - 1]});
   }
   for (const CaseSize& size : kLargeSizes) {
     const EdtGrid grid{size, SeedPattern::kWalls, radii[kCount / 2]};
