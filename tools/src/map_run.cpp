@@ -3,43 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
 #include "log_check.hpp"
+#include "stopwatch.hpp"
 
 namespace gdtslam {
 namespace {
-
-// Wall and CPU time since the last look at it.
-class Stopwatch {
- public:
-  void restart() {
-    start_ = Clock::now();
-    cpu_start_s_ = process_cpu_s();
-  }
-  void add_to(double& wall_s) {
-    double unused_s = 0.0;
-    add_to(wall_s, unused_s);
-  }
-  void add_to(double& wall_s, double& cpu_s) {
-    const Clock::time_point start = start_;
-    const double cpu_start_s = cpu_start_s_;
-    restart();
-    wall_s += std::chrono::duration<double>(start_ - start).count();
-    cpu_s += cpu_start_s_ - cpu_start_s;
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-  double cpu_start_s_ = process_cpu_s();
-};
 
 OccupancyBuilder::Limits limits_of(const MapperConfig& config) {
   return {.resolution_m = config.map.resolution_m,
@@ -49,12 +23,6 @@ OccupancyBuilder::Limits limits_of(const MapperConfig& config) {
 }
 
 }  // namespace
-
-double process_cpu_s() {
-  timespec time{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 MapRun::MapRun(const MapJob& job, Backend& backend)
     : with_occupancy_(job.with_occupancy),
@@ -104,8 +72,7 @@ void MapRun::require_a_map(const MapOutcome& outcome) const {
 // The next scan is read while the device works on this one. What the reader has to complain of in it counts once this
 // one is done.
 MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop,
-                             MapOutcome& outcome) {
-  Stopwatch watch;
+                             Stopwatch& watch, MapOutcome& outcome) {
   mapper_.start(scan.scan, scan.T_odom_base);
   watch.add_to(outcome.mapper_s, outcome.mapper_cpu_s);
   try {
@@ -130,14 +97,13 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   watch.add_to(outcome.read_s);
   while (next.scan && !stop()) {
     const ScanRecord record = *std::exchange(next.scan, std::nullopt);
-    const MatchResult result = map_scan(record, next, stop, outcome);
-    watch.restart();
+    const MatchResult result = map_scan(record, next, stop, watch, outcome);
     if (with_occupancy_ && result.accepted) occupancy_.add(record.scan, result.T_map_base);
     note(result, outcome);
     first_s = std::min(first_s, result.stamp_s);
     last_s = std::max(last_s, result.stamp_s);
-    watch.add_to(outcome.occupancy_s);
     progress(outcome.trajectory.size(), scans_.progress());
+    watch.add_to(outcome.occupancy_s);
     if (next.problem && !stop()) std::rethrow_exception(next.problem);
   }
   outcome.interrupted = stop();
@@ -145,7 +111,6 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   outcome.statistics = mapper_.statistics();
   outcome.device_loss = mapper_.device_loss();
   require_a_map(outcome);
-  watch.restart();
   if (with_occupancy_) outcome.occupancy = occupancy_.build();
   watch.add_to(outcome.occupancy_s);
   outcome.log_duration_s = last_s - first_s;

@@ -17,6 +17,8 @@
 
 namespace gdtslam {
 
+class Stopwatch;
+
 /// What to map, and how.
 struct MapJob {
   std::vector<std::string> logs;
@@ -77,7 +79,8 @@ class MapRun {
   };
 
   std::optional<ScanRecord> next_scan(const std::function<bool()>& stop);
-  MatchResult map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop, MapOutcome& outcome);
+  MatchResult map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop, Stopwatch& watch,
+                       MapOutcome& outcome);
   void note(const MatchResult& result, MapOutcome& outcome) const;
   void require_a_map(const MapOutcome& outcome) const;
 
@@ -89,8 +92,5 @@ class MapRun {
   Mapper mapper_;
   OccupancyBuilder occupancy_;
 };
-
-/// CPU time of this process so far, seconds.
-double process_cpu_s();
 
 }  // namespace gdtslam

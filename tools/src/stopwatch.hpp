@@ -1,0 +1,38 @@
+// Wall and CPU time since the last look at it, handed to one account after the other, so that nothing falls between
+// two. One watch belongs to one thread; the CPU time is that of all threads of the process.
+#pragma once
+
+#include <chrono>
+#include <ctime>
+
+namespace gdtslam {
+
+class Stopwatch {
+ public:
+  void add_to(double& wall_s) {
+    double unused_s = 0.0;
+    add_to(wall_s, unused_s);
+  }
+  void add_to(double& wall_s, double& cpu_s) {
+    const Clock::time_point now = Clock::now();
+    const double cpu_now_s = process_cpu_s();
+    wall_s += std::chrono::duration<double>(now - start_).count();
+    cpu_s += cpu_now_s - cpu_start_s_;
+    start_ = now;
+    cpu_start_s_ = cpu_now_s;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  static double process_cpu_s() {
+    timespec time{};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
+  Clock::time_point start_ = Clock::now();
+  double cpu_start_s_ = process_cpu_s();
+};
+
+}  // namespace gdtslam
