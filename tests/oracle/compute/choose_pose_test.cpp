@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <numeric>
 #include <vector>
 
@@ -49,7 +51,8 @@ MatchVerdict choose(ChoosePose::Params params, const std::vector<int>& columns,
     const Buffer verdict = backend->allocate(sizeof(MatchVerdict));
     run<ChoosePose>(*backend, params, {}, uploaded(field), uploaded(points), uploaded(poses), verdict);
     backend->download(verdict, std::as_writable_bytes(std::span(&verdicts.emplace_back(), 1)));
-    EXPECT_EQ(std::memcmp(&verdicts.back(), &verdicts.front(), sizeof(MatchVerdict)), 0) << name_of(isa);
+    using Words = std::array<std::uint32_t, sizeof(MatchVerdict) / sizeof(std::uint32_t)>;
+    EXPECT_EQ(std::bit_cast<Words>(verdicts.back()), std::bit_cast<Words>(verdicts.front())) << name_of(isa);
   }
   return verdicts.front();
 }

@@ -68,8 +68,8 @@ class UnavailableError : public Error {
   explicit UnavailableError(const std::string& message) : Error(ExitCode::kUnavailable, message) {}
 };
 
-/// A call of a device's driver that failed while running (exit 1): the device is lost or out of memory, and nothing more
-/// should be asked of it. What the host keeps is intact, so the work can go on elsewhere.
+/// A call of a device's driver that failed while running (exit 1): the device is lost or out of memory, and nothing
+/// more should be asked of it. What the host keeps is intact, so the work can go on elsewhere.
 class DeviceError : public Error {
  public:
   /// The call as the interface names it and the code that it gave, for example "vkQueueSubmit", "ErrorDeviceLost".
