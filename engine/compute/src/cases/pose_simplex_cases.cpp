@@ -223,7 +223,7 @@ void add_descents(std::vector<KernelCaseSource>& list) {
   add_descent(list, {.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
   add_descent(list, {.points = 361, .poses = 7});
   add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 9});
-  add_descent(list, {.points = 65537, .poses = 2, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 0});
+  add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 0});
   for (std::uint32_t limit = 0; limit < 14; ++limit) {
     add_descent(list, {.poses = 5, .max_evaluations = limit});
   }
