@@ -49,6 +49,7 @@ static Function replaced(const char* name, Function real) {
 
 static Function device_address(void* device, const char* name) { return replaced(name, g_device_address(device, name)); }
 
+// NOLINTNEXTLINE(readability-identifier-naming): the loader's name
 __attribute__((visibility("default"))) Function vkGetInstanceProcAddr(void* instance, const char* name) {
   static GetProcAddr real = NULL;
   if (real == NULL) {

@@ -14,7 +14,8 @@ float sum(float a, float b) { return static_cast<float>(static_cast<double>(a) +
 float product(float a, float b) { return static_cast<float>(static_cast<double>(a) * static_cast<double>(b)); }
 
 float coordinate(float centre, std::int64_t i, std::int64_t count, float step) {
-  const float steps = sum(static_cast<float>(i), -static_cast<float>(count / 2));
+  const std::int64_t middle = count / 2;
+  const float steps = sum(static_cast<float>(i), -static_cast<float>(middle));
   return sum(centre, product(steps, step));
 }
 
