@@ -20,7 +20,7 @@ fs::path absolute_from(const char* variable) {
 }
 
 fs::path base_folder() {
-  const fs::path named = absolute_from("XDG_CACHE_HOME");
+  fs::path named = absolute_from("XDG_CACHE_HOME");
   if (!named.empty()) return named;
   const fs::path home = absolute_from("HOME");
   return home.empty() ? home : home / ".cache";
