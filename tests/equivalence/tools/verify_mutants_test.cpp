@@ -1,0 +1,201 @@
+// What `gdtslam verify` does must find a shader that is wrong in one literal, in every shader of the build.
+// GDTSLAM_ALL_MUTANTS=1 tries every literal of every shader, about 1,500 and a quarter of an hour, else some of each.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "support/spirv_mutants.hpp"
+#include "support/vulkan_device.hpp"
+#include "verify_kernels.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::ConstantUse;
+
+/// The cases of a kernel that a quick verification runs, built once, the small ones first.
+const std::vector<KernelCase>& cases_of(std::string_view kernel) {
+  static std::map<std::string, std::vector<KernelCase>, std::less<>> all;
+  const auto found = all.find(kernel);
+  if (found != all.end()) return found->second;
+  std::vector<KernelCase>& list = all[std::string(kernel)];
+  for (const KernelCaseSource& source : kernel_cases()) {
+    if (source.kernel->name == kernel && !source.large) list.push_back(source.make());
+  }
+  return list;
+}
+
+/// How a verification of one kernel with a changed shader ends.
+enum class Outcome : std::uint8_t { kFound, kNotFound, kNotUsed };
+
+Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words, ShaderForms forms) {
+  bool used = false;
+  VulkanOptions options;
+  options.forms = forms;
+  options.wait_limit_s = 10.0;
+  options.edit_shader = [&](std::string_view name, std::vector<std::uint32_t>& spirv) {
+    if (name != shader.name) return;
+    used = true;
+    spirv = words;
+  };
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  try {
+    const std::unique_ptr<VulkanBackend> device = test::test_backend(options);
+    KernelVerifier verifier(*cpu, *device, Proof::kDeviceDidIt);
+    for (const KernelCase& kernel_case : cases_of(shader.kernel)) {
+      verifier.check(kernel_case);
+      if (verifier.verdicts().front().differences() > 0) return Outcome::kFound;
+    }
+  } catch (const DeviceError&) {
+    return Outcome::kFound;  // the command ends with it, and with exit 1
+  }
+  return used ? Outcome::kNotFound : Outcome::kNotUsed;
+}
+
+Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words) {
+  const bool is_wide = shader.name.find("narrow") == std::string_view::npos;
+  const ShaderForms order[] = {is_wide ? ShaderForms::kWide : ShaderForms::kNarrow,
+                               is_wide ? ShaderForms::kNarrow : ShaderForms::kWide};
+  Outcome outcome = Outcome::kNotUsed;
+  for (const ShaderForms forms : order) {
+    const Outcome here = verify_with(shader, words, forms);
+    if (here == Outcome::kFound) return here;
+    if (here == Outcome::kNotFound) outcome = here;
+  }
+  return outcome;
+}
+
+/// Uses of a literal that a shader may have changed without any value changing, and why; the shader is the beginning of
+/// its name. `most` of them may stay unseen. What only costs time is here too: a block more that holds nothing, a load
+/// whose value is thrown away.
+struct Equivalent {
+  std::string_view shader;
+  std::string_view what;
+  std::size_t most = 1;
+  std::string_view why;
+};
+constexpr Equivalent kEquivalents[] = {
+    {"", "FOrdGreaterThan -1.07374182e+09", 1, "any limit between the map and 2^31 leaves the point at the same edge"},
+    {"", "Select -1.07374182e+09", 1, "the same"},
+    {"", "FOrdLessThan 1.07374182e+09", 1, "the same"},
+    {"", "Select 1.07374182e+09", 1, "the same"},
+    {"", "SGreaterThan 16", 1, "twice a number of bits is even, so more than 16 is more than 17"},
+    {"", "FMul 6.07710063e-11", 1, "the last part of a quarter turn: below 1e-8 cells at every angle of a pose"},
+    {"", "FSub 1", 1, "what the head of a cosine has too much its tail has too little"},
+    {"arg_min", "IAdd 3", 2, "a quad more, all of whose costs lie beyond the count"},
+    {"arg_min", "IEqual 0", 1, "another invocation writes what this one would"},
+    {"choose_pose", "ULessThan 17", 1, "a place that no pose has"},
+    {"choose_pose", "IEqual 0", 1, "another invocation decides, on the same sums"},
+    {"choose_pose", "FMul 2.44306702e-05", 1,
+     "less than the 256th of a cell that a verdict can tell; pose_cost shows it"},
+    {"choose_pose", "IMul 65536", 1, "a share that is off by one 65536th of itself"},
+    {"choose_pose", "Store 0", 2, "set for the first pose before it is read"},
+    {"edt_full_columns_wide", "Select 0", 1, "invocations beyond the grid look at some column and keep nothing"},
+    {"edt_full_rows_narrow", "SGreaterThan 0", 1, "the lowest parabola may stay below others although it is hidden"},
+    {"edt_full_rows_narrow", "SLessThan 0", 1,
+     "corrects quotients that are wrong beyond 2^24 only, in rows of --large"},
+    {"edt_full_rows_narrow", "Select 4294967295", 1, "the same"},
+    {"edt_full_rows_narrow", "Select 1", 1, "the same"},
+    {"edt_full_rows_wide", "IAdd 32", 1, "a block more, which is empty"},
+    {"edt_full_rows_wide", "IAdd 3", 1, "a quad more, all of whose cells lie beyond the row"},
+    {"edt_full_rows_wide", "Store 32767", 1, "every block has a quad, and no quad has more than this"},
+    {"edt_full_rows_wide", "INotEqual 32767", 1, "looks into blocks without a seed and finds nothing"},
+    {"edt_full_rows_wide", "ULessThan 8", 1, "looks at a quad of the next block too"},
+    {"edt_full_rows_wide", "ULessThan 16", 1, "looks at one cell more before it goes on by blocks"},
+    {"edt_rows_narrow", "SGreaterThanEqual 0", 1, "column 0 is read for want of another as well"},
+    {"edt_rows_narrow", "Store 0", 1, "what is read for want of another is thrown away"},
+    {"field_grow", "Store 0", 1, "what is read for want of another is thrown away"},
+    {"jump_flood_step_narrow", "Select 1", 1, "true is anything but 0"},
+    {"lattice_minima", "UGreaterThan 0", 1, "pieces of several samples begin at multiples of their length"},
+    {"lattice_minima", "Select 0", 1, "what is read for want of another is thrown away"},
+    {"pose_cost_group", "Select 0", 1, "groups beyond the batch cost some candidate and keep nothing"},
+    {"pose_cost_group", "Store 0", 1, "groups beyond the batch keep nothing"},
+    {"pose_cost_group", "IEqual 0", 1, "another invocation writes what this one would"},
+    {"pose_simplex_narrow", "Select 3", 1, "what is neither of the other purposes is a contraction"},
+    {"pose_simplex_narrow", "UDiv 8", 1, "the points beyond the last eight are taken one by one"},
+    {"pose_simplex_narrow_uniform", "Select 4294967295", 1, "so few points cannot overflow"},
+    {"pose_simplex_wide", "Select 3", 1, "what is neither of the other purposes is a contraction"},
+    {"pose_simplex_wide", "ULessThan 3", 1, "makes one word more zero, which nobody reads"},
+    {"pose_simplex_wide", "Store 0", 1, "any of the three sums may be the first"},
+    {"pose_simplex_wide", "IEqual 2", 1, "four sums in turn do what three do"},
+    {"pose_simplex_wide", "IEqual 0", 2, "another invocation makes zero, or writes, what this one would"},
+    {"smallest_values_wide", "UDiv 32", 1, "runs of another length merge to the same"},
+    {"smallest_values_narrow", "IEqual 0", 1, "another invocation merges the same lists"},
+    {"smallest_values", "UGreaterThanEqual 15", 1, "the last place counts whatever is wanted"},
+    {"smallest_values", "Store 4294967295", 1, "goes through the list once more and changes nothing"},
+    {"smallest_values", "Select 4294967295", 1, "the first place of a block always has a value"},
+};
+
+/// How many uses of that text may stay unseen in a shader.
+std::size_t allowed(std::string_view shader, std::string_view what) {
+  std::size_t most = 0;
+  for (const Equivalent& e : kEquivalents) {
+    if (shader.starts_with(e.shader) && e.what == what) most += e.most;
+  }
+  return most;
+}
+
+bool wants_all() {
+  const char* const value = std::getenv("GDTSLAM_ALL_MUTANTS");
+  return value != nullptr && std::string_view(value) == "1";
+}
+
+/// Some of the uses, spread over the shader, or all of them.
+std::vector<ConstantUse> tried(const ShaderModule& shader) {
+  constexpr std::size_t kTried = 4;
+  std::vector<ConstantUse> uses = test::constant_uses(shader.spirv);
+  if (wants_all() || uses.size() <= kTried) return uses;
+  std::vector<ConstantUse> some;
+  for (std::size_t k = 0; k < kTried; ++k) some.push_back(uses[(2 * k + 1) * uses.size() / (2 * kTried)]);
+  return some;
+}
+
+class VerifyMutants : public testing::TestWithParam<std::string> {};
+
+TEST_P(VerifyMutants, AreFound) {
+  GDTSLAM_NEEDS_VULKAN();
+  const auto all = shader_modules();
+  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.name == GetParam(); });
+  ASSERT_NE(shader, all.end());
+  const std::vector<ConstantUse> uses = tried(*shader);
+  ASSERT_FALSE(uses.empty()) << "no literal to change";
+  std::map<std::string, std::vector<std::size_t>> unseen;  // by text, the words where they are
+  for (const ConstantUse& use : uses) {
+    const Outcome outcome = verify_with(*shader, test::mutant(shader->spirv, use));
+    ASSERT_NE(outcome, Outcome::kNotUsed) << "no case uses the shader";
+    if (outcome == Outcome::kNotFound) unseen[use.what].push_back(use.at);
+  }
+  for (const auto& [what, words] : unseen) {
+    EXPECT_LE(words.size(), allowed(GetParam(), what))
+        << what << " at word " << testing::PrintToString(words) << ": changed, and nothing found it";
+  }
+}
+
+// The same way of looking finds nothing where nothing was changed.
+TEST_P(VerifyMutants, NoneMeansNoDifference) {
+  GDTSLAM_NEEDS_VULKAN();
+  const auto all = shader_modules();
+  const auto shader = std::find_if(all.begin(), all.end(), [](const ShaderModule& m) { return m.name == GetParam(); });
+  ASSERT_NE(shader, all.end());
+  EXPECT_EQ(verify_with(*shader, {shader->spirv.begin(), shader->spirv.end()}), Outcome::kNotFound);
+}
+
+std::vector<std::string> shader_names() {
+  std::vector<std::string> names;
+  for (const ShaderModule& shader : shader_modules()) names.emplace_back(shader.name);
+  std::sort(names.begin(), names.end());  // a shader may serve several forms
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VerifyMutants, testing::ValuesIn(shader_names()),
+                         [](const auto& shader) { return shader.param; });
+
+}  // namespace
+}  // namespace gdtslam
