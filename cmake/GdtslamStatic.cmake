@@ -5,7 +5,7 @@
 # needs a newer one does not load.
 #
 # The packages' own targets are defined here, before find_package looks for them anywhere in the tree.
-option(GDTSLAM_STATIC "Link the packages and the C++ runtime statically, for the bundle (without simulator and OpenCV)" OFF)
+option(GDTSLAM_STATIC "Link the packages and the C++ runtime statically, for the bundle (without simulator, calibration and OpenCV)" OFF)
 set(GDTSLAM_STATIC_INPUTS "") # archives and headers of other projects that end in the program; the bundle gives their licences
 if(NOT GDTSLAM_STATIC)
   return()
@@ -17,6 +17,7 @@ if(GDTSLAM_SANITIZE)
   message(FATAL_ERROR "gdtslam: GDTSLAM_STATIC and GDTSLAM_SANITIZE exclude each other")
 endif()
 set(GDTSLAM_BENCH_OPENCV OFF)
+set(GDTSLAM_BUILD_CALIBRATION OFF) # Ceres brings BLAS, LAPACK and SuiteSparse along
 # What the program does not use goes, so that it does not ask for newer symbols of the C library than it needs.
 add_link_options(-static-libstdc++ -static-libgcc -Wl,--gc-sections)
 
@@ -34,6 +35,7 @@ macro(gdtslam_static_header variable name)
 endmacro()
 
 gdtslam_static_header(GDTSLAM_EIGEN_FOLDER Eigen/Core eigen3)
+gdtslam_static_header(GDTSLAM_NANOFLANN_FOLDER nanoflann.hpp)
 if(GDTSLAM_BUILD_VULKAN)
   gdtslam_static_header(GDTSLAM_VULKAN_FOLDER vulkan/vulkan.h)
   gdtslam_static_header(GDTSLAM_GLM_FOLDER glm/glm.hpp)

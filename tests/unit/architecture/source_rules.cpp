@@ -15,7 +15,7 @@ constexpr std::size_t kMaxLines = 450;
 
 /// Which parts of the project a part may include, itself apart; the table of docs/architecture.md.
 const std::map<std::string, Parts, std::less<>>& allowed_parts() {
-  static const Parts all{"core", "compute", "vulkan", "mapping", "io", "sim", "calib", "viewer"};
+  static const Parts all{"core", "compute", "vulkan", "mapping", "io", "sim", "calib", "cloud", "viewer"};
   static const std::map<std::string, Parts, std::less<>> table{
       {"core", {}},
       {"compute", {"core"}},
@@ -23,8 +23,9 @@ const std::map<std::string, Parts, std::less<>>& allowed_parts() {
       {"mapping", {"core", "compute"}},
       {"io", {"core", "compute", "mapping"}},
       {"sim", {"core", "calib"}},
-      {"calib", {"core"}},
-      {"viewer", {"core", "mapping", "calib"}},
+      {"calib", {"core", "cloud"}},
+      {"cloud", {"core"}},
+      {"viewer", {"core", "mapping", "calib", "cloud"}},
       {"tools", all},
       {"examples", all},
       {"tests", all},
@@ -51,6 +52,7 @@ const std::vector<Library>& libraries() {
       {"embree3/", {"sim"}},
       {"assimp/", {"sim"}},
       {"ceres/", {"calib"}},
+      {"nanoflann.hpp", {"cloud"}},
       {"vulkan/", {"vulkan"}},
       {"glm/", {"vulkan"}},
       {"vtk", {"viewer"}},

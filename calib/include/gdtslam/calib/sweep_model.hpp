@@ -1,0 +1,56 @@
+// From the crank's encoder to the elevation of the scan plane: ticks, crank angle, rocker angle, elevation. SI units,
+// radians; the linkage's frame is that of four_bar.hpp. Thread-safe, constant time unless said.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/calib/four_bar.hpp"
+#include "gdtslam/core/nodding.hpp"
+
+namespace gdtslam::calib {
+
+struct CrankEncoder {
+  std::int64_t ticks_per_turn = 20000;
+  double zero_rad = 0.0;  ///< crank angle at tick 0
+  int direction = 1;      ///< +1: ticks grow counter-clockwise, -1: clockwise
+  bool wraps = true;      ///< the counter starts again at 0 at each index mark; else it counts on
+};
+
+/// Everything that turns a log of a nodding laser into beams in space.
+struct SweepModel {
+  std::string name;
+  FourBar bars;
+  Assembly assembly = Assembly::kOpen;
+  CrankEncoder encoder;
+  int elevation_sign = 1;             ///< of the rocker's angle
+  double elevation_offset_rad = 0.0;  ///< elevation = sign * psi + offset, wrapped to [-pi, pi)
+  NoddingMount mount;
+  double mirror_rate_hz = 0.0;  ///< turns of the laser's mirror a second; 0 fires all beams at the scan's stamp
+  double stamp_share = 0.5;     ///< which part of the scan the stamp belongs to: 0 first beam, 0.5 middle, 1 last
+};
+
+/// Every violation, one sentence each: lengths that cannot close, ticks, a length that looks like another unit.
+std::vector<std::string> validate(const SweepModel& model);
+/// A preset with lifting as the slow stroke, elevation 0 at the lowest dead point, encoder zero there.
+SweepModel sweep_model_of_preset(std::string_view name);
+
+double crank_rad(const CrankEncoder& encoder, double ticks);
+/// Nothing where the loop does not close.
+std::optional<double> elevation_rad(const SweepModel& model, double crank_rad);
+/// d elevation / d crank.
+std::optional<double> elevation_rate(const SweepModel& model, double crank_rad);
+/// Phase of the elevation table: turns of the crank from tick 0, in the direction of growing ticks.
+Phase phase_of_ticks(const CrankEncoder& encoder, double ticks);
+/// The elevation over a turn from tick 0 in the direction of growing ticks; O(2^bits). Throws ConfigError where the
+/// loop does not close all around.
+ElevationTable elevation_table(const SweepModel& model, std::uint32_t bits = 15);
+/// When beam k of `beams`, `bearing_step_rad` apart, fires relative to the scan's stamp.
+BeamTiming beam_timing(const SweepModel& model, std::size_t beams, double bearing_step_rad);
+/// What one encoder tick, one step of the range and the table can move a point at this range at most, metres: the
+/// quantisation bound that a reconstruction is judged by.
+double quantisation_bound_m(const SweepModel& model, double range_m, double range_resolution_m);
+
+}  // namespace gdtslam::calib

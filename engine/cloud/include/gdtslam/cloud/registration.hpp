@@ -1,0 +1,31 @@
+// Point-to-plane registration [ChenMedioni1992] of one cloud onto another, as a check of sweeps against each other.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/pose3.hpp"
+
+namespace gdtslam {
+
+struct RegistrationOptions {
+  double max_distance_m = 0.3;      ///< of a pair, at the start; shrinks
+  std::uint32_t max_points = 4000;  ///< of the moving cloud, spread evenly
+  std::uint32_t neighbours = 12;    ///< for a normal
+  std::uint32_t max_iterations = 30;
+};
+struct RegistrationResult {
+  Pose3 T_target_source;
+  Matrix6 information = Matrix6::Zero();
+  std::uint32_t iterations = 0;
+  std::uint32_t pairs = 0;
+  double rms_before_m = 0.0;  ///< point-to-plane, of the pairs at the identity
+  double rms_m = 0.0;
+  double weakest_share = 0.0;  ///< smallest over largest singular value: near 0 a direction is not held
+  bool converged = false;
+};
+RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span<const CloudPoint> target,
+                                   const RegistrationOptions& options);
+
+}  // namespace gdtslam

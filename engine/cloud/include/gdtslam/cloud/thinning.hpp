@@ -1,0 +1,58 @@
+// Voxel thinning and removal of floor and ceiling, for clouds of any length. One object belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gdtslam/cloud/plane.hpp"
+#include "gdtslam/core/cloud.hpp"
+
+namespace gdtslam {
+
+/// Hands on the first point of each voxel. Memory: about 16 bytes for each voxel that has a point; throws InputError
+/// beyond max_voxels, with the voxel size that would do.
+class VoxelThinning : public CloudSink {
+ public:
+  VoxelThinning(double voxel_m, std::uint64_t max_voxels, CloudSink& next);
+  ~VoxelThinning() override;
+  void add(std::span<const CloudPoint> points) override;
+  [[nodiscard]] std::uint64_t kept() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Floor and ceiling: the lowest and the highest large horizontal plane of a cloud, found robustly (tilt up to
+/// max_tilt_rad, no fixed height).
+struct LevelSurfaces {
+  std::optional<PlanePatch> floor;
+  std::optional<PlanePatch> ceiling;
+};
+struct LevelSearch {
+  double max_tilt_rad = 0.05;
+  double thickness_m = 0.06;
+  double min_share = 0.02;  ///< of all points, to be called a surface
+  std::uint64_t seed = 1;
+};
+LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search);
+
+/// Hands on what is neither floor (or below) nor ceiling (or above).
+class LevelRemoval : public CloudSink {
+ public:
+  LevelRemoval(const LevelSurfaces& surfaces, double margin_m, CloudSink& next);
+  void add(std::span<const CloudPoint> points) override;
+  [[nodiscard]] std::uint64_t removed() const { return removed_; }
+
+ private:
+  LevelSurfaces surfaces_;
+  double margin_m_;
+  CloudSink& next_;
+  std::vector<CloudPoint> kept_;
+  std::uint64_t removed_ = 0;
+};
+
+}  // namespace gdtslam

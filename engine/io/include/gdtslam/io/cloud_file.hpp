@@ -1,0 +1,66 @@
+// Clouds as PLY (binary or ASCII) and PCD (binary or ASCII), written and read piece by piece: memory does not depend on
+// the number of points. Every file is written to a temporary name, synced and renamed. Columns: x y z (float, metres),
+// elevation (float, radians), time (double, seconds), scan (uint); a reader takes files that have x y z only, columns
+// in any order, of any numeric type, and skips what it does not know. Cost: one pass. One object, one thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gdtslam/core/cloud.hpp"
+
+namespace gdtslam {
+
+enum class CloudFormat : std::uint8_t { kPlyBinary, kPlyAscii, kPcdBinary, kPcdAscii };
+
+/// By the name's extension, .ply or .pcd, binary. Throws UsageError for any other.
+CloudFormat cloud_format_of(const std::string& path);
+
+class CloudWriter : public CloudSink {
+ public:
+  /// Throws FileError, as add() and finish() do. Without finish() nothing is left behind.
+  CloudWriter(const std::string& path, CloudFormat format);
+  ~CloudWriter() override;
+  void add(std::span<const CloudPoint> points) override;
+  /// Writes the count into the header, syncs, renames.
+  void finish();
+  [[nodiscard]] std::uint64_t points() const;
+  /// SHA-256 of the points as they are written in binary PLY, whatever the format.
+  [[nodiscard]] std::string points_sha256() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// What the header of a cloud says. Nothing of it is trusted for an allocation.
+struct CloudHeader {
+  CloudFormat format = CloudFormat::kPlyBinary;
+  std::uint64_t points = 0;
+  bool has_elevation = false;
+  bool has_time = false;
+  bool has_scan = false;
+};
+
+class CloudReader {
+ public:
+  /// PLY or PCD by its first bytes. Throws InputError (file, line or byte, what is wrong, what to do) or FileError.
+  explicit CloudReader(const std::string& path);
+  ~CloudReader();
+  [[nodiscard]] const CloudHeader& header() const;
+  /// The next up to `most` points; empty at the end. Points that are not finite are skipped and counted.
+  Cloud next(std::size_t most = 65536);
+  [[nodiscard]] std::uint64_t skipped() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The whole cloud. Throws InputError beyond max_points, with what to do.
+Cloud read_cloud(const std::string& path, std::uint64_t max_points = 200'000'000);
+
+}  // namespace gdtslam

@@ -1,0 +1,63 @@
+// The 3D system of figure 10: scans within a tolerance of horizontal run the 2D system and fix the robot's pose; the
+// scans between two fixes get interpolated poses (13), and their beams become points (12), (14). Frames: map. Memory:
+// the scans since the last fix. One mapper belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/pose_interpolation.hpp"
+#include "gdtslam/mapping/sweep_assembler.hpp"
+
+namespace gdtslam {
+
+struct NoddingConfig {
+  double horizontal_rad = 0.017453292519943295;  ///< scans whose elevations all lie within fix the pose
+  PoseInterpolation interpolation = PoseInterpolation::kGeodesic;
+  SweepForm form = SweepForm::kWorking;
+  double max_blind_s = 60.0;  ///< after this long without a horizontal scan a warning is given
+};
+
+struct NoddingStatistics {
+  std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system took
+  std::uint64_t between = 0;           ///< scans with an interpolated pose
+  std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no point of theirs
+  std::uint64_t after_last_fix = 0;    ///< scans at the end, posed by odometry from the last fix
+  std::uint64_t before_first_fix = 0;  ///< likewise before the first, posed backwards
+  std::uint64_t sweeps = 0;            ///< strokes of the mount, up or down
+  std::uint64_t points = 0;
+};
+
+/// One scan's outcome; match only where it fixed the pose.
+struct NoddingPose {
+  std::uint32_t scan = 0;
+  double stamp_s = 0.0;
+  Pose2 T_map_base;
+  std::optional<MatchResult> match;
+};
+
+class NoddingMapper {
+ public:
+  using PoseSink = std::function<void(const NoddingPose&, const ScanRecord&)>;
+  /// The mapper, its backend and the sinks must outlive this. Poses come in log order.
+  NoddingMapper(const NoddingConfig& config, const NoddingScanner& scanner, Mapper& mapper, Backend& backend,
+                CloudSink& cloud, PoseSink poses);
+  ~NoddingMapper();
+  void process(const NoddingScan& scan);
+  /// The log has ended. Throws InputError when no scan was horizontal, with the range of elevations seen and what to
+  /// do.
+  void finish();
+  [[nodiscard]] const NoddingStatistics& statistics() const;
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gdtslam

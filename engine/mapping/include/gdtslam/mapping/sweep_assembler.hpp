@@ -1,0 +1,63 @@
+// From scans with poses to points in space: cuts each scan into strips, has the kernel sweep_points turn its beams into
+// points, hands them on. Frame: map. Results do not depend on how the scans are batched, nor on the backend. One
+// assembler belongs to one thread. Memory: one batch.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernels/sweep_points.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/nodding.hpp"
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+/// A scan whose beams have elevations: knots cover all its beams; none where the elevation is not known.
+struct NoddingScan {
+  ScanRecord record;
+  std::vector<PhaseKnot> knots;
+};
+
+/// The scanner as the assembler has to know it.
+struct NoddingScanner {
+  NoddingMount mount;
+  ElevationTable table;
+  double mirror_rate_hz = 0.0;
+  double stamp_share = 0.5;
+  [[nodiscard]] BeamTiming timing(std::size_t beams, double bearing_step_rad) const;
+};
+
+/// The robot's pose at a time (of a knot), relative to T_map_fix.
+struct PoseKnot {
+  double offset_s = 0.0;
+  Pose2 T_fix_base;
+};
+
+struct AssemblyLimits {
+  double min_range_m = 0.1;
+  double max_range_m = 40.0;
+  SweepForm form = SweepForm::kWorking;
+};
+
+class SweepAssembler {
+ public:
+  SweepAssembler(const NoddingScanner& scanner, const AssemblyLimits& limits, Backend& backend, CloudSink& sink);
+  ~SweepAssembler();
+  /// Queues a scan; `poses` (at least one) are in the order of time and cover the scan, linear in between. A batch goes
+  /// out when it is full. Throws DeviceError; the queue is kept, so that use_backend() can go on.
+  void add(const NoddingScan& scan, std::uint32_t index, const Pose2& T_map_fix, std::span<const PoseKnot> poses);
+  void flush();
+  /// Goes on with another backend, whatever was queued included.
+  void use_backend(Backend& backend);
+  [[nodiscard]] std::uint64_t points() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gdtslam
