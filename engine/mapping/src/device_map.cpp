@@ -1,6 +1,7 @@
 #include "device_map.hpp"
 
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "gdtslam/compute/kernels/distance_field.hpp"
@@ -105,13 +106,31 @@ void DeviceMap::merge(const KeyframeCells& keyframe, StageTimes& stages) {
 void DeviceMap::merge_on_device(const KeyframeCells& keyframe, StageTimes& stages) {
   {
     const StageTimer timer(stages.local_field_s);
-    field_.admit(keyframe, step_);
+    admit(keyframe);
     local_->compute(keyframe);
   }
   const StageTimer timer(stages.merge_s);
   local_->merge_into(field_, step_);
   field_.continue_checkpoint();
   backend_->flush();
+}
+
+// Where the map has outgrown the device, the error says so, and what to change.
+void DeviceMap::admit(const KeyframeCells& keyframe) {
+  try {
+    field_.admit(keyframe, step_);
+  } catch (const DeviceError& error) {
+    const DeviceInfo& device = backend_->device();
+    const GridGeometry grid = field_.geometry();
+    const std::size_t cells = std::size_t{field_.stride()} * static_cast<std::size_t>(grid.height);
+    const std::size_t most = device.max_buffer_bytes / sizeof(std::uint16_t);
+    if (cells <= most) throw;
+    const std::string size = std::to_string(grid.width) + " x " + std::to_string(grid.height);
+    throw DeviceError(device.name, error.call(),
+                      error.result() + ", for the map of " + size +
+                          " cells; a larger map.resolution makes it smaller, map.max_megacells=" +
+                          std::to_string(most >> 20U) + " keeps it within that");
+  }
 }
 
 std::vector<std::uint16_t> DeviceMap::download_device_cells() {

@@ -40,6 +40,7 @@ class DeviceMap {
  private:
   void work_on(Backend& backend);
   void go_over(const DeviceError& error);
+  void admit(const KeyframeCells& keyframe);
   void merge_on_device(const KeyframeCells& keyframe, StageTimes& stages);
 
   MapperConfig config_;

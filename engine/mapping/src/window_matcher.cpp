@@ -1,10 +1,14 @@
 #include "gdtslam/mapping/window_matcher.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "device_memory.hpp"
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
+#include "gdtslam/core/error.hpp"
 #include "thinning.hpp"
+#include "window_layers.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,6 +22,23 @@ StopReason stop_of(std::uint32_t stop) {
   return stop == 2 ? StopReason::kEvaluationLimit : StopReason::kNotRun;
 }
 
+// A window is cut at its angles, not within one.
+void require_room_for_a_layer(const MapperConfig& config, const DeviceInfo& device) {
+  const auto cells = [&](double metres) { return static_cast<float>(metres / config.map.resolution_m); };
+  const SearchWindow largest{.centre = {},
+                             .half_xy_cells = cells(config.search.max_half_m),
+                             .half_theta_rad = 0.0F,
+                             .step_cells = cells(config.search.step_m)};
+  const std::size_t side = largest.count_xy();
+  const std::size_t bytes = side * side * sizeof(PoseCandidate);
+  if (bytes <= device.max_buffer_bytes) return;
+  const std::string poses = std::to_string(side) + " x " + std::to_string(side) + " poses at one angle";
+  throw DeviceError(device.name, "allocate",
+                    "no buffer for the search window: its " + poses + " are " + std::to_string(bytes) +
+                        " bytes, the largest allowed is " + std::to_string(device.max_buffer_bytes) +
+                        "; raise search.step or lower search.max_half_width");
+}
+
 }  // namespace
 
 WindowMatcher::WindowMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
@@ -29,7 +50,12 @@ WindowMatcher::WindowMatcher(const MapperConfig& config, Backend& backend, const
       rules_(config),
       picks_(backend.allocate(std::size_t{SmallestValues::kMost} * 2 * sizeof(std::uint32_t))),
       poses_(backend.allocate(std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
-      verdict_(backend.allocate(sizeof(MatchVerdict))) {}
+      verdict_(backend.allocate(sizeof(MatchVerdict))),
+      layers_(std::make_unique<WindowLayers>(backend)) {
+  require_room_for_a_layer(config, backend.device());
+}
+
+WindowMatcher::~WindowMatcher() = default;
 
 void WindowMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool /*search*/) {
   by_odometry_ = prediction.by_odometry;
@@ -81,16 +107,19 @@ bool WindowMatcher::launch_wider() {
   return true;
 }
 
-// One submission: from the points to the verdict.
+// One submission: from the points to the verdict. A window that no buffer holds is searched in slices instead; what
+// follows from them is launched when they are done.
 void WindowMatcher::launch(const SearchWindow& window) {
   window_ = window;
   samples_ = window_.count_xy() * window_.count_xy() * window_.count_theta();
   ++attempts_;
+  if (std::size_t{samples_} * sizeof(PoseCandidate) > backend_->device().max_buffer_bytes) {
+    launch_layers();
+    return;
+  }
   launch_lattice();
-  launch_descents();
-  launch_choice();
-  pending_ = backend_->start_download(verdict_, sizeof(MatchVerdict));
-  backend_->flush();
+  launch_starts();
+  launch_verdict();
 }
 
 // The samples of the window at a share of the points, and the best of its valleys.
@@ -98,30 +127,52 @@ void WindowMatcher::launch_lattice() {
   reserve_on(*backend_, candidates_, std::size_t{samples_} * sizeof(PoseCandidate));
   reserve_on(*backend_, costs_, std::size_t{samples_} * sizeof(std::uint32_t));
   reserve_on(*backend_, minima_, std::size_t{samples_} * sizeof(std::uint32_t));
-  const std::uint32_t count_xy = window_.count_xy();
-  const std::uint32_t count_theta = window_.count_theta();
-  run<PoseLattice>(*backend_,
-                   {.centre_x = window_.centre.x,
-                    .centre_y = window_.centre.y,
-                    .centre_theta = window_.centre.theta,
-                    .step_cells = window_.step_cells,
-                    .step_rad = window_.step_rad,
-                    .count_xy = count_xy,
-                    .count_theta = count_theta,
-                    .prior = prior_params(static_cast<double>(thinned_) / points_)},
-                   {samples_, 1, 1}, candidates_);
+  const PoseLattice::Params lattice = lattice_params();
+  run<PoseLattice>(*backend_, lattice, {samples_, 1, 1}, candidates_);
   run<PoseCost>(*backend_, cost_params(thinned_, rules_.wide_gate()), {samples_, 1, 1}, map_->buffer(), point_buffer_,
                 candidates_, costs_);
-  run<LatticeMinima>(*backend_, {.count_xy = count_xy, .count_theta = count_theta}, {samples_, 1, 1}, costs_, minima_);
+  run<LatticeMinima>(*backend_, {.count_xy = lattice.count_xy, .count_theta = lattice.count_theta}, {samples_, 1, 1},
+                     costs_, minima_);
   run<SmallestValues>(*backend_, {.count = samples_, .wanted = pose_count() - 1}, {1, 1, 1}, minima_, picks_);
 }
 
-// From the prediction and from each of those valleys down, the gate narrowing.
-void WindowMatcher::launch_descents() {
+// The prediction and each of those valleys.
+void WindowMatcher::launch_starts() {
   const CellPose& predicted = rules_.predicted();
   run<PoseStarts>(*backend_,
                   {.x = predicted.x, .y = predicted.y, .theta = predicted.theta, .candidate_count = samples_},
                   {pose_count(), 1, 1}, candidates_, picks_, poses_);
+}
+
+void WindowMatcher::launch_layers() {
+  layers_->start({.lattice = lattice_params(),
+                  .cost = cost_params(thinned_, rules_.wide_gate()),
+                  .wanted = pose_count() - 1,
+                  .map = &map_->buffer(),
+                  .points = &point_buffer_,
+                  .candidates = &candidates_,
+                  .costs = &costs_});
+}
+
+// As PoseStarts makes them: the prediction where there are fewer valleys than wanted.
+void WindowMatcher::upload_starts(const std::vector<CellPose>& valleys) {
+  const auto start_at = [](const CellPose& pose) {
+    return PolishedPose{.x = pose.x, .y = pose.y, .theta = pose.theta};
+  };
+  std::vector<PolishedPose> starts(pose_count(), start_at(rules_.predicted()));
+  std::transform(valleys.begin(), valleys.end(), starts.begin() + 1, start_at);
+  backend_->upload(poses_, std::as_bytes(std::span(starts)));
+}
+
+void WindowMatcher::launch_verdict() {
+  launch_descents();
+  launch_choice();
+  pending_ = backend_->start_download(verdict_, sizeof(MatchVerdict));
+  backend_->flush();
+}
+
+// From all starts down, the gate narrowing.
+void WindowMatcher::launch_descents() {
   const PriorParams prior = prior_params(1.0);
   for (const DescentStage& stage : rules_.stages()) {
     run<PoseSimplex>(*backend_,
@@ -153,6 +204,10 @@ void WindowMatcher::launch_choice() {
 }
 
 MatchVerdict WindowMatcher::wait() {
+  if (layers_->is_under_way()) {
+    upload_starts(layers_->finish());
+    launch_verdict();
+  }
   MatchVerdict verdict;
   backend_->finish_download(pending_, std::as_writable_bytes(std::span(&verdict, 1)));
   return verdict;
@@ -163,6 +218,17 @@ Evidence WindowMatcher::evidence_of(const MatchVerdict& verdict) const {
       rules_.evidence({.sum = verdict.sum, .near = verdict.near, .beside = verdict.beside, .known = verdict.known});
   evidence.stop = stop_of(verdict.stop);
   return evidence;
+}
+
+PoseLattice::Params WindowMatcher::lattice_params() const {
+  return {.centre_x = window_.centre.x,
+          .centre_y = window_.centre.y,
+          .centre_theta = window_.centre.theta,
+          .step_cells = window_.step_cells,
+          .step_rad = window_.step_rad,
+          .count_xy = window_.count_xy(),
+          .count_theta = window_.count_theta(),
+          .prior = prior_params(static_cast<double>(thinned_) / points_)};
 }
 
 PoseCost::Params WindowMatcher::cost_params(std::uint32_t points, std::uint32_t cap) const {
