@@ -32,7 +32,8 @@ struct Mapper::State {
   State(const MapperConfig& c, Backend& backend, MapperOptions options)
       : config(checked(c)), map(config, backend, std::move(options)), motion(config.odometry) {}
 
-  void see(const LaserScan& scan);
+  void start(PointScan scan, const std::optional<Pose2>& T_odom_base);
+  void see(PointScan scan);
   void predict(const std::optional<Pose2>& T_odom_base);
   void begin_match();
   MatchResult locate();
@@ -63,9 +64,9 @@ struct Mapper::State {
 
 // The returns of the scan in the robot's frame, the P of equation (6). A scan with more than a matcher takes is thinned
 // for matching, not for the map.
-void Mapper::State::see(const LaserScan& scan) {
+void Mapper::State::see(PointScan scan) {
   stamp_s = scan.stamp_s;
-  points_m = points_of(scan, {.min_m = config.scan.min_range_m, .max_m = config.scan.max_range_m});
+  points_m = std::move(scan.points_base_m);
   points = in_cells(points_m, config.map.resolution_m);
   if (points.size() <= Matcher::kMostPoints) return;
   const std::size_t every = (points.size() + Matcher::kMostPoints - 1) / Matcher::kMostPoints;
@@ -169,18 +170,25 @@ const MapperStatistics& Mapper::statistics() const {
 }
 
 void Mapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  State& s = *state_;
-  assert(!s.in_hand);
-  s.map.require_device();
-  s.see(scan);
-  s.predict(T_odom_base);  // (5)
+  state_->start({scan.stamp_s, points_of(scan, valid_ranges(state_->config))}, T_odom_base);
+}
+
+void Mapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
+  state_->start(std::move(scan), T_odom_base);
+}
+
+void Mapper::State::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
+  assert(!in_hand);
+  map.require_device();
+  see(std::move(scan));
+  predict(T_odom_base);  // (5)
   try {
-    s.begin_match();  // (6), (7), (8), (4)
+    begin_match();  // (6), (7), (8), (4)
   } catch (const DeviceError&) {
-    s.motion.correct(s.prediction.T_map_base, false);  // the scan is lost, its motion is not
+    motion.correct(prediction.T_map_base, false);  // the scan is lost, its motion is not
     throw;
   }
-  s.in_hand = true;
+  in_hand = true;
 }
 
 MatchResult Mapper::finish() {

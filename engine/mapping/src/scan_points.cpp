@@ -20,6 +20,10 @@ std::int32_t cell_floor(double cells) {
 
 }  // namespace
 
+ValidRange valid_ranges(const MapperConfig& config) {
+  return {.min_m = config.scan.min_range_m, .max_m = config.scan.max_range_m};
+}
+
 std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid) {
   const double limit = scan.max_range_m > 0.0 ? std::min(valid.max_m, scan.max_range_m) : valid.max_m;
   std::vector<Point2> points;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
@@ -15,6 +16,7 @@
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/match.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 
@@ -73,10 +75,16 @@ class Mapper {
     start(scan, T_odom_base);
     return finish();
   }
+  MatchResult process(PointScan scan, const std::optional<Pose2>& T_odom_base) {
+    start(std::move(scan), T_odom_base);
+    return finish();
+  }
 
   /// process() in two steps, one finish() for each start(). A device works on the scan from start() on, and on the map
   /// after finish() has returned, so what the caller does in between costs no time: reading the next scan, drawing.
   void start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
+  /// The same for returns that are points of the robot's plane: those of a nodding laser, levelled.
+  void start(PointScan scan, const std::optional<Pose2>& T_odom_base);
   /// With fall_back off throws DeviceError, as does every later call; the map keeps what was merged so far.
   MatchResult finish();
 

@@ -26,9 +26,10 @@ struct NoddingConfig {
 struct NoddingStatistics {
   std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system took
   std::uint64_t between = 0;           ///< scans with an interpolated pose
-  std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no point of theirs
-  std::uint64_t after_last_fix = 0;    ///< scans at the end, posed by odometry from the last fix
-  std::uint64_t before_first_fix = 0;  ///< likewise before the first, posed backwards
+  std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or blind for long
+  std::uint64_t before_first_fix = 0;  ///< likewise, backwards from the first
+  std::uint64_t dropped = 0;           ///< too long before the first fix: neither pose nor points
+  std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no points
   std::uint64_t sweeps = 0;            ///< strokes of the mount, up or down
   std::uint64_t points = 0;
 };
@@ -43,12 +44,14 @@ struct NoddingPose {
 
 class NoddingMapper {
  public:
-  using PoseSink = std::function<void(const NoddingPose&, const ScanRecord&)>;
+  using PoseSink = std::function<void(const NoddingPose&, const NoddingScan&)>;
   /// The mapper, its backend and the sinks must outlive this. Poses come in log order.
   NoddingMapper(const NoddingConfig& config, const NoddingScanner& scanner, Mapper& mapper, Backend& backend,
-                CloudSink& cloud, PoseSink poses);
+                CloudSink& cloud, PoseSink poses, MapperOptions on_failure = {});
   ~NoddingMapper();
-  void process(const NoddingScan& scan);
+  /// Throws DeviceError where the device failed and on_failure forbids to go on with the CPU; InputError as Mapper
+  /// does.
+  void process(NoddingScan scan);
   /// The log has ended. Throws InputError when no scan was horizontal, with the range of elevations seen and what to
   /// do.
   void finish();

@@ -8,6 +8,7 @@
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 
@@ -17,9 +18,18 @@ struct ValidRange {
   double max_m = 0.0;  ///< excluded; the scan's own limit counts too where the log states one
 };
 
+/// As a configuration has it.
+ValidRange valid_ranges(const MapperConfig& config);
+
 /// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return, nor are
 /// points that are not finite or 100 km away because a bearing or the mount is wrong.
 std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid);
+
+/// A scan whose returns are points of the robot's plane already.
+struct PointScan {
+  double stamp_s = 0.0;
+  std::vector<Point2> points_base_m;
+};
 
 /// The same points in cells.
 std::vector<PointCells> in_cells(const std::vector<Point2>& points_m, double resolution_m);

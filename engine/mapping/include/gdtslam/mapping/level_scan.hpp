@@ -1,0 +1,20 @@
+// A scan of a nodding laser near horizontal as the 2D system wants it: the points' places over the floor, each beam
+// with its own elevation, equation (12), and where the odometry tells the robot's motion during the scan, corrected for
+// it. Frame: the robot at the scan's stamp. Thread-safe; linear in the beams.
+#pragma once
+
+#include <optional>
+
+#include "gdtslam/mapping/scan_points.hpp"
+#include "gdtslam/mapping/sweep_assembler.hpp"
+
+namespace gdtslam {
+
+/// `before`: odometry of the scan before this one.
+PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ValidRange& valid,
+                       const std::optional<Odometry>& before);
+/// The same scan as ranges over the floor, for the occupancy map; bearings stay, which is exact at elevation zero and
+/// off by less than 0.01 deg within 1 deg of it.
+LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner);
+
+}  // namespace gdtslam

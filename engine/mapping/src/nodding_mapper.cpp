@@ -1,0 +1,267 @@
+#include "gdtslam/mapping/nodding_mapper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <utility>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/level_scan.hpp"
+#include "pose_path.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// A scan that waits for the fix behind it.
+struct Held {
+  NoddingScan scan;
+  std::uint32_t index = 0;
+  std::optional<MatchResult> match;
+};
+
+struct ElevationRange {
+  double low_rad = std::numeric_limits<double>::infinity();
+  double high_rad = -std::numeric_limits<double>::infinity();
+  void take(double elevation_rad) {
+    low_rad = std::min(low_rad, elevation_rad);
+    high_rad = std::max(high_rad, elevation_rad);
+  }
+};
+
+ElevationRange elevations_of(const NoddingScan& scan, const ElevationTable& table) {
+  ElevationRange range;
+  for (const PhaseKnot& knot : scan.knots) range.take(table.elevation_rad(knot.phase));
+  return range;
+}
+
+AssemblyLimits limits_of(const MapperConfig& config, const NoddingConfig& nodding) {
+  return {.min_range_m = config.scan.min_range_m, .max_range_m = config.scan.max_range_m, .form = nodding.form};
+}
+
+std::string degrees(double angle_rad) {
+  const double tenths = std::round(deg_from_rad(angle_rad) * 10.0) / 10.0;
+  std::string text = std::to_string(tenths);
+  return text.substr(0, text.find('.') + 2);
+}
+
+}  // namespace
+
+struct NoddingMapper::State {
+  State(const NoddingConfig& nodding, const NoddingScanner& of_scans, Mapper& two_d, Backend& backend, CloudSink& cloud,
+        PoseSink pose_sink, MapperOptions options)
+      : config(nodding),
+        scanner(of_scans),
+        mapper(two_d),
+        assembler(of_scans, limits_of(two_d.config(), nodding), backend, cloud),
+        poses(std::move(pose_sink)),
+        on_failure(std::move(options)) {}
+
+  [[nodiscard]] bool is_horizontal(const ElevationRange& range) const;
+  void note_stroke(const NoddingScan& scan);
+  void fix(Held held);
+  void close_segment(const PoseFix& next);
+  void dead_reckon();
+  void emit(std::size_t count, const PosePath& path);
+  template <class Action>
+  void on_device(const Action& action);
+  [[nodiscard]] PosePath path_by_odometry() const;
+  void close_log();
+  [[nodiscard]] bool is_blind_too_long() const;
+
+  NoddingConfig config;
+  NoddingScanner scanner;
+  Mapper& mapper;
+  std::unique_ptr<Backend> fallback;  // must outlive the assembler
+  SweepAssembler assembler;
+  PoseSink poses;
+  MapperOptions on_failure;
+  NoddingStatistics statistics;
+  std::vector<std::string> warnings;
+
+  std::deque<Held> held;                  // the last fix's scan, where there is one, and all after it
+  std::optional<PoseFix> last_fix;        // belongs to held.front()
+  std::optional<PoseFix> before_held;     // pose of the scan before held.front()
+  std::optional<Odometry> last_odometry;  // of the scan before the one in hand
+  ElevationRange seen;
+  double last_elevation_rad = 0.0;
+  int stroke = 0;  // +1 up, -1 down
+  std::uint32_t scans = 0;
+  bool is_blind_reported = false;
+};
+
+// A device that fails is left for the CPU where that is allowed; what was queued is done again there.
+template <class Action>
+void NoddingMapper::State::on_device(const Action& action) {
+  try {
+    action();
+  } catch (const DeviceError& error) {
+    if (!on_failure.fall_back || fallback) throw;
+    if (on_failure.warn) on_failure.warn(std::string(error.what()) + "; the cloud goes on with the CPU");
+    fallback = make_cpu_backend(on_failure.cpu);
+    assembler.use_backend(*fallback);
+    assembler.flush();
+  }
+}
+
+bool NoddingMapper::State::is_horizontal(const ElevationRange& range) const {
+  return range.low_rad >= -config.horizontal_rad && range.high_rad <= config.horizontal_rad;
+}
+
+// A stroke ends where the elevation turns by more than the tolerance of horizontal is wide.
+void NoddingMapper::State::note_stroke(const NoddingScan& scan) {
+  const double elevation = scanner.table.elevation_rad(scan.knots.back().phase);
+  const double step = elevation - last_elevation_rad;
+  if (stroke != 0 && step * stroke >= 0.0) {
+    last_elevation_rad = elevation;
+  } else if (std::fabs(step) > 2.0 * config.horizontal_rad || (stroke == 0 && step != 0.0)) {
+    stroke = step > 0.0 ? 1 : -1;
+    last_elevation_rad = elevation;
+    ++statistics.sweeps;
+  }
+}
+
+// Figure 10, the horizontal scans: the 2D system of figure 5 fixes the pose, and with it those of the scans before.
+void NoddingMapper::State::fix(Held scan) {
+  const ScanRecord& record = scan.scan.record;
+  const PointScan level = level_points(scan.scan, scanner, valid_ranges(mapper.config()), last_odometry);
+  scan.match = mapper.process(level, record.T_odom_base);
+  const PoseFix fix{record.scan.stamp_s, scan.match->T_map_base, record.T_odom_base.value_or(scan.match->T_map_base)};
+  ++statistics.fixes;
+  close_segment(fix);
+  held.push_back(std::move(scan));
+  last_fix = fix;
+  is_blind_reported = false;
+}
+
+// All scans that wait get their poses between the fix before them and this one, (13), and their points. Before the
+// first fix only the odometry knows, backwards from it.
+void NoddingMapper::State::close_segment(const PoseFix& next) {
+  if (held.empty()) return;
+  PosePath path;
+  if (before_held) path.append(*before_held);
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const ScanRecord& record = held[k].scan.record;
+    if (!last_fix) {
+      path.append(by_odometry(next, record));
+    } else if (k == 0) {
+      path.append(*last_fix);
+    } else {
+      path.append(between_fixes(config.interpolation, *last_fix, next, record.scan.stamp_s, record.T_odom_base));
+    }
+  }
+  path.append(next);
+  (last_fix ? statistics.between : statistics.before_first_fix) += held.size() - (last_fix ? 1 : 0);
+  emit(held.size(), path);
+}
+
+// Poses and points of the first `count` scans, whose nodes in the path follow the one of the scan before them.
+void NoddingMapper::State::emit(std::size_t count, const PosePath& path) {
+  const std::size_t first = before_held ? 1 : 0;
+  const Pose2 T_map_fix = path.node(first).T_map_base;
+  for (std::size_t k = 0; k < count; ++k) {
+    const PoseFix& node = path.node(first + k);
+    poses({held[k].index, node.stamp_s, node.T_map_base, held[k].match}, held[k].scan);
+    if (!held[k].scan.knots.empty()) {
+      const std::vector<PoseKnot> knots = path.knots(first + k, held[k].scan.knots, T_map_fix);
+      on_device([&] { assembler.add(held[k].scan, held[k].index, T_map_fix, knots); });
+    }
+  }
+  before_held = path.node(first + count - 1);
+  held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+bool NoddingMapper::State::is_blind_too_long() const {
+  return held.size() > 1 &&
+         std::fabs(held.back().scan.record.scan.stamp_s - held.front().scan.record.scan.stamp_s) > config.max_blind_s;
+}
+
+// From the last fix on, poses by odometry for all scans that wait.
+PosePath NoddingMapper::State::path_by_odometry() const {
+  PosePath path;
+  if (before_held) path.append(*before_held);
+  path.append(*last_fix);
+  for (std::size_t k = 1; k < held.size(); ++k) path.append(by_odometry(*last_fix, held[k].scan.record));
+  return path;
+}
+
+// Without a horizontal scan for long the odometry alone says where the robot is. Before the first fix not even that is
+// known: the oldest scans go.
+void NoddingMapper::State::dead_reckon() {
+  if (!is_blind_reported) {
+    warnings.push_back("no horizontal scan for more than " + std::to_string(std::lround(config.max_blind_s)) +
+                       " s before scan " + std::to_string(held.back().index) +
+                       (last_fix ? ": poses by odometry there" : ": what comes before the first is dropped") +
+                       "; nod.horizontal is the tolerance");
+    is_blind_reported = true;
+  }
+  if (!last_fix) {
+    held.pop_front();
+    ++statistics.dropped;
+    return;
+  }
+  const PosePath path = path_by_odometry();
+  const std::size_t count = held.size() - 1;
+  statistics.by_odometry += count - 1;
+  last_fix = path.last();
+  emit(count, path);
+}
+
+// The log has ended: what waits is posed by odometry.
+void NoddingMapper::State::close_log() {
+  const PosePath path = path_by_odometry();
+  statistics.by_odometry += held.size() - 1;
+  emit(held.size(), path);
+}
+
+NoddingMapper::NoddingMapper(const NoddingConfig& config, const NoddingScanner& scanner, Mapper& mapper,
+                             Backend& backend, CloudSink& cloud, PoseSink poses, MapperOptions on_failure)
+    : state_(
+          std::make_unique<State>(config, scanner, mapper, backend, cloud, std::move(poses), std::move(on_failure))) {}
+NoddingMapper::~NoddingMapper() = default;
+const NoddingStatistics& NoddingMapper::statistics() const {
+  state_->statistics.points = state_->assembler.points();
+  return state_->statistics;
+}
+const std::vector<std::string>& NoddingMapper::warnings() const { return state_->warnings; }
+
+void NoddingMapper::process(NoddingScan scan) {
+  State& s = *state_;
+  const std::optional<Pose2> T_odom = scan.record.T_odom_base;
+  const double stamp_s = scan.record.scan.stamp_s;
+  Held held{std::move(scan), s.scans++, std::nullopt};
+  bool horizontal = false;
+  if (held.scan.knots.empty()) {
+    ++s.statistics.without_nod;
+  } else {
+    const ElevationRange range = elevations_of(held.scan, s.scanner.table);
+    s.seen.take(range.low_rad);
+    s.seen.take(range.high_rad);
+    s.note_stroke(held.scan);
+    horizontal = s.is_horizontal(range);
+  }
+  if (horizontal) {
+    s.fix(std::move(held));
+  } else {
+    s.held.push_back(std::move(held));
+    if (s.is_blind_too_long()) s.dead_reckon();
+  }
+  if (T_odom) s.last_odometry = Odometry{stamp_s, *T_odom};
+}
+
+void NoddingMapper::finish() {
+  State& s = *state_;
+  if (!s.last_fix) {
+    if (s.statistics.without_nod == s.scans) {
+      throw InputError("no scan has a known elevation: no ENCODER or TILT message covers one");
+    }
+    throw InputError("no scan is horizontal, so none can be placed: elevations go from " + degrees(s.seen.low_rad) +
+                     " to " + degrees(s.seen.high_rad) + " deg, the tolerance nod.horizontal is " +
+                     degrees(s.config.horizontal_rad) + " deg; is the linkage the right one?");
+  }
+  s.close_log();
+  s.on_device([&] { s.assembler.flush(); });
+}
+
+}  // namespace gdtslam
