@@ -1,15 +1,19 @@
 // The crank's (or the elevation's) course over time from a log's messages: unwrapped, checked, linear between two
 // messages, never extrapolated. Each fault of an encoder has one stated outcome:
-//   wrap at the index mark: unwrapped, no remark;
+//   wrap at the index mark, either way: unwrapped, counted, no remark (the crank must turn less than half a turn from
+//     one message to the next, or the way round is not known);
 //   runs backwards: used as measured, counted;
 //   jumps (faster than max_turns_per_s): the time between the two messages is not covered, counted;
 //   messages missing (a gap longer than max_gap_s): not covered, counted;
 //   stands still while messages come: used as measured;
 //   ends: nothing is covered after its last message;
-//   stamps that go backwards: messages in the past are dropped, counted.
-// One track belongs to one thread. Memory: only what forget_before() left.
+//   stamps that repeat, go backwards or are not finite: the message is dropped, counted;
+//   an elevation that is not finite: the message is dropped, counted as a jump.
+// One track belongs to one thread. Memory: only what forget_before() left. take() is O(1), knots() logarithmic in what
+// is kept plus linear in what it returns.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -36,17 +40,27 @@ class NodTrack {
   void take(const Tilt& message);
   /// No scan that ends before this will ever be covered better than it is now.
   [[nodiscard]] std::optional<double> known_until_s() const;
-  /// Knots from `from_s` to `to_s` (at least two; the ends interpolated), offsets relative to `stamp_s`; empty where
-  /// the stretch is not covered as a whole.
+  /// Knots from `from_s` to `to_s`, times of the log's clock; at least two, the ends interpolated, less than half a
+  /// turn apart, offsets relative to `stamp_s`; two equal ones where from_s is to_s. Empty where the stretch is not
+  /// covered as a whole.
   [[nodiscard]] std::vector<PhaseKnot> knots(double stamp_s, double from_s, double to_s) const;
+  /// Frees what only earlier times need. Nothing before this time is covered afterwards.
   void forget_before(double stamp_s);
+  [[nodiscard]] std::size_t kept_messages() const { return messages_.size(); }
 
+  /// A kind of fault: how often, and the stamp of the message that showed it first.
+  struct Count {
+    std::uint64_t count = 0;
+    double first_stamp_s = 0.0;
+    void add(double stamp_s);
+  };
   struct Faults {
-    std::uint64_t backwards = 0;
-    std::uint64_t jumps = 0;
-    std::uint64_t gaps = 0;
-    std::uint64_t past_stamps = 0;
-    std::uint64_t wraps = 0;
+    Count backwards;
+    Count jumps;
+    Count gaps;
+    Count past_stamps;
+    Count wraps;
+    /// Of the faults that occurred; a wrap is none.
     [[nodiscard]] std::vector<LogReader::Warning> as_warnings() const;
   };
   [[nodiscard]] const Faults& faults() const { return faults_; }
@@ -57,10 +71,15 @@ class NodTrack {
     double turns = 0.0;     ///< unwrapped, from tick 0
     bool is_joined = true;  ///< to the message before: the time between is covered
   };
-  void append(double stamp_s, double turns);
+  void append(double stamp_s, double measured_turns);
+  [[nodiscard]] bool joins_last(double stamp_s, double turned);
+  [[nodiscard]] double turns_at(std::size_t before, double stamp_s) const;
 
   NodTrackLimits limits_;
   CrankEncoder encoder_;
+  bool is_crank_ = true;     ///< else the elevation itself, which has no forward direction
+  double resolution_ = 0.0;  ///< turns per tick
+  double last_turns_ = 0.0;  ///< as measured, of the last message that was kept
   std::deque<Message> messages_;
   Faults faults_;
 };
