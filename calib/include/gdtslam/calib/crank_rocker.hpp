@@ -2,6 +2,8 @@
 // four_bar.hpp. Thread-safe, constant time.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,8 +12,10 @@
 
 namespace gdtslam::calib {
 
+/// For an elevation that grows with the rocker's angle psi. Where it falls with psi, lift and return change places: the
+/// lift begins at `highest` and the crank turns the other way round for it to be the slow stroke.
 struct CrankRockerReport {
-  DeadPoint lowest;   ///< of the elevation's direction: where the lift begins
+  DeadPoint lowest;   ///< least psi: where the lift begins
   DeadPoint highest;  ///< where it ends
   double swing_rad = 0.0;
   double lift_share = 0.5;  ///< of the turn that lifting takes, when the crank turns so that it is the slow stroke
@@ -23,8 +27,15 @@ struct CrankRockerReport {
 
 /// Throws ConfigError when the linkage is no crank-rocker, with the broken inequality.
 CrankRockerReport analyse(const FourBar& bars, Assembly assembly);
+/// The least transmission angle of a linkage whose crank turns fully, at one of the two crank angles on the ground
+/// line.
+double least_transmission_rad(const FourBar& bars);
+/// Below this a linkage transmits force poorly: the usual rule of design [Norton2012].
+inline constexpr double kPoorTransmission_rad = 0.6981317007977318;
+/// Grashof's inequality with its numbers: "shortest + longest < the other two, 12.4 < 13.5 cm".
+std::string inequality_text(const FourBar& bars);
 /// What a designer should know: a transmission angle below 40 degrees and what that means, a class next to a change
-/// point.
+/// point, a rocker much faster than its crank. Throws as analyse().
 std::vector<std::string> remarks(const FourBar& bars, Assembly assembly);
 
 /// A linkage of the paper under one reading of its figure (READING.md's table), nominal or as the paper calibrated it.
@@ -35,16 +46,17 @@ struct LinkagePreset {
 };
 const std::vector<LinkagePreset>& linkage_presets();
 inline constexpr std::string_view kDefaultLinkage = "paper-b";
-/// Throws UsageError or ConfigError with the nearest names.
+/// Throws ConfigError with the names there are.
 const LinkagePreset& linkage_preset(std::string_view name);
 
 /// What a linkage is designed for.
 struct DesignGoal {
   double swing_rad = 1.5707963267948966;
-  double min_transmission_rad = 0.6981317007977318;
-  double time_ratio = 1.0;  ///< 1: any; else slow over quick stroke, met exactly
+  double min_transmission_rad = kPoorTransmission_rad;
+  std::optional<double> time_ratio;  ///< slow over quick stroke, met exactly; nothing: any
   double least_crank_m = 0.03;
   double most_crank_m = 0.05;
+  std::optional<double> longest_bar_m;  ///< nothing: four times the longest crank. A long bar transmits better
 };
 struct Design {
   FourBar bars;

@@ -75,7 +75,15 @@ struct FreudensteinCoefficients {
 /// What is wrong with the lengths, one sentence each: not positive, not finite, or a bar longer than the other three
 /// together, with the inequality and its numbers. Empty when the loop can close somewhere.
 std::vector<std::string> violations(const FourBar& bars);
+/// Shortest plus longest against the sum of the other two: where the first is less, the shortest bar turns fully.
+struct GrashofInequality {
+  double extremes_m = 0.0;
+  double middles_m = 0.0;
+};
+GrashofInequality grashof_inequality(const FourBar& bars);
 GrashofClass grashof_class(const FourBar& bars);
+/// "crank-rocker", "double crank", "rocker-crank", "double rocker", "triple rocker", "change point".
+const char* class_name(GrashofClass grashof);
 
 /// Nothing where the loop does not close at this crank angle.
 std::optional<LinkagePose> solve(const FourBar& bars, Assembly assembly, double crank_rad);

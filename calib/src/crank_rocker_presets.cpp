@@ -1,0 +1,60 @@
+// The linkages of the paper: its lengths under three readings of its figure, nominal and as calibrated there.
+#include <array>
+
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam::calib {
+namespace {
+
+/// L1..L7 and delta1..delta7 of the paper's appendix.
+constexpr std::array<double, 7> kNominal_cm = {13.2, 3.6, 12.5, 8.5, 8.8, 5.0, 11.8};
+constexpr std::array<double, 7> kDelta_cm = {0.4034, -0.1178, -0.3218, 0.2625, -0.09, 0.07, -0.1709};
+
+/// Which of L1..L7 is which bar.
+struct Reading {
+  std::size_t crank;
+  std::size_t coupler;
+  std::size_t rocker;
+  std::size_t ground;
+};
+constexpr Reading kReadingA = {2, 4, 5, 3};
+constexpr Reading kReadingB = {2, 4, 5, 6};
+constexpr Reading kReadingC = {2, 4, 6, 5};
+
+FourBar bars_of(const Reading& reading, bool is_calibrated) {
+  const auto length_m = [&](std::size_t number) {
+    return (kNominal_cm.at(number - 1) + (is_calibrated ? kDelta_cm.at(number - 1) : 0.0)) / 100.0;
+  };
+  return {.crank_m = length_m(reading.crank),
+          .coupler_m = length_m(reading.coupler),
+          .rocker_m = length_m(reading.rocker),
+          .ground_m = length_m(reading.ground)};
+}
+
+}  // namespace
+
+const std::vector<LinkagePreset>& linkage_presets() {
+  static const std::vector<LinkagePreset> presets = {
+      {"paper-a", "reading A: bars L2, L4, L5, L3; an even sweep of 49 deg", bars_of(kReadingA, false)},
+      {"paper-a-calibrated", "reading A with the paper's calibrated lengths", bars_of(kReadingA, true)},
+      {"paper-b", "reading B, which fits the paper best: bars L2, L4, L5, L6; slow lift by 93 deg, quick return",
+       bars_of(kReadingB, false)},
+      {"paper-b-calibrated", "reading B with the paper's calibrated lengths", bars_of(kReadingB, true)},
+      {"paper-c", "reading C: bars L2, L4, L6, L5; an even sweep of 93 deg", bars_of(kReadingC, false)},
+      {"paper-c-calibrated", "reading C with the paper's calibrated lengths", bars_of(kReadingC, true)}};
+  return presets;
+}
+
+const LinkagePreset& linkage_preset(std::string_view name) {
+  std::string known;
+  for (const LinkagePreset& preset : linkage_presets()) {
+    if (preset.name == name) {
+      return preset;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(preset.name);
+  }
+  throw ConfigError("no linkage is named '" + std::string(name) + "'; the presets are " + known);
+}
+
+}  // namespace gdtslam::calib

@@ -1,0 +1,16 @@
+// Lengths and angles in messages: centimetres and degrees, as people who build linkages read them, the same text in
+// every locale.
+#pragma once
+
+#include <string>
+
+namespace gdtslam::calib {
+
+/// At most `digits` significant digits, no trailing zeros: "16.1".
+std::string number_text(double value, int digits = 6);
+/// Centimetres without their unit.
+std::string cm_text(double length_m);
+/// "40.5 deg", one decimal.
+std::string degrees_text(double angle_rad);
+
+}  // namespace gdtslam::calib
