@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "gdtslam/core/angle.hpp"
@@ -97,8 +96,8 @@ const std::vector<std::string>& laser_preset_names() {
   return names;
 }
 
-std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at) {
-  std::vector<double> ranges_m(laser.beam_count, std::numeric_limits<double>::infinity());
+std::vector<BeamTruth> true_beams(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at) {
+  std::vector<BeamTruth> beams(laser.beam_count);
   const bool is_instant = laser.mirror_rate_hz == 0.0;
   Pose3 T_map_laser = is_instant ? T_map_laser_at(0.0) : Pose3{};
   for (std::size_t k = 0; k < laser.beam_count; ++k) {
@@ -109,8 +108,17 @@ std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster
     const Vec3 ahead = T_map_laser * Vec3(bearing.cos, bearing.sin, 0.0);
     const Vec3 direction = ahead - T_map_laser.translation_m;
     if (const auto hit = caster.cast({T_map_laser.translation_m, direction}, laser.max_range_m)) {
-      ranges_m[k] = hit->range_m;
+      beams[k] = {hit->range_m, hit->triangle, T_map_laser.translation_m + hit->range_m * direction};
     }
+  }
+  return beams;
+}
+
+std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at) {
+  std::vector<double> ranges_m;
+  ranges_m.reserve(laser.beam_count);
+  for (const BeamTruth& beam : true_beams(laser, caster, T_map_laser_at)) {
+    ranges_m.push_back(beam.range_m);
   }
   return ranges_m;
 }
@@ -128,14 +136,18 @@ double measured_range(const LaserModel& laser, double true_range_m, Random& rand
   return range_m >= laser.min_range_m && range_m < laser.max_range_m ? range_m : laser.no_return_m;
 }
 
-std::vector<float> measured_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at,
-                                   Random& random) {
+std::vector<float> measured_ranges(const LaserModel& laser, const std::vector<BeamTruth>& beams, Random& random) {
   std::vector<float> measured_m;
-  measured_m.reserve(laser.beam_count);
-  for (const double range_m : true_ranges(laser, caster, T_map_laser_at)) {
-    measured_m.push_back(static_cast<float>(measured_range(laser, range_m, random)));
+  measured_m.reserve(beams.size());
+  for (const BeamTruth& beam : beams) {
+    measured_m.push_back(static_cast<float>(measured_range(laser, beam.range_m, random)));
   }
   return measured_m;
+}
+
+std::vector<float> measured_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at,
+                                   Random& random) {
+  return measured_ranges(laser, true_beams(laser, caster, T_map_laser_at), random);
 }
 
 }  // namespace gdtslam::sim

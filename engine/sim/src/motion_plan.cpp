@@ -232,10 +232,32 @@ Pose2 start_of_straight(const Waypoint& waypoint, const Joint& joint, const Leg&
           leg.heading_rad};
 }
 
+Builder built(const std::vector<Waypoint>& waypoints, const MotionLimits& limits) {
+  const Point2& first_m = waypoints.front().position_m;
+  const std::vector<Leg> legs = legs_between(waypoints, limits);
+  if (legs.empty()) {
+    Builder builder({first_m.x(), first_m.y(), 0.0}, limits);
+    builder.stand(waypoints.front().pause_s);
+    return builder;
+  }
+  std::vector<Joint> joints = joints_of(waypoints, legs, limits);
+  respect_acceleration(legs, joints, limits.acceleration_m_per_s2);
+  Builder builder(start_of_straight(waypoints.front(), joints.front(), legs.front()), limits);
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    add_joint(builder, joints[i], legs[i].direction);
+    builder.align(start_of_straight(waypoints[i], joints[i], legs[i]));
+    builder.drive(straight_length(legs, joints, i), joints[i].pass_speed_m_per_s, joints[i + 1].pass_speed_m_per_s,
+                  legs[i]);
+  }
+  add_joint(builder, joints.back(), 1.0);
+  return builder;
+}
+
 void check_waypoints(const std::vector<Waypoint>& waypoints) {
-  if (waypoints.size() < 2 || waypoints.size() > kMaxWaypoints) {
-    throw ConfigError("a trajectory needs 2 to " + std::to_string(kMaxWaypoints) + " waypoints; this one has " +
-                      std::to_string(waypoints.size()));
+  const bool only_stands = waypoints.size() == 1 && waypoints.front().pause_s > 0.0;
+  if ((waypoints.size() < 2 && !only_stands) || waypoints.size() > kMaxWaypoints) {
+    throw ConfigError("a trajectory needs 2 to " + std::to_string(kMaxWaypoints) +
+                      " waypoints, or one with a pause; this one has " + std::to_string(waypoints.size()));
   }
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const Waypoint& waypoint = waypoints[i];
@@ -282,18 +304,7 @@ MotionPlan::MotionPlan(const std::vector<Waypoint>& waypoints, const MotionLimit
     throw ConfigError("motion: " + faults.front());
   }
   check_waypoints(waypoints);
-  const std::vector<Leg> legs = legs_between(waypoints, limits);
-  std::vector<Joint> joints = joints_of(waypoints, legs, limits);
-  respect_acceleration(legs, joints, limits.acceleration_m_per_s2);
-
-  Builder builder(start_of_straight(waypoints.front(), joints.front(), legs.front()), limits);
-  for (std::size_t i = 0; i < legs.size(); ++i) {
-    add_joint(builder, joints[i], legs[i].direction);
-    builder.align(start_of_straight(waypoints[i], joints[i], legs[i]));
-    builder.drive(straight_length(legs, joints, i), joints[i].pass_speed_m_per_s, joints[i + 1].pass_speed_m_per_s,
-                  legs[i]);
-  }
-  add_joint(builder, joints.back(), 1.0);
+  Builder builder = built(waypoints, limits);
   if (builder.time_s() > kMaxDuration_s) {
     throw ConfigError("the trajectory takes more than a day: raise the speed or shorten it");
   }
@@ -309,6 +320,16 @@ MotionPlan& MotionPlan::operator=(MotionPlan&&) noexcept = default;
 double MotionPlan::duration_s() const { return segments_->duration_s; }
 
 double MotionPlan::path_m() const { return segments_->end.path_m; }
+
+std::vector<Stand> MotionPlan::stands() const {
+  std::vector<Stand> stands;
+  for (const Segment& segment : segments_->list) {
+    if (std::holds_alternative<Standing>(segment.shape)) {
+      stands.push_back({segment.start_s, segment.duration_s});
+    }
+  }
+  return stands;
+}
 
 MotionState MotionPlan::state_at(double time_s) const {
   const std::vector<Segment>& list = segments_->list;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "gdtslam/core/error.hpp"
 
@@ -17,13 +18,14 @@ double event_time_s(std::size_t index, double rate_hz) {
   return std::floor(static_cast<double>(index) / rate_hz * 1e6 + 0.5) / 1e6;
 }
 
-std::vector<float> scan_at(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
-                           double time_s, Random random) {
+std::vector<BeamTruth> beams_at(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
+                                const NoddingCourse* course, double time_s) {
   const auto T_map_laser_at = [&](double offset_s) {
-    return embed(base_pose(config.wheels, plan.state_at(time_s + offset_s)) * config.T_base_laser,
-                 config.laser_height_m);
+    const Pose2 T_map_base = base_pose(config.wheels, plan.state_at(time_s + offset_s));
+    return course != nullptr ? embed(T_map_base) * course->T_base_laser(config.T_base_laser, time_s + offset_s)
+                             : embed(T_map_base * config.T_base_laser, config.laser_height_m);
   };
-  return measured_ranges(config.laser, caster, T_map_laser_at, random);
+  return true_beams(config.laser, caster, T_map_laser_at);
 }
 
 /// Wheels, encoders and odometry, moved on from event to event.
@@ -68,13 +70,133 @@ ScanRecord record_of(const SimulationConfig& config, double stamp_s, std::vector
   return record;
 }
 
+// From a scan's first beam to its stamp, in whole microseconds.
+double lead_s(const LaserModel& laser) { return std::ceil(-laser.time_of_beam_s(0) * 1e6) / 1e6; }
+
 void count_beams(const LaserModel& laser, const std::vector<float>& ranges_m, SimulationSummary& summary) {
   summary.beams += ranges_m.size();
   summary.returns += static_cast<std::size_t>(std::count_if(
       ranges_m.begin(), ranges_m.end(), [&](float r) { return static_cast<double>(r) < laser.max_range_m; }));
 }
 
+void check_nodding(const SimulationConfig& config, std::vector<std::string>& faults) {
+  const NoddingModel& nodding = *config.nodding;
+  for (const std::string& fault : validate(nodding)) {
+    faults.push_back("nodding: " + fault);
+  }
+  if (nodding.truth.mount.height_m != config.laser_height_m ||
+      nodding.truth.mirror_rate_hz != config.laser.mirror_rate_hz || nodding.truth.stamp_share != 0.5) {
+    faults.emplace_back("nodding: height, mirror rate and stamp must be those of the laser");
+  }
+}
+
+/// Events of one kind at a fixed rate, whole microseconds.
+struct Beat {
+  double rate_hz = 0.0;  // 0: none
+  double first_s = 0.0;
+  double until_s = 0.0;  // inclusive
+  std::size_t count = 0;
+
+  [[nodiscard]] double next_s() const {
+    constexpr double kNever_s = std::numeric_limits<double>::infinity();
+    const double time_s = rate_hz > 0.0 ? first_s + event_time_s(count, rate_hz) : kNever_s;
+    return time_s <= until_s ? time_s : kNever_s;
+  }
+};
+
+/// One simulation from its first record to its last.
+class Run {
+ public:
+  Run(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster, const SimulationSink& sink,
+      const NoddingCourse* course)
+      : config_(config), plan_(plan), caster_(caster), sink_(sink), course_(course), robot_(config, plan) {
+    const double end_s = plan.duration_s();
+    odometry_ = {config.odometry_rate_hz, 0.0, end_s};
+    scans_ = {config.scan_rate_hz, 0.0, end_s};
+    if (course != nullptr) {
+      const double period_s = 1.0 / config.nodding->encoder_rate_hz;
+      encoder_ = {config.nodding->encoder_rate_hz, 0.0, end_s + period_s};
+      scans_.first_s = lead_s(config.laser);
+      scans_.until_s = end_s - scans_.first_s;
+    }
+  }
+
+  SimulationSummary whole() {
+    while (summary_.is_whole) {
+      const double now_s = std::min({odometry_.next_s(), encoder_.next_s(), scans_.next_s()});
+      if (std::isinf(now_s)) {
+        break;
+      }
+      if (odometry_.next_s() == now_s) {
+        tell_odometry(now_s);
+      } else if (encoder_.next_s() == now_s) {
+        tell_encoder(now_s);
+      } else {
+        tell_scan(now_s);
+      }
+    }
+    return summary_;
+  }
+
+ private:
+  MotionState move_to(double now_s) {
+    const MotionState state = robot_.move_to(now_s);
+    summary_.duration_s = now_s;
+    summary_.path_m = state.path_m;
+    return state;
+  }
+
+  void tell_odometry(double now_s) {
+    move_to(now_s);
+    sink_.odometry({now_s, robot_.T_odom_base()});
+    ++odometry_.count;
+    ++summary_.odometry_records;
+  }
+
+  void tell_encoder(double now_s) {
+    ++encoder_.count;
+    const std::optional<Encoder> message = course_->message(now_s);
+    if (message && sink_.encoder) {
+      sink_.encoder(*message);
+      ++summary_.encoder_records;
+    }
+  }
+
+  void tell_scan(double now_s) {
+    const MotionState state = move_to(now_s);
+    std::vector<BeamTruth> beams = beams_at(config_, plan_, caster_, course_, now_s);
+    Random random = laser_random_.split(scans_.count);
+    std::vector<float> ranges_m = measured_ranges(config_.laser, beams, random);
+    count_beams(config_.laser, ranges_m, summary_);
+    sink_.scan({record_of(config_, now_s, std::move(ranges_m), robot_.T_odom_base()), base_pose(config_.wheels, state),
+                course_ != nullptr ? course_->elevation_rad(now_s) : 0.0,
+                course_ != nullptr ? course_->crank_turns(now_s) : 0.0, std::move(beams), course_});
+    summary_.scans = ++scans_.count;
+    summary_.is_whole = sink_.keep_on(plan_.duration_s() > 0.0 ? now_s / plan_.duration_s() : 1.0);
+  }
+
+  const SimulationConfig& config_;
+  const MotionPlan& plan_;
+  const RayCaster& caster_;
+  const SimulationSink& sink_;
+  const NoddingCourse* course_;
+  Random laser_random_ = Random(config_.seed).split(kLaserStream);
+  Robot robot_;
+  Beat odometry_;
+  Beat encoder_;
+  Beat scans_;
+  SimulationSummary summary_;
+};
+
 }  // namespace
+
+void match_laser(SimulationConfig& config) {
+  if (config.nodding) {
+    config.nodding->truth.mount.height_m = config.laser_height_m;
+    config.nodding->truth.mirror_rate_hz = config.laser.mirror_rate_hz;
+    config.nodding->truth.stamp_share = 0.5;  // LaserModel::time_of_beam_s()
+  }
+}
 
 Pose2 base_pose(const WheelModel& wheels, const MotionState& state) {
   return state.T_map_axle * Pose2{wheels.drive.centre_ahead_of_axle_m, 0.0, 0.0};
@@ -97,6 +219,9 @@ std::vector<std::string> validate(const SimulationConfig& config) {
   if (!(config.odometry_rate_hz == 0.0 || (config.odometry_rate_hz >= 0.01 && config.odometry_rate_hz <= 10'000.0))) {
     faults.emplace_back("recording: odometry_rate must be 0 or 0.01 to 10000 Hz");
   }
+  if (config.nodding) {
+    check_nodding(config, faults);
+  }
   return faults;
 }
 
@@ -105,33 +230,11 @@ SimulationSummary run_simulation(const SimulationConfig& config, const MotionPla
   if (const std::vector<std::string> faults = validate(config); !faults.empty()) {
     throw ConfigError(faults.front());
   }
-  constexpr double kNever_s = std::numeric_limits<double>::infinity();
-  const Random laser_random = Random(config.seed).split(kLaserStream);
-  Robot robot(config, plan);
-  SimulationSummary summary;
-  while (summary.is_whole) {
-    const double scan_s = event_time_s(summary.scans, config.scan_rate_hz);
-    const double odometry_s =
-        config.odometry_rate_hz > 0.0 ? event_time_s(summary.odometry_records, config.odometry_rate_hz) : kNever_s;
-    const double now_s = std::min(scan_s, odometry_s);
-    if (now_s > plan.duration_s()) {
-      break;
-    }
-    const MotionState state = robot.move_to(now_s);
-    summary.duration_s = now_s;
-    summary.path_m = state.path_m;
-    if (odometry_s <= scan_s) {
-      sink.odometry({now_s, robot.T_odom_base()});
-      ++summary.odometry_records;
-      continue;
-    }
-    std::vector<float> ranges_m = scan_at(config, plan, caster, now_s, laser_random.split(summary.scans));
-    count_beams(config.laser, ranges_m, summary);
-    sink.scan({record_of(config, now_s, std::move(ranges_m), robot.T_odom_base()), base_pose(config.wheels, state)});
-    ++summary.scans;
-    summary.is_whole = sink.keep_on(plan.duration_s() > 0.0 ? now_s / plan.duration_s() : 1.0);
+  std::optional<NoddingCourse> course;
+  if (config.nodding) {
+    course.emplace(*config.nodding, plan);
   }
-  return summary;
+  return Run(config, plan, caster, sink, course ? &*course : nullptr).whole();
 }
 
 }  // namespace gdtslam::sim

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -45,13 +47,26 @@ const std::vector<std::string>& laser_preset_names();
 /// The pose of the laser in the map, a time after the scan's stamp.
 using LaserPoseAt = std::function<Pose3(double offset_s)>;
 
-/// The true range of every beam; infinity where it meets nothing within the maximum range.
+/// What a beam really meets.
+struct BeamTruth {
+  double range_m = std::numeric_limits<double>::infinity();  ///< infinity: nothing within the maximum range
+  std::uint32_t triangle = 0;                                ///< of the caster's mesh, where there is a range
+  Vec3 hit_m{0.0, 0.0, 0.0};                                 ///< map frame, where there is a range
+};
+
+/// The truth of every beam, each cast from the laser's pose at the beam's own time.
+std::vector<BeamTruth> true_beams(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at);
+
+/// The ranges of true_beams().
 std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at);
 
 /// What the sensor reports for a true range. Draws the same number of values from `random` whatever the outcome is.
 double measured_range(const LaserModel& laser, double true_range_m, Random& random);
 
-/// A whole scan: true_ranges() with measured_range() of each.
+/// measured_range() of each beam.
+std::vector<float> measured_ranges(const LaserModel& laser, const std::vector<BeamTruth>& beams, Random& random);
+
+/// A whole scan: true_beams() with measured_range() of each.
 std::vector<float> measured_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at,
                                    Random& random);
 

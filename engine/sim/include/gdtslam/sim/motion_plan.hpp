@@ -44,10 +44,16 @@ struct MotionState {
   double path_m = 0.0;       ///< backward counted positive
 };
 
+/// A pause.
+struct Stand {
+  double from_s = 0.0;
+  double duration_s = 0.0;
+};
+
 class MotionPlan {
  public:
-  /// Throws ConfigError for fewer than two waypoints, two that are closer than 1 cm, more than 100,000, values out of
-  /// range, or a plan of more than a day.
+  /// A single waypoint must have a pause: the robot stands there with heading 0. Throws ConfigError for no waypoint,
+  /// two that are closer than 1 cm, more than 100,000, values out of range, or a plan of more than a day.
   MotionPlan(const std::vector<Waypoint>& waypoints, const MotionLimits& limits);
   ~MotionPlan();
   MotionPlan(MotionPlan&&) noexcept;
@@ -55,6 +61,8 @@ class MotionPlan {
 
   [[nodiscard]] double duration_s() const;
   [[nodiscard]] double path_m() const;
+  /// The pauses in the order of their time.
+  [[nodiscard]] std::vector<Stand> stands() const;
   /// Times outside [0, duration] are moved to its ends.
   [[nodiscard]] MotionState state_at(double time_s) const;
 

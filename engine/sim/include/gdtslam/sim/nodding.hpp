@@ -1,40 +1,89 @@
-// A nodding mount that works while the robot drives: the crank's course, its encoder, and the pose of the laser at any
-// time. Frame: map. Thread-safe but for CrankEncoderModel.
+// A nodding mount that works while the robot drives: the crank's course over time, what its encoder tells, and the pose
+// of the laser at any time. Frames and signs of core/nodding.hpp and calib/sweep_model.hpp; seconds from the log's
+// begin, turns of the crank from tick 0, growing with the ticks. A state costs a logarithm of the stops and a closed
+// form. Thread-safe.
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "gdtslam/calib/sweep_model.hpp"
-#include "gdtslam/core/random.hpp"
+#include "gdtslam/core/pose3.hpp"
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/sim/motion_plan.hpp"
 
 namespace gdtslam::sim {
 
 enum class NodMode : std::uint8_t {
   kContinuous,   ///< the crank turns evenly all the time
-  kStopAndScan,  ///< the robot stands during a sweep and drives during none: the crank turns only while it stands
-  kStepped,      ///< the crank stops each step_rad for stop_s (the paper's calibration protocol), robot standing
+  kStopAndScan,  ///< whole turns while the robot stands; level and at rest while it drives
+  kStepped,      ///< the crank stops each step for stop_s (the paper's calibration protocol)
+};
+
+enum class EncoderFaultKind : std::uint8_t {
+  kStop,       ///< shows the same count from `from` to `to`
+  kJump,       ///< counts `ticks` more from `from` on
+  kBackwards,  ///< counts the wrong way from `from` to `to`, and on from there
+  kMissing,    ///< sends no message from `from` to `to`
+};
+
+/// What is wrong with the encoder for a while; the crank itself is not touched. For tests.
+struct EncoderFault {
+  EncoderFaultKind kind = EncoderFaultKind::kStop;
+  double from_s = 0.0;
+  double to_s = std::numeric_limits<double>::infinity();
+  std::int64_t ticks = 0;
 };
 
 struct NoddingModel {
   calib::SweepModel truth;  ///< what the mount really is
   NodMode mode = NodMode::kContinuous;
-  double crank_rate_hz = 0.2;              ///< turns of the crank a second
-  double encoder_rate_hz = 100.0;          ///< messages a second
-  bool quantise = true;                    ///< whole ticks
-  double start_turns = 0.0;                ///< phase at time 0
-  double step_rad = 0.031415926535897934;  ///< 1.8 deg: 100 ticks of 20,000
-  double stop_s = 5.0;
+  double crank_rate_hz = 0.15;                  ///< turns of the crank a second, while it turns
+  double encoder_rate_hz = 100.0;               ///< messages a second
+  double start_turns = 0.0;                     ///< at time 0
+  double step_rad = 0.01 * 3.1415926535897932;  ///< 1.8 deg: 100 ticks of 20,000
+  double stop_s = 6.25;                         ///< 250 scans of 40 Hz
+  int turns_a_stop = 1;                         ///< that with_scan_stops() leaves time for
+  double stop_every_m = 1.0;                    ///< likewise, along the path
+  std::vector<EncoderFault> faults;
 };
 
+/// Every violation, one sentence each; a loop that does not close all around is one.
 std::vector<std::string> validate(const NoddingModel& model);
 
-/// Turns of the crank from tick 0 since the log's begin, a monotone function of time.
-double crank_turns(const NoddingModel& model, double time_s);
-Encoder encoder_message(const NoddingModel& model, double time_s);
-/// The true elevation. The linkage closes all around (validate()).
-double true_elevation_rad(const NoddingModel& model, double time_s);
+/// The waypoints with stops for kStopAndScan: at every waypoint and evenly between, at most stop_every apart, each long
+/// enough for the turns. Other modes: as they are.
+std::vector<Waypoint> with_scan_stops(const NoddingModel& model, const std::vector<Waypoint>& waypoints);
+
+/// The mount during one drive.
+class NoddingCourse {
+ public:
+  /// Throws ConfigError for what validate() refuses, or when kStopAndScan finds no stop that is long enough.
+  NoddingCourse(const NoddingModel& model, const MotionPlan& plan);
+
+  /// Monotone; before 0 and after the plan's end the motion goes on as it is.
+  [[nodiscard]] double crank_turns(double time_s) const;
+  [[nodiscard]] double elevation_rad(double time_s) const;
+  /// The nearest whole tick, with the faults; nothing where a message is missing.
+  [[nodiscard]] std::optional<Encoder> message(double time_s) const;
+  [[nodiscard]] Pose3 T_base_laser(const Pose2& T_base_level, double time_s) const;
+  [[nodiscard]] const NoddingModel& model() const { return model_; }
+
+ private:
+  struct Turning {
+    double from_s = 0.0;
+    double turns = 0.0;   ///< in this stretch
+    double before = 0.0;  ///< turns until it begins
+  };
+  void find_stops(const MotionPlan& plan);
+  [[nodiscard]] double turns_in_stops(double time_s) const;
+  [[nodiscard]] double turns_in_steps(double time_s) const;
+
+  NoddingModel model_;
+  std::vector<Turning> stretches_;  ///< kStopAndScan only
+};
 
 }  // namespace gdtslam::sim

@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/sim/laser_model.hpp"
 #include "gdtslam/sim/motion_plan.hpp"
+#include "gdtslam/sim/nodding.hpp"
 #include "gdtslam/sim/wheel_model.hpp"
 
 namespace gdtslam::sim {
@@ -23,27 +25,40 @@ struct SimulationConfig {
   WheelModel wheels;
   double scan_rate_hz = 10.0;
   double odometry_rate_hz = 20.0;  ///< 0: no odometry between the scans
+  /// A laser that nods. Its mount's height, mirror rate and stamp share must be those of the laser, see match_laser().
+  std::optional<NoddingModel> nodding{};
   std::uint64_t seed = 1;
 };
 
-/// Every violation, one sentence each, opened by its part: "laser: ...", "wheels: ...", "recording: ...".
+/// Sets what the nodding mount and the laser have in common to the laser's.
+void match_laser(SimulationConfig& config);
+
+/// Every violation, one sentence each, opened by its part: "laser: ...", "wheels: ...", "recording: ...", "nodding:
+/// ..."
 std::vector<std::string> validate(const SimulationConfig& config);
 
 struct SimulatedScan {
   ScanRecord record;
-  Pose2 T_map_base;  ///< the truth, at the scan's stamp
+  Pose2 T_map_base;                       ///< the truth, at the scan's stamp
+  double elevation_rad = 0.0;             ///< likewise
+  double crank_turns = 0.0;               ///< likewise, from tick 0
+  std::vector<BeamTruth> beams;           ///< what each beam met
+  const NoddingCourse* course = nullptr;  ///< the mount's true motion, while the sink is called; null without one
 };
 
-/// Takes the records in the order of their time; odometry comes before a scan of the same time.
+/// Takes the records in the order of their time; odometry comes before the encoder and that before a scan of the same
+/// time.
 struct SimulationSink {
   std::function<void(const SimulatedScan&)> scan;
   std::function<void(const Odometry&)> odometry;
-  std::function<bool(double share)> keep_on;  ///< asked after each scan with the share done; false ends the run
+  std::function<void(const Encoder&)> encoder{};  ///< may be empty
+  std::function<bool(double share)> keep_on;      ///< asked after each scan with the share done; false ends the run
 };
 
 struct SimulationSummary {
   std::size_t scans = 0;
   std::size_t odometry_records = 0;
+  std::size_t encoder_records = 0;
   std::size_t returns = 0;  ///< beams that measured a range
   std::size_t beams = 0;
   double duration_s = 0.0;
@@ -54,7 +69,9 @@ struct SimulationSummary {
 /// The true pose of the robot's centre.
 Pose2 base_pose(const WheelModel& wheels, const MotionState& state);
 
-/// Stamps begin at 0 and are whole microseconds. Throws ConfigError for what validate() refuses.
+/// Stamps begin at 0 and are whole microseconds. With a nodding mount the first scan comes half of a scan's duration
+/// later and the encoder tells until after the last one, so that its course covers every beam. Throws ConfigError for
+/// what validate() refuses.
 SimulationSummary run_simulation(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster,
                                  const SimulationSink& sink);
 
