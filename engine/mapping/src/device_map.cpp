@@ -129,7 +129,7 @@ void DeviceMap::admit(const KeyframeCells& keyframe) {
     throw DeviceError(device.name, error.call(),
                       error.result() + ", for the map of " + size +
                           " cells; a larger map.resolution makes it smaller, map.max_megacells=" +
-                          std::to_string(most >> 20U) + " keeps it within that");
+                          std::to_string(most >> 20U) + " bounds it to that");
   }
 }
 
