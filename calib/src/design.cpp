@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <cmath>
+
+#include "design_search.hpp"
+#include "four_bar_text.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam::calib {
+namespace {
+
+constexpr double kDefaultLongestRatio = 4.0;
+/// Bars longer than this many cranks gain nothing more: the transmission angle is within 0.02 deg of its limit.
+constexpr double kLongestUseful = 64.0;
+constexpr int kLengthHalvings = 12;
+/// Angles that the search cannot tell apart.
+constexpr double kEqualAngle_rad = 1e-9;
+
+struct Reached {
+  FourBar bars;
+  double transmission_rad = 0.0;
+};
+
+double longest_bar_m(const DesignGoal& goal) {
+  return goal.longest_bar_m.value_or(kDefaultLongestRatio * goal.most_crank_m);
+}
+
+/// The best linkage with a crank of that length, bars up to `longest_m`.
+std::optional<Reached> best_with(const DesignGoal& goal, double crank_m, double longest_m) {
+  const auto imbalance = goal.time_ratio ? std::optional(imbalance_of_time_ratio(*goal.time_ratio)) : std::nullopt;
+  const std::optional<FourBar> found =
+      best_shape({.swing_rad = goal.swing_rad, .imbalance_rad = imbalance, .longest = longest_m / crank_m});
+  if (!found) {
+    return std::nullopt;
+  }
+  const FourBar bars{.crank_m = crank_m,
+                     .coupler_m = crank_m * found->coupler_m,
+                     .rocker_m = crank_m * found->rocker_m,
+                     .ground_m = crank_m * found->ground_m};
+  return Reached{.bars = bars, .transmission_rad = least_transmission_rad(bars)};
+}
+
+bool meets(const std::optional<Reached>& reached, const DesignGoal& goal) {
+  return reached && reached->transmission_rad >= goal.min_transmission_rad - kEqualAngle_rad;
+}
+
+void require(bool condition, const std::string& message) {
+  if (!condition) {
+    throw ConfigError(message);
+  }
+}
+
+/// Every number of the goal by itself.
+void require_sound(const DesignGoal& goal) {
+  require(goal.swing_rad > 0.0 && goal.swing_rad < kPi,
+          "the swing of a crank-rocker lies between 0 and 180 deg, not at " + degrees_text(goal.swing_rad));
+  require(goal.min_transmission_rad > 0.0 && goal.min_transmission_rad < 0.5 * kPi,
+          "the least transmission angle lies between 0 and 90 deg, not at " + degrees_text(goal.min_transmission_rad));
+  require(!goal.time_ratio || (*goal.time_ratio >= 1.0 && std::isfinite(*goal.time_ratio)),
+          "the time ratio, slow over quick stroke, is at least 1, not " + number_text(goal.time_ratio.value_or(1.0)));
+  require(goal.least_crank_m > 0.0 && goal.least_crank_m <= goal.most_crank_m && std::isfinite(goal.most_crank_m),
+          "the crank's range must be positive and rising, not " + cm_text(goal.least_crank_m) + ".." +
+              cm_text(goal.most_crank_m) + " cm");
+  require(longest_bar_m(goal) > goal.least_crank_m && std::isfinite(longest_bar_m(goal)),
+          "the longest bar, " + cm_text(longest_bar_m(goal)) + " cm, must be longer than the shortest crank, " +
+              cm_text(goal.least_crank_m) + " cm");
+}
+
+/// What no lengths can give, with the swing alone at fault.
+void require_possible(const DesignGoal& goal) {
+  const double most_rad = 0.5 * (kPi - goal.swing_rad);
+  require(goal.min_transmission_rad < most_rad,
+          "a swing of " + degrees_text(goal.swing_rad) + " keeps every crank-rocker's transmission angle below " +
+              degrees_text(most_rad) + " (90 deg less half the swing), and " + degrees_text(goal.min_transmission_rad) +
+              " are asked for; ask for less of one of them");
+}
+
+std::string goal_text(const DesignGoal& goal) {
+  std::string text = "a swing of " + degrees_text(goal.swing_rad);
+  if (goal.time_ratio) {
+    text += " and a time ratio of " + number_text(*goal.time_ratio);
+  }
+  return text;
+}
+
+/// The shortest longest bar that meets the goal, to a few thousandths; nothing where none does.
+std::optional<double> sufficient_length_m(const DesignGoal& goal, double crank_m) {
+  double too_short = std::min(longest_bar_m(goal), kLongestUseful * crank_m);
+  double enough = kLongestUseful * crank_m;
+  if (!meets(best_with(goal, crank_m, enough), goal)) {
+    return std::nullopt;
+  }
+  for (int k = 0; k < kLengthHalvings; ++k) {
+    const double middle = std::sqrt(too_short * enough);
+    (meets(best_with(goal, crank_m, middle), goal) ? enough : too_short) = middle;
+  }
+  return enough;
+}
+
+std::string cause_text(const DesignGoal& goal, double crank_m) {
+  if (const std::optional<double> enough = sufficient_length_m(goal, crank_m)) {
+    return "the bars are too short: allow a longest bar of " + number_text(100.0 * *enough, 3) +
+           " cm (or as much shorter a crank)";
+  }
+  DesignGoal any_ratio = goal;
+  any_ratio.time_ratio.reset();
+  if (meets(best_with(any_ratio, crank_m, kLongestUseful * crank_m), any_ratio)) {
+    return "the time ratio is too high for bars of any length: ask for less of it, or for less swing or transmission";
+  }
+  return "ask for less swing or less transmission";
+}
+
+[[noreturn]] void fail(const DesignGoal& goal, const std::optional<Reached>& best) {
+  std::string message = "no crank-rocker with " + goal_text(goal) + ", a crank of at least " +
+                        cm_text(goal.least_crank_m) + " cm and bars up to " + cm_text(longest_bar_m(goal)) + " cm";
+  if (best) {
+    message += " keeps its transmission angle at " + degrees_text(goal.min_transmission_rad) + ": the best reaches " +
+               degrees_text(best->transmission_rad) + " (crank " + cm_text(best->bars.crank_m) + ", coupler " +
+               cm_text(best->bars.coupler_m) + ", rocker " + cm_text(best->bars.rocker_m) + ", ground " +
+               cm_text(best->bars.ground_m) + " cm)";
+  } else {
+    message += " exists";
+  }
+  throw ConfigError(message + "; " + cause_text(goal, goal.least_crank_m));
+}
+
+}  // namespace
+
+// A shorter crank in the same room transmits better, so the shortest crank tells whether the goal can be met at all.
+std::vector<Design> design(const DesignGoal& goal, std::size_t count) {
+  require_sound(goal);
+  require_possible(goal);
+  const std::optional<Reached> best = best_with(goal, goal.least_crank_m, longest_bar_m(goal));
+  if (!meets(best, goal)) {
+    fail(goal, best);
+  }
+  std::vector<Reached> found;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double share = count > 1 ? static_cast<double>(k) / static_cast<double>(count - 1) : 0.0;
+    const double crank_m = goal.least_crank_m + share * (goal.most_crank_m - goal.least_crank_m);
+    const std::optional<Reached> reached = best_with(goal, crank_m, longest_bar_m(goal));
+    if (meets(reached, goal)) {
+      found.push_back(*reached);
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Reached& a, const Reached& b) {
+    return a.transmission_rad > b.transmission_rad + kEqualAngle_rad;
+  });
+  std::vector<Design> designs;
+  for (const Reached& reached : found) {
+    designs.push_back({.bars = reached.bars, .report = analyse(reached.bars, Assembly::kOpen)});
+  }
+  return designs;
+}
+
+}  // namespace gdtslam::calib
