@@ -59,18 +59,37 @@ double steepest_step_rad(const std::vector<double>& values_rad) {
   return step_rad;
 }
 
+// The broken inequality where there is one, else where the loop opens.
+std::string does_not_turn_fully(const SweepModel& model, double crank_rad) {
+  const std::string whose = model.name.empty() ? std::string() : "linkage '" + model.name + "': ";
+  try {
+    static_cast<void>(analyse(model.bars, model.assembly));
+  } catch (const ConfigError& error) {
+    return whose + error.what();
+  }
+  const double crank_deg = std::round(deg_from_rad(wrap_angle(crank_rad)) * 10.0) / 10.0;
+  return whose + "the loop does not close at a crank angle of " + format_quantity(crank_deg, Unit::kNone) +
+         " deg; change the bars' lengths so that the crank turns fully";
+}
+
 }  // namespace
 
-SweepModel sweep_model_of_preset(std::string_view name) {
-  const LinkagePreset& preset = linkage_preset(name);
+SweepModel sweep_model_of(const FourBar& bars, Assembly assembly) {
   SweepModel model;
-  model.name = std::string(preset.name);
-  model.bars = preset.bars;
-  const CrankRockerReport report = analyse(model.bars, model.assembly);
+  model.bars = bars;
+  model.assembly = assembly;
+  const CrankRockerReport report = analyse(bars, assembly);
   model.encoder.zero_rad = report.lowest.crank_rad;
   model.encoder.direction = report.lift_direction;
   model.elevation_sign = wrap_angle(report.highest.rocker_rad - report.lowest.rocker_rad) > 0.0 ? 1 : -1;
   model.elevation_offset_rad = -model.elevation_sign * report.lowest.rocker_rad;
+  return model;
+}
+
+SweepModel sweep_model_of_preset(std::string_view name) {
+  const LinkagePreset& preset = linkage_preset(name);
+  SweepModel model = sweep_model_of(preset.bars, Assembly::kOpen);
+  model.name = std::string(preset.name);
   model.mirror_rate_hz = kPaperMirrorRate_hz;
   return model;
 }
@@ -99,10 +118,7 @@ ElevationTable elevation_table(const SweepModel& model, std::uint32_t bits) {
     const double phi_rad = crank_rad(model.encoder, turn * static_cast<double>(model.encoder.ticks_per_turn));
     const std::optional<double> elevation = elevation_rad(model, phi_rad);
     if (!elevation) {
-      throw ConfigError("linkage '" + model.name + "': the loop does not close at a crank angle of " +
-                        format_quantity(std::round(deg_from_rad(wrap_angle(phi_rad)) * 10.0) / 10.0, Unit::kNone) +
-                        " deg, so the crank cannot turn fully; check the bars' lengths (gdtslam linkage shows where "
-                        "they close)");
+      throw ConfigError(does_not_turn_fully(model, phi_rad));
     }
     elevations_rad[i] = *elevation;
   }

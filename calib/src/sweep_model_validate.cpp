@@ -28,7 +28,7 @@ void check_bar(const char* name, double length_m, Faults& faults) {
     const bool fits_cm = length_m * 0.01 <= kMostBar_m;
     faults.push_back(is + " is longer than 1 m; did you mean " + number(length_m) + (fits_cm ? " cm" : " mm") + "?");
   } else if (length_m < kLeastBar_m) {
-    const double meant_m = length_m * 100.0;
+    const double meant_m = std::round(length_m * 100.0 * 1e9) / 1e9;
     faults.push_back(is + " is shorter than 1 mm; " +
                      (meant_m >= kLeastBar_m ? "did you mean " + number(meant_m) + " m? " : std::string()) +
                      "check its unit");

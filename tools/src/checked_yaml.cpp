@@ -6,7 +6,10 @@
 #include <cstring>
 #include <memory>
 #include <set>
+#include <sstream>
 #include <utility>
+
+#include <yaml-cpp/eventhandler.h>
 
 #include "did_you_mean.hpp"
 
@@ -19,9 +22,42 @@ struct Close {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-std::uint64_t line_of(const YAML::Node& node) {
-  const YAML::Mark mark = node.Mark();
-  return mark.is_null() ? 0 : static_cast<std::uint64_t>(mark.line) + 1;
+// Lets a document pass.
+class IgnoreEvents final : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+};
+
+// YAML::LoadAll would tell too, but never returns from some faulty texts.
+bool goes_on_after_its_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  IgnoreEvents ignore;
+  parser.HandleNextDocument(ignore);
+  return static_cast<bool>(parser);
+}
+
+std::uint64_t line_of(const YAML::Mark& mark) { return mark.is_null() ? 0 : static_cast<std::uint64_t>(mark.line) + 1; }
+
+// What a message quotes from a file may hold anything; the message stays one line of readable text.
+std::string one_line(std::string text) {
+  constexpr std::size_t kMost = 400;
+  if (text.size() > kMost) text.resize(kMost);
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+  }
+  return text;
 }
 
 std::string_view without_suffix(std::string_view text, std::string_view suffix) {
@@ -56,17 +92,16 @@ std::string read_whole_file(const std::string& file, std::size_t most_bytes) {
   return content;
 }
 
-YAML::Node load_yaml(const std::string& file) {
-  const std::string content = read_whole_file(file, kMaxYamlBytes);
+YAML::Node load_yaml(const std::string& file) { return parse_yaml(read_whole_file(file, kMaxYamlBytes), file); }
+
+YAML::Node parse_yaml(const std::string& text, const std::string& file) {
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(content);
-    if (documents.size() != 1) {
-      throw ConfigError({file, 0}, "holds " + std::to_string(documents.size()) + " YAML documents; one is expected");
+    if (goes_on_after_its_document(text)) {
+      throw ConfigError({file, 0}, "holds more than one YAML document; one is expected");
     }
-    return documents.front();
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    const auto line = error.mark.is_null() ? 0 : static_cast<std::uint64_t>(error.mark.line) + 1;
-    throw ConfigError({file, line}, "is not valid YAML: " + error.msg);
+    throw ConfigError({file, line_of(error.mark)}, "is not valid YAML: " + one_line(error.msg));
   }
 }
 
@@ -74,7 +109,7 @@ YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string name)
     : node_(node), file_(std::move(file)), name_(std::move(name)) {}
 
 void YamlValue::refuse(const std::string& fault) const {
-  throw ConfigError({file_, line_of(node_)}, name_.empty() ? fault : name_ + ": " + fault);
+  throw ConfigError({file_, line_of(node_.Mark())}, one_line(name_.empty() ? fault : name_ + ": " + fault));
 }
 
 void YamlValue::require_none(const std::vector<std::string>& faults) const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/calib/four_bar.hpp"
@@ -34,7 +35,10 @@ struct SweepModel {
 
 /// Every violation, one sentence each: lengths that cannot close, ticks, a length that looks like another unit.
 std::vector<std::string> validate(const SweepModel& model);
-/// A preset with lifting as the slow stroke, elevation 0 at the lowest dead point, encoder zero there.
+/// A crank-rocker set up as the paper's: lifting is the slow stroke, elevation 0 at the lowest dead point, tick 0
+/// there. Throws ConfigError when the linkage is no crank-rocker, with the broken inequality.
+SweepModel sweep_model_of(const FourBar& bars, Assembly assembly);
+/// A preset set up so, on a scanner like the paper's: 961 beams of 0.25 deg, 40 turns of its mirror a second.
 SweepModel sweep_model_of_preset(std::string_view name);
 
 double crank_rad(const CrankEncoder& encoder, double ticks);
@@ -44,13 +48,14 @@ std::optional<double> elevation_rad(const SweepModel& model, double crank_rad);
 std::optional<double> elevation_rate(const SweepModel& model, double crank_rad);
 /// Phase of the elevation table: turns of the crank from tick 0, in the direction of growing ticks.
 Phase phase_of_ticks(const CrankEncoder& encoder, double ticks);
-/// The elevation over a turn from tick 0 in the direction of growing ticks; O(2^bits). Throws ConfigError where the
-/// loop does not close all around.
+/// The elevation over a turn from tick 0 in the direction of growing ticks, continuous: where it passes half a turn it
+/// goes on; O(2^bits). Throws ConfigError where the loop does not close all around.
 ElevationTable elevation_table(const SweepModel& model, std::uint32_t bits = 15);
 /// When beam k of `beams`, `bearing_step_rad` apart, fires relative to the scan's stamp.
 BeamTiming beam_timing(const SweepModel& model, std::size_t beams, double bearing_step_rad);
-/// What one encoder tick, one step of the range and the table can move a point at this range at most, metres: the
-/// quantisation bound that a reconstruction is judged by.
+/// What one whole encoder tick, one whole step of the range and the table (of 2^15 steps, in float32) can move a point
+/// at this range at most, metres: the quantisation bound that a reconstruction is judged by. Where an encoder or a
+/// range is rounded to the nearest step instead of cut, half of it is left over. O(2^15).
 double quantisation_bound_m(const SweepModel& model, double range_m, double range_resolution_m);
 
 }  // namespace gdtslam::calib

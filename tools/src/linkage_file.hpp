@@ -1,0 +1,43 @@
+// Linkage files: how a laser nods, as YAML (`gdtslam_linkage: 1`): bars, assembly, encoder, elevation, mount, laser
+// (docs/formats.md). Every message has file and line. Thread-safe; cost: that of the file.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/calib/sweep_model.hpp"
+
+namespace gdtslam {
+
+/// How well a parameter of the model is known, as calibrate found it. Names and units are those of
+/// calib::CalibratedParameter, surfaces excepted: crank, coupler, rocker, ground, lever.forward, lever.up in m;
+/// zero, offset, sensor.roll, sensor.yaw in rad.
+struct ParameterSigma {
+  std::string name;
+  double sigma = 0.0;
+  friend bool operator==(const ParameterSigma&, const ParameterSigma&) = default;
+};
+
+struct LinkageFile {
+  calib::SweepModel model;
+  std::vector<ParameterSigma> uncertainty;  ///< in the file's order; empty when the file states none
+};
+
+/// Throws FileError when the file cannot be read, else ConfigError with file, line, what is wrong and what to do.
+LinkageFile read_linkage_file(const std::string& file);
+/// The same from text; `file` stands in messages.
+LinkageFile read_linkage_text(const std::string& text, const std::string& file);
+/// The model alone.
+calib::SweepModel read_linkage(const std::string& file);
+/// A preset's name, else a file. Throws as the above, and FileError with the nearest preset where it is neither.
+calib::SweepModel resolve_linkage(const std::string& name_or_path);
+
+/// A file that reads back as the same model, bit for bit. Sigmas of names that are no parameter of the model (a wall's
+/// distance) are left out.
+std::string linkage_text(const calib::SweepModel& model, const std::vector<ParameterSigma>& uncertainty = {});
+/// Atomic. Throws FileError.
+void write_linkage(const std::string& file, const calib::SweepModel& model,
+                   const std::vector<ParameterSigma>& uncertainty = {});
+
+}  // namespace gdtslam
