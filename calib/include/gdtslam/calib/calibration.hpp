@@ -21,6 +21,7 @@ struct CalibrationSurface {
   double distance_m = 2.0;   ///< of a wall from the axis (level, along heading); of floor or ceiling from the axis
   double heading_rad = 0.0;  ///< of the wall's normal, seen from the scanner; walls only
   bool distance_known = false;
+  bool heading_known = true;  ///< a free one needs beams of several bearings
 };
 
 /// One range, or the mean of several from a crank that stood.
@@ -40,27 +41,33 @@ struct CalibrationOptions {
   double offset_prior_rad = 0.0873;
   double distance_prior_m = 0.05;
   double lever_prior_m = 0.02;
+  double angle_prior_rad = 0.0349;  ///< of the sensor's roll and yaw and of a wall's heading
   bool free_lever = false;
   bool free_sensor_angles = false;
   double huber_sigmas = 3.0;
   double max_elevation_rad = 1.0471975511965976;  ///< ranges above are not used
   bool try_both_assemblies = true;
+  bool search_zero = false;  ///< the encoder's zero is not known at all: the whole turn is tried, without its prior
+  /// The options with every prior taken away: what the data do not tell stays where it starts, within its bounds.
+  [[nodiscard]] CalibrationOptions without_priors() const;
 };
+/// Every violation, one sentence each.
+std::vector<std::string> validate(const CalibrationOptions& options);
 
 struct CalibratedParameter {
   std::string name;  ///< crank, coupler, rocker, ground, zero, offset, distance.wall, lever.forward, ...
   std::string unit;  ///< m or rad
   double start = 0.0;
   double estimate = 0.0;
-  double sigma = 0.0;       ///< posterior, prior included
+  double sigma = 0.0;       ///< posterior, prior included; infinite where neither data nor a prior hold it
   double data_share = 0.0;  ///< 1 - (sigma / prior sigma)^2: 0 the data say nothing, 1 they say all
   bool at_bound = false;
-  bool observable = false;
+  bool observable = false;  ///< the data alone tell it to half of its prior's sigma or better
 };
 
 /// A combination of parameters that the data leave free.
 struct WeakCombination {
-  double singular_value = 0.0;  ///< relative to the largest
+  double singular_value = 0.0;  ///< prior's sigma over that of the data alone: below 1 the prior tells more; 0: nothing
   std::vector<double> weights;  ///< one per parameter, scaled by the priors, length 1
   std::string text;             ///< "crank + coupler + rocker + ground grow together (scale)"
 };
@@ -68,17 +75,19 @@ struct WeakCombination {
 struct CalibrationResult {
   SweepModel model;
   std::vector<CalibratedParameter> parameters;
-  std::vector<double> covariance;  ///< row-major, posterior, in the parameters' order
-  std::vector<double> singular_values;
+  std::vector<CalibrationSurface> surfaces;  ///< as estimated
+  std::vector<double> covariance;            ///< row-major, posterior, in the parameters' order
+  std::vector<double> singular_values;       ///< of the data alone, parameters scaled by their priors, falling
+  std::vector<double> combinations;          ///< row-major, one row of weights for each singular value
   std::vector<WeakCombination> weak;
-  double residual_rms = 0.0;         ///< of the weighted residuals: 1 where sigma is right
+  double residual_rms = 0.0;         ///< of the weighted residuals that are no outliers: 1 where sigma is right
   double elevation_sigma_rad = 0.0;  ///< RMS over the sweep used
-  std::uint64_t observations = 0;
-  std::uint64_t outliers = 0;
+  std::uint64_t observations = 0;    ///< used: within max_elevation_rad
+  std::uint64_t outliers = 0;        ///< of those, beyond huber_sigmas
   int iterations = 0;
   bool converged = false;
-  std::string reason;  ///< why the solver stopped
-  double other_assembly_rms = 0.0;
+  std::string reason;                ///< why the solver stopped
+  double other_assembly_rms = 0.0;   ///< infinite where it was not tried or does not fit at all
   std::vector<std::string> remarks;  ///< what one wall cannot tell, bounds hit, ...
 };
 
@@ -86,5 +95,18 @@ struct CalibrationResult {
 /// sweep that is too short, with what to do.
 CalibrationResult calibrate(const SweepModel& start, const std::vector<CalibrationSurface>& surfaces,
                             const std::vector<RangeObservation>& observations, const CalibrationOptions& options);
+
+/// Gives each observation the surface that the model expects it to meet first, and takes out those that miss it by more
+/// than `gate_m` or are expected to meet none. Returns how many were taken out.
+std::size_t assign_surfaces(const SweepModel& model, const std::vector<CalibrationSurface>& surfaces, double gate_m,
+                            std::vector<RangeObservation>& observations);
+
+/// One of the seven bars of the paper's appendix (L1..L7 = nominal + delta) under a preset's reading of the figure.
+struct PaperBar {
+  std::string name;   ///< delta1 .. delta7
+  std::string place;  ///< crank, coupler, rocker, ground; empty: not in the loop, what it adds is in the offset
+};
+/// All seven, or none when the model's name is no preset of the paper.
+std::vector<PaperBar> paper_bars(const std::string& model_name);
 
 }  // namespace gdtslam::calib

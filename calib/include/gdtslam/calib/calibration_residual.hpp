@@ -1,0 +1,55 @@
+// What one range to a known kind of surface says about a nodding mount: equation (A1) of the paper as READING corrects
+// it, for any flat surface and any beam, with every derivative. A forward beam raised by theta meets a wall at the
+// distance d where r cos(theta) + a cos(theta) - b sin(theta) = d, with the lever a forward and b up. The left side
+// minus the right one is the miss: defined through 90 degrees, where the range itself is not. SI units, radians, frame
+// `level` of core/nodding.hpp moved to the nodding axis. Thread-safe, constant time.
+#pragma once
+
+#include <optional>
+
+#include "gdtslam/calib/calibration.hpp"
+
+namespace gdtslam::calib {
+
+/// The miss of an observation and its derivatives by every parameter that a calibration may estimate (or has to
+/// assume).
+struct SurfaceMiss {
+  double miss_m = 0.0;     ///< of the measured point beyond the surface, along the surface's normal
+  double incidence = 0.0;  ///< cosine of the angle between beam and normal: d miss / d range
+  double elevation_rad = 0.0;
+
+  // Derivatives of the elevation, by bars (rad per metre) and by the encoder's zero.
+  double elevation_by_crank = 0.0;
+  double elevation_by_coupler = 0.0;
+  double elevation_by_rocker = 0.0;
+  double elevation_by_ground = 0.0;
+  double elevation_by_zero = 0.0;
+  // Derivatives of the miss; those by bars, zero and offset come through the elevation.
+  double by_elevation = 0.0;
+  double by_lever_forward = 0.0;
+  double by_lever_up = 0.0;
+  double by_roll = 0.0;
+  double by_yaw = 0.0;
+  double by_distance = 0.0;
+  double by_heading = 0.0;
+  double by_tilt = 0.0;  ///< of a wall's upper part away from the scanner, of floor and ceiling rising ahead
+};
+
+/// Nothing where the loop does not close or the rocker's angle has no derivative.
+std::optional<SurfaceMiss> surface_miss(const SweepModel& model, const CalibrationSurface& surface,
+                                        const RangeObservation& observation);
+
+/// The range at which a beam of this elevation meets the surface; nothing when it leads away from it.
+std::optional<double> surface_range_m(const NoddingMount& mount, const CalibrationSurface& surface,
+                                      double elevation_rad, double bearing_rad);
+
+/// Cosine of the angle between a beam of this elevation and the surface's normal.
+double surface_incidence(const NoddingMount& mount, const CalibrationSurface& surface, double elevation_rad,
+                         double bearing_rad);
+
+/// The elevation that the range itself tells, whatever the linkage: of the two that fit (a wall looks the same above
+/// and below), the one closer to `near_rad`. A range too short for the surface gives the elevation of the shortest one.
+double measured_elevation_rad(const NoddingMount& mount, const CalibrationSurface& surface,
+                              const RangeObservation& observation, double near_rad);
+
+}  // namespace gdtslam::calib

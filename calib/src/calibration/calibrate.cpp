@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "gdtslam/calib/calibration.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "observability.hpp"
+#include "start_search.hpp"
+
+namespace gdtslam::calib {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kAtBound = 1e-6;           // of the bound
+constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
+constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
+constexpr double kMuchBetter = 0.5;         // of the cost: then the other assembly is the right one
+
+/// A start with what came of it.
+struct Attempt {
+  Setup start;
+  std::vector<Parameter> parameters;
+  Fit fit;
+};
+
+void require(const std::vector<std::string>& faults, const std::string& what) {
+  if (!faults.empty()) throw ConfigError(what + ": " + faults.front());
+}
+
+void check_start(const SweepModel& start, const std::vector<CalibrationSurface>& surfaces,
+                 const CalibrationOptions& options) {
+  require(validate(options), "calibration");
+  require(validate(start), "linkage '" + start.name + "'");
+  if (closing_room_m(start.bars) <= 0.0) {
+    throw ConfigError("linkage '" + start.name +
+                      "': its loop does not close all around, so it is no start for a "
+                      "calibration; `gdtslam linkage` shows where it closes");
+  }
+  if (surfaces.empty()) throw ConfigError("calibration: no surface was given, name at least a wall");
+  for (const CalibrationSurface& surface : surfaces) {
+    if (!(surface.distance_m > 0.0) || !std::isfinite(surface.distance_m) || !std::isfinite(surface.heading_rad)) {
+      throw ConfigError("calibration: the distance of " + surface.name + " must be above zero");
+    }
+  }
+}
+
+void check_observations(const std::vector<RangeObservation>& observations, std::size_t surfaces) {
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    const RangeObservation& seen = observations[k];
+    const bool is_sound = std::isfinite(seen.ticks) && std::isfinite(seen.bearing_rad) && seen.range_m > 0.0 &&
+                          std::isfinite(seen.range_m) && seen.sigma_m > 0.0 && std::isfinite(seen.sigma_m);
+    if (!is_sound || seen.surface >= surfaces) {
+      throw InputError(
+          "observation " + std::to_string(k) +
+          (is_sound ? " is of a surface that was not given" : " has a range or a sigma that is no length"));
+    }
+  }
+}
+
+void check_sweep(const Attempt& attempt) {
+  const std::optional<Misses> misses =
+      misses_at(setup_at(attempt.start, attempt.parameters, attempt.fit.x), attempt.fit.used);
+  if (!misses) return;
+  double low = kInfinity;
+  double high = -kInfinity;
+  for (const SurfaceMiss& miss : misses->list) {
+    low = std::min(low, miss.elevation_rad);
+    high = std::max(high, miss.elevation_rad);
+  }
+  if (high - low >= kLeastSweep_rad) return;
+  throw InputError("the ranges cover " + std::to_string(static_cast<int>(deg_from_rad(high - low))) +
+                   " deg of elevation, too little to calibrate a linkage; record a whole turn of the crank");
+}
+
+Attempt attempt(const Setup& start, const std::vector<RangeObservation>& observations,
+                const CalibrationOptions& options) {
+  Attempt result{.start = start, .parameters = parameters_of(start, options), .fit = {}};
+  result.fit = fit(result.start, result.parameters, observations, options);
+  return result;
+}
+
+std::vector<CalibratedParameter> described(const Attempt& attempt, const Observability& seen) {
+  std::vector<CalibratedParameter> list;
+  for (std::size_t i = 0; i < attempt.parameters.size(); ++i) {
+    const Parameter& parameter = attempt.parameters[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    const double x = attempt.fit.x[i];
+    const double sigma = seen.sigma(k);
+    list.push_back({.name = parameter.name,
+                    .unit = parameter.unit,
+                    .start = parameter.start,
+                    .estimate = parameter.start + parameter.scale * x,
+                    .sigma = sigma * parameter.scale,
+                    .data_share = std::clamp(1.0 - sigma * sigma, 0.0, 1.0),
+                    .at_bound = std::fabs(x) >= parameter.bound_scaled() * (1.0 - kAtBound),
+                    .observable = seen.data_sigma(k) <= 1.0 / kWeakSingularValue});
+  }
+  return list;
+}
+
+void add_surface_remarks(const std::vector<CalibrationSurface>& surfaces, std::vector<std::string>& remarks) {
+  if (surfaces.size() > 1) return;
+  remarks.emplace_back(
+      "one " + std::string(surfaces.front().kind == SurfaceKind::kWall ? "wall" : "level surface") +
+      " tells at most three ratios of the bars, the encoder's zero, one elevation offset (all that is fixed outside of "
+      "the loop, together) and its own distance, not the bars' scale; it must be truly upright or level. A second "
+      "surface, such as the ceiling, checks that");
+}
+
+std::vector<std::string> remarks_on(const Attempt& attempt, const Observability& seen,
+                                    const CalibrationResult& result) {
+  std::vector<std::string> remarks;
+  add_surface_remarks(result.surfaces, remarks);
+  const Setup setup{result.model, result.surfaces};
+  for (const std::string& alias : alias_remarks(setup, attempt.parameters, seen, attempt.fit)) remarks.push_back(alias);
+  for (const CalibratedParameter& parameter : result.parameters) {
+    if (parameter.at_bound)
+      remarks.push_back(parameter.name + " lies on its bound: the start is too far off, or the data are wrong");
+  }
+  if (closing_room_m(result.model.bars) < kTightRoom_m) {
+    remarks.emplace_back("the loop closes with less than 0.5 mm to spare at its worst crank angle");
+  }
+  if (result.residual_rms > 2.0) remarks.emplace_back("the ranges scatter more than their sigma says");
+  if (10 * result.outliers > result.observations) {
+    remarks.push_back(std::to_string(result.outliers) + " of " + std::to_string(result.observations) +
+                      " ranges do not fit: is something between the scanner and the surfaces?");
+  }
+  return remarks;
+}
+
+std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
+  std::vector<double> values;
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) values.push_back(matrix(row, column));
+  }
+  return values;
+}
+
+CalibrationResult result_of(const Attempt& attempt, const CalibrationOptions& options) {
+  const Setup found = setup_at(attempt.start, attempt.parameters, attempt.fit.x);
+  const Observability seen = observe(found, attempt.parameters, attempt.fit, options.huber_sigmas);
+  Eigen::VectorXd scales(static_cast<Eigen::Index>(attempt.parameters.size()));
+  for (std::size_t i = 0; i < attempt.parameters.size(); ++i) {
+    scales(static_cast<Eigen::Index>(i)) = attempt.parameters[i].scale;
+  }
+  CalibrationResult result;
+  result.model = found.model;
+  result.surfaces = found.surfaces;
+  result.parameters = described(attempt, seen);
+  result.covariance = row_major(scales.asDiagonal() * seen.covariance * scales.asDiagonal());
+  result.singular_values = {seen.singular_values.data(), seen.singular_values.data() + seen.singular_values.size()};
+  result.combinations = row_major(seen.combinations.transpose());
+  result.weak = weak_combinations(found, attempt.parameters, seen);
+  result.residual_rms = attempt.fit.rms;
+  result.elevation_sigma_rad = elevation_sigma_rad(found, attempt.parameters, seen, attempt.fit);
+  result.observations = attempt.fit.used.size();
+  result.outliers = attempt.fit.outliers;
+  result.iterations = attempt.fit.iterations;
+  result.converged = attempt.fit.converged;
+  result.reason = attempt.fit.reason;
+  result.remarks = remarks_on(attempt, seen, result);
+  return result;
+}
+
+}  // namespace
+
+CalibrationResult calibrate(const SweepModel& start, const std::vector<CalibrationSurface>& surfaces,
+                            const std::vector<RangeObservation>& observations, const CalibrationOptions& options) {
+  check_start(start, surfaces, options);
+  check_observations(observations, surfaces.size());
+  Setup setup{start, surfaces};
+  if (options.search_zero) setup.model = best_zero(setup, start, observations, options);
+  Attempt best = attempt(setup, observations, options);
+  double other_rms = kInfinity;
+  if (options.try_both_assemblies) {
+    const Setup mirrored{best_zero(setup, other_assembly(setup.model), observations, options), surfaces};
+    try {
+      Attempt other = attempt(mirrored, observations, options);
+      if (other.fit.cost < kMuchBetter * best.fit.cost) std::swap(best, other);
+      other_rms = other.fit.all_rms;
+    } catch (const InputError&) {
+      other_rms = kInfinity;  // in that assembly no range lies within the elevations asked for
+    }
+  }
+  check_sweep(best);
+  CalibrationResult result = result_of(best, options);
+  result.other_assembly_rms = other_rms;
+  if (result.model.assembly != start.assembly) {
+    result.remarks.emplace_back("the other assembly fits much better than that of the start, and was taken");
+  }
+  return result;
+}
+
+}  // namespace gdtslam::calib

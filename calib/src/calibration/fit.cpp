@@ -1,0 +1,217 @@
+#include "fit.hpp"
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam::calib {
+namespace {
+
+constexpr double kLeastIncidence = 0.05;  // a beam flatter than 3 degrees on the surface counts as one of 3 degrees
+constexpr int kRounds = 12;               // of weighing and solving
+constexpr double kSettled = 1e-5;         // of a step of 1: one prior's sigma
+constexpr std::size_t kSparePerParameter = 2;
+
+/// The miss of one observation in standard deviations.
+class MissCost final : public ceres::CostFunction {
+ public:
+  MissCost(const Setup& start, std::span<const Parameter> parameters, const WeightedObservation& observation)
+      : start_(start), parameters_(parameters), observation_(observation) {
+    set_num_residuals(1);
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters.size()));
+  }
+  // False where the loop does not close all around: the solver takes a smaller step.
+  bool Evaluate(double const* const* x, double* residual, double** jacobian) const override {
+    const Setup setup = setup_at(start_, parameters_, {x[0], parameters_.size()});
+    if (closing_room_m(setup.model.bars) <= 0.0) return false;
+    const RangeObservation& seen = observation_.observation;
+    const std::optional<SurfaceMiss> miss = surface_miss(setup.model, setup.surfaces[seen.surface], seen);
+    if (!miss) return false;
+    residual[0] = observation_.gain * miss->miss_m;
+    if (jacobian == nullptr || jacobian[0] == nullptr) return true;
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      jacobian[0][i] = observation_.gain * derivative(*miss, parameters_[i], seen.surface);
+    }
+    return true;
+  }
+
+ private:
+  const Setup& start_;
+  std::span<const Parameter> parameters_;
+  const WeightedObservation& observation_;
+};
+
+/// How far the parameters are from what is believed beforehand, in standard deviations.
+class PriorCost final : public ceres::CostFunction {
+ public:
+  explicit PriorCost(std::span<const Parameter> parameters) : parameters_(parameters) {
+    set_num_residuals(static_cast<int>(parameters.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters.size()));
+  }
+  bool Evaluate(double const* const* x, double* residuals, double** jacobian) const override {
+    const std::size_t count = parameters_.size();
+    const bool wants_jacobian = jacobian != nullptr && jacobian[0] != nullptr;
+    if (wants_jacobian) std::fill_n(jacobian[0], count * count, 0.0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double pull = parameters_[i].prior_sigma > 0.0 ? parameters_[i].scale / parameters_[i].prior_sigma : 0.0;
+      residuals[i] = pull * x[0][i];
+      if (wants_jacobian) jacobian[0][i * count + i] = pull;
+    }
+    return true;
+  }
+
+ private:
+  std::span<const Parameter> parameters_;
+};
+
+// What lies within the elevations asked for, judged by the measured ranges, with its weight.
+std::vector<WeightedObservation> weigh(const Setup& setup, std::span<const RangeObservation> observations,
+                                       const CalibrationOptions& options) {
+  std::vector<WeightedObservation> used;
+  for (const RangeObservation& observation : observations) {
+    const CalibrationSurface& surface = setup.surfaces[observation.surface];
+    const std::optional<double> modelled =
+        elevation_rad(setup.model, crank_rad(setup.model.encoder, observation.ticks));
+    if (!modelled) continue;
+    const double measured = measured_elevation_rad(setup.model.mount, surface, observation, *modelled);
+    if (std::fabs(measured) > options.max_elevation_rad) continue;
+    const double incidence = surface_incidence(setup.model.mount, surface, measured, observation.bearing_rad);
+    if (incidence <= 0.0) continue;
+    used.push_back({observation, 1.0 / (observation.sigma_m * std::max(incidence, kLeastIncidence))});
+  }
+  return used;
+}
+
+void require_enough(std::size_t used, std::size_t given, std::size_t parameters, const CalibrationOptions& options) {
+  const std::size_t needed = kSparePerParameter * parameters;
+  if (used >= needed) return;
+  throw InputError(std::to_string(used) + " of " + std::to_string(given) + " ranges lie within " +
+                   std::to_string(static_cast<int>(std::lround(options.max_elevation_rad * 57.29577951308232))) +
+                   " deg of elevation, and " + std::to_string(parameters) + " parameters need at least " +
+                   std::to_string(needed) + "; let the crank stop more often, or check the start and the surfaces");
+}
+
+// 1.4826 times the median of the absolute values: their standard deviation where they are normal.
+double robust_spread(std::vector<double> values) {
+  for (double& value : values) value = std::fabs(value);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return 1.4826 * *middle;
+}
+
+ceres::Solver::Options solver_options() {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.max_num_iterations = 100;
+  options.max_num_consecutive_invalid_steps = 20;  // steps after which the loop does not close
+  options.function_tolerance = 1e-12;
+  options.parameter_tolerance = 1e-10;
+  options.gradient_tolerance = 1e-10;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+/// The fit with fixed weights; changes x.
+ceres::Solver::Summary solve_once(const Setup& start, std::span<const Parameter> parameters,
+                                  const std::vector<WeightedObservation>& used, double huber, std::vector<double>& x) {
+  std::vector<std::unique_ptr<MissCost>> costs;
+  PriorCost prior(parameters);
+  ceres::HuberLoss loss(huber);
+  ceres::Problem::Options ours;
+  ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ours.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ours);
+  problem.AddParameterBlock(x.data(), static_cast<int>(x.size()));
+  for (const WeightedObservation& observation : used) {
+    costs.push_back(std::make_unique<MissCost>(start, parameters, observation));
+    problem.AddResidualBlock(costs.back().get(), &loss, x.data());
+  }
+  problem.AddResidualBlock(&prior, nullptr, x.data());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    problem.SetParameterLowerBound(x.data(), static_cast<int>(i), -parameters[i].bound_scaled());
+    problem.SetParameterUpperBound(x.data(), static_cast<int>(i), parameters[i].bound_scaled());
+  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver_options(), &problem, &summary);
+  return summary;
+}
+
+double largest_change(const std::vector<double>& a, const std::vector<double>& b) {
+  double change = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) change = std::max(change, std::fabs(a[i] - b[i]));
+  return change;
+}
+
+// Count of outliers and the spread of the others.
+void judge(const Misses& misses, const CalibrationOptions& options, Fit& fit) {
+  double sum = 0.0;
+  double sum_of_all = 0.0;
+  std::uint64_t inliers = 0;
+  for (const double miss : misses.weighted) {
+    sum_of_all += miss * miss;
+    if (std::fabs(miss) > options.huber_sigmas) continue;
+    sum += miss * miss;
+    ++inliers;
+  }
+  fit.all_rms = std::sqrt(sum_of_all / static_cast<double>(std::max<std::size_t>(1, misses.weighted.size())));
+  fit.outliers = misses.weighted.size() - inliers;
+  fit.rms = inliers > 0 ? std::sqrt(sum / static_cast<double>(inliers)) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+std::optional<Misses> misses_at(const Setup& setup, std::span<const WeightedObservation> observations) {
+  Misses misses;
+  if (closing_room_m(setup.model.bars) <= 0.0) return std::nullopt;
+  for (const auto& [observation, gain] : observations) {
+    const std::optional<SurfaceMiss> miss = surface_miss(setup.model, setup.surfaces[observation.surface], observation);
+    if (!miss) return std::nullopt;
+    misses.list.push_back(*miss);
+    misses.weighted.push_back(gain * miss->miss_m);
+  }
+  return misses;
+}
+
+// The loss starts as wide as the misses are and narrows to what the options ask for: a start some degrees off has
+// misses of hundreds of sigmas, and a narrow loss would take them all for outliers.
+Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<const RangeObservation> observations,
+        const CalibrationOptions& options) {
+  Fit result;
+  result.x.assign(parameters.size(), 0.0);
+  for (int round = 0; round < kRounds; ++round) {
+    const Setup setup = setup_at(start, parameters, result.x);
+    result.used = weigh(setup, observations, options);
+    require_enough(result.used.size(), observations.size(), parameters.size(), options);
+    const std::optional<Misses> before = misses_at(setup, result.used);
+    if (!before) break;
+    const double spread = std::max(1.0, robust_spread(before->weighted));
+    const std::vector<double> last = result.x;
+    const ceres::Solver::Summary summary =
+        solve_once(start, parameters, result.used, options.huber_sigmas * spread, result.x);
+    result.iterations += static_cast<int>(summary.iterations.size());
+    result.cost = summary.final_cost / static_cast<double>(result.used.size());
+    result.converged = summary.termination_type == ceres::CONVERGENCE;
+    result.reason = summary.message;
+    if (largest_change(last, result.x) < kSettled) break;
+    result.converged = false;  // but for the next round
+  }
+  const std::optional<Misses> after = misses_at(setup_at(start, parameters, result.x), result.used);
+  if (!after) {
+    result.converged = false;
+    result.rms = result.all_rms = std::numeric_limits<double>::infinity();
+    return result;
+  }
+  judge(*after, options, result);
+  return result;
+}
+
+}  // namespace gdtslam::calib

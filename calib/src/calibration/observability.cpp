@@ -1,0 +1,116 @@
+#include "observability.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gdtslam::calib {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Below this share of the largest a singular value is rounding.
+constexpr double kNothing = 1e-9;
+// A parameter with less than this (squared) of a combination that nothing holds is not moved by it.
+constexpr double kLeastShare = 1e-12;
+
+Eigen::Index index(std::size_t k) { return static_cast<Eigen::Index>(k); }
+
+// The derivative of the Huber loss: by how much an outlier counts less.
+double robust_weight(double miss, double huber_sigmas) {
+  const double size = std::fabs(miss);
+  return size <= huber_sigmas ? 1.0 : huber_sigmas / size;
+}
+
+Misses required_misses(const Setup& setup, const Fit& fit) {
+  std::optional<Misses> misses = misses_at(setup, fit.used);
+  return misses ? std::move(*misses) : Misses{};
+}
+
+Eigen::MatrixXd weighted_jacobian(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit,
+                                  double huber_sigmas) {
+  const Misses misses = required_misses(setup, fit);
+  Eigen::MatrixXd jacobian(index(misses.list.size()), index(parameters.size()));
+  for (std::size_t row = 0; row < misses.list.size(); ++row) {
+    const double gain = fit.used[row].gain * std::sqrt(robust_weight(misses.weighted[row], huber_sigmas));
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      jacobian(index(row), index(i)) =
+          gain * derivative(misses.list[row], parameters[i], fit.used[row].observation.surface);
+    }
+  }
+  return jacobian;
+}
+
+// The Jacobian with a row for each prior below it.
+Eigen::MatrixXd with_priors(const Eigen::MatrixXd& jacobian, std::span<const Parameter> parameters) {
+  Eigen::MatrixXd stacked = Eigen::MatrixXd::Zero(jacobian.rows() + jacobian.cols(), jacobian.cols());
+  stacked.topRows(jacobian.rows()) = jacobian;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double sigma = parameters[i].prior_sigma;
+    stacked(jacobian.rows() + index(i), index(i)) = sigma > 0.0 ? parameters[i].scale / sigma : 0.0;
+  }
+  return stacked;
+}
+
+/// Singular values, right singular vectors and what they say of each parameter.
+struct Spectrum {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+  Eigen::VectorXd sigma;  ///< infinite for who takes part in a direction that nothing holds
+  Eigen::MatrixXd covariance;
+};
+
+Spectrum spectrum_of(const Eigen::MatrixXd& jacobian) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinV);
+  Spectrum spectrum;
+  spectrum.values = svd.singularValues();
+  spectrum.vectors = svd.matrixV();
+  const Eigen::Index count = spectrum.values.size();
+  const double least = kNothing * spectrum.values.maxCoeff();
+  Eigen::VectorXd unheld = Eigen::VectorXd::Zero(count);
+  spectrum.covariance = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::VectorXd direction = spectrum.vectors.col(k);
+    if (spectrum.values(k) > least) {
+      spectrum.covariance += direction * direction.transpose() / (spectrum.values(k) * spectrum.values(k));
+    } else {
+      unheld += direction.cwiseAbs2();
+    }
+  }
+  spectrum.sigma = spectrum.covariance.diagonal().cwiseSqrt();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (unheld(i) > kLeastShare) spectrum.sigma(i) = kInfinity;
+  }
+  return spectrum;
+}
+
+}  // namespace
+
+Observability observe(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit, double huber_sigmas) {
+  Observability seen;
+  seen.jacobian = weighted_jacobian(setup, parameters, fit, huber_sigmas);
+  const Spectrum data = spectrum_of(seen.jacobian);
+  seen.singular_values = data.values;
+  seen.combinations = data.vectors;
+  seen.data_sigma = data.sigma;
+  const Spectrum posterior = spectrum_of(with_priors(seen.jacobian, parameters));
+  seen.sigma = posterior.sigma;
+  seen.covariance = posterior.covariance;
+  return seen;
+}
+
+double elevation_sigma_rad(const Setup& setup, std::span<const Parameter> parameters, const Observability& seen,
+                           const Fit& fit) {
+  const Misses misses = required_misses(setup, fit);
+  double sum = 0.0;
+  Eigen::VectorXd gradient(index(parameters.size()));
+  for (const SurfaceMiss& miss : misses.list) {
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      gradient(index(i)) = elevation_derivative(miss, parameters[i]);
+    }
+    sum += gradient.dot(seen.covariance * gradient);
+  }
+  return misses.list.empty() ? kInfinity : std::sqrt(std::max(0.0, sum / static_cast<double>(misses.list.size())));
+}
+
+}  // namespace gdtslam::calib

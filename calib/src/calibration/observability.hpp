@@ -1,0 +1,36 @@
+// What the data tell about each parameter, and which combinations they leave free: singular values of the Jacobian
+// scaled by the priors [GolubVanLoan2013], priors left out. A singular value is the prior's sigma over the data's.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fit.hpp"
+
+namespace gdtslam::calib {
+
+/// Where the data tell a combination worse than this share of its prior, it counts as weak.
+inline constexpr double kWeakSingularValue = 2.0;
+
+struct Observability {
+  Eigen::MatrixXd jacobian;         ///< weighted, outliers weighed down, scaled parameters
+  Eigen::VectorXd singular_values;  ///< falling, one per parameter
+  Eigen::MatrixXd combinations;     ///< columns: right singular vectors
+  Eigen::VectorXd data_sigma;       ///< of scaled parameters from the data alone; infinite where they say nothing
+  Eigen::VectorXd sigma;            ///< posterior, likewise
+  Eigen::MatrixXd covariance;       ///< posterior, of the directions that something holds
+};
+
+Observability observe(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit, double huber_sigmas);
+std::vector<WeakCombination> weak_combinations(const Setup& setup, std::span<const Parameter> parameters,
+                                               const Observability& seen);
+/// What is taken for granted and would be read as something else: a bias of the ranges, a wall that leans.
+std::vector<std::string> alias_remarks(const Setup& setup, std::span<const Parameter> parameters,
+                                       const Observability& seen, const Fit& fit);
+/// RMS of the elevation's posterior sigma over the observations used, radians.
+double elevation_sigma_rad(const Setup& setup, std::span<const Parameter> parameters, const Observability& seen,
+                           const Fit& fit);
+
+}  // namespace gdtslam::calib
