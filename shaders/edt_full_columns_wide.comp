@@ -7,7 +7,7 @@
 #include "common/launch.glsl"
 #include "common/packed.glsl"
 
-const uint kMostInvocations = 256;  // of a work group, which is what the sizes in forms/edt_full_columns.cpp make
+const uint kMostInvocations = 256;  // of a work group, the most that forms/edt_full_columns.cpp asks for
 layout(set = 0, binding = 0, std430) readonly buffer Seeds { uint seeds[]; };
 layout(set = 0, binding = 1, std430) buffer Distance { uvec4 column_distance[]; };
 shared uvec4 first_seed[kMostInvocations];  // row of a strip's first seed, kNoSeed for none

@@ -3,13 +3,12 @@
 // Simplexes (gdtslam/compute/kernels/pose_simplex.hpp, PoseSimplex): a group a pose. Its invocations share the points, and
 // all of them walk, each with the same bits, so that a barrier a pose is all that they need.
 
-layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 
 // Of an invocation, 1 or 16. lavapipe ends loops after 65,535 turns, and does not unroll them itself.
 layout(constant_id = 11) const uint kPointsATurn = 1u;
 
-#define FIELD_WORD(i) field[i]
+#include "common/field_words.glsl"
 #include "common/launch.glsl"
 #include "common/pose_simplex.glsl"
 

@@ -14,7 +14,6 @@ struct PolishedPose {
   uint reserved1;
 };
 
-layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
 layout(set = 0, binding = 2, std430) readonly buffer Poses { PolishedPose poses[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Verdict {
   float x;
@@ -58,7 +57,7 @@ layout(push_constant) uniform Params {
   float far_rad;
 } params;
 
-#define FIELD_WORD(i) field[i]
+#include "common/field_words.glsl"
 #include "common/launch.glsl"
 #include "common/field_lookup.glsl"
 #include "common/prior.glsl"

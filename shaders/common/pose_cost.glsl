@@ -22,11 +22,10 @@ struct Candidate {
   float theta;
   uint bias;
 };
-layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
 layout(set = 0, binding = 2, std430) readonly buffer Candidates { Candidate candidates[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Cost { uint cost[]; };
 
-#define FIELD_WORD(i) field[i]
+#include "common/field_words.glsl"
 #include "common/field_lookup.glsl"
 
 // What does not change from point to point.

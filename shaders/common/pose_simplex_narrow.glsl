@@ -1,10 +1,18 @@
 // pose_simplex with an invocation a pose, which walks through all points, several a turn of the loop: lavapipe ends loops
-// after 65,535 turns, and it does not unroll them itself. The includer defines TWO_POINTS(i), points 2i and 2i + 1, and
-// LAST_POINT(i), point i.
+// after 65,535 turns, and it does not unroll them itself. The includer defines POINTS_IN_UNIFORM where
+// they come in a uniform buffer of at most 16 KiB.
 
-layout(set = 0, binding = 0, std430) readonly buffer Field { uint field[]; };
+#ifdef POINTS_IN_UNIFORM
+layout(set = 0, binding = 1, std140) uniform Points { vec4 points[1024]; };  // two each
+#define TWO_POINTS(i) points[i]
+#define LAST_POINT(i) vec2(points[(i) / 2u][((i) & 1u) * 2u], points[(i) / 2u][((i) & 1u) * 2u + 1u])
+#else
+layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
+#define TWO_POINTS(i) vec4(points[2u * (i)], points[2u * (i) + 1u])  // points 2i and 2i + 1
+#define LAST_POINT(i) points[i]
+#endif
 
-#define FIELD_WORD(i) field[i]
+#include "common/field_words.glsl"
 #include "common/launch.glsl"
 #include "common/pose_simplex.glsl"
 

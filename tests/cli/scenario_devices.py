@@ -148,7 +148,8 @@ def verify_of_a_part_is_not_remembered():
     process = command("verify", "arg_min", "--device", device["device"], "--random", 30, "--forms", "all", env=env)
     expect_exit(process, 0)
     expect(process.stdout.splitlines()[-1] == "0 differences", process.stdout)
-    for name in (device["device"], device["device"] + " wide", device["device"] + " narrow"):
+    for forms in ("", " wide", " narrow", " no-texels"):
+        name = device["device"] + forms
         expect(f"\n{name}: " in "\n" + process.stdout, f"no part for {name}: {process.stdout}")
     expect(vulkan_devices(env=env)[0]["verified"] is None, "a part counts as the whole")
 

@@ -44,8 +44,12 @@ std::vector<Target> cpu_targets(const DeviceOptions& options) {
 std::vector<std::pair<std::string, ShaderForms>> forms_from(const std::string& name) {
   if (name == "wide") return {{" wide", ShaderForms::kWide}};
   if (name == "narrow") return {{" narrow", ShaderForms::kNarrow}};
+  if (name == "no-texels") return {{" no-texels", ShaderForms::kNoTexels}};
   if (name == "all") {
-    return {{"", ShaderForms::kByDevice}, {" wide", ShaderForms::kWide}, {" narrow", ShaderForms::kNarrow}};
+    return {{"", ShaderForms::kByDevice},
+            {" wide", ShaderForms::kWide},
+            {" narrow", ShaderForms::kNarrow},
+            {" no-texels", ShaderForms::kNoTexels}};
   }
   return {{"", ShaderForms::kByDevice}};
 }

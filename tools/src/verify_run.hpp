@@ -18,7 +18,7 @@ namespace gdtslam {
 
 struct VerifyOptions {
   DeviceOptions device;
-  std::string forms = "by-device";  ///< or wide, narrow, all
+  std::string forms = "by-device";  ///< or wide, narrow, no-texels, all
   std::string filter{};             ///< kernels whose name contains this; "logs": the logs alone; empty: everything
   std::uint64_t seed = 1;
   std::uint32_t random_cases = 0;

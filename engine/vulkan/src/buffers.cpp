@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "device_info.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -10,7 +11,25 @@ namespace {
 /// Shaders read whole words, and a uniform buffer is made of 16-byte elements.
 constexpr std::size_t kGranularity = 16;
 
+vk::BufferUsageFlags usage_on(const Device& device) {
+  using Usage = vk::BufferUsageFlagBits;
+  const vk::BufferUsageFlags usage =
+      Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eTransferSrc | Usage::eTransferDst;
+  return device.info().max_texel_words > 0 ? usage | Usage::eUniformTexelBuffer : usage;
+}
+
 }  // namespace
+
+std::size_t padded_size(std::size_t bytes) {
+  return std::max(kGranularity, (bytes + kGranularity - 1) / kGranularity * kGranularity);
+}
+
+vk::BufferView texel_view(const Device& device, DeviceBuffer& buffer) {
+  if (!*buffer.texels) {
+    buffer.texels = vk::raii::BufferView(device.handle(), {{}, *buffer.handle, kTexelFormat, 0, buffer.padded_bytes});
+  }
+  return *buffer.texels;
+}
 
 Buffers::~Buffers() {
   for (auto* buffers : {&live_, &released_}) {
@@ -34,12 +53,8 @@ bool Buffers::would_be_tight(std::size_t bytes) const {
 std::uint64_t Buffers::create(std::size_t bytes) {
   DeviceBuffer buffer;
   buffer.bytes = bytes;
-  buffer.padded_bytes = std::max(kGranularity, (bytes + kGranularity - 1) / kGranularity * kGranularity);
-  using Usage = vk::BufferUsageFlagBits;
-  buffer.handle = vk::raii::Buffer(
-      device_.handle(),
-      vk::BufferCreateInfo({}, buffer.padded_bytes,
-                           Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eTransferSrc | Usage::eTransferDst));
+  buffer.padded_bytes = padded_size(bytes);
+  buffer.handle = vk::raii::Buffer(device_.handle(), vk::BufferCreateInfo({}, buffer.padded_bytes, usage_on(device_)));
   buffer.range = memory_.take(buffer.handle.getMemoryRequirements());
   try {
     buffer.handle.bindMemory(buffer.range.memory, buffer.range.offset);
@@ -60,6 +75,7 @@ void Buffers::collect(std::uint64_t done_batch) noexcept {
       ++entry;
       continue;
     }
+    entry->second.texels.clear();
     entry->second.handle.clear();
     memory_.give_back(entry->second.range);
     entry = released_.erase(entry);

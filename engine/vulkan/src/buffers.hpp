@@ -11,6 +11,7 @@ namespace gdtslam {
 
 struct DeviceBuffer {
   vk::raii::Buffer handle{nullptr};
+  vk::raii::BufferView texels{nullptr};  ///< of all of it, made when it is first read as texels
   MemoryRange range;
   std::size_t bytes = 0;         ///< as asked for
   std::size_t padded_bytes = 0;  ///< as it is, at least 16 and a multiple of 16
@@ -18,6 +19,12 @@ struct DeviceBuffer {
   BufferHistory history;
   std::uint64_t last_batch = 0;  ///< the last batch that uses it
 };
+
+/// Bytes that a buffer of `bytes` really has.
+std::size_t padded_size(std::size_t bytes);
+/// The buffer as words of a uniform texel buffer, which the device must take it as (VulkanDeviceInfo::max_texel_words).
+/// The view lives as long as the buffer. Within a DriverCalls::Scope.
+vk::BufferView texel_view(const Device& device, DeviceBuffer& buffer);
 
 /// create() is called within a DriverCalls::Scope.
 class Buffers {

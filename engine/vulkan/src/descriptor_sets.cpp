@@ -12,8 +12,10 @@ constexpr std::uint32_t kSetsPerPool = 128;
 }  // namespace
 
 void DescriptorSets::add_pool() {
+  // A form has at most one uniform buffer and one of texels.
   const std::array sizes{vk::DescriptorPoolSize(vk::DescriptorType::eStorageBuffer, kSetsPerPool * kMostBindings),
-                         vk::DescriptorPoolSize(vk::DescriptorType::eUniformBuffer, kSetsPerPool)};
+                         vk::DescriptorPoolSize(vk::DescriptorType::eUniformBuffer, kSetsPerPool),
+                         vk::DescriptorPoolSize(vk::DescriptorType::eUniformTexelBuffer, kSetsPerPool)};
   pools_.emplace_back(device_.handle(), vk::DescriptorPoolCreateInfo({}, kSetsPerPool, sizes));
   sets_left_ = kSetsPerPool;
 }
@@ -42,15 +44,21 @@ vk::DescriptorSet DescriptorSets::new_set(const ShaderForm& form, const FormPipe
 void DescriptorSets::write(vk::DescriptorSet set, const ShaderForm& form,
                            std::span<DeviceBuffer* const> buffers) const {
   std::array<vk::DescriptorBufferInfo, kMostBindings> infos;
+  std::array<vk::BufferView, kMostBindings> views;
   std::array<vk::WriteDescriptorSet, kMostBindings> writes;
   for (std::size_t i = 0; i < buffers.size(); ++i) {
-    const bool is_uniform = form.uniform_binding == static_cast<int>(i);
-    const std::size_t most = device_.info().max_uniform_buffer_bytes / 16 * 16;
-    const std::size_t bytes = is_uniform ? std::min(buffers[i]->padded_bytes, most) : buffers[i]->padded_bytes;
-    infos[i] = vk::DescriptorBufferInfo(*buffers[i]->handle, 0, bytes);
-    writes[i] = vk::WriteDescriptorSet(
-        set, static_cast<std::uint32_t>(i), 0, 1,
-        is_uniform ? vk::DescriptorType::eUniformBuffer : vk::DescriptorType::eStorageBuffer, nullptr, &infos[i]);
+    const vk::DescriptorType type = descriptor_type(form, i);
+    writes[i] = vk::WriteDescriptorSet(set, static_cast<std::uint32_t>(i), 0, 1, type);
+    if (type == vk::DescriptorType::eUniformTexelBuffer) {
+      views[i] = texel_view(device_, *buffers[i]);
+      writes[i].pTexelBufferView = &views[i];
+    } else {
+      const std::size_t most = device_.info().max_uniform_buffer_bytes / 16 * 16;
+      const std::size_t bytes = buffers[i]->padded_bytes;
+      const bool is_uniform = type == vk::DescriptorType::eUniformBuffer;
+      infos[i] = vk::DescriptorBufferInfo(*buffers[i]->handle, 0, is_uniform ? std::min(bytes, most) : bytes);
+      writes[i].pBufferInfo = &infos[i];
+    }
   }
   device_.handle().updateDescriptorSets(vk::ArrayProxy(static_cast<std::uint32_t>(buffers.size()), writes.data()), {});
 }

@@ -52,6 +52,9 @@ vk::raii::PhysicalDevice choose(const VulkanInstance& instance, const VulkanOpti
   if (!options.time_submissions.value_or(info.is_hardware())) {
     info.timestamp_ns = 0.0;
   }
+  if (options.edit_device) {
+    options.edit_device(info);
+  }
   return std::move(all[index]);
 }
 

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "buffers.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -17,10 +18,20 @@ std::string to_text(const glm::uvec3& v) {
 }
 
 /// Whether a device can run work groups of that size.
-bool fits(const vk::PhysicalDeviceLimits& limits, const glm::uvec3& local_size) {
-  const glm::uvec3 most = vector_of(limits.maxComputeWorkGroupSize);
+bool fits(const Device& device, const glm::uvec3& local_size) {
+  const glm::uvec3 most = vector_of(device.properties().limits.maxComputeWorkGroupSize);
   const std::uint64_t invocations = std::uint64_t{local_size.x} * local_size.y * local_size.z;
-  return glm::all(glm::lessThanEqual(local_size, most)) && invocations <= limits.maxComputeWorkGroupInvocations;
+  return glm::all(glm::lessThanEqual(local_size, most)) && invocations <= device.info().max_group_invocations;
+}
+
+/// Whether the device takes what the form reads as texels, and they are wanted.
+bool has_texels(const FormContext& context, const ShaderForm& form) {
+  if (form.texel_binding < 0) {
+    return true;
+  }
+  const std::size_t bytes = context.shape.buffer_bytes[static_cast<std::size_t>(form.texel_binding)];
+  const std::size_t words = padded_size(bytes) / sizeof(std::uint32_t);
+  return context.preference != ShaderForms::kNoTexels && words <= context.device.max_texel_words;
 }
 
 /// The values of the specialisation constants and where they stand; a shader takes those that it has.
@@ -44,6 +55,14 @@ struct Specialization {
 
 }  // namespace
 
+vk::DescriptorType descriptor_type(const ShaderForm& form, std::size_t binding) {
+  if (form.uniform_binding == static_cast<int>(binding)) {
+    return vk::DescriptorType::eUniformBuffer;
+  }
+  return form.texel_binding == static_cast<int>(binding) ? vk::DescriptorType::eUniformTexelBuffer
+                                                         : vk::DescriptorType::eStorageBuffer;
+}
+
 Pipelines::Pipelines(const Device& device, const VulkanOptions& options)
     : device_(device),
       preference_(options.forms),
@@ -58,17 +77,18 @@ const ShaderForm& Pipelines::form_for(const KernelInfo& kernel, const LaunchShap
   if (found->second.empty()) {
     throw Error(ExitCode::kFailed, "kernel " + std::string(kernel.name) + ": this build has no shader for it");
   }
-  const vk::PhysicalDeviceLimits& limits = device_.properties().limits;
   const FormContext context{device_.info(), preference_, shape};
   for (const ShaderForm& form : found->second) {
-    if ((form.suits == nullptr || form.suits(context)) && fits(limits, vector_of(form.local_size))) {
+    const bool suits = form.suits == nullptr || form.suits(context);
+    if (suits && has_texels(context, form) && fits(device_, vector_of(form.local_size))) {
       return form;
     }
   }
   throw DeviceError(device_.info().name, "kernel " + std::string(kernel.name),
                     "no form that fits: its smallest group of " + to_text(vector_of(found->second.back().local_size)) +
-                        " invocations exceeds the limits " + to_text(vector_of(limits.maxComputeWorkGroupSize)) +
-                        " or " + std::to_string(limits.maxComputeWorkGroupInvocations) + " in all");
+                        " invocations exceeds the limits " +
+                        to_text(vector_of(device_.properties().limits.maxComputeWorkGroupSize)) + " or " +
+                        std::to_string(device_.info().max_group_invocations) + " in all");
 }
 
 const FormPipeline& Pipelines::pipeline_of(const KernelInfo& kernel, const ShaderForm& form) {
@@ -94,9 +114,7 @@ FormPipeline Pipelines::make(const KernelInfo& kernel, const ShaderForm& form) {
   FormPipeline made;
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (std::size_t i = 0; i < kernel.bindings.size(); ++i) {
-    const bool is_uniform = form.uniform_binding == static_cast<int>(i);
-    bindings.emplace_back(static_cast<std::uint32_t>(i),
-                          is_uniform ? vk::DescriptorType::eUniformBuffer : vk::DescriptorType::eStorageBuffer, 1,
+    bindings.emplace_back(static_cast<std::uint32_t>(i), descriptor_type(form, i), 1,
                           vk::ShaderStageFlagBits::eCompute);
   }
   made.set_layout = vk::raii::DescriptorSetLayout(device_.handle(), vk::DescriptorSetLayoutCreateInfo({}, bindings));

@@ -18,6 +18,9 @@ struct FormPipeline {
   vk::raii::Pipeline pipeline{nullptr};
 };
 
+/// What a binding of a form is.
+vk::DescriptorType descriptor_type(const ShaderForm& form, std::size_t binding);
+
 /// Every call within a DriverCalls::Scope.
 class Pipelines {
  public:

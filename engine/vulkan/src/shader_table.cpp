@@ -48,6 +48,7 @@ std::span<const ShaderModule> shader_modules() {
                          .spirv = form.spirv,
                          .local_size = form.local_size,
                          .uniform_binding = form.uniform_binding,
+                         .texel_binding = form.texel_binding,
                          .push_constant_bytes = push_constant_bytes(form, find_kernel(form.kernel)->params_bytes),
                          .is_always_suitable = form.suits == nullptr});
     }

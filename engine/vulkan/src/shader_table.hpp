@@ -36,6 +36,9 @@ struct ShaderForm {
   std::array<std::uint32_t, 3> local_size;   ///< specialisation constants 0, 1, 2
   std::array<std::uint32_t, 2> constants{};  ///< specialisation constants 10, 11 where the shader has them
   int uniform_binding = -1;                  ///< the binding that is a uniform buffer; -1: none
+  /// The binding that is a uniform texel buffer of 32-bit words; -1: none. The form serves buffers that the device
+  /// takes as such; a form without must stand behind it for the others.
+  int texel_binding = -1;
   bool takes_count = false;  ///< the launch's extent along x follows the parameters as one more push constant
   GroupCount (*groups)(const LaunchShape&) = nullptr;  ///< work groups of a launch; x, y at most 65535
   bool (*suits)(const FormContext&) = nullptr;         ///< nullptr: always

@@ -14,7 +14,7 @@ namespace {
 TEST(ShaderCoverage, EveryShaderIsReachedByAQuickCase) {
   GDTSLAM_NEEDS_VULKAN();
   std::set<std::string> reached;
-  for (const ShaderForms forms : {ShaderForms::kWide, ShaderForms::kNarrow}) {
+  for (const ShaderForms forms : {ShaderForms::kWide, ShaderForms::kNarrow, ShaderForms::kNoTexels}) {
     VulkanOptions options;
     options.forms = forms;
     options.edit_shader = [&reached](std::string_view name, std::vector<std::uint32_t>&) { reached.emplace(name); };

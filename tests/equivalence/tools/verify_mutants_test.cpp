@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -59,11 +60,11 @@ Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>
 }
 
 Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words) {
-  const bool is_wide = shader.name.find("narrow") == std::string_view::npos;
-  const ShaderForms order[] = {is_wide ? ShaderForms::kWide : ShaderForms::kNarrow,
-                               is_wide ? ShaderForms::kNarrow : ShaderForms::kWide};
+  std::array order{ShaderForms::kWide, ShaderForms::kNarrow, ShaderForms::kNoTexels};
+  const bool is_narrow = shader.name.find("narrow") != std::string_view::npos;
+  std::rotate(order.begin(), order.begin() + (shader.texel_binding >= 0 ? 1 : is_narrow ? 2 : 0), order.end());
   Outcome outcome = Outcome::kNotUsed;
-  for (const ShaderForms forms : order) {
+  for (const ShaderForms forms : order) {  // the likeliest first
     const Outcome here = verify_with(shader, words, forms);
     if (here == Outcome::kFound) return here;
     if (here == Outcome::kNotFound) outcome = here;

@@ -346,12 +346,14 @@ TEST_P(ExhaustiveChain, SeesAConstantThatIsWrong) {
 }
 
 std::string form_name(const testing::TestParamInfo<ShaderForms>& forms) {
-  constexpr std::array kNames{"ByDevice", "Wide", "Narrow"};
+  constexpr std::array kNames{"ByDevice", "Wide", "Narrow", "NoTexels"};
   return kNames[static_cast<std::size_t>(forms.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, ExhaustiveChain,
-                         testing::Values(ShaderForms::kByDevice, ShaderForms::kWide, ShaderForms::kNarrow), form_name);
+                         testing::Values(ShaderForms::kByDevice, ShaderForms::kWide, ShaderForms::kNarrow,
+                                         ShaderForms::kNoTexels),
+                         form_name);
 
 }  // namespace
 }  // namespace gdtslam::test

@@ -16,6 +16,8 @@ const char* name_of(ShaderForms forms) {
       return "by_device";
     case ShaderForms::kWide:
       return "wide";
+    case ShaderForms::kNoTexels:
+      return "no_texels";
     case ShaderForms::kNarrow:
       break;
   }
@@ -71,11 +73,30 @@ std::vector<std::string> kernel_names() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, KernelCasesOnDevice,
-    testing::Combine(testing::ValuesIn(kernel_names()),
-                     testing::Values(ShaderForms::kByDevice, ShaderForms::kWide, ShaderForms::kNarrow)),
-    [](const auto& param) { return std::get<0>(param.param) + "_" + name_of(std::get<1>(param.param)); });
+/// The kernels with forms that read texels, whose other forms would else not be taken on a device that has them.
+std::vector<std::string> texel_kernel_names() {
+  std::vector<std::string> names;
+  for (const ShaderModule& shader : shader_modules()) {
+    if (shader.texel_binding >= 0 && (names.empty() || names.back() != shader.kernel)) {
+      names.emplace_back(shader.kernel);
+    }
+  }
+  return names;
+}
+
+std::string case_name(const testing::TestParamInfo<std::tuple<std::string, ShaderForms>>& param) {
+  return std::get<0>(param.param) + "_" + name_of(std::get<1>(param.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, KernelCasesOnDevice,
+                         testing::Combine(testing::ValuesIn(kernel_names()),
+                                          testing::Values(ShaderForms::kByDevice, ShaderForms::kWide,
+                                                          ShaderForms::kNarrow)),
+                         case_name);
+INSTANTIATE_TEST_SUITE_P(WithoutTexels, KernelCasesOnDevice,
+                         testing::Combine(testing::ValuesIn(texel_kernel_names()),
+                                          testing::Values(ShaderForms::kNoTexels)),
+                         case_name);
 
 }  // namespace
 }  // namespace gdtslam::test

@@ -12,10 +12,11 @@ namespace gdtslam::test {
 namespace {
 
 constexpr std::uint32_t kShaderCapability = 1;
-constexpr std::uint32_t kSharedBytes = 16384;      // what every device has
-constexpr std::uint32_t kPushConstantBytes = 128;  // likewise
-constexpr std::uint32_t kGroupInvocations = 256;   // what every device of the profile Roadmap 2022 has
-constexpr std::uint32_t kMostInvocations = 1024;   // what every device that we know has
+constexpr std::uint32_t kSampledBufferCapability = 46;  // in Vulkan without any feature
+constexpr std::uint32_t kSharedBytes = 16384;           // what every device has
+constexpr std::uint32_t kPushConstantBytes = 128;       // likewise
+constexpr std::uint32_t kGroupInvocations = 128;        // likewise
+constexpr std::uint32_t kMostInvocations = 1024;        // what every device that we know has
 
 /// Float operations whose result Vulkan fixes to the bit (IEEE rounding) when they are not contracted: negation,
 /// addition, subtraction, multiplication. Division, for one, may be off by 2.5 ulp.
@@ -46,6 +47,7 @@ TEST_P(Shaders, BindWhatTheKernelBinds) {
     ASSERT_TRUE(spirv.bindings.contains(i)) << "no binding " << i;
     const SpirvBinding& binding = spirv.bindings.at(i);
     EXPECT_EQ(binding.is_uniform, shader.uniform_binding == static_cast<int>(i)) << "binding " << i;
+    EXPECT_EQ(binding.is_texels, shader.texel_binding == static_cast<int>(i)) << "binding " << i;
     if (kernel.bindings[i] == Access::kRead) {
       EXPECT_TRUE(binding.is_read_only || binding.is_uniform) << "binding " << i << " should be readonly";
     } else {
@@ -71,7 +73,10 @@ TEST_P(Shaders, LeaveTheSizeOfTheirGroupsOpen) {
 }
 
 TEST_P(Shaders, AskForNothingThatADeviceMayLack) {
-  EXPECT_EQ(spirv.capabilities, std::set<std::uint32_t>{kShaderCapability});
+  std::set<std::uint32_t> allowed{kShaderCapability};
+  if (shader.texel_binding >= 0) allowed.insert(kSampledBufferCapability);
+  EXPECT_EQ(spirv.capabilities, allowed);
+  EXPECT_EQ(shader.name.ends_with("_texel"), shader.texel_binding >= 0);
   EXPECT_TRUE(spirv.extensions.empty()) << *spirv.extensions.begin();
   EXPECT_LE(spirv.shared_bytes, kSharedBytes);
 }
@@ -110,6 +115,7 @@ TEST(ShaderTable, HasAFormForEveryKernelWhoseLastAlwaysSuits) {
     }
     ASSERT_NE(last, nullptr) << kernel->name << " has no shader";
     EXPECT_TRUE(last->is_always_suitable) << kernel->name << ": its last form, " << last->name << ", need not suit";
+    EXPECT_LT(last->texel_binding, 0) << kernel->name << ": its last form, " << last->name << ", needs texels";
   }
 }
 

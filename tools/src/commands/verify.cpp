@@ -187,9 +187,9 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
   command
       .add_option("--forms", options.forms,
                   "Which shaders of a kernel: those that suit the device (by-device), those for GPUs (wide), those\n"
-                  "for CPUs as devices (narrow), or all")
+                  "for CPUs as devices (narrow), these without texel buffers (no-texels), or all")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"by-device", "wide", "narrow", "all"}).description(""))
+      ->check(CLI::IsMember({"by-device", "wide", "narrow", "no-texels", "all"}).description(""))
       ->capture_default_str();
   command
       .add_option("--write-expected", chosen.write_expected,

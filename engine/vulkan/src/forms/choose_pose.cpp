@@ -17,18 +17,19 @@ bool takes_many(const FormContext& context) {
   return context.wide() || !fits_loops(context, poses_each * (params.cost.point_count + 1) + 100);
 }
 
+constexpr ShaderForm form(std::uint32_t invocations, bool (*suits)(const FormContext&)) {
+  return {.kernel = "choose_pose",
+          .name = "choose_pose",
+          .spirv = shader::choose_pose_spirv,
+          .local_size = {invocations, 1, 1},
+          .groups = one_group,
+          .suits = suits};
+}
+
 constexpr ShaderForm kForms[] = {
-    {.kernel = "choose_pose",
-     .name = "choose_pose",
-     .spirv = shader::choose_pose_spirv,
-     .local_size = {128, 1, 1},
-     .groups = one_group,
-     .suits = takes_many},
-    {.kernel = "choose_pose",
-     .name = "choose_pose",
-     .spirv = shader::choose_pose_spirv,
-     .local_size = {kFewInvocations, 1, 1},
-     .groups = one_group},
+    form(128, takes_many),
+    with_texels(form(kFewInvocations, nullptr), "choose_pose_texel", shader::choose_pose_texel_spirv),
+    form(kFewInvocations, nullptr),
 };
 
 }  // namespace

@@ -21,6 +21,9 @@ inline GroupCount groups_for(std::uint64_t count, std::uint32_t per_group) {
   return folded((count + per_group - 1) / per_group);
 }
 
+/// Invocations of a group that every device runs, of however few it is capable.
+inline constexpr std::uint32_t kEveryDevicesGroup = 128;
+
 /// Points that a uniform buffer of the size that every device allows takes.
 inline constexpr std::uint32_t kUniformPoints = 2048;
 
@@ -28,6 +31,14 @@ inline constexpr std::uint32_t kUniformPoints = 2048;
 /// first turn once an invocation has taken 65,535 (measured, Mesa 22.3), and says nothing.
 inline bool fits_loops(const FormContext& context, std::uint64_t turns) {
   return context.device.kind != "lavapipe" || turns < 65535;
+}
+
+/// A form with another shader, which reads the field, binding 0 of the kernels that have one, as texels.
+constexpr ShaderForm with_texels(ShaderForm form, std::string_view name, std::span<const std::uint32_t> spirv) {
+  form.name = name;
+  form.spirv = spirv;
+  form.texel_binding = 0;
+  return form;
 }
 
 inline bool wants_wide(const FormContext& context) { return context.wide(); }

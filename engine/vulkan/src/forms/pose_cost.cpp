@@ -51,7 +51,7 @@ constexpr ShaderForm form(std::string_view name, std::span<const std::uint32_t> 
 
 /// The forms for one interpolation, which is a constant of the shaders.
 template <Interpolation kInterpolation>
-constexpr std::array<ShaderForm, 5> forms() {
+constexpr std::array<ShaderForm, 7> forms() {
   ShaderForm group = form<kInterpolation>("pose_cost_group", shader::pose_cost_group_spirv, 64);
   group.groups = groups<1>;
   group.suits = is_small_batch<kInterpolation>;
@@ -69,7 +69,11 @@ constexpr std::array<ShaderForm, 5> forms() {
   ShaderForm many = form<kInterpolation>("pose_cost_narrow_storage", shader::pose_cost_narrow_storage_spirv, 8);
   many.groups = groups<8 * 4>;
   many.suits = interpolates<kInterpolation>;
-  return {group, wide, narrow, wide_many, many};
+  const ShaderForm narrow_texel =
+      with_texels(narrow, "pose_cost_narrow_uniform_texel", shader::pose_cost_narrow_uniform_texel_spirv);
+  const ShaderForm many_texel =
+      with_texels(many, "pose_cost_narrow_storage_texel", shader::pose_cost_narrow_storage_texel_spirv);
+  return {group, wide, narrow_texel, narrow, wide_many, many_texel, many};
 }
 
 constexpr auto all_forms() {

@@ -56,52 +56,54 @@ bool has_few_points(const FormContext& context) {
   return points_of(context) <= kUniformPoints && interpolates<kInterpolation>(context);
 }
 
-/// The forms are listed once for each interpolation, which is a constant of the shader.
 template <Interpolation kInterpolation>
-constexpr std::array<ShaderForm, 4> forms() {
-  constexpr auto kMode = static_cast<std::uint32_t>(kInterpolation);
-  return {{{.kernel = "pose_simplex",
-            .name = "pose_simplex_wide",
-            .spirv = shader::pose_simplex_wide_spirv,
-            .local_size = {kGroup, 1, 1},
-            .constants = {kMode, 1},
-            .takes_count = true,
-            .groups = groups<1>,
-            .suits = is_wide<kInterpolation>},
-           {.kernel = "pose_simplex",
-            .name = "pose_simplex_wide",
-            .spirv = shader::pose_simplex_wide_spirv,
-            .local_size = {kLargeGroup, 1, 1},
-            .constants = {kMode, kPointsATurn},
-            .takes_count = true,
-            .groups = groups<1>,
-            .suits = is_long<kInterpolation>},
-           {.kernel = "pose_simplex",
-            .name = "pose_simplex_narrow_uniform",
-            .spirv = shader::pose_simplex_narrow_uniform_spirv,
-            .local_size = {8, 1, 1},
-            .constants = {kMode, 0},
-            .uniform_binding = kPoints,
-            .takes_count = true,
-            .groups = groups<8>,
-            .suits = has_few_points<kInterpolation>},
-           {.kernel = "pose_simplex",
-            .name = "pose_simplex_narrow",
-            .spirv = shader::pose_simplex_narrow_spirv,
-            .local_size = {8, 1, 1},
-            .constants = {kMode, 0},
-            .takes_count = true,
-            .groups = groups<8>,
-            .suits = interpolates<kInterpolation>}}};
+constexpr ShaderForm wide_form(std::uint32_t group, std::uint32_t points_a_turn) {
+  return {.kernel = "pose_simplex",
+          .name = "pose_simplex_wide",
+          .spirv = shader::pose_simplex_wide_spirv,
+          .local_size = {group, 1, 1},
+          .constants = {static_cast<std::uint32_t>(kInterpolation), points_a_turn},
+          .takes_count = true,
+          .groups = groups<1>};
 }
 
-constexpr std::array<ShaderForm, 8> all_forms() {
-  std::array<ShaderForm, 8> all{};
-  const auto nearest = forms<Interpolation::kNearest>();
-  const auto bilinear = forms<Interpolation::kBilinear>();
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    all[i] = nearest[i];
-    all[i + nearest.size()] = bilinear[i];
+template <Interpolation kInterpolation>
+constexpr ShaderForm narrow_form(std::string_view name, std::span<const std::uint32_t> spirv) {
+  return {.kernel = "pose_simplex",
+          .name = name,
+          .spirv = spirv,
+          .local_size = {8, 1, 1},
+          .constants = {static_cast<std::uint32_t>(kInterpolation), 0},
+          .takes_count = true,
+          .groups = groups<8>};
+}
+
+/// The forms are listed once for each interpolation, which is a constant of the shader.
+template <Interpolation kInterpolation>
+constexpr std::array<ShaderForm, 6> forms() {
+  ShaderForm wide = wide_form<kInterpolation>(kGroup, 1);
+  wide.suits = is_wide<kInterpolation>;
+  ShaderForm large = wide_form<kInterpolation>(kLargeGroup, kPointsATurn);
+  large.suits = is_long<kInterpolation>;
+  ShaderForm few =
+      narrow_form<kInterpolation>("pose_simplex_narrow_uniform", shader::pose_simplex_narrow_uniform_spirv);
+  few.uniform_binding = kPoints;
+  few.suits = has_few_points<kInterpolation>;
+  ShaderForm many = narrow_form<kInterpolation>("pose_simplex_narrow", shader::pose_simplex_narrow_spirv);
+  many.suits = interpolates<kInterpolation>;
+  const ShaderForm few_texel =
+      with_texels(few, "pose_simplex_narrow_uniform_texel", shader::pose_simplex_narrow_uniform_texel_spirv);
+  const ShaderForm many_texel = with_texels(many, "pose_simplex_narrow_texel", shader::pose_simplex_narrow_texel_spirv);
+  return {wide, large, few_texel, few, many_texel, many};
+}
+
+constexpr auto all_forms() {
+  constexpr auto kNearest = forms<Interpolation::kNearest>();
+  constexpr auto kBilinear = forms<Interpolation::kBilinear>();
+  std::array<ShaderForm, 2 * kNearest.size()> all{};
+  for (std::size_t i = 0; i < kNearest.size(); ++i) {
+    all[i] = kNearest[i];
+    all[i + kNearest.size()] = kBilinear[i];
   }
   all.back().suits = nullptr;
   return all;

@@ -31,6 +31,7 @@ struct VulkanDeviceInfo {
   std::size_t memory_bytes = 0;  ///< of its largest device-local heap
   std::size_t max_storage_buffer_bytes = 0;
   std::size_t max_uniform_buffer_bytes = 0;
+  std::size_t max_texel_words = 0;  ///< 32-bit words that can be read as a uniform texel buffer; 0: none
   std::size_t shared_memory_bytes = 0;
   std::uint32_t max_group_invocations = 0;
   std::uint32_t max_push_constant_bytes = 0;
@@ -62,6 +63,7 @@ enum class ShaderForms : std::uint8_t {
   kByDevice,  ///< what suits the device
   kWide,      ///< those for GPUs: much parallelism, shared memory
   kNarrow,    ///< those for CPUs as devices: few long invocations
+  kNoTexels,  ///< the narrow ones without texel buffers: for a device whose texel buffers are smaller than the field
 };
 
 struct VulkanOptions {
@@ -77,6 +79,9 @@ struct VulkanOptions {
   VulkanFault fault = {};
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
   std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
+  /// Called with what is known of the chosen device before it is used, to lower its limits: a test's way to a device
+  /// that offers less. Forms are chosen by max_group_invocations and max_texel_words as they then are.
+  std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
 
 /// A backend with counters that only a Vulkan device can have.
@@ -110,6 +115,7 @@ struct ShaderModule {
   std::span<const std::uint32_t> spirv;
   std::array<std::uint32_t, 3> local_size{};
   int uniform_binding = -1;  ///< the binding that is a uniform buffer; -1: none
+  int texel_binding = -1;    ///< the binding that is a uniform texel buffer; -1: none
   std::uint32_t push_constant_bytes = 0;
   bool is_always_suitable = false;  ///< serves every launch and every device
 };
