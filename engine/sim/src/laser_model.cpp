@@ -101,14 +101,15 @@ std::vector<BeamTruth> true_beams(const LaserModel& laser, const RayCaster& cast
   const bool is_instant = laser.mirror_rate_hz == 0.0;
   Pose3 T_map_laser = is_instant ? T_map_laser_at(0.0) : Pose3{};
   for (std::size_t k = 0; k < laser.beam_count; ++k) {
+    beams[k].offset_s = laser.time_of_beam_s(k);
     if (!is_instant) {
-      T_map_laser = T_map_laser_at(laser.time_of_beam_s(k));
+      T_map_laser = T_map_laser_at(beams[k].offset_s);
     }
     const SinCos<double> bearing = sin_cos(laser.first_bearing_rad + static_cast<double>(k) * laser.bearing_step_rad);
     const Vec3 ahead = T_map_laser * Vec3(bearing.cos, bearing.sin, 0.0);
     const Vec3 direction = ahead - T_map_laser.translation_m;
     if (const auto hit = caster.cast({T_map_laser.translation_m, direction}, laser.max_range_m)) {
-      beams[k] = {hit->range_m, hit->triangle, T_map_laser.translation_m + hit->range_m * direction};
+      beams[k] = {beams[k].offset_s, hit->range_m, hit->triangle, T_map_laser.translation_m + hit->range_m * direction};
     }
   }
   return beams;

@@ -97,6 +97,9 @@ void add_leg(std::vector<Box>& boxes, const Wall& wall, std::size_t index) {
       boxes.push_back(
           piece_of(wall, leg, door.from_m, from_m, wall.base_m + door.height_m, wall.height_m - door.height_m));
     }
+    if (door.sill_m > 0.0) {
+      boxes.push_back(piece_of(wall, leg, door.from_m, from_m, wall.base_m, std::min(door.sill_m, wall.height_m)));
+    }
     if (door.leaf) {
       boxes.push_back(leaf_of(wall, leg, door, *door.leaf));
     }
@@ -111,10 +114,13 @@ void check_doors(std::vector<std::string>& faults, const Wall& wall, std::size_t
   const double length_m = leg_length(wall, leg);
   double free_from_m = 0.0;
   for (const Door& door : doors_in_order(wall, leg)) {
-    const std::string name = "the door at " + std::to_string(door.from_m) + " m of leg " + std::to_string(leg);
+    const std::string name = (door.sill_m > 0.0 ? "the window at " : "the door at ") + std::to_string(door.from_m) +
+                             " m of leg " + std::to_string(leg);
     require(faults, is_inside(door.width_m, 0.01, kMaxCoordinate_m), name + " must be at least 1 cm wide");
-    require(faults, is_inside(door.height_m, 0.01, kMaxCoordinate_m), name + " must be at least 1 cm high");
-    require(faults, door.from_m >= free_from_m, name + " begins before the leg or overlaps the door before it");
+    require(faults, is_inside(door.height_m - door.sill_m, 0.01, kMaxCoordinate_m),
+            name + " must be at least 1 cm high");
+    require(faults, is_inside(door.sill_m, 0.0, kMaxCoordinate_m), name + " must not have its sill under the wall");
+    require(faults, door.from_m >= free_from_m, name + " begins before the leg or overlaps the opening before it");
     require(faults, door.from_m + door.width_m <= length_m,
             name + " ends after the leg, which is " + std::to_string(length_m) + " m long");
     free_from_m = door.from_m + door.width_m;

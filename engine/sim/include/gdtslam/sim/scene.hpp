@@ -1,6 +1,6 @@
-// What a simulated world is made of: walls with doors, boxes, cylinders and imported meshes, all of which become
-// triangles. Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe, linear in
-// the parts.
+// What a simulated world is made of: walls with doors and windows, boxes, cylinders and imported meshes, all of which
+// become triangles. Frame: map (x right, y up, z upwards, floor usually at z = 0); metres and radians. Thread-safe,
+// linear in the parts.
 #pragma once
 
 #include <array>
@@ -59,12 +59,14 @@ struct DoorLeaf {
   double thickness_m = 0.04;
 };
 
-/// A gap in one leg of a wall; above it the wall goes on where the door is lower than the wall.
+/// A gap in one leg of a wall; the wall goes on above it where it is lower than the wall, and below the sill of a
+/// window.
 struct Door {
   std::size_t leg = 0;  ///< leg i goes from point i to point i + 1
   double from_m = 0.0;  ///< along the leg, from its first point
   double width_m = 0.9;
-  double height_m = 2.1;
+  double height_m = 2.1;  ///< of its upper edge over the wall's base
+  double sill_m = 0.0;    ///< of its lower edge, likewise; above 0 it is a window
   std::optional<DoorLeaf> leaf{};
 };
 
@@ -76,7 +78,7 @@ struct Wall {
   double thickness_m = 0.1;
   double base_m = 0.0;
   double height_m = 2.5;
-  std::vector<Door> doors;
+  std::vector<Door> doors;  ///< and windows
 
   [[nodiscard]] std::size_t leg_count() const {
     return points_m.size() < 2 ? 0 : points_m.size() - (is_closed ? 0 : 1);
