@@ -13,6 +13,7 @@
 #include "support/brute_force.hpp"
 #include "support/brute_lattice.hpp"
 #include "support/brute_polish.hpp"
+#include "support/brute_sweep.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -239,6 +240,20 @@ void choice_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
                    values_of<PointCells>(outcome.contents[1]), values_of<PolishedPose>(outcome.contents[2]))});
 }
 
+void sweep_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const SweepInput input{.params = params_of<SweepPoints::Params>(kernel_case),
+                         .ranges = values_of<float>(outcome.contents[0]),
+                         .strip_of_beam = values_of<std::uint32_t>(outcome.contents[1]),
+                         .strips = values_of<BeamStrip>(outcome.contents[2]),
+                         .directions = values_of<std::array<float, 4>>(outcome.contents[3]),
+                         .elevations = values_of<float>(outcome.contents[4])};
+  std::vector<SweptPoint> points(input.ranges.size());
+  for (std::uint32_t beam = 0; beam < points.size(); ++beam) {
+    points[beam] = brute_sweep_point(input, beam);
+  }
+  outcome.contents[5] = bytes_of(points);
+}
+
 using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;
 
 std::uint32_t radius_of(const KernelCase& kernel_case) { return params_of<EdtColumns::Params>(kernel_case).radius; }
@@ -267,7 +282,8 @@ const std::map<std::string_view, Oracle>& oracles() {
       {"field_grow", grow_oracle},
       {"pose_starts", starts_oracle},
       {"pose_simplex", simplex_oracle},
-      {"choose_pose", choice_oracle}};
+      {"choose_pose", choice_oracle},
+      {"sweep_points", sweep_oracle}};
   return table;
 }
 

@@ -12,6 +12,7 @@
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
+#include "gdtslam/compute/kernels/sweep_points.hpp"
 
 namespace gdtslam {
 
@@ -33,7 +34,7 @@ std::span<const KernelInfo* const> kernel_registry() {
       &JumpFloodInit::info(), &JumpFloodStep::info(),  &JumpFloodDistance::info(), &DistanceField::info(),
       &PoseCost::info(),      &ArgMin::info(),         &GdtMerge::info(),          &PoseLattice::info(),
       &LatticeMinima::info(), &SmallestValues::info(), &SeedScatter::info(),       &FieldGrow::info(),
-      &PoseStarts::info(),    &PoseSimplex::info(),    &ChoosePose::info()};
+      &PoseStarts::info(),    &PoseSimplex::info(),    &ChoosePose::info(),        &SweepPoints::info()};
   return kernels;
 }
 

@@ -53,6 +53,9 @@ T in_turn(const T (&list)[kCount], std::uint32_t turn) {
   return list[turn % kCount];
 }
 
+/// A number that a device may take for 0 (below 2^-126): no result may depend on whether it does.
+inline constexpr float kSubnormal = 1.0e-40F;
+
 /// The patterns of seeds that sizes are combined with.
 inline constexpr SeedPattern kCasePatterns[] = {SeedPattern::kNone, SeedPattern::kOne, SeedPattern::kSparse,
                                                 SeedPattern::kHalf, SeedPattern::kAll, SeedPattern::kChecks};
@@ -154,5 +157,7 @@ void add_pose_simplex_draws(std::vector<RandomKernel>& list);
 void add_choose_pose_draws(std::vector<RandomKernel>& list);
 void add_pose_simplex_cases(std::vector<KernelCaseSource>& list);
 void add_choose_pose_cases(std::vector<KernelCaseSource>& list);
+void add_sweep_points_cases(std::vector<KernelCaseSource>& list);
+void add_sweep_points_draws(std::vector<RandomKernel>& list);
 
 }  // namespace gdtslam

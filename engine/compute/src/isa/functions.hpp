@@ -16,6 +16,7 @@
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
+#include "gdtslam/compute/kernels/sweep_points.hpp"
 #include "gdtslam/core/elementary.hpp"
 
 namespace gdtslam {
@@ -53,6 +54,16 @@ static constexpr std::size_t edt_full_rows_squares(const EdtFullRows::Params& pa
 static constexpr std::size_t edt_full_rows_envelope(const EdtFullRows::Params& params) {
   return 2 * static_cast<std::size_t>(params.width);
 }
+
+/// The buffers of sweep_points, in the order of its bindings.
+struct SweepBuffers {
+  const float* ranges;
+  const std::uint32_t* strip_of_beam;
+  const BeamStrip* strips;
+  const float* directions;
+  const float* elevations;
+  float* points;
+};
 
 struct IsaFunctions {
   /// Columns [begin, end).
@@ -94,6 +105,8 @@ struct IsaFunctions {
   /// `values` and `voters` are scratch, one of each a point.
   void (*choose_pose)(const ChoosePose::Params&, const std::uint16_t* field, const PointCells* points,
                       const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters);
+  /// Beams [begin, end).
+  void (*sweep_points)(const SweepPoints::Params&, const SweepBuffers&, std::uint32_t begin, std::uint32_t end);
 };
 
 extern const IsaFunctions kBaselineFunctions;

@@ -31,6 +31,7 @@ namespace {
 #include "kernels/pose_starts.inl"
 #include "kernels/pose_simplex.inl"
 #include "kernels/choose_pose.inl"
+#include "kernels/sweep_points.inl"
 // clang-format on
 
 }  // namespace
@@ -55,6 +56,7 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .pose_starts = pose_starts,
     .pose_simplex = pose_simplex,
     .choose_pose = choose_pose,
+    .sweep_points = sweep_points,
 };
 
 }  // namespace gdtslam

@@ -1,14 +1,18 @@
 // The beams of nodding scans as points in space, equations (12) and (14) of the paper, all in float32 with additions
-// and multiplications only. A strip is a run of neighbouring beams of one scan during which the crank turns evenly and
-// the robot's pose moves evenly. For beam i of strip s, k = i - s.first_beam as float:
-//   phase = s.phase + (i - s.first_beam) * s.phase_step                                  (wraps in 32 bits)
-//   e     = table[phase >> (32 - bits)] + f * (next entry - entry), f = the phase's low bits * 2^-(32 - bits)
-//   q     = range * direction[s.first_direction + (i - s.first_beam)] + lever            (nodding frame)
-//   p     = (qx cos e - qz sin e - lever_x, qy, qx sin e + qz cos e - lever_z + height)  (12)
-//   w     = (s.yaw + k * s.yaw_step), t = (s.x + k * s.x_step, s.y + k * s.y_step)       (13)
-//   m     = Rz(w) p + (t.x, t.y, 0)              working (14); literal: Rz(w) p + (t.x * pz, t.y * pz, 0)
-//   out   = (s.outer_cos mx - s.outer_sin my + s.outer_x, s.outer_sin mx + s.outer_cos my + s.outer_y, mz, e)
-// A range that is not greater than 0 or not below infinity gives (0, 0, 0, e). sin and cos are sin_cos(float).
+// and multiplications only, each rounded by itself in the order of the brackets. A strip is a run of neighbouring beams
+// of one scan during which the crank turns evenly and the robot's pose moves evenly. For beam i of strip s, with
+// j = i - s.first_beam (wraps in 32 bits) and k = its low 24 bits as float:
+//   phase = s.phase + j * s.phase_step                                              (wraps in 32 bits)
+//   e  = settled(entry + f * (next - entry)), entry number phase >> (32 - bits), f = ((phase << bits) >> 8) * 2^-24
+//   q  = range * direction[s.first_direction + j] + (lever_x, 0, lever_z)           (nodding frame; y has no addition)
+//   px = (qx cos e - qz sin e) - lever_x, py = qy, up = (qx sin e + qz cos e) - lever_z, pz = up + height      (12)
+//   w  = s.yaw + k * s.yaw_step, tx = s.x + k * s.x_step, ty = s.y + k * s.y_step                              (13)
+//   literal (14): tx and ty times `up`, the paper's P_Z; working (14): as they are
+//   mx = (px cos w - py sin w) + tx, my = (px sin w + py cos w) + ty
+//   out = ((s.outer_cos mx - s.outer_sin my) + s.outer_x, (s.outer_sin mx + s.outer_cos my) + s.outer_y, pz, e)
+// sin and cos are sin_cos(float). settled(v) is +0 where v is not finite or below 2^-40 in size, so that no result
+// depends on how a device treats subnormals and NaN; the three coordinates are settled too. A range that is not greater
+// than 0 or not below infinity, and a point with a coordinate that is not finite, give (0, 0, 0, e).
 #pragma once
 
 #include <array>

@@ -1,0 +1,110 @@
+// Beams of nodding scans as points in space, paper equations (12) to (14). The sines are those of the shaders, compiled
+// here for the instruction set in hand so that whole vectors of beams go through them.
+
+inline std::int32_t floatBitsToInt(float value) { return __builtin_bit_cast(std::int32_t, value); }
+inline float intBitsToFloat(std::int32_t bits) { return __builtin_bit_cast(float, bits); }
+#define precise
+#include "elementary.glsl"
+#undef precise
+
+constexpr std::uint32_t kSweepTile = 256;
+
+/// Elevations, ranges and directions of neighbouring beams of one strip.
+struct SweepTile {
+  alignas(64) float elevation[kSweepTile];
+  alignas(64) float direction_x[kSweepTile];
+  alignas(64) float direction_y[kSweepTile];
+  alignas(64) float direction_z[kSweepTile];
+};
+
+/// +0 for what is not finite or too small to matter.
+inline float settled(float value) {
+  const std::int32_t bits = floatBitsToInt(value);
+  const std::int32_t size = bits & 0x7FFFFFFF;
+  return intBitsToFloat((size >= 0x2B800000) & (size < 0x7F800000) ? bits : 0);
+}
+
+/// Elevations of `count` beams, the first of which is number `offset` of its strip.
+void sweep_elevations(const BeamStrip& strip, std::uint32_t offset, std::uint32_t bits, const float* elevations,
+                      std::uint32_t count, float* out) {
+  const std::uint32_t step = strip.phase_step;
+  const std::uint32_t first = strip.phase + offset * step;
+  const std::uint32_t shift = 31 - bits;  // and one more: a shift by 32 is undefined
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const std::uint32_t phase = first + n * step;
+    const std::uint32_t index = (phase >> shift) >> 1U;
+    const float share = static_cast<float>(static_cast<std::int32_t>((phase << bits) >> 8U)) * 5.9604644775390625e-8F;
+    const float entry = elevations[index];
+    out[n] = settled(entry + share * (elevations[index + 1] - entry));
+  }
+}
+
+/// Directions of those beams.
+void sweep_directions(const BeamStrip& strip, std::uint32_t offset, std::uint32_t directions, const float* direction,
+                      std::uint32_t count, SweepTile& tile) {
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const std::uint32_t row = lesser(strip.first_direction + offset + n, directions - 1);
+    const float* d = direction + 4 * static_cast<std::size_t>(row);
+    tile.direction_x[n] = d[0];
+    tile.direction_y[n] = d[1];
+    tile.direction_z[n] = d[2];
+  }
+}
+
+/// Equations (12) and (14) for those beams.
+template <bool kLiteral>
+void sweep_tile(const SweepPoints::Params& params, const BeamStrip& strip_in_table, std::uint32_t offset,
+                const SweepTile& tile, const float* ranges, std::uint32_t count, float* points) {
+  const SweepPoints::Params p = params;
+  const BeamStrip strip = strip_in_table;
+  float* __restrict out = points;
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const float range = ranges[n];
+    const float e = tile.elevation[n];
+    const SinCosF32 nod = sin_cos_f32(e);
+    const float qx = range * tile.direction_x[n] + p.lever_x_m;
+    const float py = range * tile.direction_y[n];
+    const float qz = range * tile.direction_z[n] + p.lever_z_m;
+    const float px = (qx * nod.cos_value - qz * nod.sin_value) - p.lever_x_m;
+    const float up = (qx * nod.sin_value + qz * nod.cos_value) - p.lever_z_m;
+    const float pz = up + p.height_m;
+    const auto k = static_cast<float>(static_cast<std::int32_t>((offset + n) & 0xFFFFFFU));
+    const float x = strip.x_m + k * strip.x_step_m;
+    const float y = strip.y_m + k * strip.y_step_m;
+    const SinCosF32 turn = sin_cos_f32(strip.yaw_rad + k * strip.yaw_step_rad);
+    const float mx = (px * turn.cos_value - py * turn.sin_value) + (kLiteral ? x * up : x);
+    const float my = (px * turn.sin_value + py * turn.cos_value) + (kLiteral ? y * up : y);
+    const float ox = (strip.outer_cos * mx - strip.outer_sin * my) + strip.outer_x_m;
+    const float oy = (strip.outer_sin * mx + strip.outer_cos * my) + strip.outer_y_m;
+    const std::int32_t infinity = 0x7F800000;
+    const std::int32_t range_bits = floatBitsToInt(range);
+    const bool is_point = (range_bits > 0) & (range_bits < infinity) & ((floatBitsToInt(ox) & infinity) != infinity) &
+                          ((floatBitsToInt(oy) & infinity) != infinity) & ((floatBitsToInt(pz) & infinity) != infinity);
+    const std::int32_t kept = -static_cast<std::int32_t>(is_point);
+    out[4 * n] = intBitsToFloat(floatBitsToInt(settled(ox)) & kept);
+    out[4 * n + 1] = intBitsToFloat(floatBitsToInt(settled(oy)) & kept);
+    out[4 * n + 2] = intBitsToFloat(floatBitsToInt(settled(pz)) & kept);
+    out[4 * n + 3] = e;
+  }
+}
+
+void sweep_points(const SweepPoints::Params& params, const SweepBuffers& buffers, std::uint32_t begin,
+                  std::uint32_t end) {
+  SweepTile tile;
+  for (std::uint32_t first = begin; first < end;) {
+    const std::uint32_t named = buffers.strip_of_beam[first];
+    std::uint32_t last = first + 1;
+    while (last < end && last - first < kSweepTile && buffers.strip_of_beam[last] == named) {
+      ++last;
+    }
+    const std::uint32_t count = last - first;
+    const BeamStrip& strip = buffers.strips[lesser(named, params.strips - 1)];
+    const std::uint32_t offset = first - strip.first_beam;
+    sweep_elevations(strip, offset, params.table_bits, buffers.elevations, count, tile.elevation);
+    sweep_directions(strip, offset, params.directions, buffers.directions, count, tile);
+    const auto run = params.form == SweepForm::kLiteral ? sweep_tile<true> : sweep_tile<false>;
+    run(params, strip, offset, tile, buffers.ranges + first, count,
+        buffers.points + 4 * static_cast<std::size_t>(first));
+    first = last;
+  }
+}

@@ -1,0 +1,29 @@
+// The plainest program for the kernel of sweep_points.hpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "gdtslam/compute/kernels/sweep_points.hpp"
+
+namespace gdtslam::test {
+
+/// x, y, z, elevation.
+using SweptPoint = std::array<float, 4>;
+
+/// What a launch reads.
+struct SweepInput {
+  SweepPoints::Params params;
+  std::vector<float> ranges;
+  std::vector<std::uint32_t> strip_of_beam;
+  std::vector<BeamStrip> strips;
+  std::vector<std::array<float, 4>> directions;
+  std::vector<float> elevations;
+};
+
+/// One beam, each operation rounded to float32 by itself, from an exact one in double; integers in 64 bits with
+/// divisions.
+SweptPoint brute_sweep_point(const SweepInput& input, std::uint32_t beam);
+
+}  // namespace gdtslam::test
