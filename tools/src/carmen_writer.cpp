@@ -97,6 +97,12 @@ std::string CarmenWriter::odometry(const Odometry& odometry) {
   return line;
 }
 
+std::string CarmenWriter::encoder(const Encoder& encoder) const {
+  std::string line = "ENCODER " + std::to_string(encoder.ticks);
+  append_stamp(line, encoder.stamp_s);
+  return line;
+}
+
 std::string CarmenWriter::scan(const ScanRecord& record) {
   assert(record.T_odom_base);
   const LaserScan& scan = record.scan;

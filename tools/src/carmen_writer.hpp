@@ -1,6 +1,6 @@
 // CARMEN log lines (docs/formats.md): FLASER where the number of beams tells their bearings, else ROBOTLASER1; ODOM;
-// PARAM. Metres, radians, seconds; poses and stamps with six decimals, the same bytes on every host. One object belongs
-// to one thread.
+// ENCODER; PARAM. Metres, radians, seconds; poses and stamps with six decimals, the same bytes on every host. One
+// object belongs to one thread.
 #pragma once
 
 #include <string>
@@ -18,6 +18,7 @@ class CarmenWriter {
   /// Each returns its line with the line end. Speeds are those since the odometry written before.
   std::string parameter(std::string_view name, std::string_view value) const;
   std::string odometry(const Odometry& odometry);
+  std::string encoder(const Encoder& encoder) const;
   /// The scan must carry odometry.
   std::string scan(const ScanRecord& record);
 

@@ -8,6 +8,7 @@
 
 #include "checked_yaml.hpp"
 #include "did_you_mean.hpp"
+#include "scene_nodding.hpp"
 #include "scene_parts.hpp"
 
 namespace gdtslam {
@@ -143,11 +144,12 @@ std::vector<sim::Waypoint> read_waypoint_list(const std::vector<YamlValue>& valu
 void read_robot(const YamlValue& value, SceneFile& scene) {
   YamlMapping mapping(value);
   using Section = std::pair<const char*, std::function<void(const YamlValue&)>>;
-  const std::array<Section, 4> sections{{
+  const std::array<Section, 5> sections{{
       {"body", [&](const YamlValue& v) { read_body(v, scene.body); }},
       {"laser", [&](const YamlValue& v) { read_laser(v, scene); }},
       {"wheels", [&](const YamlValue& v) { read_wheels(v, scene.config.wheels); }},
       {"motion", [&](const YamlValue& v) { read_motion(v, scene.limits); }},
+      {"nodding", [&](const YamlValue& v) { scene.config.nodding = read_nodding(v); }},
   }};
   for (const auto& [key, read] : sections) {
     if (const auto section = mapping.find(key)) {
@@ -200,6 +202,7 @@ SceneFile read_scene(const std::string& file) {
   }
   scene.waypoints = read_waypoint_list(root.list("waypoints"));
   root.finish();
+  match_laser(scene.config);
   root.value().require_none(validate(scene.config));
   return scene;
 }

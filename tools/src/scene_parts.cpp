@@ -109,6 +109,38 @@ sim::Door read_door(const YamlValue& value) {
   return door;
 }
 
+/// A row of windows is written once: `repeat: {count: 4, step: 2.5}` sets each a step further along the leg.
+void read_windows(const YamlValue& value, sim::Wall& wall) {
+  YamlMapping mapping(value);
+  sim::Door window{.width_m = 1.2, .sill_m = 0.9};
+  if (const auto leg = mapping.find("leg")) {
+    window.leg = leg->count();
+  }
+  window.from_m = mapping.require("from").number(kLength);
+  mapping.read("width", kLength, window.width_m);
+  mapping.read("sill", kLength, window.sill_m);
+  mapping.read("head", kLength, window.height_m);
+  std::size_t count = 1;
+  double step_m = 0.0;
+  if (const auto repeat = mapping.find("repeat")) {
+    YamlMapping row(*repeat);
+    count = row.require("count").count();
+    step_m = row.require("step").number(kLength);
+    row.finish();
+  }
+  mapping.finish();
+  if (!(window.sill_m > 0.0)) {
+    value.refuse("sill must be above 0: an opening down to the floor is a door");
+  }
+  if (count < 1 || count > kMaxParts) {
+    value.refuse("repeat.count must be 1 to " + std::to_string(kMaxParts));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    wall.doors.push_back(window);
+    window.from_m += step_m;
+  }
+}
+
 sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults) {
   YamlMapping mapping(value);
   sim::Wall wall = defaults;
@@ -121,6 +153,9 @@ sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults) {
   mapping.read("height", kLength, wall.height_m);
   for (const YamlValue& door : mapping.list("doors")) {
     wall.doors.push_back(read_door(door));
+  }
+  for (const YamlValue& window : mapping.list("windows")) {
+    read_windows(window, wall);
   }
   mapping.finish();
   value.require_none(validate(wall));

@@ -8,12 +8,16 @@
 
 #include "carmen_writer.hpp"
 #include "did_you_mean.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/sim/clearance.hpp"
 #include "gzip_file.hpp"
+#include "linkage_file.hpp"
 #include "scene_file.hpp"
+#include "scene_nodding.hpp"
+#include "simulate_truth.hpp"
 
 namespace gdtslam {
 namespace {
@@ -29,8 +33,8 @@ std::string without_ending(std::string name, std::string_view ending) {
   return name;
 }
 
-std::string truth_file_of(const std::string& log_file) {
-  return without_ending(without_ending(without_ending(log_file, ".gz"), ".log"), ".clf") + ".truth.tum";
+std::string stem_of(const std::string& log_file) {
+  return without_ending(without_ending(without_ending(log_file, ".gz"), ".log"), ".clf");
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -39,17 +43,56 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-void apply_options(const SimulateOptions& options, SceneFile& scene) {
+void apply_laser(const SimulateOptions& options, SceneFile& scene) {
+  sim::LaserModel& laser = scene.config.laser;
   if (options.laser) {
-    const std::optional<sim::LaserModel> laser = sim::laser_preset(*options.laser);
-    if (!laser) {
+    const std::optional<sim::LaserModel> preset = sim::laser_preset(*options.laser);
+    if (!preset) {
       throw UsageError("unknown laser '" + *options.laser + "'" +
                        did_you_mean(*options.laser, sim::laser_preset_names()) + "; there are " +
                        joined(sim::laser_preset_names()));
     }
     scene.laser = *options.laser;
-    scene.config.laser = *laser;
+    laser = *preset;
   }
+  if (options.is_exact) {
+    laser.noise_constant_m = 0.0;
+    laser.noise_share = 0.0;
+    laser.range_resolution_m = 0.0;
+    laser.drop_out_share = 0.0;
+  }
+  laser.noise_constant_m = options.noise_m.value_or(laser.noise_constant_m);
+  laser.range_resolution_m = options.range_resolution_m.value_or(laser.range_resolution_m);
+}
+
+void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
+  std::optional<sim::NoddingModel>& nodding = scene.config.nodding;
+  const bool asks = options.nod_mode || options.crank_rate_hz || options.ticks_per_turn;
+  if (options.linkage) {
+    if (!nodding) {
+      nodding.emplace();
+    }
+    nodding->truth = resolve_linkage(*options.linkage);
+  } else if (asks && !nodding) {
+    nodding.emplace().truth = resolve_linkage(std::string(calib::kDefaultLinkage));
+  }
+  if (!nodding) {
+    return;
+  }
+  if (options.nod_mode) {
+    nodding->mode = nod_mode(*options.nod_mode);
+  }
+  nodding->crank_rate_hz = options.crank_rate_hz.value_or(nodding->crank_rate_hz);
+  if (options.is_exact) {
+    make_exact(nodding->truth.encoder);
+  }
+  nodding->truth.encoder.ticks_per_turn = options.ticks_per_turn.value_or(nodding->truth.encoder.ticks_per_turn);
+  match_laser(scene.config);
+}
+
+void apply_options(const SimulateOptions& options, SceneFile& scene) {
+  apply_laser(options, scene);
+  apply_nodding(options, scene);
   if (options.scan_rate_hz) {
     scene.config.scan_rate_hz = *options.scan_rate_hz;
     if (const std::vector<std::string> faults = validate(scene.config); !faults.empty()) {
@@ -70,7 +113,8 @@ sim::MotionPlan plan_of(const SceneFile& scene, const std::string& source) {
     throw ConfigError({source, 0}, "has no waypoints: add them, or give --trajectory FILE");
   }
   try {
-    return {scene.waypoints, scene.limits};
+    const auto& nodding = scene.config.nodding;
+    return {nodding ? with_scan_stops(*nodding, scene.waypoints) : scene.waypoints, scene.limits};
   } catch (const ConfigError& error) {
     throw ConfigError({source, 0}, error.what());
   }
@@ -110,8 +154,12 @@ double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, 
 }
 
 int range_decimals(const sim::LaserModel& laser) {
-  // A range that is not rounded by the sensor is kept to the micrometre; whole centimetres still get three decimals.
+  // Whole centimetres still get three decimals; ranges that are not rounded keep all digits of a float beyond 4 m.
   constexpr double kMillimetre_m = 0.001;
+  constexpr int kUnrounded = 9;
+  if (laser.range_resolution_m == 0.0) {
+    return kUnrounded;
+  }
   return laser.range_resolution_m >= kMillimetre_m ? 3 : 6;
 }
 
@@ -124,7 +172,7 @@ std::string one_word(std::string text) {
 // What the log was made of, so that it can be made again.
 std::string header_of(const SceneFile& scene, const CarmenWriter& writer) {
   const sim::SimulationConfig& config = scene.config;
-  const std::vector<std::pair<std::string, std::string>> parameters{
+  std::vector<std::pair<std::string, std::string>> parameters{
       {"simulated_scene", one_word(scene.name)},
       {"simulated_seed", std::to_string(config.seed)},
       {"simulated_laser", scene.laser},
@@ -140,6 +188,10 @@ std::string header_of(const SceneFile& scene, const CarmenWriter& writer) {
       {"robot_frontlaser_offset", fixed_text(config.T_base_laser.x_m, 6)},
       {"robot_front_laser_max", fixed_text(config.laser.max_range_m, 6)},
   };
+  if (config.nodding) {
+    parameters.emplace_back("simulated_linkage", one_word(config.nodding->truth.name));
+    parameters.emplace_back("simulated_crank_rate", fixed_text(config.nodding->crank_rate_hz, 6));
+  }
   std::string header;
   for (const auto& [name, value] : parameters) {
     header += writer.parameter(name, value);
@@ -152,16 +204,30 @@ struct Recording {
   Trajectory truth;
 };
 
+/// Where the records and what is true about them go; the last two may be empty.
+struct Sinks {
+  TextSink& log;
+  std::optional<ElevationRows>& elevations;
+  std::optional<HitCloud>& hits;
+};
+
 Recording record(const SimulateOptions& options, const SceneFile& scene, const sim::MotionPlan& plan,
-                 const sim::RayCaster& caster, TextSink& log) {
+                 const sim::RayCaster& caster, const Sinks& sinks) {
   Recording recording;
   CarmenWriter writer(range_decimals(scene.config.laser));
-  log.write(header_of(scene, writer));
+  sinks.log.write(header_of(scene, writer));
   sim::SimulationSink sink;
-  sink.odometry = [&](const Odometry& odometry) { log.write(writer.odometry(odometry)); };
+  sink.odometry = [&](const Odometry& odometry) { sinks.log.write(writer.odometry(odometry)); };
+  sink.encoder = [&](const Encoder& encoder) { sinks.log.write(writer.encoder(encoder)); };
   sink.scan = [&](const sim::SimulatedScan& scan) {
-    log.write(writer.scan(scan.record));
+    sinks.log.write(writer.scan(scan.record));
     recording.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
+    if (sinks.elevations) {
+      sinks.elevations->add(scan);
+    }
+    if (sinks.hits) {
+      sinks.hits->add(scan, scene.config.laser.max_range_m);
+    }
   };
   sink.keep_on = [&](double share) {
     if (options.progress) {
@@ -170,14 +236,55 @@ Recording record(const SimulateOptions& options, const SceneFile& scene, const s
     return !options.stop || !options.stop();
   };
   recording.summary = run_simulation(scene.config, plan, caster, sink);
-  log.finish();
+  sinks.log.finish();
+  if (sinks.hits) {
+    sinks.hits->finish();
+  }
   return recording;
 }
+
+/// The files that a simulation writes; they appear together.
+class Output {
+ public:
+  Output(const SimulateOptions& options, const SceneFile& scene) : stem_(stem_of(options.output)) {
+    AtomicFile& log_file = files_.add(options.output);
+    log_.emplace(log_file);
+    truth_ = &files_.add(stem_ + ".truth.tum");
+    if (scene.config.nodding) {
+      files_.add(stem_ + ".linkage.yaml").write(linkage_text(scene.config.nodding->truth));
+      elevations_.emplace(files_.add(stem_ + ".elevation.csv"));
+    }
+    if (options.truth_hits) {
+      hits_.emplace(files_.add(stem_ + ".truth.ply"));
+    }
+  }
+
+  [[nodiscard]] Sinks sinks() { return {*log_, elevations_, hits_}; }
+
+  void finish(const Trajectory& truth, SimulateResult& result) {
+    truth_->write(tum_text(truth));
+    files_.commit();  // the files themselves are gone after this
+    result.log_bytes = log_->bytes();
+    result.truth_file = stem_ + ".truth.tum";
+    result.linkage_file = elevations_ ? stem_ + ".linkage.yaml" : "";
+    result.elevation_file = elevations_ ? stem_ + ".elevation.csv" : "";
+    result.hits_file = hits_ ? stem_ + ".truth.ply" : "";
+  }
+
+ private:
+  std::string stem_;
+  AtomicFileSet files_;
+  std::optional<TextSink> log_;
+  AtomicFile* truth_ = nullptr;
+  std::optional<ElevationRows> elevations_;
+  std::optional<HitCloud> hits_;
+};
 
 SimulateResult result_of(const sim::SimulationSummary& summary) {
   SimulateResult result;
   result.scans = summary.scans;
   result.odometry_lines = summary.odometry_records;
+  result.encoder_lines = summary.encoder_records;
   result.beams = summary.beams;
   result.returns = summary.returns;
   result.duration_s = summary.duration_s;
@@ -198,21 +305,13 @@ SimulateResult simulate(const SimulateOptions& options) {
   const sim::RayCaster caster(triangulate(scene.scene), {options.embree_isa});
   const double clearance_m = checked_clearance_m(scene, plan, caster.mesh(), path_source);
 
-  AtomicFileSet files;
-  AtomicFile& log_file = files.add(options.output);
-  const std::string truth_name = truth_file_of(options.output);
-  AtomicFile& truth_file = files.add(truth_name);
-  TextSink log(log_file);
-  const Recording recording = record(options, scene, plan, caster, log);
-  truth_file.write(tum_text(recording.truth));
-  files.commit();  // the files themselves are gone after this
-
+  Output output(options, scene);
+  const Recording recording = record(options, scene, plan, caster, output.sinks());
   SimulateResult result = result_of(recording.summary);
+  output.finish(recording.truth, result);
   result.scene_file = scene_file;
   result.log_file = options.output;
-  result.truth_file = truth_name;
   result.triangles = caster.mesh().triangles.size();
-  result.log_bytes = log.bytes();
   result.clearance_m = clearance_m;
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

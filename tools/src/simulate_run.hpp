@@ -20,7 +20,16 @@ struct SimulateOptions {
   std::optional<std::string> laser{};       ///< a preset instead of the scene's laser; mount and height stay
   std::optional<double> scan_rate_hz{};     ///< instead of the scene's
   std::optional<std::string> trajectory{};  ///< a file of waypoints instead of the scene's
-  std::string embree_isa{};                 ///< forces Embree's instruction set, to test that it changes nothing
+  std::optional<std::string> linkage{};     ///< a preset or a linkage file: the mount nods, instead of the scene's
+  std::optional<std::string> nod_mode{};    ///< continuous, stop-and-scan or stepped, instead of the scene's
+  std::optional<double> crank_rate_hz{};    ///< instead of the scene's
+  std::optional<std::int64_t> ticks_per_turn{};
+  std::optional<double> noise_m{};             ///< of the ranges, instead of the scene's
+  std::optional<double> range_resolution_m{};  ///< 0 keeps all digits
+  bool is_exact =
+      false;  ///< no noise, no rounding and no drop-outs of the laser, 2^30 ticks a turn; the four above win
+  bool truth_hits = false;   ///< writes every hit, see HitCloud
+  std::string embree_isa{};  ///< forces Embree's instruction set, to test that it changes nothing
   std::function<void(std::uint64_t scans, double share)> progress{};
   std::function<bool()> stop{};  ///< true ends the run; what was done is written
 };
@@ -28,9 +37,13 @@ struct SimulateOptions {
 struct SimulateResult {
   std::string scene_file;
   std::string log_file;
-  std::string truth_file;  ///< <log>.truth.tum, without .gz
+  std::string truth_file;      ///< <log>.truth.tum, without .gz
+  std::string linkage_file;    ///< <log>.linkage.yaml; empty when the laser does not nod, as the next
+  std::string elevation_file;  ///< <log>.elevation.csv
+  std::string hits_file;       ///< <log>.truth.ply; empty unless asked for
   std::size_t scans = 0;
   std::size_t odometry_lines = 0;
+  std::size_t encoder_lines = 0;
   std::size_t beams = 0;
   std::size_t returns = 0;
   std::size_t triangles = 0;
