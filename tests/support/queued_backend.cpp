@@ -72,16 +72,20 @@ void QueuedBackend::dispatch(const KernelInfo& kernel, std::span<const Buffer* c
 PendingDownload QueuedBackend::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
   enter("start_download");
   const std::uint64_t id = next_id_++;
-  line_.emplace_back([this, memory = memory_of(source), bytes, offset, id] {
-    cpu_->download(*memory, downloads_.try_emplace(id, bytes).first->second, offset);
+  downloads_.try_emplace(id).first->second.content.resize(bytes);
+  line_.emplace_back([this, memory = memory_of(source), offset, id] {
+    const auto found = downloads_.find(id);
+    if (found == downloads_.end()) return;  // forgotten meanwhile
+    cpu_->download(*memory, found->second.content, offset);
+    found->second.has_arrived = true;
   });
-  return {id, bytes};
+  return pending_download(id, bytes);
 }
 
 void QueuedBackend::finish_download(PendingDownload download, std::span<std::byte> data) {
   enter("finish_download");
-  if (!downloads_.contains(download.id)) submit();
-  const std::vector<std::byte>& found = downloads_.at(download.id);
+  if (!downloads_.at(download.id).has_arrived) submit();
+  const std::vector<std::byte>& found = downloads_.at(download.id).content;
   if (found.size() != data.size()) throw std::logic_error("a download of another size");
   std::copy(found.begin(), found.end(), data.begin());
   downloads_.erase(download.id);

@@ -41,11 +41,17 @@ class QueuedBackend final : public Backend {
   [[nodiscard]] std::span<std::byte> host_view(const Buffer&) override { return {}; }
   [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatches_; }
   [[nodiscard]] std::uint64_t submit_count() const override { return submissions_; }
+  [[nodiscard]] std::size_t pending_downloads() const override { return downloads_.size(); }
 
  private:
   using Memory = std::shared_ptr<Buffer>;  // of the CPU backend; work in line keeps it alive
+  struct Download {
+    std::vector<std::byte> content;
+    bool has_arrived = false;
+  };
 
   void release(std::uint64_t id) noexcept override;
+  void forget_download(std::uint64_t id) noexcept override { downloads_.erase(id); }
   void enter(std::string_view call);
   void submit();
   [[nodiscard]] Memory memory_of(const Buffer& buffer) const;
@@ -59,7 +65,7 @@ class QueuedBackend final : public Backend {
   std::uint64_t calls_after_failure_ = 0;
   std::vector<std::string> calls_;
   std::unordered_map<std::uint64_t, Memory> memory_;
-  std::unordered_map<std::uint64_t, std::vector<std::byte>> downloads_;
+  std::unordered_map<std::uint64_t, Download> downloads_;
   std::vector<std::function<void()>> line_;
 };
 

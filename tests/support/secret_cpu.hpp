@@ -41,9 +41,11 @@ class SecretCpu final : public Backend {
   [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override;
   [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatches_; }
   [[nodiscard]] std::uint64_t submit_count() const override { return trick_ == Trick::kCountsNothing ? 0 : submits_; }
+  [[nodiscard]] std::size_t pending_downloads() const override { return cpu_->pending_downloads(); }
 
  private:
   void release(std::uint64_t id) noexcept override { buffers_.erase(id); }
+  void forget_download(std::uint64_t) noexcept override {}  // the handles are the inner backend's
   void spoil(std::span<const Buffer* const> inner);
   const Buffer& inner(const Buffer& outer) const { return buffers_.at(outer.id()); }
 

@@ -1,7 +1,12 @@
 #include "support/vulkan_device.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cstdlib>
+#include <iostream>
+
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -9,6 +14,16 @@ namespace {
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
   return value == nullptr ? "" : value;
+}
+
+/// What came too late for an exception.
+void report_late(std::string_view message) {
+  if (testing::UnitTest::GetInstance()->current_test_info() != nullptr) {
+    ADD_FAILURE() << "validation, at the end of a backend: " << message;
+    return;
+  }
+  std::cerr << "validation, at the end of a backend that outlived its test: " << message << std::endl;
+  std::abort();
 }
 
 }  // namespace
@@ -33,7 +48,24 @@ const TestDevice& find_test_device() {
   return found;
 }
 
+const std::string& validation_problem() {
+  static const std::string problem = [] {
+    VulkanOptions options;
+    options.validation = true;
+    try {
+      test_backend(options);
+    } catch (const UnavailableError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  }();
+  return problem;
+}
+
 std::unique_ptr<VulkanBackend> test_backend(VulkanOptions options) {
+  if (!options.on_message) {
+    options.on_message = report_late;
+  }
   options.index = find_test_device().device.value().index;
   return make_vulkan_backend(options);
 }

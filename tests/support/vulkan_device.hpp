@@ -19,7 +19,11 @@ const TestDevice& find_test_device();
 /// Whether a missing device is a failure (GDTSLAM_REQUIRE_VULKAN=1).
 bool vulkan_is_required();
 
-/// A backend on the device; the options' index is overwritten.
+/// Why the validation layer cannot be used on that device; empty where it can.
+const std::string& validation_problem();
+
+/// A backend on the device; the options' index is overwritten. What validation says at its end is a failure of the test
+/// that runs then, where the options have no listener of their own; out of a test it ends the process.
 std::unique_ptr<VulkanBackend> test_backend(VulkanOptions options = {});
 
 }  // namespace gdtslam::test
@@ -35,4 +39,16 @@ std::unique_ptr<VulkanBackend> test_backend(VulkanOptions options = {});
       GTEST_SKIP() << "NOTHING WAS TESTED: no Vulkan device: " << found_device.problem;      \
     }                                                                                        \
     RecordProperty("vulkan_device", found_device.device->name);                              \
+  } while (false)
+
+/// The same for the validation layer: without it the test fails where Vulkan is required, else it skips and says why.
+#define GDTSLAM_NEEDS_VALIDATION()                                           \
+  do {                                                                       \
+    const std::string& why_not = ::gdtslam::test::validation_problem();      \
+    if (!why_not.empty()) {                                                  \
+      if (::gdtslam::test::vulkan_is_required()) {                           \
+        FAIL() << "GDTSLAM_REQUIRE_VULKAN=1 and no validation: " << why_not; \
+      }                                                                      \
+      GTEST_SKIP() << "NOTHING WAS TESTED: no validation: " << why_not;      \
+    }                                                                        \
   } while (false)

@@ -33,4 +33,13 @@ void Buffer::reset() noexcept {
   backend_ = nullptr;
 }
 
+PendingDownload Backend::pending_download(std::uint64_t id, std::size_t bytes) {
+  const auto forget = [backend = this, alive = std::weak_ptr<const char>(alive_), id](const void*) noexcept {
+    if (!alive.expired()) {
+      backend->forget_download(id);
+    }
+  };
+  return {id, bytes, std::shared_ptr<const void>(this, forget)};
+}
+
 }  // namespace gdtslam

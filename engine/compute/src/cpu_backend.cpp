@@ -87,9 +87,11 @@ class CpuBackend final : public Backend {
   [[nodiscard]] Isa host_isa() const override { return isa_; }
   [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatch_count_; }
   [[nodiscard]] std::uint64_t submit_count() const override { return 0; }
+  [[nodiscard]] std::size_t pending_downloads() const override { return downloads_.size(); }
 
  private:
   void release(std::uint64_t id) noexcept override { allocations_.erase(id); }
+  void forget_download(std::uint64_t id) noexcept override { downloads_.erase(id); }
   std::span<std::byte> memory_of(const Buffer& buffer);
   /// The part of a buffer that a transfer touches.
   std::span<std::byte> part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
@@ -152,7 +154,7 @@ PendingDownload CpuBackend::start_download(const Buffer& source, std::size_t byt
   const std::span<std::byte> part = part_of(source, bytes, offset, "download");
   const std::uint64_t id = next_id_++;
   downloads_.emplace(id, std::vector<std::byte>(part.begin(), part.end()));
-  return {id, bytes};
+  return pending_download(id, bytes);
 }
 
 void CpuBackend::finish_download(PendingDownload download, std::span<std::byte> data) {

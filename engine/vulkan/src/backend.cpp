@@ -58,9 +58,9 @@ decltype(auto) VulkanBackendImpl::guarded(Action&& action) {
 }
 
 VulkanBackendImpl::VulkanBackendImpl(const VulkanOptions& options)
-    : calls_(vulkan_entry(), options.fault), wait_limit_s_(options.wait_limit_s) {
+    : calls_(vulkan_entry(), options.fault), wait_limit_s_(options.wait_limit_s.value_or(kWaitLimit_s)) {
   device_info_.name = "vulkan";
-  guarded([&] { engine_ = std::make_unique<VulkanEngine>(options, log_); });
+  guarded([&] { engine_ = std::make_unique<VulkanEngine>(options); });
   device_info_ = device_info(engine_->device);
   throw_validation_messages();
 }
@@ -77,6 +77,7 @@ VulkanBackendImpl::~VulkanBackendImpl() {
   const auto limit_ns = to_nanoseconds(std::max(wait_limit_s_, kLastWait_s));
   const VkResult result = last == 0 ? VK_SUCCESS : calls_.wait_past_faults(*engine_->device.handle(), wait, limit_ns);
   if (result == VK_TIMEOUT) {
+    engine_->log.hand_out();
     static_cast<void>(engine_.release());
   }
 }
@@ -88,14 +89,10 @@ void VulkanBackendImpl::refuse_when_failed() const {
 }
 
 void VulkanBackendImpl::throw_validation_messages() {
-  if (log_.empty()) {
+  const std::string text = engine_->log.take();
+  if (text.empty()) {
     return;
   }
-  std::string text;
-  for (const std::string& message : log_) {
-    text += (text.empty() ? "" : " | ") + message;
-  }
-  log_.clear();
   failure_ = DeviceError(device_info_.name, "validation", text);
   throw DeviceError(*failure_);
 }
@@ -173,7 +170,7 @@ void VulkanBackendImpl::copy(const Buffer& source, const Buffer& target) {
 
 PendingDownload VulkanBackendImpl::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
   DeviceBuffer& memory = part_of(source, bytes, offset, "download");
-  return {guarded([&] { return engine_->transfers.start_download(memory, bytes, offset); }), bytes};
+  return pending_download(guarded([&] { return engine_->transfers.start_download(memory, bytes, offset); }), bytes);
 }
 
 void VulkanBackendImpl::finish_download(PendingDownload download, std::span<std::byte> data) {

@@ -30,6 +30,7 @@ class VulkanBackendImpl final : public VulkanBackend {
   [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override;
   [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatch_count_; }
   [[nodiscard]] std::uint64_t submit_count() const override { return engine_->batches.submitted(); }
+  [[nodiscard]] std::size_t pending_downloads() const override { return engine_->transfers.under_way(); }
 
   [[nodiscard]] const VulkanDeviceInfo& vulkan_device() const override { return engine_->device.info(); }
   [[nodiscard]] std::uint64_t call_count() const override { return calls_.count(); }
@@ -47,6 +48,7 @@ class VulkanBackendImpl final : public VulkanBackend {
     std::size_t count = 0;
   };
   void release(std::uint64_t id) noexcept override;
+  void forget_download(std::uint64_t id) noexcept override { engine_->transfers.forget(id); }
   DeviceBuffer& memory_of(const Buffer& buffer);
   DeviceBuffer& part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
   Bound bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers);
@@ -62,7 +64,6 @@ class VulkanBackendImpl final : public VulkanBackend {
   decltype(auto) guarded(Action&& action);
 
   DriverCalls calls_;
-  ValidationLog log_;
   double wait_limit_s_;
   std::unique_ptr<VulkanEngine> engine_;
   DeviceInfo device_info_;

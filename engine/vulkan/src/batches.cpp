@@ -1,13 +1,23 @@
 #include "batches.hpp"
 
 #include <algorithm>
+#include <charconv>
 
+#include "environment.hpp"
 #include "errors.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kStampsPerBatch = 2;
+
+std::string timeout_text(double limit_s) {
+  std::array<char, 32> digits;
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), limit_s);
+  return vk::to_string(vk::Result::eTimeout) + ": it takes longer than " +
+         std::string(digits.data(), error == std::errc{} ? end : digits.data()) + " s; " + kWaitLimitVariable +
+         "=SECONDS in the environment allows more";
+}
 
 }  // namespace
 
@@ -38,8 +48,7 @@ Batches::Slot Batches::make_slot(const Device& device) {
   return slot;
 }
 
-Batches::Batches(const Device& device, double wait_limit_s)
-    : device_(device), wait_limit_ns_(to_nanoseconds(wait_limit_s)) {
+Batches::Batches(const Device& device, double wait_limit_s) : device_(device), wait_limit_s_(wait_limit_s) {
   for (Slot& slot : slots_) {
     slot = make_slot(device);
   }
@@ -101,8 +110,8 @@ void Batches::wait_for(std::uint64_t value) {
     return;
   }
   const vk::SemaphoreWaitInfo info = wait_info(*device_.timeline(), value);
-  if (device_.handle().waitSemaphores(info, wait_limit_ns_) == vk::Result::eTimeout) {
-    throw DeviceError(device_.info().name, "vkWaitSemaphores", vk::to_string(vk::Result::eTimeout));
+  if (device_.handle().waitSemaphores(info, to_nanoseconds(wait_limit_s_)) == vk::Result::eTimeout) {
+    throw DeviceError(device_.info().name, "vkWaitSemaphores", timeout_text(wait_limit_s_));
   }
   note_done(value);
 }

@@ -53,7 +53,7 @@ class Batches {
   void read_stamps(Slot& slot);
 
   const Device& device_;
-  std::uint64_t wait_limit_ns_;
+  double wait_limit_s_;
   std::function<void(std::size_t)> on_reuse_;
   std::array<Slot, kSlots> slots_;
   std::size_t slot_ = kSlots - 1;

@@ -10,18 +10,21 @@
 #include "descriptor_sets.hpp"
 #include "device.hpp"
 #include "driver_calls.hpp"
+#include "environment.hpp"
 #include "instance.hpp"
 #include "pipelines.hpp"
 #include "transfers.hpp"
+#include "validation_log.hpp"
 
 namespace gdtslam {
 
 /// Made within a DriverCalls::Scope.
 struct VulkanEngine {
-  VulkanEngine(const VulkanOptions& options, ValidationLog& log)
-      : instance(make_instance(options.validation ? &log : nullptr)),
+  explicit VulkanEngine(const VulkanOptions& options)
+      : log(options.on_message),
+        instance(make_instance(options.validation ? &log : nullptr)),
         device(instance, options),
-        batches(device, options.wait_limit_s),
+        batches(device, options.wait_limit_s.value_or(kWaitLimit_s)),
         buffers(device),
         pipelines(device, options),
         sets(device),
@@ -30,6 +33,7 @@ struct VulkanEngine {
   VulkanEngine& operator=(const VulkanEngine&) = delete;
   ~VulkanEngine() = default;
 
+  ValidationLog log;  ///< hears what is said while all others go
   VulkanInstance instance;
   Device device;
   BarrierTracker barriers;

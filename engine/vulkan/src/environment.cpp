@@ -1,6 +1,7 @@
 #include "environment.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 
 #include "gdtslam/core/error.hpp"
@@ -41,12 +42,27 @@ VulkanFault parse_fault(std::string_view text) {
                    "out-of-host-memory, as in 17:device-lost");
 }
 
+double parse_wait(std::string_view text) {
+  double limit_s = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, limit_s);
+  if (error != std::errc{} || stop != end || !std::isfinite(limit_s) || limit_s <= 0.0) {
+    throw UsageError(std::string(kWaitLimitVariable) + "=" + std::string(text) +
+                     ": write the most seconds that a wait for the device may take, more than 0, as in 120");
+  }
+  return limit_s;
+}
+
 }  // namespace
 
 VulkanOptions with_environment(VulkanOptions options) {
   const std::string_view fault = value_of(kFaultVariable);
   if (options.fault.at == 0 && !fault.empty()) {
     options.fault = parse_fault(fault);
+  }
+  const std::string_view wait = value_of(kWaitLimitVariable);
+  if (!options.wait_limit_s && !wait.empty()) {
+    options.wait_limit_s = parse_wait(wait);
   }
   const std::string_view validation = value_of(kValidationVariable);
   if (validation == "1") {

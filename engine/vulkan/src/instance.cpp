@@ -12,9 +12,14 @@ namespace {
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr std::uint32_t kApiVersion = VK_API_VERSION_1_2;
 
-VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                            VkDebugUtilsMessageTypeFlagsEXT types,
                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
-  static_cast<ValidationLog*>(log)->emplace_back(data->pMessage);
+  if (counts_as_fault(static_cast<vk::DebugUtilsMessageSeverityFlagBitsEXT>(severity),
+                      vk::DebugUtilsMessageTypeFlagsEXT(types),
+                      data->pMessageIdName == nullptr ? "" : data->pMessageIdName)) {
+    static_cast<ValidationLog*>(log)->add(data->pMessage);
+  }
   return VK_FALSE;
 }
 

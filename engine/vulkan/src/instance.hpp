@@ -1,15 +1,10 @@
 // The connection to Vulkan, with the validation layers where they are asked for.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "api.hpp"
+#include "validation_log.hpp"
 
 namespace gdtslam {
-
-/// What the validation layers said: warnings and errors, each one text.
-using ValidationLog = std::vector<std::string>;
 
 struct VulkanInstance {
   vk::raii::Context context;

@@ -47,6 +47,9 @@ class Transfers {
   /// False when there is no such download of that size.
   [[nodiscard]] bool is_under_way(std::uint64_t id, std::size_t bytes) const;
   void finish_download(std::uint64_t id, std::span<std::byte> data);
+  /// Nobody will ask for it; the device's copy, where it is in line, goes where nobody looks.
+  void forget(std::uint64_t id) noexcept { downloads_.erase(id); }
+  [[nodiscard]] std::size_t under_way() const { return downloads_.size(); }
 
  private:
   /// A part of a download: where it lies in the ring until its slot is used again.

@@ -15,6 +15,7 @@
 namespace gdtslam::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -109,34 +110,44 @@ class Limits : public testing::Test {
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
 };
 
+/// Some work of a tenth of a second at the very least; its result is asked for.
+void wait_for_work(VulkanBackend& backend) {
+  constexpr std::uint32_t kSide = 512;
+  constexpr std::uint32_t kPoints = 4096;
+  constexpr std::uint32_t kCandidates = 20000;
+  const Buffer field = backend.allocate(kSide * kSide * 2);
+  const Buffer points = backend.allocate(kPoints * sizeof(PointCells));
+  const Buffer candidates = backend.allocate(kCandidates * sizeof(PoseCandidate));
+  const Buffer cost = backend.allocate(kCandidates * 4);
+  run<PoseCost>(backend, {.width = kSide, .height = kSide, .stride = kSide, .point_count = kPoints, .cap = 5120},
+                {kCandidates, 1, 1}, field, points, candidates, cost);
+  std::vector<std::byte> found(4);
+  backend.download(cost, found);
+}
+
 TEST_F(Limits, AWaitThatTakesTooLongIsALostDevice) {
   VulkanOptions options;
   options.wait_limit_s = 1.0e-4;
   const auto backend = test_backend(options);
-  constexpr std::uint32_t kSide = 512;
-  constexpr std::uint32_t kPoints = 4096;
-  constexpr std::uint32_t kCandidates = 20000;  // a tenth of a second at the very least
-  const Buffer field = backend->allocate(kSide * kSide * 2);
-  const Buffer points = backend->allocate(kPoints * sizeof(PointCells));
-  const Buffer candidates = backend->allocate(kCandidates * sizeof(PoseCandidate));
-  const Buffer cost = backend->allocate(kCandidates * 4);
-  run<PoseCost>(*backend, {.width = kSide, .height = kSide, .stride = kSide, .point_count = kPoints, .cap = 5120},
-                {kCandidates, 1, 1}, field, points, candidates, cost);
-  std::vector<std::byte> found(4);
+  const Buffer kept = backend->allocate(4);
   try {
-    backend->download(cost, found);
+    wait_for_work(*backend);
     FAIL() << "the wait ended in time";
   } catch (const DeviceError& error) {
     EXPECT_EQ(error.call(), "vkWaitSemaphores");
-    EXPECT_EQ(error.result(), "Timeout");
-    expect_refusal(*backend, field, error);
+    EXPECT_THAT(error.result(), StartsWith("Timeout"));
+    EXPECT_THAT(error.result(), AllOf(HasSubstr("1e-04 s"), HasSubstr("GDTSLAM_VULKAN_WAIT_S")));
+    expect_refusal(*backend, kept, error);
   }
 }
 
 class Environment : public testing::Test {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
-  void TearDown() override { unsetenv("GDTSLAM_VULKAN_FAULT"); }
+  void TearDown() override {
+    unsetenv("GDTSLAM_VULKAN_FAULT");
+    unsetenv("GDTSLAM_VULKAN_WAIT_S");
+  }
 };
 
 TEST_F(Environment, MayAskForAFault) {
@@ -154,6 +165,23 @@ TEST_F(Environment, GivesWayToTheOptions) {
   VulkanOptions options;
   options.fault = {1000000, VulkanFault::Code::kDeviceLost};
   EXPECT_NO_THROW(run_job(*test_backend(options), 1));
+}
+
+TEST_F(Environment, MaySetTheLimitOfAWait) {
+  setenv("GDTSLAM_VULKAN_WAIT_S", "0.0001", 1);
+  EXPECT_THROW(wait_for_work(*test_backend()), DeviceError);
+  VulkanOptions options;
+  options.wait_limit_s = 30.0;
+  EXPECT_NO_THROW(wait_for_work(*test_backend(options))) << "the options go before it";
+  setenv("GDTSLAM_VULKAN_WAIT_S", "60", 1);
+  EXPECT_NO_THROW(wait_for_work(*test_backend()));
+}
+
+TEST_F(Environment, WithNonsenseForALimitIsRefused) {
+  for (const char* text : {"0", "-1", "soon", "30 s", "inf", "nan", "1e999", " 5"}) {
+    setenv("GDTSLAM_VULKAN_WAIT_S", text, 1);
+    EXPECT_THROW(test_backend(), UsageError) << text;
+  }
 }
 
 TEST_F(Environment, WithNonsenseIsRefused) {

@@ -96,6 +96,24 @@ TEST_F(Downloads, AreDeliveredOnceAndWithTheirSize) {
   EXPECT_THROW(backend->finish_download({.id = 12345, .bytes = 64}, data), Error);
 }
 
+TEST_F(Downloads, AreForgottenWithTheLastCopyOfTheirHandle) {
+  for (int round = 0; round < 10; ++round) {
+    PendingDownload copy;
+    {
+      const PendingDownload pending = backend->start_download(buffer, 64);
+      copy = pending;
+    }
+    EXPECT_EQ(backend->pending_downloads(), 1U) << round;
+  }
+  EXPECT_EQ(backend->pending_downloads(), 0U);
+  PendingDownload late = backend->start_download(buffer, 64);
+  finish(late);
+  EXPECT_EQ(backend->pending_downloads(), 0U);
+  late = backend->start_download(buffer, 64);
+  backend.reset();
+  EXPECT_NO_THROW(late = {}) << "the handle may go last";
+}
+
 TEST_F(Downloads, BeyondTheBufferAreRefused) {
   EXPECT_THROW(backend->start_download(buffer, 65), Error);
   EXPECT_THROW(backend->start_download(buffer, 4, 61), Error);

@@ -60,10 +60,12 @@ struct DeviceInfo {
   unsigned threads = 1;
 };
 
-/// A download that is under way: delivered once, by Backend::finish_download().
+/// A download that is under way: delivered once, by Backend::finish_download(). Where its last copy goes before that,
+/// nobody can ask for it any more and the backend forgets it. The backend may go first.
 struct PendingDownload {
   std::uint64_t id = 0;
   std::size_t bytes = 0;
+  std::shared_ptr<const void> owner = nullptr;  ///< what forgets it
 };
 
 class Backend {
@@ -101,12 +103,20 @@ class Backend {
   [[nodiscard]] virtual std::uint64_t dispatch_count() const = 0;
   /// Submissions so far; a device that works at once, as the CPU does, counts none.
   [[nodiscard]] virtual std::uint64_t submit_count() const = 0;
+  /// Downloads that were started, and neither finished nor forgotten.
+  [[nodiscard]] virtual std::size_t pending_downloads() const = 0;
+
+ protected:
+  /// The handle of a download that was started: calls forget_download() when its last copy goes.
+  PendingDownload pending_download(std::uint64_t id, std::size_t bytes);
 
  private:
   friend class Buffer;
   virtual void release(std::uint64_t id) noexcept = 0;
+  /// Also called for downloads that were finished, and after the device has failed; must not ask the device.
+  virtual void forget_download(std::uint64_t id) noexcept = 0;
 
-  std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');  ///< buffers watch it
+  std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');  ///< buffers and downloads watch it
 };
 
 /// Typed call: parameters by value, one buffer per binding.

@@ -72,7 +72,11 @@ struct VulkanOptions {
   /// With validation and synchronisation validation: a warning or an error of theirs throws DeviceError at the next
   /// launch, flush or finished download. Also by GDTSLAM_VULKAN_VALIDATION=1. Needs the Khronos layer.
   bool validation = false;
-  double wait_limit_s = 30.0;  ///< a wait that takes longer is a lost device
+  /// What validation says too late for that, of what was recorded after the last flush and of the end of the backend;
+  /// must not throw. Empty: it is printed on stderr and ends the process (std::abort).
+  std::function<void(std::string_view message)> on_message = {};
+  /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
+  std::optional<double> wait_limit_s = std::nullopt;
   ShaderForms forms = ShaderForms::kByDevice;
   /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
   std::optional<bool> time_submissions = std::nullopt;

@@ -1,0 +1,159 @@
+// A download that nobody can ask for any more is forgotten: the handle is dropped, or the map that it belongs to is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+#include "support/queued_backend.hpp"
+#include "support/vulkan_device.hpp"
+
+namespace gdtslam::test {
+namespace {
+
+struct Maker {
+  const char* name;
+  std::function<std::unique_ptr<Backend>()> make;
+  bool needs_vulkan = false;
+};
+
+class ForgottenDownloads : public testing::TestWithParam<Maker> {
+ protected:
+  void SetUp() override {
+    if (GetParam().needs_vulkan) GDTSLAM_NEEDS_VULKAN();
+    backend = GetParam().make();
+  }
+  std::unique_ptr<Backend> backend;
+};
+
+TEST_P(ForgottenDownloads, GoWithTheirHandles) {
+  constexpr std::size_t kBytes = 4096;
+  const Buffer buffer = backend->allocate(kBytes);
+  backend->fill(buffer, 0x05050505U);
+  for (int round = 0; round < 50; ++round) {
+    const PendingDownload dropped = backend->start_download(buffer, kBytes);
+    EXPECT_EQ(backend->pending_downloads(), 1U) << "round " << round;
+    if (round % 3 == 0) backend->flush();
+  }
+  EXPECT_EQ(backend->pending_downloads(), 0U);
+  std::vector<std::byte> found(kBytes);
+  backend->download(buffer, found);
+  EXPECT_EQ(std::count(found.begin(), found.end(), std::byte{5}), static_cast<std::ptrdiff_t>(kBytes));
+  EXPECT_EQ(backend->pending_downloads(), 0U);
+}
+
+TEST_P(ForgottenDownloads, StayWhileThereIsACopyOfTheHandle) {
+  const Buffer buffer = backend->allocate(8);
+  backend->fill(buffer, 0x07070707U);
+  PendingDownload copy;
+  {
+    const PendingDownload first = backend->start_download(buffer, 8);
+    copy = first;
+  }
+  EXPECT_EQ(backend->pending_downloads(), 1U);
+  std::vector<std::byte> found(8);
+  backend->finish_download(copy, found);
+  EXPECT_EQ(found, std::vector<std::byte>(8, std::byte{7}));
+  EXPECT_EQ(backend->pending_downloads(), 0U);
+  EXPECT_NO_THROW(copy = {});
+}
+
+TEST_P(ForgottenDownloads, MayOutliveTheirBackend) {
+  std::optional<PendingDownload> pending;
+  {
+    const Buffer buffer = backend->allocate(8);
+    pending = backend->start_download(buffer, 8);
+  }
+  backend.reset();
+  EXPECT_NO_THROW(pending.reset());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    On, ForgottenDownloads,
+    testing::Values(Maker{"cpu", [] { return make_cpu_backend({}); }},
+                    Maker{"queued", [] { return std::unique_ptr<Backend>(std::make_unique<QueuedBackend>()); }},
+                    Maker{"vulkan", [] { return std::unique_ptr<Backend>(test_backend()); }, true}),
+    [](const auto& maker) { return std::string(maker.param.name); });
+
+/// Pieces of the ring of several submissions, all of them under way at once, and forgotten before the device has them.
+TEST(ForgottenDownloadsOfVulkan, LeaveThoseBesideThemAsTheyAre) {
+  GDTSLAM_NEEDS_VULKAN();
+  const auto backend = test_backend();
+  constexpr std::size_t kBytes = std::size_t{6} << 20U;  // more than a segment
+  const Buffer buffer = backend->allocate(kBytes);
+  backend->fill(buffer, 0x01010101U);
+  std::optional<PendingDownload> dropped = backend->start_download(buffer, kBytes);
+  backend->fill(buffer, 0x02020202U);
+  const PendingDownload kept = backend->start_download(buffer, kBytes);
+  EXPECT_EQ(backend->pending_downloads(), 2U);
+  dropped.reset();
+  EXPECT_EQ(backend->pending_downloads(), 1U);
+  std::vector<std::byte> found(kBytes);
+  backend->finish_download(kept, found);
+  EXPECT_TRUE(std::all_of(found.begin(), found.end(), [](std::byte b) { return b == std::byte{2}; }));
+  EXPECT_EQ(backend->pending_downloads(), 0U);
+}
+
+TEST(ForgottenDownloadsOfVulkan, AreForgottenAlsoWhenTheDeviceIsLost) {
+  GDTSLAM_NEEDS_VULKAN();
+  std::uint64_t calls = 0;
+  {
+    const auto backend = test_backend();
+    const Buffer buffer = backend->allocate(8);
+    const PendingDownload pending = backend->start_download(buffer, 8);
+    calls = backend->call_count();
+  }
+  VulkanOptions options;
+  options.fault = {calls + 1, VulkanFault::Code::kDeviceLost};
+  const auto backend = test_backend(options);
+  const Buffer buffer = backend->allocate(8);
+  {
+    const PendingDownload pending = backend->start_download(buffer, 8);
+    EXPECT_THROW(backend->flush(), DeviceError);
+    EXPECT_EQ(backend->pending_downloads(), 1U);
+  }
+  EXPECT_EQ(backend->pending_downloads(), 0U);
+}
+
+/// A map whose journal is long, so that a checkpoint is under way.
+class DroppedCheckpoints : public testing::Test {
+ protected:
+  static std::unique_ptr<GlobalField> map_with_checkpoint(Backend& backend) {
+    auto map = std::make_unique<GlobalField>(backend, 0.025, 20, std::uint64_t{1} << 24U);
+    const KeyframeCells keyframe{.window = {{0, 0}, {40, 40}}, .cells = {20U * 65536U + 20U}};
+    for (int i = 0; i < 200; ++i) {
+      map->admit(keyframe, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 200});
+    }
+    map->continue_checkpoint();
+    return map;
+  }
+  static void expect_no_growth(Backend& backend) {
+    for (int round = 0; round < 10; ++round) {
+      auto map = map_with_checkpoint(backend);
+      ASSERT_EQ(backend.pending_downloads(), 1U) << "no checkpoint is under way";
+      if (round % 2 == 0) {
+        map->leave_device();
+        EXPECT_EQ(backend.pending_downloads(), 0U) << "round " << round;
+      }
+      map.reset();
+      EXPECT_EQ(backend.pending_downloads(), 0U) << "round " << round;
+    }
+  }
+};
+
+TEST_F(DroppedCheckpoints, LeaveNothingOnADeviceOfTheCpu) {
+  QueuedBackend backend;
+  expect_no_growth(backend);
+}
+
+TEST_F(DroppedCheckpoints, LeaveNothingOnVulkan) {
+  GDTSLAM_NEEDS_VULKAN();
+  expect_no_growth(*test_backend());
+}
+
+}  // namespace
+}  // namespace gdtslam::test
