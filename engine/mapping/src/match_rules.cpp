@@ -15,6 +15,13 @@ constexpr SimplexOptions kFirstDescent{.step_cells = 2.0F, .step_rad = 0.03F};
 constexpr float kLooseCells = 0.1F;
 constexpr float kLooseRad = 0.001F;
 
+/// A coordinate of a pose for the kernels. So little that a device could meet a subnormal number on its way is 0 here,
+/// since a device may take such numbers for 0 (docs/numerics.md).
+float coordinate(double value) {
+  constexpr double kLeast = 1.0e-30;
+  return std::fabs(value) < kLeast ? 0.0F : static_cast<float>(value);
+}
+
 }  // namespace
 
 MatchRules::MatchRules(const MapperConfig& config) : config_(config) {
@@ -46,8 +53,8 @@ void MatchRules::begin(const Prediction& prediction, std::size_t points) {
   const double r = config_.map.resolution_m;
   const Pose2& T = prediction.T_map_base;
   anchor_ = map_cell_of(T.translation(), r);
-  predicted_ = {static_cast<float>(T.x_m / r - anchor_.x), static_cast<float>(T.y_m / r - anchor_.y),
-                static_cast<float>(wrap_angle(T.theta_rad))};
+  predicted_ = {coordinate(T.x_m / r - anchor_.x), coordinate(T.y_m / r - anchor_.y),
+                coordinate(wrap_angle(T.theta_rad))};
   const PriorConfig& p = config_.prior;
   const double sigma_cells = (p.sigma_m + p.sigma_per_m * prediction.travelled_m) / r;
   const double sigma_rad = p.sigma_rad + p.sigma_per_rad * prediction.turned_rad;

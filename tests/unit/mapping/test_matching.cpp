@@ -194,6 +194,19 @@ INSTANTIATE_TEST_SUITE_P(All, Matchers, testing::Values(MatcherKind::kSimplex, M
                            return kind.param == MatcherKind::kSimplex ? "simplex" : "exhaustive";
                          });
 
+// Devices may take subnormal numbers for 0, so nothing near them is handed to one.
+TEST_F(Matching, APredictionNextToNothingIsZero) {
+  MatchRules rules(config_);
+  rules.begin({.T_map_base = {1.0e-42, -1.0e-41, 1.0e-40}}, 100);
+  for (const CellPose& pose : {rules.predicted(), rules.window(1.0).centre, rules.prior().mean}) {
+    EXPECT_EQ(pose.x, 0.0F);
+    EXPECT_EQ(pose.theta, 0.0F);
+  }
+  rules.begin({.T_map_base = {1.0e-20, 0.0, -1.0e-25}}, 100);
+  EXPECT_FLOAT_EQ(rules.predicted().x, static_cast<float>(1.0e-20 / resolution_m_));
+  EXPECT_FLOAT_EQ(rules.predicted().theta, -1.0e-25F);
+}
+
 // The whole window matcher against loops over its definition: the pose that it ends at costs no more, in points and
 // prior, than any sample of the window.
 TEST_F(Matching, NoSampleOfTheWindowBeatsWhatExhaustiveFinds) {

@@ -284,6 +284,38 @@ void add_extremes(std::vector<KernelCaseSource>& list) {
   }
 }
 
+// Coordinates of poses, the prior's mean, its weights and its limit. The pose that wins is the true one, which is not
+// subnormal: its coordinates are written.
+void add_subnormals(std::vector<KernelCaseSource>& list) {
+  const auto around_zero = [](ChoosePose::Params& p, Poses& poses) {
+    p.prior.mean_x = kSubnormal;
+    p.prior.mean_y = p.prior.mean_theta = -kSubnormal;
+    p.prior.weight_xy = p.prior.weight_theta = 1.0F;
+    poses[0] = pose_at(kSubnormal, -kSubnormal, kSubnormal);
+    poses[1] = pose_at(kTruePose.x, kSubnormal, -kSubnormal);
+    poses[2] = pose_at(kTruePose.x, kTruePose.y, kTruePose.theta);
+    poses[3] = pose_at(1.0e-20F, -1.0e-20F, 1.0e-20F);
+  };
+  for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
+    const ChoiceCase shape{.interpolation = interpolation};
+    add_choice(list, shape, ", subnormal poses", around_zero);
+    add_choice(list, shape, ", subnormal poses, leap", [around_zero](ChoosePose::Params& p, Poses& poses) {
+      around_zero(p, poses);
+      p.leap_q8 = 200;
+    });
+    add_choice(list, shape, ", subnormal weights", [around_zero](ChoosePose::Params& p, Poses& poses) {
+      around_zero(p, poses);
+      p.prior.weight_xy = kSubnormal;
+      p.prior.weight_theta = 3.0F * kSubnormal;
+    });
+    add_choice(list, shape, ", a subnormal limit", [around_zero](ChoosePose::Params& p, Poses& poses) {
+      around_zero(p, poses);
+      p.prior.weight_xy = 1.0e5F;
+      p.prior.limit = kSubnormal;
+    });
+  }
+}
+
 KernelCase draw_choice(const std::string& name, Random& random) {
   ChoiceCase shape;
   shape.field = draw_size(random, 2);
@@ -314,6 +346,7 @@ void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
   add_leaps(list);
   add_ties(list);
   add_extremes(list);
+  add_subnormals(list);
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
     add_choice(list, {.field = {1024, 1024, 1024}, .points = 361, .poses = 8, .interpolation = interpolation}, "",
                kNoChange, true);

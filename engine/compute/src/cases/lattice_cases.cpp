@@ -31,11 +31,21 @@ void for_each_small_window(Add add) {
   }
 }
 
-/// Priors: none, one as a scan has it, one that is at its limit everywhere but near the mean.
-enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep };
+/// Priors: none, one as a scan has it, one that is at its limit everywhere but near the mean, one of subnormal numbers.
+enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep, kSubnormal };
 
 std::string_view name_of(PriorKind kind) {
-  return kind == PriorKind::kNone ? "no prior" : kind == PriorKind::kWeak ? "weak prior" : "steep prior";
+  switch (kind) {
+    case PriorKind::kNone:
+      return "no prior";
+    case PriorKind::kWeak:
+      return "weak prior";
+    case PriorKind::kSteep:
+      return "steep prior";
+    case PriorKind::kSubnormal:
+      break;
+  }
+  return "subnormal prior";
 }
 
 PriorParams make_prior(PriorKind kind, Random& random) {
@@ -50,6 +60,11 @@ PriorParams make_prior(PriorKind kind, Random& random) {
     prior.weight_xy = static_cast<float>(random.uniform(1.0e6, 1.0e9));
     prior.weight_theta = 3.0e38F;
     prior.limit = random.below(2) == 0 ? 1.0e9F : 12345.75F;
+  } else if (kind == PriorKind::kSubnormal) {
+    prior = {.mean_x = kSubnormal, .mean_y = -kSubnormal, .mean_theta = kSubnormal / 2.0F};
+    prior.weight_xy = random.below(2) == 0 ? kSubnormal : 1000.0F;
+    prior.weight_theta = random.below(2) == 0 ? kSubnormal : 1.0e5F;
+    prior.limit = random.below(2) == 0 ? 1.0e9F : kSubnormal;
   }
   return prior;
 }
@@ -65,6 +80,19 @@ KernelCase lattice_case(const std::string& name, WindowSize window, PriorKind ki
   params.count_xy = window.xy;
   params.count_theta = window.theta;
   params.prior = make_prior(kind, random);
+  const std::uint32_t words = 4 * window.samples();
+  return make_case<PoseLattice>(name, params, {window.samples(), 1, 1},
+                                {list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()))});
+}
+
+/// A window around 0 whose samples' differences to the prior's mean, or their squares, are subnormal; the samples are
+/// not, since they are what is written.
+KernelCase subnormal_lattice(const std::string& name, WindowSize window, float step, PriorKind kind) {
+  Random random(seed_from(name));
+  PoseLattice::Params params{.step_cells = step, .step_rad = step, .count_xy = window.xy, .count_theta = window.theta};
+  params.prior = make_prior(kind, random);
+  params.prior.mean_x = kSubnormal;
+  params.prior.mean_y = params.prior.mean_theta = -kSubnormal;
   const std::uint32_t words = 4 * window.samples();
   return make_case<PoseLattice>(name, params, {window.samples(), 1, 1},
                                 {list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()))});
@@ -187,6 +215,15 @@ void add_lattices(std::vector<KernelCaseSource>& list) {
   }
   for_each_small_window(
       [&](WindowSize window, std::uint32_t turn) { add_lattice(list, window, in_turn(kPriors, turn)); });
+  for (const PriorKind kind : {PriorKind::kWeak, PriorKind::kSubnormal}) {
+    for (const float step : {1.0F, 1.0e-22F, 1.0e-37F}) {
+      const std::string steps = step == 1.0F ? "1" : step == 1.0e-22F ? "1e-22" : "1e-37";
+      add_case<PoseLattice>(list, "subnormal mean, steps of " + steps + ", " + std::string(name_of(kind)),
+                            [=](const std::string& name) {
+                              return subnormal_lattice(name, {9, 5}, step, kind);
+                            });
+    }
+  }
   add_large_case<PoseLattice>(list, kLargeWindow.name(), [](const std::string& name) {
     return lattice_case(name, kLargeWindow, PriorKind::kWeak);
   });

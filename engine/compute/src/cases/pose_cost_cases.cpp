@@ -19,12 +19,14 @@ struct CostCase {
   std::int32_t anchor_shift = 0;  ///< of the anchor, out of the field's middle
   bool odd_points = false;        ///< some are no numbers, or far off
   std::uint32_t field_cap = 0;    ///< what unknown cells hold; 0: the cap
+  bool is_subnormal = false;      ///< coordinates of many points and poses are
 
   [[nodiscard]] std::string name() const {
     return size_name(field) + " " + std::to_string(candidates) + " poses " + std::to_string(points) + " points cap " +
            std::to_string(cap) + (interpolation == Interpolation::kBilinear ? " bilinear" : " nearest") +
            (form == CostForm::kSquared ? " squared" : "") + (field_cap != 0 ? " of " + std::to_string(field_cap) : "") +
-           (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "");
+           (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "") +
+           (is_subnormal ? " subnormal" : "");
   }
 };
 
@@ -37,6 +39,28 @@ void spoil(std::vector<PointCells>& points) {
                                  {4194304.0F, 0.0F}, {0.0F, -4194304.0F}, {4194303.5F, 9.0F}};
   for (std::size_t i = 1; i < points.size(); i += 2) {
     points[i] = kOdd[i / 2 % std::size(kOdd)];
+  }
+}
+
+/// Makes coordinates of two points of three subnormal.
+void make_subnormal(std::vector<PointCells>& points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i % 3 > 0) {
+      points[i].x = i % 2 == 0 ? kSubnormal : -kSubnormal;
+    }
+    if (i % 3 > 1) {
+      points[i].y = i % 4 < 2 ? kSubnormal : -3.0F * kSubnormal;
+    }
+  }
+}
+
+/// Makes coordinates of each pose subnormal, in all combinations and with both signs.
+void make_subnormal(std::vector<PoseCandidate>& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const float value = i % 2 == 0 ? kSubnormal : -kSubnormal;
+    poses[i].x = i % 7 % 4 == 0 ? value : poses[i].x;
+    poses[i].y = i % 7 % 4 < 2 ? -value : poses[i].y;
+    poses[i].theta = i % 7 < 4 ? value : poses[i].theta;
   }
 }
 
@@ -70,7 +94,11 @@ KernelCase cost_case(const std::string& name, const CostCase& shape) {
   if (shape.odd_points) {
     spoil(points);
   }
-  const std::vector<PoseCandidate> poses = make_candidates(shape, random);
+  std::vector<PoseCandidate> poses = make_candidates(shape, random);
+  if (shape.is_subnormal) {
+    make_subnormal(points);
+    make_subnormal(poses);
+  }
   return make_case<PoseCost>(
       name, params, {shape.candidates, 1, 1},
       {grid_buffer(shape.field, field), list_buffer(points), list_buffer(poses),
@@ -120,6 +148,14 @@ void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation,
   add_cost(list, {{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
   add_cost(list, {{97, 83, 100}, 33, 17, 700, 60.0, interpolation, form, 0, false, 5120});
   add_cost(list, {{97, 83, 100}, 2101, 40, 5120, 60.0, interpolation, form});  // more than a uniform buffer takes
+  add_cost(list, {.field = {97, 83, 100},
+                  .points = 40,
+                  .candidates = 70,
+                  .cap = 5120,
+                  .spread_cells = 30.0,
+                  .interpolation = interpolation,
+                  .form = form,
+                  .is_subnormal = true});
   for (const std::int32_t shift : {-(1 << 20), 1 << 20}) {
     add_cost(list, {{97, 83, 100}, 9, 5, 5120, 60.0, interpolation, form, shift});
   }
