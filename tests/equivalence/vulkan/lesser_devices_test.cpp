@@ -17,7 +17,6 @@ namespace {
 using testing::Contains;
 using testing::EndsWith;
 using testing::Not;
-using testing::SizeIs;
 
 constexpr std::uint32_t kWidth = 61;
 constexpr std::uint32_t kStride = 64;
@@ -192,6 +191,49 @@ TEST_F(LesserDevices, AViewIsMadeOnceAndMayFail) {
     }
   }
   EXPECT_EQ(failed, 1U);
+}
+
+/// Work groups of no more than every device runs: the wide forms for larger ones give way.
+class SmallGroups : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
+  static std::unique_ptr<VulkanBackend> backend(std::uint32_t invocations, std::set<std::string>& shaders) {
+    VulkanOptions options;
+    options.forms = ShaderForms::kWide;
+    options.edit_shader = [&shaders](std::string_view name, std::vector<std::uint32_t>&) { shaders.emplace(name); };
+    options.edit_device = [invocations](VulkanDeviceInfo& device) { device.max_group_invocations = invocations; };
+    return test_backend(options);
+  }
+};
+
+TEST_P(SmallGroups, GiveTheSameBytes) {
+  std::set<std::string> shaders;
+  const auto cpu = make_cpu_backend({});
+  const auto device = backend(128, shaders);
+  for (const KernelCaseSource& source : kernel_cases()) {
+    if (source.kernel->name != GetParam() || source.large) continue;
+    const KernelCase kernel_case = source.make();
+    const CaseOutcome found = run_case(*device, kernel_case);
+    ASSERT_FALSE(difference(kernel_case, run_case(*cpu, kernel_case), found)) << source.name;
+    ASSERT_TRUE(found.guards_intact && found.inputs_intact) << source.name;
+  }
+  EXPECT_THAT(shaders, Contains(GetParam() + "_wide"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Transforms, SmallGroups, testing::Values("edt_full_columns", "edt_full_rows"),
+                         [](const auto& kernel) { return kernel.param; });
+
+TEST_F(LesserDevices, ThatRunNoGroupOfAKernelAreRefused) {
+  VulkanOptions options;
+  options.edit_device = [](VulkanDeviceInfo& device) { device.max_group_invocations = 4; };
+  const auto device = test_backend(options);
+  try {
+    LookUps(*device).run_once();
+    FAIL() << "a group of more invocations than the device runs";
+  } catch (const DeviceError& error) {
+    EXPECT_EQ(error.call(), "kernel pose_cost");
+    EXPECT_THAT(error.result(), testing::HasSubstr("or 4 in all"));
+  }
 }
 
 }  // namespace

@@ -8,6 +8,8 @@ namespace {
 /// Below so many candidates an invocation each leaves most of a GPU idle.
 constexpr std::uint32_t kLargeBatch = 16384;
 constexpr int kPoints = 1;  // their binding
+/// Fewer candidates leave most lanes of a CPU idle. Reads of a storage buffer pass these over, those of texels do not.
+constexpr std::uint32_t kTexelBatch = 16;
 
 template <std::uint32_t kEach>
 GroupCount groups(const LaunchShape& shape) {
@@ -32,6 +34,17 @@ bool is_small_batch(const FormContext& context) {
 template <Interpolation kInterpolation>
 bool has_few_points(const FormContext& context) {
   return launch_params<PoseCost>(context.shape).point_count <= kUniformPoints && interpolates<kInterpolation>(context);
+}
+
+/// With enough candidates for texels.
+template <Interpolation kInterpolation>
+bool has_few_points_and_a_batch(const FormContext& context) {
+  return context.shape.threads.x >= kTexelBatch && has_few_points<kInterpolation>(context);
+}
+
+template <Interpolation kInterpolation>
+bool is_batch(const FormContext& context) {
+  return context.shape.threads.x >= kTexelBatch && interpolates<kInterpolation>(context);
 }
 
 template <Interpolation kInterpolation>
@@ -69,10 +82,12 @@ constexpr std::array<ShaderForm, 7> forms() {
   ShaderForm many = form<kInterpolation>("pose_cost_narrow_storage", shader::pose_cost_narrow_storage_spirv, 8);
   many.groups = groups<8 * 4>;
   many.suits = interpolates<kInterpolation>;
-  const ShaderForm narrow_texel =
+  ShaderForm narrow_texel =
       with_texels(narrow, "pose_cost_narrow_uniform_texel", shader::pose_cost_narrow_uniform_texel_spirv);
-  const ShaderForm many_texel =
+  narrow_texel.suits = has_few_points_and_a_batch<kInterpolation>;
+  ShaderForm many_texel =
       with_texels(many, "pose_cost_narrow_storage_texel", shader::pose_cost_narrow_storage_texel_spirv);
+  many_texel.suits = is_batch<kInterpolation>;
   return {group, wide, narrow_texel, narrow, wide_many, many_texel, many};
 }
 
