@@ -1,11 +1,8 @@
 #include "gdtslam/cloud/thinning.hpp"
+#include "position_of.hpp"
 
 namespace gdtslam {
 namespace {
-
-Point3 position(const CloudPoint& point) {
-  return {static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m)};
-}
 
 // Height of a point over a level plane, whichever way its normal points.
 double height_over_m(const Plane& plane, const Point3& point) {
@@ -20,7 +17,7 @@ LevelRemoval::LevelRemoval(const LevelSurfaces& surfaces, double margin_m, Cloud
 void LevelRemoval::add(std::span<const CloudPoint> points) {
   kept_.clear();
   for (const CloudPoint& point : points) {
-    const Point3 p = position(point);
+    const Point3 p = position_of(point);
     const bool is_floor = surfaces_.floor && height_over_m(surfaces_.floor->plane, p) <= margin_m_;
     const bool is_ceiling = surfaces_.ceiling && height_over_m(surfaces_.ceiling->plane, p) >= -margin_m_;
     if (!is_floor && !is_ceiling) kept_.push_back(point);

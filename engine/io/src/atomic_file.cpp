@@ -168,6 +168,18 @@ void AtomicFile::write(std::span<const std::byte> data) {
   write(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
 }
 
+void AtomicFile::rewrite_begin(std::string_view text) {
+  flush();
+  synced_ = false;
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t count = ::pwrite(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail("cannot be written twice, as its header must be", errno);
+    done += static_cast<std::size_t>(count);
+  }
+}
+
 void AtomicFile::sync() {
   flush();
   if (!temporary_.empty() && !synced_ && ::fsync(descriptor_) != 0) {

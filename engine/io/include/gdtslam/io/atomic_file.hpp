@@ -25,6 +25,8 @@ class AtomicFile {
 
   void write(std::string_view text);
   void write(std::span<const std::byte> data);
+  /// Replaces the first bytes, which must have been written; FileError where the target is a pipe.
+  void rewrite_begin(std::string_view text);
   /// Everything to the disk, still under the temporary name. commit() does it too.
   void sync();
   /// The file takes its name; the last call.

@@ -28,7 +28,7 @@ class CloudWriter : public CloudSink {
   /// Writes the count into the header, syncs, renames.
   void finish();
   [[nodiscard]] std::uint64_t points() const;
-  /// SHA-256 of the points as they are written in binary PLY, whatever the format.
+  /// SHA-256 of the points as they are written in binary PLY, whatever the format; known after finish().
   [[nodiscard]] std::string points_sha256() const;
 
  private:
@@ -47,7 +47,7 @@ struct CloudHeader {
 
 class CloudReader {
  public:
-  /// PLY or PCD by its first bytes. Throws InputError (file, line or byte, what is wrong, what to do) or FileError.
+  /// PLY or PCD by its first line, plain or in gzip. Throws InputError (file, line or byte, what is wrong, what to do) or FileError.
   explicit CloudReader(const std::string& path);
   ~CloudReader();
   [[nodiscard]] const CloudHeader& header() const;

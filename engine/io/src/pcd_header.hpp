@@ -1,0 +1,14 @@
+// The header of a PCD file, version 0.7 and those before it.
+#pragma once
+
+#include <string>
+
+#include "cloud_input.hpp"
+#include "cloud_layout.hpp"
+
+namespace gdtslam {
+
+/// Reads to behind the line DATA; `first_line` has been read already. Throws InputError with the line.
+CloudLayout read_pcd_header(CloudInput& input, const std::string& first_line);
+
+}  // namespace gdtslam
