@@ -17,7 +17,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAtBound = 1e-6;           // of the bound
 constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
 constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
-constexpr double kMuchBetter = 0.5;         // of the cost: then the other assembly is the right one
+constexpr int kFirstRounds = 2;
+constexpr double kNear = 100.0;      // of the cost: then the other assembly is worth a whole fit
+constexpr double kMuchBetter = 0.5;  // of the cost: then the other assembly is the right one
 
 /// A start with what came of it.
 struct Attempt {
@@ -76,10 +78,24 @@ void check_sweep(const Attempt& attempt) {
 }
 
 Attempt attempt(const Setup& start, const std::vector<RangeObservation>& observations,
-                const CalibrationOptions& options) {
+                const CalibrationOptions& options, int rounds = kMostRounds) {
   Attempt result{.start = start, .parameters = parameters_of(start, options), .fit = {}};
-  result.fit = fit(result.start, result.parameters, observations, options);
+  result.fit = fit(result.start, result.parameters, observations, options, rounds);
   return result;
+}
+
+// The other assembly, fitted to the end only where it comes near; nothing where no range lies within the elevations.
+std::optional<Attempt> other_attempt(const Attempt& best, const std::vector<RangeObservation>& observations,
+                                     const CalibrationOptions& options) {
+  const Setup turned{best_zero(best.start, other_assembly(best.start.model), observations, options),
+                     best.start.surfaces};
+  try {
+    Attempt other = attempt(turned, observations, options, kFirstRounds);
+    if (other.fit.cost < kNear * best.fit.cost) other = attempt(turned, observations, options);
+    return other;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
 }
 
 std::vector<CalibratedParameter> described(const Attempt& attempt, const Observability& seen) {
@@ -176,13 +192,9 @@ CalibrationResult calibrate(const SweepModel& start, const std::vector<Calibrati
   Attempt best = attempt(setup, observations, options);
   double other_rms = kInfinity;
   if (options.try_both_assemblies) {
-    const Setup mirrored{best_zero(setup, other_assembly(setup.model), observations, options), surfaces};
-    try {
-      Attempt other = attempt(mirrored, observations, options);
-      if (other.fit.cost < kMuchBetter * best.fit.cost) std::swap(best, other);
-      other_rms = other.fit.all_rms;
-    } catch (const InputError&) {
-      other_rms = kInfinity;  // in that assembly no range lies within the elevations asked for
+    if (std::optional<Attempt> other = other_attempt(best, observations, options)) {
+      if (other->fit.cost < kMuchBetter * best.fit.cost) std::swap(best, *other);
+      other_rms = other->fit.all_rms;
     }
   }
   check_sweep(best);

@@ -2,13 +2,15 @@
 
 #include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
+#include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
-#include <memory>
+#include <set>
 
 #include "gdtslam/core/error.hpp"
 
@@ -16,8 +18,8 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr double kLeastIncidence = 0.05;  // a beam flatter than 3 degrees on the surface counts as one of 3 degrees
-constexpr int kRounds = 12;               // of weighing and solving
 constexpr double kSettled = 1e-5;         // of a step of 1: one prior's sigma
+constexpr double kBoundSlack = 1e-9;      // of a bound
 constexpr std::size_t kSparePerParameter = 2;
 
 /// The miss of one observation in standard deviations.
@@ -120,30 +122,115 @@ ceres::Solver::Options solver_options() {
   return options;
 }
 
-/// The fit with fixed weights; changes x.
-ceres::Solver::Summary solve_once(const Setup& start, std::span<const Parameter> parameters,
-                                  const std::vector<WeightedObservation>& used, double huber, std::vector<double>& x) {
-  std::vector<std::unique_ptr<MissCost>> costs;
-  PriorCost prior(parameters);
-  ceres::HuberLoss loss(huber);
-  ceres::Problem::Options ours;
-  ours.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ours.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(ours);
-  problem.AddParameterBlock(x.data(), static_cast<int>(x.size()));
-  for (const WeightedObservation& observation : used) {
-    costs.push_back(std::make_unique<MissCost>(start, parameters, observation));
-    problem.AddResidualBlock(costs.back().get(), &loss, x.data());
+/// The fit with fixed weights. Bounds are kept by an active set: the solver's own projection onto a box creeps along
+/// a bound where the misses are as curved as here.
+class WeightedFit {
+ public:
+  WeightedFit(const Setup& start, std::span<const Parameter> parameters, const std::vector<WeightedObservation>& used,
+              double huber)
+      : start_(start), parameters_(parameters), loss_(huber), prior_(parameters) {
+    for (const WeightedObservation& observation : used) costs_.emplace_back(start, parameters, observation);
   }
-  problem.AddResidualBlock(&prior, nullptr, x.data());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    problem.SetParameterLowerBound(x.data(), static_cast<int>(i), -parameters[i].bound_scaled());
-    problem.SetParameterUpperBound(x.data(), static_cast<int>(i), parameters[i].bound_scaled());
+
+  /// Changes x, which lies within the bounds before and after.
+  void solve(std::vector<double>& x) {
+    std::set<int> held;
+    std::set<int> released;
+    for (std::size_t turn = 0; turn < 3 * parameters_.size(); ++turn) {
+      std::vector<double> trial = x;
+      solve_free(trial, held);
+      if (const std::optional<int> outside = farthest_outside(trial)) {
+        held.insert(*outside);
+        x = moved_within(trial, x);
+        continue;
+      }
+      x = trial;
+      const std::optional<int> pulled = pulled_inside(x, held, released);
+      if (!pulled) return;
+      held.erase(*pulled);
+      released.insert(*pulled);
+    }
   }
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(), &problem, &summary);
-  return summary;
-}
+
+  int iterations = 0;
+  double cost = 0.0;
+  bool converged = false;
+  std::string reason;
+
+ private:
+  void build(ceres::Problem& problem, std::vector<double>& x) {
+    problem.AddParameterBlock(x.data(), static_cast<int>(x.size()));
+    for (MissCost& miss : costs_) problem.AddResidualBlock(&miss, &loss_, x.data());
+    problem.AddResidualBlock(&prior_, nullptr, x.data());
+  }
+
+  void solve_free(std::vector<double>& x, const std::set<int>& held) {
+    ceres::Problem problem(ownership());
+    build(problem, x);
+    ceres::SubsetManifold manifold(static_cast<int>(x.size()), {held.begin(), held.end()});
+    if (!held.empty()) problem.SetManifold(x.data(), &manifold);
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver_options(), &problem, &summary);
+    iterations += static_cast<int>(summary.iterations.size());
+    cost = summary.final_cost;
+    converged = summary.termination_type == ceres::CONVERGENCE;
+    reason = summary.message;
+  }
+
+  [[nodiscard]] std::optional<int> farthest_outside(const std::vector<double>& x) const {
+    double farthest = 1.0 + kBoundSlack;
+    std::optional<int> outside;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double share = std::fabs(x[i]) / parameters_[i].bound_scaled();
+      if (share <= farthest) continue;
+      farthest = share;
+      outside = static_cast<int>(i);
+    }
+    return outside;
+  }
+
+  /// The trial with what is outside put on its bound; on the way back to x where the loop does not close there.
+  [[nodiscard]] std::vector<double> moved_within(const std::vector<double>& trial, const std::vector<double>& x) const {
+    for (double share = 1.0; share > kBoundSlack; share *= 0.5) {
+      std::vector<double> within = x;
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        const double bound = parameters_[i].bound_scaled();
+        within[i] = std::clamp(x[i] + share * (trial[i] - x[i]), -bound, bound);
+      }
+      if (closing_room_m(setup_at(start_, parameters_, within).model.bars) > 0.0) return within;
+    }
+    return x;
+  }
+
+  /// One that is held at its bound although the cost falls towards the inside.
+  std::optional<int> pulled_inside(std::vector<double>& x, const std::set<int>& held, const std::set<int>& released) {
+    if (held.empty()) return std::nullopt;
+    ceres::Problem problem(ownership());
+    build(problem, x);
+    std::vector<double> gradient;
+    double cost_here = 0.0;
+    if (!problem.Evaluate({}, &cost_here, nullptr, &gradient, nullptr)) return std::nullopt;
+    for (const int i : held) {
+      const auto k = static_cast<std::size_t>(i);
+      if (released.count(i) == 0 && gradient[k] * x[k] > 0.0) return i;
+    }
+    return std::nullopt;
+  }
+
+  static ceres::Problem::Options ownership() {
+    ceres::Problem::Options options;
+    options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  const Setup& start_;
+  std::span<const Parameter> parameters_;
+  ceres::HuberLoss loss_;
+  PriorCost prior_;
+  std::deque<MissCost> costs_;
+};
 
 double largest_change(const std::vector<double>& a, const std::vector<double>& b) {
   double change = 0.0;
@@ -184,10 +271,10 @@ std::optional<Misses> misses_at(const Setup& setup, std::span<const WeightedObse
 // The loss starts as wide as the misses are and narrows to what the options ask for: a start some degrees off has
 // misses of hundreds of sigmas, and a narrow loss would take them all for outliers.
 Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<const RangeObservation> observations,
-        const CalibrationOptions& options) {
+        const CalibrationOptions& options, int rounds) {
   Fit result;
   result.x.assign(parameters.size(), 0.0);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const Setup setup = setup_at(start, parameters, result.x);
     result.used = weigh(setup, observations, options);
     require_enough(result.used.size(), observations.size(), parameters.size(), options);
@@ -195,12 +282,12 @@ Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<con
     if (!before) break;
     const double spread = std::max(1.0, robust_spread(before->weighted));
     const std::vector<double> last = result.x;
-    const ceres::Solver::Summary summary =
-        solve_once(start, parameters, result.used, options.huber_sigmas * spread, result.x);
-    result.iterations += static_cast<int>(summary.iterations.size());
-    result.cost = summary.final_cost / static_cast<double>(result.used.size());
-    result.converged = summary.termination_type == ceres::CONVERGENCE;
-    result.reason = summary.message;
+    WeightedFit weighted(start, parameters, result.used, options.huber_sigmas * spread);
+    weighted.solve(result.x);
+    result.iterations += weighted.iterations;
+    result.cost = weighted.cost / static_cast<double>(result.used.size());
+    result.converged = weighted.converged;
+    result.reason = weighted.reason;
     if (largest_change(last, result.x) < kSettled) break;
     result.converged = false;  // but for the next round
   }

@@ -18,6 +18,9 @@ struct WeightedObservation {
   double gain = 1.0;
 };
 
+/// Rounds of weighing and solving; two or three do but for a start that is far off.
+inline constexpr int kMostRounds = 12;
+
 struct Fit {
   std::vector<double> x;  ///< scaled, from the start
   std::vector<WeightedObservation> used;
@@ -32,7 +35,7 @@ struct Fit {
 
 /// Throws InputError when too few observations lie within the elevations asked for. The loop closes at the start.
 Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<const RangeObservation> observations,
-        const CalibrationOptions& options);
+        const CalibrationOptions& options, int rounds = kMostRounds);
 
 /// The weighted misses at x; nothing where the loop does not close all around.
 struct Misses {
