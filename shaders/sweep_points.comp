@@ -26,12 +26,10 @@ struct BeamStrip {
   uint unused_1;
 };
 
-layout(set = 0, binding = 0, std430) readonly buffer Ranges { float ranges[]; };
-layout(set = 0, binding = 1, std430) readonly buffer StripOfBeam { uint strip_of_beam[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Strips { BeamStrip strips[]; };
-layout(set = 0, binding = 3, std430) readonly buffer Directions { vec4 directions[]; };
-layout(set = 0, binding = 4, std430) readonly buffer Elevations { float elevations[]; };
-layout(set = 0, binding = 5, std430) writeonly buffer Points { uvec4 points[]; };
+layout(set = 0, binding = 0, std430) readonly buffer Beams { uvec2 beams[]; };  // range, strip
+layout(set = 0, binding = 1, std430) readonly buffer Strips { BeamStrip strips[]; };
+layout(set = 0, binding = 2, std430) readonly buffer Tables { float tables[]; };  // elevations, directions
+layout(set = 0, binding = 3, std430) writeonly buffer Points { uvec4 points[]; };
 
 layout(push_constant) uniform Params {
   uint beams;
@@ -58,10 +56,15 @@ bool is_finite(float value) { return (floatBitsToUint(value) & kInfinity) != kIn
 float elevation_at(uint phase) {
   uint index = (phase >> (31u - params.table_bits)) >> 1u;
   precise float share = float((phase << params.table_bits) >> 8u) * 5.9604644775390625e-8f;
-  float entry = elevations[index];
-  precise float rise = elevations[index + 1u] - entry;
+  float entry = tables[index];
+  precise float rise = tables[index + 1u] - entry;
   precise float elevation = entry + share * rise;
   return uintBitsToFloat(settled(elevation));
+}
+
+vec3 direction_at(uint row) {
+  uint at = (1u << params.table_bits) + 1u + 3u * (row < params.directions ? row : params.directions - 1u);
+  return vec3(tables[at], tables[at + 1u], tables[at + 2u]);
 }
 
 // Equation (12).
@@ -98,17 +101,15 @@ vec3 in_map(vec3 p, float above_sensor, uint strip, float k) {
 }
 
 void place(uint beam) {
-  uint strip = strip_of_beam[beam];
+  uint range_bits = beams[beam].x;
+  uint strip = beams[beam].y;
   strip = strip < params.strips ? strip : params.strips - 1u;
   uint offset = beam - strips[strip].first_beam;
-  uint row = strips[strip].first_direction + offset;
-  row = row < params.directions ? row : params.directions - 1u;
   float elevation = elevation_at(strips[strip].phase + offset * strips[strip].phase_step);
-  float range = ranges[beam];
+  vec3 direction = direction_at(strips[strip].first_direction + offset);
   float above_sensor;
-  vec3 p = in_base(range, directions[row].xyz, sin_cos_f32(elevation), above_sensor);
+  vec3 p = in_base(uintBitsToFloat(range_bits), direction, sin_cos_f32(elevation), above_sensor);
   vec3 m = in_map(p, above_sensor, strip, float(offset & 0xFFFFFFu));
-  uint range_bits = floatBitsToUint(range);
   bool is_point =
       range_bits > 0u && range_bits < kInfinity && is_finite(m.x) && is_finite(m.y) && is_finite(m.z);
   uvec3 place = is_point ? uvec3(settled(m.x), settled(m.y), settled(m.z)) : uvec3(0u);

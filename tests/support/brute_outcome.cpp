@@ -242,16 +242,14 @@ void choice_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
 
 void sweep_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const SweepInput input{.params = params_of<SweepPoints::Params>(kernel_case),
-                         .ranges = values_of<float>(outcome.contents[0]),
-                         .strip_of_beam = values_of<std::uint32_t>(outcome.contents[1]),
-                         .strips = values_of<BeamStrip>(outcome.contents[2]),
-                         .directions = values_of<std::array<float, 4>>(outcome.contents[3]),
-                         .elevations = values_of<float>(outcome.contents[4])};
-  std::vector<SweptPoint> points(input.ranges.size());
+                         .beams = values_of<BeamRange>(outcome.contents[0]),
+                         .strips = values_of<BeamStrip>(outcome.contents[1]),
+                         .tables = values_of<float>(outcome.contents[2])};
+  std::vector<SweptPoint> points(input.beams.size());
   for (std::uint32_t beam = 0; beam < points.size(); ++beam) {
     points[beam] = brute_sweep_point(input, beam);
   }
-  outcome.contents[5] = bytes_of(points);
+  outcome.contents[3] = bytes_of(points);
 }
 
 using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;

@@ -40,8 +40,8 @@ Rounded elevation(const SweepInput& input, std::uint64_t phase) {
   const std::uint64_t cell = kTurn >> input.params.table_bits;
   const std::uint64_t index = phase / cell;
   const double share = std::floor(std::ldexp(static_cast<double>(phase % cell) / static_cast<double>(cell), 24));
-  const Rounded low{input.elevations[index]};
-  const Rounded high{input.elevations[index + 1]};
+  const Rounded low{input.tables[index]};
+  const Rounded high{input.tables[index + 1]};
   return settled(low + rounded(std::ldexp(share, -24)) * (high - low));
 }
 
@@ -49,15 +49,17 @@ Rounded elevation(const SweepInput& input, std::uint64_t phase) {
 
 SweptPoint brute_sweep_point(const SweepInput& input, std::uint32_t beam) {
   const SweepPoints::Params& params = input.params;
-  const BeamStrip& strip = input.strips[std::min<std::size_t>(input.strip_of_beam[beam], input.strips.size() - 1)];
+  const BeamStrip& strip = input.strips[std::min<std::size_t>(input.beams[beam].strip, input.strips.size() - 1)];
   const std::uint64_t j = (kTurn + beam - strip.first_beam) % kTurn;
   const Rounded e = elevation(input, (strip.phase + (j * strip.phase_step) % kTurn) % kTurn);
-  const Rounded range{input.ranges[beam]};
+  const Rounded range{input.beams[beam].range_m};
   if (!(range.value > 0.0F && std::isfinite(range.value))) {
     return {0.0F, 0.0F, 0.0F, e.value};
   }
-  const std::uint64_t row = std::min<std::uint64_t>((strip.first_direction + j) % kTurn, input.directions.size() - 1);
-  const auto& direction = input.directions[row];
+  const std::uint64_t row =
+      std::min<std::uint64_t>((strip.first_direction + j) % kTurn, std::uint64_t{params.directions} - 1);
+  const std::size_t elevations = (kTurn >> (32 - params.table_bits)) + 1;
+  const float* const direction = input.tables.data() + elevations + 3 * row;
   const Rounded lever_x{params.lever_x_m};
   const Rounded lever_z{params.lever_z_m};
   const std::array in_plane =

@@ -15,11 +15,9 @@ using SweptPoint = std::array<float, 4>;
 /// What a launch reads.
 struct SweepInput {
   SweepPoints::Params params;
-  std::vector<float> ranges;
-  std::vector<std::uint32_t> strip_of_beam;
+  std::vector<BeamRange> beams;
   std::vector<BeamStrip> strips;
-  std::vector<std::array<float, 4>> directions;
-  std::vector<float> elevations;
+  std::vector<float> tables;
 };
 
 /// One beam, each operation rounded to float32 by itself, from an exact one in double; integers in 64 bits with

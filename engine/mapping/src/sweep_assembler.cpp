@@ -77,7 +77,7 @@ struct SweepAssembler::State {
   }
 
   void close_batch() {
-    if (filling.beams() > 0) waiting.push_back({std::exchange(filling, {}), std::nullopt});
+    if (!filling.beams.empty()) waiting.push_back({std::exchange(filling, {}), std::nullopt});
   }
 
   /// Ranges of a strip, 0 where there was no valid return; whether there is any.
@@ -95,14 +95,13 @@ struct SweepAssembler::State {
   }
 
   void queue(BeamStrip strip, const StripOrigin& origin) {
-    if (filling.beams() + ranges.size() > limits.batch_beams) close_batch();
+    if (filling.beams.size() + ranges.size() > limits.batch_beams) close_batch();
     filling.directions = directions;
-    strip.first_beam = static_cast<std::uint32_t>(filling.beams());
+    strip.first_beam = static_cast<std::uint32_t>(filling.beams.size());
     const auto number = static_cast<std::uint32_t>(filling.strips.size());
     filling.strips.push_back(strip);
     filling.origins.push_back(origin);
-    filling.ranges_m.insert(filling.ranges_m.end(), ranges.begin(), ranges.end());
-    filling.strip_of_beam.insert(filling.strip_of_beam.end(), ranges.size(), number);
+    for (const float range_m : ranges) filling.beams.push_back({range_m, number});
   }
 
   void start(Waiting& next) {

@@ -25,9 +25,9 @@ SweepPoints::Params params_for(const NoddingScanner& scanner, const AssemblyLimi
 }  // namespace
 
 void append_points(const SweepBatch& batch, const std::vector<SweptBeam>& swept, std::vector<CloudPoint>& points) {
-  for (std::size_t i = 0; i < batch.beams(); ++i) {
-    if (!(batch.ranges_m[i] > 0.0F)) continue;
-    const std::uint32_t strip = batch.strip_of_beam[i];
+  for (std::size_t i = 0; i < batch.beams.size(); ++i) {
+    if (!(batch.beams[i].range_m > 0.0F)) continue;
+    const std::uint32_t strip = batch.beams[i].strip;
     const StripOrigin& origin = batch.origins[strip];
     const std::size_t beam = origin.first_beam + (i - batch.strips[strip].first_beam);
     CloudPoint point;
@@ -45,38 +45,34 @@ SweepDevice::SweepDevice(Backend& backend, const NoddingScanner& scanner, const 
                          std::size_t most_beams)
     : backend_(backend),
       params_(params_for(scanner, limits)),
-      ranges_(backend.allocate(most_beams * sizeof(float))),
-      strip_of_beam_(backend.allocate(most_beams * sizeof(std::uint32_t))),
-      points_(backend.allocate(most_beams * sizeof(SweptBeam))) {
-  const std::vector<double>& table = scanner.table.values_rad();
-  const std::vector<float> elevations(table.begin(), table.end());
-  elevations_ = backend.allocate(elevations.size() * sizeof(float));
-  backend.upload(elevations_, bytes_of(elevations));
-}
+      elevations_(scanner.table.values_rad().begin(), scanner.table.values_rad().end()),
+      beams_(backend.allocate(most_beams * sizeof(BeamRange))),
+      points_(backend.allocate(most_beams * sizeof(SweptBeam))) {}
 
-void SweepDevice::upload_directions(const std::shared_ptr<const BeamDirections>& directions) {
+void SweepDevice::upload_tables(const std::shared_ptr<const BeamDirections>& directions) {
   const auto& rows = directions->rows();
   if (uploaded_ == directions && uploaded_rows_ == rows.size()) return;
-  const auto data = bytes_of(rows);
-  if (directions_.bytes() < data.size()) directions_ = backend_.allocate(std::bit_ceil(data.size()));
-  backend_.upload(directions_, data);
+  const auto elevations = bytes_of(elevations_);
+  const auto directions_data = bytes_of(rows);
+  const std::size_t bytes = elevations.size() + directions_data.size();
+  if (tables_.bytes() < bytes) tables_ = backend_.allocate(std::bit_ceil(bytes));
+  backend_.upload(tables_, elevations);
+  backend_.upload(tables_, directions_data, elevations.size());
   uploaded_ = directions;
   uploaded_rows_ = rows.size();
 }
 
 PendingDownload SweepDevice::start(const SweepBatch& batch) {
-  upload_directions(batch.directions);
+  upload_tables(batch.directions);
   const auto strips = bytes_of(batch.strips);
   if (strips_.bytes() < strips.size()) strips_ = backend_.allocate(std::bit_ceil(strips.size()));
-  backend_.upload(ranges_, bytes_of(batch.ranges_m));
-  backend_.upload(strip_of_beam_, bytes_of(batch.strip_of_beam));
+  backend_.upload(beams_, bytes_of(batch.beams));
   backend_.upload(strips_, strips);
-  params_.beams = static_cast<std::uint32_t>(batch.beams());
+  params_.beams = static_cast<std::uint32_t>(batch.beams.size());
   params_.strips = static_cast<std::uint32_t>(batch.strips.size());
   params_.directions = static_cast<std::uint32_t>(uploaded_rows_);
-  run<SweepPoints>(backend_, params_, {params_.beams, 1, 1}, ranges_, strip_of_beam_, strips_, directions_, elevations_,
-                   points_);
-  PendingDownload download = backend_.start_download(points_, batch.beams() * sizeof(SweptBeam));
+  run<SweepPoints>(backend_, params_, {params_.beams, 1, 1}, beams_, strips_, tables_, points_);
+  PendingDownload download = backend_.start_download(points_, batch.beams.size() * sizeof(SweptBeam));
   backend_.flush();
   return download;
 }

@@ -27,13 +27,10 @@ struct StripOrigin {
 
 /// What one dispatch gets. Ranges are 0 where there was no valid return.
 struct SweepBatch {
-  std::vector<float> ranges_m;
-  std::vector<std::uint32_t> strip_of_beam;
+  std::vector<BeamRange> beams;
   std::vector<BeamStrip> strips;
   std::vector<StripOrigin> origins;
   std::shared_ptr<const BeamDirections> directions;
-
-  [[nodiscard]] std::size_t beams() const { return ranges_m.size(); }
 };
 
 /// x, y, z, elevation of a beam, as the kernel leaves them.
@@ -52,15 +49,14 @@ class SweepDevice {
   std::vector<SweptBeam> finish(PendingDownload download);
 
  private:
-  void upload_directions(const std::shared_ptr<const BeamDirections>& directions);
+  void upload_tables(const std::shared_ptr<const BeamDirections>& directions);
 
   Backend& backend_;
   SweepPoints::Params params_;
-  Buffer ranges_;
-  Buffer strip_of_beam_;
+  std::vector<float> elevations_;
+  Buffer beams_;
   Buffer strips_;
-  Buffer directions_;
-  Buffer elevations_;
+  Buffer tables_;  ///< elevations and directions
   Buffer points_;
   std::shared_ptr<const BeamDirections> uploaded_;
   std::size_t uploaded_rows_ = 0;

@@ -36,7 +36,7 @@ void BeamDirections::append(double bearing_rad) {
   const double left = bearing.sin * roll.cos;
   rows_.push_back({static_cast<float>(yaw.cos * bearing.cos - yaw.sin * left),
                    static_cast<float>(yaw.sin * bearing.cos + yaw.cos * left),
-                   static_cast<float>(bearing.sin * roll.sin), 0.0F});
+                   static_cast<float>(bearing.sin * roll.sin)});
 }
 
 }  // namespace gdtslam

@@ -22,8 +22,8 @@ class BeamDirections {
   /// Forgets all rows.
   void clear();
 
-  /// x, y, z and nothing, as the kernel takes them.
-  [[nodiscard]] const std::vector<std::array<float, 4>>& rows() const { return rows_; }
+  /// x, y, z, as the kernel takes them.
+  [[nodiscard]] const std::vector<std::array<float, 3>>& rows() const { return rows_; }
   /// A scan whose beams are more than that is alone in the table.
   static constexpr std::size_t kMostRows = std::size_t{1} << 18U;
 
@@ -38,7 +38,7 @@ class BeamDirections {
 
   NoddingMount mount_;
   std::vector<Layout> layouts_;
-  std::vector<std::array<float, 4>> rows_;
+  std::vector<std::array<float, 3>> rows_;
 };
 
 }  // namespace gdtslam

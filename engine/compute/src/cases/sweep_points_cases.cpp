@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "cases/case_builder.hpp"
@@ -32,7 +31,7 @@ float real(Random& random, double most) { return static_cast<float>(random.unifo
 std::uint32_t word(Random& random) { return static_cast<std::uint32_t>(random.bits() >> 32U); }
 
 /// Mostly ranges of a scanner; some that are none, and the extremes of what counts as one.
-std::vector<float> sweep_ranges(const SweepCase& sweep, Random& random) {
+float sweep_range(Random& random) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kOdd[] = {0.0F,
                             -0.0F,
@@ -46,11 +45,7 @@ std::vector<float> sweep_ranges(const SweepCase& sweep, Random& random) {
                             std::numeric_limits<float>::denorm_min(),
                             1.0e-12F,
                             1.0e-13F};
-  std::vector<float> ranges(sweep.beams);
-  for (float& range : ranges) {
-    range = random.below(6) == 0 ? draw_from(random, kOdd) : static_cast<float>(random.uniform(0.05, 30.0));
-  }
-  return ranges;
+  return random.below(6) == 0 ? draw_from(random, kOdd) : static_cast<float>(random.uniform(0.05, 30.0));
 }
 
 /// Elevations over a turn: a swing, or steps without any order.
@@ -70,15 +65,14 @@ std::vector<float> sweep_table(const SweepCase& sweep, Random& random) {
   return table;
 }
 
-std::vector<std::array<float, 4>> sweep_directions(const SweepCase& sweep, Random& random) {
-  std::vector<std::array<float, 4>> directions(sweep.directions);
-  for (std::array<float, 4>& direction : directions) {
+void append_directions(const SweepCase& sweep, Random& random, std::vector<float>& tables) {
+  for (std::uint32_t i = 0; i < sweep.directions; ++i) {
     const SinCos<double> bearing = sin_cos(random.uniform(-3.2, 3.2));
     const SinCos<double> roll = sin_cos(random.uniform(-0.1, 0.1));
-    direction = {static_cast<float>(bearing.cos), static_cast<float>(bearing.sin * roll.cos),
-                 static_cast<float>(bearing.sin * roll.sin), std::numeric_limits<float>::quiet_NaN()};
+    tables.push_back(static_cast<float>(bearing.cos));
+    tables.push_back(static_cast<float>(bearing.sin * roll.cos));
+    tables.push_back(static_cast<float>(bearing.sin * roll.sin));
   }
-  return directions;
 }
 
 /// The part of a strip that every kind draws alike.
@@ -102,9 +96,15 @@ BeamStrip sweep_strip(Random& random, double far) {
   return strip;
 }
 
+void append_beams(std::uint64_t count, std::uint32_t strip, Random& random, std::vector<BeamRange>& beams) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    beams.push_back({sweep_range(random), strip});
+  }
+}
+
 /// Strips of a batch, one behind the other.
 void add_scan_strips(const SweepCase& sweep, Random& random, std::vector<BeamStrip>& strips,
-                     std::vector<std::uint32_t>& strip_of_beam) {
+                     std::vector<BeamRange>& beams) {
   for (std::uint32_t s = 0; s < sweep.strips; ++s) {
     BeamStrip strip = sweep_strip(random, 20.0);
     strip.first_beam = static_cast<std::uint32_t>(std::uint64_t{sweep.beams} * s / sweep.strips);
@@ -113,14 +113,14 @@ void add_scan_strips(const SweepCase& sweep, Random& random, std::vector<BeamStr
     strip.first_direction =
         sweep.directions > length ? static_cast<std::uint32_t>(random.below(sweep.directions - length + 1)) : 0;
     strips.push_back(strip);
-    strip_of_beam.insert(strip_of_beam.end(), length, s);
+    append_beams(length, s, random, beams);
   }
 }
 
 /// Strips without any order: those beyond the table, those that begin behind their beams, offsets beyond 2^24,
 /// directions that wrap.
 void add_wild_strips(const SweepCase& sweep, Random& random, std::vector<BeamStrip>& strips,
-                     std::vector<std::uint32_t>& strip_of_beam) {
+                     std::vector<BeamRange>& beams) {
   const double far = sweep.kind == SweepCase::Kind::kHuge ? 1.0e37 : 100.0;
   for (std::uint32_t s = 0; s < sweep.strips; ++s) {
     BeamStrip strip = sweep_strip(random, far);
@@ -136,11 +136,11 @@ void add_wild_strips(const SweepCase& sweep, Random& random, std::vector<BeamStr
     }
     strips.push_back(strip);
   }
-  while (strip_of_beam.size() < sweep.beams) {
+  while (beams.size() < sweep.beams) {
     const std::uint32_t named =
         random.below(8) == 0 ? word(random) : static_cast<std::uint32_t>(random.below(sweep.strips + 1));
-    const std::uint64_t run = std::min<std::uint64_t>(1 + random.below(40), sweep.beams - strip_of_beam.size());
-    strip_of_beam.insert(strip_of_beam.end(), run, named);
+    const std::uint64_t run = std::min<std::uint64_t>(1 + random.below(40), sweep.beams - beams.size());
+    append_beams(run, named, random, beams);
   }
 }
 
@@ -156,19 +156,19 @@ KernelCase sweep_case(const std::string& name, const SweepCase& sweep) {
   params.height_m = real(random, 1.0);
   params.form = sweep.form;
   std::vector<BeamStrip> strips;
-  std::vector<std::uint32_t> strip_of_beam;
+  std::vector<BeamRange> beams;
   if (sweep.kind == SweepCase::Kind::kScans) {
-    add_scan_strips(sweep, random, strips, strip_of_beam);
+    add_scan_strips(sweep, random, strips, beams);
   } else {
-    add_wild_strips(sweep, random, strips, strip_of_beam);
+    add_wild_strips(sweep, random, strips, beams);
   }
+  std::vector<float> tables = sweep_table(sweep, random);
+  append_directions(sweep, random, tables);
   const std::uint32_t words = 4 * sweep.beams;
   CaseBuffer points = list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()));
   points.layout = {16, sweep.beams, 1, sweep.beams};
-  return make_case<SweepPoints>(
-      name, params, {sweep.beams, 1, 1},
-      {list_buffer(sweep_ranges(sweep, random)), list_buffer(strip_of_beam), list_buffer(strips),
-       list_buffer(sweep_directions(sweep, random)), list_buffer(sweep_table(sweep, random)), points});
+  return make_case<SweepPoints>(name, params, {sweep.beams, 1, 1},
+                                {list_buffer(beams), list_buffer(strips), list_buffer(tables), points});
 }
 
 void add_sweep(std::vector<KernelCaseSource>& list, const SweepCase& sweep, bool benchmark = false) {

@@ -57,11 +57,9 @@ static constexpr std::size_t edt_full_rows_envelope(const EdtFullRows::Params& p
 
 /// The buffers of sweep_points, in the order of its bindings.
 struct SweepBuffers {
-  const float* ranges;
-  const std::uint32_t* strip_of_beam;
+  const BeamRange* beams;
   const BeamStrip* strips;
-  const float* directions;
-  const float* elevations;
+  const float* tables;
   float* points;
 };
 

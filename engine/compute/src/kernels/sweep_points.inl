@@ -9,8 +9,9 @@ inline float intBitsToFloat(std::int32_t bits) { return __builtin_bit_cast(float
 
 constexpr std::uint32_t kSweepTile = 256;
 
-/// Elevations, ranges and directions of neighbouring beams of one strip.
+/// Ranges, elevations and directions of neighbouring beams of one strip.
 struct SweepTile {
+  alignas(64) float range[kSweepTile];
   alignas(64) float elevation[kSweepTile];
   alignas(64) float direction_x[kSweepTile];
   alignas(64) float direction_y[kSweepTile];
@@ -44,7 +45,7 @@ void sweep_directions(const BeamStrip& strip, std::uint32_t offset, std::uint32_
                       std::uint32_t count, SweepTile& tile) {
   for (std::uint32_t n = 0; n < count; ++n) {
     const std::uint32_t row = lesser(strip.first_direction + offset + n, directions - 1);
-    const float* d = direction + 4 * static_cast<std::size_t>(row);
+    const float* d = direction + 3 * static_cast<std::size_t>(row);
     tile.direction_x[n] = d[0];
     tile.direction_y[n] = d[1];
     tile.direction_z[n] = d[2];
@@ -54,12 +55,12 @@ void sweep_directions(const BeamStrip& strip, std::uint32_t offset, std::uint32_
 /// Equations (12) and (14) for those beams.
 template <bool kLiteral>
 void sweep_tile(const SweepPoints::Params& params, const BeamStrip& strip_in_table, std::uint32_t offset,
-                const SweepTile& tile, const float* ranges, std::uint32_t count, float* points) {
+                const SweepTile& tile, std::uint32_t count, float* points) {
   const SweepPoints::Params p = params;
   const BeamStrip strip = strip_in_table;
   float* __restrict out = points;
   for (std::uint32_t n = 0; n < count; ++n) {
-    const float range = ranges[n];
+    const float range = tile.range[n];
     const float e = tile.elevation[n];
     const SinCosF32 nod = sin_cos_f32(e);
     const float qx = range * tile.direction_x[n] + p.lever_x_m;
@@ -91,20 +92,21 @@ void sweep_tile(const SweepPoints::Params& params, const BeamStrip& strip_in_tab
 void sweep_points(const SweepPoints::Params& params, const SweepBuffers& buffers, std::uint32_t begin,
                   std::uint32_t end) {
   SweepTile tile;
+  const float* directions = buffers.tables + SweepPoints::elevations(params.table_bits);
   for (std::uint32_t first = begin; first < end;) {
-    const std::uint32_t named = buffers.strip_of_beam[first];
-    std::uint32_t last = first + 1;
-    while (last < end && last - first < kSweepTile && buffers.strip_of_beam[last] == named) {
-      ++last;
+    const BeamRange* beams = buffers.beams + first;
+    const std::uint32_t most = lesser(end - first, kSweepTile);
+    const std::uint32_t named = beams[0].strip;
+    std::uint32_t count = 0;
+    for (; count < most && beams[count].strip == named; ++count) {
+      tile.range[count] = beams[count].range_m;
     }
-    const std::uint32_t count = last - first;
     const BeamStrip& strip = buffers.strips[lesser(named, params.strips - 1)];
     const std::uint32_t offset = first - strip.first_beam;
-    sweep_elevations(strip, offset, params.table_bits, buffers.elevations, count, tile.elevation);
-    sweep_directions(strip, offset, params.directions, buffers.directions, count, tile);
+    sweep_elevations(strip, offset, params.table_bits, buffers.tables, count, tile.elevation);
+    sweep_directions(strip, offset, params.directions, directions, count, tile);
     const auto run = params.form == SweepForm::kLiteral ? sweep_tile<true> : sweep_tile<false>;
-    run(params, strip, offset, tile, buffers.ranges + first, count,
-        buffers.points + 4 * static_cast<std::size_t>(first));
-    first = last;
+    run(params, strip, offset, tile, count, buffers.points + 4 * static_cast<std::size_t>(first));
+    first += count;
   }
 }

@@ -24,6 +24,13 @@ namespace gdtslam {
 
 enum class SweepForm : std::uint32_t { kWorking = 0, kLiteral = 1 };
 
+/// What a scanner says of a beam, and where it belongs.
+struct BeamRange {
+  float range_m = 0.0F;
+  std::uint32_t strip = 0;
+};
+static_assert(sizeof(BeamRange) == 8);
+
 /// 16 words; beams of a strip follow each other, strips are in the order of their beams.
 struct BeamStrip {
   std::uint32_t first_beam = 0;
@@ -45,9 +52,9 @@ struct BeamStrip {
 };
 static_assert(sizeof(BeamStrip) == 64);
 
-/// Bindings: ranges (f32, metres, one per beam), strip of each beam (u32), strips (BeamStrip), directions (f32 x 4 per
-/// row: x, y, z of the unit vector in the nodding frame, unused), elevations (f32, 2^bits + 1), points (f32 x 4 per
-/// beam, written). A strip or direction beyond its table counts as the last one. Extent: x = beams.
+/// Bindings: beams (BeamRange), strips (BeamStrip), tables (f32: 2^bits + 1 elevations, then the directions, x, y and z
+/// of a unit vector in the nodding frame each), points (f32 x 4 per beam, written). No more than these four: every
+/// Vulkan device binds so many. A strip or direction beyond its table counts as the last one. Extent: x = beams.
 struct SweepPoints {
   struct Params {
     std::uint32_t beams = 0;
@@ -59,8 +66,9 @@ struct SweepPoints {
     float height_m = 0.0F;
     SweepForm form = SweepForm::kWorking;
   };
-  static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead,
-                                        Access::kRead, Access::kRead, Access::kWrite};
+  static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
+  /// Values of the tables before the first direction.
+  static constexpr std::size_t elevations(std::uint32_t table_bits) { return (std::size_t{1} << table_bits) + 1; }
   static const KernelInfo& info();
 };
 
