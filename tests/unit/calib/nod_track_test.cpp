@@ -1,0 +1,281 @@
+// Each fault of an encoder has the outcome that nod_track.hpp states.
+#include "gdtslam/calib/nod_track.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam::calib {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr double kPhase = 4294967296.0;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+CrankEncoder encoder_of(std::int64_t ticks_per_turn, bool wraps) {
+  CrankEncoder encoder;
+  encoder.ticks_per_turn = ticks_per_turn;
+  encoder.wraps = wraps;
+  return encoder;
+}
+
+// A track of 1000 ticks a turn with a message each 0.1 s from time 100.
+NodTrack track_of(const std::vector<std::int64_t>& ticks, bool wraps = true, double first_s = 100.0) {
+  NodTrack track(encoder_of(1000, wraps), {});
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    track.take(Encoder{first_s + 0.1 * static_cast<double>(i), ticks[i]});
+  }
+  return track;
+}
+
+// Turns at one time, in [0, 1); not a number where the track does not cover it.
+double turns_at(const NodTrack& track, double time_s) {
+  const std::vector<PhaseKnot> knots = track.knots(time_s, time_s, time_s);
+  if (knots.empty()) return kNan;
+  EXPECT_THAT(knots, SizeIs(2));
+  EXPECT_EQ(knots[0].phase, knots[1].phase);
+  EXPECT_EQ(knots[0].offset_s, 0.0);
+  return static_cast<double>(knots[0].phase) / kPhase;
+}
+
+TEST(NodTrack, CoversNothingWithoutMessages) {
+  const NodTrack track(CrankEncoder{}, {});
+  EXPECT_FALSE(track.known_until_s().has_value());
+  EXPECT_THAT(track.knots(0.0, 0.0, 0.0), IsEmpty());
+  EXPECT_THAT(track.faults().as_warnings(), IsEmpty());
+}
+
+TEST(NodTrack, InterpolatesBetweenMessagesAndNowhereElse) {
+  const NodTrack track = track_of({100, 110, 130});
+  EXPECT_NEAR(turns_at(track, 100.0), 0.100, 1e-9);
+  EXPECT_NEAR(turns_at(track, 100.05), 0.105, 1e-9);
+  EXPECT_NEAR(turns_at(track, 100.15), 0.120, 1e-9);
+  EXPECT_NEAR(turns_at(track, 100.2), 0.130, 1e-9);
+  EXPECT_TRUE(std::isnan(turns_at(track, 99.999)));
+  EXPECT_TRUE(std::isnan(turns_at(track, 100.201)));
+  EXPECT_THAT(track.knots(100.0, 99.99, 100.1), IsEmpty());
+  EXPECT_THAT(track.knots(100.0, 100.1, 100.3), IsEmpty());
+  EXPECT_THAT(track.knots(100.0, 100.1, 100.05), IsEmpty());
+  EXPECT_THAT(track.knots(100.0, kNan, 100.05), IsEmpty());
+  EXPECT_THAT(track.knots(100.0, 100.0, kNan), IsEmpty());
+}
+
+TEST(NodTrack, KnotsAreTheEndsAndTheMessagesBetween) {
+  const NodTrack track = track_of({0, 10, 30, 60});
+  const std::vector<PhaseKnot> knots = track.knots(100.1, 100.05, 100.25);
+  ASSERT_THAT(knots, SizeIs(4));
+  const std::vector<double> offsets_s{-0.05, 0.0, 0.1, 0.15};
+  const std::vector<double> turns{0.005, 0.010, 0.030, 0.045};
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    EXPECT_NEAR(knots[i].offset_s, offsets_s[i], 1e-9);
+    EXPECT_NEAR(static_cast<double>(knots[i].phase) / kPhase, turns[i], 1e-9);
+  }
+}
+
+TEST(NodTrack, WrapsAtTheIndexMarkForwards) {
+  const NodTrack track = track_of({980, 995, 10, 25});
+  EXPECT_NEAR(turns_at(track, 100.15), 0.0025, 1e-9);  // 995 to 1010
+  EXPECT_NEAR(turns_at(track, 100.25), 0.0175, 1e-9);
+  EXPECT_EQ(track.faults().wraps.count, 1U);
+  EXPECT_NEAR(track.faults().wraps.first_stamp_s, 100.2, 1e-9);
+  EXPECT_THAT(track.faults().as_warnings(), IsEmpty());
+}
+
+TEST(NodTrack, WrapsAtTheIndexMarkBackwards) {
+  const NodTrack track = track_of({10, 995, 980});
+  EXPECT_NEAR(turns_at(track, 100.05), 0.0025, 1e-9);  // 10 to -5
+  EXPECT_EQ(track.faults().wraps.count, 1U);
+  EXPECT_EQ(track.faults().backwards.count, 2U);
+  EXPECT_EQ(track.faults().jumps.count, 0U);
+}
+
+TEST(NodTrack, WithIndexMarkManyTurnsOfACounterThatGoesOnAreTheSame) {
+  const NodTrack counting = track_of({5'000'000'000'980, 5'000'000'000'995, 5'000'000'001'010}, true);
+  const NodTrack wrapping = track_of({980, 995, 10}, true);
+  EXPECT_EQ(turns_at(counting, 100.15), turns_at(wrapping, 100.15));
+  EXPECT_EQ(counting.faults().jumps.count, 0U);
+}
+
+TEST(NodTrack, WithoutIndexMarkAFallOfATurnIsAJump) {
+  const NodTrack track = track_of({980, 995, 10, 25}, false);
+  EXPECT_TRUE(std::isnan(turns_at(track, 100.15)));
+  EXPECT_NEAR(turns_at(track, 100.25), 0.0175, 1e-9);
+  EXPECT_EQ(track.faults().jumps.count, 1U);
+  EXPECT_EQ(track.faults().wraps.count, 0U);
+}
+
+TEST(NodTrack, WithoutIndexMarkTheCounterCountsOn) {
+  const NodTrack track = track_of({-20, 300, 700, 1050}, false);
+  EXPECT_NEAR(turns_at(track, 100.0), 0.980, 1e-9);
+  EXPECT_NEAR(turns_at(track, 100.25), 0.875, 1e-9);
+  EXPECT_THAT(track.faults().as_warnings(), IsEmpty());
+}
+
+// Between knots the short way is taken, so that a stretch of more than half a turn needs knots within.
+TEST(NodTrack, KnotsAreLessThanHalfATurnApart) {
+  NodTrack track(encoder_of(1000, false), {});
+  track.take(Encoder{0.0, 0});
+  track.take(Encoder{0.2, 900});
+  const std::vector<PhaseKnot> knots = track.knots(0.0, 0.0, 0.2);
+  ASSERT_GE(knots.size(), 3U);
+  double turned = 0.0;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const auto step = static_cast<std::int32_t>(knots[i].phase - knots[i - 1].phase);
+    turned += step / kPhase;
+    EXPECT_NEAR(turned, 4.5 * knots[i].offset_s, 1e-9);
+  }
+  EXPECT_NEAR(turned, 0.9, 1e-9);
+}
+
+TEST(NodTrack, BackwardsIsUsedAsMeasured) {
+  const NodTrack track = track_of({100, 110, 104, 98, 120});
+  EXPECT_NEAR(turns_at(track, 100.15), 0.107, 1e-9);
+  EXPECT_NEAR(turns_at(track, 100.3), 0.098, 1e-9);
+  EXPECT_EQ(track.faults().backwards.count, 2U);
+  EXPECT_NEAR(track.faults().backwards.first_stamp_s, 100.2, 1e-9);
+}
+
+TEST(NodTrack, AJumpLeavesTheTimeBetweenUncovered) {
+  NodTrackLimits limits;
+  limits.max_turns_per_s = 2.0;  // 200 ticks in 0.1 s
+  NodTrack track(encoder_of(1000, true), limits);
+  const std::vector<std::int64_t> ticks{0, 10, 330, 340};
+  for (std::size_t i = 0; i < ticks.size(); ++i) track.take(Encoder{0.1 * static_cast<double>(i), ticks[i]});
+  EXPECT_NEAR(turns_at(track, 0.05), 0.005, 1e-9);
+  EXPECT_NEAR(turns_at(track, 0.1), 0.010, 1e-9);
+  EXPECT_TRUE(std::isnan(turns_at(track, 0.15)));
+  EXPECT_NEAR(turns_at(track, 0.2), 0.330, 1e-9);
+  EXPECT_NEAR(turns_at(track, 0.25), 0.335, 1e-9);
+  EXPECT_THAT(track.knots(0.0, 0.05, 0.25), IsEmpty());
+  EXPECT_EQ(track.faults().jumps.count, 1U);
+  EXPECT_EQ(track.faults().gaps.count, 0U);
+}
+
+// A message that comes a microsecond after another may still show the next tick.
+TEST(NodTrack, OneTickIsNoJumpHoweverCloseTheMessages) {
+  NodTrack track(encoder_of(1000, true), {});
+  track.take(Encoder{1.0, 5});
+  track.take(Encoder{1.000001, 6});
+  track.take(Encoder{1.000002, 8});
+  EXPECT_EQ(track.faults().jumps.count, 1U);
+  EXPECT_NEAR(track.faults().jumps.first_stamp_s, 1.000002, 1e-9);
+}
+
+TEST(NodTrack, MissingMessagesLeaveAGap) {
+  NodTrack track(encoder_of(1000, true), {});
+  for (const double time_s : {0.0, 0.1, 0.35, 0.61, 0.7}) track.take(Encoder{time_s, 10});
+  EXPECT_FALSE(std::isnan(turns_at(track, 0.3)));  // exactly max_gap_s
+  EXPECT_TRUE(std::isnan(turns_at(track, 0.4)));
+  EXPECT_FALSE(std::isnan(turns_at(track, 0.65)));
+  EXPECT_EQ(track.faults().gaps.count, 1U);
+  EXPECT_NEAR(track.faults().gaps.first_stamp_s, 0.61, 1e-9);
+}
+
+TEST(NodTrack, StandingStillIsUsedAsMeasured) {
+  const NodTrack track = track_of({250, 250, 250, 250});
+  EXPECT_NEAR(turns_at(track, 100.17), 0.25, 1e-9);
+  EXPECT_THAT(track.faults().as_warnings(), IsEmpty());
+}
+
+TEST(NodTrack, EndsWithItsLastMessage) {
+  NodTrack track = track_of({0, 10});
+  EXPECT_EQ(track.known_until_s(), 100.1);
+  EXPECT_THAT(track.knots(100.1, 100.05, 100.11), IsEmpty());
+  track.take(Encoder{100.2, 20});
+  EXPECT_THAT(track.knots(100.1, 100.05, 100.11), SizeIs(3));
+}
+
+TEST(NodTrack, MessagesInThePastAreDropped) {
+  NodTrack track = track_of({0, 10, 20});
+  track.take(Encoder{100.15, 500});
+  track.take(Encoder{100.2, 600});  // the same time as the last one
+  track.take(Encoder{kNan, 700});
+  track.take(Encoder{std::numeric_limits<double>::infinity(), 800});
+  track.take(Encoder{100.3, 30});
+  EXPECT_NEAR(turns_at(track, 100.25), 0.025, 1e-9);
+  EXPECT_EQ(track.faults().past_stamps.count, 4U);
+  EXPECT_EQ(track.faults().past_stamps.first_stamp_s, 100.15);
+  EXPECT_EQ(track.faults().jumps.count, 0U);
+}
+
+TEST(NodTrack, ForgettingKeepsWhatLaterTimesNeed) {
+  NodTrack track = track_of({0, 10, 20, 30, 40});
+  track.forget_before(100.25);
+  EXPECT_EQ(track.kept_messages(), 3U);
+  EXPECT_NEAR(turns_at(track, 100.25), 0.025, 1e-9);
+  EXPECT_TRUE(std::isnan(turns_at(track, 100.15)));
+  track.forget_before(1e9);
+  EXPECT_EQ(track.kept_messages(), 1U);
+  track.take(Encoder{100.5, 50});
+  EXPECT_NEAR(turns_at(track, 100.45), 0.045, 1e-9);
+}
+
+TEST(NodTrack, MemoryIsBoundedByForgetting) {
+  NodTrack track(encoder_of(20000, true), {});
+  std::size_t most = 0;
+  for (std::int64_t i = 0; i < 200'000; ++i) {
+    const double time_s = 0.01 * static_cast<double>(i);
+    track.take(Encoder{time_s, (i * 37) % 20000});
+    track.forget_before(time_s - 1.0);
+    most = std::max(most, track.kept_messages());
+  }
+  EXPECT_LE(most, 103U);
+  EXPECT_EQ(track.faults().wraps.count, 199'999U * 37U / 20'000U);
+  EXPECT_THAT(track.faults().as_warnings(), IsEmpty());
+}
+
+TEST(NodTrack, TiltGivesTheElevationThroughTheIdentityTable) {
+  NodTrack track(NodTrackLimits{});
+  track.take(Tilt{0.0, -0.5});
+  track.take(Tilt{0.1, 0.3});
+  track.take(Tilt{0.2, 0.1});  // a tilting laser goes down again: no fault
+  const ElevationTable table = ElevationTable::identity();
+  const auto elevation_rad = [&](double time_s) {
+    return table.elevation_rad(track.knots(0.0, time_s, time_s)[0].phase);
+  };
+  EXPECT_NEAR(elevation_rad(0.0), -0.5, 2e-9);
+  EXPECT_NEAR(elevation_rad(0.05), -0.1, 2e-9);
+  EXPECT_NEAR(elevation_rad(0.15), 0.2, 2e-9);
+  EXPECT_THAT(track.faults().as_warnings(), IsEmpty());
+}
+
+TEST(NodTrack, TiltPassesHalfATurn) {
+  NodTrack track(NodTrackLimits{});
+  track.take(Tilt{0.0, kPi - 0.1});
+  track.take(Tilt{0.1, -kPi + 0.3});
+  const double elevation_rad = ElevationTable::identity().elevation_rad(track.knots(0.0, 0.05, 0.05)[0].phase);
+  EXPECT_NEAR(elevation_rad, -kPi + 0.1, 2e-9);
+  EXPECT_EQ(track.faults().wraps.count, 0U);
+}
+
+TEST(NodTrack, AnElevationThatIsNotFiniteIsDropped) {
+  NodTrack track(NodTrackLimits{});
+  track.take(Tilt{0.0, 0.0});
+  track.take(Tilt{0.1, kNan});
+  track.take(Tilt{0.2, 0.2});
+  EXPECT_EQ(track.faults().jumps.count, 1U);
+  EXPECT_EQ(track.kept_messages(), 2U);
+}
+
+TEST(NodTrack, WarningsNameEachFaultWithItsFirstStamp) {
+  NodTrack track = track_of({0, 10, 5, 300});
+  track.take(Encoder{100.0, 0});
+  track.take(Encoder{101.0, 300});
+  const std::vector<LogReader::Warning> warnings = track.faults().as_warnings();
+  ASSERT_THAT(warnings, SizeIs(3));
+  EXPECT_EQ(warnings[0].kind, "nodding runs backwards");
+  EXPECT_EQ(warnings[0].count, 1U);
+  EXPECT_EQ(warnings[0].first, "at 100.2 s");
+  EXPECT_EQ(warnings[1].kind, "nodding messages missing");
+  EXPECT_EQ(warnings[2].kind, "nodding stamp in the past");
+}
+
+}  // namespace
+}  // namespace gdtslam::calib
