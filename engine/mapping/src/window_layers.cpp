@@ -12,7 +12,8 @@ constexpr std::uint32_t kBatchSamples = std::uint32_t{1} << 20U;
 
 /// As PoseLattice has it.
 float coordinate(float centre, std::uint32_t i, std::uint32_t count, float step) {
-  return centre + (static_cast<float>(i) - static_cast<float>(count / 2)) * step;
+  const std::uint32_t middle = count / 2;
+  return centre + (static_cast<float>(i) - static_cast<float>(middle)) * step;
 }
 
 }  // namespace
