@@ -1,8 +1,9 @@
 #include "validation_log.hpp"
 
-#include <cstdio>
-#include <cstdlib>
+#include <exception>
 #include <utility>
+
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
@@ -31,16 +32,20 @@ std::string ValidationLog::take() {
 }
 
 void ValidationLog::hand_out() noexcept {
-  const std::vector<std::string> messages = std::exchange(messages_, {});
-  for (const std::string& message : messages) {
-    if (on_message_) {
-      on_message_(message);
-    } else {
-      std::fprintf(stderr, "Vulkan validation, at the end of a backend: %s\n", message.c_str());
-    }
+  if (messages_.empty()) {
+    return;
   }
-  if (!messages.empty() && !on_message_) {
-    std::abort();  // validation is asked for to see such faults; no caller could be told by an exception
+  if (on_message_) {
+    for (const std::string& message : std::exchange(messages_, {})) {
+      on_message_(message);
+    }
+    return;
+  }
+  // No caller can be told by an exception, and validation is asked for to see such faults: the runtime names this one.
+  try {
+    throw DeviceError("vulkan", "validation at the end of a backend", take());
+  } catch (...) {
+    std::terminate();
   }
 }
 

@@ -21,7 +21,7 @@ bool counts_as_fault(vk::DebugUtilsMessageSeverityFlagBitsEXT severity, vk::Debu
 /// last objects that are destroyed come when no verb of the backend can throw them any more. Not thread-safe.
 class ValidationLog {
  public:
-  /// Takes a message that came too late to be thrown; must not throw. Empty: they are printed, and end the process.
+  /// Takes a message that came too late to be thrown; must not throw. Empty: they end the process.
   using Sink = std::function<void(std::string_view message)>;
 
   explicit ValidationLog(Sink on_message) : on_message_(std::move(on_message)) {}

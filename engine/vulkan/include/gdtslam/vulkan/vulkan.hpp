@@ -73,7 +73,7 @@ struct VulkanOptions {
   /// launch, flush or finished download. Also by GDTSLAM_VULKAN_VALIDATION=1. Needs the Khronos layer.
   bool validation = false;
   /// What validation says too late for that, of what was recorded after the last flush and of the end of the backend;
-  /// must not throw. Empty: it is printed on stderr and ends the process (std::abort).
+  /// must not throw. Empty: it ends the process as an exception does that nobody catches (std::terminate).
   std::function<void(std::string_view message)> on_message = {};
   /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
   std::optional<double> wait_limit_s = std::nullopt;
