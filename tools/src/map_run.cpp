@@ -13,25 +13,21 @@
 #include "stopwatch.hpp"
 
 namespace gdtslam {
-namespace {
 
-OccupancyBuilder::Limits limits_of(const MapperConfig& config) {
+OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
   return {.resolution_m = config.map.resolution_m,
           .min_range_m = config.scan.min_range_m,
           .max_range_m = config.scan.max_range_m,
           .max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U};
 }
 
-}  // namespace
+MapRun::MapRun(const MapJob& job, Backend& backend) : MapRun(job, backend, {job.logs, job.read, job.range}) {}
 
-MapRun::MapRun(const MapJob& job, Backend& backend)
-    : with_occupancy_(job.with_occupancy),
-      scan_(job.mapper.scan),
-      range_(job.range),
-      logs_(job.logs),
-      scans_(job.logs, job.read, job.range),
+MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans)
+    : job_(job),
+      scans_(std::move(scans)),
       mapper_(job.mapper, backend, job.on_failure),
-      occupancy_(job.occupancy, limits_of(job.mapper)) {}
+      occupancy_(job.occupancy, occupancy_limits(job.mapper)) {}
 
 // A signal may cut the input in the middle of a line; what the reader says of that is not the user's concern.
 std::optional<ScanRecord> MapRun::next_scan(const std::function<bool()>& stop) {
@@ -43,7 +39,7 @@ std::optional<ScanRecord> MapRun::next_scan(const std::function<bool()>& stop) {
   }
 }
 
-void MapRun::note(const MatchResult& result, MapOutcome& outcome) const {
+void note_match(const MatchResult& result, MapOutcome& outcome) {
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
     outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
@@ -53,18 +49,19 @@ void MapRun::note(const MatchResult& result, MapOutcome& outcome) const {
   outcome.trajectory.push_back({result.stamp_s, result.T_map_base});
 }
 
-// Without one merged scan there is no map to write.
-void MapRun::require_a_map(const MapOutcome& outcome) const {
+void require_a_map(const MapJob& job, const MapOutcome& outcome, std::uint64_t scans_read) {
   if (outcome.statistics.keyframes > 0) return;
-  const FilePosition place{log_name(logs_.front()), 0};
+  const FilePosition place{log_name(job.logs.front()), 0};
   if (outcome.interrupted) {
     throw Error(ExitCode::kInterrupted, outcome.trajectory.empty()
                                             ? "interrupted before the first scan; nothing is written"
                                             : "interrupted before a scan could be mapped; nothing is written");
   }
-  if (!outcome.trajectory.empty()) throw InputError(place, nothing_mappable(outcome.trajectory.size(), scan_));
-  if (scans_.scans_read() > 0) {
-    throw InputError(place, fmt::format("--skip {} leaves none of its {} scans", range_.skip, scans_.scans_read()));
+  if (!outcome.trajectory.empty()) {
+    throw InputError(place, nothing_mappable(outcome.trajectory.size(), job.mapper.scan));
+  }
+  if (scans_read > 0) {
+    throw InputError(place, fmt::format("--skip {} leaves none of its {} scans", job.range.skip, scans_read));
   }
   throw InputError(place, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
 }
@@ -98,8 +95,8 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   while (next.scan && !stop()) {
     const ScanRecord record = *std::exchange(next.scan, std::nullopt);
     const MatchResult result = map_scan(record, next, stop, watch, outcome);
-    if (with_occupancy_ && result.accepted) occupancy_.add(record.scan, result.T_map_base);
-    note(result, outcome);
+    if (job_.with_occupancy && result.accepted) occupancy_.add(record.scan, result.T_map_base);
+    note_match(result, outcome);
     first_s = std::min(first_s, result.stamp_s);
     last_s = std::max(last_s, result.stamp_s);
     progress(outcome.trajectory.size(), scans_.progress());
@@ -110,8 +107,8 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   outcome.warnings = scans_.warnings();
   outcome.statistics = mapper_.statistics();
   outcome.device_loss = mapper_.device_loss();
-  require_a_map(outcome);
-  if (with_occupancy_) outcome.occupancy = occupancy_.build();
+  require_a_map(job_, outcome, scans_.scans_read());
+  if (job_.with_occupancy) outcome.occupancy = occupancy_.build();
   watch.add_to(outcome.occupancy_s);
   outcome.log_duration_s = last_s - first_s;
   whole.add_to(outcome.wall_s, outcome.cpu_s);

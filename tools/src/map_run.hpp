@@ -58,10 +58,18 @@ struct MapOutcome {
   bool interrupted = false;
 };
 
+/// Adds a matched scan to the trajectory, the keyframes and the doubtful scans.
+void note_match(const MatchResult& result, MapOutcome& outcome);
+/// Without one merged scan there is no map to write: throws InputError that says why.
+void require_a_map(const MapJob& job, const MapOutcome& outcome, std::uint64_t scans_read);
+OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config);
+
 class MapRun {
  public:
   /// Opens the first log and prepares the mapper. Throws ConfigError, InputError or FileError.
   MapRun(const MapJob& job, Backend& backend);
+  /// With the logs open already.
+  MapRun(const MapJob& job, Backend& backend, ScanStream scans);
 
   /// Called after each scan with the number of scans and the share done (negative when unknown).
   using Progress = std::function<void(std::uint64_t, double)>;
@@ -81,13 +89,8 @@ class MapRun {
   std::optional<ScanRecord> next_scan(const std::function<bool()>& stop);
   MatchResult map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop, Stopwatch& watch,
                        MapOutcome& outcome);
-  void note(const MatchResult& result, MapOutcome& outcome) const;
-  void require_a_map(const MapOutcome& outcome) const;
 
-  bool with_occupancy_;
-  ScanConfig scan_;
-  ScanRange range_;
-  std::vector<std::string> logs_;
+  MapJob job_;
   ScanStream scans_;
   Mapper mapper_;
   OccupancyBuilder occupancy_;

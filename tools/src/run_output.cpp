@@ -12,7 +12,6 @@
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/overview.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "run_report.hpp"
 
 namespace gdtslam {
 namespace {
@@ -31,8 +30,8 @@ OverviewInput overview_of(const MapJob& job, const MapOutcome& outcome) {
 
 }  // namespace
 
-std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const Mapper& mapper,
-                      const DeviceInfo& device, Settings settings) {
+std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding,
+                      const Mapper& mapper, const DeviceInfo& device, Settings settings) {
   const auto start = std::chrono::steady_clock::now();
   // The order in which the files take their names: what others refer to first, the YAML that refers to them last.
   const std::string trajectory = folder.staged("trajectory.tum");
@@ -49,7 +48,7 @@ std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& ou
   write_overview(overview, overview_of(job, outcome));
   write_config(config, options_of(settings));
   const double written_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::string report = json_text(report_of(job, outcome, mapper, device, written_s));
+  std::string report = json_text(report_of(job, outcome, nodding, mapper, device, written_s));
   write_file_atomically(report_file, report);
   folder.commit();
   return report;

@@ -6,12 +6,14 @@
 #include "gdtslam/compute/backend.hpp"
 #include "map_run.hpp"
 #include "run_folder.hpp"
+#include "run_report.hpp"
 #include "settings.hpp"
 
 namespace gdtslam {
 
 /// All files of the run, all or nothing; returns the text of report.json. Throws FileError.
-std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const Mapper& mapper,
-                      const DeviceInfo& device, Settings settings);
+/// `nodding` is null for a laser that does not nod; its cloud has been written by now.
+std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding,
+                      const Mapper& mapper, const DeviceInfo& device, Settings settings);
 
 }  // namespace gdtslam

@@ -53,10 +53,53 @@ Json doubtful_json(const std::vector<DoubtfulScan>& doubtful) {
   return list;
 }
 
+Json surface_json(const std::optional<PlanePatch>& surface) {
+  if (!surface) return nullptr;
+  return {{"height_m", surface->centre.z()}, {"rms_m", surface->rms_m}, {"sample_points", surface->points.size()}};
+}
+
+Json check_json(const SweepCheck& check) {
+  return {{"pairs", check.pairs},
+          {"not_held", check.not_held},
+          {"mean_shift_m", check.mean_shift_m},
+          {"max_shift_m", check.max_shift_m},
+          {"mean_turn_deg", deg_from_rad(check.mean_turn_rad)},
+          {"max_turn_deg", deg_from_rad(check.max_turn_rad)},
+          {"drift_m", check.drift_m},
+          {"drift_deg", deg_from_rad(check.drift_rad)},
+          {"mean_rms_m", check.mean_rms_m},
+          {"wall_s", check.wall_s}};
+}
+
+Json nodding_json(const NoddingReport& nodding) {
+  const NoddingStatistics& statistics = nodding.outcome.statistics;
+  const CloudSummary& cloud = nodding.outcome.cloud;
+  Json json{{"linkage", nodding.job.linkage},
+            {"told_by", nodding.job.kind == NodKind::kTilt ? "TILT" : "ENCODER"},
+            {"sweeps", statistics.sweeps},
+            {"fixes", statistics.fixes},
+            {"between", statistics.between},
+            {"by_odometry", statistics.by_odometry},
+            {"before_first_fix", statistics.before_first_fix},
+            {"dropped", statistics.dropped},
+            {"without_nod", statistics.without_nod},
+            {"sweep_check", check_json(nodding.outcome.check)}};
+  if (nodding.outcome.has_cloud) {
+    json["cloud"] = {{"measured", cloud.measured},
+                     {"after_thinning", cloud.thinned},
+                     {"removed", cloud.removed},
+                     {"written", cloud.written},
+                     {"sha256", cloud.sha256},
+                     {"floor", surface_json(cloud.surfaces.floor)},
+                     {"ceiling", surface_json(cloud.surfaces.ceiling)}};
+  }
+  return json;
+}
+
 }  // namespace
 
-Json report_of(const MapJob& job, const MapOutcome& outcome, const Mapper& mapper, const DeviceInfo& device,
-               double written_s) {
+Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding, const Mapper& mapper,
+               const DeviceInfo& device, double written_s) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(statistics.scans);
   Json report;
@@ -89,7 +132,8 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const Mapper& mappe
   report["trajectory_sha256"] = sha256_of(outcome.trajectory);
   report["gdt"] = geometry_json(mapper.field().geometry());
   report["map"] = geometry_json(outcome.occupancy.geometry);
-  report["cloud_points"] = 0;
+  report["cloud_points"] = nodding != nullptr ? nodding->outcome.cloud.written : 0;
+  if (nodding != nullptr) report["nodding"] = nodding_json(*nodding);
   report["warnings"] = warnings_json(outcome.warnings);
   report["stages"] = stages_json(outcome, written_s);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
@@ -79,6 +80,7 @@ bool ScanStream::open_next() {
   if (reader_) merge_into(earlier_warnings_, reader_->warnings());
   reader_.reset();
   if (opened_ == paths_.size()) return false;
+  if (opened_ > 0 && listener_.next_log) listener_.next_log();
   reader_ = open_log(paths_[opened_++], options_);
   interpolator_ = {};
   T_first_this_.reset();
@@ -96,12 +98,41 @@ void ScanStream::connect(std::optional<Pose2>& T_odom_base) {
   T_odom_base_last_ = T_odom_base;
 }
 
+NodKind ScanStream::nod_kind() {
+  const auto kind_of = [](const LogRecord& record) {
+    if (std::holds_alternative<Encoder>(record)) return NodKind::kEncoder;
+    return std::holds_alternative<Tilt>(record) ? NodKind::kTilt : NodKind::kNone;
+  };
+  try {
+    while (ahead_.size() < kMostAhead) {
+      std::optional<LogRecord> record = reader_->next();
+      if (!record) break;
+      ahead_.push_back(std::move(*record));
+      if (const NodKind kind = kind_of(ahead_.back()); kind != NodKind::kNone) return kind;
+    }
+  } catch (const Error&) {
+    ahead_problem_ = std::current_exception();
+  }
+  return NodKind::kNone;
+}
+
+std::optional<LogRecord> ScanStream::next_record() {
+  if (!ahead_.empty()) {
+    std::optional<LogRecord> record = std::move(ahead_.front());
+    ahead_.pop_front();
+    return record;
+  }
+  if (ahead_problem_) std::rethrow_exception(std::exchange(ahead_problem_, nullptr));
+  return reader_->next();
+}
+
 std::optional<ScanRecord> ScanStream::next_of_all() {
   while (reader_) {
     std::optional<ScanRecord> scan = interpolator_.next(false);
     while (!scan) {
-      std::optional<LogRecord> record = reader_->next();
+      std::optional<LogRecord> record = next_record();
       if (!record) break;
+      if (listener_.record && !std::holds_alternative<ScanRecord>(*record)) listener_.record(*record);
       if (auto* found = std::get_if<ScanRecord>(&*record)) interpolator_.take(std::move(*found));
       if (const auto* odometry = std::get_if<Odometry>(&*record)) interpolator_.take(*odometry);
       scan = interpolator_.next(false);

@@ -7,10 +7,13 @@
 
 #include <cstdint>
 #include <deque>
+#include <exception>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gdtslam/core/stream.hpp"
@@ -23,6 +26,9 @@ struct ScanRange {
   std::uint64_t skip = 0;  ///< scans to leave out at the start
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
 };
+
+/// Which messages tell how the laser nods.
+enum class NodKind : std::uint8_t { kNone, kEncoder, kTilt };
 
 /// The log as messages name it: "-" is the standard input.
 std::string log_name(const std::string& path);
@@ -49,6 +55,17 @@ class ScanStream {
   ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range);
 
   std::optional<ScanRecord> next();
+  /// Looks ahead, at most kMostAhead records of the first log. What is wrong with one of them is thrown when next()
+  /// comes to it.
+  NodKind nod_kind();
+  static constexpr std::size_t kMostAhead = 1000;
+  /// Takes every record but the scans, in log order, those before a scan in hand among them; and hears of each log that
+  /// follows the first, when all scans of the one before have been given.
+  struct Listener {
+    std::function<void(const LogRecord&)> record;
+    std::function<void()> next_log;
+  };
+  void listen(Listener listener) { listener_ = std::move(listener); }
   /// Share of the wanted scans or of the input, whichever is further; negative when unknown.
   [[nodiscard]] double progress() const;
   /// Scans that were read so far, those that were left out at the start among them.
@@ -57,6 +74,7 @@ class ScanStream {
   [[nodiscard]] std::vector<LogReader::Warning> warnings() const;
 
  private:
+  std::optional<LogRecord> next_record();
   std::optional<ScanRecord> next_of_all();
   bool open_next();
   void connect(std::optional<Pose2>& T_odom_base);
@@ -67,6 +85,9 @@ class ScanStream {
   std::size_t opened_ = 0;
   std::unique_ptr<LogReader> reader_;
   OdometryInterpolator interpolator_;
+  std::deque<LogRecord> ahead_;
+  std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
+  Listener listener_;
   std::vector<LogReader::Warning> earlier_warnings_;
   std::uint64_t read_ = 0;
   std::uint64_t given_ = 0;

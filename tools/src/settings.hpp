@@ -6,7 +6,10 @@
 
 #include <CLI/App.hpp>
 
+#include "cloud_output.hpp"
+#include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
@@ -22,6 +25,9 @@ void add_settings_options(CLI::App& command, SettingsOptions& options);
 struct Settings {
   MapperConfig mapper;
   OccupancyConfig occupancy;
+  NoddingConfig nodding;
+  calib::NodTrackLimits nod_limits;
+  CloudConfig cloud;
   std::vector<std::string> from_file;  ///< paths that the file set
   std::vector<std::string> from_sets;  ///< paths that --set set
 };

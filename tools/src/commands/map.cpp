@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
@@ -11,13 +12,18 @@
 #include "device_failure.hpp"
 #include "device_option.hpp"
 #include "did_you_mean.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "interrupt.hpp"
+#include "linkage_beside.hpp"
+#include "linkage_file.hpp"
 #include "map_run.hpp"
+#include "nodding_run.hpp"
 #include "progress.hpp"
 #include "run_folder.hpp"
 #include "run_output.hpp"
+#include "run_report.hpp"
 #include "settings.hpp"
 #include "whole_number.hpp"
 
@@ -34,6 +40,8 @@ struct MapOptions {
   DeviceOptions device;
   ReadOptions read;
   ScanRange range;
+  std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
+  bool no_cloud = false;
   bool json = false;
   bool quiet = false;
 };
@@ -83,6 +91,85 @@ void print_remarks(const MapOutcome& outcome) {
   }
 }
 
+std::string text_of(const NoddingOutcome& nodding, const std::string& linkage) {
+  const NoddingStatistics& n = nodding.statistics;
+  std::string text = fmt::format("3D: linkage {}; {} sweeps, {} scans fixed the pose, {} posed between two fixes",
+                                 linkage, n.sweeps, n.fixes, n.between);
+  if (n.by_odometry + n.before_first_fix > 0) {
+    text += fmt::format(", {} by odometry", n.by_odometry + n.before_first_fix);
+  }
+  if (nodding.has_cloud) {
+    text += fmt::format("\n    {} points measured, {} in cloud.ply", nodding.cloud.measured, nodding.cloud.written);
+  }
+  if (nodding.check.pairs > 0) {
+    text += fmt::format("\n    {} sweeps against the one before: {:.1f} mm and {:.3f} deg apart on average",
+                        nodding.check.pairs, 1000.0 * nodding.check.mean_shift_m,
+                        deg_from_rad(nodding.check.mean_turn_rad));
+  }
+  return text + "\n";
+}
+
+void report_result(const MapOptions& options, const MapOutcome& outcome, const std::string& summary,
+                   const std::string& report) {
+  if (!options.quiet) print_remarks(outcome);
+  if (options.json) {
+    print_result(report);
+  } else if (!options.quiet) {
+    print_result(summary);
+  }
+}
+
+int status_of(const MapOutcome& outcome, const std::string& folder) {
+  if (!outcome.interrupted) return static_cast<int>(ExitCode::kDone);
+  print_remark(fmt::format("interrupted after {} scans; their results are in {}", outcome.trajectory.size(), folder));
+  return static_cast<int>(ExitCode::kInterrupted);
+}
+
+int map_flat(const MapOptions& options, const MapJob& job, Backend& backend, ScanStream scans, Settings& settings,
+             RunFolder& folder) {
+  MapRun run(job, backend, std::move(scans));
+  ProgressLine progress("scans", options.quiet);
+  const MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
+                                     [] { return interrupted(); });
+  progress.clear();
+  const std::string report = write_run(folder, job, outcome, nullptr, run.mapper(), backend.device(), settings);
+  report_result(options, outcome, summary_of(outcome, folder.path()), report);
+  return status_of(outcome, folder.path());
+}
+
+int map_nodding(const MapOptions& options, const MapJob& job, const NoddingJob& nodding, Backend& backend,
+                ScanStream scans, Settings& settings, RunFolder& folder) {
+  std::unique_ptr<CloudOutput> cloud;
+  if (!options.no_cloud) cloud = std::make_unique<CloudOutput>(settings.cloud, folder.staged("cloud.ply"));
+  NoddingRun run(job, nodding, backend, std::move(scans), std::move(cloud));
+  ProgressLine progress("scans", options.quiet);
+  const MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
+                                     [] { return interrupted(); });
+  progress.clear();
+  const NoddingReport extra{nodding, run.outcome()};
+  const std::string report = write_run(folder, job, outcome, &extra, run.mapper(), backend.device(), settings);
+  report_result(options, outcome, text_of(run.outcome(), nodding.linkage) + summary_of(outcome, folder.path()), report);
+  return status_of(outcome, folder.path());
+}
+
+// What was given, else the file that lies beside the log, else the default.
+NoddingJob nodding_job_of(const MapOptions& options, const Settings& settings, NodKind kind) {
+  NoddingJob job;
+  job.kind = kind;
+  job.nodding = settings.nodding;
+  job.limits = settings.nod_limits;
+  job.linkage = options.linkage.empty() ? linkage_beside(options.logs.front()) : options.linkage;
+  if (job.linkage.empty()) {
+    job.linkage = calib::kDefaultLinkage;
+    if (!options.quiet) {
+      print_remark(
+          fmt::format("warning: the laser nods and no --linkage is given: the preset {} is taken", job.linkage));
+    }
+  }
+  job.model = resolve_linkage(job.linkage);
+  return job;
+}
+
 int map_logs(const MapOptions& options) {
   Settings settings = settings_of(options);
   const std::unique_ptr<Backend> backend = make_backend(options.device);
@@ -92,24 +179,18 @@ int map_logs(const MapOptions& options) {
                    .mapper = settings.mapper,
                    .occupancy = settings.occupancy,
                    .on_failure = on_failure_of(options.device)};
-  MapRun run(job, *backend);
-  RunFolder folder(options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder);
-  ProgressLine progress("scans", options.quiet);
-  const MapOutcome outcome = run.run([&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
-                                     [] { return interrupted(); });
-  progress.clear();
-  const std::string report = write_run(folder, job, outcome, run.mapper(), backend->device(), settings);
-  if (options.folder.empty()) link_latest(folder.path());
-  if (!options.quiet) print_remarks(outcome);
-  if (options.json) {
-    print_result(report);
-  } else if (!options.quiet) {
-    print_result(summary_of(outcome, folder.path()));
+  ScanStream scans(job.logs, job.read, job.range);
+  const NodKind kind = scans.nod_kind();
+  if (kind == NodKind::kNone && !options.linkage.empty()) {
+    throw InputError(FilePosition{log_name(options.logs.front()), 0},
+                     "has no ENCODER or TILT message, so --linkage has nothing to work on");
   }
-  if (!outcome.interrupted) return static_cast<int>(ExitCode::kDone);
-  print_remark(
-      fmt::format("interrupted after {} scans; their results are in {}", outcome.trajectory.size(), folder.path()));
-  return static_cast<int>(ExitCode::kInterrupted);
+  RunFolder folder(options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder);
+  const int status = kind == NodKind::kNone ? map_flat(options, job, *backend, std::move(scans), settings, folder)
+                                            : map_nodding(options, job, nodding_job_of(options, settings, kind),
+                                                          *backend, std::move(scans), settings, folder);
+  if (options.folder.empty()) link_latest(folder.path());
+  return status;
 }
 
 int map(const MapOptions& options) {
@@ -138,7 +219,7 @@ void add_input_options(CLI::App& command, MapOptions& options) {
 void add_map_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<MapOptions>();
   CLI::App* command =
-      app.add_subcommand("map", "Map a log: occupancy map, distance field, trajectory, picture, report");
+      app.add_subcommand("map", "Map a log: occupancy map, distance field, trajectory, picture, 3D cloud, report");
   add_input_options(*command, *options);
   command
       ->add_option("-o,--output", options->folder,
@@ -149,17 +230,24 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   command->add_option("--matcher", options->matcher, "simplex or exhaustive; short for --set match.matcher=NAME")
       ->type_name("NAME");
   add_device_options(*command, options->device);
+  command
+      ->add_option("--linkage", options->linkage,
+                   "Linkage of a nodding laser: a preset ('gdtslam linkage --list') or a file. Without it the file\n"
+                   "LOG.linkage.yaml beside the log (LOG without .gz, .log, .clf) is taken, else the preset paper-b")
+      ->type_name("NAME|FILE");
+  command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
   command->add_flag("--json", options->json, "Print report.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
-      "trajectory.tum, overview.png, config.yaml and report.json.\n"
+      "trajectory.tum, overview.png, config.yaml and report.json; cloud.ply where the log tells how the laser nods.\n"
       "An interrupt (Ctrl-C) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"
       "  gdtslam map intel.clf.gz -o intel\n"
       "  gdtslam map intel.clf.gz -o fast --matcher simplex --set search.when=suspect\n"
       "  gdtslam map office.log -c my.yaml --set map.resolution=\"10 cm\" --json | jq .scans_per_s\n"
+      "  gdtslam map office-7f.log -o office --linkage paper-b --set cloud.voxel=\"5 cm\"\n"
       "  zcat drive.log.gz | gdtslam map - -o drive");
   command->callback([options, &context] { context.run = [options] { return map(*options); }; });
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/option.hpp"
 #include "gdtslam/mapping/pose_interpolation.hpp"
 #include "gdtslam/mapping/sweep_assembler.hpp"
 
@@ -22,6 +23,9 @@ struct NoddingConfig {
   SweepForm form = SweepForm::kWorking;
   double max_blind_s = 60.0;  ///< after this long without a horizontal scan a warning is given
 };
+
+/// The table of the options, under "nod."; its rows point into `config`.
+std::vector<Option> options_of(NoddingConfig& config);
 
 struct NoddingStatistics {
   std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system took

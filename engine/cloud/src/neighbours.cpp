@@ -1,0 +1,79 @@
+#include "neighbours.hpp"
+
+#include <algorithm>
+#include <array>
+#include <nanoflann.hpp>
+#include <utility>
+
+#include "position_of.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// The cloud as nanoflann asks for it; its names, hence not ours.
+struct Points {
+  std::vector<Point3> points;
+  [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
+  [[nodiscard]] double kdtree_get_pt(std::size_t index, std::size_t axis) const {
+    return points[index][static_cast<Eigen::Index>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box& /*box*/) const {
+    return false;
+  }
+};
+
+using Index =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, std::uint32_t>;
+
+constexpr std::size_t kLeafPoints = 16;
+
+std::vector<Point3> positions_of(std::span<const CloudPoint> cloud) {
+  std::vector<Point3> points;
+  points.reserve(cloud.size());
+  for (const CloudPoint& point : cloud) points.push_back(position_of(point));
+  return points;
+}
+
+}  // namespace
+
+struct Neighbours::Tree {
+  explicit Tree(std::span<const CloudPoint> points)
+      : cloud{positions_of(points)}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafPoints)) {
+    index.buildIndex();
+  }
+  Points cloud;
+  Index index;
+};
+
+Neighbours::Neighbours(std::span<const CloudPoint> cloud) : tree_(std::make_unique<Tree>(cloud)) {}
+Neighbours::~Neighbours() = default;
+Point3 Neighbours::point(std::uint32_t k) const { return tree_->cloud.points[k]; }
+
+std::optional<std::uint32_t> Neighbours::nearest(const Point3& point, double within_m) const {
+  std::uint32_t found = 0;
+  double squared = 0.0;
+  const std::array<double, 3> at{point.x(), point.y(), point.z()};
+  if (tree_->index.knnSearch(at.data(), 1, &found, &squared) == 0 || squared > within_m * within_m) return std::nullopt;
+  return found;
+}
+
+std::vector<std::uint32_t> Neighbours::closest(const Point3& point, std::uint32_t count) const {
+  std::vector<std::uint32_t> found(count);
+  std::vector<double> squared(count);
+  const std::array<double, 3> at{point.x(), point.y(), point.z()};
+  found.resize(tree_->index.knnSearch(at.data(), count, found.data(), squared.data()));
+  return found;
+}
+
+std::vector<std::uint32_t> Neighbours::within(const Point3& point, double distance_m) const {
+  std::vector<std::pair<std::uint32_t, double>> matches;
+  const std::array<double, 3> at{point.x(), point.y(), point.z()};
+  tree_->index.radiusSearch(at.data(), distance_m * distance_m, matches, nanoflann::SearchParams(0, 0.0F, false));
+  std::vector<std::uint32_t> found;
+  for (const auto& [k, squared] : matches) found.push_back(k);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,216 @@
+// The 3D system of figure 10 in a room that is known in closed form.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
+#include "support/nodding_drive.hpp"
+#include "support/queued_backend.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::NoddingDrive;
+
+// Up and down between 0 and 80 deg once in `period_s`, resting at neither end.
+double nod(double time_s, double period_s) {
+  return rad_from_deg(40.0) * (1.0 - std::cos(2.0 * kPi * time_s / period_s));
+}
+
+struct Outcome {
+  std::vector<NoddingPose> poses;
+  Cloud cloud;
+  NoddingStatistics statistics;
+  std::vector<std::string> warnings;
+  std::string device_warning;
+};
+
+struct Run {
+  NoddingConfig config;
+  std::size_t scans = 240;
+  bool fall_back = true;
+};
+
+Outcome map(const NoddingDrive& drive, const Run& run, Backend& backend,
+            const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
+  Outcome outcome;
+  MapperOptions options{
+      .fall_back = run.fall_back, .cpu = {}, .warn = [&](const std::string& text) { outcome.device_warning = text; }};
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  Mapper mapper(MapperConfig{}, *cpu);
+  CloudKeeper cloud;
+  NoddingMapper nodding(
+      run.config, test::scanner_of(drive), mapper, backend, cloud,
+      [&](const NoddingPose& pose, const NoddingScan&) { outcome.poses.push_back(pose); }, options);
+  for (std::size_t k = 0; k < run.scans; ++k) {
+    NoddingScan scan = test::scan_of(drive, k);
+    if (change) change(scan, k);
+    nodding.process(std::move(scan));
+  }
+  nodding.finish();
+  outcome.cloud = std::move(cloud.cloud);
+  outcome.statistics = nodding.statistics();
+  outcome.warnings = nodding.warnings();
+  return outcome;
+}
+
+Outcome map(const NoddingDrive& drive, const Run& run = {},
+            const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
+  return map(drive, run, *make_cpu_backend({}), change);
+}
+
+// The map's origin is the robot's pose at the first fix.
+double largest_distance_m(const NoddingDrive& drive, const Cloud& cloud, double first_fix_s = 0.0) {
+  const Pose3 T_room_map = embed(drive.T_room_base(first_fix_s));
+  double largest = 0.0;
+  for (const CloudPoint& p : cloud) {
+    const Point3 point(static_cast<double>(p.x_m), static_cast<double>(p.y_m), static_cast<double>(p.z_m));
+    largest = std::max(largest, test::distance_to_room_m(T_room_map * point));
+  }
+  return largest;
+}
+
+NoddingDrive standing() {
+  NoddingDrive drive;
+  drive.elevation_rad = [](double t) { return nod(t, 4.0); };
+  drive.mount = {.height_m = 0.5, .lever_forward_m = 0.04, .lever_up_m = 0.03, .sensor_roll_rad = 0.01};
+  drive.mirror_rate_hz = 20.0;
+  return drive;
+}
+
+NoddingDrive driving() {
+  NoddingDrive drive = standing();
+  drive.T_room_base = [](double t) {
+    return Pose2{-1.5 + 0.2 * t, -0.5 + 0.1 * std::sin(0.5 * t), 0.3 * std::sin(0.4 * t)};
+  };
+  return drive;
+}
+
+TEST(NoddingMapper, StandingRobotGivesTheRoomWithinTheRoundingOfItsRanges) {
+  const Outcome outcome = map(standing());
+  EXPECT_GT(outcome.cloud.size(), 40000U);
+  EXPECT_LT(largest_distance_m(standing(), outcome.cloud), 0.0005);
+  EXPECT_EQ(outcome.poses.size(), 240U);
+  EXPECT_EQ(outcome.statistics.fixes + outcome.statistics.between + outcome.statistics.by_odometry, 240U);
+  EXPECT_EQ(outcome.statistics.points, outcome.cloud.size());
+}
+
+// 12 s at 4 s a period: three lifts and three returns, the first scan level.
+TEST(NoddingMapper, CountsStrokes) { EXPECT_EQ(map(standing()).statistics.sweeps, 6U); }
+
+TEST(NoddingMapper, PosesAndPointsComeInLogOrder) {
+  const Outcome outcome = map(driving());
+  for (std::size_t k = 0; k < outcome.poses.size(); ++k) EXPECT_EQ(outcome.poses[k].scan, k);
+  EXPECT_TRUE(std::is_sorted(outcome.cloud.begin(), outcome.cloud.end(),
+                             [](const CloudPoint& a, const CloudPoint& b) { return a.scan < b.scan; }));
+}
+
+TEST(NoddingMapper, APointKnowsItsElevationItsTimeAndItsScan) {
+  const NoddingDrive drive = driving();
+  const Outcome outcome = map(drive);
+  for (std::size_t k = 0; k < outcome.cloud.size(); k += 97) {
+    const CloudPoint& point = outcome.cloud[k];
+    EXPECT_NEAR(static_cast<double>(point.elevation_rad), drive.elevation_rad(point.stamp_s), 2e-4);
+    EXPECT_NEAR(point.stamp_s, static_cast<double>(point.scan) / drive.scan_rate_hz, 0.5 / drive.mirror_rate_hz);
+  }
+}
+
+// With odometry that is 5 % too long the wheels alone would be 10 cm off after one lift.
+TEST(NoddingMapper, ADrivingRobotIsFixedByItsHorizontalScans) {
+  for (const auto how : {PoseInterpolation::kGeodesic, PoseInterpolation::kOdometry, PoseInterpolation::kLinear}) {
+    NoddingDrive drive = driving();
+    drive.odometry_scale = 1.05;
+    const Outcome outcome = map(drive, {.config = {.interpolation = how}});
+    double sum_m = 0.0;
+    for (const NoddingPose& pose : outcome.poses) {
+      if (pose.stamp_s > 8.0) break;  // then there is no fix behind
+      const Pose2 truth = between(drive.T_room_base(0.0), drive.T_room_base(pose.stamp_s));
+      sum_m += (truth.translation() - pose.T_map_base.translation()).norm();
+    }
+    const double mean_m = sum_m / 160.0;
+    EXPECT_LT(mean_m, how == PoseInterpolation::kOdometry ? 0.02 : 0.06) << static_cast<int>(how);
+  }
+}
+
+TEST(NoddingMapper, LiteralFormScalesTheTranslationByTheHeight) {
+  const Outcome working = map(driving());
+  const Outcome literal = map(driving(), {.config = {.form = SweepForm::kLiteral}});
+  EXPECT_LT(largest_distance_m(driving(), working.cloud), 0.15);
+  EXPECT_GT(largest_distance_m(driving(), literal.cloud), 0.3);
+}
+
+TEST(NoddingMapper, WithoutAHorizontalScanItSaysWhatItSaw) {
+  NoddingDrive drive = standing();
+  drive.elevation_rad = [](double t) { return rad_from_deg(20.0) + 0.1 * nod(t, 4.0); };
+  EXPECT_THAT([&] { map(drive); },
+              testing::ThrowsMessage<InputError>(
+                  testing::AllOf(testing::HasSubstr("no scan is horizontal"), testing::HasSubstr("20.0 to 28.0 deg"))));
+}
+
+TEST(NoddingMapper, AScanWithoutElevationHasAPoseAndNoPoint) {
+  const Outcome outcome = map(standing(), {}, [](NoddingScan& scan, std::size_t k) {
+    if (k >= 30 && k < 50) scan.knots.clear();
+  });
+  EXPECT_EQ(outcome.statistics.without_nod, 20U);
+  EXPECT_EQ(outcome.poses.size(), 240U);
+  for (const CloudPoint& point : outcome.cloud) EXPECT_FALSE(point.scan >= 30 && point.scan < 50);
+}
+
+TEST(NoddingMapper, NoElevationAtAllIsAnError) {
+  const auto without = [](NoddingScan& scan, std::size_t) { scan.knots.clear(); };
+  EXPECT_THAT([&] { map(standing(), {}, without); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("no ENCODER or TILT message")));
+}
+
+TEST(NoddingMapper, ScansBeforeTheFirstFixArePosedBackwards) {
+  NoddingDrive drive = driving();
+  drive.elevation_rad = [](double t) { return nod(t + 1.0, 4.0); };  // level for the first time after 3 s
+  const Outcome outcome = map(drive);
+  EXPECT_GT(outcome.statistics.before_first_fix, 40U);
+  EXPECT_EQ(outcome.poses.size(), 240U);
+  const Pose2 expected =
+      between(drive.T_room_base(outcome.poses[outcome.statistics.before_first_fix].stamp_s), drive.T_room_base(0.0));
+  EXPECT_NEAR(outcome.poses[0].T_map_base.x_m, expected.x_m, 0.01);
+  EXPECT_NEAR(outcome.poses[0].T_map_base.y_m, expected.y_m, 0.01);
+}
+
+// A mount that stays up: the odometry leads on, one warning is given, and what waits does not grow.
+TEST(NoddingMapper, BlindForLongItGoesOnByOdometry) {
+  NoddingDrive drive = driving();
+  drive.elevation_rad = [](double t) { return t < 4.0 ? nod(t, 4.0) : nod(std::min(t, 6.0), 4.0); };
+  const Outcome outcome = map(drive, {.config = {.max_blind_s = 2.0}, .scans = 240});
+  EXPECT_EQ(outcome.warnings.size(), 1U);
+  EXPECT_GT(outcome.statistics.by_odometry, 100U);
+  EXPECT_EQ(outcome.poses.size(), 240U);
+  const Pose2 truth = between(drive.T_room_base(0.0), drive.T_room_base(outcome.poses.back().stamp_s));
+  EXPECT_NEAR(outcome.poses.back().T_map_base.x_m, truth.x_m, 0.05);
+}
+
+// Whichever call fails: the cloud is the CPU's, point for point.
+TEST(NoddingMapper, ADeviceThatFailsCostsNoPoint) {
+  const NoddingDrive drive = driving();
+  const Outcome expected = map(drive);
+  test::QueuedBackend counting;
+  map(drive, {}, counting);
+  for (std::uint64_t call = 1; call <= counting.calls().size(); ++call) {
+    test::QueuedBackend failing(call);
+    const Outcome outcome = map(drive, {}, failing);
+    EXPECT_EQ(outcome.cloud, expected.cloud) << "call " << call << ", " << failing.calls().back();
+    EXPECT_THAT(outcome.device_warning, testing::HasSubstr("goes on with the CPU"));
+    EXPECT_EQ(failing.calls_after_failure(), 0U);
+  }
+}
+
+TEST(NoddingMapper, WithoutLeaveToFallBackTheDeviceErrorIsThrown) {
+  test::QueuedBackend failing(1);
+  EXPECT_THROW(map(driving(), {.fall_back = false}, failing), DeviceError);
+}
+
+}  // namespace
+}  // namespace gdtslam

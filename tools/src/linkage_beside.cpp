@@ -1,0 +1,23 @@
+#include "linkage_beside.hpp"
+
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+namespace gdtslam {
+
+std::string beside_log(const std::string& log, const std::string& suffix) {
+  std::string_view stem = log;
+  if (stem.ends_with(".gz")) stem.remove_suffix(3);
+  if (stem.ends_with(".log") || stem.ends_with(".clf")) stem.remove_suffix(4);
+  return std::string(stem) + suffix;
+}
+
+std::string linkage_beside(const std::string& log) {
+  if (log == "-") return {};
+  std::string path = beside_log(log, ".linkage.yaml");
+  std::error_code none;  // what cannot be looked at is not there
+  return std::filesystem::is_regular_file(path, none) ? path : std::string();
+}
+
+}  // namespace gdtslam

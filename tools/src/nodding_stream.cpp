@@ -1,0 +1,102 @@
+#include "nodding_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace gdtslam {
+namespace {
+
+constexpr double kLatest_s = 1.0;   // messages that come this long after a scan of the log's time come too late
+constexpr double kMemory_s = 10.0;  // of the track, for stamps that step back
+
+void merge_into(std::vector<LogReader::Warning>& list, const std::vector<LogReader::Warning>& more) {
+  for (const LogReader::Warning& warning : more) {
+    const auto same = std::find_if(list.begin(), list.end(), [&](const auto& w) { return w.kind == warning.kind; });
+    if (same == list.end()) {
+      list.push_back(warning);
+    } else {
+      same->count += warning.count;
+    }
+  }
+}
+
+}  // namespace
+
+NoddingStream::NoddingStream(ScanStream& scans, NodKind kind, const calib::SweepModel& model,
+                             const calib::NodTrackLimits& limits)
+    : scans_(scans), kind_(kind), model_(model), limits_(limits), track_(new_track()) {
+  scans_.listen({[this](const LogRecord& record) { take(record); }, [this] { begin_log(); }});
+}
+
+NoddingStream::~NoddingStream() { scans_.listen({}); }
+
+calib::NodTrack NoddingStream::new_track() const {
+  return kind_ == NodKind::kTilt ? calib::NodTrack(limits_) : calib::NodTrack(model_.encoder, limits_);
+}
+
+void NoddingStream::take(const LogRecord& record) {
+  if (const auto* encoder = std::get_if<Encoder>(&record); encoder && kind_ == NodKind::kEncoder) track_.take(*encoder);
+  if (const auto* tilt = std::get_if<Tilt>(&record); tilt && kind_ == NodKind::kTilt) track_.take(*tilt);
+}
+
+// Another log has a clock of its own; the scans of the last one know all that they will ever know.
+void NoddingStream::begin_log() {
+  while (!waiting_.empty()) {
+    resolve(std::move(waiting_.front()));
+    waiting_.pop_front();
+  }
+  merge_into(earlier_, track_.faults().as_warnings());
+  track_ = new_track();
+}
+
+bool NoddingStream::can_resolve(const Waiting& scan) const {
+  const double end_s = scan.record.scan.stamp_s + scan.to_s;
+  const std::optional<double> known_s = track_.known_until_s();
+  return (known_s && *known_s >= end_s) || waiting_.back().record.scan.stamp_s > end_s + kLatest_s ||
+         waiting_.size() > kMostWaiting;
+}
+
+void NoddingStream::resolve(Waiting scan) {
+  const double stamp_s = scan.record.scan.stamp_s;
+  NoddingScan found{std::move(scan.record), track_.knots(stamp_s, stamp_s + scan.from_s, stamp_s + scan.to_s)};
+  if (found.knots.empty()) {
+    if (uncovered_.count++ == 0) uncovered_.first = fmt::format("scan {} at {:.6f} s", given_ + ready_.size(), stamp_s);
+  }
+  track_.forget_before(stamp_s - kMemory_s);
+  ready_.push_back(std::move(found));
+}
+
+std::optional<NoddingScan> NoddingStream::next() {
+  while (ready_.empty()) {
+    std::optional<ScanRecord> record = scans_.next();
+    if (!record) {
+      if (waiting_.empty()) return std::nullopt;
+      resolve(std::move(waiting_.front()));
+      waiting_.pop_front();
+      break;
+    }
+    const BeamTiming timing = calib::beam_timing(model_, record->scan.ranges_m.size(), record->scan.bearing_step_rad);
+    const std::size_t last = record->scan.ranges_m.empty() ? 0 : record->scan.ranges_m.size() - 1;
+    waiting_.push_back({std::move(*record), timing.first_s, timing.of_beam_s(last)});
+    while (!waiting_.empty() && can_resolve(waiting_.front())) {
+      resolve(std::move(waiting_.front()));
+      waiting_.pop_front();
+    }
+  }
+  NoddingScan scan = std::move(ready_.front());
+  ready_.pop_front();
+  ++given_;
+  return scan;
+}
+
+std::vector<LogReader::Warning> NoddingStream::warnings() const {
+  std::vector<LogReader::Warning> list = earlier_;
+  merge_into(list, track_.faults().as_warnings());
+  if (uncovered_.count > 0) list.push_back(uncovered_);
+  return list;
+}
+
+}  // namespace gdtslam

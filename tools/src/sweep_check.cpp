@@ -1,0 +1,89 @@
+#include "sweep_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "stopwatch.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr float kTurnedBack_rad = 0.05F;  // a stroke has ended when the elevation is this far behind its furthest
+constexpr double kLeastWeakest = 1.0e-3;  // smallest over largest singular value for a correction to be believed
+
+double turn_of(const Pose3& T) { return log_so3(T.rotation).norm(); }
+
+}  // namespace
+
+void SweepSampler::take_scan_elevation(float elevation_rad) {
+  const float step = elevation_rad - turning_rad_;
+  if (stroke_ == 0 || step * static_cast<float>(stroke_) >= 0.0F) {
+    if (stroke_ == 0 && std::fabs(step) > kTurnedBack_rad) stroke_ = step > 0.0F ? 1 : -1;
+    if (stroke_ != 0 || !has_scan_) turning_rad_ = elevation_rad;
+    return;
+  }
+  if (std::fabs(step) <= kTurnedBack_rad) return;
+  stroke_ = -stroke_;
+  turning_rad_ = elevation_rad;
+  close_sweep();
+}
+
+// Every n-th point, n doubled when the sample is full.
+void SweepSampler::add(std::span<const CloudPoint> points) {
+  if (!config_.is_on) return;
+  for (const CloudPoint& point : points) {
+    if (!has_scan_ || point.scan != scan_) {
+      take_scan_elevation(point.elevation_rad);
+      has_scan_ = true;
+      scan_ = point.scan;
+    }
+    if (seen_++ % every_ != 0) continue;
+    if (current_.size() == config_.max_points) {
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < current_.size(); k += 2) current_[kept++] = current_[k];
+      current_.resize(kept);
+      every_ *= 2;
+    }
+    current_.push_back(point);
+  }
+}
+
+void SweepSampler::close_sweep() {
+  Stopwatch watch;
+  if (current_.size() >= config_.min_points && previous_.size() >= config_.min_points) {
+    const RegistrationResult found = register_clouds(current_, previous_, {});
+    if (found.converged && found.weakest_share >= kLeastWeakest) {
+      const double shift_m = found.T_target_source.translation_m.norm();
+      const double turn_rad = turn_of(found.T_target_source);
+      ++outcome_.pairs;
+      outcome_.mean_shift_m += shift_m;
+      outcome_.mean_turn_rad += turn_rad;
+      outcome_.mean_rms_m += found.rms_m;
+      outcome_.max_shift_m = std::max(outcome_.max_shift_m, shift_m);
+      outcome_.max_turn_rad = std::max(outcome_.max_turn_rad, turn_rad);
+      drift_ = drift_ * found.T_target_source;
+    } else {
+      ++outcome_.not_held;
+    }
+  }
+  previous_ = std::exchange(current_, {});
+  every_ = 1;
+  seen_ = 0;
+  watch.add_to(outcome_.wall_s);
+}
+
+SweepCheck SweepSampler::finish() {
+  if (!current_.empty()) close_sweep();
+  if (outcome_.pairs > 0) {
+    const auto pairs = static_cast<double>(outcome_.pairs);
+    outcome_.mean_shift_m /= pairs;
+    outcome_.mean_turn_rad /= pairs;
+    outcome_.mean_rms_m /= pairs;
+    outcome_.drift_m = drift_.translation_m.norm();
+    outcome_.drift_rad = turn_of(drift_);
+  }
+  return outcome_;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,60 @@
+// Sweeps against each other: the points of each sweep of the mount are registered to those of the sweep before, point
+// to plane. Where poses and linkage are right, nothing is left to correct; what is left is reported. Memory: a sample
+// of two sweeps.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gdtslam/cloud/registration.hpp"
+#include "gdtslam/core/cloud.hpp"
+
+namespace gdtslam {
+
+struct SweepCheckConfig {
+  bool is_on = true;
+  std::uint32_t max_points = 20000;  ///< kept of a sweep
+  std::uint32_t min_points = 500;    ///< a sweep with fewer is not compared
+};
+
+/// Residual correction between consecutive sweeps.
+struct SweepCheck {
+  std::uint64_t pairs = 0;     ///< that could be compared
+  std::uint64_t not_held = 0;  ///< too little overlap or structure
+  double mean_shift_m = 0.0;
+  double max_shift_m = 0.0;
+  double mean_turn_rad = 0.0;
+  double max_turn_rad = 0.0;
+  double drift_m = 0.0;  ///< of all corrections one after the other
+  double drift_rad = 0.0;
+  double mean_rms_m = 0.0;  ///< point to plane after registration
+  double wall_s = 0.0;
+};
+
+/// Collects a sample of each sweep from the points in log order; a sweep ends where the elevation turns.
+class SweepSampler {
+ public:
+  explicit SweepSampler(const SweepCheckConfig& config) : config_(config) {}
+  void add(std::span<const CloudPoint> points);
+  /// Registers what is left and gives the outcome.
+  SweepCheck finish();
+
+ private:
+  void take_scan_elevation(float elevation_rad);
+  void close_sweep();
+
+  SweepCheckConfig config_;
+  Cloud current_;
+  Cloud previous_;
+  std::uint64_t every_ = 1;
+  std::uint64_t seen_ = 0;
+  std::uint32_t scan_ = 0;
+  bool has_scan_ = false;
+  float turning_rad_ = 0.0F;  ///< elevation of the furthest scan of this stroke
+  int stroke_ = 0;
+  Pose3 drift_;
+  SweepCheck outcome_;
+};
+
+}  // namespace gdtslam
