@@ -41,7 +41,8 @@ struct Library {
 };
 
 const std::vector<Library>& libraries() {
-  static const Parts everybody{"core", "compute", "vulkan", "mapping", "io", "sim", "calib", "viewer", "examples"};
+  static const Parts everybody{"core", "cloud", "compute", "vulkan", "mapping",
+                               "io",   "sim",   "calib",   "viewer", "examples"};
   static const std::vector<Library> table{
       {"Eigen/", everybody, true},
       {"yaml-cpp/", {"io"}},
