@@ -1,0 +1,264 @@
+// Linkage files: what is read, that what is written reads back, and one clear line for what cannot be read.
+#include "linkage_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+constexpr const char* kBars = "bars: {crank: 3.6 cm, coupler: 85 mm, rocker: 8.8 cm, ground: 0.05}\n";
+
+calib::SweepModel model_of(const std::string& lines) {
+  return read_linkage_text("gdtslam_linkage: 1\n" + lines, "l.yaml").model;
+}
+
+// The message for a linkage whose lines after the first are given, from the line's number on.
+std::string refusal(const std::string& lines) {
+  try {
+    static_cast<void>(model_of(lines));
+  } catch (const ConfigError& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_THAT(message, StartsWith("l.yaml:"));
+    EXPECT_EQ(error.code(), ExitCode::kBadConfig);
+    return message.substr(7);
+  }
+  return "accepted";
+}
+
+class LinkageFileOnDisk : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("linkage_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::filesystem::path folder_;
+};
+
+TEST(LinkageFile, ReadsEveryKey) {
+  const LinkageFile file = read_linkage_text(R"(
+gdtslam_linkage: 1
+name: mine
+description: everything once
+bars: {crank: 3.6 cm, coupler: 85 mm, rocker: 8.8 cm, ground: 0.05}
+assembly: crossed
+encoder: {ticks_per_turn: 4096, zero: 12 deg, direction: -1, wraps: false}
+elevation: {sign: -1, offset: -0.25 rad}
+mount: {height: 1.2 m, lever_forward: 3 cm, lever_up: -5 mm, roll: 1 deg, yaw: -2 deg}
+laser: {mirror_rate: 25 Hz, stamp: 100 %}
+uncertainty: {crank: 0.1 mm, zero: 1 mrad, lever.up: 2 mm, sensor.yaw: 0.1 deg}
+)",
+                                             "l.yaml");
+  const calib::SweepModel& model = file.model;
+  EXPECT_EQ(model.name, "mine");
+  EXPECT_EQ(model.bars.crank_m, 0.036);
+  EXPECT_EQ(model.bars.coupler_m, 0.085);
+  EXPECT_EQ(model.bars.rocker_m, 0.088);
+  EXPECT_EQ(model.bars.ground_m, 0.05);
+  EXPECT_EQ(model.assembly, calib::Assembly::kCrossed);
+  EXPECT_EQ(model.encoder.ticks_per_turn, 4096);
+  EXPECT_DOUBLE_EQ(model.encoder.zero_rad, rad_from_deg(12.0));
+  EXPECT_EQ(model.encoder.direction, -1);
+  EXPECT_FALSE(model.encoder.wraps);
+  EXPECT_EQ(model.elevation_sign, -1);
+  EXPECT_EQ(model.elevation_offset_rad, -0.25);
+  EXPECT_EQ(model.mount.height_m, 1.2);
+  EXPECT_EQ(model.mount.lever_forward_m, 0.03);
+  EXPECT_EQ(model.mount.lever_up_m, -0.005);
+  EXPECT_DOUBLE_EQ(model.mount.sensor_roll_rad, rad_from_deg(1.0));
+  EXPECT_DOUBLE_EQ(model.mount.sensor_yaw_rad, rad_from_deg(-2.0));
+  EXPECT_EQ(model.mirror_rate_hz, 25.0);
+  EXPECT_EQ(model.stamp_share, 1.0);
+  EXPECT_THAT(file.uncertainty,
+              ElementsAre(ParameterSigma{"crank", 1e-4}, ParameterSigma{"zero", 1e-3}, ParameterSigma{"lever.up", 2e-3},
+                          ParameterSigma{"sensor.yaw", rad_from_deg(0.1)}));
+}
+
+TEST(LinkageFile, BarsAloneAreSetUpAsThePresetsAre) {
+  const calib::SweepModel model = model_of(kBars);
+  const calib::SweepModel preset = calib::sweep_model_of_preset("paper-b");
+  EXPECT_EQ(model.name, "l");
+  EXPECT_EQ(model.encoder.zero_rad, preset.encoder.zero_rad);
+  EXPECT_EQ(model.encoder.direction, preset.encoder.direction);
+  EXPECT_EQ(model.elevation_offset_rad, preset.elevation_offset_rad);
+  EXPECT_EQ(model.mirror_rate_hz, 0.0);
+}
+
+TEST(LinkageFile, APresetWithOverrides) {
+  const calib::SweepModel model = model_of("preset: paper-c\nbars: {crank: 3.5 cm}\nmount: {height: 1 m}\n");
+  const calib::FourBar& bars = calib::linkage_preset("paper-c").bars;
+  EXPECT_EQ(model.name, "paper-c");
+  EXPECT_EQ(model.bars.crank_m, 0.035);
+  EXPECT_EQ(model.bars.coupler_m, bars.coupler_m);
+  EXPECT_EQ(model.mirror_rate_hz, 40.0);
+  EXPECT_EQ(model.mount.height_m, 1.0);
+  // The dead points are those of the bars as they are, not of the preset's.
+  EXPECT_NEAR(calib::elevation_rad(model, model.encoder.zero_rad).value(), 0.0, 1e-9);
+  EXPECT_NE(model.encoder.zero_rad, calib::sweep_model_of_preset("paper-c").encoder.zero_rad);
+}
+
+TEST(LinkageFile, AMissingLengthIsNamed) {
+  EXPECT_EQ(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  ground: 5 cm\n"),
+            "3: bars.rocker is missing; give its length with its unit, as in 'rocker: 8.5 cm'");
+  EXPECT_THAT(refusal("name: x\n"), HasSubstr("bars is missing"));
+  EXPECT_THAT(refusal("bars: {crank: 3.6 cm, coupler: 8.5 cm, rockr: 8.8 cm, ground: 5 cm}\n"),
+              HasSubstr("unknown key 'rockr'; did you mean 'rocker'?"));
+  EXPECT_THAT(refusal("bars:\n  crank:\n"), HasSubstr("the key 'crank' has no value"));
+}
+
+TEST(LinkageFile, AUnitMistakeIsNamed) {
+  EXPECT_EQ(refusal("bars:\n  coupler: 8.5 cm\n  crank: 3.6\n  rocker: 8.8 cm\n  ground: 5 cm\n"),
+            "4: bars.crank = 3.6 m is longer than 1 m; did you mean 3.6 cm?");
+  EXPECT_EQ(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  rocker: 88\n  ground: 5 cm\n"),
+            "5: bars.rocker = 88 m is longer than 1 m; did you mean 88 cm?");
+  EXPECT_EQ(refusal("bars:\n  crank: 0.036 cm\n  coupler: 8.5 cm\n  rocker: 8.8 cm\n  ground: 5 cm\n"),
+            "3: bars.crank = 0.00036 m is shorter than 1 mm; did you mean 0.036 m? check its unit");
+  EXPECT_THAT(refusal("bars: {crank: 3.6 deg, coupler: 8.5 cm, rocker: 8.8 cm, ground: 5 cm}\n"),
+              HasSubstr("unit 'deg' does not fit here"));
+  EXPECT_THAT(refusal(std::string(kBars) + "encoder: {zero: 90}\n"), HasSubstr("an angle needs its unit"));
+  EXPECT_THAT(refusal(std::string(kBars) + "mount: {lever_up: 5}\n"), HasSubstr("mount.lever_up = 5 m"));
+}
+
+TEST(LinkageFile, BarsThatCannotCloseAreRefusedWithTheInequality) {
+  EXPECT_THAT(refusal("bars:\n  crank: 3.6 cm\n  coupler: 8.5 cm\n  rocker: 8.8 cm\n  ground: 25 cm\n"),
+              AllOf(StartsWith("3: bars: "), HasSubstr("25 > 3.6 + 8.5 + 8.8 = 20.9 cm")));
+}
+
+TEST(LinkageFile, ACrankThatCannotTurnIsRefusedUnlessAllIsStated) {
+  const std::string bars = "bars: {crank: 6 cm, coupler: 8.5 cm, rocker: 8.8 cm, ground: 12 cm}\n";
+  EXPECT_THAT(refusal(bars), AllOf(StartsWith("2: bars: the crank cannot turn fully"), HasSubstr("18 > ")));
+  EXPECT_THAT(refusal(bars + "encoder: {zero: 0 deg}\n"), HasSubstr("or give elevation.offset too"));
+  EXPECT_EQ(refusal(bars + "encoder: {zero: 0 deg}\nelevation: {offset: 10 deg}\n"), "accepted");
+}
+
+TEST(LinkageFile, RefusesWhatItDoesNotKnow) {
+  EXPECT_EQ(refusal("preset: paper-b\nencodr: {}\n"), "3: unknown key 'encodr'; did you mean 'encoder'?");
+  EXPECT_THAT(refusal("preset: paper-b\nencoder: {ticks: 5}\n"), HasSubstr("unknown key 'ticks'"));
+  EXPECT_THAT(refusal("preset: paper-x\n"), AllOf(StartsWith("2: preset: "), HasSubstr("paper-b")));
+  EXPECT_THAT(refusal("preset: paper-b\nassembly: opn\n"), HasSubstr("did you mean 'open'?"));
+  EXPECT_THAT(refusal("preset: paper-b\nuncertainty: {crnk: 1 mm}\n"), HasSubstr("did you mean 'crank'?"));
+  EXPECT_THAT(refusal("preset: paper-b\nuncertainty: {crank: -1 mm}\n"), HasSubstr("not negative"));
+  EXPECT_THAT(refusal("preset: paper-b\nencoder: {ticks_per_turn: 2.5}\n"), HasSubstr("not a whole number"));
+  EXPECT_THAT(refusal("preset: paper-b\nencoder: {ticks_per_turn: 0}\n"), HasSubstr("encoder.ticks_per_turn = 0"));
+  EXPECT_THAT(refusal("preset: paper-b\nencoder: {direction: 2}\n"), HasSubstr("must be 1 or -1"));
+  EXPECT_THAT(refusal("preset: paper-b\nelevation: {sign: -1}\n"), HasSubstr("elevation.offset is missing"));
+  EXPECT_THAT(refusal("preset: paper-b\nlaser:\n  stamp: 2\n"), StartsWith("4: laser.stamp = 2 must be 0 to 1"));
+  EXPECT_THAT(refusal("preset: paper-b\npreset: paper-a\n"), HasSubstr("stands twice"));
+  EXPECT_THAT(refusal("preset: paper-b\n\"a\\nb\": 1\n"), HasSubstr("unknown key 'a?b'"));
+}
+
+TEST(LinkageFile, RefusesWhatIsNoLinkageFile) {
+  const auto refusal_of = [](const std::string& text) -> std::string {
+    try {
+      static_cast<void>(read_linkage_text(text, "l.yaml"));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(refusal_of(""), HasSubstr("keys with values are expected"));
+  EXPECT_THAT(refusal_of("preset: paper-b\n"), HasSubstr("the key 'gdtslam_linkage' is missing"));
+  EXPECT_THAT(refusal_of("gdtslam_linkage: 2\n"), HasSubstr("version '2' is not known; this program reads version 1"));
+  EXPECT_THAT(refusal_of("a: b: c\n"), HasSubstr("l.yaml:1: is not valid YAML"));
+  EXPECT_THAT(refusal_of("---\na: 1\n---\nb: 1\n"), HasSubstr("more than one YAML document"));
+  EXPECT_THAT(refusal_of(std::string(300'000, '[')), HasSubstr("is not valid YAML"));
+}
+
+TEST(LinkageFile, WhatIsWrittenReadsBackWithTheSameBits) {
+  calib::SweepModel model = calib::sweep_model_of_preset("paper-a-calibrated");
+  model.name = "a \"name\" with \\ and\ttab: #1";
+  model.assembly = calib::Assembly::kCrossed;
+  model.bars.crank_m = 0.034822123456789012;
+  model.encoder = {.ticks_per_turn = 1 << 30, .zero_rad = -1.0 / 3.0, .direction = -1, .wraps = false};
+  model.elevation_sign = -1;
+  model.elevation_offset_rad = 2.0 / 7.0;
+  model.mount = {.height_m = 0.3000000000000001,
+                 .lever_forward_m = -0.01,
+                 .lever_up_m = 1e-17,
+                 .sensor_roll_rad = 0.1,
+                 .sensor_yaw_rad = rad_from_deg(3.0)};
+  model.mirror_rate_hz = 39.97;
+  model.stamp_share = 1.0 / 3.0;
+  const std::vector<ParameterSigma> uncertainty{{"crank", 1e-5 / 3.0}, {"offset", 1e-3 / 3.0}};
+  const LinkageFile back = read_linkage_text(linkage_text(model, uncertainty), "w.yaml");
+  EXPECT_EQ(back.model.name, model.name);
+  EXPECT_EQ(back.model.assembly, model.assembly);
+  EXPECT_EQ(back.model.bars.crank_m, model.bars.crank_m);
+  EXPECT_EQ(back.model.bars.coupler_m, model.bars.coupler_m);
+  EXPECT_EQ(back.model.bars.rocker_m, model.bars.rocker_m);
+  EXPECT_EQ(back.model.bars.ground_m, model.bars.ground_m);
+  EXPECT_EQ(back.model.encoder.ticks_per_turn, model.encoder.ticks_per_turn);
+  EXPECT_EQ(back.model.encoder.zero_rad, model.encoder.zero_rad);
+  EXPECT_EQ(back.model.encoder.direction, model.encoder.direction);
+  EXPECT_EQ(back.model.encoder.wraps, model.encoder.wraps);
+  EXPECT_EQ(back.model.elevation_sign, model.elevation_sign);
+  EXPECT_EQ(back.model.elevation_offset_rad, model.elevation_offset_rad);
+  EXPECT_EQ(back.model.mount.height_m, model.mount.height_m);
+  EXPECT_EQ(back.model.mount.lever_forward_m, model.mount.lever_forward_m);
+  EXPECT_EQ(back.model.mount.lever_up_m, model.mount.lever_up_m);
+  EXPECT_EQ(back.model.mount.sensor_roll_rad, model.mount.sensor_roll_rad);
+  EXPECT_EQ(back.model.mount.sensor_yaw_rad, model.mount.sensor_yaw_rad);
+  EXPECT_EQ(back.model.mirror_rate_hz, model.mirror_rate_hz);
+  EXPECT_EQ(back.model.stamp_share, model.stamp_share);
+  EXPECT_EQ(back.uncertainty, uncertainty);
+}
+
+TEST(LinkageFile, LengthsAreWrittenAsPeopleMeasureThem) {
+  const std::string text = linkage_text(model_of(kBars), {{"distance.wall", 0.1}, {"crank", 1e-4}});
+  EXPECT_THAT(text, HasSubstr("  crank: 3.6 cm\n"));
+  EXPECT_THAT(text, HasSubstr("  crank: 0.01 cm\n"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("distance")));
+}
+
+// The shipped files are the presets, bit for bit.
+TEST(LinkageFile, AssetsAreThePresets) {
+  const std::filesystem::path folder = std::filesystem::path(GDTSLAM_SOURCE_DIR) / "assets" / "linkages";
+  for (const calib::LinkagePreset& preset : calib::linkage_presets()) {
+    const std::string file = (folder / (std::string(preset.name) + ".yaml")).string();
+    EXPECT_EQ(linkage_text(read_linkage(file)), linkage_text(calib::sweep_model_of_preset(preset.name))) << file;
+  }
+}
+
+TEST_F(LinkageFileOnDisk, ResolvesPresetsAndFiles) {
+  calib::SweepModel mine = calib::sweep_model_of_preset("paper-c");
+  mine.name = "mine";
+  write_linkage(path("mine.yaml"), mine, {{"zero", 0.5}});
+  EXPECT_EQ(resolve_linkage(path("mine.yaml")).name, "mine");
+  EXPECT_THAT(read_linkage_file(path("mine.yaml")).uncertainty, ElementsAre(ParameterSigma{"zero", 0.5}));
+  EXPECT_EQ(resolve_linkage("paper-a").name, "paper-a");
+}
+
+TEST_F(LinkageFileOnDisk, SaysWhatIsNeitherPresetNorFile) {
+  try {
+    static_cast<void>(resolve_linkage("paper-bb"));
+    ADD_FAILURE() << "accepted";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("neither a file nor a linkage preset"), HasSubstr("'paper-b'?")));
+  }
+  EXPECT_THROW(static_cast<void>(resolve_linkage(folder_.string())), FileError);  // a folder
+  std::ofstream(path("long.yaml")) << std::string((std::size_t{1} << 20) + 1, '#');
+  EXPECT_THROW(static_cast<void>(resolve_linkage(path("long.yaml"))), FileError);
+  EXPECT_THROW(write_linkage(path("no/such/folder.yaml"), calib::SweepModel{}), FileError);
+}
+
+}  // namespace
+}  // namespace gdtslam
