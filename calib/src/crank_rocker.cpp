@@ -16,6 +16,8 @@ namespace {
 constexpr int kRateSamples = 720;
 /// Halvings of a sample step, to below the rounding of an angle.
 constexpr int kHalvings = 48;
+/// Of a turn: strokes that differ by less are equal, and which way the crank turns does not matter.
+constexpr double kEqualStrokes = 1e-9;
 constexpr double kNearChangePoint = 0.02;
 constexpr double kSensitiveRate = 2.0;
 
@@ -105,7 +107,7 @@ CrankRockerReport analyse(const FourBar& bars, Assembly assembly) {
   report.highest = rises_to_stretched ? stretched : folded;
   report.swing_rad = report.highest.rocker_rad - report.lowest.rocker_rad;
   const double counter_clockwise = turn_share(report.lowest.crank_rad, report.highest.crank_rad);
-  report.lift_direction = counter_clockwise >= 0.5 ? 1 : -1;
+  report.lift_direction = counter_clockwise > 0.5 - kEqualStrokes ? 1 : -1;
   report.lift_share = std::max(counter_clockwise, 1.0 - counter_clockwise);
   report.time_ratio = report.lift_share / (1.0 - report.lift_share);
   report.least_transmission_rad = least_transmission_rad(bars);

@@ -7,9 +7,10 @@
 namespace gdtslam::calib {
 namespace {
 
-/// L1..L7 and delta1..delta7 of the paper's appendix.
-constexpr std::array<double, 7> kNominal_cm = {13.2, 3.6, 12.5, 8.5, 8.8, 5.0, 11.8};
-constexpr std::array<double, 7> kDelta_cm = {0.4034, -0.1178, -0.3218, 0.2625, -0.09, 0.07, -0.1709};
+/// L1..L7 and delta1..delta7 of the paper's appendix in micrometres, so that every length is the double nearest to it.
+constexpr std::array<int, 7> kNominal_um = {132000, 36000, 125000, 85000, 88000, 50000, 118000};
+constexpr std::array<int, 7> kDelta_um = {4034, -1178, -3218, 2625, -900, 700, -1709};
+constexpr double kMicrometres = 1e6;
 
 /// Which of L1..L7 is which bar.
 struct Reading {
@@ -24,7 +25,7 @@ constexpr Reading kReadingC = {2, 4, 6, 5};
 
 FourBar bars_of(const Reading& reading, bool is_calibrated) {
   const auto length_m = [&](std::size_t number) {
-    return (kNominal_cm.at(number - 1) + (is_calibrated ? kDelta_cm.at(number - 1) : 0.0)) / 100.0;
+    return (kNominal_um.at(number - 1) + (is_calibrated ? kDelta_um.at(number - 1) : 0)) / kMicrometres;
   };
   return {.crank_m = length_m(reading.crank),
           .coupler_m = length_m(reading.coupler),

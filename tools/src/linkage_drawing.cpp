@@ -37,22 +37,21 @@ std::vector<Figure> figures_of(const LinkageSummary& summary) {
   const calib::FreudensteinCoefficients k = calib::freudenstein(summary.model.bars);
   const Figure coefficients{fmt::format("{:.3f}  {:.3f}  {:.3f}", k.k1, k.k2, k.k3), "Freudenstein K1, K2, K3"};
   if (!summary.report) {
-    return {{fmt::format("{:.1f}°", deg_from_rad(summary.span_rad)), "of the crank's turn close the loop"},
-            coefficients};
+    return {{fmt::format("{:.1f}°", deg_from_rad(summary.span_rad)), "of the crank's turn"}, coefficients};
   }
   const calib::CrankRockerReport& report = *summary.report;
   const bool is_poor = report.least_transmission_rad < calib::kPoorTransmission_rad;
   return {{fmt::format("{:.1f}°", deg_from_rad(report.swing_rad)), "swing of the laser"},
           {fmt::format("{:.1f}°", 360.0 * report.lift_share), "of the turn lift"},
           {fmt::format("{:.2f}", report.time_ratio), "lift over return"},
-          {fmt::format("{:.1f}°", deg_from_rad(report.least_transmission_rad)),
-           is_poor ? "least transmission: poor" : "least transmission", is_poor ? ink::kWarning : ink::kText},
+          {fmt::format("{:.1f}°", deg_from_rad(report.least_transmission_rad)), "least transmission",
+           is_poor ? ink::kWarning : ink::kText},
           {fmt::format("{:.2f}", report.most_rocker_rate), "most rocker per crank"},
           coefficients};
 }
 
 void draw_figures(Canvas& canvas, const LinkageSummary& summary, const Box& box) {
-  constexpr double kColumns[] = {20.0, 152.0, 300.0};
+  constexpr double kColumns[] = {20.0, 168.0, 316.0};
   const std::vector<Figure> figures = figures_of(summary);
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const Point2 at = box.corner + Point2(kColumns[i % 3], 66.0 + 58.0 * static_cast<double>(i / 3));

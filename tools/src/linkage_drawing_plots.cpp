@@ -11,7 +11,9 @@ namespace gdtslam {
 namespace {
 
 constexpr int kPlotSteps = 480;
-constexpr double kLeftMargin = 58.0;
+/// Of a tick's step, by which a curve may leave the axis without one more tick.
+constexpr double kOvershoot = 0.02;
+constexpr double kLeftMargin = 66.0;
 constexpr double kRightMargin = 24.0;
 constexpr double kTopMargin = 58.0;
 constexpr double kBottomMargin = 46.0;
@@ -28,17 +30,17 @@ struct Scale {
   double step = 1.0;
 };
 
-/// Ticks at 1, 2, 3, 5 or 9 times a power of ten: angles like 30, 60, 90.
+/// At most five steps between round angles.
 Scale even_scale(double from, double to) {
   Scale scale;
-  for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0}) {
+  for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0}) {
     scale.step = step;
     if ((to - from) / step <= 5.0) {
       break;
     }
   }
-  scale.from = scale.step * std::floor(from / scale.step + 1e-6);
-  scale.to = scale.step * std::ceil(to / scale.step - 1e-6);
+  scale.from = scale.step * std::floor(from / scale.step + kOvershoot);
+  scale.to = scale.step * std::ceil(to / scale.step - kOvershoot);
   return scale;
 }
 
@@ -165,7 +167,7 @@ void draw_transmission(Canvas& canvas, const LinkageSummary& summary, double sho
   canvas.rectangle(corner, end.x() - corner.x(), end.y() - corner.y(), "#fbeceb");
   plot.axes("transmission");
   canvas.line(corner, plot.at(span_deg, poor_deg), {.colour = ink::kWarning, .width = 1.2, .dashes = "5 4"});
-  canvas.text(plot.at(span_deg, 0.0) + Point2(-8.0, -8.0), fmt::format("poor: below {:.0f}°", poor_deg),
+  canvas.text(box.corner + Point2(box.width - kRightMargin, 28.0), fmt::format("shaded: below {:.0f}°, poor", poor_deg),
               {.size = 12.0, .colour = ink::kWarning, .anchor = "end"});
   plot.curve(samples, ink::kCoupler);
   plot.dot(nearest(samples, since_begin_deg(summary, shown_rad)), ink::kCoupler);

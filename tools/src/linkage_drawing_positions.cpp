@@ -118,7 +118,7 @@ void draw_laser(Canvas& canvas, const LinkageSummary& summary, const Stage& stag
     const Point2 label = tip + 14.0 / length * away;
     const bool is_side = std::fabs(away.x()) > 0.5 * length;
     canvas.text(label + Point2(0.0, is_side ? 5.0 : (away.y() > 0.0 ? 12.0 : 0.0)),
-                fmt::format("{:.1f}°", deg_from_rad(row->elevation_rad) + 0.0),
+                degrees_text(row->elevation_rad) + "°",
                 {.size = 14.0,
                  .colour = "#8a5800",
                  .anchor = !is_side ? "middle" : (away.x() > 0.0 ? "start" : "end"),
@@ -163,15 +163,20 @@ void draw_label(Canvas& canvas, const Point2& from, const Point2& to, const Poin
   if (normal.x() * outward.x() + normal.y() * outward.y() < 0.0) {
     normal = -normal;
   }
-  const char* const anchor = normal.x() > 0.35 ? "start" : (normal.x() < -0.35 ? "end" : "middle");
-  canvas.text(middle + 15.0 * normal + Point2(0.0, 5.0 + 5.0 * normal.y()), words,
-              {.size = 14.0, .colour = colour, .anchor = anchor, .is_bold = true, .has_halo = true});
+  // The text's box, kept clear of the line through the bar.
+  constexpr double kLetterWidth = 8.2;
+  constexpr double kHalfHeight = 7.0;
+  constexpr double kClearance = 7.0;
+  const double half_width = 0.5 * kLetterWidth * static_cast<double>(words.size());
+  const double away = half_width * std::fabs(normal.x()) + kHalfHeight * std::fabs(normal.y()) + kClearance;
+  canvas.text(middle + away * normal + Point2(0.0, 5.0), words,
+              {.size = 14.0, .colour = colour, .anchor = "middle", .is_bold = true, .has_halo = true});
 }
 
 void draw_labels(Canvas& canvas, const calib::FourBar& bars, const Joints& joints) {
   const Point2 centre = 0.25 * (joints.crank_pivot + joints.crank_end + joints.rocker_end + joints.rocker_pivot);
   const auto words = [](const char* name, double length_m) {
-    return fmt::format("{} {:.4g} cm", name, 100.0 * length_m);
+    return fmt::format("{} {:.5g} cm", name, 100.0 * length_m);
   };
   draw_label(canvas, joints.crank_pivot, joints.crank_end, centre, ink::kCrank, words("crank", bars.crank_m));
   draw_label(canvas, joints.crank_end, joints.rocker_end, centre, ink::kCoupler, words("coupler", bars.coupler_m));
@@ -181,11 +186,12 @@ void draw_labels(Canvas& canvas, const calib::FourBar& bars, const Joints& joint
 
 /// Which way the crank turns so that lifting is the slow stroke.
 void draw_turning(Canvas& canvas, const LinkageSummary& summary, const Stage& stage, double crank_rad) {
-  constexpr double kArc_rad = 0.9;
+  constexpr double kArc_rad = 0.8;
+  constexpr double kAhead_rad = 1.15;  // clear of the crank's label
   constexpr int kArcSteps = 24;
   constexpr double kArcRadius = 1.16;
   const double radius_m = kArcRadius * summary.model.bars.crank_m;
-  const double from_rad = crank_rad + summary.lift_direction * 0.35;
+  const double from_rad = crank_rad + summary.lift_direction * kAhead_rad;
   std::vector<Point2> arc;
   for (int i = 0; i <= kArcSteps; ++i) {
     arc.push_back(stage.at(radius_m * Stage::direction(from_rad + summary.lift_direction * kArc_rad * i / kArcSteps)));
@@ -266,7 +272,7 @@ double shown_crank_rad(const LinkageSummary& summary) {
 
 void draw_positions(Canvas& canvas, const LinkageSummary& summary, double shown_rad, const Box& box) {
   constexpr double kLegendHeight = 74.0;
-  const Box inner{box.corner + Point2(86.0, 62.0), box.width - 172.0, box.height - 62.0 - kLegendHeight - 30.0};
+  const Box inner{box.corner + Point2(86.0, 72.0), box.width - 172.0, box.height - 72.0 - kLegendHeight - 44.0};
   const Stage stage(summary, inner);
   const std::vector<LinkageRow> lift = lift_rows(summary, kFaintPositions);
   const std::optional<LinkageRow> shown = row_at(summary.model, shown_rad);

@@ -40,14 +40,25 @@ void add_lift(LinkageSummary& summary) {
   summary.remarks = calib::remarks(model.bars, model.assembly);
 }
 
-std::string no_crank_rocker_remark(const LinkageSummary& summary) {
+const char* fault_of(calib::GrashofClass grashof) {
   using calib::GrashofClass;
-  const char* const why = summary.grashof == GrashofClass::kDoubleCrank ? "its rocker turns fully instead of swinging"
-                                                                        : "its crank cannot be trusted to turn fully";
+  switch (grashof) {
+    case GrashofClass::kDoubleCrank:
+      return "its rocker turns fully instead of swinging";
+    case GrashofClass::kRockerCrank:
+      return "its rocker could turn fully and the crank only swings";
+    case GrashofClass::kChangePoint:
+      return "it can fall flat, and then go on in the other assembly mode";
+    default:
+      return "its crank does not turn fully";
+  }
+}
+
+std::string no_crank_rocker_remark(calib::GrashofClass grashof) {
   return fmt::format(
-      "a {} is no mount for a nodding laser: {}; a crank-rocker has the crank as its shortest bar, and "
-      "shortest + longest less than the other two",
-      calib::class_name(summary.grashof), why);
+      "a {} is no mount for a nodding laser: {}; a crank-rocker has the crank as its shortest bar, and shortest + "
+      "longest less than the other two",
+      calib::class_name(grashof), fault_of(grashof));
 }
 
 void add_stretch(LinkageSummary& summary) {
@@ -67,7 +78,7 @@ void add_stretch(LinkageSummary& summary) {
   };
   summary.begin = end_of(rows.front());
   summary.end = end_of(rows.back());
-  summary.remarks.push_back(no_crank_rocker_remark(summary));
+  summary.remarks.push_back(no_crank_rocker_remark(summary.grashof));
 }
 
 std::string value_or_nothing(bool is_there, double value) { return is_there ? fmt::format("{:.6f}", value) : ""; }

@@ -47,6 +47,8 @@ std::optional<LinkageRow> row_at(const calib::SweepModel& model, double crank_ra
 /// `steps` + 1 rows evenly over the summary's span; crank angles where the loop does not close are left out.
 std::vector<LinkageRow> rows_of(const LinkageSummary& summary, int steps);
 
+/// One decimal, without a unit and never "-0.0".
+std::string degrees_text(double angle_rad);
 std::string text_of(const LinkageSummary& summary);
 nlohmann::ordered_json json_of(const LinkageSummary& summary);
 /// A heading with units and one line for each row; crank angles go from 0 to 360 deg.

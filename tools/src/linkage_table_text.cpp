@@ -56,8 +56,8 @@ std::string bars_text(const LinkageSummary& summary) {
 }
 
 std::string end_text(const LinkageEnd& end) {
-  return fmt::format("crank {:5.1f} deg: rocker {:6.1f} deg, elevation {:5.1f} deg", positive_deg(end.crank_rad),
-                     deg_from_rad(end.rocker_rad), deg_from_rad(end.elevation_rad));
+  return fmt::format("crank {:5.1f} deg: rocker {:>6} deg, elevation {:>5} deg", positive_deg(end.crank_rad),
+                     degrees_text(end.rocker_rad), degrees_text(end.elevation_rad));
 }
 
 std::string lift_text(const LinkageSummary& summary, const calib::CrankRockerReport& report) {
@@ -134,6 +134,11 @@ Json json_of_report(const LinkageSummary& summary, const calib::CrankRockerRepor
 }
 
 }  // namespace
+
+std::string degrees_text(double angle_rad) {
+  std::string text = fmt::format("{:.1f}", deg_from_rad(angle_rad));
+  return text == "-0.0" ? "0.0" : text;
+}
 
 std::string text_of(const LinkageSummary& summary) {
   const calib::FreudensteinCoefficients k = calib::freudenstein(summary.model.bars);
