@@ -25,37 +25,60 @@ inline float settled(float value) {
   return intBitsToFloat((size >= 0x2B800000) & (size < 0x7F800000) ? bits : 0);
 }
 
-/// Elevations of `count` beams, the first of which is number `offset` of its strip.
+/// Elevations of `count` beams, the first of which is number `offset` of its strip. The look-ups are single loads
+/// between two loops that become vector code.
 void sweep_elevations(const BeamStrip& strip, std::uint32_t offset, std::uint32_t bits, const float* elevations,
                       std::uint32_t count, float* out) {
+  alignas(64) std::uint32_t index[kSweepTile];
+  alignas(64) float share[kSweepTile];
+  alignas(64) float entry[kSweepTile];
+  alignas(64) float next[kSweepTile];
   const std::uint32_t step = strip.phase_step;
   const std::uint32_t first = strip.phase + offset * step;
   const std::uint32_t shift = 31 - bits;  // and one more: a shift by 32 is undefined
   for (std::uint32_t n = 0; n < count; ++n) {
     const std::uint32_t phase = first + n * step;
-    const std::uint32_t index = (phase >> shift) >> 1U;
-    const float share = static_cast<float>(static_cast<std::int32_t>((phase << bits) >> 8U)) * 5.9604644775390625e-8F;
-    const float entry = elevations[index];
-    out[n] = settled(entry + share * (elevations[index + 1] - entry));
+    index[n] = (phase >> shift) >> 1U;
+    share[n] = static_cast<float>(static_cast<std::int32_t>((phase << bits) >> 8U)) * 5.9604644775390625e-8F;  // 2^-24
+  }
+  for (std::uint32_t n = 0; n < count; ++n) {
+    entry[n] = elevations[index[n]];
+    next[n] = elevations[index[n] + 1];
+  }
+  for (std::uint32_t n = 0; n < count; ++n) {
+    out[n] = settled(entry[n] + share[n] * (next[n] - entry[n]));
   }
 }
 
 /// Directions of those beams.
 void sweep_directions(const BeamStrip& strip, std::uint32_t offset, std::uint32_t directions, const float* direction,
                       std::uint32_t count, SweepTile& tile) {
+  const std::uint32_t first = strip.first_direction + offset;
+  float* __restrict x = tile.direction_x;
+  float* __restrict y = tile.direction_y;
+  float* __restrict z = tile.direction_z;
+  if (first < directions && directions - first >= count) {
+    const float* __restrict row = direction + 3 * static_cast<std::size_t>(first);
+    for (std::size_t n = 0; n < count; ++n) {
+      x[n] = row[3 * n];
+      y[n] = row[3 * n + 1];
+      z[n] = row[3 * n + 2];
+    }
+    return;
+  }
   for (std::uint32_t n = 0; n < count; ++n) {
-    const std::uint32_t row = lesser(strip.first_direction + offset + n, directions - 1);
-    const float* d = direction + 3 * static_cast<std::size_t>(row);
-    tile.direction_x[n] = d[0];
-    tile.direction_y[n] = d[1];
-    tile.direction_z[n] = d[2];
+    const float* row = direction + 3 * static_cast<std::size_t>(lesser(first + n, directions - 1));
+    x[n] = row[0];
+    y[n] = row[1];
+    z[n] = row[2];
   }
 }
 
-/// Equations (12) and (14) for those beams.
+/// Equations (12) and (14) for those beams. Flattened: the loop becomes vector code only with the sines in it.
 template <bool kLiteral>
-void sweep_tile(const SweepPoints::Params& params, const BeamStrip& strip_in_table, std::uint32_t offset,
-                const SweepTile& tile, std::uint32_t count, float* points) {
+__attribute__((flatten)) void sweep_tile(const SweepPoints::Params& params, const BeamStrip& strip_in_table,
+                                         std::uint32_t offset, const SweepTile& tile, std::uint32_t count,
+                                         float* points) {
   const SweepPoints::Params p = params;
   const BeamStrip strip = strip_in_table;
   float* __restrict out = points;
