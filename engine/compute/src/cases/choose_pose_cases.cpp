@@ -259,7 +259,9 @@ void add_extremes(std::vector<KernelCaseSource>& list) {
     poses[1] = poses[0] = poses.back();
   };
   add_choice(list, {}, ", steep prior", steep);
-  add_choice(list, {.points = 65535, .poses = 3, .map_cap = 65535, .wide = 65535}, ", saturated", steep);
+  for (const std::uint32_t points : {60000U, 65535U}) {  // the fewer are few enough for one invocation on lavapipe
+    add_choice(list, {.points = points, .poses = 3, .map_cap = 65535, .wide = 65535}, ", saturated", steep);
+  }
   add_choice(list, {.points = 65535, .poses = 2, .map_cap = 65535, .wide = 65535, .form = CostForm::kSquared},
              ", all vote", [](ChoosePose::Params& p, Poses&) { p.overlap_q16 = 65536; });
   for (const std::uint32_t leap : {0U, 512U}) {
