@@ -122,6 +122,21 @@ TEST(MotionPlan, PausesAndSpeedsOfWaypointsCount) {
   EXPECT_EQ(plan.state_at(1.5).path_m, 0.0);
   EXPECT_NEAR(plan.state_at(12.0).path_m, 4.0, 1e-12);
   EXPECT_EQ(plan.state_at(12.0).speed_m_per_s, 0.0);
+  const std::vector<Stand> stands = plan.stands();
+  ASSERT_EQ(stands.size(), 2U);
+  EXPECT_EQ(stands[0].from_s, 0.0);
+  EXPECT_EQ(stands[0].duration_s, 2.0);
+  EXPECT_NEAR(stands[1].from_s, 11.0, 1e-12);
+  EXPECT_EQ(stands[1].duration_s, 3.0);
+}
+
+TEST(MotionPlan, OneWaypointWithAPauseStands) {
+  Waypoint only = at(3.0, -1.0);
+  only.pause_s = 5.0;
+  const MotionPlan plan({only}, limits());
+  EXPECT_EQ(plan.duration_s(), 5.0);
+  EXPECT_EQ(plan.path_m(), 0.0);
+  EXPECT_EQ(plan.state_at(4.0).T_map_axle, (Pose2{3.0, -1.0, 0.0}));
 }
 
 TEST(MotionPlan, RefusesWhatCannotBeDriven) {

@@ -68,6 +68,28 @@ TEST(Scene, WallWithDoorsLosesTheDoors) {
   EXPECT_NEAR(volume_of(boxes_of(wall)), (6.0 * 2.5 - 1.0 * 2.0 - 0.5 * 2.5) * 0.2, 1e-12);
 }
 
+TEST(Scene, WallWithWindowsKeepsWhatIsUnderTheirSills) {
+  Wall wall;
+  wall.points_m = {{0.0, 0.0}, {6.0, 0.0}};
+  wall.thickness_m = 0.2;
+  wall.base_m = 1.0;
+  wall.height_m = 2.5;
+  wall.doors.push_back({.leg = 0, .from_m = 4.0, .width_m = 1.0, .height_m = 2.0, .sill_m = 0.75});
+  wall.doors.push_back({.leg = 0, .from_m = 0.5, .width_m = 0.5, .height_m = 3.0, .sill_m = 1.5});
+  EXPECT_TRUE(validate(wall).empty());
+  const std::vector<Box> boxes = boxes_of(wall);
+  EXPECT_NEAR(volume_of(boxes), (6.0 * 2.5 - 1.0 * 1.25 - 0.5 * 1.0) * 0.2, 1e-12);
+  for (const Box& box : boxes) {
+    EXPECT_GE(box.base_m, 1.0);
+    const double low = box.centre_m.x() - 0.5 * box.size_m.x();
+    if (low > 3.99 && low < 4.5) {
+      EXPECT_TRUE(box.base_m == 3.0 || box.base_m + box.height_m == 1.75) << box.base_m;
+    }
+  }
+  wall.doors = {{.leg = 0, .from_m = 4.0, .width_m = 1.0, .height_m = 0.5, .sill_m = 0.75}};
+  EXPECT_EQ(validate(wall).size(), 1U);
+}
+
 TEST(Scene, DoorLeafTurnsAboutItsHinge) {
   Wall wall;
   wall.points_m = {{0.0, 0.0}, {4.0, 0.0}};

@@ -189,6 +189,32 @@ TEST_F(SceneFileTest, RefusesWrongKindsAndValues) {
   EXPECT_THAT(refusal("waypoints: [{at: [0, 0], reverse: yes}]\n"), HasSubstr("neither true nor false"));
 }
 
+TEST_F(SceneFileTest, ReadsRowsOfWindows) {
+  const std::string path = write("w.yaml", R"(gdtslam_scene: 1
+walls:
+  - points: [[0, 0], [9, 0], [9, 9]]
+    doors: [{from: 0.5}]
+    windows:
+      - {leg: 1, from: 1, width: 80 cm, sill: 50 cm, head: 2 m}
+      - {from: 2, repeat: {count: 3, step: 1.5 m}}
+)");
+  const std::vector<sim::Door> openings = read_scene(path).scene.walls.at(0).doors;
+  ASSERT_EQ(openings.size(), 5U);
+  EXPECT_EQ(openings[0].sill_m, 0.0);
+  EXPECT_EQ(openings[1].leg, 1U);
+  EXPECT_EQ(openings[1].sill_m, 0.5);
+  EXPECT_EQ(openings[1].height_m, 2.0);
+  EXPECT_EQ(openings[4].from_m, 5.0);
+  EXPECT_EQ(openings[4].width_m, 1.2);
+  EXPECT_EQ(openings[4].sill_m, 0.9);
+  EXPECT_THAT(refusal("walls: [{points: [[0, 0], [9, 0]], windows: [{from: 1, sill: 0}]}]\n"),
+              HasSubstr("2: walls[0].windows[0]: sill must be above 0"));
+  EXPECT_THAT(refusal("walls: [{points: [[0, 0], [9, 0]], windows: [{from: 1, repeat: {count: 9, step: 1}}]}]\n"),
+              HasSubstr("overlaps the opening before it"));
+  EXPECT_THAT(refusal("walls: [{points: [[0, 0], [9, 0]], windows: [{from: 1, sil: 1}]}]\n"),
+              HasSubstr("did you mean 'sill'?"));
+}
+
 TEST_F(SceneFileTest, AnAngleNeedsItsUnit) {
   EXPECT_THAT(refusal("boxes: [{centre: [0, 0], size: [1, 1], height: 1, yaw: 90}]\n"),
               HasSubstr("an angle needs its unit: write '90 deg' or '90 rad'"));

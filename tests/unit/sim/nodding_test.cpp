@@ -1,0 +1,195 @@
+// The nodding mount in motion: the crank's course in each mode, what the encoder tells, and where the beams go.
+#include "gdtslam/sim/nodding.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <complex>
+#include <string>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam::sim {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+MotionPlan standing(double duration_s) {
+  std::vector<Waypoint> one(1);
+  one[0].pause_s = duration_s;
+  return {one, {}};
+}
+
+NoddingModel model_of(const char* preset = "paper-b") {
+  NoddingModel model;
+  model.truth = calib::sweep_model_of_preset(preset);
+  return model;
+}
+
+// The elevation by complex numbers: the coupler's end is where the circles about the crank's end and the rocker's pivot
+// meet, on the left of the line from one to the other.
+double elevation_by_geometry(const calib::SweepModel& model, double turns) {
+  const double crank = model.encoder.zero_rad + model.encoder.direction * 2.0 * M_PI * turns;
+  const std::complex<double> a = std::polar(model.bars.crank_m, crank);
+  const std::complex<double> to_pivot = model.bars.ground_m - a;
+  const double length = std::abs(to_pivot);
+  const double along =
+      (length * length + model.bars.coupler_m * model.bars.coupler_m - model.bars.rocker_m * model.bars.rocker_m) /
+      (2.0 * length);
+  const double across = std::sqrt(model.bars.coupler_m * model.bars.coupler_m - along * along);
+  const std::complex<double> b = a + to_pivot / length * std::complex<double>(along, across);
+  const double psi = std::arg(b - std::complex<double>(model.bars.ground_m, 0.0));
+  return std::remainder(model.elevation_sign * psi + model.elevation_offset_rad, 2.0 * M_PI);
+}
+
+TEST(NoddingCourse, ElevationIsThatOfTheLinkage) {
+  for (const char* preset : {"paper-a", "paper-b", "paper-c", "paper-b-calibrated"}) {
+    const NoddingModel model = model_of(preset);
+    const NoddingCourse course(model, standing(30.0));
+    for (double t = 0.0; t < 14.0; t += 0.0137) {
+      EXPECT_NEAR(std::remainder(course.elevation_rad(t) - elevation_by_geometry(model.truth, 0.15 * t), 2.0 * M_PI),
+                  0.0, 1e-9)
+          << preset << " at " << t;
+    }
+  }
+}
+
+TEST(NoddingCourse, LiftsSlowlyFromLevelAndReturnsQuickly) {
+  const NoddingCourse course(model_of(), standing(30.0));
+  constexpr int kSteps = 3600;
+  int lifting = 0;
+  double highest = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = i / (0.15 * kSteps);
+    lifting += course.elevation_rad(t + 1e-4) > course.elevation_rad(t) ? 1 : 0;
+    highest = std::max(highest, course.elevation_rad(t));
+  }
+  // READING.md, reading B: 266 of 360 deg of the turn lift, the swing is 93.0 deg.
+  EXPECT_NEAR(360.0 * lifting / kSteps, 266.0, 1.0);
+  EXPECT_NEAR(deg_from_rad(highest), 93.0, 0.05);
+  EXPECT_NEAR(course.elevation_rad(0.0), 0.0, 1e-12);
+}
+
+TEST(NoddingCourse, ContinuousTurnsEvenlyAndTheCounterWraps) {
+  NoddingModel model = model_of();
+  model.start_turns = 0.25;
+  const NoddingCourse course(model, standing(30.0));
+  EXPECT_DOUBLE_EQ(course.crank_turns(2.0), 0.55);
+  EXPECT_EQ(course.message(0.0)->ticks, 5000);
+  EXPECT_EQ(course.message(1.0)->ticks, 8000);
+  EXPECT_EQ(course.message(6.0)->ticks, 3000);  // 1.15 turns
+  EXPECT_EQ(course.message(-2.0)->ticks, 19000);
+  EXPECT_EQ(course.message(1.0001)->ticks, 8000);  // 8000.3 ticks
+  EXPECT_EQ(course.message(1.0002)->ticks, 8001);  // 8000.6 ticks
+  model.truth.encoder.wraps = false;
+  EXPECT_EQ(NoddingCourse(model, standing(30.0)).message(6.0)->ticks, 23000);
+}
+
+TEST(NoddingCourse, SteppedStandsAtEveryHundredthTickFor250Scans) {
+  NoddingModel model = model_of();
+  model.mode = NodMode::kStepped;
+  model.crank_rate_hz = 0.2;
+  const NoddingCourse course(model, standing(2510.0));
+  std::vector<int> scans_at(400, 0);
+  for (int scan = 0; scan < 400 * 251; ++scan) {
+    const double t = scan / 40.0 + 0.0125;
+    const double turns = course.crank_turns(t);
+    if (course.crank_turns(t - 0.001) != turns || course.crank_turns(t + 0.001) != turns) {
+      continue;  // between two stops
+    }
+    const double step = turns * 200.0;
+    EXPECT_NEAR(step, std::round(step), 1e-9);
+    EXPECT_EQ(course.message(t)->ticks, static_cast<int>(std::round(step)) % 200 * 100);
+    ++scans_at.at(static_cast<std::size_t>(std::round(step)));
+  }
+  for (const int scans : scans_at) {
+    EXPECT_EQ(scans, 250);
+  }
+}
+
+TEST(NoddingCourse, StopAndScanTurnsOnlyWhileTheRobotStands) {
+  NoddingModel model = model_of();
+  model.mode = NodMode::kStopAndScan;
+  model.crank_rate_hz = 0.5;
+  model.stop_every_m = 1.0;
+  std::vector<Waypoint> path(3);
+  path[1].position_m = {2.5, 0.0};
+  path[2].position_m = {2.5, 1.0};
+  const MotionPlan plan(with_scan_stops(model, path), {});
+  const NoddingCourse course(model, plan);
+  // Stops: 0, 0.83, 1.67, 2.5 m and around the corner 1 m on.
+  EXPECT_EQ(plan.stands().size(), 5U);
+  for (double t = 0.0; t < plan.duration_s(); t += 0.003) {
+    const MotionState state = plan.state_at(t);
+    if (state.speed_m_per_s != 0.0 || state.turn_rate_rad_per_s != 0.0) {
+      EXPECT_EQ(course.crank_turns(t), std::round(course.crank_turns(t))) << t;
+      EXPECT_NEAR(course.elevation_rad(t), 0.0, 1e-12) << t;
+    }
+  }
+  EXPECT_EQ(course.crank_turns(plan.duration_s()), 5.0);
+}
+
+TEST(NoddingCourse, AStopThatIsTooShortForATurnIsNamed) {
+  NoddingModel model = model_of();
+  model.mode = NodMode::kStopAndScan;
+  try {
+    const NoddingCourse course(model, standing(5.0));
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("never stands long enough for a turn of the crank (6.666667 s)"));
+  }
+}
+
+std::vector<std::int64_t> ticks_with(const EncoderFault& fault) {
+  NoddingModel model = model_of();
+  model.crank_rate_hz = 0.1;  // 2000 ticks a second
+  model.faults.push_back(fault);
+  const NoddingCourse course(model, standing(30.0));
+  std::vector<std::int64_t> ticks;
+  for (const double t : {1.0, 2.0, 3.0, 4.0, 5.0}) {
+    const std::optional<Encoder> message = course.message(t);
+    ticks.push_back(message ? message->ticks : -1);
+  }
+  return ticks;
+}
+
+TEST(NoddingCourse, FaultsTouchTheEncoderOnly) {
+  EXPECT_THAT(ticks_with({EncoderFaultKind::kStop, 1.5, 3.5, 0}), ElementsAre(2000, 3000, 3000, 8000, 10000));
+  EXPECT_THAT(ticks_with({EncoderFaultKind::kJump, 3.0, 3.0, 700}), ElementsAre(2000, 4000, 6700, 8700, 10700));
+  EXPECT_THAT(ticks_with({EncoderFaultKind::kBackwards, 2.0, 4.0, 0}), ElementsAre(2000, 4000, 2000, 0, 2000));
+  EXPECT_THAT(ticks_with({EncoderFaultKind::kMissing, 2.0, 4.0, 0}), ElementsAre(2000, -1, -1, 8000, 10000));
+  NoddingModel model = model_of();
+  const NoddingCourse sound(model, standing(30.0));
+  model.faults.push_back({EncoderFaultKind::kBackwards, 2.0, 4.0, 0});
+  EXPECT_EQ(NoddingCourse(model, standing(30.0)).elevation_rad(3.0), sound.elevation_rad(3.0));
+}
+
+TEST(NoddingCourse, RefusesWhatCannotNod) {
+  const auto first_fault = [](const auto& change) {
+    NoddingModel model = model_of();
+    change(model);
+    const std::vector<std::string> faults = validate(model);
+    return faults.empty() ? "accepted" : faults.front();
+  };
+  EXPECT_EQ(first_fault([](NoddingModel&) {}), "accepted");
+  EXPECT_THAT(first_fault([](NoddingModel& m) { m.crank_rate_hz = NAN; }), HasSubstr("crank_rate must be"));
+  EXPECT_THAT(first_fault([](NoddingModel& m) { m.encoder_rate_hz = 0.0; }), HasSubstr("encoder's rate must be"));
+  EXPECT_THAT(first_fault([](NoddingModel& m) { m.truth.encoder.ticks_per_turn = 0; }), HasSubstr("ticks_per_turn"));
+  EXPECT_THAT(first_fault([](NoddingModel& m) { m.truth.bars.coupler_m = 0.5; }), HasSubstr("coupler"));
+  // A double rocker: s + l = 9 + 12 > 10 + 10.5.
+  EXPECT_THAT(first_fault([](NoddingModel& m) {
+                m.truth.bars = {0.09, 0.12, 0.10, 0.105};
+              }),
+              HasSubstr("does not close all around"));
+  EXPECT_THAT(first_fault([](NoddingModel& m) {
+                m.faults.push_back({EncoderFaultKind::kStop, 3.0, 2.0, 0});
+              }),
+              HasSubstr("fault of the encoder"));
+}
+
+}  // namespace
+}  // namespace gdtslam::sim
