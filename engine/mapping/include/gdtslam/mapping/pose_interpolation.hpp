@@ -8,7 +8,8 @@
 namespace gdtslam {
 
 /// linear scales (x, y, theta), the evident intention of (13); geodesic goes along one circle (exp of a share of the
-/// log); odometry follows the wheels' path between the fixes and spreads what is left over it by time.
+/// log); odometry follows the wheels' path between the fixes and spreads what is left over it: a share of it is that
+/// share of the motion of the map, about the same centre.
 enum class PoseInterpolation : std::uint8_t { kLinear, kGeodesic, kOdometry };
 
 /// A fix with the odometry at its time.
