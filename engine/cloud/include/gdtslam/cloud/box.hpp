@@ -1,4 +1,12 @@
-// Boxes of a cloud and their dimensions with uncertainty, as figure 12 measures them. Metres, frame of the cloud.
+// Boxes of a cloud and their dimensions with uncertainty, as figure 12 measures them. Metres, frame of the cloud, z up.
+//
+// A range finder errs along its beams, hardly across them. So where the scanner stood still and its place is known,
+// every point is moved along its beam onto the plane of a face: what is hit there and what is seen past it tell where
+// the face ends, to a fraction of the distance between two beams. Where two faces meet, the edge is where their planes
+// do. Without a viewpoint only the points of the face itself count.
+//
+// Cost: that of find_planes and one pass over the cloud for each face. Thread-safe; the same cloud and search give the
+// same boxes on every host.
 #pragma once
 
 #include <optional>
@@ -11,28 +19,32 @@ namespace gdtslam {
 
 struct Dimension {
   double value_m = 0.0;
-  double sigma_m = 0.0;
+  double sigma_m = 0.0;      ///< infinite where nothing was seen of it
   bool is_observed = false;  ///< both of its ends were seen
 };
 
 /// An upright box that stands on the floor (or on whatever its lower side is).
 struct MeasuredBox {
   Point3 centre{0.0, 0.0, 0.0};
-  double yaw_rad = 0.0;  ///< of the width's direction
+  double yaw_rad = 0.0;  ///< of the width's direction, in (-pi/2, pi/2]
   Dimension width;       ///< along the face that is seen best
-  Dimension depth;
+  Dimension depth;       ///< 0 and infinitely uncertain where no other face is seen
   Dimension height;
-  std::uint32_t points = 0;
-  double face_rms_m = 0.0;
+  std::uint32_t points = 0;           ///< of the face
+  double face_rms_m = 0.0;            ///< of their distances from its plane
+  Point3 face_normal{1.0, 0.0, 0.0};  ///< outwards
 };
 
 struct BoxSearch {
-  PlaneSearch planes;
+  PlaneSearch planes{.min_points = 50, .gap_m = 0.1};
   double max_size_m = 1.5;  ///< larger things are walls or furniture
   double min_size_m = 0.1;
-  double min_face_points = 50;
+  std::uint32_t min_face_points = 50;
+  double max_tilt_rad = 0.1;        ///< of a face from upright
+  std::optional<Point3> viewpoint;  ///< of the scanner, when it stood still
+  bool is_projection = false;       ///< faces as lines of the projection to the floor, as figure 12(c) has them
 };
-/// By size of their best face, the widest first.
+/// The widest first.
 std::vector<MeasuredBox> find_boxes(std::span<const CloudPoint> cloud, const BoxSearch& search);
 
 }  // namespace gdtslam

@@ -1,0 +1,49 @@
+// Points sorted into cubes: a thinned copy of a cloud, and which points hang together. Metres. Nothing depends on a
+// hash or on the number of threads. O(n log n).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/pose3.hpp"
+
+namespace gdtslam {
+
+/// The cubes that have a point, and for each its points.
+class PatchCells {
+ public:
+  /// Of the points with these indices. The edge grows where the extent asks for more than 2^20 cubes along an axis.
+  PatchCells(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points, double edge_m);
+
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(keys_.size()); }
+  [[nodiscard]] double edge_m() const { return edge_m_; }
+  /// Indices into the cloud, ascending.
+  [[nodiscard]] std::span<const std::uint32_t> points_of(std::uint32_t cell) const {
+    return {points_.data() + begins_[cell], points_.data() + begins_[cell + 1]};
+  }
+  /// The cell of each point, in the order of the indices that were given.
+  [[nodiscard]] const std::vector<std::uint32_t>& cell_of() const { return cell_of_; }
+  /// Finds out which cells touch, for largest_group.
+  void link();
+  /// Of the cells that are marked those of the largest group in which each touches another, ascending; by number of
+  /// cells, the first group when two are equal.
+  [[nodiscard]] std::vector<std::uint32_t> largest_group(const std::vector<bool>& is_marked) const;
+
+ private:
+  [[nodiscard]] std::uint32_t find(std::uint64_t key) const;
+
+  double edge_m_;
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::uint32_t> begins_;
+  std::vector<std::uint32_t> points_;
+  std::vector<std::uint32_t> cell_of_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> links_;
+};
+
+/// All finite points.
+std::vector<std::uint32_t> finite_points(std::span<const CloudPoint> cloud);
+
+}  // namespace gdtslam
