@@ -6,12 +6,13 @@ import sys
 import scenario_bad_input
 import scenario_devices
 import scenario_files
+import scenario_linkage
 import scenario_printing
 import scenario_results
 import scenario_same_bytes
 import scenario_signals
 
-MODULES = (scenario_bad_input, scenario_devices, scenario_files, scenario_printing, scenario_results, scenario_same_bytes, scenario_signals)
+MODULES = (scenario_bad_input, scenario_devices, scenario_files, scenario_linkage, scenario_printing, scenario_results, scenario_same_bytes, scenario_signals)
 
 
 def main():

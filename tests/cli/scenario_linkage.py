@@ -1,0 +1,109 @@
+"""What `gdtslam linkage` writes: table, drawing, linkage files."""
+
+import csv
+import io
+import json
+import math
+import xml.etree.ElementTree as xml
+
+import cli_support as cli
+from cli_support import command, expect, expect_exit
+
+
+def by_circles(bars, crank):
+    """Rocker and transmission angle of the open linkage, from the two points where two circles meet."""
+    ax, ay = bars["crank"] * math.cos(crank), bars["crank"] * math.sin(crank)
+    dx, dy = bars["ground"] - ax, -ay
+    distance = math.hypot(dx, dy)
+    along = (distance**2 + bars["coupler"] ** 2 - bars["rocker"] ** 2) / (2 * distance)
+    across = math.sqrt(bars["coupler"] ** 2 - along**2)
+    bx = ax + (along * dx - across * dy) / distance
+    by = ay + (along * dy + across * dx) / distance
+    cosine = (bars["coupler"] ** 2 + bars["rocker"] ** 2 - distance**2) / (2 * bars["coupler"] * bars["rocker"])
+    return math.atan2(by, bx - bars["ground"]), math.acos(abs(cosine))
+
+
+def linkage_table():
+    """Every row of the CSV is that of two circles; rates are the differences of the rows."""
+    folder = cli.fresh_folder("linkage_table")
+    process = command("linkage", "paper-b", "--json", "--csv", folder / "turn.csv", "--step", "0.5deg")
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "linkage")
+    report = json.loads(process.stdout)
+    rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(io.StringIO((folder / "turn.csv").read_text()))]
+    expect(len(rows) == 721 and rows[0]["crank_deg"] == 0.0 and rows[-1]["crank_deg"] == 360.0, f"{len(rows)} rows")
+    for row in rows:
+        rocker, transmission = by_circles(report["bars_m"], math.radians(row["crank_deg"]))
+        expect(abs(row["rocker_deg"] - math.degrees(rocker)) < 2e-6, f"rocker at {row}")
+        expect(abs(row["transmission_deg"] - math.degrees(transmission)) < 2e-6, f"transmission at {row}")
+    for before, row, after in zip(rows, rows[1:], rows[2:]):
+        expect(abs(row["rocker_rate"] - (after["rocker_deg"] - before["rocker_deg"])) < 1e-3, f"rate at {row}")
+    elevations = [row["elevation_deg"] for row in rows]
+    lift = report["crank_rocker"]
+    expect(abs(min(elevations)) < 1e-3 and abs(max(elevations) - lift["swing_deg"]) < 1e-2, "the elevations' range")
+    rising = sum(after > before for before, after in zip(elevations, elevations[1:])) / 720
+    expect(abs(360 * rising - lift["lift_deg"]) < 1.5, f"{360 * rising} degrees rise")
+
+
+def linkage_drawing():
+    """The drawing is XML with the bars' names and lengths, twice the same bytes."""
+    folder = cli.fresh_folder("linkage_drawing")
+    for name in ("one", "two"):
+        expect_exit(command("linkage", "paper-a-calibrated", "--svg", folder / f"{name}.svg"), 0)
+    first = (folder / "one.svg").read_bytes()
+    expect(first == (folder / "two.svg").read_bytes(), "two drawings differ")
+    root = xml.fromstring(first)
+    words = " | ".join(element.text for element in root.iter("{http://www.w3.org/2000/svg}text"))
+    for word in ("paper-a-calibrated", "crank 3.4822 cm", "coupler 8.7625 cm", "rocker 8.71 cm", "ground 12.178 cm", "47.2°",
+                 "lift 183.1°", "least 52.7°", "Transmission angle"):
+        expect(word in words, f"no {word!r} in {words}")
+    expect(b"nan" not in first and b"inf" not in first, "a place that is no number")
+
+
+def linkage_design_is_a_linkage():
+    """What --design writes is read again, keeps its bars bit for bit, and is drawn."""
+    folder = cli.fresh_folder("linkage_design")
+    goal = ("--swing", "70deg", "--min-transmission", "30deg", "--time-ratio", "1.15", "--crank", "3..4cm", "--longest", "12cm")
+    process = command("linkage", "--design", *goal, "--count", 2, "--json", "-o", folder / "mine.yaml", "--svg", folder / "mine.svg")
+    expect_exit(process, 0)
+    designs = json.loads(process.stdout)
+    expect(len(designs) == 2, f"{len(designs)} designs")
+    process = command("linkage", folder / "mine.yaml", "--json")
+    expect_exit(process, 0)
+    again = json.loads(process.stdout)
+    expect(again["bars_m"] == designs[0]["bars_m"], "other bars")
+    lift = again["crank_rocker"]
+    expect(abs(lift["swing_deg"] - 70) < 1e-6 and abs(lift["time_ratio"] - 1.15) < 1e-6, f"{lift}")
+    expect(lift["least_transmission_deg"] >= 30 and max(again["bars_m"].values()) <= 0.12, f"{again}")
+    expect(abs(lift["lift_begin"]["elevation_deg"]) < 1e-9, "the lift does not begin at elevation 0")
+    xml.fromstring((folder / "mine.svg").read_bytes())
+
+
+def linkage_of_any_class():
+    """Linkages that are no crank-rocker are shown with what they are; those that cannot close are refused with line and numbers."""
+    folder = cli.fresh_folder("linkage_class")
+    expect_exit(command("linkage", "paper-b", "-o", folder / "b.yaml"), 0)
+    lines = (folder / "b.yaml").read_text().splitlines()
+
+    def variant(name, **bars):
+        text = [next((f"  {bar}: {length}" for bar, length in bars.items() if line.startswith(f"  {bar}:")), line) for line in lines]
+        (folder / name).write_text("\n".join(text) + "\n")
+        return folder / name
+
+    drag = variant("drag.yaml", crank="6 cm", coupler="5 cm", rocker="7 cm", ground="3 cm")
+    process = command("linkage", drag, "--json", "--svg", folder / "drag.svg", "--csv", folder / "drag.csv")
+    expect_exit(process, 0)
+    report = json.loads(process.stdout)
+    cli.validate(process.stdout, "linkage")
+    expect(report["class"] == "double crank" and report["crank_rocker"] is None and len(report["remarks"]) == 1, f"{report}")
+    stiff = variant("stiff.yaml", crank="5 cm", coupler="4 cm", rocker="5 cm", ground="9 cm")
+    process = command("linkage", stiff, "--json", "--svg", folder / "stiff.svg", "--csv", folder / "stiff.csv")
+    expect_exit(process, 0)
+    expect(json.loads(process.stdout)["class"] == "triple rocker", process.stdout)
+    expect(len((folder / "stiff.csv").read_text().splitlines()) == 1 + 2 * 74, "rows where the loop is open: 0 to 73 and 287 to 360 deg")
+    for name in ("drag.svg", "stiff.svg"):
+        xml.fromstring((folder / name).read_bytes())
+    process = command("linkage", variant("open.yaml", ground="25 cm"))
+    expect_exit(process, 78)
+    cli.one_error_line(process.stderr)
+    expect("open.yaml:" in process.stderr and "25 > 3.6 + 8.5 + 8.8 = 20.9 cm" in process.stderr, process.stderr)
