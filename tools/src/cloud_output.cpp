@@ -28,7 +28,7 @@ std::vector<Option> options_of(CloudConfig& config) {
   return {
       {"cloud.voxel", "of the points in a cube of this edge one is kept; 0 keeps all", Unit::kMetre, 0.0, 10.0,
        &config.voxel_m},
-      {"cloud.max_megavoxels", "thinning may remember this many times 2^20 cubes, 16 MiB of memory each", Unit::kNone,
+      {"cloud.max_megavoxels", "thinning may remember this many times 2^20 cubes, 16 to 32 MiB of memory each", Unit::kNone,
        1, 16384, &config.max_megavoxels},
       {"cloud.remove", "leave out the floor, the ceiling or both; found as planes, not by height", Unit::kNone, 0, 0,
        Choice(config.remove, kRemovals)},

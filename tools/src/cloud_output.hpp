@@ -18,7 +18,7 @@ enum class CloudRemoval : std::uint8_t { kNone, kFloor, kCeiling, kBoth };
 
 struct CloudConfig {
   double voxel_m = 0.02;             ///< one point a voxel; 0 keeps all
-  std::int32_t max_megavoxels = 64;  ///< memory: 16 MiB each
+  std::int32_t max_megavoxels = 64;  ///< memory: 16 to 32 MiB each
   CloudRemoval remove = CloudRemoval::kNone;
   double remove_margin_m = 0.05;  ///< over the floor and under the ceiling
 };
@@ -44,8 +44,6 @@ class CloudOutput : public CloudSink {
   CloudSummary finish();
 
  private:
-  void sample(std::span<const CloudPoint> points);
-
   CloudConfig config_;
   std::string path_;
   std::string spool_;  ///< empty: points go straight into the file

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
+#include "plane_fit.hpp"
 #include "position_of.hpp"
 
 namespace gdtslam {
@@ -27,17 +28,24 @@ Eigen::Matrix3d scatter_of(std::span<const CloudPoint> cloud, std::span<const st
   return sum / static_cast<double>(points.size());
 }
 
+// Points on one line leave no more scatter across it than the rounding of their coordinates.
+bool is_line(const Eigen::Vector3d& extents, const Point3& centre) {
+  constexpr double kFloatStep = 1.2e-7;
+  const double grain_m = kFloatStep * (centre.norm() + std::sqrt(extents[2]));
+  return !(extents[1] > grain_m * grain_m);
+}
+
 }  // namespace
 
 // The direction of least scatter; its error follows from the noise about the plane and the extent within it.
-PlanePatch fit_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points) {
-  if (points.size() < 3) throw InputError("a plane needs at least three points");
+std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points) {
+  if (points.size() < 3) return std::nullopt;
   PlanePatch patch;
-  patch.points.assign(points.begin(), points.end());
   patch.centre = centre_of(cloud, points);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_of(cloud, points, patch.centre));
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);  // ascending
-  if (!(extents[1] > 0.0)) throw InputError("the points of a plane lie on one line");
+  if (is_line(extents, patch.centre)) return std::nullopt;
+  patch.points.assign(points.begin(), points.end());
   patch.plane.normal = solver.eigenvectors().col(0).normalized();
   patch.plane.offset_m = patch.plane.normal.dot(patch.centre);
   const auto count = static_cast<double>(points.size());
@@ -46,6 +54,12 @@ PlanePatch fit_plane(std::span<const CloudPoint> cloud, std::span<const std::uin
   patch.sigma_offset_m = sigma_m / std::sqrt(count);
   patch.sigma_normal_rad = sigma_m / std::sqrt(count * extents[1]);
   return patch;
+}
+
+PlanePatch fit_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points) {
+  std::optional<PlanePatch> patch = fitted_plane(cloud, points);
+  if (!patch) throw InputError("a plane needs at least three points that are not on one line");
+  return *std::move(patch);
 }
 
 }  // namespace gdtslam

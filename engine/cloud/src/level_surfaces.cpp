@@ -1,8 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 #include <vector>
 
 #include "gdtslam/cloud/thinning.hpp"
+#include "plane_fit.hpp"
 #include "position_of.hpp"
 
 namespace gdtslam {
@@ -10,49 +14,47 @@ namespace {
 
 constexpr double kBin_m = 0.02;
 constexpr double kLeastRoom_m = 1.0;  // between floor and ceiling
-constexpr int kRefinements = 4;
-constexpr double kColumn_m = 0.25;  // of the grid over the ground that a surface's extent is counted in
+constexpr double kColumn_m = 0.25;    // side of the columns over the ground that a surface's extent is counted in
+constexpr int kColumnRounds = 6;
+constexpr int kPointRounds = 4;
+constexpr int kCandidates = 3;
+constexpr double kMostBeyond = 0.05;  // of the points: stairs down, a mirror, what a window shows
+constexpr double kLeastInner = 0.1;   // of a surface's columns; a row along the walls has none
 
-struct Extent {
-  float x = 0.0F;
-  float y = 0.0F;
-  int width = 0;
-  int height = 0;
-};
+using Points = std::span<const CloudPoint>;
+using Indices = std::vector<std::uint32_t>;
+using ColumnKey = std::array<std::int32_t, 2>;
 
-constexpr int kMostColumnsAlong = 4000;
-
-Extent extent_of(std::span<const CloudPoint> points) {
-  const auto [left, right] =
-      std::minmax_element(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x_m < b.x_m; });
-  const auto [low, high] =
-      std::minmax_element(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.y_m < b.y_m; });
-  const auto columns = [](float from, float to) {
-    return std::min(kMostColumnsAlong, static_cast<int>(static_cast<double>(to - from) / kColumn_m) + 1);
-  };
-  return {left->x_m, low->y_m, columns(left->x_m, right->x_m), columns(low->y_m, high->y_m)};
+std::int32_t column_of(float coordinate_m) {
+  constexpr double kMost = 1 << 30;
+  return static_cast<std::int32_t>(
+      std::clamp(std::floor(static_cast<double>(coordinate_m) / kColumn_m), -kMost, kMost));
 }
 
-// Of each column of the ground the lowest (sign 1) or highest (sign -1) point.
-std::vector<std::uint32_t> outermost(std::span<const CloudPoint> points, const Extent& extent, float sign) {
-  constexpr auto kNone = ~std::uint32_t{0};
-  std::vector<std::uint32_t> best(static_cast<std::size_t>(extent.width) * static_cast<std::size_t>(extent.height),
-                                  kNone);
-  for (std::uint32_t k = 0; k < points.size(); ++k) {
-    const int column =
-        std::min(extent.width - 1, static_cast<int>(static_cast<double>(points[k].x_m - extent.x) / kColumn_m));
-    const int row =
-        std::min(extent.height - 1, static_cast<int>(static_cast<double>(points[k].y_m - extent.y) / kColumn_m));
-    std::uint32_t& at =
-        best[static_cast<std::size_t>(row) * static_cast<std::size_t>(extent.width) + static_cast<std::size_t>(column)];
-    if (at == kNone || sign * points[k].z_m < sign * points[at].z_m) at = k;
+ColumnKey column_of(const CloudPoint& point) { return {column_of(point.x_m), column_of(point.y_m)}; }
+
+/// Of each column of the ground the lowest and the highest point.
+struct ColumnEnds {
+  Indices lowest;
+  Indices highest;
+};
+
+ColumnEnds ends_of(Points points) {
+  std::vector<std::tuple<ColumnKey, float, std::uint32_t>> sorted;
+  sorted.reserve(points.size());
+  for (std::uint32_t k = 0; k < points.size(); ++k) sorted.emplace_back(column_of(points[k]), points[k].z_m, k);
+  std::sort(sorted.begin(), sorted.end());
+  ColumnEnds ends;
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    const auto& [column, height, index] = sorted[k];
+    if (k == 0 || std::get<0>(sorted[k - 1]) != column) ends.lowest.push_back(index);
+    if (k + 1 == sorted.size() || std::get<0>(sorted[k + 1]) != column) ends.highest.push_back(index);
   }
-  std::erase(best, kNone);
-  return best;
+  return ends;
 }
 
 // The height at which most of the columns end, within twice a bin.
-double commonest_height_m(std::span<const CloudPoint> points, const std::vector<std::uint32_t>& columns) {
+double commonest_height_m(Points points, const Indices& columns) {
   std::vector<double> heights;
   heights.reserve(columns.size());
   for (const std::uint32_t k : columns) heights.push_back(static_cast<double>(points[k].z_m));
@@ -70,58 +72,116 @@ double commonest_height_m(std::span<const CloudPoint> points, const std::vector<
   return height;
 }
 
-std::vector<std::uint32_t> near_plane(std::span<const CloudPoint> points, const Plane& plane, double thickness_m) {
-  std::vector<std::uint32_t> found;
-  for (std::uint32_t k = 0; k < points.size(); ++k) {
+Indices near_plane(Points points, const Indices& among, const Plane& plane, double thickness_m) {
+  Indices found;
+  for (const std::uint32_t k : among) {
     if (std::fabs(plane.distance_m(position_of(points[k]))) <= thickness_m) found.push_back(k);
   }
   return found;
 }
 
-// The level plane at which the columns end, refined on all points near it; nothing where few end there, where it is
-// tilted too much, or where more than a few points lie beyond it.
-std::optional<PlanePatch> surface_of(std::span<const CloudPoint> points, const std::vector<std::uint32_t>& columns,
-                                     const LevelSearch& search, double sign) {
-  Plane plane{Point3(0.0, 0.0, 1.0), commonest_height_m(points, columns)};
-  PlanePatch patch;
-  for (int k = 0; k < kRefinements; ++k) {
-    const double thickness_m = k == 0 ? 2.0 * search.thickness_m : search.thickness_m;
-    const std::vector<std::uint32_t> near = near_plane(points, plane, thickness_m);
-    if (static_cast<double>(near.size()) < search.min_share * static_cast<double>(points.size()) || near.size() < 3) {
-      return std::nullopt;
-    }
-    patch = fit_plane(points, near);
-    if (patch.plane.normal.z() < 0.0) {
-      patch.plane.normal = -patch.plane.normal;
-      patch.plane.offset_m = -patch.plane.offset_m;
-    }
-    const double level = std::sqrt(std::max(0.0, 1.0 - patch.plane.normal.z() * patch.plane.normal.z()));
-    if (level > search.max_tilt_rad) return std::nullopt;
-    plane = patch.plane;
+// Three standard deviations of the points about their plane, by the median: walls that begin there do not widen it.
+double spread_m(Points points, const PlanePatch& patch) {
+  std::vector<double> distances;
+  distances.reserve(patch.points.size());
+  for (const std::uint32_t k : patch.points) {
+    distances.push_back(std::fabs(patch.plane.distance_m(position_of(points[k]))));
   }
-  constexpr double kMostBeyond = 0.05;  // of the columns: stairs down, a mirror, a window over a lower roof
-  const auto beyond = std::count_if(columns.begin(), columns.end(), [&](std::uint32_t k) {
-    return sign * plane.distance_m(position_of(points[k])) < -2.0 * search.thickness_m;
-  });
-  if (static_cast<double>(beyond) > kMostBeyond * static_cast<double>(columns.size())) return std::nullopt;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return 3.0 * 1.4826 * *middle;
+}
+
+// From where most columns end to the plane of those that end on one, however it is tilted; from there to the plane of
+// all points near it. Only the ends are asked at first, because walls would pull a tilted plane level.
+std::optional<PlanePatch> plane_at_ends(Points points, const Indices& columns, const Indices& all, double thickness_m) {
+  Plane plane{Point3(0.0, 0.0, 1.0), commonest_height_m(points, columns)};
+  for (int k = 0; k < kColumnRounds; ++k) {
+    const auto patch =
+        fitted_plane(points, near_plane(points, columns, plane, k == 0 ? 2.0 * thickness_m : thickness_m));
+    if (!patch) return std::nullopt;
+    plane = patch->plane;
+  }
+  std::optional<PlanePatch> patch;
+  double band_m = thickness_m;
+  for (int k = 0; k < kPointRounds; ++k) {
+    patch = fitted_plane(points, near_plane(points, all, plane, band_m));
+    if (!patch) return std::nullopt;
+    plane = patch->plane;
+    band_m = std::clamp(spread_m(points, *patch), 0.25 * thickness_m, thickness_m);
+  }
+  if (patch->plane.normal.z() < 0.0) {
+    patch->plane.normal = -patch->plane.normal;
+    patch->plane.offset_m = -patch->plane.offset_m;
+  }
   return patch;
+}
+
+double tilt_sine(const Plane& plane) { return std::sqrt(std::max(0.0, 1.0 - plane.normal.z() * plane.normal.z())); }
+
+// Whether enough of the patch's columns have the patch in all eight columns around them.
+bool is_wide(Points points, const Indices& patch) {
+  std::vector<ColumnKey> columns;
+  columns.reserve(patch.size());
+  for (const std::uint32_t k : patch) columns.push_back(column_of(points[k]));
+  std::sort(columns.begin(), columns.end());
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  const auto is_inner = [&columns](const ColumnKey& at) {
+    for (const std::int32_t dx : {-1, 0, 1}) {
+      for (const std::int32_t dy : {-1, 0, 1}) {
+        if (!std::binary_search(columns.begin(), columns.end(), ColumnKey{at[0] + dx, at[1] + dy})) return false;
+      }
+    }
+    return true;
+  };
+  const auto inner = std::count_if(columns.begin(), columns.end(), is_inner);
+  return static_cast<double>(inner) >= kLeastInner * static_cast<double>(columns.size());
+}
+
+// The points farther out than the plane; `sign` is 1 for a floor, below which they lie, -1 for a ceiling.
+Indices beyond(Points points, const Indices& among, const Plane& plane, double sign, double margin_m) {
+  Indices found;
+  for (const std::uint32_t k : among) {
+    if (sign * plane.distance_m(position_of(points[k])) < -margin_m) found.push_back(k);
+  }
+  return found;
+}
+
+// The outermost wide level plane at which columns end. Where too much lies beyond the first that is found, the columns
+// that end there are asked again.
+std::optional<PlanePatch> surface_of(Points points, Indices columns, const LevelSearch& search, double sign) {
+  Indices all(points.size());
+  std::iota(all.begin(), all.end(), 0U);
+  const auto total = static_cast<double>(points.size());
+  const double margin_m = 2.0 * search.thickness_m;
+  for (int candidate = 0; candidate < kCandidates && columns.size() >= 3; ++candidate) {
+    std::optional<PlanePatch> patch = plane_at_ends(points, columns, all, search.thickness_m);
+    if (!patch) return std::nullopt;
+    if (static_cast<double>(beyond(points, all, patch->plane, sign, margin_m).size()) <= kMostBeyond * total) {
+      const bool is_surface = static_cast<double>(patch->points.size()) >= search.min_share * total &&
+                              tilt_sine(patch->plane) <= search.max_tilt_rad && is_wide(points, patch->points);
+      return is_surface ? patch : std::nullopt;
+    }
+    columns = beyond(points, columns, patch->plane, sign, margin_m);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
 LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search) {
-  if (sample.size() < 3) return {};
-  const Extent extent = extent_of(sample);
-  LevelSurfaces found{surface_of(sample, outermost(sample, extent, 1.0F), search, 1.0),
-                      surface_of(sample, outermost(sample, extent, -1.0F), search, -1.0)};
+  const ColumnEnds ends = ends_of(sample);
+  LevelSurfaces found{surface_of(sample, ends.lowest, search, 1.0), surface_of(sample, ends.highest, search, -1.0)};
   const bool has_both = found.floor && found.ceiling;
   if (has_both && found.ceiling->centre.z() - found.floor->centre.z() < kLeastRoom_m) {
-    // One surface seen from above and below: what fewer points lie beyond decides.
+    // One surface seen from both sides: what little else there is lies over a floor and under a ceiling.
     const double middle = 0.5 * (found.floor->centre.z() + found.ceiling->centre.z());
-    const auto above = std::count_if(sample.begin(), sample.end(), [middle](const CloudPoint& p) {
-      return static_cast<double>(p.z_m) > middle + kLeastRoom_m / 2.0;
-    });
-    (above > 0 ? found.ceiling : found.floor).reset();
+    const auto count = [&sample](auto condition) { return std::count_if(sample.begin(), sample.end(), condition); };
+    const auto above =
+        count([&](const CloudPoint& p) { return static_cast<double>(p.z_m) > middle + kLeastRoom_m / 2; });
+    const auto below =
+        count([&](const CloudPoint& p) { return static_cast<double>(p.z_m) < middle - kLeastRoom_m / 2; });
+    (below > above ? found.floor : found.ceiling).reset();
   }
   return found;
 }

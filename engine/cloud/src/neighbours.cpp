@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <nanoflann.hpp>
 #include <utility>
 
@@ -58,7 +60,9 @@ std::optional<std::uint32_t> Neighbours::nearest(const Point3& point, double wit
   return found;
 }
 
-std::vector<std::uint32_t> Neighbours::closest(const Point3& point, std::uint32_t count) const {
+std::vector<std::uint32_t> Neighbours::closest(const Point3& point, std::uint32_t most) const {
+  const std::size_t count = std::min<std::size_t>(most, tree_->cloud.points.size());
+  if (count == 0) return {};
   std::vector<std::uint32_t> found(count);
   std::vector<double> squared(count);
   const std::array<double, 3> at{point.x(), point.y(), point.z()};
@@ -69,7 +73,9 @@ std::vector<std::uint32_t> Neighbours::closest(const Point3& point, std::uint32_
 std::vector<std::uint32_t> Neighbours::within(const Point3& point, double distance_m) const {
   std::vector<std::pair<std::uint32_t, double>> matches;
   const std::array<double, 3> at{point.x(), point.y(), point.z()};
-  tree_->index.radiusSearch(at.data(), distance_m * distance_m, matches, nanoflann::SearchParams(0, 0.0F, false));
+  // nanoflann finds what is closer than that, not what is as close.
+  const double squared_m2 = std::nextafter(distance_m * distance_m, std::numeric_limits<double>::infinity());
+  tree_->index.radiusSearch(at.data(), squared_m2, matches, nanoflann::SearchParams(0, 0.0F, false));
   std::vector<std::uint32_t> found;
   for (const auto& [k, squared] : matches) found.push_back(k);
   std::sort(found.begin(), found.end());

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -11,15 +14,37 @@ constexpr int kBitsPerAxis = 21;
 constexpr double kMostCells = 1 << (kBitsPerAxis - 1);  // on either side of the origin
 constexpr std::uint64_t kFree = ~std::uint64_t{0};
 constexpr std::size_t kFirstSlots = 1 << 12;
+constexpr std::size_t kAhead = 64;  // points whose slots are fetched from memory together
 
-// The cube of a coordinate, counted from the lower end of the range.
+std::string text_of(double value) {
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return {digits.data(), end};
+}
+
+[[noreturn]] void fail_far(float coordinate_m, double voxel_m) {
+  const double most_m = kMostCells * voxel_m;
+  throw InputError("a coordinate of the cloud is " + text_of(static_cast<double>(coordinate_m)) + " m; with cubes of " +
+                   text_of(voxel_m) + " m it must lie within " + text_of(most_m) + " m; raise cloud.voxel");
+}
+
+[[noreturn]] void fail_full(std::uint64_t max_voxels, double voxel_m) {
+  throw InputError("the cloud fills more than " + std::to_string(max_voxels) + " cubes of " + text_of(voxel_m) +
+                   " m; raise cloud.voxel, to " + text_of(2.0 * voxel_m) + " for example, or cloud.max_megavoxels");
+}
+
+// The cube of a coordinate, counted from the lower end of the range: std::floor without a call of the library.
 std::uint64_t cell_of(float coordinate_m, double voxel_m) {
-  const double cell = std::floor(static_cast<double>(coordinate_m) / voxel_m);
-  if (!(cell >= -kMostCells && cell < kMostCells)) {
-    throw InputError("a point of the cloud is " + std::to_string(std::fabs(coordinate_m)) +
-                     " m from the origin, too far for cubes of " + std::to_string(voxel_m) + " m; raise cloud.voxel");
-  }
-  return static_cast<std::uint64_t>(cell + kMostCells);
+  const double cell = static_cast<double>(coordinate_m) / voxel_m;
+  if (!(cell >= -kMostCells && cell < kMostCells)) fail_far(coordinate_m, voxel_m);  // so does what is no number
+  const auto towards_zero = static_cast<std::int64_t>(cell);
+  const std::int64_t below = static_cast<double>(towards_zero) > cell ? 1 : 0;
+  return static_cast<std::uint64_t>(towards_zero - below + static_cast<std::int64_t>(kMostCells));
+}
+
+std::uint64_t key_of(const CloudPoint& p, double voxel_m) {
+  return cell_of(p.x_m, voxel_m) << (2 * kBitsPerAxis) | cell_of(p.y_m, voxel_m) << kBitsPerAxis |
+         cell_of(p.z_m, voxel_m);
 }
 
 // splitmix64's last steps [Steele2014]: neighbouring cubes go to slots far apart.
@@ -32,7 +57,8 @@ std::uint64_t mixed(std::uint64_t key) {
 }  // namespace
 
 struct VoxelThinning::State {
-  bool insert(std::uint64_t key);
+  void take(std::span<const CloudPoint> points);
+  bool insert(std::uint64_t key, std::uint64_t hash);
   void grow();
 
   double voxel_m = 0.0;
@@ -56,20 +82,31 @@ void VoxelThinning::State::grow() {
 }
 
 // False when the cube has a point already. At most half of the slots are taken.
-bool VoxelThinning::State::insert(std::uint64_t key) {
+bool VoxelThinning::State::insert(std::uint64_t key, std::uint64_t hash) {
   const std::uint64_t mask = slots.size() - 1;
-  std::uint64_t slot = mixed(key) & mask;
+  std::uint64_t slot = hash & mask;
   for (; slots[slot] != kFree; slot = (slot + 1) & mask) {
     if (slots[slot] == key) return false;
   }
-  if (count == max_voxels) {
-    throw InputError("the cloud fills more than " + std::to_string(max_voxels >> 20U) + " x 2^20 cubes of " +
-                     std::to_string(voxel_m) + " m; raise cloud.voxel, to " + std::to_string(2.0 * voxel_m) +
-                     " for example, or cloud.max_megavoxels");
-  }
+  if (count == max_voxels) fail_full(max_voxels, voxel_m);
   slots[slot] = key;
   if (++count * 2 > slots.size()) grow();
   return true;
+}
+
+// Slots lie all over the memory, so each is asked for before the first of them is needed.
+void VoxelThinning::State::take(std::span<const CloudPoint> points) {
+  std::array<std::uint64_t, kAhead> keys{};
+  std::array<std::uint64_t, kAhead> hashes{};
+  const std::uint64_t mask = slots.size() - 1;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    keys[k] = key_of(points[k], voxel_m);
+    hashes[k] = mixed(keys[k]);
+    __builtin_prefetch(&slots[hashes[k] & mask], 1);
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (insert(keys[k], hashes[k])) kept.push_back(points[k]);
+  }
 }
 
 VoxelThinning::VoxelThinning(double voxel_m, std::uint64_t max_voxels, CloudSink& next)
@@ -82,10 +119,8 @@ std::uint64_t VoxelThinning::kept() const { return state_->count; }
 void VoxelThinning::add(std::span<const CloudPoint> points) {
   State& s = *state_;
   s.kept.clear();
-  for (const CloudPoint& p : points) {
-    const std::uint64_t key = cell_of(p.x_m, s.voxel_m) << (2 * kBitsPerAxis) |
-                              cell_of(p.y_m, s.voxel_m) << kBitsPerAxis | cell_of(p.z_m, s.voxel_m);
-    if (s.insert(key)) s.kept.push_back(p);
+  for (; !points.empty(); points = points.subspan(std::min(kAhead, points.size()))) {
+    s.take(points.first(std::min(kAhead, points.size())));
   }
   if (!s.kept.empty()) s.next.add(s.kept);
 }

@@ -29,6 +29,11 @@ bool CloudInput::fill(std::size_t count) {
   return true;
 }
 
+void CloudInput::check_line(std::size_t bytes) const {
+  if (bytes <= kMostLineBytes) return;
+  throw InputError({name_, line_number_ + 1}, "the line is longer than 64 KiB: this is no cloud, or a damaged one");
+}
+
 std::optional<std::string_view> CloudInput::line() {
   std::size_t searched = 0;
   for (;;) {
@@ -36,6 +41,7 @@ std::optional<std::string_view> CloudInput::line() {
     const auto* const newline = static_cast<const char*>(std::memchr(from + searched, '\n', end_ - begin_ - searched));
     if (newline != nullptr) {
       const auto length = static_cast<std::size_t>(newline - from);
+      check_line(length);
       begin_ += length + 1;
       ++line_number_;
       std::string_view text(from, length);
@@ -43,9 +49,7 @@ std::optional<std::string_view> CloudInput::line() {
       return text;
     }
     searched = end_ - begin_;
-    if (searched > kMostLineBytes) {
-      throw InputError({name_, line_number_ + 1}, "the line is longer than 64 KiB: this is no cloud, or a damaged one");
-    }
+    check_line(searched);
     if (fill(searched + 1)) continue;
     if (end_ == begin_) return std::nullopt;
     std::string_view text(buffer_.data() + begin_, end_ - begin_);

@@ -32,9 +32,12 @@ class CloudInput {
   std::string_view some(std::size_t most);
   [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
   [[nodiscard]] const std::string& name() const { return name_; }
+  /// What is wrong with the end of the input, known once it has been met.
+  [[nodiscard]] std::string defect() const { return source_->defect(); }
 
  private:
   bool fill(std::size_t count);
+  void check_line(std::size_t bytes) const;
 
   std::unique_ptr<ByteSource> source_;
   std::string name_;

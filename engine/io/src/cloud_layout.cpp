@@ -9,6 +9,13 @@
 namespace gdtslam {
 namespace {
 
+constexpr std::array<std::pair<std::string_view, CloudRole>, 6> kNames{{{"x", CloudRole::kX},
+                                                                        {"y", CloudRole::kY},
+                                                                        {"z", CloudRole::kZ},
+                                                                        {"elevation", CloudRole::kElevation},
+                                                                        {"time", CloudRole::kTime},
+                                                                        {"scan", CloudRole::kScan}}};
+
 template <class T>
 double decoded(const char* data, bool is_big_endian) {
   std::array<char, sizeof(T)> bytes{};
@@ -66,16 +73,17 @@ double decode(Scalar type, const char* data, bool is_big_endian) {
 }
 
 CloudRole role_of(std::string_view column) {
-  constexpr std::array<std::pair<std::string_view, CloudRole>, 6> kRoles{{{"x", CloudRole::kX},
-                                                                          {"y", CloudRole::kY},
-                                                                          {"z", CloudRole::kZ},
-                                                                          {"elevation", CloudRole::kElevation},
-                                                                          {"time", CloudRole::kTime},
-                                                                          {"scan", CloudRole::kScan}}};
-  for (const auto& [name, role] : kRoles) {
+  for (const auto& [name, role] : kNames) {
     if (column == name) return role;
   }
   return CloudRole::kIgnored;
+}
+
+std::string_view name_of(CloudRole wanted) {
+  for (const auto& [name, role] : kNames) {
+    if (role == wanted) return name;
+  }
+  return {};
 }
 
 }  // namespace gdtslam

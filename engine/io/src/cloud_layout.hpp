@@ -21,6 +21,8 @@ double decode(Scalar type, const char* data, bool is_big_endian);
 /// What a column means to us.
 enum class CloudRole : std::uint8_t { kX, kY, kZ, kElevation, kTime, kScan, kIgnored };
 CloudRole role_of(std::string_view column);
+/// The column's name; of the ignored ones "".
+std::string_view name_of(CloudRole role);
 
 struct CloudColumn {
   Scalar type = Scalar::kFloat;
@@ -42,6 +44,7 @@ struct CloudLayout {
   bool is_compressed = false;
   std::vector<CloudElement> before;  ///< elements that lie before the vertices
   CloudElement vertex;
+  bool has_more = false;  ///< other elements lie behind them
 };
 
 }  // namespace gdtslam

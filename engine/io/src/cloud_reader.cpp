@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -8,9 +9,9 @@
 #include "byte_source.hpp"
 #include "cloud_input.hpp"
 #include "cloud_layout.hpp"
+#include "cloud_numbers.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
-#include "gdtslam/io/decimal.hpp"
 #include "lzf.hpp"
 #include "pcd_header.hpp"
 #include "ply_header.hpp"
@@ -19,13 +20,34 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kMostPacked = std::size_t{1} << 30U;
-constexpr std::size_t kMostExpansion = 300;  // LZF gives at most 264 bytes for three
+constexpr std::size_t kMostExpansion = 88;  // LZF gives at most 264 bytes for three
+constexpr std::size_t kMostReserved = 65536;
+constexpr auto kRoles = static_cast<std::size_t>(CloudRole::kIgnored);
 
-std::size_t index_of(CloudRole role) { return static_cast<std::size_t>(role); }
+bool is_ascii(const CloudLayout& layout) {
+  return layout.header.format == CloudFormat::kPlyAscii || layout.header.format == CloudFormat::kPcdAscii;
+}
 
 bool has(const CloudLayout& layout, CloudRole role) {
   return std::any_of(layout.vertex.columns.begin(), layout.vertex.columns.end(),
-                     [role](const CloudColumn& column) { return column.role == role && !column.list_count; });
+                     [role](const CloudColumn& column) { return column.role == role; });
+}
+
+// What every layout must have, whatever its format says it in.
+void check_columns(CloudLayout& layout, const std::string& name) {
+  std::array<int, kRoles> times{};
+  for (CloudColumn& column : layout.vertex.columns) {
+    if (column.list_count || column.repeat != 1) column.role = CloudRole::kIgnored;
+    if (column.role == CloudRole::kIgnored) continue;
+    if (++times[static_cast<std::size_t>(column.role)] > 1) {
+      throw InputError({name, 0}, fmt::format("its points have two columns '{}'", name_of(column.role)));
+    }
+  }
+  for (const CloudRole role : {CloudRole::kX, CloudRole::kY, CloudRole::kZ}) {
+    if (!has(layout, role)) {
+      throw InputError({name, 0}, fmt::format("its points have no column '{}' of one number", name_of(role)));
+    }
+  }
 }
 
 CloudLayout read_header(CloudInput& input) {
@@ -39,9 +61,7 @@ CloudLayout read_header(CloudInput& input) {
   } else {
     throw InputError({input.name(), 1}, "is neither PLY nor PCD: the first line says neither 'ply' nor '# .PCD'");
   }
-  for (const auto& [role, name] : {std::pair{CloudRole::kX, "x"}, {CloudRole::kY, "y"}, {CloudRole::kZ, "z"}}) {
-    if (!has(layout, role)) throw InputError({input.name(), 0}, fmt::format("its points have no column '{}'", name));
-  }
+  check_columns(layout, input.name());
   layout.header.points = layout.vertex.count;
   layout.header.has_elevation = has(layout, CloudRole::kElevation);
   layout.header.has_time = has(layout, CloudRole::kTime);
@@ -49,43 +69,80 @@ CloudLayout read_header(CloudInput& input) {
   return layout;
 }
 
-bool is_ascii(const CloudLayout& layout) {
-  return layout.header.format == CloudFormat::kPlyAscii || layout.header.format == CloudFormat::kPcdAscii;
+/// A column that stands at the same place in every point.
+struct PlacedColumn {
+  Scalar type = Scalar::kFloat;
+  CloudRole role = CloudRole::kIgnored;
+  std::uint64_t offset = 0;  ///< in the point; of compressed data in all of them
+  std::uint64_t step = 0;    ///< from one point to the next, of compressed data
+};
+
+// The columns that mean something; empty where lists make points differ in length.
+std::vector<PlacedColumn> placed_columns(const CloudLayout& layout) {
+  std::vector<PlacedColumn> placed;
+  std::uint64_t offset = 0;
+  for (const CloudColumn& column : layout.vertex.columns) {
+    if (column.list_count) return {};
+    const std::uint64_t bytes = size_of(column.type) * column.repeat;
+    if (column.role != CloudRole::kIgnored) {
+      placed.push_back({column.type, column.role, offset, layout.is_compressed ? bytes : 0});
+    }
+    offset += layout.is_compressed ? bytes * layout.vertex.count : bytes;
+  }
+  return placed;
+}
+
+// Bytes that a point has at least; of lists only their lengths.
+std::uint64_t least_bytes(const CloudLayout& layout) {
+  std::uint64_t bytes = 0;
+  for (const CloudColumn& column : layout.vertex.columns) {
+    bytes += column.list_count ? size_of(*column.list_count) : size_of(column.type) * column.repeat;
+  }
+  return bytes;
 }
 
 }  // namespace
 
 struct CloudReader::State {
-  explicit State(const std::string& path)
-      : input(gunzip_if_packed(open_file_source(path), path), path), layout(read_header(input)) {
+  State(std::unique_ptr<ByteSource> source, const std::string& name)
+      : input(gunzip_if_packed(std::move(source), name), name), layout(read_header(input)) {
     for (const CloudElement& element : layout.before) skip(element);
-    if (layout.is_compressed) unpack();
+    point_bytes = least_bytes(layout);
+    if (layout.is_compressed && layout.vertex.count > 0) unpack();
+    if (point_bytes <= CloudInput::kMostBytes || layout.is_compressed) placed = placed_columns(layout);
   }
 
   void skip(const CloudElement& element);
   void unpack();
   bool read_point(CloudPoint& point);
   void read_ascii();
-  void read_binary();
-  void read_unpacked();
+  void read_placed();
+  void read_value_by_value();
+  std::optional<std::string_view> line_with_text();
   double binary_value(Scalar type);
-  void set(const CloudColumn& column, double value) {
-    if (column.role != CloudRole::kIgnored) values[index_of(column.role)] = value;
+  void check_end();
+  [[nodiscard]] double value(CloudRole role) const { return values[static_cast<std::size_t>(role)]; }
+  void set(const CloudColumn& column, double number) {
+    if (column.role != CloudRole::kIgnored) values[static_cast<std::size_t>(column.role)] = number;
   }
   [[noreturn]] void ends_early() const;
   [[noreturn]] void fail(const std::string& message) const;
 
   CloudInput input;
   CloudLayout layout;
+  std::uint64_t point_bytes = 0;
+  std::vector<PlacedColumn> placed;
   std::string unpacked;  // of binary_compressed: column after column
   std::uint64_t done = 0;
   std::uint64_t skipped = 0;
-  double values[static_cast<std::size_t>(CloudRole::kIgnored)] = {};
+  bool is_end_checked = false;
+  std::array<double, kRoles> values{};  // of the point at hand; what the file lacks is 0
 };
 
 void CloudReader::State::ends_early() const {
-  throw InputError({input.name(), 0},
-                   fmt::format("ends after {} of the {} points that its header names", done, layout.header.points));
+  const std::string defect = input.defect();
+  throw InputError({input.name(), 0}, fmt::format("ends after {} of the {} points that its header names{}", done,
+                                                  layout.header.points, defect.empty() ? "" : ": " + defect));
 }
 
 void CloudReader::State::fail(const std::string& message) const {
@@ -99,54 +156,65 @@ double CloudReader::State::binary_value(Scalar type) {
   return decode(type, data, layout.is_big_endian);
 }
 
-void CloudReader::State::read_binary() {
+void CloudReader::State::read_value_by_value() {
   for (const CloudColumn& column : layout.vertex.columns) {
     if (column.list_count) {
-      const auto count = static_cast<std::int64_t>(binary_value(*column.list_count));
-      for (std::int64_t k = 0; k < count; ++k) binary_value(column.type);
+      const double count = binary_value(*column.list_count);
+      for (double k = 0.0; k < count; ++k) binary_value(column.type);
     } else {
       for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, binary_value(column.type));
     }
   }
 }
 
-void CloudReader::State::read_ascii() {
+void CloudReader::State::read_placed() {
+  const char* const data = layout.is_compressed ? unpacked.data() : input.bytes(point_bytes);
+  if (data == nullptr) ends_early();
+  for (const PlacedColumn& column : placed) {
+    values[static_cast<std::size_t>(column.role)] =
+        decode(column.type, data + column.offset + done * column.step, layout.is_big_endian);
+  }
+}
+
+std::optional<std::string_view> CloudReader::State::line_with_text() {
   std::optional<std::string_view> line = input.line();
   while (line && line->find_first_not_of(" \t") == std::string_view::npos) line = input.line();
+  return line;
+}
+
+void CloudReader::State::read_ascii() {
+  const std::optional<std::string_view> line = line_with_text();
   if (!line) ends_early();
-  const char* at = line->data();
-  const char* const end = at + line->size();
-  const auto number = [&] {
-    while (at != end && (*at == ' ' || *at == '\t')) ++at;
-    double value = 0.0;
-    const char* const stop = at == end ? nullptr : parse_double(at, end, value);
-    if (stop == nullptr) fail("has fewer numbers than columns, or something that is no number");
-    at = stop;
-    return value;
+  CloudNumbers numbers(*line);
+  const auto number = [&](Scalar type) {
+    const std::optional<double> found = numbers.next(type);
+    if (!found) fail("has fewer numbers than columns, or something that is no number");
+    return *found;
   };
   for (const CloudColumn& column : layout.vertex.columns) {
-    const double first = column.list_count || column.repeat > 0 ? number() : 0.0;
     if (column.list_count) {
-      for (double k = 0.0; k < first; ++k) number();
-      continue;
+      const double count = number(*column.list_count);
+      if (!(count >= 0.0)) fail("the length of a list is no number from 0");
+      for (double k = 0.0; k < count; ++k) number(column.type);
+    } else {
+      for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, number(column.type));
     }
-    if (column.repeat > 0) set(column, first);
-    for (std::uint64_t k = 1; k < column.repeat; ++k) number();
   }
+  if (!numbers.at_end()) fail("has more numbers than columns, or something that is no number");
 }
 
 // Elements in front of the vertices: their bytes or lines are read over.
 void CloudReader::State::skip(const CloudElement& element) {
+  if (element.columns.empty()) return;  // takes no byte, however many there are
   for (std::uint64_t k = 0; k < element.count; ++k) {
     if (is_ascii(layout)) {
-      if (!input.line()) ends_early();
+      if (!line_with_text()) ends_early();
       continue;
     }
     for (const CloudColumn& column : element.columns) {
       const double count = column.list_count ? binary_value(*column.list_count) : 1.0;
       for (double item = 0.0; item < count; ++item) binary_value(column.type);
     }
-    if (element.columns.empty()) break;  // takes no byte, however many there are
   }
 }
 
@@ -156,10 +224,8 @@ void CloudReader::State::unpack() {
   if (sizes == nullptr) ends_early();
   const auto packed_size = static_cast<std::size_t>(decode(Scalar::kUint32, sizes, false));
   const auto size = static_cast<std::size_t>(decode(Scalar::kUint32, sizes + 4, false));
-  std::uint64_t point_bytes = 0;
-  for (const CloudColumn& column : layout.vertex.columns) point_bytes += size_of(column.type) * column.repeat;
-  if (packed_size > kMostPacked || size / kMostExpansion > packed_size ||
-      (point_bytes > 0 && layout.header.points != size / point_bytes) || layout.header.points * point_bytes != size) {
+  if (packed_size > kMostPacked || size / kMostExpansion > packed_size || layout.vertex.count != size / point_bytes ||
+      layout.vertex.count * point_bytes != size) {
     throw InputError({input.name(), 0}, "the sizes of its compressed data do not fit its header");
   }
   std::string packed;
@@ -173,39 +239,47 @@ void CloudReader::State::unpack() {
   unpacked = std::move(*data);
 }
 
-void CloudReader::State::read_unpacked() {
-  std::uint64_t column_begin = 0;
-  for (const CloudColumn& column : layout.vertex.columns) {
-    const std::uint64_t bytes = size_of(column.type) * column.repeat;
-    if (column.repeat == 1) set(column, decode(column.type, unpacked.data() + column_begin + done * bytes, false));
-    column_begin += bytes * layout.header.points;
+// A file that goes on by a point or more has a wrong count, and points would be lost unseen.
+void CloudReader::State::check_end() {
+  if (std::exchange(is_end_checked, true) || layout.has_more || layout.is_compressed) return;
+  const bool goes_on = is_ascii(layout)
+                           ? line_with_text().has_value()
+                           : input.bytes(std::min<std::size_t>(point_bytes, CloudInput::kMostBytes)) != nullptr;
+  if (goes_on) {
+    throw InputError({input.name(), is_ascii(layout) ? input.line_number() : 0},
+                     fmt::format("goes on after the {} points that its header names; correct the count there", done));
   }
 }
 
 // False when the point is not finite.
 bool CloudReader::State::read_point(CloudPoint& point) {
-  if (layout.is_compressed) {
-    read_unpacked();
-  } else if (is_ascii(layout)) {
+  if (is_ascii(layout)) {
     read_ascii();
+  } else if (!placed.empty()) {
+    read_placed();
   } else {
-    read_binary();
-  }
-  const auto value = [this](CloudRole role) { return values[index_of(role)]; };
-  const double scan = value(CloudRole::kScan);
-  if (!(scan >= 0.0 && scan <= std::numeric_limits<std::uint32_t>::max() && scan == std::floor(scan))) {
-    fail("its scan number is none from 0 to 4294967295");
+    read_value_by_value();
   }
   point = {.x_m = static_cast<float>(value(CloudRole::kX)),
            .y_m = static_cast<float>(value(CloudRole::kY)),
            .z_m = static_cast<float>(value(CloudRole::kZ)),
            .elevation_rad = static_cast<float>(value(CloudRole::kElevation)),
-           .stamp_s = value(CloudRole::kTime),
-           .scan = static_cast<std::uint32_t>(scan)};
-  return std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m);
+           .stamp_s = value(CloudRole::kTime)};
+  if (!(std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m) &&
+        std::isfinite(point.elevation_rad) && std::isfinite(point.stamp_s))) {
+    return false;
+  }
+  const double scan = value(CloudRole::kScan);
+  if (!(scan >= 0.0 && scan <= std::numeric_limits<std::uint32_t>::max() && scan == std::floor(scan))) {
+    fail("its scan number is none from 0 to 4294967295");
+  }
+  point.scan = static_cast<std::uint32_t>(scan);
+  return true;
 }
 
-CloudReader::CloudReader(const std::string& path) : state_(std::make_unique<State>(path)) {}
+CloudReader::CloudReader(const std::string& path) : state_(std::make_unique<State>(open_file_source(path), path)) {}
+CloudReader::CloudReader(std::span<const std::byte> data, const std::string& name)
+    : state_(std::make_unique<State>(open_memory_source(data), name)) {}
 CloudReader::~CloudReader() = default;
 const CloudHeader& CloudReader::header() const { return state_->layout.header; }
 std::uint64_t CloudReader::skipped() const { return state_->skipped; }
@@ -213,6 +287,7 @@ std::uint64_t CloudReader::skipped() const { return state_->skipped; }
 Cloud CloudReader::next(std::size_t most) {
   State& s = *state_;
   Cloud cloud;
+  cloud.reserve(std::min({most, kMostReserved, static_cast<std::size_t>(s.layout.header.points - s.done)}));
   CloudPoint point;
   for (; cloud.size() < most && s.done < s.layout.header.points; ++s.done) {
     if (s.read_point(point)) {
@@ -221,6 +296,7 @@ Cloud CloudReader::next(std::size_t most) {
       ++s.skipped;
     }
   }
+  if (s.done == s.layout.header.points) s.check_end();
   return cloud;
 }
 

@@ -1,10 +1,16 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
 
+#include "errno_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -14,22 +20,25 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kPiece = 4096;
+constexpr std::size_t kPointBytes = 28;
 constexpr std::size_t kCountDigits = 20;
 
+// Little-endian, whatever the host; returns where the next value begins.
 template <class T>
-void append(std::string& bytes, T value) {
-  using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-  auto bits = std::bit_cast<Bits>(value);
-  for (std::size_t k = 0; k < sizeof(T); ++k, bits >>= 8U) bytes.push_back(static_cast<char>(bits & 0xffU));
+char* put(char* at, T value) {
+  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+  std::memcpy(at, bytes.data(), sizeof(T));
+  return at + sizeof(T);
 }
 
-void append_binary(std::string& bytes, const CloudPoint& point) {
-  append(bytes, point.x_m);
-  append(bytes, point.y_m);
-  append(bytes, point.z_m);
-  append(bytes, point.elevation_rad);
-  append(bytes, point.stamp_s);
-  append(bytes, point.scan);
+void put_binary(char* at, const CloudPoint& point) {
+  at = put(at, point.x_m);
+  at = put(at, point.y_m);
+  at = put(at, point.z_m);
+  at = put(at, point.elevation_rad);
+  at = put(at, point.stamp_s);
+  put(at, point.scan);
 }
 
 // The shortest digits that read back as the same bits.
@@ -59,10 +68,29 @@ std::string header_of(CloudFormat format, std::uint64_t points) {
       blanks, count, count, is_binary(format) ? "binary" : "ascii");
 }
 
+// Before anything is written: a target whose beginning cannot be written again would end as a cloud of no points.
+const std::string& seekable(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||
+      std::filesystem::is_directory(status)) {
+    return path;
+  }
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0 && errno != ENXIO) throw FileError(path, "cannot be written: " + errno_text(errno));
+  const bool can_seek = descriptor >= 0 && ::lseek(descriptor, 0, SEEK_CUR) >= 0;
+  if (descriptor >= 0) ::close(descriptor);
+  if (can_seek) return path;
+  throw FileError(path,
+                  "is a pipe or a terminal: a cloud begins with its number of points, which is known last; "
+                  "name a file");
+}
+
 }  // namespace
 
 CloudFormat cloud_format_of(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   if (extension == ".ply") return CloudFormat::kPlyBinary;
   if (extension == ".pcd") return CloudFormat::kPcdBinary;
   throw UsageError(path + ": the name of a cloud ends in .ply or .pcd");
@@ -79,8 +107,12 @@ struct CloudWriter::State {
 };
 
 CloudWriter::CloudWriter(const std::string& path, CloudFormat format)
-    : state_(
-          new State{.file = AtomicFile(path), .format = format, .hash = {}, .sha256 = {}, .binary = {}, .text = {}}) {
+    : state_(new State{.file = AtomicFile(seekable(path)),
+                       .format = format,
+                       .hash = {},
+                       .sha256 = {},
+                       .binary = std::string(kPiece * kPointBytes, '\0'),
+                       .text = {}}) {
   state_->file.write(header_of(format, 0));
 }
 
@@ -91,11 +123,11 @@ void CloudWriter::add(std::span<const CloudPoint> points) {
   while (!points.empty()) {
     const std::span<const CloudPoint> piece = points.first(std::min(points.size(), kPiece));
     points = points.subspan(piece.size());
-    s.binary.clear();
-    for (const CloudPoint& point : piece) append_binary(s.binary, point);
-    s.hash.update(s.binary);
+    for (std::size_t k = 0; k < piece.size(); ++k) put_binary(s.binary.data() + k * kPointBytes, piece[k]);
+    const std::string_view binary(s.binary.data(), piece.size() * kPointBytes);
+    s.hash.update(binary);
     if (is_binary(s.format)) {
-      s.file.write(s.binary);
+      s.file.write(binary);
     } else {
       s.text.clear();
       for (const CloudPoint& point : piece) append_text(s.text, point);

@@ -9,6 +9,7 @@ namespace gdtslam {
 std::optional<std::string> unpack_lzf(std::string_view packed, std::size_t size) {
   constexpr std::size_t kLiterals = 32;
   std::string data;
+  data.reserve(size);
   std::size_t at = 0;
   const auto byte = [&] { return static_cast<std::size_t>(static_cast<unsigned char>(packed[at++])); };
   while (at < packed.size()) {

@@ -6,6 +6,7 @@
 
 #include "cloud_words.hpp"
 #include "gdtslam/core/error.hpp"
+#include "message_text.hpp"
 
 namespace gdtslam {
 namespace {
@@ -39,7 +40,7 @@ Scalar scalar_of(std::string_view type, std::string_view size, const FilePositio
   if (name == "U8") return Scalar::kUint64;
   if (name == "F4") return Scalar::kFloat;
   if (name == "F8") return Scalar::kDouble;
-  throw InputError(at, fmt::format("TYPE {} with SIZE {} is none of PCD's", type, size));
+  throw InputError(at, fmt::format("TYPE {} with SIZE {} is none of PCD's", in_quotes(type), in_quotes(size)));
 }
 
 std::uint64_t number_of(const Words& words, const FilePosition& at) {
@@ -74,28 +75,32 @@ std::uint64_t points_of(const PcdHeader& header, const FilePosition& at) {
   return points;
 }
 
+// One column; before version 0.6 files have no SIZE and TYPE, and all columns are floats.
+CloudColumn column_of(const PcdHeader& header, std::size_t k, const FilePosition& at) {
+  const std::string_view type = header.types.empty() ? std::string_view("F") : header.types[k];
+  const std::string_view size = header.sizes.empty() ? std::string_view("4") : header.sizes[k];
+  const std::optional<std::uint64_t> repeat = header.counts.empty() ? 1 : count_of(header.counts[k]);
+  if (!repeat || *repeat > kMostValues) throw InputError(at, "COUNT has a value that is no number up to 8000");
+  return {.type = scalar_of(type, size, at), .role = role_of(header.fields[k]), .repeat = *repeat};
+}
+
 CloudLayout layout_of(const PcdHeader& header, const FilePosition& at) {
   const std::size_t fields = header.fields.size();
   if (fields == 0 || fields > kMostColumns) throw InputError(at, "FIELDS names no column, or more than 1000");
-  if (header.sizes.size() != fields || header.types.size() != fields ||
-      (!header.counts.empty() && header.counts.size() != fields)) {
-    throw InputError(at, "FIELDS, SIZE, TYPE and COUNT have different lengths");
+  for (const Words* words : {&header.sizes, &header.types, &header.counts}) {
+    if (!words->empty() && words->size() != fields) {
+      throw InputError(at, "FIELDS, SIZE, TYPE and COUNT have different lengths");
+    }
   }
   CloudLayout layout;
   layout.vertex.is_vertex = true;
   layout.vertex.count = points_of(header, at);
-  for (std::size_t k = 0; k < fields; ++k) {
-    CloudColumn column{.type = scalar_of(header.types[k], header.sizes[k], at), .role = role_of(header.fields[k])};
-    const std::optional<std::uint64_t> repeat = header.counts.empty() ? 1 : count_of(header.counts[k]);
-    if (!repeat || *repeat > kMostValues) throw InputError(at, "COUNT has a value that is no number up to 8000");
-    column.repeat = *repeat;
-    if (column.repeat != 1) column.role = CloudRole::kIgnored;
-    layout.vertex.columns.push_back(column);
-  }
+  for (std::size_t k = 0; k < fields; ++k) layout.vertex.columns.push_back(column_of(header, k, at));
   layout.header.format = header.data == "ascii" ? CloudFormat::kPcdAscii : CloudFormat::kPcdBinary;
   layout.is_compressed = header.data == "binary_compressed";
   if (header.data != "ascii" && header.data != "binary" && !layout.is_compressed) {
-    throw InputError(at, fmt::format("DATA is '{}', expected ascii, binary or binary_compressed", header.data));
+    throw InputError(at,
+                     fmt::format("DATA is {}, expected ascii, binary or binary_compressed", in_quotes(header.data)));
   }
   return layout;
 }
@@ -110,7 +115,7 @@ CloudLayout read_pcd_header(CloudInput& input, const std::string& first_line) {
     Words words;
     for (const std::string_view word : words_of(*line)) words.emplace_back(word);
     if (!words.empty() && !words[0].starts_with('#') && !take(words, header, at)) {
-      throw InputError(at, fmt::format("'{}' is no keyword of a PCD header", words[0]));
+      throw InputError(at, fmt::format("{} is no keyword of a PCD header", in_quotes(words[0])));
     }
     if (!words.empty() && words[0] == "DATA") return layout_of(header, at);
     const std::optional<std::string_view> next = input.line();

@@ -7,6 +7,7 @@
 
 #include "cloud_words.hpp"
 #include "gdtslam/core/error.hpp"
+#include "message_text.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,7 +19,7 @@ constexpr std::uint64_t kMostLines = 100'000;
 using Words = std::vector<std::string_view>;
 
 Scalar scalar_of(std::string_view word, const FilePosition& at) {
-  constexpr std::array<std::pair<std::string_view, Scalar>, 16> kTypes{{{"char", Scalar::kInt8},
+  constexpr std::array<std::pair<std::string_view, Scalar>, 18> kTypes{{{"char", Scalar::kInt8},
                                                                         {"int8", Scalar::kInt8},
                                                                         {"uchar", Scalar::kUint8},
                                                                         {"uint8", Scalar::kUint8},
@@ -30,6 +31,8 @@ Scalar scalar_of(std::string_view word, const FilePosition& at) {
                                                                         {"int32", Scalar::kInt32},
                                                                         {"uint", Scalar::kUint32},
                                                                         {"uint32", Scalar::kUint32},
+                                                                        {"int64", Scalar::kInt64},
+                                                                        {"uint64", Scalar::kUint64},
                                                                         {"float", Scalar::kFloat},
                                                                         {"float32", Scalar::kFloat},
                                                                         {"double", Scalar::kDouble},
@@ -37,7 +40,7 @@ Scalar scalar_of(std::string_view word, const FilePosition& at) {
   for (const auto& [name, type] : kTypes) {
     if (word == name) return type;
   }
-  throw InputError(at, fmt::format("'{}' is no type of PLY", word));
+  throw InputError(at, fmt::format("{} is no type of PLY", in_quotes(word)));
 }
 
 void set_format(const Words& words, CloudLayout& layout, const FilePosition& at) {
@@ -45,8 +48,8 @@ void set_format(const Words& words, CloudLayout& layout, const FilePosition& at)
   layout.header.format = words[1] == "ascii" ? CloudFormat::kPlyAscii : CloudFormat::kPlyBinary;
   layout.is_big_endian = words[1] == "binary_big_endian";
   if (words[1] != "ascii" && words[1] != "binary_little_endian" && !layout.is_big_endian) {
-    throw InputError(at,
-                     fmt::format("'{}' is no format of PLY: ascii, binary_little_endian, binary_big_endian", words[1]));
+    throw InputError(
+        at, fmt::format("{} is no format of PLY: ascii, binary_little_endian, binary_big_endian", in_quotes(words[1])));
   }
 }
 
@@ -71,6 +74,7 @@ CloudColumn column_of(const Words& words, const FilePosition& at) {
 void sort_elements(std::vector<CloudElement> elements, CloudLayout& layout, const std::string& name) {
   for (CloudElement& element : elements) {
     if (element.is_vertex) {
+      layout.has_more = &element != &elements.back();
       layout.vertex = std::move(element);
       return;
     }
@@ -79,34 +83,47 @@ void sort_elements(std::vector<CloudElement> elements, CloudLayout& layout, cons
   throw InputError({name, 0}, "has no element 'vertex', so it holds no points");
 }
 
-}  // namespace
+// What the lines between "ply" and "end_header" say.
+struct PlyHeader {
+  void take(const Words& words, const FilePosition& at);
 
-CloudLayout read_ply_header(CloudInput& input) {
   CloudLayout layout;
   std::vector<CloudElement> elements;
   bool has_format = false;
+};
+
+void PlyHeader::take(const Words& words, const FilePosition& at) {
+  if (words[0] == "format") {
+    set_format(words, layout, at);
+    has_format = true;
+  } else if (words[0] == "element") {
+    if (elements.size() == kMostElements) throw InputError(at, "more than 100 elements");
+    elements.push_back(element_of(words, at));
+  } else if (words[0] == "property") {
+    if (elements.empty()) throw InputError(at, "a property before the first element");
+    if (elements.back().columns.size() == kMostColumns) throw InputError(at, "more than 1000 properties");
+    elements.back().columns.push_back(column_of(words, at));
+  } else {
+    throw InputError(at, fmt::format("{} is no keyword of a PLY header", in_quotes(words[0])));
+  }
+}
+
+}  // namespace
+
+CloudLayout read_ply_header(CloudInput& input) {
+  PlyHeader header;
   while (const std::optional<std::string_view> line = input.line()) {
     const FilePosition at{input.name(), input.line_number()};
+    if (at.line > kMostLines) throw InputError(at, "the PLY header has more than 100000 lines");
     const Words words = words_of(*line);
-    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") {
-      if (input.line_number() > kMostLines) break;
-    } else if (words[0] == "format") {
-      set_format(words, layout, at);
-      has_format = true;
-    } else if (words[0] == "element") {
-      if (elements.size() == kMostElements) throw InputError(at, "more than 100 elements");
-      elements.push_back(element_of(words, at));
-    } else if (words[0] == "property") {
-      if (elements.empty()) throw InputError(at, "a property before the first element");
-      if (elements.back().columns.size() == kMostColumns) throw InputError(at, "more than 1000 properties");
-      elements.back().columns.push_back(column_of(words, at));
-    } else if (words[0] == "end_header") {
-      if (!has_format) throw InputError(at, "the header has no 'format' line");
-      sort_elements(std::move(elements), layout, input.name());
-      return layout;
-    } else {
-      throw InputError(at, fmt::format("'{}' is no keyword of a PLY header", words[0]));
+    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+    if (words[0] != "end_header") {
+      header.take(words, at);
+      continue;
     }
+    if (!header.has_format) throw InputError(at, "the header has no 'format' line");
+    sort_elements(std::move(header.elements), header.layout, input.name());
+    return header.layout;
   }
   throw InputError({input.name(), 0}, "the PLY header has no 'end_header'; is the file whole?");
 }

@@ -12,8 +12,9 @@
 
 namespace gdtslam {
 
-/// Hands on the first point of each voxel. Memory: about 16 bytes for each voxel that has a point; throws InputError
-/// beyond max_voxels, with the voxel size that would do.
+/// Hands on the first point of each voxel; voxels are cubes, one with its corner at the origin. Memory: 16 to 32 bytes
+/// for each voxel that has a point, half as much again for a moment while it grows. Throws InputError beyond max_voxels
+/// and for points farther than 2^20 voxels from the origin, with what to do. O(1) for each point.
 class VoxelThinning : public CloudSink {
  public:
   VoxelThinning(double voxel_m, std::uint64_t max_voxels, CloudSink& next);
@@ -36,11 +37,11 @@ struct LevelSearch {
   double max_tilt_rad = 0.05;
   double thickness_m = 0.06;
   double min_share = 0.02;  ///< of all points, to be called a surface
-  std::uint64_t seed = 1;
 };
+/// Normals point up. O(n log n).
 LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search);
 
-/// Hands on what is neither floor (or below) nor ceiling (or above).
+/// Hands on what is neither floor (or below) nor ceiling (or above), the margin included.
 class LevelRemoval : public CloudSink {
  public:
   LevelRemoval(const LevelSurfaces& surfaces, double margin_m, CloudSink& next);

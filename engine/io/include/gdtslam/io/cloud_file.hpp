@@ -1,13 +1,14 @@
-// Clouds as PLY (binary or ASCII) and PCD (binary or ASCII), written and read piece by piece: memory does not depend on
-// the number of points. Every file is written to a temporary name, synced and renamed. Columns: x y z (float, metres),
-// elevation (float, radians), time (double, seconds), scan (uint); a reader takes files that have x y z only, columns
-// in any order, of any numeric type, and skips what it does not know. Cost: one pass. One object, one thread.
+// Clouds as PLY [Turk1994] and PCD, binary or ASCII, written and read piece by piece: memory does not depend on the
+// number of points, save for PCD's binary_compressed, which lies in memory as a whole while it is read. Every file is
+// written to a temporary name, synced and renamed. Columns: x y z (float, metres), elevation (float, radians), time
+// (double, seconds), scan (uint); a reader takes files that have x y z only, columns in any order, of any numeric type,
+// and skips what it does not know. Cost: one pass. One object belongs to one thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <optional>
+#include <span>
 #include <string>
 
 #include "gdtslam/core/cloud.hpp"
@@ -16,12 +17,13 @@ namespace gdtslam {
 
 enum class CloudFormat : std::uint8_t { kPlyBinary, kPlyAscii, kPcdBinary, kPcdAscii };
 
-/// By the name's extension, .ply or .pcd, binary. Throws UsageError for any other.
+/// By the name's extension, .ply or .pcd in small or capital letters, binary. Throws UsageError for any other.
 CloudFormat cloud_format_of(const std::string& path);
 
 class CloudWriter : public CloudSink {
  public:
-  /// Throws FileError, as add() and finish() do. Without finish() nothing is left behind.
+  /// Throws FileError, as add() and finish() do, also for a pipe or terminal: the count in the header is written last.
+  /// Without finish() nothing is left behind.
   CloudWriter(const std::string& path, CloudFormat format);
   ~CloudWriter() override;
   void add(std::span<const CloudPoint> points) override;
@@ -47,11 +49,14 @@ struct CloudHeader {
 
 class CloudReader {
  public:
-  /// PLY or PCD by its first line, plain or in gzip. Throws InputError (file, line or byte, what is wrong, what to do) or FileError.
+  /// PLY or PCD by its first line, plain or in gzip. Throws InputError (file, line or point, what is wrong) or
+  /// FileError, as next() does.
   explicit CloudReader(const std::string& path);
+  /// The same of bytes in memory, which must outlive the reader; `name` stands in messages.
+  CloudReader(std::span<const std::byte> data, const std::string& name);
   ~CloudReader();
   [[nodiscard]] const CloudHeader& header() const;
-  /// The next up to `most` points; empty at the end. Points that are not finite are skipped and counted.
+  /// The next up to `most` points; empty at the end. Points with a value that is not finite are skipped and counted.
   Cloud next(std::size_t most = 65536);
   [[nodiscard]] std::uint64_t skipped() const;
 
