@@ -53,6 +53,14 @@ TEST(SweepModel, ElevationIsWrappedToMinusHalfATurn) {
   }
 }
 
+TEST(SweepModel, HalfATurnCountsAsMinusHalfATurn) {
+  SweepModel model = sweep_model_of_preset("paper-b");
+  const double rocker_rad = solve(model.bars, model.assembly, 4.0).value().rocker_rad;
+  ASSERT_GT(rocker_rad, kPi / 2.0);  // so that the difference and the sum are exact
+  model.elevation_offset_rad = kPi - rocker_rad;
+  EXPECT_EQ(elevation_rad(model, 4.0).value(), -kPi);
+}
+
 TEST(SweepModel, TableGoesOnWhereTheElevationPassesHalfATurn) {
   SweepModel model = sweep_model_of_preset("paper-b");
   model.elevation_offset_rad += kPi - 0.5;

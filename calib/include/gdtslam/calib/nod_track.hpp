@@ -44,7 +44,7 @@ class NodTrack {
   /// turn apart, offsets relative to `stamp_s`; two equal ones where from_s is to_s. Empty where the stretch is not
   /// covered as a whole.
   [[nodiscard]] std::vector<PhaseKnot> knots(double stamp_s, double from_s, double to_s) const;
-  /// Frees what only earlier times need. Nothing before this time is covered afterwards.
+  /// Frees what only earlier times need; they may not be covered afterwards.
   void forget_before(double stamp_s);
   [[nodiscard]] std::size_t kept_messages() const { return messages_.size(); }
 
