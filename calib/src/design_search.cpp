@@ -61,18 +61,12 @@ Candidate candidate_of(const ShapeChoice& choice, double longest) {
 }
 
 Candidate best_coupler(const ShapeLimits& limits, double imbalance_rad) {
-  Candidate best;
-  for (const bool is_beyond_chord : {false, true}) {
-    // Even in the inverse: what happens to the angle with long couplers happens slowly.
-    const auto at_inverse = [&](double inverse) {
-      return candidate_of({limits.swing_rad, imbalance_rad, 1.0 / inverse, is_beyond_chord}, limits.longest);
-    };
-    const Candidate found = least_over({1.0 / limits.longest, 1.0}, kCouplerSamples, at_inverse);
-    if (found.cosine < best.cosine) {
-      best = found;
-    }
-  }
-  return best;
+  // Even in the inverse: what happens to the angle with long couplers happens slowly.
+  const auto at_inverse = [&](double inverse) {
+    return candidate_of({.swing_rad = limits.swing_rad, .imbalance_rad = imbalance_rad, .coupler = 1.0 / inverse},
+                        limits.longest);
+  };
+  return least_over({1.0 / limits.longest, 1.0}, kCouplerSamples, at_inverse);
 }
 
 }  // namespace

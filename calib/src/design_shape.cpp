@@ -41,8 +41,7 @@ std::optional<FourBar> shape(const ShapeChoice& choice) {
   // At the stretched end, from the chord: the crank's pivot, and the rocker's pivot at (pi - swing) / 2.
   const double cosine = (stretched * stretched + chord * chord - folded * folded) / (2.0 * stretched * chord);
   const double sine = folded * 2.0 * half_imbalance.sin * half_imbalance.cos / chord;
-  const double side = choice.is_beyond_chord ? 1.0 : -1.0;
-  const double pivots_cosine = half_swing.sin * cosine - side * half_swing.cos * sine;
+  const double pivots_cosine = half_swing.sin * cosine + half_swing.cos * sine;
   const double sq_ground = stretched * stretched + rocker * rocker - 2.0 * stretched * rocker * pivots_cosine;
   const FourBar bars{
       .crank_m = 1.0, .coupler_m = coupler, .rocker_m = rocker, .ground_m = std::sqrt(std::max(0.0, sq_ground))};

@@ -10,12 +10,12 @@
 
 namespace gdtslam::calib {
 
-/// What a shape is made of. All that has this swing and imbalance is found between the two sides and all couplers.
+/// What a shape is made of. The crank's pivot lies on the side of the rocker's pivot of the line through the rocker's
+/// outermost ends; on the other side there are crank-rockers too, which transmit worse.
 struct ShapeChoice {
   double swing_rad = 0.0;
-  double imbalance_rad = 0.0;    ///< the slow stroke takes pi + imbalance of the turn, 0 to pi
-  double coupler = 0.0;          ///< over the crank, above 1
-  bool is_beyond_chord = false;  ///< the pivots lie on different sides of the line through the rocker's outermost ends
+  double imbalance_rad = 0.0;  ///< the slow stroke takes pi + imbalance of the turn, 0 to pi
+  double coupler = 0.0;        ///< over the crank, above 1
 };
 
 /// The bars for a crank of 1, or nothing where the choice is no crank-rocker with that swing.

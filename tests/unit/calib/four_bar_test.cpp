@@ -52,6 +52,8 @@ TEST(FourBar, RightTriangleOnBothSides) {
 
 TEST(FourBar, RockerAngleNeverIsMinusPi) {
   const FourBar bars{.crank_m = 3.0, .coupler_m = 3.0, .rocker_m = 4.0, .ground_m = 4.0};
+  const FourBar flat{.crank_m = 1.0, .coupler_m = 2.0, .rocker_m = 3.0, .ground_m = 6.0};
+  EXPECT_EQ(solve(flat, Assembly::kCrossed, 0.0)->rocker_rad, kPi);  // B lies at a negative zero
   for (const double crank_rad : {0.5 * kPi, -0.5 * kPi}) {
     for (const Assembly assembly : {Assembly::kOpen, Assembly::kCrossed}) {
       EXPECT_GT(solve(bars, assembly, crank_rad)->rocker_rad, -kPi);
