@@ -10,7 +10,7 @@
 
 namespace gdtslam {
 
-/// Colours of the drawing, legible on white and apart also for most who see few colours [Okabe2008].
+/// Colours of the drawing, legible on white. Every bar also carries its name.
 namespace ink {
 inline constexpr std::string_view kPage = "#f6f5f1";
 inline constexpr std::string_view kCard = "#ffffff";

@@ -149,7 +149,7 @@ TEST(CrankRockerOracle, PositionsAreThoseOfTheBisection) {
 }
 
 // At an extreme of the rate the line through the poles of crank-rocker and coupler-ground is at a right angle to the
-// coupler (Freudenstein's theorem): found without differentiating.
+// coupler [Freudenstein1956]: found without differentiating.
 TEST(CrankRockerOracle, TheLargestRateIsWhereFreudensteinsTheoremHasIt) {
   Random random(11);
   for (int i = 0; i < 10; ++i) {

@@ -65,7 +65,8 @@ struct Design {
 /// For each of `count` crank lengths, spread evenly over their range, the crank-rocker that meets the goal exactly in
 /// swing (and time ratio, where asked) and has the best transmission within the longest bar; of these the ones that
 /// meet the least transmission, the best first, so fewer than `count` where only short cranks do. One is that of the
-/// shortest crank. Of all time ratios 1 transmits best. About 0.1 s for each. Throws ConfigError that says which part
+/// shortest crank. Where long bars are allowed a time ratio of 1
+/// transmits best. About 0.1 s for each. Throws ConfigError that says which part
 /// of the goal no linkage meets, what the best one reaches and what to change.
 std::vector<Design> design(const DesignGoal& goal, std::size_t count = 1);
 
