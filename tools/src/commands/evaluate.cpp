@@ -1,4 +1,4 @@
-// gdtslam evaluate: how far a trajectory is from what somebody verified.
+// gdtslam evaluate: how far a trajectory is from what somebody verified, or a cloud from the truth.
 #include <fmt/format.h>
 
 #include <memory>
@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "evaluate_cloud.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -18,13 +19,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct EvaluateOptions {
-  std::string trajectory;
+  std::string file;  ///< a trajectory, or with scene or hits a cloud
   std::string relations;
-  std::string reference;
-  double tolerance_s = -1.0;  ///< negative: the default of the metric
   double distance_m = ReferenceOptions{}.rpe_distance_m;
-  bool no_align = false;
-  bool json = false;
+  EvaluateCloudOptions cloud;  ///< and what a trajectory's evaluation shares with it
 };
 
 constexpr const char* kHeading = "                    count      mean       std    median      rmse       max\n";
@@ -70,17 +68,17 @@ Json relation_json(const RelationReport& report) {
 }
 
 int evaluate_against_relations(const EvaluateOptions& options) {
-  const Trajectory trajectory = read_tum(options.trajectory);
+  const Trajectory trajectory = read_tum(options.file);
   const std::vector<Relation> relations = read_relations(options.relations);
-  const RelationReport report = options.tolerance_s < 0.0
+  const RelationReport report = options.cloud.tolerance_s < 0.0
                                     ? evaluate_relations(trajectory, relations)
-                                    : evaluate_relations(trajectory, relations, options.tolerance_s);
+                                    : evaluate_relations(trajectory, relations, options.cloud.tolerance_s);
   if (report.all.translation_m.count == 0) {
     throw InputError({options.relations, 0},
                      fmt::format("none of its {} relations has stamps of {}; do both belong to the same log?",
-                                 relations.size(), options.trajectory));
+                                 relations.size(), options.file));
   }
-  print_result(options.json ? relation_json(report).dump(2) + "\n" : relation_text(report));
+  print_result(options.cloud.json ? relation_json(report).dump(2) + "\n" : relation_text(report));
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -115,33 +113,72 @@ Json reference_json(const ReferenceReport& report, const ReferenceOptions& optio
 }
 
 int evaluate_against_reference(const EvaluateOptions& options) {
-  ReferenceOptions reference{.rpe_distance_m = options.distance_m, .align = !options.no_align};
-  if (options.tolerance_s >= 0.0) reference.tolerance_s = options.tolerance_s;
+  ReferenceOptions reference{.rpe_distance_m = options.distance_m, .align = !options.cloud.no_align};
+  if (options.cloud.tolerance_s >= 0.0) reference.tolerance_s = options.cloud.tolerance_s;
   const ReferenceReport report =
-      evaluate_reference(read_tum(options.trajectory), read_tum(options.reference), reference);
-  print_result(options.json ? reference_json(report, reference).dump(2) + "\n" : reference_text(report, reference));
+      evaluate_reference(read_tum(options.file), read_tum(options.cloud.reference), reference);
+  print_result(options.cloud.json ? reference_json(report, reference).dump(2) + "\n"
+                                  : reference_text(report, reference));
   return static_cast<int>(ExitCode::kDone);
 }
 
 int evaluate(const EvaluateOptions& options) {
+  const EvaluateCloudOptions& cloud = options.cloud;
+  if (!cloud.scene.empty() || !cloud.hits.empty()) {
+    EvaluateCloudOptions job = cloud;
+    job.cloud = options.file;
+    return evaluate_cloud(job);
+  }
+  if (!cloud.trajectory.empty() || !cloud.linkage.empty() || !cloud.resolution.empty() || !cloud.csv.empty()) {
+    throw UsageError("--trajectory, --linkage, --resolution and --csv belong to a cloud: give --scene or --hits too");
+  }
+  if (options.relations.empty() && cloud.reference.empty()) {
+    throw UsageError(
+        "nothing to compare with: give --relations or --reference for a trajectory, --scene or --hits for "
+        "a cloud");
+  }
   return options.relations.empty() ? evaluate_against_reference(options) : evaluate_against_relations(options);
+}
+
+// What the file is compared with.
+void add_truths(CLI::App& command, EvaluateOptions& chosen) {
+  EvaluateCloudOptions& cloud = chosen.cloud;
+  CLI::Option* relations = command.add_option("--relations", chosen.relations,
+                                              "Verified relations, rows `t1 t2 x y z roll pitch yaw`, plain or gzip");
+  CLI::Option* reference = command.add_option("--reference", cloud.reference, "True trajectory, TUM, plain or gzip");
+  CLI::Option* scene = command.add_option("--scene", cloud.scene,
+                                          "Of a cloud: distances to the surfaces of this scene, a file or a sample");
+  CLI::Option* hits = command.add_option("--hits", cloud.hits,
+                                         "Of a cloud: distance of each point to the true hit of its own beam, from "
+                                         "`simulate --truth-hits`");
+  relations->type_name("FILE")->excludes(reference)->excludes(scene)->excludes(hits);
+  scene->type_name("SCENE")->excludes(hits);
+  reference->type_name("FILE");
+  hits->type_name("FILE");
+}
+
+void add_cloud_options(CLI::App& command, EvaluateCloudOptions& cloud) {
+  command
+      .add_option("--trajectory", cloud.trajectory,
+                  "Of a cloud: its run's trajectory; with --reference it tells where the cloud is in the scene")
+      ->type_name("FILE");
+  command.add_option("--linkage", cloud.linkage, "With --hits: also tell the quantisation bound of this linkage")
+      ->type_name("PRESET|FILE");
+  command.add_option("--resolution", cloud.resolution, "With --linkage: the step of the ranges, as \"1 mm\"")
+      ->type_name("LENGTH");
+  command.add_option("--csv", cloud.csv, "Of a cloud: write the histogram of the distances")->type_name("FILE");
 }
 
 }  // namespace
 
 void add_evaluate_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* command = app.add_subcommand("evaluate", "Errors of a trajectory against relations or a reference");
-  command->add_option("trajectory", options->trajectory, "TUM file: stamp x y z qx qy qz qw")->required();
-  CLI::Option_group* against = command->add_option_group("against", "One of");
-  against
-      ->add_option("--relations", options->relations,
-                   "Verified relations, rows `t1 t2 x y z roll pitch yaw`, plain or gzip")
-      ->type_name("FILE");
-  against->add_option("--reference", options->reference, "True trajectory, TUM, plain or gzip")->type_name("FILE");
-  against->require_option(1);
+  CLI::App* command = app.add_subcommand("evaluate", "Errors of a trajectory or a cloud against the truth");
+  command->add_option("file", options->file, "Trajectory, TUM: stamp x y z qx qy qz qw; or cloud, PLY or PCD")
+      ->required();
+  add_truths(*command, *options);
   command
-      ->add_option("--tolerance", options->tolerance_s,
+      ->add_option("--tolerance", options->cloud.tolerance_s,
                    "Stamps further apart do not match (default: 0.0001 s for relations, 0.01 s for a reference)")
       ->type_name("SECONDS")
       ->check(CLI::NonNegativeNumber);
@@ -149,17 +186,22 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
       ->type_name("METRES")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_flag("--no-align", options->no_align,
+  command->add_flag("--no-align", options->cloud.no_align,
                     "Against a reference: make the first poses agree instead of the best rigid alignment");
-  command->add_flag("--json", options->json, "Print JSON");
+  add_cloud_options(*command, options->cloud);
+  command->add_flag("--json", options->cloud.json, "Print JSON");
   command->footer(
       "Relations: the error is the norm of the translation difference and the wrapped yaw difference, for all\n"
       "relations, those of at most 20 s and loops (Kuemmerle et al. 2009). Reference: absolute trajectory error\n"
-      "(ATE) and relative pose error (RPE).\n"
+      "(ATE) and relative pose error (RPE). Scene and hits: distances of the points, in metres.\n"
       "\n"
       "Examples:\n"
       "  gdtslam evaluate out/trajectory.tum --relations intel.relations.gz\n"
-      "  gdtslam evaluate out/trajectory.tum --reference office.truth.tum --json");
+      "  gdtslam evaluate out/trajectory.tum --reference office.truth.tum --json\n"
+      "  gdtslam evaluate out/cloud.ply --scene office-7f --trajectory out/trajectory.tum --reference "
+      "office.truth.tum\n"
+      "  gdtslam evaluate out/cloud.ply --hits boxes.truth.ply --trajectory out/trajectory.tum --reference "
+      "boxes.truth.tum");
   command->callback([options, &context] { context.run = [options] { return evaluate(*options); }; });
 }
 

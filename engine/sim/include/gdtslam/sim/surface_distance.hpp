@@ -1,0 +1,44 @@
+// How far a point in space is from the nearest surface of a scene: what a measured cloud is judged by. Embree's tree
+// proposes triangles; distance and choice are ours, in double precision, as in ray_caster.hpp: the smallest distance
+// wins, the lowest triangle index among equals, so the result is that of a search through all triangles, bit for bit,
+// on every host. Metres, the scene's frame. Building: O(n log n); a query: O(log n), some microseconds; O(n) for a
+// point so far out that single precision cannot find its way back. Thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "gdtslam/sim/ray_caster.hpp"
+#include "gdtslam/sim/scene.hpp"
+
+namespace gdtslam::sim {
+
+/// Squared distance of a point to a triangle with its inside, edges and corners; one without area is its edges.
+double sq_distance_to_triangle(const Vec3& point_m, const std::array<Vec3, 3>& corners);
+
+struct NearestSurface {
+  double distance_m = 0.0;
+  std::uint32_t triangle = 0;
+  friend bool operator==(const NearestSurface&, const NearestSurface&) = default;
+};
+
+class SurfaceDistance {
+ public:
+  /// Throws UnavailableError when Embree cannot start, ConfigError for a mesh that triangulate() would not have made,
+  /// one without triangles included.
+  explicit SurfaceDistance(TriangleMesh mesh, const RayCasterOptions& options = {});
+  ~SurfaceDistance();
+  SurfaceDistance(SurfaceDistance&&) noexcept;
+  SurfaceDistance& operator=(SurfaceDistance&&) noexcept;
+
+  /// Of a point whose coordinates are finite and within 1e150 m.
+  [[nodiscard]] NearestSurface nearest(const Vec3& point_m) const;
+  [[nodiscard]] const TriangleMesh& mesh() const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace gdtslam::sim

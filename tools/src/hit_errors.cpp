@@ -1,0 +1,135 @@
+#include "hit_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "hit_file.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kPiece = 65536;
+// Beams of a scan are at least some microseconds apart; the times of both files are doubles of the same sums.
+constexpr double kSameBeam_s = 1e-6;
+constexpr double kRangeStep_m = 0.1;
+constexpr double kFarthest_m = 3000.0;
+
+// The bound is linear in the range but dear, so it is kept for each step of the range.
+class BoundTable {
+ public:
+  explicit BoundTable(const Quantisation& quantisation) : quantisation_(quantisation) {}
+
+  double at(double range_m) {
+    const auto step = static_cast<std::size_t>(std::ceil(std::min(range_m, kFarthest_m) / kRangeStep_m));
+    if (step >= bounds_m_.size()) bounds_m_.resize(step + 1, -1.0);
+    double& bound_m = bounds_m_[step];
+    if (bound_m < 0.0) {
+      bound_m = calib::quantisation_bound_m(quantisation_.model, static_cast<double>(step) * kRangeStep_m,
+                                            quantisation_.range_resolution_m);
+    }
+    return bound_m;
+  }
+
+ private:
+  Quantisation quantisation_;
+  std::vector<double> bounds_m_;
+};
+
+// The hits of one scan after the other, in step with the cloud.
+class HitsByScan {
+ public:
+  explicit HitsByScan(const std::string& path) : reader_(path), ahead_(reader_.next()) {}
+
+  /// Of the beam fired then; nothing when that beam has none. Scans must not go back.
+  const TrueHit* find(std::uint32_t scan, double stamp_s) {
+    while (ahead_ && ahead_->scan <= scan) read_scan();
+    if (hits_.empty() || hits_.front().scan != scan) return nullptr;
+    const auto after = std::lower_bound(hits_.begin(), hits_.end(), stamp_s - kSameBeam_s,
+                                        [](const TrueHit& hit, double t_s) { return hit.stamp_s < t_s; });
+    return after != hits_.end() && after->stamp_s <= stamp_s + kSameBeam_s ? &*after : nullptr;
+  }
+  [[nodiscard]] std::uint64_t hits() const { return reader_.hits(); }
+
+ private:
+  void read_scan() {
+    hits_.clear();
+    const std::uint32_t scan = ahead_->scan;
+    for (; ahead_ && ahead_->scan == scan; ahead_ = reader_.next()) hits_.push_back(*ahead_);
+  }
+
+  HitReader reader_;
+  std::optional<TrueHit> ahead_;
+  std::vector<TrueHit> hits_;
+};
+
+class Comparison {
+ public:
+  explicit Comparison(const HitErrorsJob& job) : job_(job), hits_(job.hits) {
+    errors_.hits = hits_.hits();
+    if (job.quantisation) {
+      bounds_.emplace(*job.quantisation);
+      errors_.bound.emplace();
+    }
+  }
+
+  void add(const CloudPoint& point) {
+    if (point.scan < last_scan_) {
+      throw InputError({job_.cloud, 0}, "is not in the order of its scans, as `map` writes it");
+    }
+    last_scan_ = point.scan;
+    const TrueHit* hit = hits_.find(point.scan, point.stamp_s);
+    if (hit == nullptr) {
+      ++errors_.without_hit;
+      return;
+    }
+    const double distance_m = (job_.frame.in_truth(point) - hit->place_m).norm();
+    errors_.distances.add(distance_m);
+    if (errors_.bound) check(distance_m, bounds_->at(hit->range_m), *errors_.bound);
+  }
+  HitErrors& errors() { return errors_; }
+
+ private:
+  static void check(double distance_m, double bound_m, BoundCheck& bound) {
+    bound.beyond += distance_m > bound_m ? 1U : 0U;
+    bound.largest_bound_m = std::max(bound.largest_bound_m, bound_m);
+    if (bound_m > 0.0) bound.largest_share = std::max(bound.largest_share, distance_m / bound_m);
+  }
+
+  const HitErrorsJob& job_;
+  HitsByScan hits_;
+  std::optional<BoundTable> bounds_;
+  std::uint32_t last_scan_ = 0;
+  HitErrors errors_;
+};
+
+}  // namespace
+
+HitErrors hit_errors(const HitErrorsJob& job) {
+  CloudReader cloud(job.cloud);
+  if (!cloud.header().has_scan || !cloud.header().has_time) {
+    throw InputError({job.cloud, 0}, "does not tell scan and time of its points, so their beams cannot be found");
+  }
+  Comparison comparison(job);
+  HitErrors& errors = comparison.errors();
+  const auto expected = static_cast<double>(std::max<std::uint64_t>(cloud.header().points, 1));
+  std::uint64_t done = 0;
+  for (Cloud piece = cloud.next(kPiece); !piece.empty(); piece = cloud.next(kPiece)) {
+    for (const CloudPoint& point : piece) comparison.add(point);
+    done += piece.size();
+    if (job.progress) job.progress(done, static_cast<double>(done) / expected);
+    if (job.stop && job.stop()) {
+      errors.interrupted = true;
+      break;
+    }
+  }
+  if (errors.distances.count() == 0 && !errors.interrupted) {
+    throw InputError({job.cloud, 0}, "has no point whose beam is in " + job.hits + "; do both belong to the same log?");
+  }
+  return std::move(errors);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,51 @@
+// How far each point of a cloud is from the place that its own beam really met. Point and hit belong together by scan
+// and by the time when the beam was fired, so a thinned cloud can be judged too. Both files are in the order of scans
+// and beams; they are read piece by piece.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "cloud_frame.hpp"
+#include "distance_histogram.hpp"
+#include "gdtslam/calib/sweep_model.hpp"
+
+namespace gdtslam {
+
+/// What encoder and ranges were rounded to, for calib::quantisation_bound_m.
+struct Quantisation {
+  calib::SweepModel model;
+  double range_resolution_m = 0.0;
+};
+
+struct HitErrorsJob {
+  std::string cloud;
+  std::string hits;  ///< of simulate --truth-hits
+  CloudFrame frame;
+  std::optional<Quantisation> quantisation{};
+  std::function<void(std::uint64_t, double)> progress{};
+  std::function<bool()> stop{};
+};
+
+/// The points against the bound, each at its own true range rounded up to 10 cm.
+struct BoundCheck {
+  std::uint64_t beyond = 0;    ///< points further off than their bound
+  double largest_share = 0.0;  ///< of a distance in its bound
+  double largest_bound_m = 0.0;
+};
+
+struct HitErrors {
+  DistanceHistogram distances;
+  std::uint64_t hits = 0;         ///< in the file
+  std::uint64_t without_hit = 0;  ///< points whose beam has no hit
+  std::optional<BoundCheck> bound{};
+  bool interrupted = false;
+};
+
+/// Throws InputError or FileError for the files; InputError when no point has a hit, or the cloud does not tell scan
+/// and time; ConfigError for the model.
+HitErrors hit_errors(const HitErrorsJob& job);
+
+}  // namespace gdtslam
