@@ -1,5 +1,5 @@
 // What `gdtslam bench` measures on a backend: the kernels on the benchmark cases of the shared list, whole distance
-// transforms, whole scans, and OpenCV's distance transform beside them when the build has it.
+// transforms, whole scans and sweeps, and OpenCV's distance transform beside them when the build has it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace gdtslam {
 
 /// One measurement.
 struct BenchRow {
-  std::string group;  ///< "kernel", "transform", "scan", "peer"
+  std::string group;  ///< "kernel", "transform", "scan", "sweep", "peer"
   std::string name;
   std::string variant;
   std::string unit;  ///< of the work: cell, look-up, value
@@ -52,6 +52,9 @@ std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, con
 
 /// What a scan costs from its points to its pose and into the map.
 std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options);
+
+/// What the beams of a sweep of a nodding laser cost on their way to points of a cloud.
+std::vector<BenchRow> bench_sweeps(Backend& backend, const TimingOptions& options);
 
 /// A line of the table of jump flooding's errors.
 struct FloodErrorRow {

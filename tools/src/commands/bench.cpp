@@ -231,6 +231,7 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
   };
   if (wants(options, "transform")) add(bench_transforms(backend, options.size, options.timing));
   if (wants(options, "scan")) add(bench_scans(backend, options.timing));
+  if (wants(options, "sweep")) add(bench_sweeps(backend, options.timing));
   if (measured.rows.empty()) throw UsageError("bench: no kernel's name contains '" + options.filter + "'");
   return measured;
 }
@@ -255,8 +256,10 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
   CLI::App* command =
       app.add_subcommand("bench", "How fast the kernels are here, on the CPU and on a device, beside a plain copy");
   command
-      ->add_option("filter", options->filter,
-                   "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans")
+      ->add_option(
+          "filter", options->filter,
+          "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; 'sweep': "
+          "whole sweeps")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
