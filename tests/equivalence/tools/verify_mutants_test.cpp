@@ -126,6 +126,8 @@ constexpr Equivalent kEquivalents[] = {
     {"pose_simplex_wide", "Store 0", 1, "any of the three sums may be the first"},
     {"pose_simplex_wide", "IEqual 2", 1, "four sums in turn do what three do"},
     {"pose_simplex_wide", "IEqual 0", 2, "another invocation makes zero, or writes, what this one would"},
+    {"sweep_points", "BitwiseAnd 2139095040", 1, "no operation makes a NaN whose lowest bit is set"},
+    {"sweep_points", "ULessThan 2139095040", 1, "an infinite range gives a point that is not finite, so none"},
     {"smallest_values_wide", "UDiv 32", 1, "runs of another length merge to the same"},
     {"smallest_values_narrow", "IEqual 0", 1, "another invocation merges the same lists"},
     {"smallest_values", "UGreaterThanEqual 15", 1, "the last place counts whatever is wanted"},

@@ -61,6 +61,11 @@ std::vector<float> sweep_table(const SweepCase& sweep, Random& random) {
     table[random.below(cells + 1)] = std::numeric_limits<float>::quiet_NaN();
     table[random.below(cells + 1)] = 1.0e-13F;
     table[cells] = 1.0e-30F;
+    if (cells >= 8) {  // just large enough to count, just too small, infinite
+      table[1] = table[2] = 0x1p-40F;
+      table[4] = table[5] = 0x1.fffffep-41F;
+      table[7] = std::numeric_limits<float>::infinity();
+    }
   }
   return table;
 }

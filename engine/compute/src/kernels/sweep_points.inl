@@ -115,7 +115,7 @@ __attribute__((flatten)) void sweep_tile(const SweepPoints::Params& params, cons
 void sweep_points(const SweepPoints::Params& params, const SweepBuffers& buffers, std::uint32_t begin,
                   std::uint32_t end) {
   SweepTile tile;
-  const float* directions = buffers.tables + SweepPoints::elevations(params.table_bits);
+  const float* directions = buffers.tables + (std::size_t{1} << params.table_bits) + 1;
   for (std::uint32_t first = begin; first < end;) {
     const BeamRange* beams = buffers.beams + first;
     const std::uint32_t most = lesser(end - first, kSweepTile);
