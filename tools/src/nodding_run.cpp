@@ -28,7 +28,7 @@ NoddingRun::NoddingRun(const MapJob& job, const NoddingJob& nodding, Backend& ba
       scanner_(scanner_of(nodding.model, nodding.kind)),
       scans_(std::move(scans)),
       stream_(scans_, nodding.kind, nodding.model, nodding.limits),
-      mapper_(job.mapper, backend, job.on_failure),
+      mapper_(mapper_config_of(job.mapper, nodding.nodding), backend, job.on_failure),
       occupancy_(job.occupancy, occupancy_limits(job.mapper)),
       cloud_(std::move(cloud)),
       sampler_(nodding.check),

@@ -79,6 +79,7 @@ Json nodding_json(const NoddingReport& nodding) {
             {"sweeps", statistics.sweeps},
             {"fixes", statistics.fixes},
             {"between", statistics.between},
+            {"smoothed", statistics.smoothed},
             {"by_odometry", statistics.by_odometry},
             {"before_first_fix", statistics.before_first_fix},
             {"dropped", statistics.dropped},

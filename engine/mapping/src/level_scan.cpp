@@ -41,7 +41,7 @@ Eigen::Vector3d velocity_of(const ScanRecord& record, const std::optional<Odomet
 }  // namespace
 
 PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ValidRange& valid,
-                       const std::optional<Odometry>& before) {
+                       const std::optional<Odometry>& before, const HeightBand& band) {
   const LaserScan& laser = scan.record.scan;
   const double limit_m = laser.max_range_m > 0.0 ? std::min(valid.max_m, laser.max_range_m) : valid.max_m;
   const BeamTiming timing = scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
@@ -55,6 +55,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
     const auto bearing = sin_cos(laser.first_bearing_rad + static_cast<double>(beam) * laser.bearing_step_rad);
     const Pose3 T_level = T_level_laser(scanner.mount, course.at(offset_s));
     const Point3 point = T_level * Point3(range_m * bearing.cos, range_m * bearing.sin, 0.0);
+    if (!(point.z() >= band.low_m && point.z() <= band.high_m)) continue;
     level.points_base_m.push_back(exp_se2(velocity * offset_s) * (laser.T_base_laser * Point2(point.x(), point.y())));
   }
   return level;

@@ -14,11 +14,18 @@
 namespace gdtslam {
 namespace {
 
+// Matches of a robot that stands scatter by less than this.
+constexpr double kShake_m = 0.04;
+constexpr double kShake_rad = 0.015;
+
 /// A scan that waits for the fix behind it.
 struct Held {
   NoddingScan scan;
   std::uint32_t index = 0;
   std::optional<MatchResult> match;
+  Pose2 T_odom_base;                        ///< the last known where the log has none
+  std::optional<Odometry> odometry_before;  ///< of the scan before
+  [[nodiscard]] double stamp_s() const { return scan.record.scan.stamp_s; }
 };
 
 struct ElevationRange {
@@ -61,6 +68,8 @@ struct NoddingMapper::State {
   [[nodiscard]] bool is_horizontal(const ElevationRange& range) const;
   void note_stroke(const NoddingScan& scan);
   void fix(Held held);
+  std::vector<PoseFix> place(const PoseFix& next);
+  Pose2 rested(const Pose2& T_map_matched, const std::optional<Pose2>& T_odom);
   void close_segment(const PoseFix& next);
   void dead_reckon();
   void emit(std::size_t count, const PosePath& path);
@@ -89,6 +98,7 @@ struct NoddingMapper::State {
   int stroke = 0;  // +1 up, -1 down
   std::uint32_t scans = 0;
   bool is_blind_reported = false;
+  bool is_odometry_dead = false;
 };
 
 // A device that fails is left for the CPU where that is allowed; what was queued is done again there.
@@ -122,17 +132,45 @@ void NoddingMapper::State::note_stroke(const NoddingScan& scan) {
   }
 }
 
+// A robot whose wheels have not turned since the last fix stands where it stood; matching again would only shake it by
+// the error of a match. Odometry that stands still while the matches move is none, and counts no more.
+Pose2 NoddingMapper::State::rested(const Pose2& T_map_matched, const std::optional<Pose2>& T_odom) {
+  if (!last_fix || !T_odom || is_odometry_dead || !(*T_odom == last_fix->T_odom_base)) return T_map_matched;
+  const Pose2 moved = between(last_fix->T_map_base, T_map_matched);
+  if (moved.translation().norm() <= kShake_m && std::fabs(moved.theta_rad) <= kShake_rad) return last_fix->T_map_base;
+  is_odometry_dead = true;
+  return T_map_matched;
+}
+
 // Figure 10, the horizontal scans: the 2D system of figure 5 fixes the pose, and with it those of the scans before.
 void NoddingMapper::State::fix(Held scan) {
   const ScanRecord& record = scan.scan.record;
-  const PointScan level = level_points(scan.scan, scanner, valid_ranges(mapper.config()), last_odometry);
-  scan.match = mapper.process(level, record.T_odom_base);
-  const PoseFix fix{record.scan.stamp_s, scan.match->T_map_base, record.T_odom_base.value_or(scan.match->T_map_base)};
+  scan.match = mapper.process(level_points(scan.scan, scanner, valid_ranges(mapper.config()), last_odometry),
+                              record.T_odom_base);
+  const Pose2 T_map_base = rested(scan.match->T_map_base, record.T_odom_base);
   ++statistics.fixes;
+  const PoseFix fix{scan.stamp_s(), T_map_base, scan.T_odom_base};
   close_segment(fix);
   held.push_back(std::move(scan));
   last_fix = fix;
   is_blind_reported = false;
+}
+
+// The scans between two fixes, (13); where the odometry leads, the walls that they see correct it.
+std::vector<PoseFix> NoddingMapper::State::place(const PoseFix& next) {
+  std::vector<PoseFix> inner;
+  for (std::size_t k = 1; k < held.size(); ++k) inner.push_back({held[k].stamp_s(), {}, held[k].T_odom_base});
+  place_between(config.interpolation, *last_fix, next, inner);
+  if (config.interpolation == PoseInterpolation::kOdometry && config.smoother.is_on) {
+    const HeightBand band{config.smoother.above_floor_m - scanner.mount.height_m, config.smoother.band_up_m};
+    const auto points_of_scan = [&](std::size_t k) {
+      const Held& scan = held[k + 1];
+      if (scan.scan.knots.empty()) return std::vector<Point2>{};
+      return level_points(scan.scan, scanner, valid_ranges(mapper.config()), scan.odometry_before, band).points_base_m;
+    };
+    statistics.smoothed += smooth_path(config.smoother, mapper.field(), *last_fix, next, inner, points_of_scan);
+  }
+  return inner;
 }
 
 // All scans that wait get their poses between the fix before them and this one, (13), and their points. Before the
@@ -141,18 +179,15 @@ void NoddingMapper::State::close_segment(const PoseFix& next) {
   if (held.empty()) return;
   PosePath path;
   if (before_held) path.append(*before_held);
-  for (std::size_t k = 0; k < held.size(); ++k) {
-    const ScanRecord& record = held[k].scan.record;
-    if (!last_fix) {
-      path.append(by_odometry(next, record));
-    } else if (k == 0) {
-      path.append(*last_fix);
-    } else {
-      path.append(between_fixes(config.interpolation, *last_fix, next, record.scan.stamp_s, record.T_odom_base));
-    }
+  if (last_fix) {
+    path.append(*last_fix);
+    for (const PoseFix& node : place(next)) path.append(node);
+    statistics.between += held.size() - 1;
+  } else {
+    for (const Held& scan : held) path.append(by_odometry(next, scan.stamp_s(), scan.T_odom_base));
+    statistics.before_first_fix += held.size();
   }
   path.append(next);
-  (last_fix ? statistics.between : statistics.before_first_fix) += held.size() - (last_fix ? 1 : 0);
   emit(held.size(), path);
 }
 
@@ -173,8 +208,7 @@ void NoddingMapper::State::emit(std::size_t count, const PosePath& path) {
 }
 
 bool NoddingMapper::State::is_blind_too_long() const {
-  return held.size() > 1 &&
-         std::fabs(held.back().scan.record.scan.stamp_s - held.front().scan.record.scan.stamp_s) > config.max_blind_s;
+  return held.size() > 1 && std::fabs(held.back().stamp_s() - held.front().stamp_s()) > config.max_blind_s;
 }
 
 // From the last fix on, poses by odometry for all scans that wait.
@@ -182,7 +216,9 @@ PosePath NoddingMapper::State::path_by_odometry() const {
   PosePath path;
   if (before_held) path.append(*before_held);
   path.append(*last_fix);
-  for (std::size_t k = 1; k < held.size(); ++k) path.append(by_odometry(*last_fix, held[k].scan.record));
+  for (std::size_t k = 1; k < held.size(); ++k) {
+    path.append(by_odometry(*last_fix, held[k].stamp_s(), held[k].T_odom_base));
+  }
   return path;
 }
 
@@ -204,7 +240,7 @@ void NoddingMapper::State::dead_reckon() {
   const PosePath path = path_by_odometry();
   const std::size_t count = held.size() - 1;
   statistics.by_odometry += count - 1;
-  last_fix = path.last();
+  last_fix = PoseFix{path.last().stamp_s, path.last().T_map_base, path.last().T_odom_base};
   emit(count, path);
 }
 
@@ -230,7 +266,8 @@ void NoddingMapper::process(NoddingScan scan) {
   State& s = *state_;
   const std::optional<Pose2> T_odom = scan.record.T_odom_base;
   const double stamp_s = scan.record.scan.stamp_s;
-  Held held{std::move(scan), s.scans++, std::nullopt};
+  Held held{std::move(scan), s.scans++, std::nullopt, {}, s.last_odometry};
+  held.T_odom_base = T_odom.value_or(s.last_odometry ? s.last_odometry->T_odom_base : Pose2{});
   bool horizontal = false;
   if (held.scan.knots.empty()) {
     ++s.statistics.without_nod;

@@ -13,11 +13,12 @@ Pose2 linear(const Pose2& from, const Pose2& to, double share) {
 /// A share of a motion, along one arc.
 Pose2 part_of(const Pose2& motion, double share) { return exp_se2(share * log_se2(motion)); }
 
+// What is left over at the end is a motion of the map. Its share is one about the same centre: where a turn was
+// measured wrongly, that is where the robot turned.
 Pose2 along_odometry(const PoseFix& from, const PoseFix& to, double share, const Pose2& T_odom_base) {
-  const Pose2 T_from_base = between(from.T_odom_base, T_odom_base);
-  const Pose2 T_from_odometrys_to = between(from.T_odom_base, to.T_odom_base);
-  const Pose2 residual = between(T_from_odometrys_to, between(from.T_map_base, to.T_map_base));
-  return from.T_map_base * T_from_base * part_of(residual, share);
+  const auto by_odometry = [&from](const Pose2& T_odom) { return from.T_map_base * between(from.T_odom_base, T_odom); };
+  const Pose2 residual = to.T_map_base * inverse(by_odometry(to.T_odom_base));
+  return part_of(residual, share) * by_odometry(T_odom_base);
 }
 
 }  // namespace

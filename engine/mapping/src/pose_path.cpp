@@ -1,26 +1,65 @@
 #include "pose_path.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace gdtslam {
 namespace {
 
 constexpr double kFurthest = 4.0;  // of the time between two nodes that a motion is continued for
 
-}  // namespace
+// Variance that the odometry gathers, relative to that of a radian of turn.
+constexpr double kVariancePerMetre = 0.2;
+constexpr double kVariancePerSecond = 1.0e-5;
 
-PoseFix by_odometry(const PoseFix& fix, const ScanRecord& record) {
-  const Pose2 T_odom = record.T_odom_base.value_or(fix.T_odom_base);
-  return {record.scan.stamp_s, fix.T_map_base * between(fix.T_odom_base, T_odom), T_odom};
+double variance_of(const PoseFix& from, const PoseFix& to) {
+  const Pose2 motion = between(from.T_odom_base, to.T_odom_base);
+  return std::fabs(motion.theta_rad) + kVariancePerMetre * motion.translation().norm() +
+         kVariancePerSecond * std::fabs(to.stamp_s - from.stamp_s);
 }
 
-PoseFix between_fixes(PoseInterpolation how, const PoseFix& from, const PoseFix& to, double stamp_s,
-                      const std::optional<Pose2>& T_odom_base) {
+std::vector<double> shares_of_variance(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes) {
+  std::vector<double> shares;
+  double sum = 0.0;
+  const PoseFix* last = &from;
+  for (const PoseFix& node : nodes) {
+    sum += variance_of(*last, node);
+    shares.push_back(sum);
+    last = &node;
+  }
+  sum += variance_of(*last, to);
+  for (double& share : shares) share = sum > 0.0 ? share / sum : 1.0;
+  return shares;
+}
+
+std::vector<double> shares_of_time(const PoseFix& from, const PoseFix& to, std::span<const PoseFix> nodes) {
   const double span_s = to.stamp_s - from.stamp_s;
-  const double share = span_s > 0.0 ? std::clamp((stamp_s - from.stamp_s) / span_s, 0.0, 1.0) : 1.0;
-  if (how == PoseInterpolation::kOdometry && !T_odom_base) how = PoseInterpolation::kGeodesic;
-  const Pose2 T_odom = T_odom_base.value_or(from.T_odom_base);
-  return {stamp_s, interpolate(how, from, to, share, T_odom), T_odom};
+  std::vector<double> shares;
+  for (const PoseFix& node : nodes) {
+    shares.push_back(span_s > 0.0 ? std::clamp((node.stamp_s - from.stamp_s) / span_s, 0.0, 1.0) : 1.0);
+  }
+  return shares;
+}
+
+}  // namespace
+
+PoseFix by_odometry(const PoseFix& fix, double stamp_s, const Pose2& T_odom_base) {
+  return {stamp_s, fix.T_map_base * between(fix.T_odom_base, T_odom_base), T_odom_base};
+}
+
+void place_between(PoseInterpolation how, const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes) {
+  const std::vector<double> shares =
+      how == PoseInterpolation::kOdometry ? shares_of_variance(from, to, nodes) : shares_of_time(from, to, nodes);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    nodes[k].T_map_base = interpolate(how, from, to, shares[k], nodes[k].T_odom_base);
+  }
+}
+
+void place_along(const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes) {
+  const std::vector<double> shares = shares_of_variance(from, to, nodes);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    nodes[k].T_map_base = interpolate(PoseInterpolation::kGeodesic, from, to, shares[k], {});
+  }
 }
 
 Pose2 PosePath::at(std::size_t index, double offset_s) const {

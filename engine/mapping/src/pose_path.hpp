@@ -3,21 +3,24 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/pose_interpolation.hpp"
 #include "gdtslam/mapping/sweep_assembler.hpp"
 
 namespace gdtslam {
 
-/// The pose of a scan that odometry alone tells, seen from a fix before or after it; the fix's where there is none.
-PoseFix by_odometry(const PoseFix& fix, const ScanRecord& record);
-/// The pose at a time between two fixes, (13). Without odometry kOdometry falls back to kGeodesic.
-PoseFix between_fixes(PoseInterpolation how, const PoseFix& from, const PoseFix& to, double stamp_s,
-                      const std::optional<Pose2>& T_odom_base);
+/// The pose that odometry alone tells, seen from a fix before or after it.
+PoseFix by_odometry(const PoseFix& fix, double stamp_s, const Pose2& T_odom_base);
+/// Fills in the poses of nodes between two fixes, (13). linear and geodesic go by time. odometry gives each node that
+/// share of what is left over which its part of the way has of the odometry's variance: turning counts most, then
+/// distance, then time.
+void place_between(PoseInterpolation how, const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes);
+
+/// The same along one circle, each node as far along it as its part of the odometry's way: where two poses are close
+/// and both better known than the odometry between them.
+void place_along(const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes);
 
 class PosePath {
  public:

@@ -31,24 +31,30 @@ struct Outcome {
   std::string device_warning;
 };
 
-struct Run {
+struct Job {
   NoddingConfig config;
   std::size_t scans = 240;
   bool fall_back = true;
 };
 
-Outcome map(const NoddingDrive& drive, const Run& run, Backend& backend,
+Job with(const std::function<void(NoddingConfig&)>& change) {
+  Job job;
+  change(job.config);
+  return job;
+}
+
+Outcome map(const NoddingDrive& drive, const Job& job, Backend& backend,
             const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
   Outcome outcome;
   MapperOptions options{
-      .fall_back = run.fall_back, .cpu = {}, .warn = [&](const std::string& text) { outcome.device_warning = text; }};
+      .fall_back = job.fall_back, .cpu = {}, .warn = [&](const std::string& text) { outcome.device_warning = text; }};
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   Mapper mapper(MapperConfig{}, *cpu);
   CloudKeeper cloud;
   NoddingMapper nodding(
-      run.config, test::scanner_of(drive), mapper, backend, cloud,
+      job.config, test::scanner_of(drive), mapper, backend, cloud,
       [&](const NoddingPose& pose, const NoddingScan&) { outcome.poses.push_back(pose); }, options);
-  for (std::size_t k = 0; k < run.scans; ++k) {
+  for (std::size_t k = 0; k < job.scans; ++k) {
     NoddingScan scan = test::scan_of(drive, k);
     if (change) change(scan, k);
     nodding.process(std::move(scan));
@@ -60,9 +66,9 @@ Outcome map(const NoddingDrive& drive, const Run& run, Backend& backend,
   return outcome;
 }
 
-Outcome map(const NoddingDrive& drive, const Run& run = {},
+Outcome map(const NoddingDrive& drive, const Job& job = {},
             const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
-  return map(drive, run, *make_cpu_backend({}), change);
+  return map(drive, job, *make_cpu_backend({}), change);
 }
 
 // The map's origin is the robot's pose at the first fix.
@@ -101,6 +107,16 @@ TEST(NoddingMapper, StandingRobotGivesTheRoomWithinTheRoundingOfItsRanges) {
   EXPECT_EQ(outcome.statistics.points, outcome.cloud.size());
 }
 
+// A robot that is carried: the odometry says nothing, and the poses still follow the walls.
+TEST(NoddingMapper, OdometryThatNeverMovesIsNotTakenForStandingStill) {
+  NoddingDrive drive = standing();
+  drive.T_room_base = [](double t) { return Pose2{-1.0 + 0.05 * t, 0.0, 0.0}; };
+  drive.odometry_scale = 0.0;
+  const Outcome outcome = map(drive);
+  const Pose2& last = outcome.poses[161].T_map_base;  // the fix after two periods
+  EXPECT_NEAR(last.x_m, 0.4, 0.03);
+}
+
 // 12 s at 4 s a period: three lifts and three returns, the first scan level.
 TEST(NoddingMapper, CountsStrokes) { EXPECT_EQ(map(standing()).statistics.sweeps, 6U); }
 
@@ -126,7 +142,7 @@ TEST(NoddingMapper, ADrivingRobotIsFixedByItsHorizontalScans) {
   for (const auto how : {PoseInterpolation::kGeodesic, PoseInterpolation::kOdometry, PoseInterpolation::kLinear}) {
     NoddingDrive drive = driving();
     drive.odometry_scale = 1.05;
-    const Outcome outcome = map(drive, {.config = {.interpolation = how}});
+    const Outcome outcome = map(drive, with([how](NoddingConfig& config) { config.interpolation = how; }));
     double sum_m = 0.0;
     for (const NoddingPose& pose : outcome.poses) {
       if (pose.stamp_s > 8.0) break;  // then there is no fix behind
@@ -140,7 +156,7 @@ TEST(NoddingMapper, ADrivingRobotIsFixedByItsHorizontalScans) {
 
 TEST(NoddingMapper, LiteralFormScalesTheTranslationByTheHeight) {
   const Outcome working = map(driving());
-  const Outcome literal = map(driving(), {.config = {.form = SweepForm::kLiteral}});
+  const Outcome literal = map(driving(), with([](NoddingConfig& config) { config.form = SweepForm::kLiteral; }));
   EXPECT_LT(largest_distance_m(driving(), working.cloud), 0.15);
   EXPECT_GT(largest_distance_m(driving(), literal.cloud), 0.3);
 }
@@ -184,7 +200,7 @@ TEST(NoddingMapper, ScansBeforeTheFirstFixArePosedBackwards) {
 TEST(NoddingMapper, BlindForLongItGoesOnByOdometry) {
   NoddingDrive drive = driving();
   drive.elevation_rad = [](double t) { return t < 4.0 ? nod(t, 4.0) : nod(std::min(t, 6.0), 4.0); };
-  const Outcome outcome = map(drive, {.config = {.max_blind_s = 2.0}, .scans = 240});
+  const Outcome outcome = map(drive, with([](NoddingConfig& config) { config.max_blind_s = 4.5; }));
   EXPECT_EQ(outcome.warnings.size(), 1U);
   EXPECT_GT(outcome.statistics.by_odometry, 100U);
   EXPECT_EQ(outcome.poses.size(), 240U);
@@ -209,7 +225,9 @@ TEST(NoddingMapper, ADeviceThatFailsCostsNoPoint) {
 
 TEST(NoddingMapper, WithoutLeaveToFallBackTheDeviceErrorIsThrown) {
   test::QueuedBackend failing(1);
-  EXPECT_THROW(map(driving(), {.fall_back = false}, failing), DeviceError);
+  Job no_fallback;
+  no_fallback.fall_back = false;
+  EXPECT_THROW(map(driving(), no_fallback, failing), DeviceError);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 // it. Frame: the robot at the scan's stamp. Thread-safe; linear in the beams.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "gdtslam/mapping/scan_points.hpp"
@@ -10,9 +11,15 @@
 
 namespace gdtslam {
 
-/// `before`: odometry of the scan before this one.
+/// Heights over the sensor's place at elevation zero.
+struct HeightBand {
+  double low_m = -std::numeric_limits<double>::infinity();
+  double high_m = std::numeric_limits<double>::infinity();
+};
+
+/// `before`: odometry of the scan before this one. Points outside the band are left out.
 PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ValidRange& valid,
-                       const std::optional<Odometry>& before);
+                       const std::optional<Odometry>& before, const HeightBand& band = {});
 /// The same scan as ranges over the floor, for the occupancy map; bearings stay, which is exact at elevation zero and
 /// off by less than 0.01 deg within 1 deg of it.
 LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner);

@@ -12,6 +12,7 @@
 
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/option.hpp"
+#include "gdtslam/mapping/path_smoother.hpp"
 #include "gdtslam/mapping/pose_interpolation.hpp"
 #include "gdtslam/mapping/sweep_assembler.hpp"
 
@@ -19,8 +20,10 @@ namespace gdtslam {
 
 struct NoddingConfig {
   double horizontal_rad = 0.017453292519943295;  ///< scans whose elevations all lie within fix the pose
-  PoseInterpolation interpolation = PoseInterpolation::kGeodesic;
+  PoseInterpolation interpolation = PoseInterpolation::kOdometry;
+  double prior_limit_sigmas = 1000.0;  ///< instead of PriorConfig::limit_sigmas: see mapper_config_of()
   SweepForm form = SweepForm::kWorking;
+  SmootherConfig smoother;
   double max_blind_s = 60.0;  ///< after this long without a horizontal scan a warning is given
 };
 
@@ -30,6 +33,7 @@ std::vector<Option> options_of(NoddingConfig& config);
 struct NoddingStatistics {
   std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system took
   std::uint64_t between = 0;           ///< scans with an interpolated pose
+  std::uint64_t smoothed = 0;          ///< scans between fixes whose points helped to place them
   std::uint64_t by_odometry = 0;       ///< scans posed by odometry from the last fix: at the end, or blind for long
   std::uint64_t before_first_fix = 0;  ///< likewise, backwards from the first
   std::uint64_t dropped = 0;           ///< too long before the first fix: neither pose nor points
@@ -37,6 +41,10 @@ struct NoddingStatistics {
   std::uint64_t sweeps = 0;            ///< strokes of the mount, up or down
   std::uint64_t points = 0;
 };
+
+/// The configuration of the 2D system under a nodding laser: seconds and metres lie between two fixes, so a pose far
+/// from the odometry is a place that looks alike rather than a fault of the wheels, and the prior does not level off.
+MapperConfig mapper_config_of(MapperConfig config, const NoddingConfig& nodding);
 
 /// One scan's outcome; match only where it fixed the pose.
 struct NoddingPose {
