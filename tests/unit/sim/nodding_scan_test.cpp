@@ -182,7 +182,8 @@ TEST(NoddingScan, TrueHitsLieOnTheSceneWhereTheBeamAtItsOwnTimePoints) {
 
 TEST(NoddingScan, TheEncoderCoversEveryBeam) {
   const SimulationConfig config = exact_config();
-  for (const double duration_s : {1.0, 2.003, 3.3333}) {
+  for (const double duration_s : {1.0, 2.003, 2.0168, 3.3333}) {
+    // With 2.0168 s the last beam fires at 2.01667 s, after the last message before the end.
     const Log log = record(config, standing(duration_s), hall());
     ASSERT_FALSE(log.scans.empty());
     EXPECT_EQ(log.messages.size(), log.summary.encoder_records);
