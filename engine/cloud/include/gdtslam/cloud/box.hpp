@@ -44,6 +44,11 @@ struct BoxSearch {
   std::optional<Point3> viewpoint;  ///< of the scanner, when it stood still
   bool is_projection = false;       ///< faces as lines of the projection to the floor, as figure 12(c) has them
 };
+/// Where the scanner stood, from the elevation of every point: all points of one elevation lie in one plane through it.
+/// Nothing when the scanner moved, when the elevations tell too little or are not there. Its place along the axis of
+/// the nodding cannot be told from the points: it is taken to be that of the map's origin.
+std::optional<Point3> standing_viewpoint(std::span<const CloudPoint> cloud);
+
 /// The widest first.
 std::vector<MeasuredBox> find_boxes(std::span<const CloudPoint> cloud, const BoxSearch& search);
 
