@@ -24,6 +24,7 @@ inline constexpr std::string_view kRocker = "#00795a";
 inline constexpr std::string_view kGround = "#4a4f57";
 inline constexpr std::string_view kCurve = "#a2559c";
 inline constexpr std::string_view kLaser = "#d98b00";
+inline constexpr std::string_view kLaserText = "#8a5800";
 inline constexpr std::string_view kWarning = "#b3261e";
 }  // namespace ink
 

@@ -111,20 +111,24 @@ void draw_laser(Canvas& canvas, const LinkageSummary& summary, const Stage& stag
   }
   canvas.polygon(sector, ink::kLaser, 0.10);
   for (const LinkageRow* row : {&rows.front(), &rows.back()}) {
-    const Point2 tip = stage.beam(*row, kBeam);
-    canvas.line(pivot, tip, {.colour = ink::kLaser, .width = 1.5, .dashes = "7 5"});
-    const Point2 away = (tip - pivot) / kBeam;
-    const double length = std::sqrt(away.x() * away.x() + away.y() * away.y());
-    const Point2 label = tip + 14.0 / length * away;
-    const bool is_side = std::fabs(away.x()) > 0.5 * length;
-    canvas.text(label + Point2(0.0, is_side ? 5.0 : (away.y() > 0.0 ? 12.0 : 0.0)),
-                degrees_text(row->elevation_rad) + "°",
-                {.size = 14.0,
-                 .colour = "#8a5800",
-                 .anchor = !is_side ? "middle" : (away.x() > 0.0 ? "start" : "end"),
-                 .is_bold = true,
-                 .has_halo = true});
+    canvas.line(pivot, stage.beam(*row, kBeam), {.colour = ink::kLaser, .width = 1.5, .dashes = "7 5"});
   }
+}
+
+/// Where the laser looks at both ends of the lift, beyond the sweep's rim.
+void draw_elevation_label(Canvas& canvas, const Stage& stage, const LinkageRow& row) {
+  constexpr double kGap = 14.0;
+  const Point2 tip = stage.beam(row, kBeam);
+  const Point2 away = tip - stage.beam(row, 0.0);
+  const Point2 outward = away / std::sqrt(away.x() * away.x() + away.y() * away.y());
+  const bool is_side = std::fabs(outward.x()) > 0.5;
+  const double drop = is_side ? 5.0 : (outward.y() > 0.0 ? 12.0 : 0.0);
+  canvas.text(tip + kGap * outward + Point2(0.0, drop), degrees_text(row.elevation_rad) + "°",
+              {.size = 14.0,
+               .colour = ink::kLaserText,
+               .anchor = !is_side ? "middle" : (outward.x() > 0.0 ? "start" : "end"),
+               .is_bold = true,
+               .has_halo = true});
 }
 
 void draw_paths(Canvas& canvas, const LinkageSummary& summary, const Stage& stage) {
@@ -297,6 +301,10 @@ void draw_positions(Canvas& canvas, const LinkageSummary& summary, double shown_
     draw_pivot(canvas, joints.crank_pivot);
     draw_pivot(canvas, joints.rocker_pivot);
     draw_labels(canvas, summary.model.bars, joints);
+  }
+  if (!lift.empty()) {
+    draw_elevation_label(canvas, stage, lift.front());
+    draw_elevation_label(canvas, stage, lift.back());
   }
   const Point2 foot = box.corner + Point2(24.0, box.height - kLegendHeight);
   canvas.line(foot + Point2(-4.0, -6.0), foot + Point2(box.width - 44.0, -6.0), {.colour = ink::kGrid});
