@@ -57,6 +57,7 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   add_missing_command(*app, context, "simulate", "GDTSLAM_BUILD_SIM");
 #endif
   add_linkage_command(*app, context);
+  add_measure_command(*app, context);
   add_evaluate_command(*app, context);
   add_doctor_command(*app, context);
   add_ablation_command(*app, context);
