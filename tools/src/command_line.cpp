@@ -30,7 +30,7 @@ constexpr const char* kExamples =
     "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
     "written.";
 
-#ifndef GDTSLAM_HAS_SIM
+#if !defined(GDTSLAM_HAS_SIM) || !defined(GDTSLAM_HAS_CALIBRATION)
 // A sub-command that this build leaves out: whoever asks for it learns why.
 void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name, const std::string& option) {
   CLI::App* command = app.add_subcommand(name, "Not in this build (" + option + "=OFF)");
@@ -57,6 +57,11 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   add_missing_command(*app, context, "simulate", "GDTSLAM_BUILD_SIM");
 #endif
   add_linkage_command(*app, context);
+#ifdef GDTSLAM_HAS_CALIBRATION
+  add_calibrate_command(*app, context);
+#else
+  add_missing_command(*app, context, "calibrate", "GDTSLAM_BUILD_CALIBRATION");
+#endif
   add_measure_command(*app, context);
   add_evaluate_command(*app, context);
   add_doctor_command(*app, context);

@@ -1,0 +1,72 @@
+// From a log of a standing robot to the observations of a calibration: every beam asked for gets the crank's place at
+// its time; ranges of the same beam from the same place of the crank are averaged. Memory: one entry per place and
+// beam. One collector belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/calib/calibration.hpp"
+#include "gdtslam/calib/nod_track.hpp"
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+struct StopStatistics {
+  std::uint64_t scans = 0;
+  std::uint64_t uncovered = 0;  ///< scans at whose time the crank's place is not known
+  std::uint64_t ranges = 0;     ///< of the beams asked for, that returned
+  std::uint64_t no_return = 0;
+  std::uint64_t stops = 0;      ///< places of the crank with a range
+  double range_sigma_m = 0.0;   ///< of one range, from its scatter about a place
+  double robot_travel_m = 0.0;  ///< largest distance from its first odometry
+};
+
+class StopCollector {
+ public:
+  /// Beams within half the sector of the forward direction, at least the forward one.
+  StopCollector(const calib::SweepModel& model, double sector_rad);
+  void take(const LogRecord& record);
+  /// The log has ended: scans that still wait for the crank are given what is known of it.
+  void finish();
+  /// Averages, those of few ranges left out. `sigma_m` of one range; 0: from the scatter. Throws InputError where the
+  /// log holds no crank, no scan, or none at a time at which the crank's place is known.
+  [[nodiscard]] std::vector<calib::RangeObservation> observations(double sigma_m);
+  [[nodiscard]] const StopStatistics& statistics() const { return statistics_; }
+
+ private:
+  /// Sums over the ranges of one beam from one place.
+  struct Sums {
+    std::uint32_t scans = 0;
+    std::uint32_t count = 0;
+    double first_ticks = 0.0;
+    double first_range_m = 0.0;
+    double ticks = 0.0;  ///< less first_ticks, as the range is less first_range_m: the squares keep their digits
+    double range_m = 0.0;
+    double sq_ticks = 0.0;
+    double sq_range = 0.0;
+    double product = 0.0;
+  };
+  void place_scans(bool at_end);
+  void add(const LaserScan& scan);
+  void add_range(std::pair<std::uint32_t, std::uint32_t> key, double ticks, double range_m, bool is_return);
+  [[nodiscard]] double scatter_m() const;
+
+  calib::SweepModel model_;
+  double half_sector_rad_;
+  calib::NodTrack track_;
+  std::deque<LaserScan> waiting_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Sums> sums_;  ///< by place and beam
+  double bearing_first_rad_ = 0.0;
+  double bearing_step_rad_ = 0.0;
+  std::optional<Pose2> T_odom_first_;
+  std::uint64_t encoder_messages_ = 0;
+  std::uint64_t tilt_messages_ = 0;
+  StopStatistics statistics_;
+};
+
+}  // namespace gdtslam

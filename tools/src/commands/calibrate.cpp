@@ -1,0 +1,143 @@
+// gdtslam calibrate: a linkage from ranges to known kinds of surfaces, with what is known of each parameter.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "calibrate_figure.hpp"
+#include "calibrate_run.hpp"
+#include "calibrate_text.hpp"
+#include "commands.hpp"
+#include "console.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/atomic_file.hpp"
+#include "gdtslam/io/json_file.hpp"
+#include "interrupt.hpp"
+#include "linkage_file.hpp"
+#include "linkage_goal.hpp"
+#include "progress.hpp"
+
+namespace gdtslam {
+namespace {
+
+struct CalibrateCommand {
+  CalibrateJob job;
+  std::string start = std::string(calib::kDefaultLinkage);
+  std::string output;
+  std::string svg;
+  std::string up_to = "60deg";
+  std::string sector;
+  std::string sigma;
+  bool no_prior = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+double angle_within(const std::string& option, const std::string& text, double least_deg, double most_deg) {
+  const double value_rad = quantity_of(option, text, Unit::kRadian);
+  const double value_deg = deg_from_rad(value_rad);
+  if (value_deg >= least_deg - 1e-9 && value_deg <= most_deg + 1e-9) return value_rad;
+  throw UsageError(fmt::format("{}: {} is not between {:g} and {:g} deg", option, text, least_deg, most_deg));
+}
+
+CalibrateJob job_of(const CalibrateCommand& command) {
+  CalibrateJob job = command.job;
+  job.start = resolve_linkage(command.start);
+  job.options.max_elevation_rad = angle_within("--up-to", command.up_to, 5.0, 89.0);
+  if (!command.sector.empty()) job.sector_rad = angle_within("--sector", command.sector, 0.0, 360.0);
+  if (!command.sigma.empty()) {
+    job.sigma_m = quantity_of("--sigma", command.sigma, Unit::kMetre);
+    if (!(job.sigma_m > 0.0 && job.sigma_m < 1.0))
+      throw UsageError("--sigma: " + command.sigma + " is not between 0 and 1 m");
+  }
+  if (command.no_prior) job.options = job.options.without_priors();
+  return job;
+}
+
+// Both or none.
+void write_files(const CalibrateCommand& command, const CalibrateOutcome& outcome) {
+  AtomicFileSet files;
+  if (!command.svg.empty()) files.add(command.svg).write(calibration_figure(outcome));
+  files.add(command.output).write(linkage_text(outcome.result.model, uncertainty_of(outcome.result)));
+  files.commit();
+}
+
+int run_calibrate(const CalibrateCommand& command) {
+  const CalibrateJob job = job_of(command);
+  ProgressLine progress("records", command.quiet);
+  std::uint64_t records = 0;
+  const CalibrateOutcome outcome = run_calibration(
+      job, [&](double share) { progress.update(++records, share); }, [] { return interrupted(); });
+  progress.clear();
+  write_files(command, outcome);
+  if (command.json) {
+    print_result(json_text(json_of(outcome)));
+  } else if (!command.quiet) {
+    print_result(text_of(outcome) + "\nlinkage " + command.output + "\n");
+  }
+  if (!outcome.result.converged) print_remark("the fit did not converge: " + outcome.result.reason);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_data_options(CLI::App& command, CalibrateCommand& chosen) {
+  command
+      .add_option("--surfaces", chosen.job.surfaces,
+                  "What stands around the scanner: wall, floor, ceiling, each with =DISTANCE from the nodding axis and "
+                  "(walls) @HEADING where known")
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_flag("--known-distances", chosen.job.distances_known, "The distances given are exact, not a start");
+  command.add_flag("--free-headings", chosen.job.headings_free, "Estimate the walls' headings too (needs --sector)");
+  command.add_option("--sector", chosen.sector, "Use the beams of a sector around the forward one [the forward beam]")
+      ->type_name("ANGLE");
+  command.add_option("--up-to", chosen.up_to, "Use ranges up to this elevation")
+      ->type_name("ANGLE")
+      ->capture_default_str();
+  command.add_option("--sigma", chosen.sigma, "Standard deviation of one range [from the scatter]")
+      ->type_name("LENGTH");
+  command.add_flag("--lenient", chosen.job.read.lenient, "Count and skip malformed lines");
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, CommandContext& context) {
+  auto chosen = std::make_shared<CalibrateCommand>();
+  CLI::App* command =
+      app.add_subcommand("calibrate", "A nodding mount's linkage from ranges to a wall, with uncertainty");
+  command->add_option("logs", chosen->job.logs, "Logs of the standing robot: scans and ENCODER")
+      ->required()
+      ->type_name("LOG");
+  command->add_option("-o,--output", chosen->output, "The linkage file to write, for map --linkage")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--start", chosen->start, "What is believed of the linkage: a preset or a linkage file")
+      ->type_name("LINKAGE")
+      ->capture_default_str();
+  add_data_options(*command, *chosen);
+  command->add_flag("--free-lever", chosen->job.options.free_lever, "Estimate the sensor's place off the axis too");
+  command->add_flag("--free-angles", chosen->job.options.free_sensor_angles,
+                    "Estimate the sensor's roll and yaw too (needs --sector)");
+  command->add_flag("--search-zero", chosen->job.options.search_zero,
+                    "The encoder's zero is not known at all: try the whole turn");
+  command->add_flag("--no-prior", chosen->no_prior,
+                    "Let the data alone decide; what they do not tell stays at the start");
+  command->add_option("--svg", chosen->svg, "Draw the ranges before and after (figure A)")->type_name("FILE");
+  command->add_flag("--json", chosen->json, "Print JSON");
+  command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
+  command->footer(
+      "The crank may stop or turn; ranges from the same place of it are averaged. docs/howto/calibrate.md says how to\n"
+      "record a log, docs/calibration.md what it can tell.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam calibrate wall.log -o linkage.yaml\n"
+      "  gdtslam calibrate wall.log -o linkage.yaml --start mine.yaml --surfaces wall=2m,ceiling=2.2m --free-lever\n"
+      "  gdtslam calibrate wall.log -o linkage.yaml --svg figure-a.svg --json");
+  command->callback([chosen, &context] { context.run = [chosen] { return run_calibrate(*chosen); }; });
+}
+
+}  // namespace gdtslam
