@@ -152,6 +152,16 @@ int map_nodding(const MapOptions& options, const MapJob& job, const NoddingJob& 
   return status_of(outcome, folder.path());
 }
 
+std::string text_of_default(NodKind kind, const NoddingJob& job) {
+  if (kind == NodKind::kEncoder) {
+    return fmt::format("warning: the laser nods and no --linkage is given: the preset {} is taken", job.linkage);
+  }
+  return fmt::format(
+      "warning: the laser tilts and no --linkage is given: {:g} m over the floor, no lever arm, no time "
+      "from beam to beam",
+      job.model.mount.height_m);
+}
+
 // What was given, else the file that lies beside the log, else the default.
 NoddingJob nodding_job_of(const MapOptions& options, const Settings& settings, NodKind kind) {
   NoddingJob job;
@@ -161,10 +171,10 @@ NoddingJob nodding_job_of(const MapOptions& options, const Settings& settings, N
   job.linkage = options.linkage.empty() ? linkage_beside(options.logs.front()) : options.linkage;
   if (job.linkage.empty()) {
     job.linkage = calib::kDefaultLinkage;
-    if (!options.quiet) {
-      print_remark(
-          fmt::format("warning: the laser nods and no --linkage is given: the preset {} is taken", job.linkage));
-    }
+    job.model = resolve_linkage(job.linkage);
+    if (kind == NodKind::kTilt) job.model.mirror_rate_hz = 0.0;  // of another laser; nobody knows when its beams fire
+    if (!options.quiet) print_remark(text_of_default(kind, job));
+    return job;
   }
   job.model = resolve_linkage(job.linkage);
   return job;
