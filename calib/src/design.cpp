@@ -148,6 +148,7 @@ std::vector<Design> design(const DesignGoal& goal, std::size_t count) {
     return a.transmission_rad > b.transmission_rad + kEqualAngle_rad;
   });
   std::vector<Design> designs;
+  designs.reserve(found.size());
   for (const Reached& reached : found) {
     designs.push_back({.bars = reached.bars, .report = analyse(reached.bars, Assembly::kOpen)});
   }

@@ -90,6 +90,7 @@ class Plot {
 
   void curve(const std::vector<Sample>& samples, std::string_view colour) {
     std::vector<Point2> points;
+    points.reserve(samples.size());
     for (const Sample& sample : samples) {
       points.push_back(at(sample.crank_deg, sample.value_deg));
     }

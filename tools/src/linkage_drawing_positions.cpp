@@ -16,7 +16,7 @@ constexpr int kTurnSteps = 360;
 constexpr int kFaintPositions = 6;
 /// Length of the laser's plane from the rocker's pivot, in rockers.
 constexpr double kBeam = 1.42;
-constexpr double kPi_4 = 0.25 * kPi;
+constexpr double kEighthTurn = 0.25 * kPi;
 
 /// The joints of one position, in pixels.
 struct Joints {
@@ -71,7 +71,7 @@ class Stage {
     };
     const calib::FourBar& bars = summary_.model.bars;
     for (int i = 0; i < 8; ++i) {
-      include(1.25 * bars.crank_m * direction(kPi_4 * i));
+      include(1.25 * bars.crank_m * direction(kEighthTurn * i));
     }
     include({bars.ground_m, 0.0});
     for (const LinkageRow& row : rows_of(summary_, kTurnSteps)) {

@@ -11,9 +11,7 @@
 namespace gdtslam {
 namespace {
 
-using calib::Assembly;
 using calib::CrankRange;
-using calib::FourBar;
 using calib::SweepModel;
 
 constexpr int kStretchSteps = 720;
