@@ -81,7 +81,7 @@ nlohmann::ordered_json DistanceHistogram::json() const {
 
 std::string DistanceHistogram::text() const {
   std::string text = "      points      mean       rms    median      90 %       max\n";
-  text += fmt::format("{:>12} {:>9.5f} {:>9.5f} {:>9.5f} {:>9.5f} {:>9.5f}  m\n", count_, mean_m(), rms_m(),
+  text += fmt::format("{:>12} {:>9.6f} {:>9.6f} {:>9.6f} {:>9.6f} {:>9.6f}  m\n", count_, mean_m(), rms_m(),
                       quantile_m(0.5), quantile_m(0.9), max_m_);
   text += "beyond";
   for (std::size_t i = 0; i < kLimits_m.size(); ++i) {

@@ -120,7 +120,7 @@ int against_hits(const EvaluateCloudOptions& options) {
   text += fmt::format("each to the true hit of its beam, of which there are {}; {} points without one\n", errors.hits,
                       errors.without_hit);
   if (errors.bound) {
-    text += fmt::format("quantisation bound, at most {:.5f} m: {} points beyond it, the worst at {:.1f} % of its own\n",
+    text += fmt::format("quantisation bound, at most {:.6f} m: {} points beyond it, the worst at {:.1f} % of its own\n",
                         errors.bound->largest_bound_m, errors.bound->beyond, 100.0 * errors.bound->largest_share);
   }
   text += frame_text(job.frame, options.no_align);
