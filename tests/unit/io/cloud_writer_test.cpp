@@ -1,0 +1,149 @@
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "gdtslam/io/sha256.hpp"
+#include "io_test_support.hpp"
+#include "sha256_blocks.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const CloudPoint kPoint{
+    .x_m = 1.5F, .y_m = -2.0F, .z_m = 0.25F, .elevation_rad = 0.5F, .stamp_s = 976052857.25, .scan = 7};
+
+void write(const std::string& path, CloudFormat format, const Cloud& cloud) {
+  CloudWriter writer(path, format);
+  writer.add(cloud);
+  writer.finish();
+}
+
+// By hand from IEEE 754 and the formats' descriptions.
+TEST(CloudWriter, WritesTheseBytes) {
+  const TemporaryFolder folder;
+  const std::string binary("\0\0\xc0\x3f\0\0\0\xc0\0\0\x80\x3e\0\0\0\x3f\0\0\xa0\x3c\xb1\x16\xcd\x41\x07\0\0\0", 28);
+  write(folder / "c.ply", CloudFormat::kPlyBinary, {kPoint});
+  const std::string ply = get_file(folder / "c.ply");
+  EXPECT_TRUE(ply.starts_with("ply\nformat binary_little_endian 1.0\ncomment "));
+  EXPECT_TRUE(
+      ply.ends_with("element vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                    "property float elevation\nproperty double time\nproperty uint scan\nend_header\n" +
+                    binary));
+  write(folder / "c.pcd", CloudFormat::kPcdBinary, {kPoint});
+  EXPECT_TRUE(get_file(folder / "c.pcd").ends_with("POINTS 1\nDATA binary\n" + binary));
+  write(folder / "a.pcd", CloudFormat::kPcdAscii, {kPoint});
+  EXPECT_TRUE(get_file(folder / "a.pcd").ends_with("DATA ascii\n1.5 -2 0.25 0.5 976052857.25 7\n"));
+  CloudWriter writer(folder / "b.ply", CloudFormat::kPlyAscii);
+  writer.add(Cloud{kPoint});
+  writer.finish();
+  EXPECT_EQ(writer.points_sha256(), Sha256().update(binary).hex());
+}
+
+TEST(CloudWriter, TheHeaderIsAsLongForAnyCount) {
+  const TemporaryFolder folder;
+  for (const CloudFormat format : {CloudFormat::kPlyBinary, CloudFormat::kPcdBinary}) {
+    write(folder / "none", format, {});
+    write(folder / "many", format, Cloud(12345, kPoint));
+    EXPECT_EQ(get_file(folder / "many").size() - get_file(folder / "none").size(), 12345U * 28U);
+    EXPECT_TRUE(read_cloud(folder / "none").empty());
+    EXPECT_EQ(read_cloud(folder / "many"), Cloud(12345, kPoint));
+  }
+}
+
+TEST(CloudWriter, WithoutFinishTheOldFileStaysAndNothingElse) {
+  const TemporaryFolder folder;
+  put_file(folder / "c.ply", "old");
+  {
+    CloudWriter writer(folder / "c.ply", CloudFormat::kPlyBinary);
+    writer.add(Cloud(100000, kPoint));
+  }
+  EXPECT_EQ(get_file(folder / "c.ply"), "old");
+  EXPECT_THAT(folder.names(), ElementsAre("c.ply"));
+}
+
+TEST(CloudWriter, FullDiskIsAFileErrorAndTheOldFileStays) {
+  for (const rlim_t room : {rlim_t{100}, rlim_t{1000000}}) {  // in finish(), in add()
+    const TemporaryFolder folder;
+    put_file(folder / "c.ply", "old");
+    const BoundedRun run = run_alone([&] {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit limit{room, room};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      try {
+        write(folder / "c.ply", CloudFormat::kPlyBinary, Cloud(room == 100 ? 10 : 100000, kPoint));
+      } catch (const FileError& error) {
+        return std::string(error.what()).find("c.ply: cannot be written") != std::string::npos ? 74 : 1;
+      }
+      return 0;
+    });
+    EXPECT_EQ(run.code, 74);
+    EXPECT_EQ(get_file(folder / "c.ply"), "old");
+    EXPECT_THAT(folder.names(), ElementsAre("c.ply"));
+  }
+}
+
+TEST(CloudWriter, PipesAreRefusedBeforeAnythingIsWritten) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const auto refusal = [](const std::string& path) {
+    try {
+      const CloudWriter writer(path, CloudFormat::kPlyBinary);
+    } catch (const FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(refusal(folder / "pipe"), HasSubstr("pipe: is a pipe or a terminal"));
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  EXPECT_THAT(refusal("/proc/self/fd/" + std::to_string(ends[1])), HasSubstr("is a pipe or a terminal"));
+  ::close(ends[1]);
+  char byte = 0;
+  EXPECT_EQ(::read(ends[0], &byte, 1), 0);
+  ::close(ends[0]);
+  EXPECT_NO_THROW(write("/dev/null", CloudFormat::kPlyBinary, {kPoint}));
+  EXPECT_THROW(write("/dev/full", CloudFormat::kPlyBinary, {kPoint}), FileError);
+  EXPECT_THROW(CloudWriter(folder.path().string(), CloudFormat::kPlyBinary), FileError);
+}
+
+TEST(CloudWriter, TheNameTellsTheFormat) {
+  EXPECT_EQ(cloud_format_of("a/b.ply"), CloudFormat::kPlyBinary);
+  EXPECT_EQ(cloud_format_of("B.PCD"), CloudFormat::kPcdBinary);
+  EXPECT_THROW(cloud_format_of("ply"), UsageError);
+  EXPECT_THROW(cloud_format_of("a.ply.gz"), UsageError);
+}
+
+TEST(Sha256Blocks, TheProcessorsInstructionsGiveTheSame) {
+  if (!has_sha_instructions()) GTEST_SKIP() << "this processor has no instructions for SHA-256";
+  std::vector<std::uint8_t> data(64 * 33);
+  for (std::size_t k = 0; k < data.size(); ++k) data[k] = static_cast<std::uint8_t>(k * 2654435761U >> 13U);
+  Sha256State portable{0x6a09e667U, 0xbb67ae85U, 3U, 4U, 5U, 6U, 7U, 0xffffffffU};
+  Sha256State fast = portable;
+  process_portably(portable, data.data(), 33);
+  process_with_instructions(fast, data.data(), 20);
+  process_with_instructions(fast, data.data() + 64 * 20, 13);
+  EXPECT_EQ(fast, portable);
+}
+
+// FIPS 180-4, the example "abc", in the portable form; the other one is compared with it.
+TEST(Sha256Blocks, GiveThePublishedExample) {
+  std::array<std::uint8_t, 64> block{'a', 'b', 'c', 0x80};
+  block[63] = 24;
+  const Sha256State expected{0xba7816bfU, 0x8f01cfeaU, 0x414140deU, 0x5dae2223U,
+                             0xb00361a3U, 0x96177a9cU, 0xb410ff61U, 0xf20015adU};
+  const Sha256State begin{0x6a09e667U, 0xbb67ae85U, 0x3c6ef372U, 0xa54ff53aU,
+                          0x510e527fU, 0x9b05688cU, 0x1f83d9abU, 0x5be0cd19U};
+  Sha256State state = begin;
+  process_portably(state, block.data(), 1);
+  EXPECT_EQ(state, expected);
+}
+
+}  // namespace
+}  // namespace gdtslam
