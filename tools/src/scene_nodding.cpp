@@ -33,6 +33,7 @@ constexpr std::array<std::pair<const char*, sim::EncoderFaultKind>, 4> kFaults{
 template <class Names>
 std::vector<std::string> names_of(const Names& names) {
   std::vector<std::string> list;
+  list.reserve(names.size());
   for (const auto& entry : names) list.emplace_back(entry.first);
   return list;
 }
