@@ -16,7 +16,7 @@ namespace {
 constexpr double kWidth = 1280.0;
 constexpr double kHeight = 800.0;
 constexpr double kRadius = 10.0;
-constexpr double kMargin_m = 0.35;  // around the boxes and the viewpoint
+constexpr double kMargin_m = 0.4;  // around the boxes and the viewpoint
 constexpr double kLeastView_m = 1.5;
 constexpr double kAside_px = 30.0;  // of a dimension line from what it measures
 constexpr double kTick_px = 6.0;
@@ -93,7 +93,7 @@ TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, 
   }
   TopView view{card, 0.5 * (low + high), 0.0};
   const double tall_m = std::max(kLeastView_m, high.x() - low.x() + 2.0 * kMargin_m);
-  const double wide_m = std::max(kLeastView_m, high.y() - low.y() + 2.0 * kMargin_m);
+  const double wide_m = std::max(kLeastView_m, high.y() - low.y() + 3.0 * kMargin_m);
   view.pixels_per_m = std::min(card.width / wide_m, card.height / tall_m);
   return view;
 }
@@ -220,7 +220,7 @@ void draw_row(Canvas& canvas, const Point2& at, std::string_view name, const Dim
   if (!is_known) return;
   canvas.text(at + Point2(150.0, 0.0), fmt::format("± {:.2f} cm", 100.0 * dimension.sigma_m), {.size = 13.0});
   if (!dimension.is_observed) {
-    canvas.text(at + Point2(250.0, 0.0), "an end not seen", {.size = 12.0, .colour = ink::kWarning});
+    canvas.text(at + Point2(238.0, 0.0), "an end not seen", {.size = 12.0, .colour = ink::kWarning});
   }
 }
 
@@ -234,10 +234,10 @@ void draw_table(Canvas& canvas, const Measurement& measured, const Card& card) {
     canvas.circle({x + 10.0, y - 5.0}, 11.0, colour, {.colour = colour});
     canvas.text({x + 10.0, y}, fmt::format("{}", k + 1),
                 {.size = 14.0, .colour = "#ffffff", .anchor = "middle", .is_bold = true});
-    draw_row(canvas, {x + 40.0, y}, "width", box.width);
-    draw_row(canvas, {x + 40.0, y + 26.0}, "depth", box.depth);
-    draw_row(canvas, {x + 40.0, y + 52.0}, "height", box.height);
-    canvas.text({x + 40.0, y + 78.0}, fmt::format("face: {} points, {:.1f} mm rms", box.points, 1e3 * box.face_rms_m),
+    draw_row(canvas, {x + 36.0, y}, "width", box.width);
+    draw_row(canvas, {x + 36.0, y + 26.0}, "depth", box.depth);
+    draw_row(canvas, {x + 36.0, y + 52.0}, "height", box.height);
+    canvas.text({x + 36.0, y + 78.0}, fmt::format("face: {} points, {:.1f} mm rms", box.points, 1e3 * box.face_rms_m),
                 {.size = 12.0, .colour = ink::kQuiet});
     y += 124.0;
     if (k + 1 < shown)
@@ -258,8 +258,8 @@ std::string drawing_of(const Measurement& measured, std::span<const CloudPoint> 
   canvas.text({40.0, 52.0}, fmt::format("{} {}", count, count == 1 ? "box" : "boxes"), {.size = 28.0, .is_bold = true});
   canvas.text({40.0, 80.0}, fmt::format("{}  ·  {} points", measured.cloud, measured.points),
               {.size = 15.0, .colour = ink::kQuiet});
-  const Card plan{{40.0, 104.0}, 780.0, 656.0};
-  const Card table{{840.0, 104.0}, 400.0, 656.0};
+  const Card plan{{40.0, 104.0}, 760.0, 656.0};
+  const Card table{{820.0, 104.0}, 420.0, 656.0};
   for (const Card& card : {plan, table}) {
     canvas.rectangle(card.corner, card.width, card.height, ink::kCard, ink::kEdge, kRadius);
   }

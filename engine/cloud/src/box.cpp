@@ -19,6 +19,8 @@ constexpr double kInner = 0.1;     // share of a face at its ends that tells not
 constexpr double kAround_m = 0.3;  // seen around a face
 constexpr double kOnFace = 3.5;    // standard deviations of a point on the face
 constexpr double kLeastOnFace_m = 5.0e-3;
+constexpr double kStep_m = 0.03;  // outwards, where a face goes on beyond its patch
+constexpr int kSteps = 6;
 constexpr double kOnFloor_m = 0.05;  // the lowest points of a face that is seen down to the floor
 constexpr double kInBox_m = 0.05;    // another face whose centre is this close to a box is one of its own
 
@@ -100,10 +102,16 @@ bool can_be_face(const PlanePatch& patch, const BoxSearch& search) {
   return std::fabs(patch.plane.normal.z()) <= search.max_tilt_rad && patch.points.size() >= search.min_face_points;
 }
 
-EndPlace place_of(const Face& face, FaceAxis axis, double sign) {
+EndPlace place_of(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
   const Span& along = axis == FaceAxis::kAcross ? face.across : face.up;
   const Span& beside = axis == FaceAxis::kAcross ? face.up : face.across;
-  return {axis, sign, sign > 0.0 ? along.high_m : along.low_m, face.sampling_m, beside.inner(kInner)};
+  EndPlace place{axis, sign, sign > 0.0 ? along.high_m : along.low_m, face.sampling_m, beside.inner(kInner), {}, 0.0};
+  if (search.viewpoint) {
+    const Point3 eye = *search.viewpoint - face.frame.origin;
+    place.eye_along_m = (axis == FaceAxis::kAcross ? face.frame.across : face.frame.up).dot(eye);
+    place.eye_before_m = face.frame.normal.dot(eye);
+  }
+  return place;
 }
 
 /// One end of the face and the face of the box that begins there, if it is seen.
@@ -116,8 +124,13 @@ struct End {
 };
 
 End end_at(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
-  End found{place_of(face, axis, sign), {}, {}};
+  End found{place_of(face, axis, sign, search), {}, {}};
   found.end = end_of(face.hits, found.place, face.thickness_m);
+  // The patch may have stopped short of the face's end.
+  for (int k = 0; k < kSteps && found.end.kind == EndKind::kContinues; ++k) {
+    found.place.rough_m += sign * kStep_m;
+    found.end = end_of(face.hits, found.place, face.thickness_m);
+  }
   if (found.end.kind == EndKind::kContinues) return found;
   found.place.rough_m = found.end.at_m;
   found.side = side_at(face.hits, found.place, face.thickness_m, search.max_size_m);
@@ -146,10 +159,18 @@ Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const En
       depths.push_back(hit.across_m);
   }
   if (depths.size() < search.min_face_points / 4 + 2) return {0.0, kUnknown, false};
-  EndPlace place{FaceAxis::kAcross, 1.0, quantile(depths, 1.0 - kOuter), 0.0, beside.inner(kInner)};
+  EndPlace place{FaceAxis::kAcross, 1.0, quantile(depths, 1.0 - kOuter), 0.0, beside.inner(kInner), {}, 0.0};
   place.sampling_m = std::max(face.sampling_m, 0.05 * place.rough_m);
   const FaceEnd far = end_of(hits, place, thickness_m);
-  const double sigma_m = std::sqrt(far.sigma_m * far.sigma_m + face.patch->sigma_offset_m * face.patch->sigma_offset_m);
+  // An error of the side's place is stretched by the low angle at which beams meet it.
+  double stretch = 0.0;
+  if (search.viewpoint) {
+    const Point3 beam = frame.origin + far.at_m * frame.across - *search.viewpoint;
+    stretch = std::fabs(frame.across.dot(beam) / frame.normal.dot(beam));
+  }
+  const double side_m = stretch * (side.crease.sigma_m + side.sigma_slope * far.at_m);
+  const double face_m = face.patch->sigma_offset_m;
+  const double sigma_m = std::sqrt(far.sigma_m * far.sigma_m + face_m * face_m + side_m * side_m);
   return {far.at_m, sigma_m, far.kind == EndKind::kJump || far.kind == EndKind::kCrease};
 }
 
@@ -172,7 +193,7 @@ const PlanePatch* floor_below(const std::vector<PlanePatch>& planes, const Face&
 
 // Down to the floor, where there is one: a box stands on it, whether the scanner saw so far down or not.
 End lower_end(const Face& face, const std::vector<PlanePatch>& planes, const BoxSearch& search) {
-  End low{place_of(face, FaceAxis::kUp, -1.0), {}, {}};
+  End low{place_of(face, FaceAxis::kUp, -1.0, search), {}, {}};
   if (const PlanePatch* floor = floor_below(planes, face, search.max_tilt_rad)) {
     const Plane& plane = floor->plane;
     const double at_m = -plane.distance_m(face.frame.origin) / plane.normal.dot(face.frame.up);

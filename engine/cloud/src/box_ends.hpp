@@ -29,6 +29,9 @@ struct EndPlace {
   double rough_m = 0.0;     ///< of the face's outermost points
   double sampling_m = 0.0;  ///< from beam to beam along the axis
   Span beside;              ///< of the face in the other axis, away from its ends
+  /// Of the scanner, where it is known: along the axis, and before the plane.
+  std::optional<double> eye_along_m;
+  double eye_before_m = 0.0;
 };
 
 /// The end between the beams that hit the face and those that passed it. Each beam near it says on which side of the
@@ -46,7 +49,8 @@ struct SideFace {
   double deepest_m = 0.0;
   std::uint32_t points = 0;
 };
-/// Nothing where too little of it is seen.
+/// Nothing where too little of it is seen. Where the scanner is known, the slope is that for errors along the beams: a
+/// side seen at a low angle would else be turned by the errors of its points' depths.
 std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& place, double thickness_m,
                                 double max_depth_m);
 

@@ -30,7 +30,24 @@ struct SideLine {
   [[nodiscard]] double residual(const SidePoint& p) const { return p.along_m - at_m - slope * p.depth_m; }
 };
 
-SideLine line_through(const std::vector<SidePoint>& points) {
+// The depth at which a point's beam crosses the line: free of the range's error.
+double crossing_m(const SidePoint& p, const SideLine& line, const EndPlace& place) {
+  if (!place.eye_along_m) return p.depth_m;
+  const double eye_depth_m = -place.eye_before_m;
+  const double from_line = *place.eye_along_m - line.at_m - line.slope * eye_depth_m;
+  const double approach = p.along_m - *place.eye_along_m - line.slope * (p.depth_m - eye_depth_m);
+  const double share = -from_line / approach;
+  constexpr double kMostChange = 0.2;  // a beam along the line crosses it anywhere
+  if (!(std::fabs(share - 1.0) <= kMostChange)) return p.depth_m;
+  return eye_depth_m + share * (p.depth_m - eye_depth_m);
+}
+
+// One step of Gauss-Newton from `last`.
+SideLine line_through(std::vector<SidePoint> points, const SideLine& last, const EndPlace& place) {
+  for (SidePoint& p : points) {
+    const double depth_m = crossing_m(p, last, place);
+    p = {depth_m, last.at_m + last.slope * depth_m + last.residual(p)};
+  }
   const auto count = static_cast<double>(points.size());
   double depth_m = 0.0;
   double along_m = 0.0;
@@ -102,7 +119,7 @@ std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& p
     }
     cut_at_gap(kept);
     if (kept.size() < kLeastPoints || kept.back().depth_m - kept.front().depth_m < kLeastDepth_m) return std::nullopt;
-    line = line_through(kept);
+    line = line_through(kept, line, place);
     within_m = std::max(1.0e-3, 3.0 * line.rms_m);
   }
   if (std::fabs(line.slope) > kMostSlope || line.rms_m > kMostRms_m) return std::nullopt;

@@ -172,7 +172,7 @@ std::optional<Candidate> best_candidate(const ThinnedCloud& thin, const PlaneSea
   return best;
 }
 
-/// The points of a patch; those that its plane is fitted to come first in meaning, not in order.
+/// The points of a patch, and those of them that its plane is fitted to.
 struct PatchPoints {
   std::vector<std::uint32_t> all;
   std::vector<std::uint32_t> core;  ///< away from edges
@@ -202,6 +202,7 @@ std::optional<PlanePatch> patch_of(std::span<const CloudPoint> cloud, const Thin
                                    const PlaneSearch& search) {
   std::vector<bool> is_of_patch(thin.groups.size(), false);
   for (const std::uint32_t k : candidate.cells) is_of_patch[thin.groups.cell_of()[k]] = true;
+  is_of_patch = thin.groups.grown(is_of_patch);
   Plane plane = candidate.plane;
   PlanePatch patch;
   for (int k = 0; k < kRefinements; ++k) {
@@ -217,7 +218,7 @@ std::optional<PlanePatch> patch_of(std::span<const CloudPoint> cloud, const Thin
 }  // namespace
 
 std::vector<PlanePatch> find_planes(std::span<const CloudPoint> cloud, const PlaneSearch& search) {
-  ThinnedCloud thin = thinned(cloud, finite_points(cloud), search);
+  ThinnedCloud thin = thinned(cloud, usable_points(cloud), search);
   std::vector<bool> is_taken(cloud.size(), false);
   Random random(search.seed);
   std::vector<PlanePatch> patches;

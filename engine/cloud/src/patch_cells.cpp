@@ -48,12 +48,33 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t k) {
 
 }  // namespace
 
-std::vector<std::uint32_t> finite_points(std::span<const CloudPoint> cloud) {
+std::vector<std::uint32_t> usable_points(std::span<const CloudPoint> cloud) {
+  constexpr double kOuter = 0.01;  // share of the points at each end of an axis that do not tell the extent
+  constexpr double kMost = 10.0;
   std::vector<std::uint32_t> points;
   points.reserve(cloud.size());
   for (std::uint32_t k = 0; k < cloud.size(); ++k) {
     if (position_of(cloud[k]).allFinite()) points.push_back(k);
   }
+  if (points.empty()) return points;
+  Point3 low;
+  Point3 high;
+  std::vector<double> values(points.size());
+  const auto quantile = [&values](double share) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < points.size(); ++k) values[k] = position_of(cloud[points[k]])[axis];
+    low[axis] = quantile(kOuter);
+    high[axis] = quantile(1.0 - kOuter);
+  }
+  const double reach_m = kMost * std::max(1.0, (high - low).maxCoeff());
+  std::erase_if(points, [&](std::uint32_t k) {
+    const Point3 point = position_of(cloud[k]);
+    return (low - point).maxCoeff() > reach_m || (point - high).maxCoeff() > reach_m;
+  });
   return points;
 }
 
@@ -99,6 +120,15 @@ void PatchCells::link() {
       if (other != kNone) links_.emplace_back(k, other);
     }
   }
+}
+
+std::vector<bool> PatchCells::grown(const std::vector<bool>& is_marked) const {
+  std::vector<bool> result = is_marked;
+  for (const auto& [k, other] : links_) {
+    if (is_marked[k]) result[other] = true;
+    if (is_marked[other]) result[k] = true;
+  }
+  return result;
 }
 
 std::vector<std::uint32_t> PatchCells::largest_group(const std::vector<bool>& is_marked) const {

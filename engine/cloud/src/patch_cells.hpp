@@ -26,11 +26,13 @@ class PatchCells {
   }
   /// The cell of each point, in the order of the indices that were given.
   [[nodiscard]] const std::vector<std::uint32_t>& cell_of() const { return cell_of_; }
-  /// Finds out which cells touch, for largest_group.
+  /// Finds out which cells touch, for largest_group and grown.
   void link();
   /// Of the cells that are marked those of the largest group in which each touches another, ascending; by number of
   /// cells, the first group when two are equal.
   [[nodiscard]] std::vector<std::uint32_t> largest_group(const std::vector<bool>& is_marked) const;
+  /// Those that are marked and those that touch one of them.
+  [[nodiscard]] std::vector<bool> grown(const std::vector<bool>& is_marked) const;
 
  private:
   [[nodiscard]] std::uint32_t find(std::uint64_t key) const;
@@ -43,7 +45,8 @@ class PatchCells {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links_;
 };
 
-/// All finite points.
-std::vector<std::uint32_t> finite_points(std::span<const CloudPoint> cloud);
+/// All finite points but those that are farther from the bulk than ten times its extent: one wild point would make
+/// every cube as large as its distance asks.
+std::vector<std::uint32_t> usable_points(std::span<const CloudPoint> cloud);
 
 }  // namespace gdtslam
