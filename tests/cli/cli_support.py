@@ -137,6 +137,12 @@ def write_data():
     (DATA / "bad.tum").write_text("1 0 0 0 0 0 0 1\n2 0 0 zero 0 0 0 1\n")
     (DATA / "far.tum").write_text("".join(f"{k} 0 0 0 0 0 0 1\n" for k in (9001, 9002, 9003)))
     (DATA / "far.relations").write_text("9001 9002 0 0 0 0 0 0\n")
+    # In the room of three-boxes: half a metre before a wall, 2 cm before the outside of one that is 12 cm thick, and 25 cm
+    # over the floor.
+    places = "3.04 2 1\n3.64 2 1\n-1 -1 0.25\n"
+    header = "ply\nformat ascii 1.0\nelement vertex 3\n" + "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"
+    (DATA / "places.ply").write_text(header + places)
+    (DATA / "empty.ply").write_text(header.replace("vertex 3", "vertex 0"))
     (DATA / "good.yaml").write_text("version: 1\nmap:\n  resolution: 10 cm\n")
     (DATA / "unknown_key.yaml").write_text("version: 1\nmerge:\n  treshold: 5 cm\n")
     stamps = [line.split()[0] for line in TRUTH.read_text().splitlines() if line[0] != "#"]

@@ -75,13 +75,21 @@ HitReader::HitReader(const std::string& path) : path_(path), file_(path, std::io
       throw InputError({path_, i + 1}, "is no file of true hits; `gdtslam simulate --truth-hits` writes one");
     }
   }
+  const auto begin = file_.tellg();
+  const auto bytes = static_cast<std::uint64_t>(file_.seekg(0, std::ios::end).tellg() - begin);
+  file_.seekg(begin);
+  if (!file_ || bytes % kRowBytes != 0 || bytes / kRowBytes != hits_) {
+    throw InputError({path_, 0}, "has " + std::to_string(bytes) + " bytes of hits where its " + std::to_string(hits_) +
+                                     " take " + std::to_string(kRowBytes) + " each; was it cut off?");
+  }
 }
 
 std::optional<TrueHit> HitReader::next() {
   if (read_ == hits_) return std::nullopt;
   std::array<char, kRowBytes> row{};
   if (!file_.read(row.data(), static_cast<std::streamsize>(row.size()))) {
-    throw InputError({path_, 0}, "ends after " + std::to_string(read_) + " of " + std::to_string(hits_) + " hits");
+    throw FileError(path_,
+                    "cannot be read after " + std::to_string(read_) + " of its " + std::to_string(hits_) + " hits");
   }
   ++read_;
   TrueHit hit{.place_m = {double_at(row, 0), double_at(row, 1), double_at(row, 2)},

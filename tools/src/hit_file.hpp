@@ -21,9 +21,9 @@ struct TrueHit {
 
 class HitReader {
  public:
-  /// Throws FileError, or InputError for a file that is none of those.
+  /// Throws FileError, or InputError for a file that is none of those, cut off or too long.
   explicit HitReader(const std::string& path);
-  /// Nothing at the end. Throws InputError when rows are missing.
+  /// Nothing at the end. Throws InputError.
   std::optional<TrueHit> next();
   [[nodiscard]] std::uint64_t hits() const { return hits_; }
 
