@@ -16,7 +16,7 @@ constexpr double kBin_m = 0.02;
 constexpr double kLeastRoom_m = 1.0;  // between floor and ceiling
 constexpr double kColumn_m = 0.25;    // side of the columns over the ground that a surface's extent is counted in
 constexpr int kColumnRounds = 6;
-constexpr int kPointRounds = 4;
+constexpr int kPointRounds = 3;
 constexpr int kCandidates = 3;
 constexpr double kMostBeyond = 0.05;  // of the points: stairs down, a mirror, what a window shows
 constexpr double kLeastInner = 0.1;   // of a surface's columns; a row along the walls has none
@@ -92,6 +92,36 @@ double spread_m(Points points, const PlanePatch& patch) {
   return 3.0 * 1.4826 * *middle;
 }
 
+// The points in columns where nothing rises from the plane or falls from it, as walls do: they have points on one side
+// of it only, which would shift it by millimetres. All points where few such columns are left.
+Indices clear_of_walls(Points points, const Indices& all, const Plane& plane, double thickness_m) {
+  std::vector<ColumnKey> walls;
+  Indices near;
+  for (const std::uint32_t k : all) {
+    const double distance_m = std::fabs(plane.distance_m(position_of(points[k])));
+    if (distance_m <= thickness_m) near.push_back(k);
+    if (distance_m > thickness_m && distance_m <= 4.0 * thickness_m) walls.push_back(column_of(points[k]));
+  }
+  std::sort(walls.begin(), walls.end());
+  const std::size_t total = near.size();
+  std::erase_if(near,
+                [&](std::uint32_t k) { return std::binary_search(walls.begin(), walls.end(), column_of(points[k])); });
+  return 5 * near.size() >= total ? near : all;
+}
+
+// The plane that the points within a band about it have, the band as narrow as their noise.
+std::optional<PlanePatch> refined(Points points, const Indices& among, Plane plane, double thickness_m) {
+  std::optional<PlanePatch> patch;
+  double band_m = thickness_m;
+  for (int k = 0; k < kPointRounds; ++k) {
+    patch = fitted_plane(points, near_plane(points, among, plane, band_m));
+    if (!patch) return std::nullopt;
+    plane = patch->plane;
+    band_m = std::clamp(spread_m(points, *patch), 0.25 * thickness_m, thickness_m);
+  }
+  return patch;
+}
+
 // From where most columns end to the plane of those that end on one, however it is tilted; from there to the plane of
 // all points near it. Only the ends are asked at first, because walls would pull a tilted plane level.
 std::optional<PlanePatch> plane_at_ends(Points points, const Indices& columns, const Indices& all, double thickness_m) {
@@ -102,15 +132,9 @@ std::optional<PlanePatch> plane_at_ends(Points points, const Indices& columns, c
     if (!patch) return std::nullopt;
     plane = patch->plane;
   }
-  std::optional<PlanePatch> patch;
-  double band_m = thickness_m;
-  for (int k = 0; k < kPointRounds; ++k) {
-    patch = fitted_plane(points, near_plane(points, all, plane, band_m));
-    if (!patch) return std::nullopt;
-    plane = patch->plane;
-    band_m = std::clamp(spread_m(points, *patch), 0.25 * thickness_m, thickness_m);
-  }
-  if (patch->plane.normal.z() < 0.0) {
+  std::optional<PlanePatch> patch = refined(points, all, plane, thickness_m);
+  if (patch) patch = refined(points, clear_of_walls(points, all, patch->plane, thickness_m), patch->plane, thickness_m);
+  if (patch && patch->plane.normal.z() < 0.0) {
     patch->plane.normal = -patch->plane.normal;
     patch->plane.offset_m = -patch->plane.offset_m;
   }
