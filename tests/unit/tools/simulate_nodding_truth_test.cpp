@@ -22,7 +22,7 @@ floor: 0
 ceiling: 2.5
 robot:
   laser: {preset: hokuyo-961, drop_outs: 0, noise: 0, mount: {x: 10 cm, yaw: 3 deg}}
-  nodding: {crank_rate: 0.2, lever: {forward: 4 cm, up: 3 cm}, sensor: {roll: 1 deg}}
+  nodding: {crank_rate: 0.1973, lever: {forward: 4 cm, up: 3 cm}, sensor: {roll: 1 deg}}
 recording: {scan_rate: 40, odometry_rate: 10}
 waypoints: [{at: [0.5, 0.25], pause: 5.2 s}]
 )";
@@ -93,7 +93,8 @@ TEST_F(SimulateNoddingTest, LogAndLinkageGiveTheTrueHits) {
   chosen.is_exact = false;
   const Miss coarse = miss_of(0.001);
   EXPECT_LT(coarse.most_of_bound, 1.0);
-  EXPECT_GT(coarse.most_m, exact.most_m);
+  // More than the ranges' rounding alone: the ticks count.
+  EXPECT_GT(coarse.most_m, 0.6e-3);
 }
 
 }  // namespace
