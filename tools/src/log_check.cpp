@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <variant>
 
 #include "gdtslam/core/angle.hpp"
@@ -89,8 +90,8 @@ void LogChecker::add(const LogRecord& record) {
     ++check_.odometry_records;
     if (check_.scans_with_odometry == 0) add_odometry(odometry->stamp_s, odometry->T_odom_base);
   }
-  if (std::holds_alternative<Encoder>(record)) ++check_.encoder_records;
-  if (std::holds_alternative<Tilt>(record)) ++check_.tilt_records;
+  if (const auto* encoder = std::get_if<Encoder>(&record)) nod_.add(*encoder);
+  if (const auto* tilt = std::get_if<Tilt>(&record)) nod_.add(*tilt);
   if (std::holds_alternative<Parameter>(record)) ++check_.parameters;
 }
 
@@ -238,6 +239,7 @@ void LogChecker::finish_ranges(LogCheck& check) const {
 LogCheck LogChecker::finish(const std::vector<LogReader::Warning>& warnings) const {
   LogCheck check = check_;
   check.warnings = warnings;
+  check.nod = nod_.finish();
   finish_times(check);
   finish_ranges(check);
   return check;
@@ -271,9 +273,7 @@ std::vector<std::string> LogCheck::suggestions() const {
   if (mount_changes > 0) {
     list.emplace_back("the laser moves on the robot: the laser poses of the log may be corrected ones, not odometry");
   }
-  if (encoder_records + tilt_records > 0) {
-    list.emplace_back("the scanner nods: this version maps every scan as if it were level");
-  }
+  for (std::string& text : nod.suggestions()) list.push_back(std::move(text));
   return list;
 }
 

@@ -10,6 +10,7 @@
 
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "nod_check.hpp"
 
 namespace gdtslam {
 
@@ -71,8 +72,7 @@ struct LogCheck {
   std::uint64_t scans = 0;
   std::uint64_t scans_with_odometry = 0;
   std::uint64_t odometry_records = 0;
-  std::uint64_t encoder_records = 0;
-  std::uint64_t tilt_records = 0;
+  NodCheck nod;
   std::uint64_t parameters = 0;
   double first_stamp_s = 0.0;  ///< earliest
   double last_stamp_s = 0.0;   ///< latest
@@ -123,6 +123,7 @@ class LogChecker {
 
   StepBounds bounds_;
   LogCheck check_;
+  NodChecker nod_;
   std::optional<StampedPose> last_odometry_;
   std::optional<double> last_scan_s_;
   std::vector<std::uint64_t> steps_ms_;          ///< histogram of the forward steps, the last bin open

@@ -84,6 +84,8 @@ Json nodding_json(const NoddingReport& nodding) {
             {"before_first_fix", statistics.before_first_fix},
             {"dropped", statistics.dropped},
             {"without_nod", statistics.without_nod},
+            {"smooth_s", statistics.smooth_s},
+            {"assemble_s", statistics.assemble_s},
             {"sweep_check", check_json(nodding.outcome.check)}};
   if (nodding.outcome.has_cloud) {
     json["cloud"] = {{"measured", cloud.measured},

@@ -10,6 +10,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/level_scan.hpp"
 #include "pose_path.hpp"
+#include "stage_timer.hpp"
 
 namespace gdtslam {
 namespace {
@@ -162,6 +163,7 @@ std::vector<PoseFix> NoddingMapper::State::place(const PoseFix& next) {
   for (std::size_t k = 1; k < held.size(); ++k) inner.push_back({held[k].stamp_s(), {}, held[k].T_odom_base});
   place_between(config.interpolation, *last_fix, next, inner);
   if (config.interpolation == PoseInterpolation::kOdometry && config.smoother.is_on) {
+    const StageTimer timer(statistics.smooth_s);
     const HeightBand band{config.smoother.above_floor_m - scanner.mount.height_m, config.smoother.band_up_m};
     const auto points_of_scan = [&](std::size_t k) {
       const Held& scan = held[k + 1];
@@ -193,6 +195,7 @@ void NoddingMapper::State::close_segment(const PoseFix& next) {
 
 // Poses and points of the first `count` scans, whose nodes in the path follow the one of the scan before them.
 void NoddingMapper::State::emit(std::size_t count, const PosePath& path) {
+  const StageTimer timer(statistics.assemble_s);
   const std::size_t first = before_held ? 1 : 0;
   const Pose2 T_map_fix = path.node(first).T_map_base;
   for (std::size_t k = 0; k < count; ++k) {

@@ -52,8 +52,8 @@ TEST(LogCheck, CountsWhatIsThere) {
   EXPECT_EQ(check.scans, 51u);
   EXPECT_EQ(check.scans_with_odometry, 51u);
   EXPECT_EQ(check.odometry_records, 1u);
-  EXPECT_EQ(check.encoder_records, 1u);
-  EXPECT_EQ(check.tilt_records, 1u);
+  EXPECT_EQ(check.nod.encoder_records, 1u);
+  EXPECT_EQ(check.nod.tilt_records, 1u);
   EXPECT_EQ(check.parameters, 1u);
   EXPECT_NEAR(check.duration_s(), 10.0, 1e-9);
   EXPECT_NEAR(check.median_step_s, 0.2, 1e-9);

@@ -34,6 +34,23 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+std::string nod_text(const NodCheck& nod) {
+  std::string text;
+  if (nod.encoder_records > 0) {
+    text += fmt::format("nodding          {} encoder records, ticks {} to {}, {} falls at an index mark\n",
+                        nod.encoder_records, nod.lowest_ticks, nod.highest_ticks, nod.falls);
+  }
+  if (nod.tilt_records > 0) {
+    text += fmt::format("tilting          {} tilt records, {:.2f} to {:.2f} deg\n", nod.tilt_records,
+                        deg_from_rad(nod.lowest_tilt_rad), deg_from_rad(nod.highest_tilt_rad));
+  }
+  if (nod.has_records()) {
+    text += fmt::format("                 {:.1f} Hz, longest gap {:.3f} s, {} without motion\n", nod.mean_rate_hz,
+                        nod.longest_gap_s, nod.still_steps);
+  }
+  return text;
+}
+
 std::string counts_text(const LogCheck& c) {
   std::string text = fmt::format("scans            {} in {:.1f} s", c.scans, c.duration_s());
   if (c.median_step_s > 0.0)
@@ -42,10 +59,7 @@ std::string counts_text(const LogCheck& c) {
       fmt::format("\nodometry         {} scans with their own, {} records between; path {:.1f} m, turned {:.0f} deg\n",
                   c.scans_with_odometry, c.odometry_records, c.path_m, deg_from_rad(c.turned_rad));
   text += fmt::format("standing still   {} steps without any motion of the odometry\n", c.still_scans);
-  if (c.encoder_records + c.tilt_records > 0) {
-    text += fmt::format("nodding          {} encoder records, {} tilt records\n", c.encoder_records, c.tilt_records);
-  }
-  return text;
+  return text + nod_text(c.nod);
 }
 
 std::string sensor_text(const LogCheck& c) {
@@ -153,6 +167,20 @@ Json layouts_json(const std::vector<BeamLayout>& layouts) {
   return list;
 }
 
+Json nod_json(const NodCheck& nod) {
+  return {{"mean_rate_hz", nod.mean_rate_hz},
+          {"longest_gap_s", nod.longest_gap_s},
+          {"longest_gap_at_s", nod.longest_gap_at_s},
+          {"backward_stamps", nod.backward_stamps},
+          {"still_steps", nod.still_steps},
+          {"reversals", nod.reversals},
+          {"lowest_ticks", nod.lowest_ticks},
+          {"highest_ticks", nod.highest_ticks},
+          {"falls", nod.falls},
+          {"lowest_tilt_rad", nod.lowest_tilt_rad},
+          {"highest_tilt_rad", nod.highest_tilt_rad}};
+}
+
 Json json_of(const LogCheck& c, const StepBounds& bounds, const std::string& log) {
   Json report{{"log", log}, {"mappable", c.obstacle().empty()}, {"obstacle", c.obstacle()}};
   report["scans"] = c.scans;
@@ -161,8 +189,9 @@ Json json_of(const LogCheck& c, const StepBounds& bounds, const std::string& log
   report["median_step_s"] = c.median_step_s;
   report["scans_with_odometry"] = c.scans_with_odometry;
   report["odometry_records"] = c.odometry_records;
-  report["encoder_records"] = c.encoder_records;
-  report["tilt_records"] = c.tilt_records;
+  report["encoder_records"] = c.nod.encoder_records;
+  report["tilt_records"] = c.nod.tilt_records;
+  if (c.nod.has_records()) report["nodding"] = nod_json(c.nod);
   report["parameters"] = c.parameters;
   report["path_m"] = c.path_m;
   report["turned_rad"] = c.turned_rad;

@@ -40,6 +40,8 @@ struct NoddingStatistics {
   std::uint64_t without_nod = 0;       ///< scans whose elevation is not known: no points
   std::uint64_t sweeps = 0;            ///< strokes of the mount, up or down
   std::uint64_t points = 0;
+  double smooth_s = 0.0;    ///< seconds spent on the path between fixes
+  double assemble_s = 0.0;  ///< and on points, what takes them included
 };
 
 /// The configuration of the 2D system under a nodding laser: seconds and metres lie between two fixes, so a pose far
