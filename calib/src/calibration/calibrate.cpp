@@ -14,7 +14,6 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kAtBound = 1e-6;           // of the bound
 constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
 constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
 constexpr int kFirstRounds = 2;
@@ -98,25 +97,6 @@ std::optional<Attempt> other_attempt(const Attempt& best, const std::vector<Rang
   }
 }
 
-std::vector<CalibratedParameter> described(const Attempt& attempt, const Observability& seen) {
-  std::vector<CalibratedParameter> list;
-  for (std::size_t i = 0; i < attempt.parameters.size(); ++i) {
-    const Parameter& parameter = attempt.parameters[i];
-    const auto k = static_cast<Eigen::Index>(i);
-    const double x = attempt.fit.x[i];
-    const double sigma = seen.sigma(k);
-    list.push_back({.name = parameter.name,
-                    .unit = parameter.unit,
-                    .start = parameter.start,
-                    .estimate = parameter.start + parameter.scale * x,
-                    .sigma = sigma * parameter.scale,
-                    .data_share = std::clamp(1.0 - sigma * sigma, 0.0, 1.0),
-                    .at_bound = std::fabs(x) >= parameter.bound_scaled() * (1.0 - kAtBound),
-                    .observable = seen.data_sigma(k) <= 1.0 / kWeakSingularValue});
-  }
-  return list;
-}
-
 void add_surface_remarks(const std::vector<CalibrationSurface>& surfaces, std::vector<std::string>& remarks) {
   if (surfaces.size() > 1) return;
   remarks.emplace_back(
@@ -165,7 +145,7 @@ CalibrationResult result_of(const Attempt& attempt, const CalibrationOptions& op
   CalibrationResult result;
   result.model = found.model;
   result.surfaces = found.surfaces;
-  result.parameters = described(attempt, seen);
+  result.parameters = described(attempt.parameters, attempt.fit.x, seen);
   result.covariance = row_major(scales.asDiagonal() * seen.covariance * scales.asDiagonal());
   result.singular_values = {seen.singular_values.data(), seen.singular_values.data() + seen.singular_values.size()};
   result.combinations = row_major(seen.combinations.transpose());

@@ -11,6 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Below this share of the largest a singular value is rounding.
 constexpr double kNothing = 1e-9;
+constexpr double kAtBound = 1e-6;  // of the bound
 // A parameter with less than this (squared) of a combination that nothing holds is not moved by it.
 constexpr double kLeastShare = 1e-12;
 
@@ -86,17 +87,39 @@ Spectrum spectrum_of(const Eigen::MatrixXd& jacobian) {
 
 }  // namespace
 
-Observability observe(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit, double huber_sigmas) {
+Observability observability_of(const Eigen::MatrixXd& jacobian, std::span<const Parameter> parameters) {
   Observability seen;
-  seen.jacobian = weighted_jacobian(setup, parameters, fit, huber_sigmas);
-  const Spectrum data = spectrum_of(seen.jacobian);
+  seen.jacobian = jacobian;
+  const Spectrum data = spectrum_of(jacobian);
   seen.singular_values = data.values;
   seen.combinations = data.vectors;
   seen.data_sigma = data.sigma;
-  const Spectrum posterior = spectrum_of(with_priors(seen.jacobian, parameters));
+  const Spectrum posterior = spectrum_of(with_priors(jacobian, parameters));
   seen.sigma = posterior.sigma;
   seen.covariance = posterior.covariance;
   return seen;
+}
+
+std::vector<CalibratedParameter> described(std::span<const Parameter> parameters, std::span<const double> x,
+                                           const Observability& seen) {
+  std::vector<CalibratedParameter> list;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const Parameter& parameter = parameters[i];
+    const double sigma = seen.sigma(index(i));
+    list.push_back({.name = parameter.name,
+                    .unit = parameter.unit,
+                    .start = parameter.start,
+                    .estimate = parameter.start + parameter.scale * x[i],
+                    .sigma = sigma * parameter.scale,
+                    .data_share = std::clamp(1.0 - sigma * sigma, 0.0, 1.0),
+                    .at_bound = std::fabs(x[i]) >= parameter.bound_scaled() * (1.0 - kAtBound),
+                    .observable = seen.data_sigma(index(i)) <= 1.0 / kWeakSingularValue});
+  }
+  return list;
+}
+
+Observability observe(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit, double huber_sigmas) {
+  return observability_of(weighted_jacobian(setup, parameters, fit, huber_sigmas), parameters);
 }
 
 double elevation_sigma_rad(const Setup& setup, std::span<const Parameter> parameters, const Observability& seen,

@@ -23,6 +23,11 @@ struct Observability {
   Eigen::MatrixXd covariance;       ///< posterior, of the directions that something holds
 };
 
+/// From a weighted Jacobian of scaled parameters.
+Observability observability_of(const Eigen::MatrixXd& jacobian, std::span<const Parameter> parameters);
+/// What a result states of each parameter at x.
+std::vector<CalibratedParameter> described(std::span<const Parameter> parameters, std::span<const double> x,
+                                           const Observability& seen);
 Observability observe(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit, double huber_sigmas);
 std::vector<WeakCombination> weak_combinations(const Setup& setup, std::span<const Parameter> parameters,
                                                const Observability& seen);
