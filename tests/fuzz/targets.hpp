@@ -10,6 +10,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/carmen.hpp"
+#include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/pgm.hpp"
 #include "gdtslam/io/png.hpp"
@@ -47,6 +48,11 @@ inline void drain(std::span<const std::byte> data, bool lenient) {
   } catch (const InputError& error) {
     require(is_one_line(error.what()));
   }
+}
+
+inline void check_point(const CloudPoint& p) {
+  require(std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.z_m) && std::isfinite(p.elevation_rad) &&
+          std::isfinite(p.stamp_s));
 }
 
 }  // namespace detail
@@ -98,6 +104,22 @@ inline void read_distance_image(std::span<const std::byte> data) {
     constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22U;
     const Grey16Image image = decode_png_grey16(data, "fuzz", kMaxPixels);
     detail::require(image.pixels.size() == std::size_t{image.width} * image.height);
+  } catch (const InputError& error) {
+    detail::require(detail::is_one_line(error.what()));
+  }
+}
+
+/// PLY and PCD: which it is stands in the first line, so each has its corpus.
+inline void read_cloud_file(std::span<const std::byte> data) {
+  try {
+    CloudReader reader(data, "fuzz");
+    std::uint64_t points = 0;
+    for (Cloud piece = reader.next(100); !piece.empty(); piece = reader.next(100)) {
+      detail::require(piece.size() <= 100);
+      for (const CloudPoint& point : piece) detail::check_point(point);
+      points += piece.size();
+    }
+    detail::require(points + reader.skipped() == reader.header().points);
   } catch (const InputError& error) {
     detail::require(detail::is_one_line(error.what()));
   }

@@ -25,6 +25,8 @@ TEST(FuzzCorpus, Carmen) { replay("carmen", fuzz::read_carmen, 12); }
 TEST(FuzzCorpus, Config) { replay("config", fuzz::read_config, 8); }
 TEST(FuzzCorpus, Map) { replay("map", fuzz::read_map_image, 3); }
 TEST(FuzzCorpus, Tum) { replay("tum", fuzz::read_trajectory, 2); }
+TEST(FuzzCorpus, Ply) { replay("ply", fuzz::read_cloud_file, 5); }
+TEST(FuzzCorpus, Pcd) { replay("pcd", fuzz::read_cloud_file, 5); }
 TEST(FuzzCorpus, Png) { replay("png", fuzz::read_distance_image, 2); }
 
 }  // namespace
