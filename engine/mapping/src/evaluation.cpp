@@ -67,8 +67,9 @@ struct MatchedPose {
   Pose2 T_reference_base;
 };
 
-// Least squares over rotation and translation without scale, in closed form for the plane [Umeyama1991]. When all
-// positions coincide they tell nothing about the rotation, which then comes from the headings.
+// Least squares over rotation and translation without scale, in closed form for the plane [Umeyama1991]. A robot that
+// stands, in truth or in the estimate, tells nothing about the rotation by its positions, which then comes from the
+// headings.
 Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   const auto count = static_cast<double>(matched.size());
   Point2 mean_map = Point2::Zero();
@@ -79,17 +80,20 @@ Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
   }
   double dot = 0.0;
   double cross = 0.0;
-  double largest_offset_m = 0.0;
+  double spread_map_m = 0.0;
+  double spread_reference_m = 0.0;
   for (const MatchedPose& m : matched) {
     const Point2 a = m.T_map_base.translation() - mean_map;
     const Point2 b = m.T_reference_base.translation() - mean_reference;
     dot += a.dot(b);
     cross += a.x() * b.y() - a.y() * b.x();
-    largest_offset_m = std::max({largest_offset_m, a.norm(), b.norm()});
+    spread_map_m = std::max(spread_map_m, a.norm());
+    spread_reference_m = std::max(spread_reference_m, b.norm());
   }
   // The mean of equal numbers need not be that number: offsets of rounding size are none.
-  const bool coincide = largest_offset_m <= 1e-9 * (1.0 + mean_map.norm() + mean_reference.norm());
-  if (coincide) {
+  const bool stands =
+      std::min(spread_map_m, spread_reference_m) <= 1e-9 * (1.0 + mean_map.norm() + mean_reference.norm());
+  if (stands) {
     dot = cross = 0.0;
     for (const MatchedPose& m : matched) {
       const auto [sine, cosine] = sin_cos(m.T_reference_base.theta_rad - m.T_map_base.theta_rad);

@@ -205,6 +205,19 @@ TEST(EvaluateReference, EqualPositionsThatDoNotAverageExactlyAreAlignedByTheHead
   EXPECT_NEAR(report.ate_m.max, 0.0, kTiny);
 }
 
+// The estimate of a robot that stands trembles, which tells nothing about the rotation either.
+TEST(EvaluateReference, ARobotThatStandsIsAlignedByTheHeadings) {
+  Random random(3);
+  Trajectory estimate;
+  Trajectory reference;
+  for (int k = 0; k < 40; ++k) {
+    estimate.push_back({static_cast<double>(k), {0.002 * random.normal(), 0.002 * random.normal(), 0.0}});
+    reference.push_back({static_cast<double>(k), {3.0, 1.0, 2.0}});
+  }
+  EXPECT_NEAR(evaluate_reference(estimate, reference, {}).T_reference_estimate.theta_rad, 2.0, 1e-12);
+  EXPECT_NEAR(evaluate_reference(reference, estimate, {}).T_reference_estimate.theta_rad, -2.0, 1e-12);
+}
+
 // Perturbing the alignment in any direction must not lower the sum of squares: it is the minimum.
 TEST(EvaluateReference, AlignmentIsOptimal) {
   Random random(3);
