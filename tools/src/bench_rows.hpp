@@ -1,5 +1,6 @@
 // What `gdtslam bench` measures on a backend: the kernels on the benchmark cases of the shared list, whole distance
-// transforms, whole scans and sweeps, and OpenCV's distance transform beside them when the build has it.
+// transforms, whole scans and sweeps, clouds in files and thinned, and OpenCV's distance transform beside them when the
+// build has it.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ struct BenchRow {
   std::string group;  ///< "kernel", "transform", "scan", "sweep", "peer"
   std::string name;
   std::string variant;
-  std::string unit;  ///< of the work: cell, look-up, value
+  std::string unit;  ///< of the work: cell, look-up, value, point
   double work = 0.0;
   Timing timing;
   std::optional<double> copy_ratio;    ///< time that the device takes to copy the bytes read and written, over the time
@@ -49,6 +50,9 @@ std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, c
 
 /// Whole transforms of a square of `size` cells with walls on 1.5 % of them; on the CPU the peers too.
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options);
+
+/// Clouds written, read and thinned, and the peers: fwrite, fread, std::unordered_set. On the CPU only.
+std::vector<BenchRow> bench_clouds(const TimingOptions& options);
 
 /// What a scan costs from its points to its pose and into the map.
 std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options);
