@@ -104,11 +104,12 @@ NodKind ScanStream::nod_kind() {
     return std::holds_alternative<Tilt>(record) ? NodKind::kTilt : NodKind::kNone;
   };
   try {
-    while (ahead_.size() < kMostAhead) {
+    for (std::size_t scans = 0; scans < kScansAhead && ahead_.size() < kMostAhead;) {
       std::optional<LogRecord> record = reader_->next();
       if (!record) break;
       ahead_.push_back(std::move(*record));
       if (const NodKind kind = kind_of(ahead_.back()); kind != NodKind::kNone) return kind;
+      if (std::holds_alternative<ScanRecord>(ahead_.back())) ++scans;
     }
   } catch (const Error&) {
     ahead_problem_ = std::current_exception();

@@ -55,10 +55,11 @@ class ScanStream {
   ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range);
 
   std::optional<ScanRecord> next();
-  /// Looks ahead, at most kMostAhead records of the first log. What is wrong with one of them is thrown when next()
-  /// comes to it.
+  /// Looks ahead for a message of a mount, up to kScansAhead scans of the first log. What is wrong with a record that
+  /// it passes is thrown when next() comes to it.
   NodKind nod_kind();
-  static constexpr std::size_t kMostAhead = 1000;
+  static constexpr std::size_t kScansAhead = 20;
+  static constexpr std::size_t kMostAhead = 10000;  ///< records
   /// Takes every record but the scans, in log order, those before a scan in hand among them; and hears of each log that
   /// follows the first, when all scans of the one before have been given.
   struct Listener {
