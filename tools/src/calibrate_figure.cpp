@@ -11,6 +11,7 @@
 #include "calibrate_plot.hpp"
 #include "gdtslam/calib/calibration_residual.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/elementary.hpp"
 
 namespace gdtslam {
 namespace {
@@ -40,6 +41,7 @@ struct Dot {
   double ticks = 0.0;
   double elevation_deg = 0.0;
   double range_m = 0.0;
+  double ahead_m = 0.0;  ///< (A1) read backwards: the range projected to the level
   double residual_mm = 0.0;
   bool is_ahead = false;  ///< of the forward beam
   bool is_used = false;   ///< within the elevations of the calibration
@@ -67,6 +69,7 @@ std::vector<Dot> dots_of(const Belief& belief, const CalibrateOutcome& outcome) 
     dots.push_back({.ticks = seen.ticks,
                     .elevation_deg = deg_from_rad(*elevation),
                     .range_m = seen.range_m,
+                    .ahead_m = seen.range_m * sin_cos(*elevation).cos,
                     .residual_mm = range ? 1000.0 * (seen.range_m - *range) : std::numeric_limits<double>::quiet_NaN(),
                     .is_ahead = std::fabs(seen.bearing_rad) <= ahead,
                     .is_used = std::fabs(measured) <= outcome.max_elevation_rad});
@@ -128,11 +131,13 @@ void draw_ranges(Canvas& canvas, const Belief& belief, const std::vector<Dot>& d
                    belief.name, "Range of the forward beam over one turn of the crank");
   plot.curve(curve_of(belief), {.colour = ink::kLaser, .width = 3.0});
   for (const Dot& dot : dots) {
+    if (dot.is_ahead && dot.is_used) plot.dot(dot.ticks, dot.ahead_m, ink::kRocker, 1.6);
     if (dot.is_ahead)
       plot.dot(dot.ticks, dot.range_m, dot.is_used ? ink::kCoupler : ink::kQuiet, dot.is_used ? 2.2 : 1.5);
   }
   plot.legend(ink::kLaser, true, "modelled");
   plot.legend(ink::kCoupler, false, "measured");
+  plot.legend(ink::kRocker, false, "its level part");
 }
 
 double scale_of_residuals(const std::vector<Dot>& dots) {

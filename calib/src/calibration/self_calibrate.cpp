@@ -42,21 +42,32 @@ class SelfCalibration {
 
   SelfCalibrationResult run() {
     double gate_m = options_.first_gate_m;
+    const std::uint32_t last_pairing = rounds_of_pairing();
     for (result_.rounds = 0; result_.rounds < options_.max_rounds && !result_.converged; ++result_.rounds) {
       const std::vector<Point3> points = assembled(x_);
-      pairs_ = stroke_pairs(points, strokes_, gate_m, options_.max_pairs);
-      require_pairs();
+      if (result_.rounds < last_pairing) {
+        pairs_ = stroke_pairs(points, strokes_, gate_m, options_.max_pairs);
+        require_pairs();
+      }
       const std::vector<double> misses = misses_of(points);
       if (result_.rounds == 0) result_.median_miss_before_m = median_of(misses);
       linear_ = linearised(misses);
       const double step = take_step();
-      result_.converged = gate_m <= options_.last_gate_m && step < kSettled;
+      result_.converged = result_.rounds + 1 >= last_pairing && step < kSettled;
       gate_m = std::max(options_.last_gate_m, 0.5 * gate_m);
     }
     return finished();
   }
 
  private:
+  // Pairs are found anew until the gate has been closed twice, then kept: else the fit would follow their changes for
+  // ever.
+  [[nodiscard]] std::uint32_t rounds_of_pairing() const {
+    std::uint32_t rounds = 2;
+    for (double gate_m = options_.first_gate_m; gate_m > options_.last_gate_m; gate_m *= 0.5) ++rounds;
+    return rounds;
+  }
+
   [[nodiscard]] std::vector<Point3> assembled(const std::vector<double>& x) const {
     std::vector<Point3> points = assemble_(setup_at(start_, parameters_, x).model);
     if (points.size() == strokes_.size()) return points;

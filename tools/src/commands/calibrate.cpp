@@ -9,6 +9,7 @@
 
 #include "calibrate_figure.hpp"
 #include "calibrate_run.hpp"
+#include "calibrate_self_run.hpp"
 #include "calibrate_text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
@@ -34,6 +35,7 @@ struct CalibrateCommand {
   std::string sector;
   std::string sigma;
   bool no_prior = false;
+  bool is_self = false;
   bool json = false;
   bool quiet = false;
 };
@@ -84,6 +86,26 @@ int run_calibrate(const CalibrateCommand& command) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+int run_self(const CalibrateCommand& command) {
+  SelfCalibrateJob job{
+      .logs = command.job.logs, .start = resolve_linkage(command.start), .read = command.job.read, .options = {}};
+  job.options.priors.free_lever = command.job.options.free_lever;
+  job.options.priors.free_sensor_angles = command.job.options.free_sensor_angles;
+  ProgressLine progress("steps", command.quiet);
+  std::uint64_t steps = 0;
+  const SelfCalibrateOutcome outcome = run_self_calibration(
+      job, [&](double share) { progress.update(++steps, share); }, [] { return interrupted(); });
+  progress.clear();
+  write_linkage(command.output, outcome.result.model, uncertainty_of(outcome.result));
+  if (command.json) {
+    print_result(json_text(json_of(outcome)));
+  } else if (!command.quiet) {
+    print_result(text_of(outcome) + "\nlinkage " + command.output + "\n");
+  }
+  if (!outcome.result.converged) print_remark("the strokes did not settle; try a better --start");
+  return static_cast<int>(ExitCode::kDone);
+}
+
 void add_data_options(CLI::App& command, CalibrateCommand& chosen) {
   command
       .add_option("--surfaces", chosen.job.surfaces,
@@ -127,6 +149,13 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
   command->add_flag("--no-prior", chosen->no_prior,
                     "Let the data alone decide; what they do not tell stays at the start");
   command->add_option("--svg", chosen->svg, "Draw the ranges before and after (figure A)")->type_name("FILE");
+  CLI::Option* const self =
+      command->add_flag("--self", chosen->is_self,
+                        "From a mapping log: what the up and the down strokes see must agree; no surface is given");
+  for (const char* name : {"--surfaces", "--known-distances", "--free-headings", "--sector", "--up-to", "--sigma",
+                           "--search-zero", "--no-prior", "--svg"}) {
+    self->excludes(command->get_option(name));
+  }
   command->add_flag("--json", chosen->json, "Print JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(
@@ -136,8 +165,11 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam calibrate wall.log -o linkage.yaml\n"
       "  gdtslam calibrate wall.log -o linkage.yaml --start mine.yaml --surfaces wall=2m,ceiling=2.2m --free-lever\n"
-      "  gdtslam calibrate wall.log -o linkage.yaml --svg figure-a.svg --json");
-  command->callback([chosen, &context] { context.run = [chosen] { return run_calibrate(*chosen); }; });
+      "  gdtslam calibrate wall.log -o linkage.yaml --svg figure-a.svg --json\n"
+      "  gdtslam calibrate office.log -o better.yaml --start linkage.yaml --self");
+  command->callback([chosen, &context] {
+    context.run = [chosen] { return chosen->is_self ? run_self(*chosen) : run_calibrate(*chosen); };
+  });
 }
 
 }  // namespace gdtslam
