@@ -10,9 +10,17 @@ namespace gdtslam {
 namespace {
 
 constexpr float kTurnedBack_rad = 0.05F;  // a stroke has ended when the elevation is this far behind its furthest
-constexpr double kLeastWeakest = 1.0e-3;  // smallest over largest singular value for a correction to be believed
+constexpr double kLeastWeakest = 1.0e-2;  // smallest over largest singular value for a correction to be believed
+constexpr double kCell_m = 0.08;          // sweeps are compared by the means of their points in such cubes
+constexpr std::uint32_t kMostPoints = 2000;
 
-double turn_of(const Pose3& T) { return log_so3(T.rotation).norm(); }
+Point3 centre_of(const Cloud& cloud) {
+  Point3 sum = Point3::Zero();
+  for (const CloudPoint& point : cloud) {
+    sum += Point3(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
+  }
+  return sum / static_cast<double>(cloud.size());
+}
 
 }  // namespace
 
@@ -52,17 +60,25 @@ void SweepSampler::add(std::span<const CloudPoint> points) {
 void SweepSampler::close_sweep() {
   Stopwatch watch;
   if (current_.size() >= config_.min_points && previous_.size() >= config_.min_points) {
-    const RegistrationResult found = register_clouds(current_, previous_, {});
+    RegistrationOptions options;
+    options.cell_m = kCell_m;
+    options.max_points = kMostPoints;
+    const RegistrationResult found = register_clouds(current_, previous_, options);
     if (found.converged && found.weakest_share >= kLeastWeakest) {
-      const double shift_m = found.T_target_source.translation_m.norm();
-      const double turn_rad = turn_of(found.T_target_source);
+      // Of the sweep's centre: about the map's origin a turn would count as a shift.
+      const Point3 centre = centre_of(current_);
+      const Point3 shift = found.T_target_source * centre - centre;
+      const Eigen::Vector3d turn = log_so3(found.T_target_source.rotation);
+      const double shift_m = shift.norm();
+      const double turn_rad = turn.norm();
       ++outcome_.pairs;
       outcome_.mean_shift_m += shift_m;
       outcome_.mean_turn_rad += turn_rad;
       outcome_.mean_rms_m += found.rms_m;
       outcome_.max_shift_m = std::max(outcome_.max_shift_m, shift_m);
       outcome_.max_turn_rad = std::max(outcome_.max_turn_rad, turn_rad);
-      drift_ = drift_ * found.T_target_source;
+      drift_m_ += shift;
+      drift_rad_ += turn;
     } else {
       ++outcome_.not_held;
     }
@@ -80,8 +96,8 @@ SweepCheck SweepSampler::finish() {
     outcome_.mean_shift_m /= pairs;
     outcome_.mean_turn_rad /= pairs;
     outcome_.mean_rms_m /= pairs;
-    outcome_.drift_m = drift_.translation_m.norm();
-    outcome_.drift_rad = turn_of(drift_);
+    outcome_.drift_m = drift_m_.norm();
+    outcome_.drift_rad = drift_rad_.norm();
   }
   return outcome_;
 }

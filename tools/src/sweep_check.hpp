@@ -22,11 +22,11 @@ struct SweepCheckConfig {
 struct SweepCheck {
   std::uint64_t pairs = 0;     ///< that could be compared
   std::uint64_t not_held = 0;  ///< too little overlap or structure
-  double mean_shift_m = 0.0;
+  double mean_shift_m = 0.0;   ///< of the centres of the sweeps
   double max_shift_m = 0.0;
   double mean_turn_rad = 0.0;
   double max_turn_rad = 0.0;
-  double drift_m = 0.0;  ///< of all corrections one after the other
+  double drift_m = 0.0;  ///< length of the sum of all corrections
   double drift_rad = 0.0;
   double mean_rms_m = 0.0;  ///< point to plane after registration
   double wall_s = 0.0;
@@ -53,7 +53,8 @@ class SweepSampler {
   bool has_scan_ = false;
   float turning_rad_ = 0.0F;  ///< elevation of the furthest scan of this stroke
   int stroke_ = 0;
-  Pose3 drift_;
+  Point3 drift_m_ = Point3::Zero();
+  Eigen::Vector3d drift_rad_ = Eigen::Vector3d::Zero();
   SweepCheck outcome_;
 };
 

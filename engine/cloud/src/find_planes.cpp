@@ -43,19 +43,6 @@ PatchCells few_cells(std::span<const CloudPoint> cloud, std::span<const std::uin
   return cells;
 }
 
-Cloud means_of(std::span<const CloudPoint> cloud, const PatchCells& cells) {
-  Cloud means(cells.size());
-  for (std::uint32_t k = 0; k < cells.size(); ++k) {
-    Point3 sum = Point3::Zero();
-    for (const std::uint32_t point : cells.points_of(k)) sum += position_of(cloud[point]);
-    const Point3 mean = sum / static_cast<double>(cells.points_of(k).size());
-    means[k].x_m = static_cast<float>(mean.x());
-    means[k].y_m = static_cast<float>(mean.y());
-    means[k].z_m = static_cast<float>(mean.z());
-  }
-  return means;
-}
-
 Point3 normal_at(const Neighbours& neighbours, std::uint32_t k) {
   const std::vector<std::uint32_t> near = neighbours.closest(neighbours.point(k), kNearCells);
   if (near.size() < 5) return Point3::Zero();
@@ -75,7 +62,7 @@ Point3 normal_at(const Neighbours& neighbours, std::uint32_t k) {
 ThinnedCloud thinned(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points,
                      const PlaneSearch& search) {
   PatchCells cells = few_cells(cloud, points, search.thickness_m);
-  Cloud means = means_of(cloud, cells);
+  Cloud means = cells.means_of(cloud);
   std::vector<std::uint32_t> all(means.size());
   std::iota(all.begin(), all.end(), 0U);
   PatchCells groups(means, all, std::max(0.5 * search.gap_m, 1.5 * cells.edge_m()));

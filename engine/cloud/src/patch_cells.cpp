@@ -112,6 +112,19 @@ std::uint32_t PatchCells::find(std::uint64_t key) const {
   return at != keys_.end() && *at == key ? static_cast<std::uint32_t>(at - keys_.begin()) : kNone;
 }
 
+Cloud PatchCells::means_of(std::span<const CloudPoint> cloud) const {
+  Cloud means(size());
+  for (std::uint32_t k = 0; k < size(); ++k) {
+    Point3 sum = Point3::Zero();
+    for (const std::uint32_t point : points_of(k)) sum += position_of(cloud[point]);
+    const Point3 mean = sum / static_cast<double>(points_of(k).size());
+    means[k].x_m = static_cast<float>(mean.x());
+    means[k].y_m = static_cast<float>(mean.y());
+    means[k].z_m = static_cast<float>(mean.z());
+  }
+  return means;
+}
+
 void PatchCells::link() {
   static const std::array<std::uint64_t, 13> kSteps = later_neighbours();
   for (std::uint32_t k = 0; k < keys_.size(); ++k) {

@@ -26,6 +26,8 @@ class PatchCells {
   }
   /// The cell of each point, in the order of the indices that were given.
   [[nodiscard]] const std::vector<std::uint32_t>& cell_of() const { return cell_of_; }
+  /// The mean of the points of each cell.
+  [[nodiscard]] Cloud means_of(std::span<const CloudPoint> cloud) const;
   /// Finds out which cells touch, for largest_group and grown.
   void link();
   /// Of the cells that are marked those of the largest group in which each touches another, ascending; by number of

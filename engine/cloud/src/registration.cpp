@@ -9,16 +9,17 @@
 #include <vector>
 
 #include "neighbours.hpp"
+#include "patch_cells.hpp"
 #include "position_of.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr double kShrink = 0.7;         // of the largest distance of a pair, from one iteration to the next
-constexpr double kLeastDistance = 0.1;  // of the first one
-constexpr double kFlat = 0.1;           // thickness over extent of a neighbourhood that has a normal
-constexpr double kStill_m = 1.0e-5;
-constexpr double kStill_rad = 1.0e-6;
+constexpr double kShrink = 0.7;          // of the largest distance of a pair, from one iteration to the next
+constexpr double kLeastDistance = 0.34;  // of the first one
+constexpr double kFlat = 0.3;            // thickness over extent of a neighbourhood that has a normal
+constexpr double kStill_m = 1.0e-4;
+constexpr double kStill_rad = 2.0e-5;
 constexpr std::size_t kLeastPairs = 20;
 
 struct Normal {
@@ -106,6 +107,27 @@ Point3 centre_of(const std::vector<Point3>& points) {
   return points.empty() ? sum : Point3(sum / static_cast<double>(points.size()));
 }
 
+// The means of cubes, so that neighbours lie around a point and not along one scan.
+Cloud thinned(std::span<const CloudPoint> cloud, double cell_m) {
+  if (!(cell_m > 0.0)) return {cloud.begin(), cloud.end()};
+  const PatchCells cells(cloud, usable_points(cloud), cell_m);
+  return cells.means_of(cloud);
+}
+
+double radius_of(const std::vector<Point3>& points, const Point3& centre) {
+  double sum = 0.0;
+  for (const Point3& point : points) sum += (point - centre).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+double weakest_share(const Matrix6& information, double radius_m) {
+  Tangent3 scale;
+  scale << Point3::Ones(), Point3::Constant(1.0 / radius_m);
+  const Matrix6 alike = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(alike, Eigen::EigenvaluesOnly);
+  return std::max(0.0, solver.eigenvalues()[0]) / solver.eigenvalues()[5];
+}
+
 // The motion about the centre as one of the frame's origin.
 Pose3 about(const Point3& centre, const Tangent3& step) {
   const Pose3 to_centre{centre, Eigen::Quaterniond::Identity()};
@@ -119,9 +141,10 @@ RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span
                                    const RegistrationOptions& options) {
   RegistrationResult result;
   if (source.empty() || target.empty()) return result;
-  Target map(target, options.neighbours);
-  const std::vector<Point3> points = spread(source, options.max_points);
+  Target map(thinned(target, options.cell_m), options.neighbours);
+  const std::vector<Point3> points = spread(thinned(source, options.cell_m), options.max_points);
   const Point3 centre = centre_of(points);
+  const double radius_m = std::max(1.0e-3, radius_of(points, centre));
   double within_m = options.max_distance_m;
   for (; result.iterations < options.max_iterations; ++result.iterations) {
     const Equations sums = equations_at(result.T_target_source, points, map, centre, within_m);
@@ -130,8 +153,7 @@ RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span
     result.rms_m = sums.rms_m();
     result.information = sums.information;
     if (sums.pairs < kLeastPairs) return result;
-    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(sums.information);
-    result.weakest_share = std::max(0.0, solver.eigenvalues()[0]) / solver.eigenvalues()[5];
+    result.weakest_share = weakest_share(sums.information, radius_m);
     if (result.converged) return result;
     const Tangent3 step = sums.information.ldlt().solve(sums.right);
     if (!step.allFinite()) return result;

@@ -13,6 +13,7 @@ struct RegistrationOptions {
   double max_distance_m = 0.3;      ///< of a pair, at the start; shrinks
   std::uint32_t max_points = 4000;  ///< of the moving cloud, spread evenly
   std::uint32_t neighbours = 12;    ///< for a normal
+  double cell_m = 0.0;              ///< both clouds are thinned to the means of cubes of this edge; 0 keeps all points
   std::uint32_t max_iterations = 30;
 };
 struct RegistrationResult {
@@ -22,7 +23,9 @@ struct RegistrationResult {
   std::uint32_t pairs = 0;
   double rms_before_m = 0.0;  ///< point-to-plane, of the pairs at the identity
   double rms_m = 0.0;
-  double weakest_share = 0.0;  ///< smallest over largest singular value: near 0 a direction is not held
+  /// Smallest over largest singular value of the information, turns counted at the points' mean distance from their
+  /// centre: near 0 a direction is not held.
+  double weakest_share = 0.0;
   bool converged = false;
 };
 RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span<const CloudPoint> target,

@@ -1,0 +1,98 @@
+// Sweeps against each other: strokes are told apart, equal sweeps leave nothing, an error of the linkage is seen.
+#include "sweep_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/cloud_scenes.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::Rectangle;
+using test::StandingScanner;
+
+// A room with the scanner in it that nods up and down `strokes` times, posed with an elevation that is off by an error.
+Cloud strokes(int count, double error_rad) {
+  std::vector<Rectangle> scene = test::room({5.0, 4.0, 2.5});
+  for (Rectangle& side : scene) side.corner -= Point3(2.0, 1.7, 0.3);
+  for (const Rectangle& side : test::box_sides({1.6, 0.9, -0.3}, 0.5, {0.8, 0.6, 1.0})) scene.push_back(side);
+  Random random(3);
+  Cloud all;
+  std::uint32_t scans = 0;
+  for (int stroke = 0; stroke < count; ++stroke) {
+    StandingScanner scanner;
+    scanner.at = Point3::Zero();
+    scanner.beams = 120;
+    scanner.bearing_step_rad = 0.0333;
+    scanner.scans = 90;
+    scanner.elevation_step_rad = 0.012;
+    const bool is_up = stroke % 2 == 0;
+    if (!is_up) {
+      scanner.first_elevation_rad = 90 * scanner.elevation_step_rad;
+      scanner.elevation_step_rad = -scanner.elevation_step_rad;
+    }
+    // The elevation that the mount is believed to have is wrong on the way up by +error, on the way down by -error.
+    const double believed_rad = is_up ? error_rad : -error_rad;
+    Tangent3 wrong = Tangent3::Zero();
+    wrong[4] = -believed_rad;  // about y: positive lifts
+    const Cloud seen = test::moved(test::scan(scanner, scene, random), exp_se3(wrong));
+    for (CloudPoint point : seen) {
+      point.scan += scans;
+      all.push_back(point);
+    }
+    scans += 90;
+  }
+  return all;
+}
+
+SweepCheck check_of(const Cloud& cloud, std::size_t piece) {
+  SweepSampler sampler{SweepCheckConfig{}};
+  for (std::size_t begin = 0; begin < cloud.size(); begin += piece) {
+    sampler.add(std::span(cloud).subspan(begin, std::min(piece, cloud.size() - begin)));
+  }
+  return sampler.finish();
+}
+
+TEST(SweepCheck, StrokesOfAStandingScannerAgree) {
+  const SweepCheck check = check_of(strokes(4, 0.0), 1'000);
+  EXPECT_EQ(check.pairs, 3U);
+  EXPECT_EQ(check.not_held, 0U);
+  EXPECT_LT(check.mean_shift_m, 0.01);
+  EXPECT_LT(check.mean_turn_rad, 0.003);
+  EXPECT_GE(check.max_shift_m, check.mean_shift_m);
+}
+
+TEST(SweepCheck, AnErrorOfTheLinkageIsSeenAsTheTurnBetweenTheStrokes) {
+  const double error_rad = 0.01;
+  const SweepCheck check = check_of(strokes(4, error_rad), 1'000);
+  EXPECT_EQ(check.pairs, 3U);
+  EXPECT_NEAR(check.mean_turn_rad, 2.0 * error_rad, 0.004);
+  // Up, down, up, down: the corrections cancel but for one.
+  EXPECT_NEAR(check.drift_rad, 2.0 * error_rad, 0.005);
+}
+
+TEST(SweepCheck, ThePiecesDoNotMatter) {
+  const Cloud cloud = strokes(2, 0.002);
+  const SweepCheck once = check_of(cloud, cloud.size());
+  const SweepCheck pieces = check_of(cloud, 77);
+  EXPECT_EQ(once.pairs, pieces.pairs);
+  EXPECT_EQ(once.mean_shift_m, pieces.mean_shift_m);
+  EXPECT_EQ(once.mean_turn_rad, pieces.mean_turn_rad);
+}
+
+TEST(SweepCheck, IsSilentWithoutSweepsOrWhenItIsOff) {
+  EXPECT_EQ(check_of({}, 1).pairs, 0U);
+  const Cloud one = strokes(1, 0.0);
+  EXPECT_EQ(check_of(one, 500).pairs, 0U);
+  EXPECT_EQ(check_of(one, 500).not_held, 0U);
+  SweepCheckConfig off;
+  off.is_on = false;
+  SweepSampler sampler(off);
+  sampler.add(strokes(3, 0.0));
+  EXPECT_EQ(sampler.finish().pairs, 0U);
+}
+
+}  // namespace
+}  // namespace gdtslam
