@@ -1,5 +1,5 @@
 # Every sub-command, its help, and its errors: one line each. A semicolon would split a CMake list: a dot stands for it.
-foreach(command map simulate evaluate doctor ablation config devices verify bench)
+foreach(command map simulate measure evaluate doctor ablation config devices verify bench)
   gdtslam_cli_test(${command}.help ARGS ${command} --help STDOUT "^[A-Z].*\nUsage: gdtslam ${command} .*Examples:\n  gdtslam ${command}")
 endforeach()
 foreach(command show schema)
@@ -27,8 +27,19 @@ gdtslam_cli_test(usage.device ARGS map {log} --device gpu EXIT 2 STDERR "no devi
 gdtslam_cli_test(usage.evaluate_nothing ARGS evaluate {run}/trajectory.tum EXIT 2 STDERR "relations.*reference")
 gdtslam_cli_test(usage.evaluate_both ARGS evaluate {run}/trajectory.tum --relations a --reference b EXIT 2)
 gdtslam_cli_test(usage.evaluate_tolerance ARGS evaluate {run}/trajectory.tum --reference b --tolerance=-1 EXIT 2 STDERR "--tolerance")
+gdtslam_cli_test(usage.measure_nothing ARGS measure {data}/bad.tum EXIT 2 STDERR "say what to measure: --boxes, --planes or both")
+gdtslam_cli_test(usage.measure_viewpoint ARGS measure {data}/bad.tum --boxes --viewpoint 1,2 EXIT 2 STDERR "--viewpoint: '1,2' is not X,Y,Z")
+gdtslam_cli_test(usage.measure_thickness ARGS measure {data}/bad.tum --planes --thickness 3deg EXIT 2 STDERR "--thickness")
+gdtslam_cli_test(usage.measure_sizes ARGS measure {data}/bad.tum --boxes --min-size 2m EXIT 2 STDERR "--min-size 2m is not below --max-size 1.5m")
+gdtslam_cli_test(usage.measure_csv ARGS measure {data}/bad.tum --boxes --planes --csv t.csv EXIT 2 STDERR "--csv writes one table")
+gdtslam_cli_test(usage.measure_points ARGS measure {data}/bad.tum --planes --min-points 2 EXIT 2 STDERR "--min-points: '2' is no whole number of at least 3")
 
 # 65: bad input data
+gdtslam_cli_test(input.measure_no_cloud ARGS measure {data}/bad.tum --planes EXIT 65 STDERR "bad.tum")
+gdtslam_cli_test(input.measure_empty ARGS measure {data}/none.ply --planes EXIT 65 STDERR "none.ply: holds no point to measure")
+gdtslam_cli_test(file.measure_missing ARGS measure nowhere.ply --boxes EXIT 74 STDERR "nowhere.ply: cannot be opened")
+gdtslam_cli_test(measure.few ARGS measure {data}/few.ply --planes --boxes STDOUT "^3 points, no viewpoint.*0 boxes.*0 planes" STDERR "does not tell where one standing scanner was")
+gdtslam_cli_test(measure.few_json ARGS measure {data}/few.ply --planes --json SCHEMA measure)
 gdtslam_cli_test(input.empty ARGS map {data}/empty.log EXIT 65 STDERR "empty.log: is empty. give a CARMEN log")
 gdtslam_cli_test(input.no_scan ARGS map {data}/no_scan.log EXIT 65 STDERR "no_scan.log: holds no laser scan to map. 'gdtslam doctor'")
 gdtslam_cli_test(input.skip_all ARGS map {data}/no_odometry.log --skip 99999 EXIT 65 STDERR "no_odometry.log: --skip 99999 leaves none of its 40 scans")

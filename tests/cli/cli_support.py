@@ -135,6 +135,9 @@ def write_data():
         text += room_scan(x, y, theta, stamp, odometry=(x + (5.0 if k >= 25 else 0.0), y, theta))  # one jump
     (DATA / "faults.log").write_text(text)
     (DATA / "bad.tum").write_text("1 0 0 0 0 0 0 1\n2 0 0 zero 0 0 0 1\n")
+    header = "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    (DATA / "none.ply").write_text(header.format(0))
+    (DATA / "few.ply").write_text(header.format(3) + "0 0 0\n1 0 0\n0 1 0\n")
     (DATA / "far.tum").write_text("".join(f"{k} 0 0 0 0 0 0 1\n" for k in (9001, 9002, 9003)))
     (DATA / "far.relations").write_text("9001 9002 0 0 0 0 0 0\n")
     # In the room of three-boxes: half a metre before a wall, 2 cm before the outside of one that is 12 cm thick, and 25 cm

@@ -5,7 +5,7 @@ import json
 import os
 import xml.etree.ElementTree as ElementTree
 
-from cli_support import command, expect, expect_exit, fresh_folder, skip
+from cli_support import command, expect, expect_exit, fresh_folder, skip, validate
 
 WIDTHS_M = (0.5829, 0.3435, 0.252)  # figure 12 of the paper
 HEIGHTS_M = (0.8, 0.7, 0.6)
@@ -28,6 +28,7 @@ def _boxes_in(cloud, *arguments):
     process = command("measure", cloud, "--boxes", "--json", *arguments, timeout=250)
     expect_exit(process, 0)
     expect(process.stderr == "", f"stderr {process.stderr!r}")
+    validate(process.stdout, "measure")
     return json.loads(process.stdout)["boxes"]
 
 

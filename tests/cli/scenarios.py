@@ -7,6 +7,7 @@ import scenario_bad_input
 import scenario_devices
 import scenario_files
 import scenario_linkage
+import scenario_measure
 import scenario_nodding
 import scenario_printing
 import scenario_results
@@ -14,7 +15,7 @@ import scenario_same_bytes
 import scenario_signals
 import scenario_tilt3d
 
-MODULES = (scenario_bad_input, scenario_devices, scenario_files, scenario_linkage, scenario_nodding, scenario_printing, scenario_results, scenario_same_bytes, scenario_signals,
+MODULES = (scenario_bad_input, scenario_devices, scenario_files, scenario_linkage, scenario_measure, scenario_nodding, scenario_printing, scenario_results, scenario_same_bytes, scenario_signals,
            scenario_tilt3d)
 
 

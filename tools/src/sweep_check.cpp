@@ -12,7 +12,7 @@ namespace {
 constexpr float kTurnedBack_rad = 0.05F;  // a stroke has ended when the elevation is this far behind its furthest
 constexpr double kLeastWeakest = 1.0e-2;  // smallest over largest singular value for a correction to be believed
 constexpr double kCell_m = 0.08;          // sweeps are compared by the means of their points in such cubes
-constexpr std::uint32_t kMostPoints = 2000;
+constexpr std::uint32_t kMostPoints = 1500;
 
 Point3 centre_of(const Cloud& cloud) {
   Point3 sum = Point3::Zero();
