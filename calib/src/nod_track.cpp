@@ -27,9 +27,13 @@ NodTrack::NodTrack(const CrankEncoder& encoder, const NodTrackLimits& limits)
 NodTrack::NodTrack(const NodTrackLimits& limits) : limits_(limits), is_crank_(false) { encoder_.wraps = true; }
 
 void NodTrack::take(const Encoder& message) {
-  // Behind an index mark only the place within the turn counts, whatever the counter does with the turns.
-  const std::int64_t ticks = encoder_.wraps ? message.ticks % encoder_.ticks_per_turn : message.ticks;
-  append(message.stamp_s, static_cast<double>(ticks) / static_cast<double>(encoder_.ticks_per_turn));
+  // Behind an index mark only the place within the turn counts, whatever the counter does with the turns. Without one
+  // it counts from the first message's place within the turn: a count far from zero would cost digits.
+  if (!first_ticks_ || encoder_.wraps) first_ticks_ = message.ticks;
+  const auto since_first = static_cast<std::uint64_t>(message.ticks) - static_cast<std::uint64_t>(*first_ticks_);
+  const double ticks = static_cast<double>(*first_ticks_ % encoder_.ticks_per_turn) +
+                       static_cast<double>(static_cast<std::int64_t>(since_first));
+  append(message.stamp_s, ticks / static_cast<double>(encoder_.ticks_per_turn));
 }
 
 void NodTrack::take(const Tilt& message) {
@@ -43,9 +47,10 @@ void NodTrack::take(const Tilt& message) {
 void NodTrack::append(double stamp_s, double measured_turns) {
   const double last_s = messages_.empty() ? -std::numeric_limits<double>::infinity() : messages_.back().stamp_s;
   if (!std::isfinite(stamp_s) || stamp_s <= last_s) {
-    faults_.past_stamps.add(stamp_s);
+    note_past(stamp_s, measured_turns);
     return;
   }
+  past_.clear();
   Message message{stamp_s, measured_turns, false};
   if (!messages_.empty()) {
     const double turned = measured_turns - last_turns_;
@@ -56,6 +61,27 @@ void NodTrack::append(double stamp_s, double measured_turns) {
   }
   last_turns_ = measured_turns;
   messages_.push_back(message);
+}
+
+bool NodTrack::begins_again_at(double stamp_s) const {
+  return past_.size() + 1 == kSetBack && stamp_s > past_.back().stamp_s && stamp_s <= messages_.back().stamp_s;
+}
+
+void NodTrack::note_past(double stamp_s, double measured_turns) {
+  if (!std::isfinite(stamp_s)) {
+    faults_.past_stamps.add(stamp_s);
+    return;
+  }
+  const bool begins_again = begins_again_at(stamp_s);
+  if (!past_.empty() && stamp_s <= past_.back().stamp_s) past_.clear();
+  past_.push_back({stamp_s, measured_turns, false});
+  if (!begins_again) {
+    faults_.past_stamps.add(stamp_s);
+    return;
+  }
+  faults_.past_stamps.count -= past_.size() - 2;  // those that are used after all; the step itself counts once
+  messages_.clear();
+  for (const Message& message : std::exchange(past_, {})) append(message.stamp_s, message.turns);
 }
 
 bool NodTrack::joins_last(double stamp_s, double turned) {

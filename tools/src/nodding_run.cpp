@@ -72,7 +72,14 @@ void NoddingRun::map_all(const MapRun::Progress& progress, const std::function<b
   outcome.log_duration_s = scans > 0 ? last_s - first_s : 0.0;
   outcome.interrupted = stop();
   if (scans == 0) return;
-  nodding_.finish();
+  try {
+    nodding_.finish();
+  } catch (const InputError& error) {
+    if (outcome.interrupted) {
+      throw Error(ExitCode::kInterrupted, "interrupted before a scan could be placed; nothing is written");
+    }
+    throw InputError(FilePosition{log_name(job_.logs.front()), 0}, error.what());
+  }
   watch.add_to(outcome.mapper_s, outcome.mapper_cpu_s);
 }
 

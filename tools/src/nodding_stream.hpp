@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -35,12 +36,15 @@ class NoddingStream {
     ScanRecord record;
     double from_s = 0.0;  ///< after the stamp
     double to_s = 0.0;
+    bool is_set_back = false;  ///< stamped before the scan before it: the messages' clock may follow
   };
-  void take(const LogRecord& record);
+  bool take(const LogRecord& record);
+  void take_scan(ScanRecord record);
+  void expect_set_back(double stamp_s);
   void begin_log();
   [[nodiscard]] calib::NodTrack new_track() const;
   [[nodiscard]] bool can_resolve(const Waiting& scan) const;
-  void resolve(Waiting scan);
+  void resolve_first();
 
   ScanStream& scans_;
   NodKind kind_;
@@ -51,6 +55,7 @@ class NoddingStream {
   std::deque<Waiting> waiting_;
   std::deque<NoddingScan> ready_;
   std::uint64_t given_ = 0;
+  double last_scan_s_ = -std::numeric_limits<double>::infinity();
   LogReader::Warning uncovered_{"scans without the crank's position", 0, ""};
 };
 

@@ -87,13 +87,13 @@ std::string RunFolder::staged(std::string_view name) {
 }
 
 // The old files get second names until every new one has its own, so that a failure half-way can be undone; copies
-// where the file system offers no hard links. Tells which files there were.
-std::vector<bool> RunFolder::keep_old(const fs::path& kept) const {
+// where the file system offers no hard links.
+std::vector<bool> RunFolder::keep_old(const fs::path& kept, const std::vector<std::string>& names) const {
   std::error_code failed;
   fs::create_directory(kept, failed);
   if (failed) throw FileError(folder_.string(), "cannot be written to: " + failed.message());
   std::vector<bool> existed;
-  for (const std::string& name : names_) {
+  for (const std::string& name : names) {
     const fs::file_status status = fs::symlink_status(folder_ / name, failed);
     existed.push_back(fs::exists(status));
     if (!existed.back()) continue;
@@ -105,26 +105,42 @@ std::vector<bool> RunFolder::keep_old(const fs::path& kept) const {
   return existed;
 }
 
+// Undoes a commit that failed; says what cannot be undone.
+std::string RunFolder::put_back(const fs::path& kept, const std::vector<std::string>& names,
+                                const std::vector<bool>& existed) const {
+  std::string problems;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    std::error_code failed;
+    if (existed[k]) {
+      fs::rename(kept / names[k], folder_ / names[k], failed);
+    } else {
+      fs::remove(folder_ / names[k], failed);
+    }
+    if (failed) problems += "; nor can " + names[k] + " be put back: " + failed.message();
+  }
+  return problems;
+}
+
 void RunFolder::commit() {
   const fs::path kept = staging_ / "old";
-  const std::vector<bool> existed = keep_old(kept);
+  std::vector<std::string> names = names_;
+  names.insert(names.end(), gone_.begin(), gone_.end());
+  const std::vector<bool> existed = keep_old(kept, names);
   sync_folder(staging_);
   std::error_code failed;
-  for (std::size_t k = 0; k < names_.size(); ++k) {
-    fs::rename(staging_ / names_[k], folder_ / names_[k], failed);
-    if (!failed) continue;
-    std::string reason = failed.message();
-    for (std::size_t done = 0; done < k; ++done) {
-      if (existed[done]) {
-        fs::rename(kept / names_[done], folder_ / names_[done], failed);
-      } else {
-        fs::remove(folder_ / names_[done], failed);
-      }
-      if (failed) reason += "; nor can " + names_[done] + " be put back: " + failed.message();
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (k < names_.size()) {
+      fs::rename(staging_ / names[k], folder_ / names[k], failed);
+    } else {
+      fs::remove(folder_ / names[k], failed);
     }
-    throw FileError(file(names_[k]), "cannot be replaced: " + reason);
+    if (!failed) continue;
+    const std::string reason = failed.message();
+    const std::vector<std::string> done(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(k));
+    throw FileError(file(names[k]), "cannot be replaced: " + reason + put_back(kept, done, existed));
   }
   names_.clear();
+  gone_.clear();
   sync_folder(folder_);
 }
 

@@ -22,6 +22,8 @@ class RunFolder {
 
   /// Where to write the file of that name until commit().
   std::string staged(std::string_view name);
+  /// This run makes no such file: one that an earlier run left goes with commit().
+  void without(std::string_view name) { gone_.emplace_back(name); }
   /// Every staged file takes its name.
   void commit();
 
@@ -30,11 +32,16 @@ class RunFolder {
   [[nodiscard]] std::string file(std::string_view name) const { return (folder_ / name).string(); }
 
  private:
-  [[nodiscard]] std::vector<bool> keep_old(const std::filesystem::path& kept) const;
+  /// Tells which files of these names there were.
+  [[nodiscard]] std::vector<bool> keep_old(const std::filesystem::path& kept,
+                                           const std::vector<std::string>& names) const;
+  [[nodiscard]] std::string put_back(const std::filesystem::path& kept, const std::vector<std::string>& names,
+                                     const std::vector<bool>& existed) const;
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
   std::vector<std::string> names_;
+  std::vector<std::string> gone_;
   bool is_new_ = false;
 };
 

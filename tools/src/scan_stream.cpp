@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/units.hpp"
 #include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
@@ -98,13 +99,13 @@ void ScanStream::connect(std::optional<Pose2>& T_odom_base) {
   T_odom_base_last_ = T_odom_base;
 }
 
-NodKind ScanStream::nod_kind() {
+NodKind ScanStream::nod_kind(std::size_t scans_ahead) {
   const auto kind_of = [](const LogRecord& record) {
     if (std::holds_alternative<Encoder>(record)) return NodKind::kEncoder;
     return std::holds_alternative<Tilt>(record) ? NodKind::kTilt : NodKind::kNone;
   };
   try {
-    for (std::size_t scans = 0; scans < kScansAhead && ahead_.size() < kMostAhead;) {
+    for (std::size_t scans = 0; scans < scans_ahead && ahead_.size() < kMostAhead;) {
       std::optional<LogRecord> record = reader_->next();
       if (!record) break;
       ahead_.push_back(std::move(*record));
@@ -127,13 +128,38 @@ std::optional<LogRecord> ScanStream::next_record() {
   return reader_->next();
 }
 
+// What tells how the laser nods and is not heard, because it came too late in the log or is of the other kind, is worth
+// a warning.
+void ScanStream::tell(const LogRecord& record) {
+  if (std::holds_alternative<ScanRecord>(record)) return;
+  if (listener_.record && listener_.record(record)) return;
+  const auto note = [this](const char* kind, double stamp_s) {
+    if (unheard_.count++ == 0) unheard_.first = std::string(kind) + " at " + format_quantity(stamp_s, Unit::kSecond);
+  };
+  if (const auto* encoder = std::get_if<Encoder>(&record)) note("ENCODER", encoder->stamp_s);
+  if (const auto* tilt = std::get_if<Tilt>(&record)) note("TILT", tilt->stamp_s);
+}
+
+// What is wrong with a line behind the part that is wanted is nobody's concern.
+bool ScanStream::hear_more() {
+  if (!reader_ || given_ < range_.count) return false;
+  try {
+    const std::optional<LogRecord> record = next_record();
+    if (!record) return false;
+    tell(*record);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 std::optional<ScanRecord> ScanStream::next_of_all() {
   while (reader_) {
     std::optional<ScanRecord> scan = interpolator_.next(false);
     while (!scan) {
       std::optional<LogRecord> record = next_record();
       if (!record) break;
-      if (listener_.record && !std::holds_alternative<ScanRecord>(*record)) listener_.record(*record);
+      tell(*record);
       if (auto* found = std::get_if<ScanRecord>(&*record)) interpolator_.take(std::move(*found));
       if (const auto* odometry = std::get_if<Odometry>(&*record)) interpolator_.take(*odometry);
       scan = interpolator_.next(false);
@@ -172,6 +198,7 @@ double ScanStream::progress() const {
 std::vector<LogReader::Warning> ScanStream::warnings() const {
   std::vector<LogReader::Warning> list = earlier_warnings_;
   if (reader_) merge_into(list, reader_->warnings());
+  if (unheard_.count > 0) list.push_back(unheard_);
   return list;
 }
 

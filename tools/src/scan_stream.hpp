@@ -55,18 +55,23 @@ class ScanStream {
   ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range);
 
   std::optional<ScanRecord> next();
-  /// Looks ahead for a message of a mount, up to kScansAhead scans of the first log. What is wrong with a record that
-  /// it passes is thrown when next() comes to it.
-  NodKind nod_kind();
+  /// Looks ahead for a message of a mount, up to so many scans of the first log. What is wrong with a record that it
+  /// passes is thrown when next() comes to it, or by expect_readable().
+  NodKind nod_kind(std::size_t scans_ahead = kScansAhead);
+  void expect_readable() const {
+    if (ahead_problem_) std::rethrow_exception(ahead_problem_);
+  }
   static constexpr std::size_t kScansAhead = 20;
   static constexpr std::size_t kMostAhead = 10000;  ///< records
-  /// Takes every record but the scans, in log order, those before a scan in hand among them; and hears of each log that
-  /// follows the first, when all scans of the one before have been given.
+  /// Takes every record but the scans, in log order, those before a scan in hand among them, and tells whether it could
+  /// use it; and hears of each log that follows the first, when all scans of the one before have been given.
   struct Listener {
-    std::function<void(const LogRecord&)> record;
+    std::function<bool(const LogRecord&)> record;
     std::function<void()> next_log;
   };
   void listen(Listener listener) { listener_ = std::move(listener); }
+  /// Behind the last scan that is wanted: the listener takes one more record of the log in hand. False at its end.
+  bool hear_more();
   /// Share of the wanted scans or of the input, whichever is further; negative when unknown.
   [[nodiscard]] double progress() const;
   /// Scans that were read so far, those that were left out at the start among them.
@@ -76,6 +81,7 @@ class ScanStream {
 
  private:
   std::optional<LogRecord> next_record();
+  void tell(const LogRecord& record);
   std::optional<ScanRecord> next_of_all();
   bool open_next();
   void connect(std::optional<Pose2>& T_odom_base);
@@ -90,6 +96,7 @@ class ScanStream {
   std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
   Listener listener_;
   std::vector<LogReader::Warning> earlier_warnings_;
+  LogReader::Warning unheard_{"nodding message not used", 0, ""};
   std::uint64_t read_ = 0;
   std::uint64_t given_ = 0;
   bool skipped_ = false;

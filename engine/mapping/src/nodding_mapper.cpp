@@ -26,6 +26,7 @@ struct Held {
   std::optional<MatchResult> match;
   Pose2 T_odom_base;                        ///< the last known where the log has none
   std::optional<Odometry> odometry_before;  ///< of the scan before
+  double step_s = 0.0;                      ///< since the scan before; 0 where the clock was set
   [[nodiscard]] double stamp_s() const { return scan.record.scan.stamp_s; }
 };
 
@@ -98,6 +99,8 @@ struct NoddingMapper::State {
   double last_elevation_rad = 0.0;
   int stroke = 0;  // +1 up, -1 down
   std::uint32_t scans = 0;
+  double blind_s = 0.0;  // from held.front() to held.back()
+  std::optional<double> last_stamp_s;
   bool is_blind_reported = false;
   bool is_odometry_dead = false;
 };
@@ -154,6 +157,7 @@ void NoddingMapper::State::fix(Held scan) {
   close_segment(fix);
   held.push_back(std::move(scan));
   last_fix = fix;
+  blind_s = 0.0;
   is_blind_reported = false;
 }
 
@@ -210,9 +214,7 @@ void NoddingMapper::State::emit(std::size_t count, const PosePath& path) {
   held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
-bool NoddingMapper::State::is_blind_too_long() const {
-  return held.size() > 1 && std::fabs(held.back().stamp_s() - held.front().stamp_s()) > config.max_blind_s;
-}
+bool NoddingMapper::State::is_blind_too_long() const { return held.size() > 1 && blind_s > config.max_blind_s; }
 
 // From the last fix on, poses by odometry for all scans that wait.
 PosePath NoddingMapper::State::path_by_odometry() const {
@@ -237,6 +239,7 @@ void NoddingMapper::State::dead_reckon() {
   }
   if (!last_fix) {
     held.pop_front();
+    blind_s -= held.front().step_s;
     ++statistics.dropped;
     return;
   }
@@ -244,6 +247,7 @@ void NoddingMapper::State::dead_reckon() {
   const std::size_t count = held.size() - 1;
   statistics.by_odometry += count - 1;
   last_fix = PoseFix{path.last().stamp_s, path.last().T_map_base, path.last().T_odom_base};
+  blind_s = 0.0;
   emit(count, path);
 }
 
@@ -269,7 +273,10 @@ void NoddingMapper::process(NoddingScan scan) {
   State& s = *state_;
   const std::optional<Pose2> T_odom = scan.record.T_odom_base;
   const double stamp_s = scan.record.scan.stamp_s;
-  Held held{std::move(scan), s.scans++, std::nullopt, {}, s.last_odometry};
+  const double step_s = stamp_s - s.last_stamp_s.value_or(stamp_s);
+  Held held{std::move(scan), s.scans++, std::nullopt, {}, s.last_odometry, 0.0};
+  if (step_s > 0.0 && step_s <= s.config.max_blind_s) held.step_s = step_s;
+  s.last_stamp_s = stamp_s;
   held.T_odom_base = T_odom.value_or(s.last_odometry ? s.last_odometry->T_odom_base : Pose2{});
   bool horizontal = false;
   if (held.scan.knots.empty()) {
@@ -284,6 +291,7 @@ void NoddingMapper::process(NoddingScan scan) {
   if (horizontal) {
     s.fix(std::move(held));
   } else {
+    if (!s.held.empty()) s.blind_s += held.step_s;
     s.held.push_back(std::move(held));
     if (s.is_blind_too_long()) s.dead_reckon();
   }

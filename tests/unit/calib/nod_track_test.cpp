@@ -205,6 +205,56 @@ TEST(NodTrack, MessagesInThePastAreDropped) {
   EXPECT_EQ(track.faults().jumps.count, 0U);
 }
 
+TEST(NodTrack, WithoutIndexMarkACountFarFromZeroCostsNoDigits) {
+  constexpr std::int64_t kFar = 9'000'000'000'000'000'000;
+  const NodTrack track = track_of({kFar + 100, kFar + 110, kFar + 130}, false);
+  EXPECT_NEAR(turns_at(track, 100.05), 0.105, 1e-9);
+  EXPECT_NEAR(turns_at(track, 100.15), 0.120, 1e-9);
+  const NodTrack below = track_of({-kFar - 100, -kFar - 90, -kFar - 70}, false);
+  EXPECT_NEAR(turns_at(below, 100.15), 0.920, 1e-9);
+}
+
+// The ends of 64 bits are as far from each other as can be: a jump, whichever way, and no overflow.
+TEST(NodTrack, TheFurthestCountsAreJumps) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  const NodTrack track = track_of({0, kMost, 1, -kMost, 2}, false);
+  EXPECT_EQ(track.faults().jumps.count, 4U);
+}
+
+TEST(NodTrack, FiveMessagesInARowThatGoForwardInThePastSetTheClockBack) {
+  NodTrack track = track_of({100, 110, 120, 130, 140, 150, 160, 170});  // up to 100.7
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(track.begins_again_at(100.25 + 0.1 * k), k == 4);
+    track.take(Encoder{100.25 + 0.1 * k, 500 + 10 * k});
+    EXPECT_NEAR(turns_at(track, 100.45), k < 4 ? 0.145 : 0.520, 1e-9) << k;
+  }
+  EXPECT_EQ(track.known_until_s(), 100.65);
+  EXPECT_TRUE(std::isnan(turns_at(track, 100.2)));
+  EXPECT_EQ(track.faults().past_stamps.count, 1U);
+  EXPECT_EQ(track.faults().past_stamps.first_stamp_s, 100.25);
+  track.take(Encoder{100.75, 550});
+  EXPECT_NEAR(turns_at(track, 100.7), 0.545, 1e-9);
+}
+
+TEST(NodTrack, FewerThanFiveOrOutOfOrderDoNot) {
+  NodTrack track = track_of({100, 110, 120, 130, 140, 150, 160, 170});
+  for (const double stamp_s : {100.1, 100.2, 100.3, 100.4, 100.35, 100.4, 100.5, 100.6})
+    track.take(Encoder{stamp_s, 500});
+  track.take(Encoder{100.8, 180});
+  for (const double stamp_s : {100.1, 100.2, 100.3, 100.4}) track.take(Encoder{stamp_s, 500});
+  EXPECT_EQ(track.faults().past_stamps.count, 12U);
+  EXPECT_NEAR(turns_at(track, 100.15), 0.115, 1e-9);
+}
+
+TEST(NodTrack, OneStampFarAheadIsForgotten) {
+  NodTrack track = track_of({100, 110, 120});
+  track.take(Encoder{1e12, 130});
+  for (int k = 0; k < 10; ++k) track.take(Encoder{100.3 + 0.1 * k, 130 + 10 * k});
+  EXPECT_NEAR(turns_at(track, 100.35), 0.135, 1e-9);
+  EXPECT_EQ(track.faults().past_stamps.count, 1U);
+  EXPECT_EQ(track.faults().gaps.count, 1U);
+}
+
 TEST(NodTrack, ForgettingKeepsWhatLaterTimesNeed) {
   NodTrack track = track_of({0, 10, 20, 30, 40});
   track.forget_before(100.25);

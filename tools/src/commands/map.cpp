@@ -132,6 +132,7 @@ int map_flat(const MapOptions& options, const MapJob& job, Backend& backend, Sca
   const MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
                                      [] { return interrupted(); });
   progress.clear();
+  folder.without("cloud.ply");
   const std::string report = write_run(folder, job, outcome, nullptr, run.mapper(), backend.device(), settings);
   report_result(options, outcome, summary_of(outcome, folder.path()), report);
   return status_of(outcome, folder.path());
@@ -140,7 +141,11 @@ int map_flat(const MapOptions& options, const MapJob& job, Backend& backend, Sca
 int map_nodding(const MapOptions& options, const MapJob& job, const NoddingJob& nodding, Backend& backend,
                 ScanStream scans, Settings& settings, RunFolder& folder) {
   std::unique_ptr<CloudOutput> cloud;
-  if (!options.no_cloud) cloud = std::make_unique<CloudOutput>(settings.cloud, folder.staged("cloud.ply"));
+  if (options.no_cloud) {
+    folder.without("cloud.ply");
+  } else {
+    cloud = std::make_unique<CloudOutput>(settings.cloud, folder.staged("cloud.ply"));
+  }
   NoddingRun run(job, nodding, backend, std::move(scans), std::move(cloud));
   ProgressLine progress("scans", options.quiet);
   const MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
@@ -190,10 +195,15 @@ int map_logs(const MapOptions& options) {
                    .occupancy = settings.occupancy,
                    .on_failure = on_failure_of(options.device)};
   ScanStream scans(job.logs, job.read, job.range);
-  const NodKind kind = scans.nod_kind();
+  // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
+  const bool has_linkage = !options.linkage.empty() || !linkage_beside(options.logs.front()).empty();
+  const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
   if (kind == NodKind::kNone && !options.linkage.empty()) {
-    throw InputError(FilePosition{log_name(options.logs.front()), 0},
-                     "has no ENCODER or TILT message, so --linkage has nothing to work on");
+    scans.expect_readable();
+    throw InputError(
+        FilePosition{log_name(options.logs.front()), 0},
+        fmt::format("has no ENCODER or TILT message among its first {} records, so --linkage has nothing to work on",
+                    ScanStream::kMostAhead));
   }
   RunFolder folder(options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder);
   const int status = kind == NodKind::kNone ? map_flat(options, job, *backend, std::move(scans), settings, folder)

@@ -7,7 +7,9 @@
 //   messages missing (a gap longer than max_gap_s): not covered, counted;
 //   stands still while messages come: used as measured;
 //   ends: nothing is covered after its last message;
-//   stamps that repeat, go backwards or are not finite: the message is dropped, counted;
+//   stamps that repeat, go backwards or are not finite: the message is dropped, counted; when kSetBack of them in a row
+//     go forward among themselves, the clock was set back (or one stamp far ahead was wrong): the track begins again
+//     with the first of them;
 //   an elevation that is not finite: the message is dropped, counted as a jump.
 // One track belongs to one thread. Memory: only what forget_before() left. take() is O(1), knots() logarithmic in what
 // is kept plus linear in what it returns.
@@ -38,6 +40,9 @@ class NodTrack {
 
   void take(const Encoder& message);
   void take(const Tilt& message);
+  static constexpr std::size_t kSetBack = 5;
+  /// Whether a message of this stamp lets the track begin again: what it knows is gone then.
+  [[nodiscard]] bool begins_again_at(double stamp_s) const;
   /// No scan that ends before this will ever be covered better than it is now.
   [[nodiscard]] std::optional<double> known_until_s() const;
   /// Knots from `from_s` to `to_s`, times of the log's clock; at least two, the ends interpolated, less than half a
@@ -72,15 +77,19 @@ class NodTrack {
     bool is_joined = true;  ///< to the message before: the time between is covered
   };
   void append(double stamp_s, double measured_turns);
+  void note_past(double stamp_s, double measured_turns);
   [[nodiscard]] bool joins_last(double stamp_s, double turned);
   [[nodiscard]] double turns_at(std::size_t before, double stamp_s) const;
 
   NodTrackLimits limits_;
   CrankEncoder encoder_;
-  bool is_crank_ = true;     ///< else the elevation itself, which has no forward direction
-  double resolution_ = 0.0;  ///< turns per tick
-  double last_turns_ = 0.0;  ///< as measured, of the last message that was kept
+  bool is_crank_ = true;                     ///< else the elevation itself, which has no forward direction
+  double resolution_ = 0.0;                  ///< turns per tick
+  double last_turns_ = 0.0;                  ///< as measured, of the last message that was kept
+  std::optional<std::int64_t> first_ticks_;  ///< with an index mark the last
   std::deque<Message> messages_;
+  std::vector<Message>
+      past_;  ///< the last ones that were dropped, in a row, forward among themselves; turns as measured
   Faults faults_;
 };
 
