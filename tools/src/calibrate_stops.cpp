@@ -13,6 +13,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kPlacesPerTurn = 1000.0;  // 0.36 deg: within it ranges bend by less than 0.1 mm
+constexpr double kMostBeams = 41.0;
 constexpr std::size_t kMostWaiting = 4096;
 constexpr double kLeastSigma_m = 0.001;     // a laser that repeats itself exactly is not exact for that
 constexpr double kLeastMeanSigma_m = 1e-4;  // nor are averages beyond the wall's flatness
@@ -32,6 +33,12 @@ std::optional<double> turns_at(const std::vector<PhaseKnot>& knots, double offse
     return turns_of_phase(from.phase) + share * step;
   }
   return std::nullopt;
+}
+
+// The beam nearest to the forward direction; the first one where none is ahead.
+std::size_t beam_ahead(const LaserScan& scan) {
+  const double place = std::floor(-scan.first_bearing_rad / scan.bearing_step_rad + 0.5);
+  return place >= 0.0 && place < static_cast<double>(scan.ranges_m.size()) ? static_cast<std::size_t>(place) : 0;
 }
 
 }  // namespace
@@ -74,6 +81,12 @@ void StopCollector::place_scans(bool at_end) {
   }
 }
 
+// Every so many beams, so that at most kMostBeams of a sector are used.
+std::size_t StopCollector::beam_step(const LaserScan& scan) const {
+  const double beams = 2.0 * half_sector_rad_ / std::fabs(scan.bearing_step_rad) + 1.0;
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(beams / kMostBeams)));
+}
+
 void StopCollector::add(const LaserScan& scan) {
   if (scan.ranges_m.empty() || !(std::fabs(scan.bearing_step_rad) > 0.0)) return;
   bearing_first_rad_ = scan.first_bearing_rad;
@@ -86,7 +99,9 @@ void StopCollector::add(const LaserScan& scan) {
     return;
   }
   const double half_step_rad = 0.5000001 * std::fabs(scan.bearing_step_rad);
-  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+  const std::size_t step = beam_step(scan);
+  const std::size_t ahead = beam_ahead(scan);
+  for (std::size_t beam = ahead % step; beam < scan.ranges_m.size(); beam += step) {
     const double bearing_rad = wrap_angle(scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad);
     if (std::fabs(bearing_rad) > std::max(half_sector_rad_, half_step_rad)) continue;
     const std::optional<double> turns = turns_at(knots, timing.of_beam_s(beam));

@@ -28,7 +28,7 @@ struct StopStatistics {
 
 class StopCollector {
  public:
-  /// Beams within half the sector of the forward direction, at least the forward one.
+  /// Beams within half the sector of the forward direction, at least the forward one; of many every so many.
   StopCollector(const calib::SweepModel& model, double sector_rad);
   void take(const LogRecord& record);
   /// The log has ended: scans that still wait for the crank are given what is known of it.
@@ -53,6 +53,7 @@ class StopCollector {
   };
   void place_scans(bool at_end);
   void add(const LaserScan& scan);
+  [[nodiscard]] std::size_t beam_step(const LaserScan& scan) const;
   void add_range(std::pair<std::uint32_t, std::uint32_t> key, double ticks, double range_m, bool is_return);
   [[nodiscard]] double scatter_m() const;
 

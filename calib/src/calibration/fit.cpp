@@ -1,6 +1,7 @@
 #include "fit.hpp"
 
 #include <ceres/cost_function.h>
+#include <ceres/evaluation_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
@@ -18,24 +19,45 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr double kLeastIncidence = 0.05;  // a beam flatter than 3 degrees on the surface counts as one of 3 degrees
-constexpr double kSettled = 1e-5;         // of a step of 1: one prior's sigma
-constexpr double kBoundSlack = 1e-9;      // of a bound
+constexpr int kWeighings = 6;         // then an observation at the limit of the elevations could come and go for ever
+constexpr double kSettled = 1e-5;     // of a step of 1: one prior's sigma
+constexpr double kBoundSlack = 1e-9;  // of a bound
 constexpr std::size_t kSparePerParameter = 2;
+
+/// The setup at the parameters in hand, made once for all misses.
+class SetupInHand final : public ceres::EvaluationCallback {
+ public:
+  SetupInHand(const Setup& start, std::span<const Parameter> parameters) : start_(start), parameters_(parameters) {}
+  void watch(const std::vector<double>& x) { x_ = &x; }
+  void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool is_new_point) override {
+    if (!is_new_point) return;
+    setup = setup_at(start_, parameters_, *x_);
+    closes = closing_room_m(setup.model.bars) > 0.0;
+  }
+
+  Setup setup;
+  bool closes = false;
+
+ private:
+  const Setup& start_;
+  std::span<const Parameter> parameters_;
+  const std::vector<double>* x_ = nullptr;
+};
 
 /// The miss of one observation in standard deviations.
 class MissCost final : public ceres::CostFunction {
  public:
-  MissCost(const Setup& start, std::span<const Parameter> parameters, const WeightedObservation& observation)
-      : start_(start), parameters_(parameters), observation_(observation) {
+  MissCost(const SetupInHand& in_hand, std::span<const Parameter> parameters, const WeightedObservation& observation)
+      : in_hand_(in_hand), parameters_(parameters), observation_(observation) {
     set_num_residuals(1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters.size()));
   }
   // False where the loop does not close all around: the solver takes a smaller step.
-  bool Evaluate(double const* const* x, double* residual, double** jacobian) const override {
-    const Setup setup = setup_at(start_, parameters_, {x[0], parameters_.size()});
-    if (closing_room_m(setup.model.bars) <= 0.0) return false;
+  bool Evaluate(double const* const* /*x*/, double* residual, double** jacobian) const override {
+    if (!in_hand_.closes) return false;
     const RangeObservation& seen = observation_.observation;
-    const std::optional<SurfaceMiss> miss = surface_miss(setup.model, setup.surfaces[seen.surface], seen);
+    const std::optional<SurfaceMiss> miss =
+        surface_miss(in_hand_.setup.model, in_hand_.setup.surfaces[seen.surface], seen);
     if (!miss) return false;
     residual[0] = observation_.gain * miss->miss_m;
     if (jacobian == nullptr || jacobian[0] == nullptr) return true;
@@ -46,7 +68,7 @@ class MissCost final : public ceres::CostFunction {
   }
 
  private:
-  const Setup& start_;
+  const SetupInHand& in_hand_;
   std::span<const Parameter> parameters_;
   const WeightedObservation& observation_;
 };
@@ -128,8 +150,8 @@ class WeightedFit {
  public:
   WeightedFit(const Setup& start, std::span<const Parameter> parameters, const std::vector<WeightedObservation>& used,
               double huber)
-      : start_(start), parameters_(parameters), loss_(huber), prior_(parameters) {
-    for (const WeightedObservation& observation : used) costs_.emplace_back(start, parameters, observation);
+      : start_(start), parameters_(parameters), in_hand_(start, parameters), loss_(huber), prior_(parameters) {
+    for (const WeightedObservation& observation : used) costs_.emplace_back(in_hand_, parameters, observation);
   }
 
   /// Changes x, which lies within the bounds before and after.
@@ -165,7 +187,7 @@ class WeightedFit {
   }
 
   void solve_free(std::vector<double>& x, const std::set<int>& held) {
-    ceres::Problem problem(ownership());
+    ceres::Problem problem(problem_options(x));
     build(problem, x);
     ceres::SubsetManifold manifold(static_cast<int>(x.size()), {held.begin(), held.end()});
     if (!held.empty()) problem.SetManifold(x.data(), &manifold);
@@ -205,7 +227,7 @@ class WeightedFit {
   /// One that is held at its bound although the cost falls towards the inside.
   std::optional<int> pulled_inside(std::vector<double>& x, const std::set<int>& held, const std::set<int>& released) {
     if (held.empty()) return std::nullopt;
-    ceres::Problem problem(ownership());
+    ceres::Problem problem(problem_options(x));
     build(problem, x);
     std::vector<double> gradient;
     double cost_here = 0.0;
@@ -217,16 +239,19 @@ class WeightedFit {
     return std::nullopt;
   }
 
-  static ceres::Problem::Options ownership() {
+  ceres::Problem::Options problem_options(const std::vector<double>& x) {
+    in_hand_.watch(x);
     ceres::Problem::Options options;
     options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.evaluation_callback = &in_hand_;
     return options;
   }
 
   const Setup& start_;
   std::span<const Parameter> parameters_;
+  SetupInHand in_hand_;
   ceres::HuberLoss loss_;
   PriorCost prior_;
   std::deque<MissCost> costs_;
@@ -276,7 +301,7 @@ Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<con
   result.x.assign(parameters.size(), 0.0);
   for (int round = 0; round < rounds; ++round) {
     const Setup setup = setup_at(start, parameters, result.x);
-    result.used = weigh(setup, observations, options);
+    if (round < kWeighings) result.used = weigh(setup, observations, options);
     require_enough(result.used.size(), observations.size(), parameters.size(), options);
     const std::optional<Misses> before = misses_at(setup, result.used);
     if (!before) break;
