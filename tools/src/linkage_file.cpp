@@ -69,7 +69,7 @@ class LinkageReader {
   }
 
   std::optional<YamlValue> find(YamlMapping& section, const std::string& key) {
-    const std::optional<YamlValue> value = section.find(key);
+    std::optional<YamlValue> value = section.find(key);
     if (value) places_.push_back({value->name(), *value});
     return value;
   }

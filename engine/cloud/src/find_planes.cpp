@@ -120,7 +120,8 @@ struct Candidate {
 };
 
 // Grown and refitted: from the normal of one point to the plane of all cells that hang together on it.
-Candidate grown(const ThinnedCloud& thin, Plane plane, std::vector<std::uint32_t> supporters, double thickness_m) {
+Candidate grown(const ThinnedCloud& thin, Plane plane, const std::vector<std::uint32_t>& supporters,
+                double thickness_m) {
   Candidate best{plane, connected(thin, supporters)};
   for (int k = 0; k < kRefinements; ++k) {
     if (best.cells.size() < kLeastCells || !spans_a_plane(thin, best.cells)) return best;

@@ -12,7 +12,6 @@
 namespace gdtslam::calib {
 namespace {
 
-using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 

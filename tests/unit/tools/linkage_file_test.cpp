@@ -18,7 +18,6 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::StartsWith;
 
 constexpr const char* kBars = "bars: {crank: 3.6 cm, coupler: 85 mm, rocker: 8.8 cm, ground: 0.05}\n";
