@@ -4,6 +4,7 @@
 import sys
 
 import scenario_bad_input
+import scenario_calibrate
 import scenario_devices
 import scenario_files
 import scenario_linkage
@@ -17,7 +18,7 @@ import scenario_same_bytes
 import scenario_signals
 import scenario_tilt3d
 
-MODULES = (scenario_bad_input, scenario_devices, scenario_files, scenario_linkage, scenario_measure, scenario_nodding,
+MODULES = (scenario_bad_input, scenario_calibrate, scenario_devices, scenario_files, scenario_linkage, scenario_measure, scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_results, scenario_same_bytes, scenario_signals,
            scenario_tilt3d)
 
