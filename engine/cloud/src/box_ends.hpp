@@ -30,7 +30,7 @@ struct EndPlace {
   double sampling_m = 0.0;  ///< from beam to beam along the axis
   Span beside;              ///< of the face in the other axis, away from its ends
   /// Of the scanner, where it is known: along the axis, and before the plane.
-  std::optional<double> eye_along_m;
+  std::optional<double> eye_along_m = std::nullopt;
   double eye_before_m = 0.0;
 };
 

@@ -101,7 +101,7 @@ std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& p
                                 double max_depth_m) {
   std::vector<SidePoint> near;
   for (const FaceHit& hit : hits) {
-    const bool is_behind = hit.depth_m > 1.5 * thickness_m && hit.depth_m < max_depth_m;
+    const bool is_behind = hit.depth_m > thickness_m && hit.depth_m < max_depth_m;
     if (!is_behind || !place.beside.has(hit.point_beside(place.axis))) continue;
     const double along_m = hit.point_along(place.axis);
     if (std::fabs(along_m - place.rough_m) <= kAside_m) near.push_back({hit.depth_m, along_m});
@@ -115,7 +115,8 @@ std::optional<SideFace> side_at(std::span<const FaceHit> hits, const EndPlace& p
   for (int k = 0; k < kRefits; ++k) {
     kept.clear();
     for (const SidePoint& p : near) {
-      if (std::fabs(line.residual(p)) <= within_m) kept.push_back(p);
+      // Chosen by where its beam crosses the side: choosing by its own depth would favour errors away from the face.
+      if (std::fabs(line.residual(p)) <= within_m && crossing_m(p, line, place) > 2.0 * thickness_m) kept.push_back(p);
     }
     cut_at_gap(kept);
     if (kept.size() < kLeastPoints || kept.back().depth_m - kept.front().depth_m < kLeastDepth_m) return std::nullopt;

@@ -54,7 +54,8 @@ TEST(FindBoxes, MeasuresTheDepthWhereASideIsSeen) {
   const StandingScanner scanner;
   const std::vector<MeasuredBox> boxes = find_boxes(scan(scanner, scene, random), search_from(scanner.at));
   ASSERT_EQ(boxes.size(), 1U);
-  EXPECT_NEAR(boxes[0].width.value_m, 0.4, 0.002);
+  EXPECT_NEAR(boxes[0].width.value_m, 0.4, 0.003);
+  EXPECT_LT(boxes[0].width.sigma_m, 0.003);
   EXPECT_NEAR(boxes[0].depth.value_m, 0.3, 0.004);
   EXPECT_TRUE(boxes[0].depth.is_observed);
   EXPECT_NEAR(boxes[0].centre.x(), 1.7, 0.004);

@@ -87,6 +87,19 @@ TEST(FindPlanes, OnePlaneWithAGapIsTwoPatches) {
   EXPECT_EQ(patches[0].points.size(), cloud.size());
 }
 
+TEST(FindPlanes, AnotherSurfaceInTheGapConnectsNothing) {
+  Random random(9);
+  Cloud cloud;
+  strew(cloud, {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, 20'000, 0.005, random);
+  strew(cloud, {{3, 0, 0}, {1, 0, 0}, {0, 2, 0}}, 10'000, 0.005, random);
+  strew(cloud, {{2, 0, 0.05}, {0.5, 0, 0.5}, {0, 2, 0}}, 10'000, 0.005, random);  // a roof over the gap
+  strew(cloud, {{2.5, 0, 0.55}, {0.5, 0, -0.5}, {0, 2, 0}}, 10'000, 0.005, random);
+  for (const PlanePatch& patch : find_planes(cloud, {})) {
+    if (std::fabs(patch.plane.normal.z()) < 0.95) continue;
+    EXPECT_TRUE(std::fabs(patch.centre.x() - 1.0) < 0.05 || std::fabs(patch.centre.x() - 3.5) < 0.05) << patch.centre;
+  }
+}
+
 TEST(FindPlanes, NoPointBelongsToTwoPatchesAndTheLimitsHold) {
   Random random(6);
   Cloud cloud;
