@@ -29,6 +29,7 @@ std::vector<Option> options_of(CloudConfig& config);
 struct CloudSummary {
   std::uint64_t measured = 0;  ///< points that came
   std::uint64_t thinned = 0;   ///< left by thinning
+  double voxel_m = 0.0;        ///< of the thinning at the end: larger than asked for where its memory was full
   std::uint64_t removed = 0;   ///< as floor or ceiling
   std::uint64_t written = 0;
   std::string sha256;  ///< of the points as written
@@ -42,8 +43,11 @@ class CloudOutput : public CloudSink {
   ~CloudOutput() override;
   void add(std::span<const CloudPoint> points) override;
   CloudSummary finish();
+  [[nodiscard]] const CloudConfig& config() const { return config_; }
 
  private:
+  void coarsen();
+
   CloudConfig config_;
   std::string path_;
   std::string spool_;  ///< empty: points go straight into the file

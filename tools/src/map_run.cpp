@@ -39,14 +39,14 @@ std::optional<ScanRecord> MapRun::next_scan(const std::function<bool()>& stop) {
   }
 }
 
-void note_match(const MatchResult& result, MapOutcome& outcome) {
+void note_match(const MatchResult& result, const Pose2& T_map_base, MapOutcome& outcome) {
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
     outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
                                 off.translation().norm(), std::fabs(off.theta_rad)});
   }
   if (result.merged) outcome.keyframes.push_back(outcome.trajectory.size());
-  outcome.trajectory.push_back({result.stamp_s, result.T_map_base});
+  outcome.trajectory.push_back({result.stamp_s, T_map_base});
 }
 
 void require_a_map(const MapJob& job, const MapOutcome& outcome, std::uint64_t scans_read) {
@@ -96,7 +96,7 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
     const ScanRecord record = *std::exchange(next.scan, std::nullopt);
     const MatchResult result = map_scan(record, next, stop, watch, outcome);
     if (job_.with_occupancy && result.accepted) occupancy_.add(record.scan, result.T_map_base);
-    note_match(result, outcome);
+    note_match(result, result.T_map_base, outcome);
     first_s = std::min(first_s, result.stamp_s);
     last_s = std::max(last_s, result.stamp_s);
     progress(outcome.trajectory.size(), scans_.progress());

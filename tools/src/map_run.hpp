@@ -58,8 +58,11 @@ struct MapOutcome {
   bool interrupted = false;
 };
 
+/// Scans that got a pose, matched or not.
+inline std::uint64_t scans_of(const MapOutcome& outcome) { return outcome.trajectory.size(); }
 /// Adds a matched scan to the trajectory, the keyframes and the doubtful scans.
-void note_match(const MatchResult& result, MapOutcome& outcome);
+/// Its pose is the one given, which may be better than the match.
+void note_match(const MatchResult& result, const Pose2& T_map_base, MapOutcome& outcome);
 /// Without one merged scan there is no map to write: throws InputError that says why.
 void require_a_map(const MapJob& job, const MapOutcome& outcome, std::uint64_t scans_read);
 OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config);

@@ -1,5 +1,7 @@
 #include "nodding_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -40,7 +42,7 @@ NoddingRun::NoddingRun(const MapJob& job, const NoddingJob& nodding, Backend& ba
 
 void NoddingRun::take(const NoddingPose& pose, const NoddingScan& scan, MapOutcome& outcome) {
   if (pose.match) {
-    note_match(*pose.match, outcome);
+    note_match(*pose.match, pose.T_map_base, outcome);
     if (job_.with_occupancy && pose.match->accepted) {
       occupancy_.add(level_scan(scan, scanner_), pose.T_map_base);
     }
@@ -97,6 +99,12 @@ void NoddingRun::finish(MapOutcome& outcome) {
   nodding_outcome_.check = sampler_.finish();
   if (cloud_) {
     nodding_outcome_.cloud = cloud_->finish();
+    if (const double voxel_m = nodding_outcome_.cloud.voxel_m; voxel_m > cloud_->config().voxel_m) {
+      outcome.warnings.push_back({"cloud thinned more than asked for", 1,
+                                  fmt::format("its cubes filled cloud.max_megavoxels; the last ones have {:g} m, "
+                                              "cloud.voxel is {:g} m",
+                                              voxel_m, cloud_->config().voxel_m)});
+    }
     nodding_outcome_.has_cloud = true;
   }
 }

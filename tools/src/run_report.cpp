@@ -104,7 +104,7 @@ Json nodding_json(const NoddingReport& nodding) {
 Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding, const Mapper& mapper,
                const DeviceInfo& device, double written_s) {
   const MapperStatistics& statistics = outcome.statistics;
-  const auto scans = static_cast<double>(statistics.scans);
+  const auto scans = static_cast<double>(scans_of(outcome));
   Json report;
   report["format"] = kReportVersion;
   report["version"] = GDTSLAM_VERSION;
@@ -112,7 +112,7 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport
   if (!outcome.device_loss.empty()) report["device_lost"] = outcome.device_loss;
   report["log"] = job.logs;
   report["interrupted"] = outcome.interrupted;
-  report["scans"] = statistics.scans;
+  report["scans"] = scans_of(outcome);
   report["matched"] = statistics.matched;
   report["doubtful"] = statistics.doubtful;
   report["keyframes"] = statistics.keyframes;

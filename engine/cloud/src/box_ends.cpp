@@ -78,7 +78,8 @@ std::vector<double> log_probabilities(double error) {
   for (int k = -2 * kBins; k <= 2 * kBins; ++k) {
     const double within = 0.5 * static_cast<double>(k) / error;
     const double share = 1.0 / (1.0 + exp(-within));
-    table[static_cast<std::size_t>(k + 2 * kBins)] = log(kOutlier + (1.0 - 2.0 * kOutlier) * share);
+    const int row = k + 2 * kBins;
+    table[static_cast<std::size_t>(row)] = log(kOutlier + (1.0 - 2.0 * kOutlier) * share);
   }
   return table;
 }
@@ -88,9 +89,11 @@ double log_likelihood(const EndCounts& counts, int end, const std::vector<double
   double sum = 0.0;
   for (int k = 0; k < kBins; ++k) {
     const int within = 2 * (end - k) - 1;
+    const int above = 2 * kBins + within;
+    const int below = 2 * kBins - within;
     const auto at = static_cast<std::size_t>(k);
-    sum += counts.hit[at] * table[static_cast<std::size_t>(2 * kBins + within)] +
-           counts.passed[at] * table[static_cast<std::size_t>(2 * kBins - within)];
+    sum += counts.hit[at] * table[static_cast<std::size_t>(above)] +
+           counts.passed[at] * table[static_cast<std::size_t>(below)];
   }
   return sum;
 }

@@ -120,6 +120,7 @@ struct CloudReader::State {
   void read_value_by_value();
   std::optional<std::string_view> line_with_text();
   double binary_value(Scalar type);
+  [[nodiscard]] double list_length(double count) const;
   void check_end();
   [[nodiscard]] double value(CloudRole role) const { return values[static_cast<std::size_t>(role)]; }
   void set(const CloudColumn& column, double number) {
@@ -156,10 +157,15 @@ double CloudReader::State::binary_value(Scalar type) {
   return decode(type, data, layout.is_big_endian);
 }
 
+double CloudReader::State::list_length(double count) const {
+  if (!(count >= 0.0)) fail("the length of a list is no number from 0");
+  return count;
+}
+
 void CloudReader::State::read_value_by_value() {
   for (const CloudColumn& column : layout.vertex.columns) {
     if (column.list_count) {
-      const double count = binary_value(*column.list_count);
+      const double count = list_length(binary_value(*column.list_count));
       for (double k = 0.0; k < count; ++k) binary_value(column.type);
     } else {
       for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, binary_value(column.type));
@@ -193,8 +199,7 @@ void CloudReader::State::read_ascii() {
   };
   for (const CloudColumn& column : layout.vertex.columns) {
     if (column.list_count) {
-      const double count = number(*column.list_count);
-      if (!(count >= 0.0)) fail("the length of a list is no number from 0");
+      const double count = list_length(number(*column.list_count));
       for (double k = 0.0; k < count; ++k) number(column.type);
     } else {
       for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, number(column.type));
@@ -212,7 +217,7 @@ void CloudReader::State::skip(const CloudElement& element) {
       continue;
     }
     for (const CloudColumn& column : element.columns) {
-      const double count = column.list_count ? binary_value(*column.list_count) : 1.0;
+      const double count = column.list_count ? list_length(binary_value(*column.list_count)) : 1.0;
       for (double item = 0.0; item < count; ++item) binary_value(column.type);
     }
   }
@@ -300,7 +305,7 @@ Cloud CloudReader::next(std::size_t most) {
   return cloud;
 }
 
-Cloud read_cloud(const std::string& path, std::uint64_t max_points) {
+Cloud read_cloud(const std::string& path, std::uint64_t max_points, std::uint64_t* skipped) {
   CloudReader reader(path);
   Cloud cloud;
   for (Cloud piece = reader.next(); !piece.empty(); piece = reader.next()) {
@@ -310,6 +315,7 @@ Cloud read_cloud(const std::string& path, std::uint64_t max_points) {
     }
     cloud.insert(cloud.end(), piece.begin(), piece.end());
   }
+  if (skipped != nullptr) *skipped = reader.skipped();
   return cloud;
 }
 

@@ -70,7 +70,9 @@ LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
     const Eigen::Quaterniond turn = T_level_laser(scanner.mount, course.at(timing.of_beam_s(beam))).rotation;
     const Point3 direction = rotation_matrix(turn) * Point3(bearing.cos, bearing.sin, 0.0);
     const double share = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());
-    level.ranges_m[beam] = static_cast<float>(static_cast<double>(level.ranges_m[beam]) * share);
+    const double range_m = static_cast<double>(level.ranges_m[beam]);
+    if (level.max_range_m > 0.0 && range_m >= level.max_range_m) continue;  // no return stays none
+    level.ranges_m[beam] = static_cast<float>(range_m * share);
   }
   return level;
 }

@@ -19,6 +19,8 @@ namespace {
 constexpr double kShake_m = 0.04;
 constexpr double kShake_rad = 0.015;
 
+constexpr std::size_t kMostHeld = 20000;
+
 /// A scan that waits for the fix behind it.
 struct Held {
   NoddingScan scan;
@@ -214,7 +216,10 @@ void NoddingMapper::State::emit(std::size_t count, const PosePath& path) {
   held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
-bool NoddingMapper::State::is_blind_too_long() const { return held.size() > 1 && blind_s > config.max_blind_s; }
+// A clock that stands still must not make what waits grow for ever.
+bool NoddingMapper::State::is_blind_too_long() const {
+  return held.size() > 1 && (blind_s > config.max_blind_s || held.size() > kMostHeld);
+}
 
 // From the last fix on, poses by odometry for all scans that wait.
 PosePath NoddingMapper::State::path_by_odometry() const {

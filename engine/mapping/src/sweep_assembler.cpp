@@ -61,8 +61,8 @@ struct SweepAssembler::State {
     std::optional<PendingDownload> download;  ///< when the device has it
   };
 
-  State(const NoddingScanner& scanner_, const AssemblyLimits& limits_, Backend& backend_, CloudSink& sink_)
-      : scanner(scanner_), limits(limits_), backend(&backend_), sink(sink_) {
+  State(const NoddingScanner& of_scans, const AssemblyLimits& given, Backend& device, CloudSink& next)
+      : scanner(of_scans), limits(given), backend(&device), sink(next) {
     limits.batch_beams = std::max(limits.batch_beams, kMostBeamsOfStrip);
   }
 

@@ -208,6 +208,21 @@ TEST(NoddingMapper, BlindForLongItGoesOnByOdometry) {
   EXPECT_NEAR(outcome.poses.back().T_map_base.x_m, truth.x_m, 0.05);
 }
 
+// A clock that stands still: time says nothing, the number of scans that wait does.
+TEST(NoddingMapper, WhatWaitsIsBoundedWhereTheClockStandsStill) {
+  NoddingDrive drive = standing();
+  drive.beams = 5;
+  drive.mirror_rate_hz = 0.0;
+  drive.elevation_rad = [](double) { return 0.5; };
+  const auto frozen = [](NoddingScan& scan, std::size_t) { scan.record.scan.stamp_s = 1.0; };
+  Job job;
+  job.scans = 20100;
+  EXPECT_THAT([&] { map(drive, job, frozen); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("no scan is horizontal")));
+  job.scans = 20000;  // the bound itself holds all
+  EXPECT_THROW(map(drive, job, frozen), InputError);
+}
+
 // Whichever call fails: the cloud is the CPU's, point for point.
 TEST(NoddingMapper, ADeviceThatFailsCostsNoPoint) {
   const NoddingDrive drive = driving();

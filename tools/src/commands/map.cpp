@@ -61,12 +61,12 @@ std::string work_of(const MapperStatistics& s) {
 
 std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
   const MapperStatistics& s = outcome.statistics;
-  const double rate = outcome.wall_s > 0.0 ? static_cast<double>(s.scans) / outcome.wall_s : 0.0;
+  const double rate = outcome.wall_s > 0.0 ? static_cast<double>(scans_of(outcome)) / outcome.wall_s : 0.0;
   return fmt::format(
       "{} scans, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
       "{:.2f} s ({:.0f} scans/s, {:.0f} times real time); {}\n"
       "results in {}\n",
-      s.scans, s.matched, s.doubtful, s.keyframes, s.path_m, outcome.wall_s, rate,
+      scans_of(outcome), s.matched, s.doubtful, s.keyframes, s.path_m, outcome.wall_s, rate,
       outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, work_of(s), folder);
 }
 

@@ -25,6 +25,8 @@
 namespace gdtslam {
 namespace {
 
+constexpr std::uint64_t kMostPoints = 200'000'000;
+
 struct MeasureCommand {
   std::string cloud;
   bool boxes = false;
@@ -136,7 +138,10 @@ int run_measure(const MeasureCommand& command) {
   const BoxSearch boxes = box_search_of(command);
   const PlaneSearch planes = plane_search_of(command, {});
   if (!command.viewpoint.empty() && command.viewpoint != "none") (void)viewpoint_of(command.viewpoint);
-  const Cloud cloud = read_cloud(command.cloud);
+  std::uint64_t skipped = 0;
+  const Cloud cloud = read_cloud(command.cloud, kMostPoints, &skipped);
+  if (skipped > 0)
+    print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, command.cloud));
   if (cloud.empty()) throw InputError({command.cloud, 0}, "holds no point to measure");
   const Measurement measured = measure(command, boxes, planes, cloud);
   AtomicFileSet files;

@@ -65,7 +65,8 @@ class CloudReader {
   std::unique_ptr<State> state_;
 };
 
-/// The whole cloud. Throws InputError beyond max_points, with what to do.
-Cloud read_cloud(const std::string& path, std::uint64_t max_points = 200'000'000);
+/// The whole cloud; how many points were skipped as not finite goes to *skipped (may be null). Throws InputError beyond
+/// max_points, with what to do.
+Cloud read_cloud(const std::string& path, std::uint64_t max_points = 200'000'000, std::uint64_t* skipped = nullptr);
 
 }  // namespace gdtslam
