@@ -61,8 +61,8 @@ struct SweepAssembler::State {
     std::optional<PendingDownload> download;  ///< when the device has it
   };
 
-  State(const NoddingScanner& of_scans, const AssemblyLimits& given, Backend& device, CloudSink& next)
-      : scanner(of_scans), limits(given), backend(&device), sink(next) {
+  State(const NoddingScanner& of_scans, const AssemblyLimits& given, Backend& on, CloudSink& next)
+      : scanner(of_scans), limits(given), backend(&on), sink(next) {
     limits.batch_beams = std::max(limits.batch_beams, kMostBeamsOfStrip);
   }
 
