@@ -187,6 +187,7 @@ void draw_residuals(Canvas& canvas, const std::vector<Dot>& dots, const Scales& 
 
 double median_sigma_mm(const std::vector<RangeObservation>& observations) {
   std::vector<double> sigmas;
+  sigmas.reserve(observations.size());
   for (const RangeObservation& seen : observations) sigmas.push_back(1000.0 * seen.sigma_m);
   if (sigmas.empty()) return 0.0;
   const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);

@@ -11,6 +11,7 @@
 #include "calibrate_surfaces.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
+#include "scan_stream.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,6 +19,23 @@ namespace {
 constexpr double kFirstGate_m = 0.5;
 constexpr double kGateSigmas = 10.0;
 constexpr double kLeastGate_m = 0.03;
+
+// One entry for each kind, with the first that was seen.
+void add_warnings(const std::vector<LogReader::Warning>& more, std::vector<LogReader::Warning>& list) {
+  for (const LogReader::Warning& warning : more) {
+    const auto same = std::find_if(list.begin(), list.end(),
+                                   [&warning](const LogReader::Warning& known) { return known.kind == warning.kind; });
+    if (same == list.end()) {
+      list.push_back(warning);
+    } else {
+      same->count += warning.count;
+    }
+  }
+}
+
+const char* kind_name(calib::SurfaceKind kind) {
+  return kind == calib::SurfaceKind::kWall ? "wall" : kind == calib::SurfaceKind::kFloor ? "floor" : "ceiling";
+}
 
 void read_log(const std::string& path, const ReadOptions& options, StopCollector& collector, CalibrateOutcome& outcome,
               const std::function<void(double)>& progress, const std::function<bool()>& stop) {
@@ -27,7 +45,23 @@ void read_log(const std::string& path, const ReadOptions& options, StopCollector
     progress(reader->progress());
     if (stop()) throw Error(ExitCode::kInterrupted, "interrupted while reading " + path + "; nothing was written");
   }
-  for (const LogReader::Warning& warning : reader->warnings()) outcome.warnings.push_back(warning);
+  add_warnings(reader->warnings(), outcome.warnings);
+  add_warnings(collector.finish_log(log_name(path)), outcome.warnings);
+}
+
+std::vector<NamedSurface> surfaces_of(const CalibrateJob& job) {
+  std::vector<NamedSurface> surfaces = named_surfaces(job.surfaces);
+  for (NamedSurface& named : surfaces) {
+    if (job.distances_known && !named.has_distance) {
+      throw UsageError(
+          fmt::format("--known-distances: --surfaces gives no distance of {0}, write {0}=DISTANCE, as in "
+                      "{0}=2m",
+                      kind_name(named.surface.kind)));
+    }
+    named.surface.distance_known = job.distances_known;
+    named.surface.heading_known = !job.headings_free;
+  }
+  return surfaces;
 }
 
 }  // namespace
@@ -39,16 +73,12 @@ CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<vo
   CalibrateOutcome outcome;
   outcome.start = job.start;
   outcome.max_elevation_rad = job.options.max_elevation_rad;
+  const std::vector<NamedSurface> surfaces = surfaces_of(job);
   StopCollector collector(job.start, job.sector_rad);
   for (const std::string& log : job.logs) read_log(log, job.read, collector, outcome, progress, stop);
-  collector.finish();
   const std::vector<calib::RangeObservation> all = collector.observations(job.sigma_m);
   outcome.statistics = collector.statistics();
-  outcome.start_surfaces = surfaces_of(job.surfaces, job.start, all);
-  for (calib::CalibrationSurface& surface : outcome.start_surfaces) {
-    surface.distance_known = job.distances_known;
-    surface.heading_known = !job.headings_free;
-  }
+  outcome.start_surfaces = placed_surfaces(surfaces, job.start, all);
   outcome.observations = all;
   calib::assign_surfaces(job.start, outcome.start_surfaces, kFirstGate_m, outcome.observations);
   outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, job.options);
@@ -58,6 +88,7 @@ CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<vo
   outcome.unassigned =
       calib::assign_surfaces(outcome.result.model, outcome.result.surfaces, gate_m, outcome.observations);
   outcome.result = calib::calibrate(job.start, outcome.start_surfaces, outcome.observations, job.options);
+  outcome.distrust = calib::reason_for_distrust(outcome.result);
   return outcome;
 }
 

@@ -18,8 +18,8 @@ struct CalibrateJob {
   std::string surfaces = "wall";  ///< as on the command line: "wall=2m@30deg,ceiling"
   bool distances_known = false;
   bool headings_free = false;
-  double sector_rad = 0.0;
-  double sigma_m = 0.0;  ///< of one range; 0: from the scatter
+  double sector_rad = 0.0;  ///< 0: the forward beam
+  double sigma_m = 0.0;     ///< of one range; 0: from the scatter
   ReadOptions read;
   calib::CalibrationOptions options;
 };
@@ -32,10 +32,11 @@ struct CalibrateOutcome {
   double max_elevation_rad = 0.0;
   std::size_t unassigned = 0;  ///< averages that belong to no surface
   StopStatistics statistics;
-  std::vector<LogReader::Warning> warnings;
+  std::vector<LogReader::Warning> warnings;  ///< of the readers and of the encoder
+  std::string distrust;                      ///< why the result is not to be used; empty where it is
 };
 
-/// Throws UsageError for surfaces that make no sense, InputError, FileError or ConfigError.
+/// Throws UsageError for surfaces that make no sense before any log is read; InputError, FileError or ConfigError.
 CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<void(double)>& progress,
                                  const std::function<bool()>& stop);
 

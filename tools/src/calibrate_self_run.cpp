@@ -1,5 +1,7 @@
 #include "calibrate_self_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -170,6 +172,8 @@ SelfCalibrateOutcome run_self_calibration(const SelfCalibrateJob& job, const std
   outcome.result = calib::self_calibrate(
       job.start, collector.strokes,
       [&collector](const calib::SweepModel& model) { return assembled(collector.beams, model); }, job.options);
+  if (!outcome.result.converged)
+    outcome.distrust = fmt::format("the strokes did not settle within {} rounds", outcome.result.rounds);
   return outcome;
 }
 

@@ -26,6 +26,7 @@ struct SelfCalibrateOutcome {
   std::uint64_t scans = 0;
   std::uint64_t beams = 0;  ///< compared, a part of all spread evenly
   std::uint32_t strokes = 0;
+  std::string distrust;  ///< why the result is not to be used; empty where it is
 };
 
 /// Throws InputError, FileError, ConfigError.

@@ -32,6 +32,7 @@ std::string text_of(const SelfCalibrateOutcome& outcome) {
       "\nstrokes miss each other by {:.1f} mm before, {:.1f} mm after (median of {} pairs); {} after {} rounds\n",
       1000.0 * result.median_miss_before_m, 1000.0 * result.median_miss_m, result.pairs,
       result.converged ? "converged" : "NOT CONVERGED", result.rounds);
+  if (!outcome.distrust.empty()) text += "NOT TO BE TRUSTED, nor any sigma above: " + outcome.distrust + "\n";
   if (!result.weak.empty()) text += "\nWhat the strokes do not tell:\n";
   for (const calib::WeakCombination& weak : result.weak) text += "  " + weak.text + "\n";
   if (!result.remarks.empty()) text += "\nRemarks:\n";
@@ -66,6 +67,7 @@ Json json_of(const SelfCalibrateOutcome& outcome) {
           {"median_miss_m", result.median_miss_m},
           {"rounds", result.rounds},
           {"converged", result.converged},
+          {"distrust", outcome.distrust.empty() ? Json() : Json(outcome.distrust)},
           {"remarks", result.remarks}};
 }
 

@@ -20,6 +20,9 @@ constexpr double kLeastMeanSigma_m = 1e-4;  // nor are averages beyond the wall'
 constexpr double kUnknownSigma_m = 0.01;    // where no place has ranges enough to tell
 constexpr std::uint32_t kEnoughForScatter = 5;
 constexpr double kLeastRange_m = 0.05;
+constexpr double kMostTravel_m = 0.05;                         // of a robot that stands
+constexpr double kMostTurn_rad = 3.0 * kPi / 180.0;            // likewise
+constexpr double kMostBearingChange_rad = 1e-3 * kPi / 180.0;  // of a beam from scan to scan; logs round their angles
 
 // The crank's place, in turns, at a time between the knots.
 std::optional<double> turns_at(const std::vector<PhaseKnot>& knots, double offset_s) {
@@ -54,18 +57,50 @@ void StopCollector::take(const LogRecord& record) {
     ++tilt_messages_;
   } else if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     ++statistics_.scans;
-    if (scan->T_odom_base) {
-      if (!T_odom_first_) T_odom_first_ = scan->T_odom_base;
-      const Point2 moved = scan->T_odom_base->translation() - T_odom_first_->translation();
-      statistics_.robot_travel_m =
-          std::max(statistics_.robot_travel_m, std::sqrt(moved.x() * moved.x() + moved.y() * moved.y()));
-    }
+    if (scan->T_odom_base) note_odometry(*scan->T_odom_base);
     waiting_.push_back(scan->scan);
   }
   place_scans(false);
 }
 
-void StopCollector::finish() { place_scans(true); }
+void StopCollector::note_odometry(const Pose2& T_odom_base) {
+  if (!T_odom_first_) T_odom_first_ = T_odom_base;
+  const Point2 moved = T_odom_base.translation() - T_odom_first_->translation();
+  travel_.metres = std::max(travel_.metres, std::sqrt(moved.x() * moved.x() + moved.y() * moved.y()));
+  travel_.angle_rad =
+      std::max(travel_.angle_rad, std::fabs(wrap_angle(T_odom_base.theta_rad - T_odom_first_->theta_rad)));
+}
+
+std::vector<LogReader::Warning> StopCollector::finish_log(const std::string& name) {
+  place_scans(true);
+  require_counting(name);
+  require_standing(name);
+  std::vector<LogReader::Warning> warnings = track_.faults().as_warnings();
+  if (uncovered_.count > 0) warnings.push_back(uncovered_);
+  uncovered_.count = 0;
+  track_ = calib::NodTrack(model_.encoder, calib::NodTrackLimits{});
+  T_odom_first_.reset();
+  travel_ = {};
+  return warnings;
+}
+
+// A log without a crank has a fault of its own, see observations().
+void StopCollector::require_standing(const std::string& name) const {
+  if (encoder_messages_ == 0 || (travel_.metres <= kMostTravel_m && travel_.angle_rad <= kMostTurn_rad)) return;
+  throw InputError(
+      {name, 0}, fmt::format("the robot moved (its odometry: {:.2f} m and {:.1f} deg from where it was first), and it "
+                             "must stand to be calibrated against surfaces; --self calibrates from a drive",
+                             travel_.metres, deg_from_rad(travel_.angle_rad)));
+}
+
+void StopCollector::require_counting(const std::string& name) const {
+  const calib::NodTrack::Count& jumps = track_.faults().jumps;
+  if (jumps.count == 0 || model_.encoder.wraps) return;
+  throw InputError(
+      {name, 0}, fmt::format("the encoder jumps ({} times, first at {:.6f} s) and has no index mark, so nothing tells "
+                             "where the crank was afterwards; record anew, or cut the log there",
+                             jumps.count, jumps.first_stamp_s));
+}
 
 void StopCollector::place_scans(bool at_end) {
   const std::optional<double> known_s = track_.known_until_s();
@@ -87,15 +122,34 @@ std::size_t StopCollector::beam_step(const LaserScan& scan) const {
   return static_cast<std::size_t>(std::max(1.0, std::ceil(beams / kMostBeams)));
 }
 
+// Ranges are averaged by the beam's number, so a number must mean one bearing.
+void StopCollector::note_beams(const LaserScan& scan) {
+  if (bearing_step_rad_ == 0.0) {
+    bearing_first_rad_ = scan.first_bearing_rad;
+    bearing_step_rad_ = scan.bearing_step_rad;
+    return;
+  }
+  const double last = static_cast<double>(scan.ranges_m.size() - 1);
+  const double at_first_rad = std::fabs(wrap_angle(scan.first_bearing_rad - bearing_first_rad_));
+  const double at_last_rad = std::fabs(last * (scan.bearing_step_rad - bearing_step_rad_));
+  if (at_first_rad <= kMostBearingChange_rad && at_last_rad <= kMostBearingChange_rad) return;
+  throw InputError(
+      fmt::format("the scan at {:.6f} s has its first beam at {:.3f} deg and one each {:.4f} deg, earlier scans at "
+                  "{:.3f} deg and each "
+                  "{:.4f} deg; calibrate takes the scans of one laser with one setting",
+                  scan.stamp_s, deg_from_rad(scan.first_bearing_rad), deg_from_rad(scan.bearing_step_rad),
+                  deg_from_rad(bearing_first_rad_), deg_from_rad(bearing_step_rad_)));
+}
+
 void StopCollector::add(const LaserScan& scan) {
   if (scan.ranges_m.empty() || !(std::fabs(scan.bearing_step_rad) > 0.0)) return;
-  bearing_first_rad_ = scan.first_bearing_rad;
-  bearing_step_rad_ = scan.bearing_step_rad;
+  note_beams(scan);
   const BeamTiming timing = calib::beam_timing(model_, scan.ranges_m.size(), scan.bearing_step_rad);
   const double last_s = timing.of_beam_s(scan.ranges_m.size() - 1);
   const std::vector<PhaseKnot> knots = track_.knots(scan.stamp_s, scan.stamp_s + timing.first_s, scan.stamp_s + last_s);
   if (knots.empty()) {
     ++statistics_.uncovered;
+    if (uncovered_.count++ == 0) uncovered_.first = fmt::format("scan at {:.6f} s", scan.stamp_s);
     return;
   }
   const double half_step_rad = 0.5000001 * std::fabs(scan.bearing_step_rad);

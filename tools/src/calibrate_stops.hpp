@@ -21,9 +21,8 @@ struct StopStatistics {
   std::uint64_t uncovered = 0;  ///< scans at whose time the crank's place is not known
   std::uint64_t ranges = 0;     ///< of the beams asked for, that returned
   std::uint64_t no_return = 0;
-  std::uint64_t stops = 0;      ///< places of the crank with a range
-  double range_sigma_m = 0.0;   ///< of one range, from its scatter about a place
-  double robot_travel_m = 0.0;  ///< largest distance from its first odometry
+  std::uint64_t stops = 0;     ///< places of the crank with a range
+  double range_sigma_m = 0.0;  ///< of one range, from its scatter about a place
 };
 
 class StopCollector {
@@ -31,8 +30,10 @@ class StopCollector {
   /// Beams within half the sector of the forward direction, at least the forward one; of many every so many.
   StopCollector(const calib::SweepModel& model, double sector_rad);
   void take(const LogRecord& record);
-  /// The log has ended: scans that still wait for the crank are given what is known of it.
-  void finish();
+  /// The log has ended: scans that still wait for the crank are given what is known of it; the next log has a clock and
+  /// an odometry of its own. Returns what was wrong with the crank's messages. Throws InputError where the robot moved,
+  /// and where an encoder without an index mark jumped: behind that nothing tells where the crank was.
+  std::vector<LogReader::Warning> finish_log(const std::string& name);
   /// Averages, those of few ranges left out. `sigma_m` of one range; 0: from the scatter. Throws InputError where the
   /// log holds no crank, no scan, or none at a time at which the crank's place is known.
   [[nodiscard]] std::vector<calib::RangeObservation> observations(double sigma_m);
@@ -51,6 +52,15 @@ class StopCollector {
     double sq_range = 0.0;
     double product = 0.0;
   };
+  /// How far the robot went from where its odometry had it first.
+  struct Travel {
+    double metres = 0.0;
+    double angle_rad = 0.0;
+  };
+  void note_odometry(const Pose2& T_odom_base);
+  void note_beams(const LaserScan& scan);
+  void require_standing(const std::string& name) const;
+  void require_counting(const std::string& name) const;
   void place_scans(bool at_end);
   void add(const LaserScan& scan);
   [[nodiscard]] std::size_t beam_step(const LaserScan& scan) const;
@@ -63,8 +73,11 @@ class StopCollector {
   std::deque<LaserScan> waiting_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Sums> sums_;  ///< by place and beam
   double bearing_first_rad_ = 0.0;
-  double bearing_step_rad_ = 0.0;
+  double bearing_step_rad_ = 0.0;  ///< 0 before the first scan
   std::optional<Pose2> T_odom_first_;
+  Travel travel_;
+  LogReader::Warning uncovered_{
+      .kind = "scans without the crank's position", .count = 0, .first = ""};  ///< of this log
   std::uint64_t encoder_messages_ = 0;
   std::uint64_t tilt_messages_ = 0;
   StopStatistics statistics_;

@@ -21,11 +21,6 @@ using calib::SurfaceKind;
 constexpr double kNearEdge = 0.1;  // of the extents of the ranges: a guess that a few strays do not move
 constexpr std::size_t kMostSurfaces = 16;
 
-struct SurfaceText {
-  CalibrationSurface surface;
-  bool has_distance = false;
-};
-
 std::string trimmed(const std::string& text) {
   const std::size_t from = text.find_first_not_of(" \t");
   return from == std::string::npos ? "" : text.substr(from, text.find_last_not_of(" \t") - from + 1);
@@ -38,8 +33,8 @@ SurfaceKind kind_of(const std::string& name) {
   throw UsageError("--surfaces: '" + name + "' is no surface; there are wall, floor and ceiling");
 }
 
-SurfaceText surface_of(const std::string& text) {
-  SurfaceText result;
+NamedSurface surface_of(const std::string& text) {
+  NamedSurface result;
   const std::size_t at = text.find('@');
   const std::size_t equals = text.find('=');
   const std::string name = trimmed(text.substr(0, std::min(at, equals)));
@@ -60,8 +55,8 @@ SurfaceText surface_of(const std::string& text) {
   return result;
 }
 
-std::vector<SurfaceText> parse(const std::string& text) {
-  std::vector<SurfaceText> list;
+std::vector<NamedSurface> parse(const std::string& text) {
+  std::vector<NamedSurface> list;
   std::size_t from = 0;
   while (from <= text.size()) {
     const std::size_t end = std::min(text.find(',', from), text.size());
@@ -73,7 +68,7 @@ std::vector<SurfaceText> parse(const std::string& text) {
 }
 
 // "wall", then "wall2", ...: names are what the parameters are called by.
-void number_names(std::vector<SurfaceText>& list) {
+void number_names(std::vector<NamedSurface>& list) {
   for (std::size_t k = 0; k < list.size(); ++k) {
     std::size_t before = 0;
     for (std::size_t i = 0; i < k; ++i) before += list[i].surface.kind == list[k].surface.kind ? 1U : 0U;
@@ -110,14 +105,18 @@ double guessed_distance_m(const CalibrationSurface& surface, const calib::SweepM
 
 }  // namespace
 
-std::vector<CalibrationSurface> surfaces_of(const std::string& text, const calib::SweepModel& start,
-                                            const std::vector<RangeObservation>& ranges) {
-  std::vector<SurfaceText> list = parse(text);
+std::vector<NamedSurface> named_surfaces(const std::string& text) {
+  std::vector<NamedSurface> list = parse(text);
   number_names(list);
+  return list;
+}
+
+std::vector<CalibrationSurface> placed_surfaces(const std::vector<NamedSurface>& named, const calib::SweepModel& start,
+                                                const std::vector<RangeObservation>& ranges) {
   std::vector<CalibrationSurface> surfaces;
-  for (SurfaceText& entry : list) {
-    if (!entry.has_distance) entry.surface.distance_m = guessed_distance_m(entry.surface, start, ranges);
+  for (const NamedSurface& entry : named) {
     surfaces.push_back(entry.surface);
+    if (!entry.has_distance) surfaces.back().distance_m = guessed_distance_m(entry.surface, start, ranges);
   }
   return surfaces;
 }

@@ -90,17 +90,21 @@ std::string deltas_text(const CalibrateOutcome& outcome) {
 
 std::string fit_text(const CalibrateOutcome& outcome) {
   const CalibrationResult& result = outcome.result;
-  std::string text =
-      fmt::format("\n{} of {} averages used, {} of them outliers; residual {:.2f} sigma; {} after {} iterations\n",
-                  result.observations, outcome.observations.size() + outcome.unassigned, result.outliers,
-                  result.residual_rms, result.converged ? "converged" : "NOT CONVERGED", result.iterations);
+  std::string text = fmt::format(
+      "\n{} of {} averages used, {} of them outliers; residual {:.2f} sigma without those, {:.2f} with; {} after "
+      "{} iterations\n",
+      result.observations, outcome.observations.size() + outcome.unassigned, result.outliers, result.residual_rms,
+      result.all_rms, result.converged ? "converged" : "NOT CONVERGED", result.iterations);
   if (std::isfinite(result.other_assembly_rms)) {
     text +=
         fmt::format("assembly {}; the other one leaves {:.0f} sigma\n",
                     result.model.assembly == calib::Assembly::kOpen ? "open" : "crossed", result.other_assembly_rms);
   }
-  return text + fmt::format("elevation known to {:.4f} deg (RMS over the sweep used)\n",
-                            deg_from_rad(result.elevation_sigma_rad));
+  if (!outcome.distrust.empty()) return text + "NOT TO BE TRUSTED, nor any sigma above: " + outcome.distrust + "\n";
+  return text + fmt::format(
+                    "elevation known to {:.4f} deg (RMS over the sweep used), plus what the surfaces lean: 0.1 deg "
+                    "for 0.1 deg\n",
+                    deg_from_rad(result.elevation_sigma_rad));
 }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -175,11 +179,13 @@ Json json_of(const CalibrateOutcome& outcome) {
           {"covariance", result.covariance},
           {"observability", observability_json(result)},
           {"residual_rms", number(result.residual_rms)},
+          {"all_rms", number(result.all_rms)},
           {"other_assembly_rms", number(result.other_assembly_rms)},
           {"elevation_sigma_rad", number(result.elevation_sigma_rad)},
           {"iterations", result.iterations},
           {"converged", result.converged},
           {"reason", result.reason},
+          {"distrust", outcome.distrust.empty() ? Json() : Json(outcome.distrust)},
           {"remarks", result.remarks},
           {"warnings", warnings}};
 }

@@ -151,6 +151,7 @@ CalibrationResult result_of(const Attempt& attempt, const CalibrationOptions& op
   result.combinations = row_major(seen.combinations.transpose());
   result.weak = weak_combinations(found, attempt.parameters, seen);
   result.residual_rms = attempt.fit.rms;
+  result.all_rms = attempt.fit.all_rms;
   result.elevation_sigma_rad = elevation_sigma_rad(found, attempt.parameters, seen, attempt.fit);
   result.observations = attempt.fit.used.size();
   result.outliers = attempt.fit.outliers;

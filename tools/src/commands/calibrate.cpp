@@ -36,6 +36,7 @@ struct CalibrateCommand {
   std::string sigma;
   bool no_prior = false;
   bool is_self = false;
+  bool force = false;
   bool json = false;
   bool quiet = false;
 };
@@ -57,15 +58,34 @@ CalibrateJob job_of(const CalibrateCommand& command) {
     if (!(job.sigma_m > 0.0 && job.sigma_m < 1.0))
       throw UsageError("--sigma: " + command.sigma + " is not between 0 and 1 m");
   }
+  if (job.sector_rad <= 0.0 && (job.headings_free || job.options.free_sensor_angles)) {
+    throw UsageError(fmt::format("{} needs beams of several bearings: add --sector, as in --sector 200deg",
+                                 job.headings_free ? "--free-headings" : "--free-angles"));
+  }
   if (command.no_prior) job.options = job.options.without_priors();
   return job;
+}
+
+// Standard deviations hold for a model that fits: a file that is written by force has none.
+template <typename Outcome>
+std::vector<ParameterSigma> stated_sigmas(const Outcome& outcome) {
+  return outcome.distrust.empty() ? uncertainty_of(outcome.result) : std::vector<ParameterSigma>{};
+}
+
+void refuse_distrusted(const CalibrateCommand& command, const std::string& distrust, const std::string& advice) {
+  if (distrust.empty()) return;
+  if (!command.force) {
+    throw Error(ExitCode::kFailed,
+                fmt::format("not to be trusted, so nothing is written: {}; {}, or --force", distrust, advice));
+  }
+  print_remark("warning: not to be trusted, written by --force and without uncertainties: " + distrust);
 }
 
 // Both or none.
 void write_files(const CalibrateCommand& command, const CalibrateOutcome& outcome) {
   AtomicFileSet files;
   if (!command.svg.empty()) files.add(command.svg).write(calibration_figure(outcome));
-  files.add(command.output).write(linkage_text(outcome.result.model, uncertainty_of(outcome.result)));
+  files.add(command.output).write(linkage_text(outcome.result.model, stated_sigmas(outcome)));
   files.commit();
 }
 
@@ -76,13 +96,18 @@ int run_calibrate(const CalibrateCommand& command) {
   const CalibrateOutcome outcome = run_calibration(
       job, [&](double share) { progress.update(++records, share); }, [] { return interrupted(); });
   progress.clear();
+  if (!command.quiet) {
+    for (const LogReader::Warning& warning : outcome.warnings)
+      print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
+  }
+  refuse_distrusted(command, outcome.distrust,
+                    "another --start or other --surfaces (where they are, what stands before them)");
   write_files(command, outcome);
   if (command.json) {
     print_result(json_text(json_of(outcome)));
   } else if (!command.quiet) {
     print_result(text_of(outcome) + "\nlinkage " + command.output + "\n");
   }
-  if (!outcome.result.converged) print_remark("the fit did not converge: " + outcome.result.reason);
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -96,13 +121,13 @@ int run_self(const CalibrateCommand& command) {
   const SelfCalibrateOutcome outcome = run_self_calibration(
       job, [&](double share) { progress.update(++steps, share); }, [] { return interrupted(); });
   progress.clear();
-  write_linkage(command.output, outcome.result.model, uncertainty_of(outcome.result));
+  refuse_distrusted(command, outcome.distrust, "a better --start");
+  write_linkage(command.output, outcome.result.model, stated_sigmas(outcome));
   if (command.json) {
     print_result(json_text(json_of(outcome)));
   } else if (!command.quiet) {
     print_result(text_of(outcome) + "\nlinkage " + command.output + "\n");
   }
-  if (!outcome.result.converged) print_remark("the strokes did not settle; try a better --start");
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -113,7 +138,8 @@ void add_data_options(CLI::App& command, CalibrateCommand& chosen) {
                   "(walls) @HEADING where known")
       ->type_name("LIST")
       ->capture_default_str();
-  command.add_flag("--known-distances", chosen.job.distances_known, "The distances given are exact, not a start");
+  command.add_flag("--known-distances", chosen.job.distances_known,
+                   "The distances given (each with =DISTANCE) are exact");
   command.add_flag("--free-headings", chosen.job.headings_free, "Estimate the walls' headings too (needs --sector)");
   command.add_option("--sector", chosen.sector, "Use the beams of a sector around the forward one [the forward beam]")
       ->type_name("ANGLE");
@@ -143,7 +169,7 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
   add_data_options(*command, *chosen);
   command->add_flag("--free-lever", chosen->job.options.free_lever, "Estimate the sensor's place off the axis too");
   command->add_flag("--free-angles", chosen->job.options.free_sensor_angles,
-                    "Estimate the sensor's roll and yaw too (needs --sector)");
+                    "Estimate the sensor's roll and yaw too (needs --sector or --self)");
   command->add_flag("--search-zero", chosen->job.options.search_zero,
                     "The encoder's zero is not known at all: try the whole turn");
   command->add_flag("--no-prior", chosen->no_prior,
@@ -156,6 +182,7 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
                            "--search-zero", "--no-prior", "--svg"}) {
     self->excludes(command->get_option(name));
   }
+  command->add_flag("--force", chosen->force, "Write the linkage file though it is not to be trusted, without sigmas");
   command->add_flag("--json", chosen->json, "Print JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(

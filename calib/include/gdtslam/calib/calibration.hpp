@@ -81,6 +81,7 @@ struct CalibrationResult {
   std::vector<double> combinations;          ///< row-major, one row of weights for each singular value
   std::vector<WeakCombination> weak;
   double residual_rms = 0.0;         ///< of the weighted residuals that are no outliers: 1 where sigma is right
+  double all_rms = 0.0;              ///< of all of them: well above 1 where many ranges do not fit
   double elevation_sigma_rad = 0.0;  ///< RMS over the sweep used
   std::uint64_t observations = 0;    ///< used: within max_elevation_rad
   std::uint64_t outliers = 0;        ///< of those, beyond huber_sigmas
@@ -95,6 +96,11 @@ struct CalibrationResult {
 /// sweep that is too short, with what to do.
 CalibrationResult calibrate(const SweepModel& start, const std::vector<CalibrationSurface>& surfaces,
                             const std::vector<RangeObservation>& observations, const CalibrationOptions& options);
+
+/// Why the result must not be used, as part of a sentence: it did not converge, more than a third of the ranges do not
+/// fit, or a bar was stopped by its bound while the ranges miss. Its standard deviations mean nothing then: they hold
+/// for a model that is right. Empty where there is no such reason.
+std::string reason_for_distrust(const CalibrationResult& result);
 
 /// Gives each observation the surface that the model expects it to meet first, and takes out those that miss it by more
 /// than `gate_m` or are expected to meet none. Returns how many were taken out.
