@@ -101,10 +101,12 @@ std::string text_of(const NoddingOutcome& nodding, const std::string& linkage) {
   if (nodding.has_cloud) {
     text += fmt::format("\n    {} points measured, {} in cloud.ply", nodding.cloud.measured, nodding.cloud.written);
   }
-  if (nodding.check.pairs > 0) {
-    text += fmt::format("\n    {} sweeps against the one before: {:.1f} mm and {:.3f} deg apart on average",
-                        nodding.check.pairs, 1000.0 * nodding.check.mean_shift_m,
-                        deg_from_rad(nodding.check.mean_turn_rad));
+  if (const SweepCheck& check = nodding.check; check.pairs > 0) {
+    text += fmt::format("\n    {} of {} sweeps held against the one before: {:.1f} mm and {:.3f} deg apart on average",
+                        check.pairs, check.pairs + check.not_held, 1000.0 * check.mean_shift_m,
+                        deg_from_rad(check.mean_turn_rad));
+  } else if (check.not_held > 0) {
+    text += fmt::format("\n    none of {} sweeps could be held against the one before", check.not_held);
   }
   return text + "\n";
 }
