@@ -4,6 +4,7 @@ import json
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit, one_error_line
+from nodding_log import Drive, kind_of, stamp_of
 
 TRUE = """gdtslam_linkage: 1
 name: mount
@@ -12,6 +13,26 @@ assembly: open
 encoder: {ticks_per_turn: 20000, wraps: true, zero: 40 deg, direction: 1}
 elevation: {sign: 1, offset: -61.5 deg}
 """
+
+
+def wall_log(folder):
+    """A log of the wall by a mount that is near paper-b, 5 s at each of 200 stops."""
+    (folder / "true.yaml").write_text(TRUE)
+    log = folder / "wall.log"
+    process = command("simulate", cli.SOURCE / "assets/scenes/wall.yaml", "-o", log, "--linkage", folder / "true.yaml")
+    if process.returncode == 69:
+        cli.skip("the simulator is not built in")
+    expect_exit(process, 0)
+    return log
+
+
+def refused(linkage, code, *arguments):
+    """One error line, nothing written; returns the line."""
+    process = command("calibrate", *arguments, "-o", linkage)
+    expect_exit(process, code)
+    one_error_line(process.stderr)
+    expect(process.stdout == "" and not linkage.exists(), f"{arguments}: printed {process.stdout!r} or wrote a linkage")
+    return process.stderr
 
 
 def calibrate_recovers_the_mount():
@@ -23,6 +44,10 @@ def calibrate_recovers_the_mount():
     linkage, figure = folder / "linkage.yaml", folder / "figure.svg"
     process = command("calibrate", log, "-o", linkage, "--start", "paper-b", "--svg", figure, "--json")
     expect_exit(process, 0)
+    cli.validate(process.stdout, "calibrate")
+    result = json.loads(process.stdout)
+    expect(result["distrust"] is None and result["warnings"] == [] and process.stderr == "", f"faults: {process.stderr!r}")
+    expect("uncertainty:" in linkage.read_text(), "the linkage file states no standard deviations")
     found = {entry["name"]: entry for entry in json.loads(process.stdout)["parameters"]}
     for name, true in (("zero", 0.6981317), ("offset", -1.0733775), ("distance.wall", 2.0)):
         error = abs(found[name]["estimate"] - true)
@@ -31,6 +56,101 @@ def calibrate_recovers_the_mount():
     expect(not any(found[bar]["observable"] for bar in ("crank", "coupler", "rocker", "ground")), "a bar passes for observed")
     expect(figure.read_text().startswith("<svg"), "no figure")
     expect_exit(command("linkage", linkage), 0)
+
+
+def calibrate_refuses_a_fit_that_does_not_fit():
+    """The wrong preset to start from: exit 1, one line, nothing written; --force writes, without standard deviations."""
+    folder = cli.fresh_folder("calibrate_hopeless")
+    log, linkage, figure = wall_log(folder), folder / "linkage.yaml", folder / "figure.svg"
+    said = refused(linkage, 1, log, "--start", "paper-a", "--svg", figure, "--json")
+    for words in ("do not fit", "--start", "--surfaces", "--force"):
+        expect(words in said, f"no '{words}' in {said!r}")
+    expect(not figure.exists(), "a figure was written")
+    process = command("calibrate", log, "-o", linkage, "--start", "paper-a", "--force", "--json")
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "calibrate")
+    result = json.loads(process.stdout)
+    expect("do not fit" in result["distrust"] and 3 * result["outliers"] > result["observations"], f"distrust: {result['distrust']}")
+    expect(result["all_rms"] > 10, f"all ranges: {result['all_rms']} sigma")
+    expect(result["distrust"] in process.stderr and "warning: " in process.stderr, f"no warning: {process.stderr!r}")
+    expect("uncertainty:" not in linkage.read_text(), "standard deviations of a fit that is wrong")
+    process = command("calibrate", log, "-o", linkage, "--start", "paper-a", "--force")
+    expect("NOT TO BE TRUSTED" in process.stdout and "elevation known to" not in process.stdout, process.stdout)
+
+
+def calibrate_needs_a_robot_that_stands():
+    """A log of a drive, and one of a robot that turns on the spot: one line that names the way and --self."""
+    drive = Drive("calibrate_drive")
+    linkage = drive.folder / "out.yaml"
+    said = refused(linkage, 65, drive.log)
+    expect("2.4" in said and "--self" in said and "room.log" in said, said)
+    # ROBOTLASER1 type start field step range accuracy remission NUM ranges NUM remissions laser(3) robot(3) ...
+    turning = []
+    for line in wall_log(cli.fresh_folder("calibrate_turning")).read_text().splitlines():
+        words = line.split()
+        if words[0] == "ROBOTLASER1" and float(words[-3]) > 600.0:
+            at = 9 + int(words[8])
+            at += 1 + int(words[at])
+            words[at + 2] = words[at + 5] = "0.1"
+        turning.append(" ".join(words))
+    log = drive.folder / "turning.log"
+    log.write_text("\n".join(turning) + "\n")
+    expect("5.7 deg" in refused(linkage, 65, log), "the turn is not told")
+
+
+def calibrate_option_mistakes():
+    """Options that would do nothing or nail a guess are refused, and before a log is read: there is none."""
+    folder = cli.fresh_folder("calibrate_options")
+    log, linkage = folder / "missing.log", folder / "linkage.yaml"
+    for arguments, words in ((["--known-distances"], "wall=DISTANCE"),
+                             (["--known-distances", "--surfaces", "wall=2m,ceiling"], "ceiling=DISTANCE"),
+                             (["--surfaces", "fence"], "wall, floor and ceiling"),
+                             (["--free-headings"], "--sector"), (["--free-angles"], "--sector"),
+                             (["--free-angles", "--sector", "0deg"], "--sector")):
+        said = refused(linkage, 2, log, *arguments)
+        expect(words in said, f"{arguments}: {said!r}")
+    refused(linkage, 74, log, "--known-distances", "--surfaces", "wall=2m")
+
+
+def calibrate_tells_faults_of_the_encoder():
+    """Messages missing, stamps twice: warnings in text and JSON. A jump without an index mark: an error that says when."""
+    folder = cli.fresh_folder("calibrate_faults")
+    log, linkage = wall_log(folder), folder / "linkage.yaml"
+    lines = log.read_text().splitlines()
+    faulty = []
+    for line in lines:
+        is_encoder = kind_of(line) == "ENCODER"
+        if is_encoder and 100.01 < stamp_of(line) < 101.01:
+            continue
+        faulty += [line, line] if is_encoder and abs(stamp_of(line) - 300.0) < 0.001 else [line]
+    broken = folder / "broken.log"
+    broken.write_text("\n".join(faulty) + "\n")
+    process = command("calibrate", broken, "-o", linkage, "--start", "paper-b", "--json")
+    expect_exit(process, 0)
+    warnings = {entry["kind"]: entry["count"] for entry in json.loads(process.stdout)["warnings"]}
+    lost = warnings.pop("scans without the crank's position", 0)
+    expect(warnings == {"nodding messages missing": 1, "nodding stamp in the past": 1}, f"the warnings are {warnings}")
+    scans = sum(kind_of(line) == "ROBOTLASER1" and 100.0 < stamp_of(line) < 101.025 for line in lines)
+    expect(0 < lost <= scans + 2, f"{lost} scans without the crank, {scans} in the gap")
+    text = command("calibrate", broken, "-o", linkage, "--start", "paper-b")
+    for kind in warnings:
+        expect(f"gdtslam: warning: {kind} (1 times; first: " in text.stderr, text.stderr)
+    expect(command("calibrate", broken, "-o", linkage, "--start", "paper-b", "-q").stderr == "", "--quiet is not quiet")
+
+    linkage.unlink()
+    (folder / "counting.yaml").write_text(TRUE.replace("wraps: true", "wraps: false"))
+    turns, last, slipped = 0, 0, []
+    for line in lines:
+        if kind_of(line) == "ENCODER":
+            words = line.split()
+            turns += int(words[1]) < last
+            last = int(words[1])
+            words[1] = str(last + 20000 * turns + (3000 if stamp_of(line) > 500.0 else 0))
+            line = " ".join(words)
+        slipped.append(line)
+    log.write_text("\n".join(slipped) + "\n")
+    said = refused(linkage, 65, log, "--start", folder / "counting.yaml")
+    expect("jumps (1 times, first at 500.0" in said and "index mark" in said, said)
 
 
 def calibrate_refuses_what_tells_nothing():

@@ -97,9 +97,11 @@ void StopCollector::require_counting(const std::string& name) const {
   const calib::NodTrack::Count& jumps = track_.faults().jumps;
   if (jumps.count == 0 || model_.encoder.wraps) return;
   throw InputError(
-      {name, 0}, fmt::format("the encoder jumps ({} times, first at {:.6f} s) and has no index mark, so nothing tells "
-                             "where the crank was afterwards; record anew, or cut the log there",
-                             jumps.count, jumps.first_stamp_s));
+      {name, 0},
+      fmt::format(
+          "the encoder jumps ({} times, first at {:.6f} s) and has no index mark (wraps: false), so nothing tells "
+          "where the crank was afterwards; record anew, or cut the log there",
+          jumps.count, jumps.first_stamp_s));
 }
 
 void StopCollector::place_scans(bool at_end) {

@@ -23,11 +23,11 @@ std::string rounded(double value) {
 }  // namespace
 
 std::string reason_for_distrust(const CalibrationResult& result) {
-  if (!result.converged) return "the fit did not converge (" + result.reason + ")";
   if (static_cast<double>(result.outliers) > kMostOutliers * static_cast<double>(result.observations)) {
     return std::to_string(result.outliers) + " of " + std::to_string(result.observations) +
            " ranges do not fit the surfaces";
   }
+  if (!result.converged) return "the fit did not converge (" + result.reason + ")";
   if (result.all_rms <= kMostRms) return "";
   for (const CalibratedParameter& parameter : result.parameters) {
     if (parameter.at_bound && is_bar(parameter.name)) {

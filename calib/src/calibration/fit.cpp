@@ -315,6 +315,7 @@ Fit fit(const Setup& start, std::span<const Parameter> parameters, std::span<con
     result.reason = weighted.reason;
     if (largest_change(last, result.x) < kSettled) break;
     result.converged = false;  // but for the next round
+    result.reason = "the parameters still move after " + std::to_string(round + 1) + " rounds of weighing";
   }
   const std::optional<Misses> after = misses_at(setup_at(start, parameters, result.x), result.used);
   if (!after) {

@@ -162,14 +162,17 @@ TEST(CalibrationProtocol, ReportedDeviationsAreTheEmpiricalOnes) {
     const int count = draws(60);
     Random random(4);
     std::map<std::size_t, double> sq_pulls;
+    int unflagged = 0;
     for (int k = 0; k < count; ++k) {
       const Experiment experiment = draw_experiment(protocol, random);
       const CalibrationResult result =
           calibrate(experiment.start, experiment.surfaces, experiment.observations, options);
+      unflagged += flags_what_one_wall_cannot_tell(result) ? 0 : 1;
       const std::vector<double> pulls = pulls_of(experiment, result, options);
       ASSERT_GE(pulls.size(), scene.combinations);
       for (std::size_t c = 0; c < scene.combinations; ++c) sq_pulls[c] += pulls[c] * pulls[c];
     }
+    EXPECT_EQ(unflagged, 0) << "of " << count << ", lever " << (scene.free_lever ? "free" : "known");
     for (const auto& [combination, sum] : sq_pulls) {
       const double ratio = std::sqrt(sum / count);  // empirical over reported
       std::printf("lever %s, combination %zu: empirical over reported %.2f\n", scene.free_lever ? "free" : "known",
