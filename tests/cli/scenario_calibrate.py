@@ -1,6 +1,7 @@
 """calibrate: from a log of a wall to a linkage file that map and linkage take."""
 
 import json
+import math
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit, one_error_line
@@ -151,6 +152,28 @@ def calibrate_tells_faults_of_the_encoder():
     log.write_text("\n".join(slipped) + "\n")
     said = refused(linkage, 65, log, "--start", folder / "counting.yaml")
     expect("jumps (1 times, first at 500.0" in said and "index mark" in said, said)
+
+
+def calibrate_from_a_drive():
+    """--self: a zero that slipped by 3 degrees is found again within what the tool states; a gap in the encoder's messages is told."""
+    drive = Drive("calibrate_self")
+    linkage = drive.folder / "out.yaml"
+    true = float(drive.linkage.read_text().split("zero: ")[1].split()[0])
+    unit = drive.linkage.read_text().split("zero: ")[1].split()[1]
+    expect(unit == "rad", f"the zero is in {unit}")
+    slipped = drive.folder / "slipped.yaml"
+    slipped.write_text(drive.linkage.read_text().replace(f"zero: {true}", f"zero: {true + math.radians(3.0)}"))
+    gap = drive.write("gap", [line for line in drive.lines if kind_of(line) != "ENCODER" or not 4.01 < stamp_of(line) < 5.01])
+    process = command("calibrate", gap, "-o", linkage, "--self", "--start", slipped, "--json")
+    expect_exit(process, 0)
+    result = json.loads(process.stdout)
+    zero = next(entry for entry in result["parameters"] if entry["name"] == "zero")
+    error = abs(zero["estimate"] - true)
+    expect(error < 4.0 * zero["sigma"] and error < math.radians(1.0), f"the zero is off by {error} rad, sigma {zero['sigma']}")
+    expect(result["converged"] and result["distrust"] is None, f"distrust: {result['distrust']}")
+    warnings = {entry["kind"]: entry["count"] for entry in result["warnings"]}
+    expect(warnings.get("nodding messages missing") == 1, f"the warnings are {warnings}")
+    expect("gdtslam: warning: nodding messages missing (1 times; first: at 5" in process.stderr, process.stderr)
 
 
 def calibrate_refuses_what_tells_nothing():

@@ -1,7 +1,5 @@
 #include "calibrate_self_run.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -31,8 +29,8 @@ struct SelfBeam {
 };
 
 // The robot's poses as the start's linkage maps the log.
-Trajectory mapped_poses(const SelfCalibrateJob& job, const std::function<void(double)>& progress,
-                        const std::function<bool()>& stop) {
+Trajectory mapped_poses(const SelfCalibrateJob& job, SelfCalibrateOutcome& found,
+                        const std::function<void(double)>& progress, const std::function<bool()>& stop) {
   const std::unique_ptr<Backend> backend = make_cpu_backend(CpuOptions{.threads = 1, .isa = std::nullopt});
   MapJob map;
   map.logs = job.logs;
@@ -49,6 +47,7 @@ Trajectory mapped_poses(const SelfCalibrateJob& job, const std::function<void(do
   NoddingRun run(map, nodding, *backend, std::move(scans), nullptr);
   MapOutcome outcome = run.run([&](std::uint64_t, double share) { progress(0.9 * share); }, stop);
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted while mapping; nothing was written");
+  found.warnings = std::move(outcome.warnings);
   std::stable_sort(outcome.trajectory.begin(), outcome.trajectory.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.stamp_s < b.stamp_s; });
   return std::move(outcome.trajectory);
@@ -155,8 +154,8 @@ SelfCalibrateOutcome run_self_calibration(const SelfCalibrateJob& job, const std
   for (const std::string& log : job.logs) {
     if (log == "-") throw UsageError("--self reads the log twice, so it cannot come from the standard input");
   }
-  const Trajectory trajectory = mapped_poses(job, progress, stop);
   SelfCalibrateOutcome outcome;
+  const Trajectory trajectory = mapped_poses(job, outcome, progress, stop);
   outcome.start = job.start;
   BeamCollector collector(job.start, trajectory);
   ScanStream scans(job.logs, job.read, {});
@@ -172,8 +171,7 @@ SelfCalibrateOutcome run_self_calibration(const SelfCalibrateJob& job, const std
   outcome.result = calib::self_calibrate(
       job.start, collector.strokes,
       [&collector](const calib::SweepModel& model) { return assembled(collector.beams, model); }, job.options);
-  if (!outcome.result.converged)
-    outcome.distrust = fmt::format("the strokes did not settle within {} rounds", outcome.result.rounds);
+  outcome.distrust = calib::reason_for_distrust(outcome.result);
   return outcome;
 }
 

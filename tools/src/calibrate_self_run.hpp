@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gdtslam/calib/self_calibration.hpp"
+#include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/read_options.hpp"
 #include "linkage_file.hpp"
 
@@ -26,7 +27,8 @@ struct SelfCalibrateOutcome {
   std::uint64_t scans = 0;
   std::uint64_t beams = 0;  ///< compared, a part of all spread evenly
   std::uint32_t strokes = 0;
-  std::string distrust;  ///< why the result is not to be used; empty where it is
+  std::vector<LogReader::Warning> warnings;  ///< of the readers and of the encoder
+  std::string distrust;                      ///< why the result is not to be used; empty where it is
 };
 
 /// Throws InputError, FileError, ConfigError.

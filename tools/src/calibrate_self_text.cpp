@@ -53,6 +53,10 @@ Json json_of(const SelfCalibrateOutcome& outcome) {
                           {"at_bound", parameter.at_bound},
                           {"observable", parameter.observable}});
   }
+  Json warnings = Json::array();
+  for (const LogReader::Warning& warning : outcome.warnings) {
+    warnings.push_back({{"kind", warning.kind}, {"count", warning.count}, {"first", warning.first}});
+  }
   Json weak = Json::array();
   for (const calib::WeakCombination& combination : result.weak) weak.push_back(combination.text);
   return {{"start", outcome.start.name},
@@ -68,7 +72,8 @@ Json json_of(const SelfCalibrateOutcome& outcome) {
           {"rounds", result.rounds},
           {"converged", result.converged},
           {"distrust", outcome.distrust.empty() ? Json() : Json(outcome.distrust)},
-          {"remarks", result.remarks}};
+          {"remarks", result.remarks},
+          {"warnings", warnings}};
 }
 
 std::vector<ParameterSigma> uncertainty_of(const calib::SelfCalibrationResult& result) {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "gdtslam/calib/calibration.hpp"
+#include "gdtslam/calib/self_calibration.hpp"
 
 namespace gdtslam::calib {
 namespace {
@@ -36,6 +37,10 @@ std::string reason_for_distrust(const CalibrationResult& result) {
     }
   }
   return "";
+}
+
+std::string reason_for_distrust(const SelfCalibrationResult& result) {
+  return result.converged ? "" : "the strokes did not settle within " + std::to_string(result.rounds) + " rounds";
 }
 
 }  // namespace gdtslam::calib

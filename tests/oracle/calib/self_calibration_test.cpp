@@ -87,6 +87,7 @@ TEST(SelfCalibration, FindsTheEncodersZero) {
   const Scene scene = record(truth, 0.005, 1);
   const SelfCalibrationResult result = self_calibrate(start, scene.strokes, assembly_of(scene), {});
   EXPECT_TRUE(result.converged);
+  EXPECT_EQ(reason_for_distrust(result), "");
   EXPECT_GT(result.median_miss_before_m, 1.5 * result.median_miss_m);
   EXPECT_LT(result.median_miss_m, 0.004);
   const CalibratedParameter& zero = parameter(result, "zero");
@@ -99,6 +100,15 @@ TEST(SelfCalibration, FindsTheEncodersZero) {
   bool is_said = false;
   for (const std::string& remark : result.remarks) is_said |= remark.find("offset") != std::string::npos;
   EXPECT_TRUE(is_said);
+}
+
+TEST(SelfCalibration, StrokesThatDidNotSettleAreNotTrusted) {
+  const SweepModel start = sweep_model_of_preset("paper-c");
+  SweepModel truth = start;
+  truth.encoder.zero_rad += rad_from_deg(2.5);
+  const Scene scene = record(truth, 0.005, 1);
+  const SelfCalibrationResult result = self_calibrate(start, scene.strokes, assembly_of(scene), {.max_rounds = 1});
+  EXPECT_EQ(reason_for_distrust(result), "the strokes did not settle within 1 rounds");
 }
 
 TEST(SelfCalibration, LeavesARightModelAlone) {

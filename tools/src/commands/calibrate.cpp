@@ -72,6 +72,11 @@ std::vector<ParameterSigma> stated_sigmas(const Outcome& outcome) {
   return outcome.distrust.empty() ? uncertainty_of(outcome.result) : std::vector<ParameterSigma>{};
 }
 
+void print_warnings(const std::vector<LogReader::Warning>& warnings) {
+  for (const LogReader::Warning& warning : warnings)
+    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
+}
+
 void refuse_distrusted(const CalibrateCommand& command, const std::string& distrust, const std::string& advice) {
   if (distrust.empty()) return;
   if (!command.force) {
@@ -96,10 +101,7 @@ int run_calibrate(const CalibrateCommand& command) {
   const CalibrateOutcome outcome = run_calibration(
       job, [&](double share) { progress.update(++records, share); }, [] { return interrupted(); });
   progress.clear();
-  if (!command.quiet) {
-    for (const LogReader::Warning& warning : outcome.warnings)
-      print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
-  }
+  if (!command.quiet) print_warnings(outcome.warnings);
   refuse_distrusted(command, outcome.distrust,
                     "another --start or other --surfaces (where they are, what stands before them)");
   write_files(command, outcome);
@@ -121,6 +123,7 @@ int run_self(const CalibrateCommand& command) {
   const SelfCalibrateOutcome outcome = run_self_calibration(
       job, [&](double share) { progress.update(++steps, share); }, [] { return interrupted(); });
   progress.clear();
+  if (!command.quiet) print_warnings(outcome.warnings);
   refuse_distrusted(command, outcome.distrust, "a better --start");
   write_linkage(command.output, outcome.result.model, stated_sigmas(outcome));
   if (command.json) {

@@ -42,6 +42,9 @@ struct SelfCalibrationResult {
   std::vector<std::string> remarks;
 };
 
+/// Why the result must not be used, as part of a sentence: the strokes did not settle. Empty where they did.
+std::string reason_for_distrust(const SelfCalibrationResult& result);
+
 /// `strokes` has the number of each point's stroke; a point is compared with those of the next stroke. Throws
 /// ConfigError for a start whose loop does not close, InputError where the strokes share no surface.
 SelfCalibrationResult self_calibrate(const SweepModel& start, const std::vector<std::uint32_t>& strokes,
