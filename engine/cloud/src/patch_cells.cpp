@@ -126,9 +126,9 @@ Cloud PatchCells::means_of(std::span<const CloudPoint> cloud) const {
 }
 
 void PatchCells::link() {
-  static const std::array<std::uint64_t, 13> kSteps = later_neighbours();
+  const std::array<std::uint64_t, 13> steps = later_neighbours();
   for (std::uint32_t k = 0; k < keys_.size(); ++k) {
-    for (const std::uint64_t step : kSteps) {
+    for (const std::uint64_t step : steps) {
       const std::uint32_t other = find(keys_[k] + step);
       if (other != kNone) links_.emplace_back(k, other);
     }

@@ -165,7 +165,8 @@ void add_design_options(CLI::App& command, LinkageCommand& chosen) {
   add("--swing", chosen.goal.swing, "Angle that the laser sweeps [90deg]", "ANGLE");
   add("--min-transmission", chosen.goal.min_transmission, "Least transmission angle over the turn [40deg]", "ANGLE");
   add("--crank", chosen.goal.crank, "Length of the crank, or a range of it [3..5cm]", "RANGE");
-  add("--time-ratio", chosen.goal.time_ratio, "Slow over quick stroke, met exactly [any: the one that transmits best]", "RATIO");
+  add("--time-ratio", chosen.goal.time_ratio, "Slow over quick stroke, met exactly [any: the one that transmits best]",
+      "RATIO");
   add("--longest", chosen.goal.longest, "Longest bar; longer ones transmit better [4 times the longest crank]",
       "LENGTH");
   constexpr int kMostDesigns = 100;

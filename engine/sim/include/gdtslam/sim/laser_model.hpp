@@ -49,7 +49,7 @@ using LaserPoseAt = std::function<Pose3(double offset_s)>;
 
 /// What a beam really meets.
 struct BeamTruth {
-  double offset_s = 0.0;  ///< when it fires, relative to the scan's stamp
+  double offset_s = 0.0;                                     ///< when it fires, relative to the scan's stamp
   double range_m = std::numeric_limits<double>::infinity();  ///< infinity: nothing within the maximum range
   std::uint32_t triangle = 0;                                ///< of the caster's mesh, where there is a range
   Vec3 hit_m{0.0, 0.0, 0.0};                                 ///< map frame, where there is a range
