@@ -54,7 +54,8 @@ void draw_figures(Canvas& canvas, const LinkageSummary& summary, const Box& box)
   constexpr double kColumns[] = {20.0, 168.0, 316.0};
   const std::vector<Figure> figures = figures_of(summary);
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    const Point2 at = box.corner + Point2(kColumns[i % 3], 66.0 + 58.0 * static_cast<double>(i / 3));
+    const std::size_t row = i / 3;
+    const Point2 at = box.corner + Point2(kColumns[i % 3], 66.0 + 58.0 * static_cast<double>(row));
     const bool is_long = figures[i].value.size() > 12;
     canvas.text(at, figures[i].value, {.size = is_long ? 14.0 : 22.0, .colour = figures[i].colour, .is_bold = true});
     canvas.text(at + Point2(0.0, 19.0), figures[i].meaning, {.size = 12.0, .colour = ink::kQuiet});

@@ -77,7 +77,7 @@ Fitted fitted(const StrokePair& pair, const std::vector<Point3>& points) {
     covariance += d * d.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance / static_cast<double>(pair.plane.size()));
-  const Point3 variances = eigen.eigenvalues();
+  const Point3& variances = eigen.eigenvalues();
   return {.normal = eigen.eigenvectors().col(0),
           .is_flat = variances(1) >= kWide_m * kWide_m && variances(0) <= kFlat * variances(1)};
 }

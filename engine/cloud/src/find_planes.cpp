@@ -149,9 +149,9 @@ std::optional<Candidate> best_candidate(const ThinnedCloud& thin, const PlaneSea
   for (double trial = 0.0; trial < most; trial += 1.0) {
     const std::uint32_t seed = seeds[random.below(seeds.size())];
     const Plane plane{thin.normals[seed], thin.normals[seed].dot(position_of(thin.means[seed]))};
-    std::vector<std::uint32_t> supporters = supporters_of(thin, plane, search.thickness_m);
+    const std::vector<std::uint32_t> supporters = supporters_of(thin, plane, search.thickness_m);
     if (supporters.size() <= best.cells.size() / 2) continue;  // growing rarely doubles a plane
-    Candidate next = grown(thin, plane, std::move(supporters), search.thickness_m);
+    Candidate next = grown(thin, plane, supporters, search.thickness_m);
     if (next.cells.size() <= best.cells.size()) continue;
     best = std::move(next);
     most = std::min<double>(search.trials, enough_trials(best.cells.size(), seeds.size()));

@@ -77,6 +77,7 @@ std::vector<std::uint32_t> Neighbours::within(const Point3& point, double distan
   const double squared_m2 = std::nextafter(distance_m * distance_m, std::numeric_limits<double>::infinity());
   tree_->index.radiusSearch(at.data(), squared_m2, matches, nanoflann::SearchParams(0, 0.0F, false));
   std::vector<std::uint32_t> found;
+  found.reserve(matches.size());
   for (const auto& [k, squared] : matches) found.push_back(k);
   std::sort(found.begin(), found.end());
   return found;
