@@ -22,9 +22,10 @@ OverviewInput overview_of(const MapJob& job, const MapOutcome& outcome) {
   input.keyframes = outcome.keyframes;
   const MapperStatistics& s = outcome.statistics;
   input.title = std::filesystem::path(log_name(job.logs.front())).filename().string();
-  input.caption = fmt::format("{} scans, {} matched, {} doubtful, {} keyframes, {:.1f} m; {}x{} cells of {:g} m",
-                              s.scans, s.matched, s.doubtful, s.keyframes, s.path_m, outcome.occupancy.geometry.width,
-                              outcome.occupancy.geometry.height, outcome.occupancy.geometry.resolution_m);
+  input.caption =
+      fmt::format("{} scans, {} matched, {} doubtful, {} keyframes, {:.1f} m; {}x{} cells of {:g} m", scans_of(outcome),
+                  s.matched, s.doubtful, s.keyframes, s.path_m, outcome.occupancy.geometry.width,
+                  outcome.occupancy.geometry.height, outcome.occupancy.geometry.resolution_m);
   return input;
 }
 
