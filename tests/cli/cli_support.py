@@ -64,6 +64,17 @@ def expect(condition, message):
         sys.exit(1)
 
 
+def finish(process):
+    """Waits for the end with the pipe to its standard input still open."""
+    try:
+        process.wait(timeout=60)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        expect(False, "the command did not end")
+    stdout, stderr = process.communicate(timeout=60)
+    return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
+
+
 def expect_exit(process, code):
     expect(process.returncode == code,
            f"exit {process.returncode}, expected {code}\nstdout: {process.stdout}\nstderr: {process.stderr}")

@@ -8,7 +8,7 @@ import subprocess
 import time
 
 import cli_support as cli
-from cli_support import PROGRAM, command, digests, expect, expect_exit, one_error_line, skip
+from cli_support import PROGRAM, command, digests, expect, expect_exit, finish, one_error_line, skip
 from nodding_log import FULL, SCAN, UNCOVERED, Drive, encoder, expect_lost, expect_warnings, kind_of, points_of, stamp_of, with_stamp
 
 
@@ -69,13 +69,7 @@ def interrupted_run(drive, lines):
     time.sleep(2.0)
     expect(process.poll() is None, "the command did not wait for more input")
     process.send_signal(signal.SIGINT)
-    try:
-        process.wait(timeout=60)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        expect(False, "the command did not end")
-    stdout, stderr = process.communicate(timeout=60)
-    return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
+    return finish(process)
 
 
 def nodding_interrupt():

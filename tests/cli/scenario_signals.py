@@ -6,24 +6,13 @@ import subprocess
 import time
 
 import cli_support as cli
-from cli_support import LOG, OUTPUTS, PROGRAM, command, digests, expect, expect_exit, one_error_line, scans_in
+from cli_support import LOG, OUTPUTS, PROGRAM, command, digests, expect, expect_exit, finish, one_error_line, scans_in
 
 
 def start_slow_run(folder, **options):
     """A run that takes long enough to be interrupted: the log over and over through a pipe."""
     return subprocess.Popen([PROGRAM, "map", "-", "-o", str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True, **options)
-
-
-def finish(process):
-    """Waits for the end with the pipe to its standard input still open."""
-    try:
-        process.wait(timeout=60)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        expect(False, "the command did not end")
-    stdout, stderr = process.communicate(timeout=60)
-    return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
 
 
 def interrupt_writes_what_there_is():

@@ -12,6 +12,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "scan_stream.hpp"
+#include "warning_list.hpp"
 
 namespace gdtslam {
 namespace {
@@ -21,18 +22,6 @@ constexpr double kGateSigmas = 10.0;
 constexpr double kLeastGate_m = 0.03;
 
 // One entry for each kind, with the first that was seen.
-void add_warnings(const std::vector<LogReader::Warning>& more, std::vector<LogReader::Warning>& list) {
-  for (const LogReader::Warning& warning : more) {
-    const auto same = std::find_if(list.begin(), list.end(),
-                                   [&warning](const LogReader::Warning& known) { return known.kind == warning.kind; });
-    if (same == list.end()) {
-      list.push_back(warning);
-    } else {
-      same->count += warning.count;
-    }
-  }
-}
-
 const char* kind_name(calib::SurfaceKind kind) {
   return kind == calib::SurfaceKind::kWall ? "wall" : kind == calib::SurfaceKind::kFloor ? "floor" : "ceiling";
 }
@@ -45,8 +34,8 @@ void read_log(const std::string& path, const ReadOptions& options, StopCollector
     progress(reader->progress());
     if (stop()) throw Error(ExitCode::kInterrupted, "interrupted while reading " + path + "; nothing was written");
   }
-  add_warnings(reader->warnings(), outcome.warnings);
-  add_warnings(collector.finish_log(log_name(path)), outcome.warnings);
+  merge_warnings(outcome.warnings, reader->warnings());
+  merge_warnings(outcome.warnings, collector.finish_log(log_name(path)));
 }
 
 std::vector<NamedSurface> surfaces_of(const CalibrateJob& job) {

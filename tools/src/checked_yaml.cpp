@@ -6,12 +6,11 @@
 #include <cstring>
 #include <memory>
 #include <set>
-#include <sstream>
 #include <utility>
 
-#include <yaml-cpp/eventhandler.h>
-
 #include "did_you_mean.hpp"
+#include "gdtslam/io/message_text.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 
 namespace gdtslam {
 namespace {
@@ -22,43 +21,10 @@ struct Close {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-// Lets a document pass.
-class IgnoreEvents final : public YAML::EventHandler {
- public:
-  void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                const std::string& /*value*/) override {}
-  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                       YAML::EmitterStyle::value /*style*/) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                  YAML::EmitterStyle::value /*style*/) override {}
-  void OnMapEnd() override {}
-};
-
-// YAML::LoadAll would tell too, but never returns from some faulty texts.
-bool goes_on_after_its_document(const std::string& text) {
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  IgnoreEvents ignore;
-  parser.HandleNextDocument(ignore);
-  return static_cast<bool>(parser);
-}
-
 std::uint64_t line_of(const YAML::Mark& mark) { return mark.is_null() ? 0 : static_cast<std::uint64_t>(mark.line) + 1; }
 
 // What a message quotes from a file may hold anything; the message stays one line of readable text.
-std::string one_line(std::string text) {
-  constexpr std::size_t kMost = 400;
-  if (text.size() > kMost) text.resize(kMost);
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
-  }
-  return text;
-}
+constexpr std::size_t kMostShown = 400;
 
 std::string_view without_suffix(std::string_view text, std::string_view suffix) {
   if (!suffix.empty() && text.ends_with(suffix)) {
@@ -95,13 +61,15 @@ std::string read_whole_file(const std::string& file, std::size_t most_bytes) {
 YAML::Node load_yaml(const std::string& file) { return parse_yaml(read_whole_file(file, kMaxYamlBytes), file); }
 
 YAML::Node parse_yaml(const std::string& text, const std::string& file) {
+  if (is_nested_too_deep(text))
+    throw ConfigError({file, 0}, "is not valid YAML: nested too deeply for a file of this kind");
   try {
     if (goes_on_after_its_document(text)) {
       throw ConfigError({file, 0}, "holds more than one YAML document; one is expected");
     }
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw ConfigError({file, line_of(error.mark)}, "is not valid YAML: " + one_line(error.msg));
+    throw ConfigError({file, line_of(error.mark)}, "is not valid YAML: " + one_line(error.msg, kMostShown));
   }
 }
 
@@ -109,7 +77,7 @@ YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string name)
     : node_(node), file_(std::move(file)), name_(std::move(name)) {}
 
 void YamlValue::refuse(const std::string& fault) const {
-  throw ConfigError({file_, line_of(node_.Mark())}, one_line(name_.empty() ? fault : name_ + ": " + fault));
+  throw ConfigError({file_, line_of(node_.Mark())}, one_line(name_.empty() ? fault : name_ + ": " + fault, kMostShown));
 }
 
 void YamlValue::require_none(const std::vector<std::string>& faults) const {

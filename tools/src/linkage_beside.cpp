@@ -8,8 +8,9 @@ namespace gdtslam {
 
 std::string beside_log(const std::string& log, const std::string& suffix) {
   std::string_view stem = log;
-  if (stem.ends_with(".gz")) stem.remove_suffix(3);
-  if (stem.ends_with(".log") || stem.ends_with(".clf")) stem.remove_suffix(4);
+  for (const std::string_view ending : {".gz", ".log", ".clf"}) {
+    if (stem.ends_with(ending)) stem.remove_suffix(ending.size());
+  }
   return std::string(stem) + suffix;
 }
 

@@ -5,7 +5,7 @@
 
 namespace gdtslam {
 
-/// LOG without .gz, then without .log or .clf, with `suffix`: the name of a file that belongs to a log.
+/// LOG without .gz, .log and .clf, with `suffix`: the name of a file that belongs to a log.
 std::string beside_log(const std::string& log, const std::string& suffix);
 /// beside_log(log, ".linkage.yaml") where that file exists; empty where not, and for the standard input.
 std::string linkage_beside(const std::string& log);

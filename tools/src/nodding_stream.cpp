@@ -7,23 +7,14 @@
 #include <utility>
 #include <variant>
 
+#include "warning_list.hpp"
+
 namespace gdtslam {
 namespace {
 
 constexpr double kLatest_s = 1.0;   // messages that come this long after a scan of the log's time come too late
 constexpr double kMemory_s = 10.0;  // of the track, for stamps that step back
 constexpr int kMostBehind = 1000;   // records that are read behind the last scan for what they tell of it
-
-void merge_into(std::vector<LogReader::Warning>& list, const std::vector<LogReader::Warning>& more) {
-  for (const LogReader::Warning& warning : more) {
-    const auto same = std::find_if(list.begin(), list.end(), [&](const auto& w) { return w.kind == warning.kind; });
-    if (same == list.end()) {
-      list.push_back(warning);
-    } else {
-      same->count += warning.count;
-    }
-  }
-}
 
 }  // namespace
 
@@ -63,7 +54,7 @@ void NoddingStream::expect_set_back(double stamp_s) {
 // Another log has a clock of its own; the scans of the last one know all that they will ever know.
 void NoddingStream::begin_log() {
   while (!waiting_.empty()) resolve_first();
-  merge_into(earlier_, track_.faults().as_warnings());
+  merge_warnings(earlier_, track_.faults().as_warnings());
   track_ = new_track();
   last_scan_s_ = -std::numeric_limits<double>::infinity();
 }
@@ -120,7 +111,7 @@ std::optional<NoddingScan> NoddingStream::next() {
 
 std::vector<LogReader::Warning> NoddingStream::warnings() const {
   std::vector<LogReader::Warning> list = earlier_;
-  merge_into(list, track_.faults().as_warnings());
+  merge_warnings(list, track_.faults().as_warnings());
   if (uncovered_.count > 0) list.push_back(uncovered_);
   return list;
 }

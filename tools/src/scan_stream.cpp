@@ -7,6 +7,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/units.hpp"
 #include "gdtslam/io/log.hpp"
+#include "warning_list.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,18 +19,6 @@ Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s) {
   if (!(span_s > 0.0)) return a.T_odom_base;
   const double share = std::clamp((stamp_s - a.stamp_s) / span_s, 0.0, 1.0);
   return a.T_odom_base * exp_se2(share * log_se2(between(a.T_odom_base, b.T_odom_base)));
-}
-
-void merge_into(std::vector<LogReader::Warning>& list, const std::vector<LogReader::Warning>& more) {
-  for (const LogReader::Warning& warning : more) {
-    const auto same =
-        std::find_if(list.begin(), list.end(), [&warning](const auto& w) { return w.kind == warning.kind; });
-    if (same == list.end()) {
-      list.push_back(warning);
-    } else {
-      same->count += warning.count;
-    }
-  }
 }
 
 }  // namespace
@@ -78,7 +67,7 @@ ScanStream::ScanStream(std::vector<std::string> paths, const ReadOptions& option
 }
 
 bool ScanStream::open_next() {
-  if (reader_) merge_into(earlier_warnings_, reader_->warnings());
+  if (reader_) merge_warnings(earlier_warnings_, reader_->warnings());
   reader_.reset();
   if (opened_ == paths_.size()) return false;
   if (opened_ > 0 && listener_.next_log) listener_.next_log();
@@ -197,7 +186,7 @@ double ScanStream::progress() const {
 
 std::vector<LogReader::Warning> ScanStream::warnings() const {
   std::vector<LogReader::Warning> list = earlier_warnings_;
-  if (reader_) merge_into(list, reader_->warnings());
+  if (reader_) merge_warnings(list, reader_->warnings());
   if (unheard_.count > 0) list.push_back(unheard_);
   return list;
 }

@@ -14,6 +14,7 @@
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/sim/clearance.hpp"
 #include "gzip_file.hpp"
+#include "linkage_beside.hpp"
 #include "linkage_file.hpp"
 #include "scene_file.hpp"
 #include "scene_nodding.hpp"
@@ -25,17 +26,6 @@ namespace {
 constexpr double kClearanceLimit_m = 2.0;
 // What lies on the floor to this height is driven over.
 constexpr double kGroundClearance_m = 0.02;
-
-std::string without_ending(std::string name, std::string_view ending) {
-  if (name.ends_with(ending) && name.size() > ending.size()) {
-    name.resize(name.size() - ending.size());
-  }
-  return name;
-}
-
-std::string stem_of(const std::string& log_file) {
-  return without_ending(without_ending(without_ending(log_file, ".gz"), ".log"), ".clf");
-}
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -246,16 +236,16 @@ Recording record(const SimulateOptions& options, const SceneFile& scene, const s
 /// The files that a simulation writes; they appear together.
 class Output {
  public:
-  Output(const SimulateOptions& options, const SceneFile& scene) : stem_(stem_of(options.output)) {
+  Output(const SimulateOptions& options, const SceneFile& scene) : log_file_(options.output) {
     AtomicFile& log_file = files_.add(options.output);
     log_.emplace(log_file);
-    truth_ = &files_.add(stem_ + ".truth.tum");
+    truth_ = &files_.add(beside_log(log_file_, ".truth.tum"));
     if (scene.config.nodding) {
-      files_.add(stem_ + ".linkage.yaml").write(linkage_text(scene.config.nodding->truth));
-      elevations_.emplace(files_.add(stem_ + ".elevation.csv"));
+      files_.add(beside_log(log_file_, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
+      elevations_.emplace(files_.add(beside_log(log_file_, ".elevation.csv")));
     }
     if (options.truth_hits) {
-      hits_.emplace(files_.add(stem_ + ".truth.ply"));
+      hits_.emplace(files_.add(beside_log(log_file_, ".truth.ply")));
     }
   }
 
@@ -265,14 +255,14 @@ class Output {
     truth_->write(tum_text(truth));
     files_.commit();  // the files themselves are gone after this
     result.log_bytes = log_->bytes();
-    result.truth_file = stem_ + ".truth.tum";
-    result.linkage_file = elevations_ ? stem_ + ".linkage.yaml" : "";
-    result.elevation_file = elevations_ ? stem_ + ".elevation.csv" : "";
-    result.hits_file = hits_ ? stem_ + ".truth.ply" : "";
+    result.truth_file = beside_log(log_file_, ".truth.tum");
+    result.linkage_file = elevations_ ? beside_log(log_file_, ".linkage.yaml") : "";
+    result.elevation_file = elevations_ ? beside_log(log_file_, ".elevation.csv") : "";
+    result.hits_file = hits_ ? beside_log(log_file_, ".truth.ply") : "";
   }
 
  private:
-  std::string stem_;
+  std::string log_file_;  ///< the truth lies beside it
   AtomicFileSet files_;
   std::optional<TextSink> log_;
   AtomicFile* truth_ = nullptr;

@@ -8,8 +8,8 @@
 #include "carmen_line.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/decimal.hpp"
+#include "gdtslam/io/message_text.hpp"
 #include "line_reader.hpp"
-#include "message_text.hpp"
 #include "warning_counter.hpp"
 
 namespace gdtslam {

@@ -6,8 +6,8 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
+#include "gdtslam/io/message_text.hpp"
 #include "gdtslam/io/nearest_name.hpp"
-#include "message_text.hpp"
 #include "option_value.hpp"
 #include "yaml_file.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "carmen_line.hpp"
 #include "gdtslam/io/decimal.hpp"
-#include "message_text.hpp"
+#include "gdtslam/io/message_text.hpp"
 
 namespace gdtslam {
 

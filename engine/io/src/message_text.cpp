@@ -1,4 +1,4 @@
-#include "message_text.hpp"
+#include "gdtslam/io/message_text.hpp"
 
 namespace gdtslam {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "gdtslam/io/config_yaml.hpp"
+#include "gdtslam/io/message_text.hpp"
 #include "gdtslam/io/nearest_name.hpp"
-#include "message_text.hpp"
 
 namespace gdtslam {
 namespace {

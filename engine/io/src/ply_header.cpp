@@ -7,7 +7,7 @@
 
 #include "cloud_words.hpp"
 #include "gdtslam/core/error.hpp"
-#include "message_text.hpp"
+#include "gdtslam/io/message_text.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,7 +8,8 @@
 #include <string_view>
 
 #include "gdtslam/core/error.hpp"
-#include "message_text.hpp"
+#include "gdtslam/io/message_text.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 
 namespace gdtslam {
 
@@ -17,13 +18,6 @@ inline constexpr std::size_t kMaxYamlBytes = std::size_t{1} << 20;
 
 /// The file's text. Throws FileError or InputError.
 std::string read_yaml_text(const std::string& path);
-
-/// yaml-cpp descends once per nested bracket or indent and has no bound of its own, so depth is bounded first.
-bool is_nested_too_deep(std::string_view text);
-
-/// True when something follows the first document. (YAML::LoadAll would tell, but never returns from some faulty
-/// texts.)
-bool goes_on_after_its_document(const std::string& text);
 
 inline std::uint64_t line_of(const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();

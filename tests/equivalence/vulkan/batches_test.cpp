@@ -126,11 +126,8 @@ TEST_F(Batches, ABufferMayGoBeforeItsBatchIsSubmitted) {
 
 TEST_F(Batches, MemoryOfManyBuffersIsUsedAgain) {
   // Twice what the device has, in all; so most of it has to come back.
-  const std::size_t bytes = std::min(backend->device().max_buffer_bytes, std::size_t{1} << 27U) / 2;
+  const std::size_t bytes = backend->device().max_buffer_bytes / 2;
   const std::size_t rounds = backend->vulkan_device().memory_bytes / bytes * 2;
-  if (rounds > 200) {
-    GTEST_SKIP() << "the device has " << backend->vulkan_device().memory_bytes << " bytes, too much for a test";
-  }
   for (std::size_t round = 0; round < rounds; ++round) {
     const Buffer buffer = backend->allocate(bytes);
     backend->upload(buffer, std::vector<std::byte>(16, std::byte{1}), 0);
@@ -240,17 +237,19 @@ TEST_F(Batches, AKernelWithoutAShaderIsNamed) {
 }
 
 TEST_F(Batches, TheDeviceTimesItsOwnWorkWhereItIsAskedTo) {
-  if (find_test_device().device->timestamp_ns == 0.0) {
-    GTEST_SKIP() << "the device has no timestamps";
-  }
+  const bool has_clock = find_test_device().device->timestamp_ns > 0.0;
   VulkanOptions options;
   options.time_submissions = true;
   const auto timed = test_backend(options);
-  EXPECT_GT(timed->vulkan_device().timestamp_ns, 0.0);
+  EXPECT_EQ(timed->vulkan_device().timestamp_ns > 0.0, has_clock);
   EXPECT_EQ(timed->last_submission_ns(), 0.0);
   run_job(*timed, 2);
-  EXPECT_GT(timed->last_submission_ns(), 0.0);
-  EXPECT_LT(timed->last_submission_ns(), 30.0e9);
+  if (has_clock) {
+    EXPECT_GT(timed->last_submission_ns(), 0.0);
+    EXPECT_LT(timed->last_submission_ns(), 30.0e9);
+  } else {
+    EXPECT_EQ(timed->last_submission_ns(), 0.0) << "a device without a clock";
+  }
 
   options.time_submissions = false;
   const auto untimed = test_backend(options);

@@ -19,6 +19,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
+using testing::ThrowsMessage;
 
 constexpr const char* kBars = "bars: {crank: 3.6 cm, coupler: 85 mm, rocker: 8.8 cm, ground: 0.05}\n";
 
@@ -219,6 +220,12 @@ TEST(LinkageFile, WhatIsWrittenReadsBackWithTheSameBits) {
   EXPECT_EQ(back.model.mirror_rate_hz, model.mirror_rate_hz);
   EXPECT_EQ(back.model.stamp_share, model.stamp_share);
   EXPECT_EQ(back.uncertainty, uncertainty);
+}
+
+TEST(LinkageFile, DeepNestingIsRefusedByItsName) {
+  const std::string deep = "gdtslam_linkage: 1\nbars: " + std::string(100000, '[');
+  EXPECT_THAT([&] { read_linkage_text(deep, "d.yaml"); },
+              ThrowsMessage<ConfigError>("d.yaml: is not valid YAML: nested too deeply for a file of this kind"));
 }
 
 TEST(LinkageFile, LengthsAreWrittenAsPeopleMeasureThem) {
