@@ -15,7 +15,7 @@ constexpr std::size_t kMaxLines = 400;
 
 /// Which parts of the project a part may include, itself apart; the table of docs/architecture.md.
 const std::map<std::string, Parts, std::less<>>& allowed_parts() {
-  static const Parts all{"core", "compute", "vulkan", "mapping", "io", "sim", "calib", "cloud", "viewer"};
+  static const Parts all{"core", "compute", "vulkan", "mapping", "io", "sim", "calib", "cloud", "drawing", "viewer"};
   static const std::map<std::string, Parts, std::less<>> table{
       {"core", {}},
       {"compute", {"core"}},
@@ -25,7 +25,8 @@ const std::map<std::string, Parts, std::less<>>& allowed_parts() {
       {"sim", {"core", "calib"}},
       {"calib", {"core", "cloud"}},
       {"cloud", {"core"}},
-      {"viewer", {"core", "mapping", "calib", "cloud"}},
+      {"drawing", {"core"}},
+      {"viewer", {"core", "mapping", "calib", "cloud", "drawing"}},
       {"tools", all},
       {"examples", all},
       {"tests", all},
@@ -41,13 +42,13 @@ struct Library {
 };
 
 const std::vector<Library>& libraries() {
-  static const Parts everybody{"core", "cloud", "compute", "vulkan", "mapping",
-                               "io",   "sim",   "calib",   "viewer", "examples"};
+  static const Parts everybody{"core", "cloud", "drawing", "compute", "vulkan", "mapping",
+                               "io",   "sim",   "calib",   "viewer",  "examples"};
   static const std::vector<Library> table{
       {"Eigen/", everybody, true},
       {"yaml-cpp/", {"io"}},
       {"nlohmann/", {"io"}, true},
-      {"fmt/", {"io"}},
+      {"fmt/", {"io", "drawing", "viewer"}},
       {"png.h", {"io"}},
       {"zlib.h", {"io"}},
       {"embree3/", {"sim"}},
@@ -59,6 +60,8 @@ const std::vector<Library>& libraries() {
       {"vtk", {"viewer"}},
       {"GL/", {"viewer"}},
       {"EGL/", {"viewer"}},
+      {"X11/", {"viewer"}},
+      {"cairo", {"viewer"}},
       {"CLI/", {}},
       {"spdlog/", {}},
       {"opencv2/", {}},

@@ -1,0 +1,132 @@
+// Vector drawings: shapes, words and pictures in the order in which they are drawn, to be written as SVG here, as PDF
+// or pixels by the viewer. Pixels, x right, y down. One object belongs to one thread; O(shapes).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/drawing/image.hpp"
+
+namespace gdtslam {
+
+struct Pen {
+  Colour colour = ink::kText;
+  double width = 1.0;
+  double opacity = 1.0;
+  std::string_view dashes = "";  ///< as SVG has them: "4 3"; of static storage
+};
+
+enum class Anchor : std::uint8_t { kStart, kMiddle, kEnd };
+
+struct Lettering {
+  double size = 13.0;
+  Colour colour = ink::kText;
+  Anchor anchor = Anchor::kStart;
+  bool is_bold = false;
+  bool has_halo = false;  ///< the paper's colour around the letters, over lines
+  Colour halo = ink::kCard;
+};
+
+struct Fill {
+  Colour colour = ink::kCard;
+  double opacity = 1.0;
+};
+
+/// What a canvas keeps of each call; whoever writes it in a form of his own visits these.
+namespace shape {
+struct Rectangle {
+  Point2 corner;  ///< upper left
+  double width = 0.0;
+  double height = 0.0;
+  double radius = 0.0;
+  std::optional<Fill> fill;
+  std::optional<Pen> edge;
+};
+struct Line {
+  std::vector<Point2> points;
+  Pen pen;
+};
+struct Polygon {
+  std::vector<Point2> points;
+  Fill fill;
+};
+struct Circle {
+  Point2 centre;
+  double radius = 0.0;
+  std::optional<Fill> fill;
+  std::optional<Pen> edge;
+};
+struct Words {
+  Point2 at;  ///< on the base line
+  std::string text;
+  Lettering lettering;
+  bool is_upright = false;  ///< turned by a quarter, to be read from below
+};
+struct Picture {
+  Point2 corner;
+  double width = 0.0;
+  double height = 0.0;
+  std::shared_ptr<const RgbaImage> image;
+  bool is_smooth = true;  ///< false: each pixel of the image stays a square, as a map's cells should
+};
+/// What comes until the matching End is seen within the rectangle only.
+struct ClipBegin {
+  Point2 corner;
+  double width = 0.0;
+  double height = 0.0;
+};
+struct ClipEnd {};
+}  // namespace shape
+using Shape = std::variant<shape::Rectangle, shape::Line, shape::Polygon, shape::Circle, shape::Words, shape::Picture,
+                           shape::ClipBegin, shape::ClipEnd>;
+
+class Canvas {
+ public:
+  /// The title is what a screen reader says of an SVG. No page is drawn: what is not covered stays transparent.
+  Canvas(double width, double height, std::string_view title);
+
+  void rectangle(const Point2& corner, double width, double height, const std::optional<Fill>& fill,
+                 const std::optional<Pen>& edge = std::nullopt, double radius = 0.0);
+  void line(const Point2& from, const Point2& to, const Pen& pen);
+  void polyline(std::vector<Point2> points, const Pen& pen);
+  void polygon(std::vector<Point2> points, const Fill& fill);
+  void circle(const Point2& centre, double radius, const std::optional<Fill>& fill,
+              const std::optional<Pen>& edge = std::nullopt);
+  void text(const Point2& at, std::string_view words, const Lettering& lettering = {});
+  void upright_text(const Point2& at, std::string_view words, const Lettering& lettering = {});
+  void picture(const Point2& corner, double width, double height, std::shared_ptr<const RgbaImage> image,
+               bool is_smooth = true);
+  void begin_clip(const Point2& corner, double width, double height);
+  void end_clip();
+  /// All shapes of another drawing, moved.
+  void place(const Canvas& drawing, const Point2& corner);
+
+  [[nodiscard]] double width() const { return width_; }
+  [[nodiscard]] double height() const { return height_; }
+  [[nodiscard]] const std::string& title() const { return title_; }
+  [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
+
+ private:
+  double width_;
+  double height_;
+  std::string title_;
+  std::vector<Shape> shapes_;
+};
+
+/// Width of a line of words in the sans serif face of SVG and raster, estimated from the letters; within 10 %.
+double text_width(std::string_view words, double size, bool is_bold = false);
+
+/// Makes the bytes of a PNG file of an image.
+using PngEncoder = std::function<std::string(const RgbaImage&)>;
+/// The drawing as SVG text, the same bytes on every host. Throws Error where it holds a picture and no encoder is
+/// given.
+std::string svg_of(const Canvas& drawing, const PngEncoder& png = {});
+
+}  // namespace gdtslam

@@ -1,0 +1,66 @@
+// Colours: the palette of every picture that gdtslam draws, and the colour maps that turn numbers into colours.
+// The maps are ours: paths through CIELAB whose lightness rises evenly (sequential), falls from a light middle to both
+// sides (diverging), or closes upon itself (cyclic), so that equal steps of the number look equally large. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gdtslam {
+
+struct Colour {
+  std::uint8_t red = 0;
+  std::uint8_t green = 0;
+  std::uint8_t blue = 0;
+  friend bool operator==(const Colour&, const Colour&) = default;
+};
+/// From 0xRRGGBB.
+constexpr Colour colour_of(std::uint32_t rgb) {
+  return {static_cast<std::uint8_t>(rgb >> 16U), static_cast<std::uint8_t>(rgb >> 8U & 0xFFU),
+          static_cast<std::uint8_t>(rgb & 0xFFU)};
+}
+/// "#rrggbb".
+std::string hex_text(Colour colour);
+
+/// Legible on white and on kCard; every line that has one of the bars' colours also carries its name.
+namespace ink {
+inline constexpr Colour kPage = colour_of(0xf6f5f1);
+inline constexpr Colour kCard = colour_of(0xffffff);
+inline constexpr Colour kEdge = colour_of(0xdedbd2);
+inline constexpr Colour kText = colour_of(0x22262b);
+inline constexpr Colour kQuiet = colour_of(0x68707a);
+inline constexpr Colour kGrid = colour_of(0xe9e7e1);
+inline constexpr Colour kCrank = colour_of(0xc8471d);
+inline constexpr Colour kCoupler = colour_of(0x0069a8);
+inline constexpr Colour kRocker = colour_of(0x00795a);
+inline constexpr Colour kGround = colour_of(0x4a4f57);
+inline constexpr Colour kCurve = colour_of(0xa2559c);
+inline constexpr Colour kLaser = colour_of(0xd98b00);
+inline constexpr Colour kLaserText = colour_of(0x8a5800);
+inline constexpr Colour kWarning = colour_of(0xb3261e);
+inline constexpr Colour kNight = colour_of(0x14171c);  ///< background of 3D scenes
+}  // namespace ink
+
+/// 256 colours from the least to the largest value.
+class ColourMap {
+ public:
+  /// `share` 0 to 1, clamped; not a number gives the map's `unknown`.
+  [[nodiscard]] Colour at(double share) const;
+  [[nodiscard]] const std::vector<Colour>& table() const { return table_; }
+  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] std::string_view doc() const { return doc_; }
+
+ private:
+  friend const std::vector<ColourMap>& colour_maps();
+  std::string_view name_;
+  std::string_view doc_;
+  std::vector<Colour> table_;
+};
+/// All there are; the first is the default for heights.
+const std::vector<ColourMap>& colour_maps();
+/// Throws ConfigError with the names there are.
+const ColourMap& colour_map(std::string_view name);
+
+}  // namespace gdtslam

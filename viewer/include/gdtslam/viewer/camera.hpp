@@ -1,0 +1,74 @@
+// Where a 3D scene is seen from. Frame: map, z up, metres. Thread-safe, constant time.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/core/pose3.hpp"
+
+namespace gdtslam {
+
+/// Width and height of a picture, pixels.
+struct PictureSize {
+  std::uint32_t width = 1280;
+  std::uint32_t height = 720;
+  [[nodiscard]] double aspect() const { return static_cast<double>(width) / static_cast<double>(height); }
+};
+
+/// An axis-parallel box; empty while lowest is beyond highest.
+struct Bounds {
+  Point3 lowest{1e300, 1e300, 1e300};
+  Point3 highest{-1e300, -1e300, -1e300};
+  [[nodiscard]] bool is_empty() const { return lowest.x() > highest.x(); }
+  [[nodiscard]] Point3 centre() const { return 0.5 * (lowest + highest); }
+  void add(const Point3& point);
+};
+
+struct Camera {
+  Point3 eye{0.0, -10.0, 10.0};
+  Point3 target = Point3::Zero();
+  Point3 up{0.0, 0.0, 1.0};
+  double view_angle_rad = 0.6;  ///< vertical; not used by a parallel camera
+  bool is_parallel = false;
+  double parallel_height_m = 10.0;  ///< of what the picture shows from bottom to top
+};
+
+enum class CameraPreset : std::uint8_t {
+  kIso,     ///< from the south-west (of the longer side turned to the picture's width), 35 degrees down
+  kTop,     ///< straight down, parallel, the map's y up (or turned by a quarter where that fills the picture better)
+  kFront,   ///< along +y, parallel
+  kSide,    ///< along -x, parallel
+  kFollow,  ///< behind and above the robot
+};
+struct CameraPresetName {
+  CameraPreset preset;
+  std::string_view name;  ///< iso, top, front, side, follow
+  std::string_view doc;
+};
+const std::vector<CameraPresetName>& camera_presets();
+
+/// The camera that shows the whole box with a margin, for every preset but kFollow.
+Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSize& size);
+/// Behind and above a robot.
+Camera follow_camera(const Pose2& T_map_base, double distance_m);
+/// The iso camera turned about the vertical through its target.
+Camera turned(const Camera& camera, double angle_rad);
+/// "EYE_X,EYE_Y,EYE_Z,TARGET_X,TARGET_Y,TARGET_Z[,ANGLE_DEG]", metres. Throws UsageError.
+Camera parse_camera(const std::string& text);
+/// The same text back.
+std::string camera_text(const Camera& camera);
+
+/// Where a point is seen: pixels from the upper left corner, and how far before the camera; nothing behind it.
+struct Seen {
+  double x_px = 0.0;
+  double y_px = 0.0;
+  double depth_m = 0.0;
+};
+std::optional<Seen> pixel_of(const Camera& camera, const PictureSize& size, const Point3& point);
+/// How many pixels a metre at this point is.
+double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point);
+
+}  // namespace gdtslam

@@ -1,0 +1,47 @@
+// Moving pictures: a number of frames, each drawn when it is asked for. Whoever has a film writes it as he likes.
+// One film belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
+
+namespace gdtslam {
+
+class Film {
+ public:
+  Film() = default;
+  Film(const Film&) = delete;
+  Film& operator=(const Film&) = delete;
+  virtual ~Film() = default;
+  [[nodiscard]] virtual std::size_t frames() const = 0;
+  /// Frame k from 0; all have one size.
+  virtual Canvas frame(std::size_t k) = 0;
+};
+
+/// Once around the cloud; the last frame is followed by the first without a jump.
+std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const CloudCaption& caption,
+                                 const PictureSize& size, std::size_t frames);
+/// Behind the robot along its path; points appear when they are measured.
+std::unique_ptr<Film> follow_film(CloudScene& scene, const Trajectory& trajectory, const CloudLook& look,
+                                  const CloudCaption& caption, const PictureSize& size, std::size_t frames);
+
+/// What the film of a scanning robot shows.
+struct ScanningFilmInput {
+  const Cloud* cloud = nullptr;  ///< with times and elevations
+  const Trajectory* trajectory = nullptr;
+  const calib::SweepModel* model = nullptr;
+  double from_s = 0.0;  ///< stretch of the log, in its clock
+  double to_s = 0.0;
+};
+/// The mount on the robot scanning: robot, linkage and fan of beams in 3D, points appearing as they are measured, the
+/// elevation over time running along. Time runs evenly from from_s to to_s.
+std::unique_ptr<Film> scanning_film(const GraphicsContext& graphics, const ScanningFilmInput& input,
+                                    const CloudLook& look, const CloudCaption& caption, const PictureSize& size,
+                                    std::size_t frames);
+
+}  // namespace gdtslam

@@ -1,0 +1,37 @@
+// OpenGL without a display. A GraphicsContext finds a way to draw: a surfaceless EGL context (no X, no GPU needed),
+// else an X server that answers at DISPLAY. VTK is not touched before one of them is known to work, because Debian's
+// VTK ends the process when it is asked for a window without X. One context and what draws with it belong to one
+// thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace gdtslam {
+
+enum class GraphicsChoice : std::uint8_t { kAuto, kEgl, kX11 };
+
+class GraphicsContext {
+ public:
+  /// Throws UnavailableError (exit 69) where nothing can draw: one line with what was tried, why each failed and what
+  /// to install or run.
+  explicit GraphicsContext(GraphicsChoice choice = GraphicsChoice::kAuto);
+  ~GraphicsContext();
+  GraphicsContext(const GraphicsContext&) = delete;
+  GraphicsContext& operator=(const GraphicsContext&) = delete;
+
+  /// "EGL, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5": how, on what.
+  [[nodiscard]] std::string description() const;
+  /// True where X was used though EGL was tried first; description_of_fallback() says why in one line.
+  [[nodiscard]] bool is_fallback() const;
+  [[nodiscard]] std::string description_of_fallback() const;
+
+  struct State;
+  [[nodiscard]] State& state() const { return *state_; }  ///< for the viewer's own sources
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,51 @@
+// The nodding mount in motion: the four bars with joints and ground, the curve of a coupler point, the laser with its
+// fan of beams, in 3D with VTK; beside it the read-outs of crank angle and elevation, the elevation over the crank
+// with a mark that runs along, dead points, transmission angle. Frame of the linkage: four_bar.hpp, drawn upright as
+// the robot carries it (x forward, z up), so that elevation 0 is level. One object belongs to one thread.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/viewer/camera.hpp"
+#include "gdtslam/viewer/film.hpp"
+#include "gdtslam/viewer/graphics.hpp"
+
+namespace gdtslam {
+
+struct LinkageLook {
+  bool is_dark = false;
+  bool is_transparent = false;
+  bool with_panel = true;     ///< read-outs and plots beside the scene
+  std::uint32_t samples = 2;  ///< per pixel side, for smooth edges
+};
+
+class LinkageScene {
+ public:
+  /// Throws ConfigError where the loop closes nowhere.
+  LinkageScene(const GraphicsContext& graphics, const calib::SweepModel& model, const LinkageLook& look);
+  ~LinkageScene();
+  LinkageScene(const LinkageScene&) = delete;
+  LinkageScene& operator=(const LinkageScene&) = delete;
+
+  /// The scene alone, without words, at a crank angle at which the loop closes; else nothing moves.
+  RgbaImage render(double crank_rad, const PictureSize& size);
+  /// Scene and panel.
+  Canvas picture(double crank_rad, const PictureSize& size);
+  /// The crank angle that a still shows best: in the lift, where coupler and rocker are nearest to a right angle.
+  [[nodiscard]] double shown_crank_rad() const;
+  /// Where a joint is seen in render(): 0 crank's pivot, 1 crank's end A, 2 coupler's end B, 3 rocker's pivot.
+  [[nodiscard]] Point2 joint_px(std::size_t joint, double crank_rad, const PictureSize& size) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// One turn of the crank (there and back where it cannot turn), from the begin of the lift.
+std::unique_ptr<Film> linkage_film(LinkageScene& scene, const calib::SweepModel& model, const PictureSize& size,
+                                   std::size_t frames);
+
+}  // namespace gdtslam

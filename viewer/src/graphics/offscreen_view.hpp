@@ -1,0 +1,37 @@
+// A picture drawn with VTK in a GraphicsContext: an own framebuffer of the size that is asked for, supersampled for
+// smooth edges, read back as RGBA. The viewer's scenes add their props to renderer(). One object belongs to one thread.
+#pragma once
+
+#include <memory>
+
+#include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/drawing/image.hpp"
+#include "gdtslam/viewer/camera.hpp"
+#include "gdtslam/viewer/graphics.hpp"
+
+class vtkRenderer;
+
+namespace gdtslam {
+
+class OffscreenView {
+ public:
+  explicit OffscreenView(const GraphicsContext& graphics);
+  ~OffscreenView();
+  OffscreenView(const OffscreenView&) = delete;
+  OffscreenView& operator=(const OffscreenView&) = delete;
+
+  [[nodiscard]] vtkRenderer& renderer();
+  void set_background(Colour colour, bool is_transparent);
+  /// Eye-dome lighting, so that the depth of clouds reads [Boucheny2009]; off by default.
+  void set_eye_dome(bool is_on);
+  /// Samples per pixel side: rendered larger and averaged; 1 to 4.
+  void set_samples(std::uint32_t samples);
+  /// Throws Error for a side of 0 or beyond what OpenGL can do (samples included), with the limit.
+  RgbaImage render(const Camera& camera, const PictureSize& size);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gdtslam
