@@ -1,0 +1,10 @@
+# Copies an installation from FROM to TO and takes the viewer out of the list of what it has.
+file(REMOVE_RECURSE ${TO})
+file(COPY ${FROM}/ DESTINATION ${TO})
+file(GLOB_RECURSE config ${TO}/gdtslamConfig.cmake)
+file(READ ${config} text)
+string(REGEX REPLACE "(set\\(_gdtslam_installed[^)]*) viewer" "\\1" changed "${text}")
+if(changed STREQUAL text AND text MATCHES "set\\(_gdtslam_installed[^)]* viewer")
+  message(FATAL_ERROR "the list of ${config} is not what this test knows")
+endif()
+file(WRITE ${config} "${changed}")
