@@ -1,0 +1,48 @@
+// A small differential-drive robot with the nodding mount on its mast, as VTK props: body, wheels, caster, mast, the
+// four bars with their joints, the laser with its fan of beams. Built once; crank and pose move the parts without
+// building anything. Frame: base_link (x forward, y left, z up, on the floor); metres, radians. One object belongs to
+// one thread; moving costs a few dozen small matrices.
+#pragma once
+
+#include <memory>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/pose3.hpp"
+
+class vtkRenderer;
+
+namespace gdtslam {
+
+struct MountLook {
+  bool with_fan = true;
+  double fan_m = 0.9;      ///< length of the beams that are shown
+  Pose2 T_base_level;      ///< of the laser at elevation 0, as the log gives it
+  double lightness = 1.0;  ///< below 1: darker, for a robot that should stand back
+};
+
+class MountModel {
+ public:
+  /// Without a linkage: a robot with a level laser. Throws ConfigError where the loop closes nowhere.
+  explicit MountModel(const calib::SweepModel* model, const MountLook& look = {});
+  ~MountModel();
+  MountModel(const MountModel&) = delete;
+  MountModel& operator=(const MountModel&) = delete;
+
+  /// The props belong to the renderer as well from now on; they follow every later call.
+  void add_to(vtkRenderer& renderer);
+  void place(const Pose2& T_map_base);
+  /// Where the loop does not close, nothing moves.
+  void set_crank(double crank_rad);
+  /// The linkage as it stands at this elevation while that rises or falls; the nearest that it can reach.
+  void set_elevation(double elevation_rad, bool is_rising = true);
+  void set_visible(bool is_visible);
+  void set_fan_visible(bool is_visible);
+  /// The sensor's centre and the direction of its forward beam, in the map.
+  [[nodiscard]] Pose3 T_map_laser() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gdtslam
