@@ -15,17 +15,19 @@ constexpr std::size_t kMaxLines = 400;
 
 /// Which parts of the project a part may include, itself apart; the table of docs/architecture.md.
 const std::map<std::string, Parts, std::less<>>& allowed_parts() {
-  static const Parts all{"core", "compute", "vulkan", "mapping", "io", "sim", "calib", "cloud", "drawing", "viewer"};
+  static const Parts all{"core",  "compute", "vulkan",  "mapping",  "io",    "sim",
+                         "calib", "cloud",   "drawing", "optimize", "viewer"};
   static const std::map<std::string, Parts, std::less<>> table{
       {"core", {}},
       {"compute", {"core"}},
       {"vulkan", {"core", "compute", "shaders"}},
-      {"mapping", {"core", "compute"}},
-      {"io", {"core", "compute", "mapping"}},
+      {"mapping", {"core", "compute", "optimize"}},
+      {"io", {"core", "compute", "mapping", "optimize"}},
       {"sim", {"core", "calib"}},
       {"calib", {"core", "cloud"}},
       {"cloud", {"core"}},
       {"drawing", {"core"}},
+      {"optimize", {"core"}},
       {"viewer", {"core", "mapping", "calib", "cloud", "drawing"}},
       {"tools", all},
       {"examples", all},
@@ -42,8 +44,8 @@ struct Library {
 };
 
 const std::vector<Library>& libraries() {
-  static const Parts everybody{"core", "cloud", "drawing", "compute", "vulkan", "mapping",
-                               "io",   "sim",   "calib",   "viewer",  "examples"};
+  static const Parts everybody{"core",     "cloud", "drawing", "compute", "vulkan", "mapping",
+                               "optimize", "io",    "sim",     "calib",   "viewer", "examples"};
   static const std::vector<Library> table{
       {"Eigen/", everybody, true},
       {"yaml-cpp/", {"io"}},
