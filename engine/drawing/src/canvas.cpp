@@ -3,6 +3,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "letters.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -27,7 +29,8 @@ void move(Shape& shape, const Point2& by) {
 
 }  // namespace
 
-Canvas::Canvas(double width, double height, std::string_view title) : width_(width), height_(height), title_(title) {}
+Canvas::Canvas(double width, double height, std::string_view title)
+    : width_(width), height_(height), title_(legible(title)) {}
 
 void Canvas::rectangle(const Point2& corner, double width, double height, const std::optional<Fill>& fill,
                        const std::optional<Pen>& edge, double radius) {
@@ -52,11 +55,11 @@ void Canvas::circle(const Point2& centre, double radius, const std::optional<Fil
 }
 
 void Canvas::text(const Point2& at, std::string_view words, const Lettering& lettering) {
-  shapes_.emplace_back(shape::Words{at, std::string(words), lettering, false});
+  shapes_.emplace_back(shape::Words{at, legible(words), lettering, false});
 }
 
 void Canvas::upright_text(const Point2& at, std::string_view words, const Lettering& lettering) {
-  shapes_.emplace_back(shape::Words{at, std::string(words), lettering, true});
+  shapes_.emplace_back(shape::Words{at, legible(words), lettering, true});
 }
 
 void Canvas::picture(const Point2& corner, double width, double height, std::shared_ptr<const RgbaImage> image,

@@ -99,6 +99,7 @@ class Canvas {
   void polygon(std::vector<Point2> points, const Fill& fill);
   void circle(const Point2& centre, double radius, const std::optional<Fill>& fill,
               const std::optional<Pen>& edge = std::nullopt);
+  /// What is no UTF-8 becomes U+FFFD, control characters become spaces.
   void text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void upright_text(const Point2& at, std::string_view words, const Lettering& lettering = {});
   void picture(const Point2& corner, double width, double height, std::shared_ptr<const RgbaImage> image,

@@ -1,0 +1,21 @@
+// Words as letters: UTF-8 taken apart, what is no UTF-8 replaced. Thread-safe; O(bytes).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace gdtslam {
+
+struct Letter {
+  char32_t code = 0xFFFD;  ///< U+FFFD where the bytes are no UTF-8
+  std::string_view bytes;  ///< as they stand in the words
+};
+/// The letter that begins at byte `at`, which moves to the next one; `at` < words.size().
+Letter next_letter(std::string_view words, std::size_t& at);
+
+/// The words as every form can hold them: valid UTF-8 of one line; control characters become spaces, broken bytes
+/// U+FFFD.
+std::string legible(std::string_view words);
+
+}  // namespace gdtslam
