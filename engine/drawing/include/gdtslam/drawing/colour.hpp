@@ -46,17 +46,20 @@ inline constexpr Colour kNight = colour_of(0x14171c);  ///< background of 3D sce
 /// 256 colours from the least to the largest value.
 class ColourMap {
  public:
-  /// `share` 0 to 1, clamped; not a number gives the map's `unknown`.
+  /// Name and doc of static storage; `unknown` is the colour of what is not a number.
+  ColourMap(std::string_view name, std::string_view doc, std::vector<Colour> table, Colour unknown);
+  /// `share` 0 to 1, clamped; not a number gives `unknown`.
   [[nodiscard]] Colour at(double share) const;
   [[nodiscard]] const std::vector<Colour>& table() const { return table_; }
+  [[nodiscard]] Colour unknown() const { return unknown_; }
   [[nodiscard]] std::string_view name() const { return name_; }
   [[nodiscard]] std::string_view doc() const { return doc_; }
 
  private:
-  friend const std::vector<ColourMap>& colour_maps();
   std::string_view name_;
   std::string_view doc_;
   std::vector<Colour> table_;
+  Colour unknown_;
 };
 /// All there are; the first is the default for heights.
 const std::vector<ColourMap>& colour_maps();
