@@ -1,0 +1,37 @@
+// What is done to a rendered picture on the host: eye-dome lighting and averaging of samples. Rows from the bottom, as
+// OpenGL reads them; colours premultiplied by alpha. Pure functions; time linear in the pixels.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gdtslam/drawing/image.hpp"
+
+namespace gdtslam {
+
+/// A picture as OpenGL gives it.
+struct RawPicture {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<std::uint8_t> rgba;  ///< 4 per pixel
+  std::vector<float> depth;        ///< 0 near to 1 far, 1 where nothing was drawn; empty unless asked for
+};
+
+/// How the numbers of a depth buffer become distances.
+struct DepthRange {
+  double nearest_m = 1.0;
+  double farthest_m = 2.0;
+  bool is_parallel = false;
+  /// Distance at which a perspective camera would show as much as the parallel one does; scales its steps of depth.
+  double equivalent_m = 1.0;
+};
+
+/// Darkens every pixel that lies behind its neighbours [Boucheny2009]; `radius` pixels away, 1 or more. Planes keep
+/// their colours however they are tilted, because 1/depth is linear over a plane's picture.
+void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius);
+
+/// The mean of samples x samples pixels each, rows from the top, colours no longer premultiplied where
+/// `is_premultiplied`.
+RgbaImage averaged(const RawPicture& picture, std::uint32_t samples, bool is_premultiplied);
+
+}  // namespace gdtslam
