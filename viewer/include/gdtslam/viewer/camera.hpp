@@ -37,8 +37,8 @@ struct Camera {
 };
 
 enum class CameraPreset : std::uint8_t {
-  kIso,     ///< from the south-west (of the longer side turned to the picture's width), 35 degrees down
-  kTop,     ///< straight down, parallel, the map's y up (or turned by a quarter where that fills the picture better)
+  kIso,     ///< from the south-west, the longer side turned to the picture's longer side, 38 degrees down
+  kTop,     ///< straight down, parallel, the map's y up, or its x where that fills the picture better
   kFront,   ///< along +y, parallel
   kSide,    ///< along -x, parallel
   kFollow,  ///< behind and above the robot
@@ -50,15 +50,21 @@ struct CameraPresetName {
 };
 const std::vector<CameraPresetName>& camera_presets();
 
-/// The camera that shows the whole box with a margin, for every preset but kFollow.
+/// The camera that shows the whole box with a margin of 6 % of the picture on each side, as near as that allows; for
+/// every preset but kFollow, which needs a robot. An empty box is shown as one of a metre about the origin.
 Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSize& size);
+/// The iso camera from which the box stays in the picture while the camera turns about the vertical through its target.
+Camera orbit_camera(const Bounds& bounds, const PictureSize& size);
 /// Behind and above a robot.
 Camera follow_camera(const Pose2& T_map_base, double distance_m);
-/// The iso camera turned about the vertical through its target.
+/// The camera turned about the vertical through its target, counter-clockwise from above.
 Camera turned(const Camera& camera, double angle_rad);
-/// "EYE_X,EYE_Y,EYE_Z,TARGET_X,TARGET_Y,TARGET_Z[,ANGLE_DEG]", metres. Throws UsageError.
+
+/// "EYE_X,EYE_Y,EYE_Z,TARGET_X,TARGET_Y,TARGET_Z[,ANGLE]", metres; ANGLE is the vertical view angle in degrees, or with
+/// an m behind it the height in metres of what a parallel camera shows. z is up; y where the camera looks straight up
+/// or down. Throws UsageError.
 Camera parse_camera(const std::string& text);
-/// The same text back.
+/// The same text back, the angle always given. A camera whose up is another direction loses it.
 std::string camera_text(const Camera& camera);
 
 /// Where a point is seen: pixels from the upper left corner, and how far before the camera; nothing behind it.
@@ -68,7 +74,7 @@ struct Seen {
   double depth_m = 0.0;
 };
 std::optional<Seen> pixel_of(const Camera& camera, const PictureSize& size, const Point3& point);
-/// How many pixels a metre at this point is.
+/// How many pixels a metre across the line of sight is at this point; 0 behind a camera.
 double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point);
 
 }  // namespace gdtslam
