@@ -13,7 +13,7 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::array kMergeRules{"working"sv, "literal"sv};
-constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv};
+constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv, "gauss-newton"sv};
 constexpr std::array kCostForms{"distance"sv, "squared"sv};
 constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
 constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
@@ -43,7 +43,7 @@ void add_map_options(MapperConfig& c, std::vector<Option>& table) {
 
 void add_match_options(MapperConfig& c, std::vector<Option>& table) {
   table.push_back({"match.matcher",
-                   "optimizer of (4): simplex, or exhaustive, a window for each scan, all on the device", Unit::kNone,
+                   "optimizer of (4): simplex; gauss-newton; exhaustive, a window for each scan, all on the device", Unit::kNone,
                    0, 0, Choice(c.match.matcher, kMatchers)});
   table.push_back(
       {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});

@@ -100,12 +100,12 @@ ExhaustiveResult search_window(Objective& objective, const SearchWindow& window,
                                const SimplexOptions& polish) {
   const std::uint64_t before = objective.evaluations();
   const Lattice lattice = sample(objective, window);
-  std::vector<SimplexResult> polished;
+  std::vector<LocalMinimum> polished;
   for (const std::size_t index : best_minima(lattice, starts)) {
     polished.push_back(minimise_simplex(objective, lattice.poses[index], polish));
   }
   const auto best = std::min_element(polished.begin(), polished.end(),
-                                     [](const SimplexResult& a, const SimplexResult& b) { return a.cost < b.cost; });
+                                     [](const LocalMinimum& a, const LocalMinimum& b) { return a.cost < b.cost; });
   ExhaustiveResult result{
       .pose = best->pose, .cost = best->cost, .evaluations = 0, .at_edge = window.has_at_edge(best->pose)};
   result.evaluations = static_cast<std::uint32_t>(objective.evaluations() - before);

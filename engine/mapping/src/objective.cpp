@@ -8,11 +8,35 @@
 #include "gdtslam/compute/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
+#include "robust_sums.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr std::size_t kSmallBatch = 64;  // below this a dispatch costs more than it gains
+
+// weight * distance^2 up to the limit, beyond which a prior pulls no more.
+void add_prior(const PosePrior& prior, const CellPose& pose, Linearisation& at) {
+  const double dx = static_cast<double>(pose.x) - static_cast<double>(prior.mean.x);
+  const double dy = static_cast<double>(pose.y) - static_cast<double>(prior.mean.y);
+  const double dt = static_cast<double>(pose.theta) - static_cast<double>(prior.mean.theta);
+  const double limit = static_cast<double>(prior.limit);
+  const double w_xy = static_cast<double>(prior.weight_xy);
+  const double w_t = static_cast<double>(prior.weight_theta);
+  const double cost_xy = (dx * dx + dy * dy) * w_xy;
+  const double cost_t = dt * dt * w_t;
+  at.cost += std::min(cost_xy, limit) + std::min(cost_t, limit);
+  if (cost_xy < limit) {
+    at.gradient[0] += 2.0 * w_xy * dx;
+    at.gradient[1] += 2.0 * w_xy * dy;
+    at.curvature[0] += 2.0 * w_xy;
+    at.curvature[3] += 2.0 * w_xy;
+  }
+  if (cost_t < limit) {
+    at.gradient[2] += 2.0 * w_t * dt;
+    at.curvature[5] += 2.0 * w_t;
+  }
+}
 
 }  // namespace
 
@@ -108,6 +132,26 @@ void Objective::residuals(const CellPose& pose, std::span<const PointCells> poin
     values[i] = cells[std::size_t{cell_of(y, grid.anchor_y, grid.height)} * grid.stride +
                       cell_of(x, grid.anchor_x, grid.width)];
   }
+}
+
+// Points in eight lanes, each summed on its own and all added in one order, so that a wide machine gives the bits of a
+// narrow one.
+Linearisation Objective::linearise(const CellPose& pose, float scale_cells) {
+  ++evaluations_;
+  const FieldSlope field(params(Interpolation::kBilinear, points_.size()), map_->cells().data());
+  const float scale = scale_cells * static_cast<float>(kFieldOne);
+  const auto [sin, cos] = sin_cos(pose.theta);
+  RobustSums sums;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const PointCells& p = points_[i];
+    const float turned_x = cos * p.x - sin * p.y;
+    const float turned_y = sin * p.x + cos * p.y;
+    const FieldSlope::Value at = field.at(turned_x + pose.x, turned_y + pose.y);
+    sums.add(i % RobustSums::kLanes, at, at.slope_y * turned_x - at.slope_x * turned_y, scale);
+  }
+  Linearisation result = sums.total();
+  add_prior(prior_, pose, result);
+  return result;
 }
 
 CellPose Objective::to_cells(const Pose2& T_map_base) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gdtslam/mapping/gauss_newton.hpp"
 #include "thinning.hpp"
 
 namespace gdtslam {
@@ -13,7 +14,8 @@ constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .s
 }  // namespace
 
 ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
-    : gate_(config.gate),
+    : matcher_(config.match.matcher),
+      gate_(config.gate),
       search_(config.search),
       leap_gain_(config.doubt.leap_gain),
       map_(&map),
@@ -54,6 +56,14 @@ void ScanMatcher::keep_points_within(std::uint32_t gate, const CellPose& pose) {
   objective_.set_points(enough ? std::span<const PointCells>(kept_) : points_);
 }
 
+LocalMinimum ScanMatcher::minimise(const CellPose& start, const DescentStage& stage) {
+  if (matcher_ == MatcherKind::kGaussNewton) {
+    return minimise_gauss_newton(objective_, start,
+                                 {.stop_cells = stage.simplex.stop_cells, .stop_rad = stage.simplex.stop_rad});
+  }
+  return minimise_simplex(objective_, start, stage.simplex);
+}
+
 // Equations (8) and (4) in turn, the gate narrowing around the best pose so far.
 ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
   CellPose pose = start;
@@ -61,7 +71,7 @@ ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
   objective_.set_cap(map_->cap());
   for (const DescentStage& stage : rules_.stages()) {
     keep_points_within(stage.gate, pose);
-    const SimplexResult found = minimise_simplex(objective_, pose, stage.simplex);
+    const LocalMinimum found = minimise(pose, stage);
     pose = found.pose;
     stop = found.stop;
   }

@@ -9,7 +9,7 @@ StopReason reason_of(std::uint32_t stop) {
 
 }  // namespace
 
-SimplexResult minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options) {
+LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options) {
   const PolishedPose found = objective.descend(start, {.cost = objective.cost_params(),
                                                        .prior = objective.prior_params(),
                                                        .step_cells = options.step_cells,

@@ -53,7 +53,7 @@ TEST_F(Matching, SimplexFindsThePoseFromNearby) {
   Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
   objective.set_points(points);
   objective.set_cap(map_.cap());
-  const SimplexResult found = minimise_simplex(objective, objective.to_cells({0.24, -0.11, 0.24}), {});
+  const LocalMinimum found = minimise_simplex(objective, objective.to_cells({0.24, -0.11, 0.24}), {});
   EXPECT_EQ(found.stop, StopReason::kConverged);
   EXPECT_THAT(objective.to_metres(found.pose), PoseNear(truth, 0.02, 0.3));
   EXPECT_EQ(found.cost, objective.evaluate(found.pose));
@@ -66,7 +66,7 @@ TEST_F(Matching, SimplexNeverEndsWorseThanItStartsAndKeepsToItsLimit) {
   objective.set_cap(map_.cap());
   for (int i = 0; i < 50; ++i) {
     const CellPose start{static_cast<float>(i % 7) - 3.0F, static_cast<float>(i % 5), static_cast<float>(i) * 0.06F};
-    const SimplexResult found = minimise_simplex(objective, start, {.max_evaluations = 40});
+    const LocalMinimum found = minimise_simplex(objective, start, {.max_evaluations = 40});
     EXPECT_LE(found.cost, objective.evaluate(start));
     EXPECT_LE(found.evaluations, 40U + 5U) << "one move more at most";
   }

@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive };
+enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive, kGaussNewton };
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
 struct MapConfig {

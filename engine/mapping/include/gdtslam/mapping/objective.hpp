@@ -2,6 +2,7 @@
 // thing that every matcher minimises. Poses are in cells and radians relative to the anchor cell. Not thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/mapping/match.hpp"
 
 namespace gdtslam {
 
@@ -28,6 +30,22 @@ struct PosePrior {
   float weight_xy = 0.0F;     ///< weight / sigma_xy^2, cost units per squared cell
   float weight_theta = 0.0F;  ///< weight / sigma_theta^2, cost units per squared radian
   float limit = 1.0e9F;       ///< cost units, at most 1e9
+};
+
+/// Where a minimiser ended.
+struct LocalMinimum {
+  CellPose pose;
+  std::uint32_t cost = 0;
+  std::uint32_t evaluations = 0;
+  StopReason stop = StopReason::kNotRun;
+};
+
+/// The field under the points and how it changes with the pose, each point weighted so that a sum of squares stands for
+/// the sum of distances: the normal equations of one step.
+struct Linearisation {
+  double cost = 0.0;                  ///< robust cost, cost units (1/256 cell), prior included
+  std::array<double, 3> gradient{};   ///< d cost / d (x, y, theta): cells, radians
+  std::array<double, 6> curvature{};  ///< xx, xy, xt, yy, yt, tt
 };
 
 class Objective {
@@ -51,6 +69,10 @@ class Objective {
   /// What kernels are given of this objective.
   [[nodiscard]] PoseCost::Params cost_params() const { return params(interpolation_, points_.size()); }
   [[nodiscard]] PriorParams prior_params() const;
+
+  /// Of the bilinear field whatever `interpolation` is. A distance d counts as d^2 / (2 s) below s = scale_cells and as
+  /// d - s / 2 above [Huber1964]; at the cap it counts as the cap and pulls no more. O(points), on this thread.
+  [[nodiscard]] Linearisation linearise(const CellPose& pose, float scale_cells);
 
   /// Field value under each point, nearest cell; no coordinate may be NaN.
   void residuals(const CellPose& pose, std::span<const PointCells> points, std::vector<std::uint16_t>& values) const;

@@ -30,12 +30,14 @@ class ScanMatcher final : public Matcher {
   };
 
   Estimate descend(const CellPose& start);
+  LocalMinimum minimise(const CellPose& start, const DescentStage& stage);
   void keep_points_within(std::uint32_t gate, const CellPose& pose);
   [[nodiscard]] Evidence judge(const CellPose& pose);
   Estimate search(const Estimate& local);
   void choose_voters(const Estimate& local);
   [[nodiscard]] std::uint32_t cost_to_voters(const CellPose& pose);
 
+  MatcherKind matcher_;
   GateConfig gate_;
   SearchConfig search_;
   double leap_gain_;

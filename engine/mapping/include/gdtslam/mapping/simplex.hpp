@@ -18,13 +18,6 @@ struct SimplexOptions {
   std::uint32_t max_evaluations = 200;
 };
 
-struct SimplexResult {
-  CellPose pose;
-  std::uint32_t cost = 0;
-  std::uint32_t evaluations = 0;
-  StopReason stop = StopReason::kNotRun;
-};
-
-SimplexResult minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options);
+LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options);
 
 }  // namespace gdtslam

@@ -79,7 +79,7 @@ struct ShuffledComplex {
   double tolerance =
       1e-6;  ///< converged when the population is smaller than this share of the box (geometric mean) ...
   double improvement = 1e-4;  ///< ... or the best value improved by less than this share ...
-  std::uint32_t loops = 5;    ///< ... in so many shuffles
+  std::uint32_t loops = 10;   ///< ... in so many shuffles
   std::uint64_t seed = 1;
 };
 Minimum minimise(Function& function, const Box& box, std::span<const double> start, const ShuffledComplex& method,
