@@ -8,19 +8,6 @@
 
 namespace gdtslam {
 
-std::string load_gl_functions() {
-  // GLEW keeps one table of functions for the process.
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
-  glewExperimental = GL_TRUE;
-  const GLenum result = glewInit();
-  // Debian's GLEW is built for GLX: under EGL it loads all of OpenGL and only then misses an X display
-  // (github.com/nigels-com/glew issue 273).
-  if (result == GLEW_OK || result == GLEW_ERROR_NO_GLX_DISPLAY) return {};
-  const GLubyte* text = glewGetErrorString(result);
-  return text == nullptr ? "error " + std::to_string(result) : std::string(reinterpret_cast<const char*>(text));
-}
-
 namespace {
 
 std::string gl_text(GLenum name) {
@@ -29,6 +16,26 @@ std::string gl_text(GLenum name) {
 }
 
 }  // namespace
+
+std::string load_gl_functions() {
+  // GLEW keeps one table of functions and of what the driver can do for the process: it is filled once for a driver, so
+  // that nothing changes under another thread that draws.
+  static std::mutex mutex;
+  static std::string filled_for;
+  const std::lock_guard lock(mutex);
+  const std::string driver = gl_text(GL_RENDERER) + "\n" + gl_text(GL_VERSION);
+  if (driver == filled_for) return {};
+  glewExperimental = GL_TRUE;
+  const GLenum result = glewInit();
+  // Debian's GLEW is built for GLX: under EGL it loads all of OpenGL and only then misses an X display
+  // (github.com/nigels-com/glew issue 273).
+  if (result == GLEW_OK || result == GLEW_ERROR_NO_GLX_DISPLAY) {
+    filled_for = driver;
+    return {};
+  }
+  const GLubyte* text = glewGetErrorString(result);
+  return text == nullptr ? "error " + std::to_string(result) : std::string(reinterpret_cast<const char*>(text));
+}
 
 GlDriver proven_driver(const GlPlatform& platform) {
   const std::unique_ptr<GlContext> context = platform.make_context();

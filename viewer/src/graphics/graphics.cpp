@@ -50,4 +50,6 @@ bool GraphicsContext::is_fallback() const { return !state_->fallback.empty(); }
 
 std::string GraphicsContext::description_of_fallback() const { return state_->fallback; }
 
+std::vector<std::string> GraphicsContext::take_warnings() const { return take_vtk_warnings(); }
+
 }  // namespace gdtslam

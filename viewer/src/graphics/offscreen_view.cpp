@@ -63,10 +63,9 @@ void check_size(const PictureSize& size, std::uint32_t samples, std::uint32_t la
                    " pixels a side");
 }
 
-void throw_what_vtk_said(const std::string& doing) {
-  const VtkMessages messages = take_vtk_messages();
-  if (!messages.errors.empty()) throw DeviceError("VTK", doing, messages.errors.front());
-  if (!messages.warnings.empty()) throw DeviceError("VTK", doing, messages.warnings.front());
+void throw_errors_of_vtk() {
+  const std::vector<std::string> errors = take_vtk_errors();
+  if (!errors.empty()) throw DeviceError("VTK", "rendering", errors.front());
 }
 
 /// Nearest and farthest distance along the view of the corners of what is shown.
@@ -80,14 +79,27 @@ std::array<double, 2> span_of(const std::array<double, 6>& bounds, const Point3&
   return span;
 }
 
-/// Sets VTK's camera so that nothing before the eye (of a parallel camera: nothing at all) is cut off.
-DepthRange point_camera(vtkRenderer& renderer, const Camera& camera, double aspect) {
-  const double distance = (camera.target - camera.eye).norm();
-  if (!(distance > 0.0)) throw UsageError("the camera's eye and target are the same point");
-  const Point3 ahead = (camera.target - camera.eye) / distance;
-  if (!(ahead.cross(camera.up).norm() > 1e-9 * camera.up.norm())) {
+void check_camera(const Camera& camera) {
+  if (!camera.eye.allFinite() || !camera.target.allFinite() || !camera.up.allFinite()) {
+    throw UsageError("the camera's eye, target and up must be finite");
+  }
+  const Point3 view = camera.target - camera.eye;
+  if (!(view.norm() > 0.0)) throw UsageError("the camera's eye and target are the same point");
+  if (!(view.cross(camera.up).norm() > 1e-9 * view.norm() * camera.up.norm())) {
     throw UsageError("the camera looks along its own up direction");
   }
+  const double size = camera.is_parallel ? camera.parallel_height_m : camera.view_angle_rad;
+  if (!(size > 0.0) || !(size < (camera.is_parallel ? 1e9 : kPi))) {
+    throw UsageError(camera.is_parallel ? "the height that a parallel camera shows must be positive"
+                                        : "a camera's view angle must lie between 0 and pi");
+  }
+}
+
+/// Sets VTK's camera so that nothing before the eye (of a parallel camera: nothing at all) is cut off.
+DepthRange point_camera(vtkRenderer& renderer, const Camera& camera) {
+  check_camera(camera);
+  const double distance = (camera.target - camera.eye).norm();
+  const Point3 ahead = (camera.target - camera.eye) / distance;
   Point3 eye = camera.eye;
   DepthRange range{0.1 * distance, 2.0 * distance, camera.is_parallel, 1.0};
   std::array<double, 6> bounds{};
@@ -113,7 +125,6 @@ DepthRange point_camera(vtkRenderer& renderer, const Camera& camera, double aspe
   view.SetParallelProjection(camera.is_parallel ? 1 : 0);
   view.SetParallelScale(0.5 * camera.parallel_height_m);
   view.SetClippingRange(range.nearest_m, range.farthest_m);
-  static_cast<void>(aspect);
   // 0.6 rad, the view angle of a Camera by default: 1/(2 tan 0.3).
   range.equivalent_m = 1.6163642 * camera.parallel_height_m;
   return range;
@@ -169,6 +180,8 @@ void OffscreenView::set_samples(std::uint32_t samples) {
   state_->samples = samples;
 }
 
+std::uint32_t OffscreenView::samples() const { return state_->samples; }
+
 RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
   check_size(size, s.samples, s.largest_side);
@@ -177,13 +190,14 @@ RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   const Colour behind = s.is_transparent ? Colour{} : s.background;
   s.renderer->SetBackground(behind.red / 255.0, behind.green / 255.0, behind.blue / 255.0);
   s.renderer->SetBackgroundAlpha(s.is_transparent ? 0.0 : 1.0);
-  const DepthRange range = point_camera(*s.renderer, camera, size.aspect());
+  const DepthRange range = point_camera(*s.renderer, camera);
   s.window->SetSize(static_cast<int>(size.width * s.samples), static_cast<int>(size.height * s.samples));
   s.window->Render();
   if (!s.window->loading_failure().empty()) throw DeviceError("OpenGL", "glewInit", s.window->loading_failure());
-  throw_what_vtk_said("rendering");
+  throw_errors_of_vtk();
   RawPicture picture = read_back(*s.window, s.has_eye_dome);
-  if (s.has_eye_dome) shade_eye_dome(picture, range, s.samples);
+  // As wide on every picture: a pixel of 720 rows.
+  if (s.has_eye_dome) shade_eye_dome(picture, range, std::max(1U, (picture.height + 360U) / 720U));
   return averaged(picture, s.samples, s.is_transparent);
 }
 

@@ -7,76 +7,88 @@
 namespace gdtslam {
 namespace {
 
-/// How far two pixels' nearness may differ by a plane's tilt alone, as a share: a plane seen so flat that its depth
-/// doubles within twenty pixels. Steeper steps are edges on both sides.
+/// How much nearness changes from a pixel to the next by a plane's tilt alone, as a share: a plane seen so flat that
+/// its depth doubles within twenty pixels. Steeper is an edge.
 constexpr float kTilt = 0.05F;
-/// Exponent of the darkening, as 2^kDoublings: a step of depth by 2 % on one side darkens by about a quarter.
-constexpr int kDoublings = 4;
+/// Steps of depth beyond this share darken no more, so that far and near edges look alike.
+constexpr float kLargestStep = 0.04F;
+/// Rings of neighbours, each twice as wide as the one before.
+constexpr std::uint32_t kRings = 3;
 
-// Nearness is 1/distance up to a factor; 0 where nothing was drawn.
+/// Nearness of every pixel, that is 1/distance up to a factor, 0 where nothing was drawn; with a rim of nothing, as
+/// wide as the widest ring.
 class Nearness {
  public:
-  Nearness(const RawPicture& picture, const DepthRange& range)
-      : width_(picture.width), height_(picture.height), values_(picture.depth.size()) {
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      values_[i] = picture.depth[i] >= 1.0F ? 0.0F : of_depth(picture.depth[i], range);
+  Nearness(const RawPicture& picture, const DepthRange& range, std::uint32_t rim)
+      : stride_(std::ptrdiff_t{picture.width} + 2 * std::ptrdiff_t{rim}),
+        rim_(rim),
+        values_(static_cast<std::size_t>(stride_) * (picture.height + 2 * std::size_t{rim})) {
+    // The depth buffer of a perspective camera is linear in 1/distance; that of a parallel one in the distance, which
+    // its pictures keep linear over planes.
+    const double span = range.farthest_m - range.nearest_m;
+    const auto factor = static_cast<float>(span / (range.is_parallel ? range.equivalent_m : range.farthest_m));
+    const auto least = range.is_parallel ? 1.0F : static_cast<float>(range.nearest_m / range.farthest_m);
+    const float* depth = picture.depth.data();
+    for (std::uint32_t y = 0; y < picture.height; ++y, depth += picture.width) {
+      float* row = values_.data() + (y + rim_) * stride_ + rim_;
+      for (std::uint32_t x = 0; x < picture.width; ++x) {
+        row[x] = depth[x] < 1.0F ? least + (1.0F - depth[x]) * factor : 0.0F;
+      }
     }
   }
-  [[nodiscard]] const float* row(std::uint32_t y) const { return values_.data() + std::size_t{y} * width_; }
-  [[nodiscard]] std::uint32_t width() const { return width_; }
-  [[nodiscard]] std::uint32_t height() const { return height_; }
+  [[nodiscard]] const float* row(std::uint32_t y) const { return values_.data() + (y + rim_) * stride_ + rim_; }
+  [[nodiscard]] std::ptrdiff_t stride() const { return stride_; }
 
  private:
-  // A parallel camera's depth is linear over planes itself, so nearness is a linear function of it too.
-  static float of_depth(float depth, const DepthRange& range) {
-    const auto span = static_cast<float>((range.farthest_m - range.nearest_m) /
-                                         (range.is_parallel ? range.equivalent_m : range.farthest_m));
-    if (range.is_parallel) return 1.0F + (1.0F - depth) * span;
-    return static_cast<float>(range.nearest_m / range.farthest_m) + (1.0F - depth) * span;
-  }
-  std::uint32_t width_;
-  std::uint32_t height_;
+  std::ptrdiff_t stride_;
+  std::ptrdiff_t rim_;
   std::vector<float> values_;
 };
 
-// How much nearer than the pixel the two opposite neighbours are, as shares, without what a plane's tilt explains.
-inline float step_over(float centre, float one, float other) {
-  const float a = one > 0.0F ? one - centre : 0.0F;
-  const float b = other > 0.0F ? other - centre : 0.0F;
-  const float rise = std::max(a, 0.0F) + std::max(b, 0.0F);
-  const float fall = std::max(-a, 0.0F) + std::max(-b, 0.0F);
-  return rise - std::min(std::min(rise, fall), kTilt * centre);
-}
-
-// The light that is left, 0 to 1: prod (1 + step)^-2^kDoublings/4 over the four pairs of neighbours.
-float light_left(float centre, const std::array<float, 8>& around) {
-  float product = 1.0F;
-  const float inverse = 1.0F / centre;
-  for (std::size_t i = 0; i < 8; i += 2) product *= 1.0F + step_over(centre, around[i], around[i + 1]) * inverse;
-  product = std::min(product, 8.0F);
-  float light = 1.0F / std::sqrt(std::sqrt(product));
-  for (int i = 0; i < kDoublings; ++i) light *= light;
-  return light;
+/// Multiplies the row's shades by 1 + how much nearer two opposite neighbours are than the pixel between them, as a
+/// share, without what a plane's tilt explains. `to_one` leads to the one neighbour, back to the other.
+void add_steps(const float* centre, std::ptrdiff_t to_one, float tilt, const std::vector<float>& inverse,
+               std::vector<float>& shade) {
+  const float* one = centre + to_one;
+  const float* other = centre - to_one;
+  for (std::size_t x = 0; x < shade.size(); ++x) {
+    const float a = one[x] > 0.0F ? one[x] - centre[x] : 0.0F;
+    const float b = other[x] > 0.0F ? other[x] - centre[x] : 0.0F;
+    const float rise = (a > 0.0F ? a : 0.0F) + (b > 0.0F ? b : 0.0F);
+    const float fall = rise - (a + b);
+    float explained = rise < fall ? rise : fall;
+    explained = explained < tilt * centre[x] ? explained : tilt * centre[x];
+    const float step = (rise - explained) * inverse[x];
+    shade[x] *= 1.0F + (step < kLargestStep ? step : kLargestStep);
+  }
 }
 
 }  // namespace
 
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius) {
-  const Nearness nearness(picture, range);
-  const std::uint32_t width = nearness.width();
-  const std::uint32_t height = nearness.height();
-  for (std::uint32_t y = 0; y < height; ++y) {
+  const Nearness nearness(picture, range, radius << (kRings - 1U));
+  picture.depth = {};
+  std::vector<float> inverse(picture.width);
+  std::vector<float> shade(picture.width);
+  std::uint8_t* pixel = picture.rgba.data();
+  for (std::uint32_t y = 0; y < picture.height; ++y) {
     const float* row = nearness.row(y);
-    const float* below = nearness.row(y >= radius ? y - radius : 0);
-    const float* above = nearness.row(std::min(y + radius, height - 1));
-    std::uint8_t* pixel = picture.rgba.data() + std::size_t{4} * width * y;
-    for (std::uint32_t x = 0; x < width; ++x, pixel += 4) {
-      if (row[x] <= 0.0F) continue;
-      const std::uint32_t left = x >= radius ? x - radius : 0;
-      const std::uint32_t right = std::min(x + radius, width - 1);
-      const float light = light_left(
-          row[x], {row[left], row[right], below[x], above[x], below[left], above[right], below[right], above[left]});
+    std::fill(shade.begin(), shade.end(), 1.0F);
+    for (std::size_t x = 0; x < shade.size(); ++x) {
+      inverse[x] = row[x] <= 0.0F ? 0.0F : range.is_parallel ? 1.0F : 1.0F / row[x];
+    }
+    for (std::uint32_t ring = 0; ring < kRings; ++ring) {
+      const std::ptrdiff_t across = std::ptrdiff_t{radius} << ring;
+      const std::ptrdiff_t down = across * nearness.stride();
+      const float tilt = kTilt * static_cast<float>(across);
+      for (const std::ptrdiff_t to_one : {across, down, down + across, down - across}) {
+        add_steps(row, to_one, tilt, inverse, shade);
+      }
+    }
+    for (const float s : shade) {
+      const float light = 1.0F / ((s * s) * (s * s));
       for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(static_cast<float>(pixel[c]) * light + 0.5F);
+      pixel += 4;
     }
   }
 }

@@ -26,8 +26,10 @@ struct DepthRange {
   double equivalent_m = 1.0;
 };
 
-/// Darkens every pixel that lies behind its neighbours [Boucheny2009]; `radius` pixels away, 1 or more. Planes keep
-/// their colours however they are tilted, because 1/depth is linear over a plane's picture.
+/// Darkens every pixel that lies behind its neighbours [Boucheny2009], over three rings of neighbours: `radius` pixels
+/// away, twice and four times as far, so that an edge casts a soft shadow on what is behind it. Planes keep their
+/// colours however they are tilted, because 1/depth is linear over a plane's picture; so does what stands before
+/// nothing. Consumes the depth.
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius);
 
 /// The mean of samples x samples pixels each, rows from the top, colours no longer premultiplied where

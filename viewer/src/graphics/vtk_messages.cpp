@@ -4,14 +4,20 @@
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 
 namespace gdtslam {
 namespace {
 
-VtkMessages& of_this_thread() {
-  thread_local VtkMessages messages;
+struct Messages {
+  std::vector<std::string> errors;
+  std::vector<std::string> warnings;
+};
+
+Messages& of_this_thread() {
+  thread_local Messages messages;
   return messages;
 }
 
@@ -36,12 +42,21 @@ class Collector : public vtkOutputWindow {
     collector->InitializeObjectBase();
     return collector;
   }
-  void DisplayText(const char* text) override { of_this_thread().warnings.push_back(one_line(text)); }
+  void DisplayText(const char* text) override { warn(text); }
   void DisplayErrorText(const char* text) override { of_this_thread().errors.push_back(one_line(text)); }
-  void DisplayWarningText(const char* text) override { of_this_thread().warnings.push_back(one_line(text)); }
-  void DisplayGenericWarningText(const char* text) override { of_this_thread().warnings.push_back(one_line(text)); }
+  void DisplayWarningText(const char* text) override { warn(text); }
+  void DisplayGenericWarningText(const char* text) override { warn(text); }
   void DisplayDebugText(const char* /*text*/) override {}
+
+ private:
+  // The same warning comes with every frame of a film.
+  static void warn(const char* text) {
+    std::vector<std::string>& warnings = of_this_thread().warnings;
+    std::string line = one_line(text);
+    if (std::find(warnings.begin(), warnings.end(), line) == warnings.end()) warnings.push_back(std::move(line));
+  }
 };
+
 }  // namespace
 
 void collect_vtk_messages() {
@@ -53,6 +68,8 @@ void collect_vtk_messages() {
   });
 }
 
-VtkMessages take_vtk_messages() { return std::exchange(of_this_thread(), {}); }
+std::vector<std::string> take_vtk_errors() { return std::exchange(of_this_thread().errors, {}); }
+
+std::vector<std::string> take_vtk_warnings() { return std::exchange(of_this_thread().warnings, {}); }
 
 }  // namespace gdtslam

@@ -10,11 +10,9 @@ namespace gdtslam {
 /// Takes the place of VTK's own output, once in a process.
 void collect_vtk_messages();
 
-struct VtkMessages {
-  std::vector<std::string> errors;    ///< one line each
-  std::vector<std::string> warnings;  ///< one line each
-};
-/// What came up in this thread since the last call.
-VtkMessages take_vtk_messages();
+/// One line for each error that came up in this thread since the last call.
+std::vector<std::string> take_vtk_errors();
+/// The same for warnings, each text once.
+std::vector<std::string> take_vtk_warnings();
 
 }  // namespace gdtslam

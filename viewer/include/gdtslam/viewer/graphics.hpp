@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace gdtslam {
 
@@ -26,6 +27,8 @@ class GraphicsContext {
   /// True where X was used though EGL was tried first; description_of_fallback() says why in one line.
   [[nodiscard]] bool is_fallback() const;
   [[nodiscard]] std::string description_of_fallback() const;
+  /// What VTK warned of in this thread since the last call, one line each; its errors are thrown where they come up.
+  [[nodiscard]] std::vector<std::string> take_warnings() const;
 
   struct State;
   [[nodiscard]] State& state() const { return *state_; }  ///< for the viewer's own sources
