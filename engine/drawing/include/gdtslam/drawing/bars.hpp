@@ -1,0 +1,40 @@
+// What explains a picture's scale: a colour bar with ticks and a scale bar of round length. Sizes follow the text size.
+// O(1) shapes.
+#pragma once
+
+#include <string>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/drawing/ticks.hpp"
+
+namespace gdtslam {
+
+struct ColourBar {
+  const ColourMap* map = nullptr;
+  double from = 0.0;  ///< value at the map's first colour
+  double to = 1.0;
+  std::string title;  ///< with the unit: "height in m"
+  bool is_upright = true;
+  TickSteps steps = TickSteps::kDecimal;
+  double length = 240.0;    ///< pixels, along the colours
+  double thickness = 14.0;  ///< across them
+  double text_size = 13.0;
+  bool has_halo = false;  ///< letters over a picture
+};
+/// Room that it takes, words included: to place it by. Only width and height are filled in.
+DrawingArea room_of(const ColourBar& bar);
+/// With the upper left corner of its room at `corner`; upright: the title above, the largest value at the top; lying:
+/// the title above, the largest value at the right.
+void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner, const Theme& theme = kLightTheme);
+
+struct ScaleBar {
+  double pixels_per_m = 100.0;
+  double most = 160.0;  ///< pixels that it may be long
+  double text_size = 13.0;
+  bool has_halo = true;
+};
+/// Its left end at `start`, the length above its middle. Nothing where no round length fits.
+void draw_scale_bar(Canvas& canvas, const ScaleBar& bar, const Point2& start, const Theme& theme = kLightTheme);
+
+}  // namespace gdtslam

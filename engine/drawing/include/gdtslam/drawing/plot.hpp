@@ -1,0 +1,126 @@
+// Plots: axes with round ticks, and curves, bands, markers, steps and boxes between them. All sizes follow the text
+// size. Values are the caller's units, the page is pixels. One object belongs to one thread; O(values).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/drawing/ticks.hpp"
+
+namespace gdtslam {
+
+struct Axis {
+  std::string title;  ///< with the unit: "time in s"
+  double from = 0.0;
+  double to = 1.0;
+  TickSteps steps = TickSteps::kDecimal;
+  bool is_grown = false;  ///< outwards to whole ticks
+  bool has_grid = true;
+  /// Named places instead of ticks: groups of a box plot.
+  std::vector<std::pair<double, std::string>> names;
+};
+
+struct PlotLook {
+  std::string title;  ///< above the frame; none: no room for it
+  double text_size = 13.0;
+  Theme theme = kLightTheme;
+  bool has_frame = true;  ///< else the lower and left edge only
+};
+
+/// Five figures of a distribution; quartiles between the two nearest values, whiskers at the outermost values
+/// within 1.5 times the quartiles' distance [Tukey, Exploratory Data Analysis, 1977].
+struct BoxFigures {
+  double low_whisker = 0.0;
+  double lower_quartile = 0.0;
+  double median = 0.0;
+  double upper_quartile = 0.0;
+  double high_whisker = 0.0;
+  std::vector<double> beyond;  ///< the whiskers, ascending
+};
+/// Of at least one value, all finite, in any order. O(n log n).
+BoxFigures box_figures(std::vector<double> values);
+
+/// Draws the axes when it is made, then what is asked for, within the frame. Values that are not finite leave a gap.
+/// Where a name is given, the legend explains it.
+class Plot {
+ public:
+  /// `area` has the room for everything: words, frame, ticks.
+  Plot(Canvas& canvas, const DrawingArea& area, Axis x, Axis y, PlotLook look = {});
+
+  /// Where a value lies on the page; outside the frame as well.
+  [[nodiscard]] Point2 at(double x, double y) const;
+  /// The frame.
+  [[nodiscard]] const DrawingArea& inside() const { return inside_; }
+
+  void line(std::span<const Point2> values, const Pen& pen, std::string_view name = {});
+  /// Flat from each value to the next one, as a distribution function is.
+  void steps(std::span<const Point2> values, const Pen& pen, std::string_view name = {});
+  void markers(std::span<const Point2> values, const Fill& fill, double radius = 2.5, std::string_view name = {});
+  /// Between two curves over the same x; as many of one as of the other.
+  void band(std::span<const Point2> lower, std::span<const Point2> upper, const Fill& fill, std::string_view name = {});
+  /// The full height of the frame from one x to another.
+  void stretch(double from_x, double to_x, const Fill& fill, std::string_view name = {});
+  /// The full width or height of the frame.
+  void level(double y, const Pen& pen, std::string_view name = {});
+  void upright(double x, const Pen& pen, std::string_view name = {});
+  /// A box with whiskers around x, `width` of x wide.
+  void box(double x, double width, const BoxFigures& figures, Colour colour);
+  /// Words at a value, moved by some pixels.
+  void words(double x, double y, std::string_view text, const Lettering& lettering, const Point2& by = Point2::Zero());
+
+  /// Last: where it hides least of what was drawn. Nothing without names.
+  void legend();
+
+ private:
+  enum class Mark : std::uint8_t { kLine, kDot, kArea };
+  struct Entry {
+    std::string name;
+    Mark mark = Mark::kLine;
+    Pen pen;
+    Fill fill;
+  };
+  /// What stands beside an axis.
+  struct Label {
+    double value = 0.0;
+    std::string text;
+  };
+  static std::vector<Label> labels_of(const Axis& axis, const Ticks& ticks);
+  [[nodiscard]] double letters() const;
+  [[nodiscard]] double widest(const std::vector<Label>& labels) const;
+  void lay_out_y();
+  void lay_out_x();
+  /// Pixels between the two nearest labels of the x axis.
+  [[nodiscard]] double label_distance() const;
+  void draw_axes();
+  void draw_x_axis();
+  void draw_y_axis();
+  void draw_titles();
+  void begin_clip();
+  /// A place of the page that something covers, for the legend to keep off; all along a line.
+  void cover(const Point2& place);
+  void cover(const Point2& from, const Point2& to);
+  void explain(std::string_view name, Mark mark, const Pen& pen, const Fill& fill);
+  [[nodiscard]] Point2 place_of_legend(double width, double height) const;
+  void draw_entry(const Entry& entry, const Point2& at);
+
+  Canvas& canvas_;
+  DrawingArea area_;
+  DrawingArea inside_;
+  Axis x_;
+  Axis y_;
+  PlotLook look_;
+  std::vector<Label> x_labels_;
+  std::vector<Label> y_labels_;
+  int label_rows_ = 1;  ///< below the frame; two where names would overlap
+  std::vector<Entry> entries_;
+  std::vector<Point2> covered_;
+};
+
+}  // namespace gdtslam

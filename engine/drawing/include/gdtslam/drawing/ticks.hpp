@@ -1,0 +1,34 @@
+// Round values along an axis: 1, 2 or 5 times a power of ten, or round angles. Thread-safe; O(1).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace gdtslam {
+
+enum class TickSteps : std::uint8_t {
+  kDecimal,  ///< 1, 2, 5 times a power of ten
+  kDegrees   ///< the same below 10, then 15, 30, 45, 90, 180, 360
+};
+
+struct Ticks {
+  double first = 0.0;
+  double step = 1.0;
+  int count = 1;
+  [[nodiscard]] double value(int number) const { return first + number * step; }
+  /// With as many decimals as the step needs and a true minus sign; very large and very small ones with an exponent.
+  [[nodiscard]] std::string text(int number) const;
+};
+
+/// The least round step of which at most `most` steps (at least one) lie within the range; the ticks are those within
+/// it. `from` < `to`, both finite.
+Ticks ticks_of(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
+/// The same for the range grown outwards to whole steps.
+Ticks ticks_around(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
+
+/// "5 mm", "20 cm", "1 m", "2 km": a length as people say it; of a 1-2-5 length no digit is lost.
+std::string length_text(double length_m);
+/// The largest 1-2-5 length that is at most so long; 0 where there is none (not positive, not finite).
+double round_length_m(double most_m);
+
+}  // namespace gdtslam

@@ -1,0 +1,179 @@
+// The frame of a plot: room for its words, ticks, grid, titles.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/drawing/plot.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kMostTicks = 10;
+constexpr double kTick_px = 4.0;
+/// Letters of the ticks, of the text size.
+constexpr double kTickLetters = 0.92;
+/// From the base line to the middle of figures, of their size.
+constexpr double kHalfFigure = 0.36;
+
+/// A range that can be drawn: finite and not empty.
+void mend(Axis& axis) {
+  if (!std::isfinite(axis.from) || !std::isfinite(axis.to)) {
+    axis.from = 0.0;
+    axis.to = 1.0;
+  }
+  if (axis.from > axis.to) std::swap(axis.from, axis.to);
+  // A range of rounding errors would have ticks that all read the same.
+  const double least = 1e-9 * std::max(std::fabs(axis.from), std::fabs(axis.to));
+  if (axis.to - axis.from > least) return;
+  const double half = axis.from == 0.0 ? 0.5 : 0.05 * std::fabs(axis.from);
+  axis.from -= half;
+  axis.to += half;
+}
+
+Ticks ticks_for(Axis& axis, int most) {
+  if (!axis.is_grown || !axis.names.empty()) return ticks_of(axis.from, axis.to, most, axis.steps);
+  const Ticks ticks = ticks_around(axis.from, axis.to, most, axis.steps);
+  axis.from = ticks.value(0);
+  axis.to = ticks.value(ticks.count - 1);
+  return ticks;
+}
+
+/// On the middle of a pixel, where a thin line is sharp.
+double sharp(double pixel) { return std::floor(pixel) + 0.5; }
+
+/// Cut to a width, with three dots where letters are missing.
+std::string shortened(const std::string& words, double size, double room) {
+  if (text_width(words, size) <= room) return words;
+  const std::string dots = "\xE2\x80\xA6";
+  std::string cut = words;
+  while (!cut.empty() && text_width(cut + dots, size) > room) {
+    while (cut.size() > 1 && (static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
+    cut.pop_back();
+  }
+  return cut + dots;
+}
+
+}  // namespace
+
+Plot::Plot(Canvas& canvas, const DrawingArea& area, Axis x, Axis y, PlotLook look)
+    : canvas_(canvas), area_(area), x_(std::move(x)), y_(std::move(y)), look_(std::move(look)) {
+  mend(x_);
+  mend(y_);
+  lay_out_y();
+  lay_out_x();
+  draw_axes();
+}
+
+double Plot::letters() const { return kTickLetters * look_.text_size; }
+
+std::vector<Plot::Label> Plot::labels_of(const Axis& axis, const Ticks& ticks) {
+  std::vector<Label> labels;
+  for (const auto& [value, name] : axis.names) labels.push_back({value, name});
+  if (!axis.names.empty()) return labels;
+  for (int i = 0; i < ticks.count; ++i) labels.push_back({ticks.value(i), ticks.text(i)});
+  return labels;
+}
+
+double Plot::widest(const std::vector<Label>& labels) const {
+  double width = 0.0;
+  for (const Label& label : labels) width = std::max(width, text_width(label.text, letters()));
+  return width;
+}
+
+void Plot::lay_out_y() {
+  const double size = look_.text_size;
+  const double above = look_.title.empty() ? 0.7 * size : 2.2 * size;
+  const double below = 1.8 * size + (x_.title.empty() ? 0.0 : 1.6 * size);
+  inside_.height = std::max(1.0, area_.height - above - below);
+  const int most = static_cast<int>(std::clamp(inside_.height / (2.6 * size), 1.0, 1.0 * kMostTicks));
+  y_labels_ = labels_of(y_, ticks_for(y_, most));
+  const double left = widest(y_labels_) + kTick_px + 0.5 * size + (y_.title.empty() ? 0.0 : 1.7 * size);
+  inside_.corner = area_.corner + Point2(left, above);
+  inside_.width = std::max(1.0, area_.width - left);
+}
+
+void Plot::lay_out_x() {
+  const double size = look_.text_size;
+  const double room = inside_.width;
+  const Axis asked = x_;
+  for (int most = kMostTicks; most >= 1; --most) {
+    x_ = asked;
+    x_labels_ = labels_of(x_, ticks_for(x_, most));
+    // Half of the last label stands beyond the frame.
+    const double half = x_labels_.empty() ? 0.0 : 0.5 * text_width(x_labels_.back().text, letters());
+    inside_.width = std::max(1.0, room - (x_.names.empty() ? std::max(0.7 * size, half) : 0.7 * size));
+    if (!x_.names.empty() || label_distance() >= widest(x_labels_) + size) break;
+  }
+  const double distance = label_distance();
+  if (x_.names.empty() || widest(x_labels_) + 0.6 * size <= distance) return;
+  label_rows_ = 2;
+  inside_.height = std::max(1.0, inside_.height - 1.3 * size);
+  for (Label& label : x_labels_) label.text = shortened(label.text, letters(), 2.0 * distance - 0.6 * size);
+}
+
+double Plot::label_distance() const {
+  double distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < x_labels_.size(); ++i) {
+    distance = std::min(distance, std::fabs(at(x_labels_[i].value, 0.0).x() - at(x_labels_[i - 1].value, 0.0).x()));
+  }
+  return std::min(distance, inside_.width);
+}
+
+Point2 Plot::at(double x, double y) const {
+  return inside_.corner +
+         Point2(inside_.width * (x - x_.from) / (x_.to - x_.from), inside_.height * (y_.to - y) / (y_.to - y_.from));
+}
+
+void Plot::draw_axes() {
+  draw_y_axis();
+  draw_x_axis();
+  const Point2 far = inside_.corner + Point2(inside_.width, inside_.height);
+  const Point2 near(sharp(inside_.corner.x()), sharp(inside_.corner.y()));
+  const Pen pen{.colour = look_.theme.quiet, .width = 1.0, .opacity = 0.7};
+  if (look_.has_frame) {
+    canvas_.rectangle(near, sharp(far.x()) - near.x(), sharp(far.y()) - near.y(), std::nullopt, pen);
+  } else {
+    canvas_.polyline({near, {near.x(), sharp(far.y())}, {sharp(far.x()), sharp(far.y())}}, pen);
+  }
+  draw_titles();
+}
+
+void Plot::draw_x_axis() {
+  const double lower = inside_.corner.y() + inside_.height;
+  for (std::size_t i = 0; i < x_labels_.size(); ++i) {
+    const double x = sharp(at(x_labels_[i].value, 0.0).x());
+    if (x_.has_grid && x_.names.empty()) {
+      canvas_.line({x, inside_.corner.y()}, {x, lower}, {.colour = look_.theme.grid});
+    }
+    canvas_.line({x, lower}, {x, lower + kTick_px}, {.colour = look_.theme.quiet, .opacity = 0.7});
+    const double row = label_rows_ == 2 && i % 2 == 1 ? 1.3 * look_.text_size : 0.0;
+    canvas_.text({x, lower + kTick_px + 1.15 * letters() + row}, x_labels_[i].text,
+                 {.size = letters(), .colour = look_.theme.quiet, .anchor = Anchor::kMiddle});
+  }
+}
+
+void Plot::draw_y_axis() {
+  const double left = inside_.corner.x();
+  for (const Label& label : y_labels_) {
+    const double y = sharp(at(0.0, label.value).y());
+    if (y_.has_grid && y_.names.empty()) {
+      canvas_.line({left, y}, {left + inside_.width, y}, {.colour = look_.theme.grid});
+    }
+    canvas_.line({left - kTick_px, y}, {left, y}, {.colour = look_.theme.quiet, .opacity = 0.7});
+    canvas_.text({left - kTick_px - 0.35 * look_.text_size, y + kHalfFigure * letters()}, label.text,
+                 {.size = letters(), .colour = look_.theme.quiet, .anchor = Anchor::kEnd});
+  }
+}
+
+void Plot::draw_titles() {
+  const double size = look_.text_size;
+  const Point2 middle = inside_.corner + 0.5 * Point2(inside_.width, inside_.height);
+  const Lettering words{.size = size, .colour = look_.theme.text, .anchor = Anchor::kMiddle};
+  if (!x_.title.empty()) canvas_.text({middle.x(), area_.corner.y() + area_.height - 0.35 * size}, x_.title, words);
+  if (!y_.title.empty()) canvas_.upright_text({area_.corner.x() + size, middle.y()}, y_.title, words);
+  if (look_.title.empty()) return;
+  canvas_.text({inside_.corner.x(), area_.corner.y() + 1.15 * size}, look_.title,
+               {.size = 1.1 * size, .colour = look_.theme.text, .is_bold = true});
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,108 @@
+#include "gdtslam/drawing/ticks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gdtslam {
+namespace {
+
+/// Of a step, by which a tick may lie beyond its range: sums of steps are not exact.
+constexpr double kSlack = 1e-6;
+constexpr int kMostDecimals = 9;
+constexpr double kPlainMost = 1e7;
+
+double power_of_ten(int exponent) {
+  double power = 1.0;
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10.0;
+  return exponent < 0 ? 1.0 / power : power;
+}
+
+/// The least of 1, 2, 5 times a power of ten that is at least so much.
+double round_up(double least) {
+  constexpr int kLeastExponent = -300;
+  int exponent = 0;
+  while (power_of_ten(exponent) > least && exponent > kLeastExponent) --exponent;
+  while (power_of_ten(exponent + 1) <= least) ++exponent;
+  // Just above one of them by rounding is that one.
+  for (const double digit : {1.0, 2.0, 5.0}) {
+    const double step = exponent < 0 ? digit / power_of_ten(-exponent) : digit * power_of_ten(exponent);
+    if (step >= least * (1.0 - 1e-12)) return step;
+  }
+  return power_of_ten(exponent + 1);
+}
+
+double step_of(double from, double to, int most, TickSteps steps) {
+  const double least = (to - from) / std::max(1, most);
+  constexpr std::array kAngles{15.0, 30.0, 45.0, 90.0, 180.0, 360.0};
+  const double round = round_up(least);
+  if (steps == TickSteps::kDecimal || round <= 10.0) return round;
+  const auto* const angle = std::find_if(kAngles.begin(), kAngles.end(), [least](double a) { return a >= least; });
+  return angle == kAngles.end() ? 360.0 * std::ceil(least / 360.0) : *angle;
+}
+
+int decimals_of(double step) {
+  double scaled = step;
+  for (int decimals = 0; decimals < kMostDecimals; ++decimals, scaled *= 10.0) {
+    if (std::fabs(scaled - std::floor(scaled + 0.5)) < 1e-6 * scaled) return decimals;
+  }
+  return kMostDecimals;
+}
+
+}  // namespace
+
+std::string Ticks::text(int number) const {
+  const double exact = value(number);
+  const double shown = std::fabs(exact) < kSlack * step ? 0.0 : exact;
+  const bool is_plain = std::fabs(shown) < kPlainMost && step >= 1e-6;
+  std::string text =
+      is_plain ? fmt::format("{:.{}f}", std::fabs(shown), decimals_of(step)) : fmt::format("{:.6g}", std::fabs(shown));
+  return shown < 0.0 ? "\xE2\x88\x92" + text : text;
+}
+
+Ticks ticks_of(double from, double to, int most, TickSteps steps) {
+  Ticks ticks;
+  ticks.step = step_of(from, to, most, steps);
+  const double first = std::ceil(from / ticks.step - kSlack);
+  const double last = std::floor(to / ticks.step + kSlack);
+  ticks.first = first * ticks.step;
+  ticks.count = static_cast<int>(std::clamp(last - first, -1.0, most + 1.0)) + 1;
+  return ticks;
+}
+
+Ticks ticks_around(double from, double to, int most, TickSteps steps) {
+  Ticks ticks;
+  ticks.step = step_of(from, to, most, steps);
+  const double first = std::floor(from / ticks.step + kSlack);
+  const double last = std::ceil(to / ticks.step - kSlack);
+  ticks.first = first * ticks.step;
+  ticks.count = static_cast<int>(std::clamp(last - first, 0.0, most + 2.0)) + 1;
+  return ticks;
+}
+
+double round_length_m(double most_m) {
+  if (!(most_m > 0.0) || !std::isfinite(most_m) || most_m < 1e-9) return 0.0;
+  const double above = round_up(most_m);
+  if (above <= most_m) return above;
+  // One step back in 1, 2, 5: half of it, or two fifths of a five.
+  for (const double share : {0.5, 0.4}) {
+    const double below = round_up(above * share);
+    if (below <= most_m) return below;
+  }
+  return 0.0;
+}
+
+std::string length_text(double length_m) {
+  struct Unit {
+    double length_m;
+    const char* name;
+  };
+  for (const Unit& unit : {Unit{1000.0, "km"}, Unit{1.0, "m"}, Unit{0.01, "cm"}}) {
+    if (length_m >= unit.length_m * (1.0 - 1e-9)) return fmt::format("{:.6g} {}", length_m / unit.length_m, unit.name);
+  }
+  return fmt::format("{:.6g} mm", length_m * 1000.0);
+}
+
+}  // namespace gdtslam
