@@ -178,6 +178,7 @@ void CairoPainter::operator()(const shape::Picture& picture) {
   const CairoSurface surface = surface_of(image);
   cairo_save(context_);
   cairo_translate(context_, picture.corner.x(), picture.corner.y());
+  cairo_new_path(context_);
   cairo_rectangle(context_, 0.0, 0.0, picture.width, picture.height);
   cairo_clip(context_);
   cairo_scale(context_, picture.width / image.width, picture.height / image.height);
@@ -191,6 +192,7 @@ void CairoPainter::operator()(const shape::Picture& picture) {
 
 void CairoPainter::operator()(const shape::ClipBegin& clip) {
   cairo_save(context_);
+  cairo_new_path(context_);  // the shape before left its own
   cairo_rectangle(context_, clip.corner.x(), clip.corner.y(), clip.width, clip.height);
   cairo_clip(context_);
   ++open_clips_;
