@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 #include <utility>
 
@@ -14,43 +15,57 @@
 namespace gdtslam {
 namespace {
 
-// Xlib ends the process on an error unless a handler says otherwise; there is one handler for the process.
-class ErrorTrap {
+// Xlib ends the process on an error unless a handler says otherwise, and has one handler for all connections. Ours
+// keeps the errors of our connections and hands on those of others; it stays, because errors arrive late.
+class ErrorLog {
  public:
-  explicit ErrorTrap(Display* display) : lock_(mutex()), display_(display) {
-    last_error() = Success;
-    previous_ = XSetErrorHandler([](Display* /*display*/, XErrorEvent* event) {
-      last_error() = event->error_code;
-      return 0;
-    });
+  static void add(Display* display) {
+    const std::lock_guard lock(mutex());
+    static const bool is_set = [] {
+      previous() = XSetErrorHandler(&ErrorLog::handle);
+      return true;
+    }();
+    static_cast<void>(is_set);
+    codes()[display] = Success;
   }
-  ~ErrorTrap() {
-    XSync(display_, False);
-    XSetErrorHandler(previous_);
+  static void remove(Display* display) {
+    const std::lock_guard lock(mutex());
+    codes().erase(display);
   }
-  ErrorTrap(const ErrorTrap&) = delete;
-  ErrorTrap& operator=(const ErrorTrap&) = delete;
-  /// The name of the first error since the trap was set, or an empty text.
-  [[nodiscard]] std::string error() const {
-    XSync(display_, False);
-    if (last_error() == Success) return {};
+  /// The name of the first error of the connection since the last call, or an empty text. Waits for the server.
+  static std::string take(Display* display) {
+    XSync(display, False);
+    int code = Success;
+    {
+      const std::lock_guard lock(mutex());
+      code = std::exchange(codes()[display], Success);
+    }
+    if (code == Success) return {};
     std::array<char, 128> text{};
-    XGetErrorText(display_, last_error(), text.data(), static_cast<int>(text.size()));
+    XGetErrorText(display, code, text.data(), static_cast<int>(text.size()));
     return text.data();
   }
 
  private:
+  static int handle(Display* display, XErrorEvent* event) {
+    const std::lock_guard lock(mutex());
+    const auto found = codes().find(display);
+    if (found == codes().end()) return previous()(display, event);
+    if (found->second == Success) found->second = event->error_code;
+    return 0;
+  }
   static std::mutex& mutex() {
     static std::mutex one;
     return one;
   }
-  static int& last_error() {
-    static int code = Success;
-    return code;
+  static std::map<Display*, int>& codes() {
+    static std::map<Display*, int> all;
+    return all;
   }
-  std::lock_guard<std::mutex> lock_;
-  Display* display_;
-  XErrorHandler previous_ = nullptr;
+  static XErrorHandler& previous() {
+    static XErrorHandler handler = nullptr;
+    return handler;
+  }
 };
 
 /// A connection to the server.
@@ -58,8 +73,12 @@ class Connection {
  public:
   Connection() : display_(XOpenDisplay(nullptr)) {
     if (display_ == nullptr) throw DeviceError("X server", "XOpenDisplay", no_answer());
+    ErrorLog::add(display_);
   }
-  ~Connection() { XCloseDisplay(display_); }
+  ~Connection() {
+    XCloseDisplay(display_);
+    ErrorLog::remove(display_);
+  }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
   [[nodiscard]] Display* get() const { return display_; }
@@ -77,7 +96,6 @@ class GlxContext : public GlContext {
  public:
   GlxContext(std::shared_ptr<const Connection> connection, GLXFBConfig config, std::string name)
       : connection_(std::move(connection)), name_(std::move(name)) {
-    const ErrorTrap trap(connection_->get());
     const auto create = reinterpret_cast<PFNGLXCREATECONTEXTATTRIBSARBPROC>(
         glXGetProcAddressARB(reinterpret_cast<const GLubyte*>("glXCreateContextAttribsARB")));
     if (create == nullptr) throw DeviceError(name_, "glXGetProcAddress", "no glXCreateContextAttribsARB");
@@ -85,12 +103,17 @@ class GlxContext : public GlContext {
         GLX_CONTEXT_MAJOR_VERSION_ARB,    3,   GLX_CONTEXT_MINOR_VERSION_ARB, 2, GLX_CONTEXT_PROFILE_MASK_ARB,
         GLX_CONTEXT_CORE_PROFILE_BIT_ARB, None};
     context_ = create(connection_->get(), config, nullptr, True, attributes.data());
-    if (context_ == nullptr || !trap.error().empty()) throw DeviceError(name_, "glXCreateContext", trap.error());
+    std::string error = ErrorLog::take(connection_->get());
+    if (context_ == nullptr || !error.empty()) {
+      if (context_ != nullptr) glXDestroyContext(connection_->get(), context_);
+      throw DeviceError(name_, "glXCreateContext", error.empty() ? "no context" : error);
+    }
     const std::array<int, 5> one_pixel{GLX_PBUFFER_WIDTH, 1, GLX_PBUFFER_HEIGHT, 1, None};
     surface_ = glXCreatePbuffer(connection_->get(), config, one_pixel.data());
-    if (surface_ == None || !trap.error().empty()) {
+    error = ErrorLog::take(connection_->get());
+    if (surface_ == None || !error.empty()) {
       glXDestroyContext(connection_->get(), context_);
-      throw DeviceError(name_, "glXCreatePbuffer", trap.error());
+      throw DeviceError(name_, "glXCreatePbuffer", error.empty() ? "no surface" : error);
     }
   }
   ~GlxContext() override {
@@ -99,9 +122,10 @@ class GlxContext : public GlContext {
     glXDestroyContext(connection_->get(), context_);
   }
   void make_current() override {
-    const ErrorTrap trap(connection_->get());
-    if (glXMakeContextCurrent(connection_->get(), surface_, surface_, context_) == False || !trap.error().empty()) {
-      throw DeviceError(name_, "glXMakeContextCurrent", trap.error());
+    const bool is_done = glXMakeContextCurrent(connection_->get(), surface_, surface_, context_) == True;
+    const std::string error = ErrorLog::take(connection_->get());
+    if (!is_done || !error.empty()) {
+      throw DeviceError(name_, "glXMakeContextCurrent", error.empty() ? "failure" : error);
     }
   }
   [[nodiscard]] bool is_current() const override { return glXGetCurrentContext() == context_; }
@@ -119,12 +143,12 @@ class X11Platform : public GlPlatform {
       : connection_(std::make_shared<const Connection>()),
         name_("X server " + std::string(XDisplayString(connection_->get()))) {
     Display* display = connection_->get();
-    const ErrorTrap trap(display);
     int major = 0;
     int minor = 0;
     if (glXQueryVersion(display, &major, &minor) == False || (major == 1 && minor < 3)) {
       throw DeviceError(name_, "glXQueryVersion", "no GLX 1.3");
     }
+    // Double-buffered, because Mesa would send a single buffer to the server whenever it is flushed.
     const std::array<int, 15> attributes{GLX_DRAWABLE_TYPE,
                                          GLX_PBUFFER_BIT,
                                          GLX_RENDER_TYPE,
