@@ -1,0 +1,67 @@
+// The positions that a linkage runs through, in the order in which they are best seen: a crank-rocker one turn from
+// where the lift begins, in the direction that makes lifting the slow stroke; any other linkage whose crank turns
+// fully one turn; the rest there and back through the first stretch in which the loop closes. Angles in radians, frame
+// of four_bar.hpp. Thread-safe after construction.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/calib/sweep_model.hpp"
+
+namespace gdtslam {
+
+struct LinkagePosition {
+  double crank_rad = 0.0;
+  double elevation_rad = 0.0;  ///< without jumps by whole turns along the cycle
+  calib::LinkagePose pose;
+};
+
+class LinkageCycle {
+ public:
+  /// Throws ConfigError where the loop closes nowhere.
+  explicit LinkageCycle(const calib::SweepModel& model);
+
+  [[nodiscard]] const calib::SweepModel& model() const { return model_; }
+  [[nodiscard]] calib::GrashofClass grashof() const { return grashof_; }
+  /// Of a crank-rocker.
+  [[nodiscard]] const std::optional<calib::CrankRockerReport>& report() const { return report_; }
+  [[nodiscard]] double from_rad() const { return from_rad_; }
+  [[nodiscard]] double span_rad() const { return span_rad_; }  ///< signed
+  [[nodiscard]] bool turns_fully() const { return turns_fully_; }
+  /// Of the crank from the lift's begin to its end, at most the span; the span where nothing lifts.
+  [[nodiscard]] double lift_span_rad() const;
+  /// Evenly over the span, both ends included; places where the loop does not close are left out.
+  [[nodiscard]] const std::vector<LinkagePosition>& positions() const { return positions_; }
+  /// The two ends of the lift, or of the stretch.
+  [[nodiscard]] const LinkagePosition& begin() const { return begin_; }
+  [[nodiscard]] const LinkagePosition& end() const { return end_; }
+
+  /// Nothing where the loop does not close. The elevation is the one of the cycle.
+  [[nodiscard]] std::optional<LinkagePosition> at(double crank_rad) const;
+  /// The crank after this share of a film: 0 to 1, at 1 as at 0, turning evenly.
+  [[nodiscard]] double crank_at(double share) const;
+  /// From the cycle's begin, 0 to |span|.
+  [[nodiscard]] double since_begin_rad(double crank_rad) const;
+  /// The crank at which the laser looks there while its elevation rises or falls, for a crank that turns in
+  /// `direction` (+1 counter-clockwise); where it never does, the nearest. O(positions).
+  [[nodiscard]] double crank_of(double elevation_rad, bool is_rising, int direction) const;
+  /// In the lift, where coupler and rocker are nearest to a right angle.
+  [[nodiscard]] double shown_crank_rad() const;
+
+ private:
+  void choose_span();
+
+  calib::SweepModel model_;
+  calib::GrashofClass grashof_;
+  std::optional<calib::CrankRockerReport> report_;
+  double from_rad_ = 0.0;
+  double span_rad_ = 0.0;
+  bool turns_fully_ = false;
+  std::vector<LinkagePosition> positions_;
+  LinkagePosition begin_;
+  LinkagePosition end_;
+};
+
+}  // namespace gdtslam

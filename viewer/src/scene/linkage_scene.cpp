@@ -1,0 +1,127 @@
+#include "gdtslam/viewer/linkage_scene.hpp"
+
+#include <vtkActor.h>
+#include <vtkLight.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/elementary.hpp"
+#include "graphics/offscreen_view.hpp"
+#include "scene/linkage_cycle.hpp"
+#include "scene/linkage_parts.hpp"
+#include "scene/linkage_surroundings.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// From behind and above the right side: there the fan of beams is never seen from its edge while it swings from level
+/// to upright.
+constexpr double kAzimuth_rad = -0.30;
+constexpr double kHeight_rad = 0.21;
+constexpr double kViewAngle_rad = 0.34;
+constexpr double kMargin = 0.05;  ///< of the picture's smaller side
+
+Point3 towards_eye() {
+  const SinCos<double> azimuth = sin_cos(kAzimuth_rad);
+  const SinCos<double> height = sin_cos(kHeight_rad);
+  return {azimuth.sin * height.cos, -azimuth.cos * height.cos, height.sin};
+}
+
+struct Extent {
+  Point2 lowest{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
+  Point2 highest{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest()};
+};
+
+Extent seen_extent(const Camera& camera, const PictureSize& size, const std::vector<Point3>& places) {
+  Extent extent;
+  for (const Point3& place : places) {
+    const std::optional<Seen> seen = pixel_of(camera, size, place);
+    if (!seen) continue;
+    extent.lowest = extent.lowest.cwiseMin(Point2(seen->x_px, seen->y_px));
+    extent.highest = extent.highest.cwiseMax(Point2(seen->x_px, seen->y_px));
+  }
+  return extent;
+}
+
+/// Moved and drawn back until all places just fit.
+Camera camera_on(const std::vector<Point3>& places, double reach_m, const PictureSize& size) {
+  constexpr int kRounds = 8;
+  const Point3 back = towards_eye();
+  const Point3 right = (-back).cross(Point3(0.0, 0.0, 1.0)).normalized();
+  const Point3 up = right.cross(-back);
+  double distance_m = 8.0 * reach_m;
+  Camera camera;
+  camera.view_angle_rad = kViewAngle_rad;
+  for (int round = 0; round < kRounds; ++round) {
+    camera.eye = camera.target + distance_m * back;
+    const Extent extent = seen_extent(camera, size, places);
+    const double px_per_m = pixels_per_metre(camera, size, camera.target);
+    const double margin_px = kMargin * std::min(size.width, size.height);
+    const Point2 middle = 0.5 * (extent.lowest + extent.highest);
+    camera.target +=
+        (middle.x() - 0.5 * size.width) / px_per_m * right - (middle.y() - 0.5 * size.height) / px_per_m * up;
+    const Point2 room(size.width - 2.0 * margin_px, size.height - 2.0 * margin_px);
+    const Point2 need = extent.highest - extent.lowest;
+    distance_m *= std::max(need.x() / room.x(), need.y() / room.y());
+  }
+  camera.eye = camera.target + distance_m * back;
+  return camera;
+}
+
+}  // namespace
+
+struct LinkageScene::State {
+  State(const GraphicsContext& graphics, const calib::SweepModel& model, const LinkageLook& scene_look)
+      : look(scene_look),
+        cycle(model),
+        sizes(suitable_sizes(model.bars)),
+        parts(model, sizes),
+        surroundings(cycle, parts),
+        view(graphics) {
+    vtkRenderer& renderer = view.renderer();
+    parts.add_to(renderer);
+    surroundings.add_to(renderer);
+    add_lights(renderer);
+    view.set_samples(look.samples);
+    crank_rad = cycle.shown_crank_rad();
+    parts.pose(Pose3{}, crank_rad);
+  }
+
+  Camera camera(const PictureSize& size) const { return camera_on(surroundings.reach(), surroundings.reach_m(), size); }
+
+  LinkageLook look;
+  LinkageCycle cycle;
+  PartSizes sizes;
+  LinkageParts parts;
+  LinkageSurroundings surroundings;
+  OffscreenView view;
+  double crank_rad = 0.0;
+};
+
+LinkageScene::LinkageScene(const GraphicsContext& graphics, const calib::SweepModel& model, const LinkageLook& look)
+    : state_(std::make_unique<State>(graphics, model, look)) {}
+
+LinkageScene::~LinkageScene() = default;
+
+RgbaImage LinkageScene::render(double crank_rad, const PictureSize& size) {
+  if (state_->parts.pose(Pose3{}, crank_rad)) state_->crank_rad = crank_rad;
+  state_->view.set_background(state_->look.is_dark ? ink::kNight : ink::kCard, state_->look.is_transparent);
+  return state_->view.render(state_->camera(size), size);
+}
+
+double LinkageScene::shown_crank_rad() const { return state_->cycle.shown_crank_rad(); }
+
+Point2 LinkageScene::joint_px(std::size_t joint, double crank_rad, const PictureSize& size) const {
+  const std::optional<LinkagePosition> position = state_->cycle.at(crank_rad);
+  const double shown_rad = position ? crank_rad : state_->crank_rad;
+  const LinkagePosition at = position ? *position : state_->cycle.at(shown_rad).value_or(state_->cycle.begin());
+  const std::optional<Seen> seen =
+      pixel_of(state_->camera(size), size, state_->parts.joints(shown_rad, at.pose).at(joint));
+  return seen ? Point2(seen->x_px, seen->y_px) : Point2::Zero();
+}
+
+}  // namespace gdtslam
