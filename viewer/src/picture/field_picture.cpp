@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/viewer/map_picture.hpp"
+#include "picture/cell_image.hpp"
+#include "picture/field_check.hpp"
+#include "picture/legend_items.hpp"
+#include "picture/map_sheet.hpp"
+#include "picture/path_layer.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace picture;
+
+constexpr std::uint16_t kCell = 256;  // the field's unit is 1/256 cell
+constexpr Colour kPaper = colour_of(0xf0eee8);
+
+/// Obstacles and path with what the field says around them.
+MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
+  const GridGeometry& geometry = field.geometry;
+  const auto value_at = [&](CellIndex cell) {
+    return field.cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(geometry.width) +
+                       static_cast<std::size_t>(cell.x)];
+  };
+  CellBox box = box_of(geometry, [&](CellIndex cell) { return value_at(cell) < std::min(kCell, field.cap); });
+  if (box.empty()) box = box_of(geometry, [&](CellIndex cell) { return value_at(cell) < field.cap; });
+  if (box.empty()) box = {{0, 0}, {geometry.width, geometry.height}};
+  const double reach_m = geometry.resolution_m * field.cap / kCell;
+  return with_path(area_of(geometry, box), trajectory, std::max(reach_m, 2.0 * geometry.resolution_m));
+}
+
+/// How the field's values become colours.
+struct FieldLook {
+  const ColourMap& map;
+  bool is_intensity = true;
+  double least_share = 0.0;  ///< of the map's colours: the darkest are left to what is unknown
+  Colour unknown;
+  /// 0 at an obstacle, 1 at the cap.
+  [[nodiscard]] Colour at(double distance_share) const {
+    const double share = is_intensity ? 1.0 - distance_share : distance_share;
+    return map.at(least_share + (1.0 - least_share) * share);
+  }
+};
+
+FieldLook field_look(const MapLook& look) {
+  constexpr double kDarkestShare = 0.22;
+  if (look.is_intensity) {
+    return {colour_map(look.colour_map.empty() ? "glow" : look.colour_map), true, kDarkestShare, ink::kNight};
+  }
+  return {colour_map(look.colour_map.empty() ? "lagoon" : look.colour_map), false, 0.0, kPaper};
+}
+
+/// Each value's colour once: a field has millions of cells.
+FieldColours colours_of(const FieldLook& look, std::uint16_t cap, bool is_transparent) {
+  std::vector<CellColour> table;
+  for (std::uint32_t value = 0; value < cap; ++value) table.push_back({look.at(static_cast<double>(value) / cap), 255});
+  const CellColour unknown{look.unknown, static_cast<std::uint8_t>(is_transparent ? 0 : 255)};
+  return [table = std::move(table), unknown](std::uint16_t value) {
+    return value < table.size() ? table[value] : unknown;
+  };
+}
+
+std::string metres(double length_m) { return fmt::format("{:g} m", length_m); }
+
+std::vector<LegendItem> legend_of(const FieldPicture& field, const FieldLook& colours, const Proportions& sizes) {
+  const double reach_m = field.geometry.resolution_m * field.cap / kCell;
+  std::vector<LegendItem> items;
+  if (colours.is_intensity) {
+    items.push_back(colour_bar_item(
+        "intensity 0", "1 at obstacles", [=](double share) { return colours.at(1.0 - share); }, sizes));
+  } else {
+    items.push_back(colour_bar_item(
+        "to the nearest obstacle: 0", metres(reach_m), [=](double share) { return colours.at(share); }, sizes));
+  }
+  items.push_back(swatch_item("farther or unknown", colours.unknown, sizes));
+  return items;
+}
+
+}  // namespace
+
+Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, const MapLook& look,
+                     const PictureSize& size) {
+  check(field);
+  check(overlay);
+  const FieldLook field_colours = field_look(look);
+  const PathColours& path = path_colours(look.is_intensity);
+  const PathColours& legend_path = path_colours(false);
+  const Proportions sizes = proportions_of(size);
+  const Sheet sheet = sheet_of(shown_area(field, overlay.trajectory), look, size, [&](double px_per_m) {
+    std::vector<LegendItem> items{scale_bar_item(px_per_m, sizes), axes_item(sizes)};
+    for (LegendItem& item : legend_of(field, field_colours, sizes)) items.push_back(std::move(item));
+    add_path_items(items, overlay, look, legend_path, sizes);
+    return items;
+  });
+  Canvas canvas(size.width, size.height, look.title.empty() ? "Distance field" : look.title);
+  const Panel& panel = sheet.frame.panel;
+  const Point2 corner{panel.left_px, panel.top_px};
+  if (!look.is_transparent) {
+    canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kPaper});
+    canvas.rectangle(corner, panel.width_px, panel.height_px, Fill{field_colours.unknown});
+  }
+  canvas.begin_clip(corner, panel.width_px, panel.height_px);
+  draw(canvas, field_image(field, sheet.frame, colours_of(field_colours, field.cap, look.is_transparent)));
+  canvas.end_clip();
+  draw_path(canvas, sheet.frame, overlay, look, path, sizes);
+  draw_title(canvas, sheet, look);
+  draw_legend(canvas, sheet);
+  return canvas;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,28 @@
+// What legends of maps consist of: scale bar, axes, the colours of time, marks with their number, colours of cells.
+// Thread-safe; constant time.
+#pragma once
+
+#include <string>
+
+#include "gdtslam/drawing/colour.hpp"
+#include "picture/map_sheet.hpp"
+
+namespace gdtslam::picture {
+
+/// The longest of 1, 2, 5 times a power of ten that is no longer.
+double round_length_m(double longest_m);
+/// "45 s", "12 min 5 s", "3 h 12 min".
+std::string duration_text(double seconds);
+
+LegendItem scale_bar_item(double px_per_m, const Proportions& sizes);
+/// x to the right, y up: north of the map's frame.
+LegendItem axes_item(const Proportions& sizes);
+LegendItem swatch_item(const std::string& words, Colour colour, const Proportions& sizes);
+/// A bar of colours between two words; `colour_at` takes a share.
+LegendItem colour_bar_item(const std::string& before, const std::string& after, std::function<Colour(double)> colour_at,
+                           const Proportions& sizes);
+/// Those that the overlay asks for: time, keyframes, doubtful scans.
+void add_path_items(std::vector<LegendItem>& items, const PathOverlay& overlay, const MapLook& look,
+                    const PathColours& colours, const Proportions& sizes);
+
+}  // namespace gdtslam::picture
