@@ -1,0 +1,169 @@
+#include "run_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "checked_yaml.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/message_text.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "linkage_beside.hpp"
+#include "linkage_file.hpp"
+#include "run_report.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* kReport = "report.json";
+constexpr const char* kCloud = "cloud.ply";
+constexpr const char* kLinkage = "linkage.yaml";
+constexpr std::size_t kMostReportBytes = std::size_t{256} << 20U;
+constexpr const char* kMapAgain = "; map the log again: gdtslam map LOG -o ";
+
+// A report as text that somebody may have edited: every key is asked for by name and type.
+class ReportReader {
+ public:
+  ReportReader(const std::string& file, const std::string& folder) : file_(file), folder_(folder) {
+    const std::string text = read_whole_file(file, kMostReportBytes);
+    report_ = Json::parse(text, nullptr, false);
+    if (report_.is_discarded()) fail("is no JSON text");
+    if (!report_.is_object()) fail("holds no JSON object");
+    const std::uint64_t format = whole("format");
+    if (format != kReportVersion) {
+      fail(fmt::format("has format {}, and this program reads format {}", format, kReportVersion));
+    }
+  }
+
+  [[nodiscard]] std::uint64_t whole(const char* key) const {
+    const Json& value = at(key);
+    if (!value.is_number_unsigned()) fail(fmt::format("'{}' is no whole number", key));
+    return value.get<std::uint64_t>();
+  }
+  [[nodiscard]] double number(const char* key) const {
+    const Json& value = at(key);
+    if (!value.is_number()) fail(fmt::format("'{}' is no number", key));
+    return value.get<double>();
+  }
+  [[nodiscard]] std::vector<std::string> texts(const char* key) const {
+    std::vector<std::string> list;
+    for (const Json& value : list_of(key)) {
+      if (!value.is_string()) fail(fmt::format("'{}' is no list of texts", key));
+      list.push_back(value.get<std::string>());
+    }
+    if (list.empty()) fail(fmt::format("'{}' is empty", key));
+    return list;
+  }
+  [[nodiscard]] bool has(const char* key) const { return report_.contains(key); }
+  // Whole numbers below `end`: entries of a list, or one member of each.
+  [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const {
+    std::vector<std::size_t> list;
+    for (const Json& entry : list_of(key)) {
+      const bool is_member = member != nullptr && entry.is_object() && entry.contains(member);
+      const Json& value = is_member ? entry.at(member) : entry;
+      if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= end) {
+        fail(fmt::format("'{}' names a scan that is none of its {}", key, end));
+      }
+      list.push_back(value.get<std::size_t>());
+    }
+    return list;
+  }
+
+ private:
+  [[nodiscard]] const Json& at(const char* key) const {
+    const auto found = report_.find(key);
+    if (found == report_.end()) fail(fmt::format("has no '{}'", key));
+    return *found;
+  }
+  [[nodiscard]] const Json& list_of(const char* key) const {
+    const Json& value = at(key);
+    if (!value.is_array()) fail(fmt::format("'{}' is no list", key));
+    return value;
+  }
+  [[noreturn]] void fail(const std::string& fault) const { throw InputError({file_, 0}, fault + kMapAgain + folder_); }
+
+  std::string file_;
+  std::string folder_;
+  Json report_;
+};
+
+}  // namespace
+
+bool RunReader::is_run(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) && fs::is_regular_file(fs::path(path) / kReport, ignored);
+}
+
+RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
+  if (!is_run(folder_)) {
+    throw InputError({folder_, 0}, fmt::format("is no folder of a run: it has no {}{}{}", kReport, kMapAgain, folder_));
+  }
+  const ReportReader report(file(kReport), folder_);
+  summary_.logs = report.texts("log");
+  summary_.scans = report.whole("scans");
+  summary_.matched = report.whole("matched");
+  summary_.keyframe_count = report.whole("keyframes");
+  summary_.path_m = report.number("path_m");
+  summary_.cloud_points = report.whole("cloud_points");
+  summary_.nods = report.has("nodding");
+  summary_.doubtful = report.indices("doubtful_scans", "index", summary_.scans);
+  if (report.has("keyframe_scans")) {
+    summary_.keyframes = report.indices("keyframe_scans", nullptr, summary_.scans);
+  }
+}
+
+std::string RunReader::file(const char* name) const { return (fs::path(folder_) / name).string(); }
+
+void RunReader::require(const char* name) const {
+  std::error_code ignored;
+  if (fs::exists(fs::path(folder_) / name, ignored)) return;
+  throw InputError({file(name), 0}, fmt::format("is missing in this run{}{}", kMapAgain, folder_));
+}
+
+std::string RunReader::name() const {
+  const std::string& log = summary_.logs.front();
+  return log == "-" ? "stdin" : one_line(fs::path(beside_log(log, "")).filename().string(), 80);
+}
+
+Trajectory RunReader::trajectory() const {
+  require("trajectory.tum");
+  Trajectory trajectory = read_tum(file("trajectory.tum"));
+  if (trajectory.size() == summary_.scans) return trajectory;
+  throw InputError({file("trajectory.tum"), 0},
+                   fmt::format("has {} poses, but {} tells of {} scans: not of one run{}{}", trajectory.size(), kReport,
+                               summary_.scans, kMapAgain, folder_));
+}
+
+OccupancyMap RunReader::map() const {
+  require("map.yaml");
+  require("map.pgm");
+  return read_occupancy_map(file("map.yaml"));
+}
+
+DistanceFieldFile RunReader::field() const {
+  require("gdt.yaml");
+  require("gdt.png");
+  return read_distance_field(file("gdt.yaml"));
+}
+
+std::optional<std::string> RunReader::cloud_file() const {
+  if (summary_.cloud_points == 0) return std::nullopt;
+  require(kCloud);
+  return file(kCloud);
+}
+
+std::optional<calib::SweepModel> RunReader::linkage() const {
+  std::error_code ignored;
+  if (!summary_.nods || !fs::exists(fs::path(folder_) / kLinkage, ignored)) return std::nullopt;
+  return read_linkage(file(kLinkage));
+}
+
+}  // namespace gdtslam
