@@ -151,7 +151,13 @@ void LinkageParts::build_ground() {
   ground_.add(
       extruded(bar_outline(crank_pivot, Point2::Zero(), 0.85 * sizes_.bar_m), front_y, back_y, 0.12 * sizes_.bar_m),
       ink::kGround);
-  if (!sizes_.with_feet) return;
+  if (!sizes_.with_feet) {
+    // A motor behind the crank's pivot, where the laser swings clear of it.
+    ground_.add(extruded(circle_outline(crank_pivot, 1.7 * sizes_.bar_m), back_y, back_y + 0.3 * sizes_.laser_m,
+                         0.2 * sizes_.bar_m),
+                kSteel, Finish::kSteel);
+    return;
+  }
   const double foot_m = 3.4 * sizes_.bar_m;
   for (const Point2& pivot : {crank_pivot, Point2(Point2::Zero())}) {
     const Point2 left = pivot + Point2(-0.62 * foot_m, -foot_m);
@@ -172,20 +178,26 @@ void LinkageParts::build_ground() {
   }
 }
 
-void LinkageParts::build_laser() {
-  const double side = sizes_.laser_m;
+Part laser_part(double side) {
+  Part laser;
   const auto add_disc = [&](double radius, double from_z, double to_z, Colour colour, Finish finish) {
     Mesh disc = extruded(circle_outline(Point2::Zero(), radius * side, 56), -to_z * side, -from_z * side, 0.02 * side);
     // The outline's z becomes y, its -y becomes up.
     disc.move({Point3::Zero(), exp_so3(Point3(-0.5 * kPi, 0.0, 0.0))});
-    laser_.add(disc, colour, finish);
+    laser.add(disc, colour, finish);
   };
-  laser_.add(extruded(rectangle_outline({-0.5 * side, -0.62 * side}, {0.5 * side, -0.14 * side}, 0.07 * side),
-                      -0.5 * side, 0.5 * side, 0.05 * side),
-             kHousing);
+  laser.add(extruded(rectangle_outline({-0.5 * side, -0.62 * side}, {0.5 * side, -0.14 * side}, 0.07 * side),
+                     -0.5 * side, 0.5 * side, 0.05 * side),
+            kHousing);
   add_disc(0.42, -0.16, -0.10, ink::kLaser, Finish::kPaint);
   add_disc(0.38, -0.12, 0.12, colour_of(0x17191d), Finish::kGlass);
   add_disc(0.42, 0.11, 0.27, kHousing, Finish::kPaint);
+  return laser;
+}
+
+void LinkageParts::build_laser() {
+  const double side = sizes_.laser_m;
+  laser_ = laser_part(side);
   const Point2 lever(model_.mount.lever_forward_m, model_.mount.lever_up_m);
   for (const double sign : {-1.0, 1.0}) {
     const double middle_y = sign * 0.555 * side;
@@ -225,7 +237,7 @@ void LinkageParts::build_fan() {
 double LinkageParts::beam_length_m(const Point2& unit, double most_m) const {
   // The linkage stands in the way on the right side; its own shadow shows nothing.
   const double wall_y = layer_y(0) + thickness_m();
-  return unit.y() < 0.0 ? std::min(most_m, wall_y / unit.y()) : most_m;
+  return unit.y() < 0.0 && sizes_.is_fan_cut ? std::min(most_m, wall_y / unit.y()) : most_m;
 }
 
 std::vector<Point3> LinkageParts::fan_arc(double radius_m) const {

@@ -37,10 +37,14 @@ struct PartSizes {
   double bar_m = 0.006;  ///< half the width of a bar
   double laser_m = 0.06;
   double fan_m = 0.3;
-  bool with_feet = true;  ///< the ground's hatched feet, as in textbooks
+  bool with_feet = true;   ///< the ground's hatched feet, as in textbooks; else a motor
+  bool is_fan_cut = true;  ///< where the linkage stands, so that it hides nothing of it
 };
 /// Sizes that suit the bars.
 PartSizes suitable_sizes(const calib::FourBar& bars);
+
+/// The sensor alone, its centre at the origin, about a cube of this side.
+Part laser_part(double side);
 
 /// Places of the linkage in the plane of x and z, from the nodding axis.
 class LinkagePlane {
