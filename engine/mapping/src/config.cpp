@@ -13,7 +13,7 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::array kMergeRules{"working"sv, "literal"sv};
-constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv, "gauss-newton"sv};
+constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv, "gauss-newton"sv, "pso"sv, "sce"sv, "simpsa"sv};
 constexpr std::array kCostForms{"distance"sv, "squared"sv};
 constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
 constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
@@ -43,8 +43,9 @@ void add_map_options(MapperConfig& c, std::vector<Option>& table) {
 
 void add_match_options(MapperConfig& c, std::vector<Option>& table) {
   table.push_back({"match.matcher",
-                   "optimizer of (4): simplex; gauss-newton; exhaustive, a window for each scan, all on the device", Unit::kNone,
-                   0, 0, Choice(c.match.matcher, kMatchers)});
+                   "optimizer of (4): simplex; pso, sce, simpsa; gauss-newton; exhaustive, a window for each scan, all "
+                   "on the device",
+                   Unit::kNone, 0, 0, Choice(c.match.matcher, kMatchers)});
   table.push_back(
       {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
   table.push_back({"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
@@ -69,6 +70,19 @@ void add_match_options(MapperConfig& c, std::vector<Option>& table) {
                    10.0, &c.prior.sigma_rad});
   table.push_back(
       {"prior.sigma_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_rad});
+}
+
+void add_optimizer_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"optimizer.particles", "size of the swarm of pso", Unit::kNone, 2, 65535, &c.optimizer.particles});
+  table.push_back(
+      {"optimizer.complexes", "complexes of sce, seven points each", Unit::kNone, 1, 1000, &c.optimizer.complexes});
+  table.push_back({"optimizer.moves", "moves of simpsa at one temperature, for each dimension", Unit::kNone, 1, 100000,
+                   &c.optimizer.moves});
+  table.push_back(
+      {"optimizer.cooling", "how fast simpsa cools, its delta", Unit::kNone, 0.001, 1000.0, &c.optimizer.cooling});
+  table.push_back({"optimizer.max_evaluations", "pso, sce and simpsa cost about as many poses at most, each descent",
+                   Unit::kNone, 1, 100000000, &c.optimizer.max_evaluations});
+  table.push_back({"optimizer.seed", "of their random numbers", Unit::kNone, 0, 2147483647, &c.optimizer.seed});
 }
 
 void add_search_options(MapperConfig& c, std::vector<Option>& table) {
@@ -145,6 +159,7 @@ std::vector<Option> options_of(MapperConfig& config) {
   std::vector<Option> table;
   add_map_options(config, table);
   add_match_options(config, table);
+  add_optimizer_options(config, table);
   add_search_options(config, table);
   add_doubt_options(config, table);
   return table;

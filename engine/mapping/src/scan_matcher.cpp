@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gdtslam/mapping/box_search.hpp"
 #include "gdtslam/mapping/gauss_newton.hpp"
 #include "thinning.hpp"
 
@@ -11,10 +12,14 @@ namespace {
 
 constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .stop_cells = 0.1F, .stop_rad = 0.002F};
 
+// Half the width of the box that pso, sce and simpsa look into, in edges of the stage's first simplex.
+constexpr float kBoxSteps = 4.0F;
+
 }  // namespace
 
 ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
     : matcher_(config.match.matcher),
+      optimizer_(config.optimizer),
       gate_(config.gate),
       search_(config.search),
       leap_gain_(config.doubt.leap_gain),
@@ -57,11 +62,22 @@ void ScanMatcher::keep_points_within(std::uint32_t gate, const CellPose& pose) {
 }
 
 LocalMinimum ScanMatcher::minimise(const CellPose& start, const DescentStage& stage) {
-  if (matcher_ == MatcherKind::kGaussNewton) {
-    return minimise_gauss_newton(objective_, start,
-                                 {.stop_cells = stage.simplex.stop_cells, .stop_rad = stage.simplex.stop_rad});
+  const SimplexOptions& steps = stage.simplex;
+  switch (matcher_) {
+    case MatcherKind::kGaussNewton:
+      return minimise_gauss_newton(objective_, start, {.stop_cells = steps.stop_cells, .stop_rad = steps.stop_rad});
+    case MatcherKind::kPso:
+    case MatcherKind::kSce:
+    case MatcherKind::kSimpsa:
+      return minimise_in_box(objective_, start,
+                             {.half_cells = kBoxSteps * steps.step_cells,
+                              .half_rad = kBoxSteps * steps.step_rad,
+                              .stop_cells = steps.stop_cells,
+                              .stop_rad = steps.stop_rad},
+                             matcher_, optimizer_);
+    default:
+      return minimise_simplex(objective_, start, steps);
   }
-  return minimise_simplex(objective_, start, stage.simplex);
 }
 
 // Equations (8) and (4) in turn, the gate narrowing around the best pose so far.

@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive, kGaussNewton };
+enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive, kGaussNewton, kPso, kSce, kSimpsa };
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
 struct MapConfig {
@@ -44,6 +44,16 @@ struct MatchConfig {
   MatcherKind matcher = MatcherKind::kSimplex;
   CostForm cost = CostForm::kDistance;
   Interpolation interpolation = Interpolation::kBilinear;
+};
+
+/// Parameters of the matchers pso, sce and simpsa; those of their sources where there are some.
+struct OptimizerConfig {
+  std::int32_t particles = 30;  ///< of a swarm
+  std::int32_t complexes = 4;   ///< of a shuffled population
+  std::int32_t moves = 10;      ///< of an annealed simplex at one temperature, for each dimension
+  double cooling = 4.0;         ///< of the annealing's schedule
+  std::int32_t max_evaluations = 20000;
+  std::int32_t seed = 1;
 };
 
 struct OdometryConfig {
@@ -103,6 +113,7 @@ struct MapperConfig {
   KeyframeConfig keyframe;
   OdometryConfig odometry;
   MatchConfig match;
+  OptimizerConfig optimizer;
   GateConfig gate;
   PriorConfig prior;
   SearchConfig search;

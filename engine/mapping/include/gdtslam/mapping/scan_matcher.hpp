@@ -1,6 +1,7 @@
-// The matcher `simplex`: steps (6) to (8) and the minimisation of (4) for one scan, from a predicted pose down through
-// narrowing gates, and through a window of poses where that descent may have ended in the wrong valley. Works on the
-// host, on the map's copy there; only the samples of a window go to the device. Frame: map. Not thread-safe.
+// The matchers `simplex`, `pso`, `sce`, `simpsa` and `gauss-newton`: steps (6) to (8) and the minimisation of (4) for
+// one scan, from a predicted pose down through narrowing gates, and through a window of poses where that descent may
+// have ended in the wrong valley. Works on the host, on the map's copy there; only samples of a window, generations and
+// complexes go to the device. Frame: map. Not thread-safe.
 #pragma once
 
 #include <vector>
@@ -38,6 +39,7 @@ class ScanMatcher final : public Matcher {
   [[nodiscard]] std::uint32_t cost_to_voters(const CellPose& pose);
 
   MatcherKind matcher_;
+  OptimizerConfig optimizer_;
   GateConfig gate_;
   SearchConfig search_;
   double leap_gain_;
