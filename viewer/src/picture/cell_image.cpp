@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "picture/mixed.hpp"
+
 namespace gdtslam::picture {
 namespace {
 
@@ -11,14 +13,6 @@ namespace {
 constexpr double kSquaresFromPx = 2.0;
 /// How dark a pixel with a single occupied cell is at least, however many cells lie under it.
 constexpr double kLoneCellDarkness = 0.5;
-
-std::uint8_t mixed(std::uint8_t from, std::uint8_t to, double share) {
-  return static_cast<std::uint8_t>(std::floor(from + share * (static_cast<double>(to) - from) + 0.5));
-}
-
-Colour mixed(Colour from, Colour to, double share) {
-  return {mixed(from.red, to.red, share), mixed(from.green, to.green, share), mixed(from.blue, to.blue, share)};
-}
 
 void put(RgbaImage& image, std::uint32_t x, std::uint32_t y, const CellColour& colour) {
   std::uint8_t* const pixel = image.at(x, y);
@@ -167,9 +161,11 @@ PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, con
 
 }  // namespace
 
-void draw(Canvas& canvas, const PlacedImage& placed) {
+void draw(Canvas& canvas, const Panel& panel, const PlacedImage& placed) {
   if (placed.image == nullptr) return;  // nothing of the grid lies in the panel
+  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
   canvas.picture({placed.at.left_px, placed.at.top_px}, placed.at.width_px, placed.at.height_px, placed.image, false);
+  canvas.end_clip();
 }
 
 PlacedImage occupancy_image(const OccupancyMap& map, const MapFrame& frame, const MapColours& colours) {

@@ -21,7 +21,8 @@ struct PlacedImage {
   Panel at;
   std::shared_ptr<const RgbaImage> image;
 };
-void draw(Canvas& canvas, const PlacedImage& placed);
+/// What of it lies within the panel.
+void draw(Canvas& canvas, const Panel& panel, const PlacedImage& placed);
 
 struct MapColours {
   Colour wall;

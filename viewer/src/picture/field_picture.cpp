@@ -1,10 +1,9 @@
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <utility>
 #include <vector>
 
-#include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/viewer/map_picture.hpp"
 #include "picture/cell_image.hpp"
 #include "picture/field_check.hpp"
@@ -65,19 +64,17 @@ FieldColours colours_of(const FieldLook& look, std::uint16_t cap, bool is_transp
   };
 }
 
-std::string metres(double length_m) { return fmt::format("{:g} m", length_m); }
-
-std::vector<LegendItem> legend_of(const FieldPicture& field, const FieldLook& colours, const Proportions& sizes) {
+std::vector<LegendItem> legend_of(const FieldPicture& field, const FieldLook& colours, const LegendLook& look) {
   const double reach_m = field.geometry.resolution_m * field.cap / kCell;
   std::vector<LegendItem> items;
   if (colours.is_intensity) {
-    items.push_back(colour_bar_item(
-        "intensity 0", "1 at obstacles", [=](double share) { return colours.at(1.0 - share); }, sizes));
+    const auto bright = [=](double share) { return colours.at(1.0 - share); };
+    items.push_back(colour_bar_item("intensity 0 at " + length_text(reach_m), "1 at obstacles", bright, look));
   } else {
-    items.push_back(colour_bar_item(
-        "to the nearest obstacle: 0", metres(reach_m), [=](double share) { return colours.at(share); }, sizes));
+    const auto far = [=](double share) { return colours.at(share); };
+    items.push_back(colour_bar_item("nearest obstacle at 0 m", length_text(reach_m), far, look));
   }
-  items.push_back(swatch_item("farther or unknown", colours.unknown, sizes));
+  items.push_back(swatch_item("farther or unknown", colours.unknown, look));
   return items;
 }
 
@@ -89,27 +86,22 @@ Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, cons
   check(overlay);
   const FieldLook field_colours = field_look(look);
   const PathColours& path = path_colours(look.is_intensity);
-  const PathColours& legend_path = path_colours(false);
-  const Proportions sizes = proportions_of(size);
-  const Sheet sheet = sheet_of(shown_area(field, overlay.trajectory), look, size, [&](double px_per_m) {
-    std::vector<LegendItem> items{scale_bar_item(px_per_m, sizes), axes_item(sizes)};
-    for (LegendItem& item : legend_of(field, field_colours, sizes)) items.push_back(std::move(item));
-    add_path_items(items, overlay, look, legend_path, sizes);
+  // A transparent picture lies on pages that are light more often than not.
+  Theme theme = look.is_intensity && !look.is_transparent ? kDarkTheme : kLightTheme;
+  theme.page = field_colours.unknown;
+  const LegendLook legend{theme, proportions_of(size)};
+  const Sheet sheet = sheet_of(shown_area(field, overlay.trajectory), look, size, theme, [&](double px_per_m) {
+    std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
+    for (LegendItem& item : legend_of(field, field_colours, legend)) items.push_back(std::move(item));
+    add_path_items(items, overlay, look, path, legend);
     return items;
   });
   Canvas canvas(size.width, size.height, look.title.empty() ? "Distance field" : look.title);
-  const Panel& panel = sheet.frame.panel;
-  const Point2 corner{panel.left_px, panel.top_px};
-  if (!look.is_transparent) {
-    canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kPaper});
-    canvas.rectangle(corner, panel.width_px, panel.height_px, Fill{field_colours.unknown});
-  }
-  canvas.begin_clip(corner, panel.width_px, panel.height_px);
-  draw(canvas, field_image(field, sheet.frame, colours_of(field_colours, field.cap, look.is_transparent)));
-  canvas.end_clip();
-  draw_path(canvas, sheet.frame, overlay, look, path, sizes);
-  draw_title(canvas, sheet, look);
-  draw_legend(canvas, sheet);
+  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{theme.page});
+  const MapFrame frame = whole_sheet(sheet);
+  draw(canvas, frame.panel, field_image(field, frame, colours_of(field_colours, field.cap, look.is_transparent)));
+  draw_path(canvas, frame, overlay, look, path, sheet.sizes);
+  draw_words(canvas, sheet, look);
   return canvas;
 }
 

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam::picture {
 namespace {
@@ -14,24 +15,21 @@ constexpr double kBarPx = 150.0;     // all of one unit
 constexpr double kLongestScalePx = 190.0;
 constexpr int kBarSteps = 64;
 
-Point2 base_line(const Point2& middle, const Proportions& sizes) {
-  return {middle.x(), middle.y() + 0.36 * sizes.body_px};
+void write(Canvas& canvas, const Point2& left_middle, const std::string& words, const LegendLook& look) {
+  const double size = look.sizes.body_px;
+  canvas.text({left_middle.x(), left_middle.y() + 0.36 * size}, words, {.size = size, .colour = look.theme.text});
 }
 
-void write(Canvas& canvas, const Point2& left_middle, const std::string& words, const Proportions& sizes) {
-  canvas.text(base_line(left_middle, sizes), words, {.size = sizes.body_px});
-}
-
-double width_of(const std::string& words, const Proportions& sizes) { return text_width(words, sizes.body_px); }
+double width_of(const std::string& words, const LegendLook& look) { return text_width(words, look.sizes.body_px); }
 
 using DrawMark = void (*)(Canvas&, const Point2&, const PathColours&, const Proportions&);
-LegendItem mark_item(const std::string& words, double mark_px, const PathColours& colours, const Proportions& sizes,
+LegendItem mark_item(const std::string& words, double mark_px, const PathColours& colours, const LegendLook& look,
                      DrawMark draw_mark) {
-  const double indent = mark_px + kWordsAfter * sizes.body_px;
-  return {indent + width_of(words, sizes), sizes.body_px,
-          [words, mark_px, indent, &colours, sizes, draw_mark](Canvas& canvas, const Point2& left) {
-            draw_mark(canvas, {left.x() + 0.5 * mark_px, left.y()}, colours, sizes);
-            write(canvas, {left.x() + indent, left.y()}, words, sizes);
+  const double indent = mark_px + kWordsAfter * look.sizes.body_px;
+  return {indent + width_of(words, look), look.sizes.body_px,
+          [words, mark_px, indent, &colours, look, draw_mark](Canvas& canvas, const Point2& left) {
+            draw_mark(canvas, {left.x() + 0.5 * mark_px, left.y()}, colours, look.sizes);
+            write(canvas, {left.x() + indent, left.y()}, words, look);
           }};
 }
 
@@ -45,21 +43,37 @@ void draw_bar(Canvas& canvas, const Point2& left, double width, double height,
   }
 }
 
-LegendItem time_item(double seconds, const PathColours& colours, const Proportions& sizes) {
+LegendItem time_item(double seconds, const PathColours& colours, const LegendLook& look) {
   const std::string start = "start";
   const std::string end = seconds > 0.0 ? "end, after " + duration_text(seconds) : "end";
-  const double gap = 18.0 * sizes.unit;
-  const double bar = kBarPx * sizes.unit;
-  const double before = width_of(start, sizes);
-  return {before + bar + 2.0 * gap + width_of(end, sizes), sizes.body_px,
+  const double gap = 18.0 * look.sizes.unit;
+  const double bar = kBarPx * look.sizes.unit;
+  const double before = width_of(start, look);
+  return {before + bar + 2.0 * gap + width_of(end, look), look.sizes.body_px,
           [=, &colours](Canvas& canvas, const Point2& left) {
-            write(canvas, left, start, sizes);
+            write(canvas, left, start, look);
             const Point2 from{left.x() + before + gap, left.y()};
             const Point2 to{from.x() + bar, left.y()};
-            draw_bar(canvas, from, bar, 2.0 * sizes.line_px, [&](double share) { return time_colour(colours, share); });
-            draw_start(canvas, from, colours, sizes);
-            draw_end(canvas, to, colours, sizes);
-            write(canvas, {to.x() + gap, to.y()}, end, sizes);
+            draw_bar(canvas, from, bar, 2.0 * look.sizes.line_px,
+                     [&](double share) { return time_colour(colours, share); });
+            draw_start(canvas, from, colours, look.sizes);
+            draw_end(canvas, to, colours, look.sizes);
+            write(canvas, {to.x() + gap, to.y()}, end, look);
+          }};
+}
+
+/// A piece of the path with keyframes on it: dots alone would be too small to be known again.
+LegendItem keyframe_item(const std::string& words, const PathColours& colours, const LegendLook& look) {
+  const double piece = 42.0 * look.sizes.unit;
+  const double indent = piece + kWordsAfter * look.sizes.body_px;
+  return {indent + width_of(words, look), look.sizes.body_px, [=, &colours](Canvas& canvas, const Point2& left) {
+            constexpr double kShare = 0.5;
+            canvas.line(left, {left.x() + piece, left.y()},
+                        {.colour = time_colour(colours, kShare), .width = look.sizes.line_px});
+            for (const double at : {0.2, 0.5, 0.8}) {
+              draw_keyframe(canvas, {left.x() + at * piece, left.y()}, keyframe_colour(colours, kShare), look.sizes);
+            }
+            write(canvas, {left.x() + indent, left.y()}, words, look);
           }};
 }
 
@@ -67,98 +81,93 @@ std::string counted(std::size_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-}  // namespace
-
-double round_length_m(double longest_m) {
-  double decade_m = 1e-6;
-  while (10.0 * decade_m <= longest_m && decade_m < 1e12) decade_m *= 10.0;
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * decade_m <= longest_m) return factor * decade_m;
-  }
-  return decade_m;
+void draw_axes(Canvas& canvas, const Point2& origin, double arm, const LegendLook& look) {
+  const Colour colour = look.theme.text;
+  const double head = 0.28 * look.sizes.body_px;
+  const Point2 x_end = origin + Point2(arm, 0.0);
+  const Point2 y_end = origin + Point2(0.0, -arm);
+  canvas.polyline({y_end, origin, x_end}, {.colour = colour, .width = 1.6 * look.sizes.unit});
+  canvas.polygon(
+      {x_end + Point2(head, 0.0), x_end + Point2(-0.4 * head, -0.6 * head), x_end + Point2(-0.4 * head, 0.6 * head)},
+      Fill{colour});
+  canvas.polygon(
+      {y_end + Point2(0.0, -head), y_end + Point2(-0.6 * head, 0.4 * head), y_end + Point2(0.6 * head, 0.4 * head)},
+      Fill{colour});
+  const double size = look.sizes.small_px;
+  const Lettering letters{.size = size, .colour = look.theme.quiet};
+  canvas.text(x_end + Point2(2.0 * head, 0.3 * size), "x", letters);
+  canvas.text(y_end + Point2(1.8 * head, 0.5 * size), "y", letters);
 }
+
+}  // namespace
 
 std::string duration_text(double seconds) {
   const auto whole = static_cast<long long>(std::floor(seconds + 0.5));
   if (whole < 120) return fmt::format("{} s", whole);
-  if (whole < 7200) return fmt::format("{} min {} s", whole / 60, whole % 60);
-  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+  const bool is_long = whole >= 7200;
+  const long long large = whole / (is_long ? 3600 : 60);
+  const long long small = is_long ? whole % 3600 / 60 : whole % 60;
+  const std::string text = fmt::format("{} {}", large, is_long ? "h" : "min");
+  return small == 0 ? text : fmt::format("{} {} {}", text, small, is_long ? "min" : "s");
 }
 
-LegendItem scale_bar_item(double px_per_m, const Proportions& sizes) {
-  const double length_m = round_length_m(kLongestScalePx * sizes.unit / px_per_m);
+LegendItem scale_bar_item(double px_per_m, const LegendLook& look) {
+  const double length_m = round_length_m(kLongestScalePx * look.sizes.unit / px_per_m);
   const double length = length_m * px_per_m;
-  const std::string words =
-      length_m < 0.999 ? fmt::format("{:g} cm", 100.0 * length_m) : fmt::format("{:.0f} m", length_m);
-  const double indent = length + kWordsAfter * sizes.body_px;
-  return {indent + width_of(words, sizes), sizes.body_px, [=](Canvas& canvas, const Point2& left) {
-            const double tall = 0.35 * sizes.body_px;
-            const Pen pen{.colour = ink::kText, .width = 2.0 * sizes.unit};
+  const std::string words = length_text(length_m);
+  const double indent = length + kWordsAfter * look.sizes.body_px;
+  return {indent + width_of(words, look), look.sizes.body_px, [=](Canvas& canvas, const Point2& left) {
+            const double tall = 0.35 * look.sizes.body_px;
             canvas.polyline({{left.x(), left.y() - tall},
                              {left.x(), left.y() + tall},
                              {left.x() + length, left.y() + tall},
                              {left.x() + length, left.y() - tall}},
-                            pen);
-            write(canvas, {left.x() + indent, left.y()}, words, sizes);
+                            {.colour = look.theme.text, .width = 2.0 * look.sizes.unit});
+            write(canvas, {left.x() + indent, left.y()}, words, look);
           }};
 }
 
-LegendItem axes_item(const Proportions& sizes) {
-  const double arm = 1.5 * sizes.body_px;
-  return {arm + 1.6 * sizes.small_px, 1.9 * sizes.body_px, [=](Canvas& canvas, const Point2& left) {
-            const Point2 origin{left.x() + 0.2 * sizes.small_px, left.y() + 0.5 * arm};
-            const Pen pen{.colour = ink::kText, .width = 1.6 * sizes.unit};
-            const double head = 0.28 * sizes.body_px;
-            const Point2 x_end = origin + Point2(arm, 0.0);
-            const Point2 y_end = origin + Point2(0.0, -arm);
-            canvas.polyline({y_end, origin, x_end}, pen);
-            canvas.polygon({x_end + Point2(head, 0.0), x_end + Point2(-0.4 * head, -0.6 * head),
-                            x_end + Point2(-0.4 * head, 0.6 * head)},
-                           Fill{ink::kText});
-            canvas.polygon({y_end + Point2(0.0, -head), y_end + Point2(-0.6 * head, 0.4 * head),
-                            y_end + Point2(0.6 * head, 0.4 * head)},
-                           Fill{ink::kText});
-            const Lettering letters{.size = sizes.small_px, .colour = ink::kQuiet};
-            canvas.text(x_end + Point2(2.0 * head, 0.3 * sizes.small_px), "x", letters);
-            canvas.text(y_end + Point2(1.8 * head, 0.5 * sizes.small_px), "y", letters);
+LegendItem axes_item(const LegendLook& look) {
+  const double arm = 1.5 * look.sizes.body_px;
+  return {arm + 1.6 * look.sizes.small_px, 1.9 * look.sizes.body_px, [=](Canvas& canvas, const Point2& left) {
+            draw_axes(canvas, {left.x() + 0.2 * look.sizes.small_px, left.y() + 0.5 * arm}, arm, look);
           }};
 }
 
-LegendItem swatch_item(const std::string& words, Colour colour, const Proportions& sizes) {
-  const double side = 0.95 * sizes.body_px;
-  const double indent = side + kWordsAfter * sizes.body_px;
-  return {indent + width_of(words, sizes), sizes.body_px, [=](Canvas& canvas, const Point2& left) {
+LegendItem swatch_item(const std::string& words, Colour colour, const LegendLook& look) {
+  const double side = 0.95 * look.sizes.body_px;
+  const double indent = side + kWordsAfter * look.sizes.body_px;
+  return {indent + width_of(words, look), look.sizes.body_px, [=](Canvas& canvas, const Point2& left) {
             canvas.rectangle({left.x(), left.y() - 0.5 * side}, side, side, Fill{colour},
-                             Pen{.colour = ink::kQuiet, .width = sizes.unit});
-            write(canvas, {left.x() + indent, left.y()}, words, sizes);
+                             Pen{.colour = look.theme.quiet, .width = look.sizes.unit});
+            write(canvas, {left.x() + indent, left.y()}, words, look);
           }};
 }
 
 LegendItem colour_bar_item(const std::string& before, const std::string& after, std::function<Colour(double)> colour_at,
-                           const Proportions& sizes) {
-  const double gap = kWordsAfter * sizes.body_px;
-  const double bar = kBarPx * sizes.unit;
-  const double indent = width_of(before, sizes) + gap;
-  return {indent + bar + gap + width_of(after, sizes), sizes.body_px,
+                           const LegendLook& look) {
+  const double gap = kWordsAfter * look.sizes.body_px;
+  const double bar = kBarPx * look.sizes.unit;
+  const double indent = width_of(before, look) + gap;
+  return {indent + bar + gap + width_of(after, look), look.sizes.body_px,
           [=, colour_at = std::move(colour_at)](Canvas& canvas, const Point2& left) {
-            write(canvas, left, before, sizes);
-            draw_bar(canvas, {left.x() + indent, left.y()}, bar, 0.8 * sizes.body_px, colour_at);
-            write(canvas, {left.x() + indent + bar + gap, left.y()}, after, sizes);
+            write(canvas, left, before, look);
+            draw_bar(canvas, {left.x() + indent, left.y()}, bar, 0.8 * look.sizes.body_px, colour_at);
+            write(canvas, {left.x() + indent + bar + gap, left.y()}, after, look);
           }};
 }
 
 void add_path_items(std::vector<LegendItem>& items, const PathOverlay& overlay, const MapLook& look,
-                    const PathColours& colours, const Proportions& sizes) {
+                    const PathColours& colours, const LegendLook& legend) {
   if (look.with_path && !overlay.trajectory.empty()) {
-    items.push_back(time_item(duration_s(overlay.trajectory), colours, sizes));
+    items.push_back(time_item(duration_s(overlay.trajectory), colours, legend));
   }
   if (look.with_keyframes && !overlay.keyframes.empty()) {
-    items.push_back(
-        mark_item(counted(overlay.keyframes.size(), "keyframe"), 0.5 * sizes.body_px, colours, sizes, draw_keyframe));
+    items.push_back(keyframe_item(counted(overlay.keyframes.size(), "keyframe"), colours, legend));
   }
   if (!overlay.doubtful.empty()) {
-    items.push_back(mark_item(counted(overlay.doubtful.size(), "doubtful scan"), 1.1 * sizes.body_px, colours, sizes,
-                              draw_doubtful));
+    items.push_back(mark_item(counted(overlay.doubtful.size(), "doubtful scan"), 1.1 * legend.sizes.body_px, colours,
+                              legend, draw_doubtful));
   }
 }
 

@@ -5,24 +5,28 @@
 #include <string>
 
 #include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/drawing/theme.hpp"
 #include "picture/map_sheet.hpp"
 
 namespace gdtslam::picture {
 
-/// The longest of 1, 2, 5 times a power of ten that is no longer.
-double round_length_m(double longest_m);
 /// "45 s", "12 min 5 s", "3 h 12 min".
 std::string duration_text(double seconds);
 
-LegendItem scale_bar_item(double px_per_m, const Proportions& sizes);
+/// How a legend is lettered.
+struct LegendLook {
+  Theme theme;
+  Proportions sizes;
+};
+LegendItem scale_bar_item(double px_per_m, const LegendLook& look);
 /// x to the right, y up: north of the map's frame.
-LegendItem axes_item(const Proportions& sizes);
-LegendItem swatch_item(const std::string& words, Colour colour, const Proportions& sizes);
+LegendItem axes_item(const LegendLook& look);
+LegendItem swatch_item(const std::string& words, Colour colour, const LegendLook& look);
 /// A bar of colours between two words; `colour_at` takes a share.
 LegendItem colour_bar_item(const std::string& before, const std::string& after, std::function<Colour(double)> colour_at,
-                           const Proportions& sizes);
+                           const LegendLook& look);
 /// Those that the overlay asks for: time, keyframes, doubtful scans.
 void add_path_items(std::vector<LegendItem>& items, const PathOverlay& overlay, const MapLook& look,
-                    const PathColours& colours, const Proportions& sizes);
+                    const PathColours& colours, const LegendLook& legend);
 
 }  // namespace gdtslam::picture

@@ -30,26 +30,25 @@ MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
 Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size) {
   check(overlay);
   const PathColours& colours = path_colours(false);
-  const Proportions sizes = proportions_of(size);
-  const Sheet sheet = sheet_of(shown_area(map, overlay.trajectory), look, size, [&](double px_per_m) {
-    std::vector<LegendItem> items{scale_bar_item(px_per_m, sizes), axes_item(sizes)};
-    items.push_back(swatch_item("wall", kColours.wall, sizes));
-    items.push_back(swatch_item("free", kColours.free, sizes));
-    if (!look.is_transparent) items.push_back(swatch_item("unknown", kColours.unknown, sizes));
-    add_path_items(items, overlay, look, colours, sizes);
+  Theme theme = kLightTheme;
+  theme.page = kColours.unknown;
+  const LegendLook legend{theme, proportions_of(size)};
+  const Sheet sheet = sheet_of(shown_area(map, overlay.trajectory), look, size, theme, [&](double px_per_m) {
+    std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
+    items.push_back(swatch_item("wall", kColours.wall, legend));
+    items.push_back(swatch_item("free", kColours.free, legend));
+    if (!look.is_transparent) items.push_back(swatch_item("unknown", kColours.unknown, legend));
+    add_path_items(items, overlay, look, colours, legend);
     return items;
   });
   Canvas canvas(size.width, size.height, look.title.empty() ? "Map" : look.title);
   if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kColours.unknown});
   MapColours cells = kColours;
   cells.is_unknown_clear = true;
-  const Panel& panel = sheet.frame.panel;
-  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
-  draw(canvas, occupancy_image(map, sheet.frame, cells));
-  canvas.end_clip();
-  draw_path(canvas, sheet.frame, overlay, look, colours, sizes);
-  draw_title(canvas, sheet, look);
-  draw_legend(canvas, sheet);
+  const MapFrame frame = whole_sheet(sheet);
+  draw(canvas, frame.panel, occupancy_image(map, frame, cells));
+  draw_path(canvas, frame, overlay, look, colours, sheet.sizes);
+  draw_words(canvas, sheet, look);
   return canvas;
 }
 

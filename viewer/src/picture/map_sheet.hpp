@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/viewer/map_picture.hpp"
 #include "picture/map_frame.hpp"
 #include "picture/path_layer.hpp"
@@ -27,15 +28,20 @@ inline constexpr std::uint32_t kLeastSideWithWords = 200;
 struct Sheet {
   PictureSize size;
   Proportions sizes;
+  Theme theme;
   MapFrame frame;
   std::vector<LegendItem> items;
   std::vector<Point2> places;  ///< of the items
 };
-Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size, const LegendOf& legend);
+Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
+               const LegendOf& legend);
 
-/// Title and subtitle, made smaller or cut with an ellipsis where they are too long.
-void draw_title(Canvas& canvas, const Sheet& sheet, const MapLook& look);
-void draw_legend(Canvas& canvas, const Sheet& sheet);
+/// The same map on the whole sheet: what was seen beyond the walls ends where it ends, not at the border of a panel.
+MapFrame whole_sheet(const Sheet& sheet);
+
+/// Title and subtitle, made smaller or cut with an ellipsis where they are too long, and the legend; what of the map
+/// lies under them is dimmed.
+void draw_words(Canvas& canvas, const Sheet& sheet, const MapLook& look);
 
 /// Words no wider than `room_px`.
 struct FittedWords {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
+#include "picture/mixed.hpp"
 
 namespace gdtslam::picture {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 constexpr int kTimeBands = 64;
 constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
-constexpr double kKeyframeRadius = 1.9;
+constexpr double kKeyframeRadius = 2.1;
 
 /// What is drawn of the path: no two points nearer than can be seen, so that a robot that stands costs nothing.
 struct PathPoint {
@@ -89,7 +90,8 @@ void draw_doubtful_scans(Canvas& canvas, const MapFrame& frame, const PathOverla
 
 void draw_keyframes(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const PathColours& colours,
                     const Proportions& sizes) {
-  const double apart = kKeyframeRadius * sizes.unit;  // those of a robot that turns on the spot are one dot
+  const double apart = 2.0 * kKeyframeRadius * sizes.unit;  // those of a robot that turns on the spot are one dot
+  const std::vector<double> shares = time_shares(overlay.trajectory);
   std::set<std::pair<std::int64_t, std::int64_t>> taken;
   for (const std::size_t index : overlay.keyframes) {
     const Pose2& pose = overlay.trajectory[index].T_map_base;
@@ -97,7 +99,7 @@ void draw_keyframes(Canvas& canvas, const MapFrame& frame, const PathOverlay& ov
     const Point2 at = frame.pixel_of(pose.translation());
     const std::pair key{static_cast<std::int64_t>(std::floor(at.x() / apart)),
                         static_cast<std::int64_t>(std::floor(at.y() / apart))};
-    if (taken.insert(key).second) draw_keyframe(canvas, at, colours, sizes);
+    if (taken.insert(key).second) draw_keyframe(canvas, at, keyframe_colour(colours, shares[index]), sizes);
   }
 }
 
@@ -129,12 +131,12 @@ Colour time_colour(const PathColours& colours, double share) {
   const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(colours.time.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(position), colours.time.size() - 2);
   const double part = position - static_cast<double>(i);
-  const auto mixed = [part](std::uint8_t from, std::uint8_t to) {
-    return static_cast<std::uint8_t>(std::floor(from + part * (static_cast<double>(to) - from) + 0.5));
-  };
-  const Colour a = colours.time[i];
-  const Colour b = colours.time[i + 1];
-  return {mixed(a.red, b.red), mixed(a.green, b.green), mixed(a.blue, b.blue)};
+  return mixed(colours.time[i], colours.time[i + 1], part);
+}
+
+Colour keyframe_colour(const PathColours& colours, double share) {
+  constexpr double kInkShare = 0.4;
+  return mixed(time_colour(colours, share), colours.ink, kInkShare);
 }
 
 void check(const PathOverlay& overlay) {
@@ -197,8 +199,8 @@ void draw_end(Canvas& canvas, const Point2& centre, const PathColours& colours, 
                 Pen{.colour = time_colour(colours, 1.0), .width = 0.5 * radius});
 }
 
-void draw_keyframe(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
-  canvas.circle(centre, kKeyframeRadius * sizes.unit, Fill{colours.keyframe});
+void draw_keyframe(Canvas& canvas, const Point2& centre, Colour colour, const Proportions& sizes) {
+  canvas.circle(centre, kKeyframeRadius * sizes.unit, Fill{colour});
 }
 
 void draw_doubtful(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {

@@ -16,12 +16,13 @@ namespace gdtslam::picture {
 struct PathColours {
   std::vector<Colour> time;  ///< from start to end, evenly spaced
   Colour halo;
-  Colour keyframe;
+  Colour ink;  ///< keyframes take their path's colour, mixed with it
   Colour doubtful;
 };
 const PathColours& path_colours(bool is_dark);
 /// 0 at the start, 1 at the end.
 Colour time_colour(const PathColours& colours, double share);
+Colour keyframe_colour(const PathColours& colours, double share);
 
 /// Throws InputError where an index of the overlay is beyond the trajectory.
 void check(const PathOverlay& overlay);
@@ -36,7 +37,7 @@ void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay
 // What the legend shows of them, around `centre`.
 void draw_start(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);
 void draw_end(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);
-void draw_keyframe(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);
+void draw_keyframe(Canvas& canvas, const Point2& centre, Colour colour, const Proportions& sizes);
 void draw_doubtful(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);
 
 }  // namespace gdtslam::picture
