@@ -197,7 +197,7 @@ double median_sigma_mm(const std::vector<RangeObservation>& observations) {
 
 }  // namespace
 
-std::string calibration_figure(const CalibrateOutcome& outcome) {
+Canvas calibration_figure(const CalibrateOutcome& outcome) {
   const Belief before{outcome.start, outcome.start_surfaces, "Before: " + outcome.start.name};
   const Belief after{outcome.result.model, outcome.result.surfaces, "After: calibrated"};
   const std::vector<Dot> dots_before = dots_of(before, outcome);
@@ -206,6 +206,7 @@ std::string calibration_figure(const CalibrateOutcome& outcome) {
   const double sigma_mm = median_sigma_mm(outcome.observations);
 
   Canvas canvas(kWidth, kHeight, "Calibration: ranges before and after");
+  canvas.rectangle({0.0, 0.0}, kWidth, kHeight, Fill{ink::kPage});
   canvas.text({40.0, 52.0}, "Calibration of the nodding mount", {.size = 28.0, .is_bold = true});
   canvas.text(
       {40.0, 82.0},
@@ -220,7 +221,7 @@ std::string calibration_figure(const CalibrateOutcome& outcome) {
   draw_ranges(canvas, after, dots_after, scales, {right, kTop});
   draw_residuals(canvas, dots_before, scales, sigma_mm, {40.0, lower});
   draw_residuals(canvas, dots_after, scales, sigma_mm, {right, lower});
-  return canvas.finish();
+  return canvas;
 }
 
 }  // namespace gdtslam

@@ -34,7 +34,7 @@ PlotScale round_scale(double from, double to) {
 
 ScatterPlot::ScatterPlot(Canvas& canvas, PlotFrame frame, std::string_view heading, std::string_view remark)
     : canvas_(canvas), frame_(std::move(frame)), legend_x_(frame_.corner.x() + frame_.width - kRight) {
-  canvas_.rectangle(frame_.corner, frame_.width, frame_.height, ink::kCard, ink::kEdge, kRadius);
+  canvas_.rectangle(frame_.corner, frame_.width, frame_.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
   canvas_.text(frame_.corner + Point2(20.0, 28.0), heading, {.size = 15.0, .is_bold = true});
   canvas_.text(frame_.corner + Point2(20.0, 48.0), remark, {.size = 12.0, .colour = ink::kQuiet});
   const PlotScale& x = frame_.x;
@@ -42,18 +42,18 @@ ScatterPlot::ScatterPlot(Canvas& canvas, PlotFrame frame, std::string_view headi
   for (double value = y.from; value <= y.to + kSlack * y.step; value += y.step) {
     canvas_.line(at(x.from, value), at(x.to, value), {.colour = ink::kGrid});
     canvas_.text(at(x.from, value) + Point2(-8.0, 4.0), fmt::format("{:g}", std::fabs(value) < kSlack ? 0.0 : value),
-                 {.size = 12.0, .colour = ink::kQuiet, .anchor = "end"});
+                 {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kEnd});
   }
   for (double value = x.from; value <= x.to + kSlack * x.step; value += x.step) {
     canvas_.line(at(value, y.from), at(value, y.from) + Point2(0.0, 4.0), {.colour = ink::kQuiet});
     canvas_.text(at(value, y.from) + Point2(0.0, 18.0), fmt::format("{:g}", std::fabs(value) < kSlack ? 0.0 : value),
-                 {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle"});
+                 {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle});
   }
   canvas_.line(at(x.from, y.from), at(x.to, y.from), {.colour = ink::kQuiet});
   canvas_.text(at(0.5 * (x.from + x.to), y.from) + Point2(0.0, 37.0), frame_.x_name,
-               {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle"});
+               {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle});
   canvas_.upright_text({frame_.corner.x() + 22.0, at(x.from, 0.5 * (y.from + y.to)).y()}, frame_.y_name,
-                       {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle"});
+                       {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle});
 }
 
 Point2 ScatterPlot::at(double x, double y) const {
@@ -67,8 +67,8 @@ bool ScatterPlot::holds(double x, double y) const {
   return x >= frame_.x.from && x <= frame_.x.to && y >= frame_.y.from && y <= frame_.y.to;
 }
 
-void ScatterPlot::dot(double x, double y, std::string_view colour, double radius) {
-  if (holds(x, y)) canvas_.circle(at(x, y), radius, colour, {.colour = "none", .width = 0.0});
+void ScatterPlot::dot(double x, double y, Colour colour, double radius) {
+  if (holds(x, y)) canvas_.circle(at(x, y), radius, Fill{colour});
 }
 
 void ScatterPlot::curve(const std::vector<Point2>& points, const Pen& pen) {
@@ -89,21 +89,21 @@ void ScatterPlot::curve(const std::vector<Point2>& points, const Pen& pen) {
 
 void ScatterPlot::level(double y, const Pen& pen) { canvas_.line(at(frame_.x.from, y), at(frame_.x.to, y), pen); }
 
-void ScatterPlot::band(double from_y, double to_y, std::string_view fill) {
+void ScatterPlot::band(double from_y, double to_y, Colour fill) {
   const Point2 corner = at(frame_.x.from, std::min(to_y, frame_.y.to));
   const Point2 end = at(frame_.x.to, std::max(from_y, frame_.y.from));
-  canvas_.rectangle(corner, end.x() - corner.x(), end.y() - corner.y(), fill);
+  canvas_.rectangle(corner, end.x() - corner.x(), end.y() - corner.y(), Fill{fill});
 }
 
-void ScatterPlot::legend(std::string_view colour, bool is_line, std::string_view words) {
+void ScatterPlot::legend(Colour colour, bool is_line, std::string_view words) {
   constexpr double kLetter = 6.6;  // mean width at this size
   const double y = frame_.corner.y() + 24.0;
-  canvas_.text({legend_x_, y + 4.0}, words, {.size = 12.0, .colour = ink::kQuiet, .anchor = "end"});
+  canvas_.text({legend_x_, y + 4.0}, words, {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kEnd});
   legend_x_ -= kLetter * static_cast<double>(words.size()) + 10.0;
   if (is_line) {
     canvas_.line({legend_x_ - 18.0, y}, {legend_x_, y}, {.colour = colour, .width = 2.5});
   } else {
-    canvas_.circle({legend_x_ - 6.0, y}, 4.0, colour, {.colour = "none", .width = 0.0});
+    canvas_.circle({legend_x_ - 6.0, y}, 4.0, Fill{colour});
   }
   legend_x_ -= 32.0;
 }

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "linkage_drawing_canvas.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 
@@ -34,13 +34,13 @@ class ScatterPlot {
   ScatterPlot(Canvas& canvas, PlotFrame frame, std::string_view heading, std::string_view remark);
   [[nodiscard]] Point2 at(double x, double y) const;
   [[nodiscard]] bool holds(double x, double y) const;
-  void dot(double x, double y, std::string_view colour, double radius);
+  void dot(double x, double y, Colour colour, double radius);
   /// What is outside is cut off at the frame's edge by leaving it out.
   void curve(const std::vector<Point2>& points, const Pen& pen);
   void level(double y, const Pen& pen);
-  void band(double from_y, double to_y, std::string_view fill);
+  void band(double from_y, double to_y, Colour fill);
   /// A sample of the colour and what it means, in the upper right corner, one after the other from the right.
-  void legend(std::string_view colour, bool is_line, std::string_view words);
+  void legend(Colour colour, bool is_line, std::string_view words);
 
  private:
   Canvas& canvas_;

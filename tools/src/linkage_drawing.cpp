@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "gdtslam/core/angle.hpp"
-#include "linkage_drawing_canvas.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "linkage_drawing_parts.hpp"
 
 namespace gdtslam {
@@ -14,7 +14,7 @@ constexpr double kHeight = 800.0;
 constexpr double kRadius = 10.0;
 
 void draw_card(Canvas& canvas, const Box& box, std::string_view heading) {
-  canvas.rectangle(box.corner, box.width, box.height, ink::kCard, ink::kEdge, kRadius);
+  canvas.rectangle(box.corner, box.width, box.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
   canvas.text(box.corner + Point2(20.0, 28.0), heading, {.size = 15.0, .is_bold = true});
 }
 
@@ -30,7 +30,7 @@ void draw_header(Canvas& canvas, const LinkageSummary& summary) {
 struct Figure {
   std::string value;
   std::string meaning;
-  std::string_view colour = ink::kText;
+  Colour colour = ink::kText;
 };
 
 std::vector<Figure> figures_of(const LinkageSummary& summary) {
@@ -64,8 +64,9 @@ void draw_figures(Canvas& canvas, const LinkageSummary& summary, const Box& box)
 
 }  // namespace
 
-std::string drawing_of(const LinkageSummary& summary) {
+Canvas drawing_of(const LinkageSummary& summary) {
   Canvas canvas(kWidth, kHeight, "Linkage " + summary.model.name);
+  canvas.rectangle({0.0, 0.0}, kWidth, kHeight, Fill{ink::kPage});
   const Box positions{{40.0, 104.0}, 700.0, 656.0};
   const Box elevation{{760.0, 104.0}, 480.0, 252.0};
   const Box transmission{{760.0, 372.0}, 480.0, 212.0};
@@ -80,7 +81,7 @@ std::string drawing_of(const LinkageSummary& summary) {
   draw_elevation(canvas, summary, shown_rad, elevation);
   draw_transmission(canvas, summary, shown_rad, transmission);
   draw_figures(canvas, summary, figures);
-  return canvas.finish();
+  return canvas;
 }
 
 }  // namespace gdtslam

@@ -1,7 +1,7 @@
 // The parts of a linkage's drawing. Thread-safe.
 #pragma once
 
-#include "linkage_drawing_canvas.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "linkage_table.hpp"
 
 namespace gdtslam {

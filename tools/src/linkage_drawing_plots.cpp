@@ -56,12 +56,12 @@ class Plot {
                                 kTopMargin + height * (values_.to - value) / (values_.to - values_.from));
   }
 
-  void band(double from_deg, double to_deg, std::string_view fill, const std::string& words) {
+  void band(double from_deg, double to_deg, Colour fill, const std::string& words) {
     const Point2 corner = at(from_deg, values_.to);
     const Point2 end = at(to_deg, values_.from);
-    canvas_.rectangle(corner, end.x() - corner.x(), end.y() - corner.y(), fill);
+    canvas_.rectangle(corner, end.x() - corner.x(), end.y() - corner.y(), Fill{fill});
     canvas_.text({0.5 * (corner.x() + end.x()), corner.y() - 7.0}, words,
-                 {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle"});
+                 {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle});
   }
 
   void axes(std::string_view value_name) {
@@ -70,25 +70,25 @@ class Plot {
       const double value = values_.from + i * values_.step;
       canvas_.line(at(0.0, value), at(crank_span_deg_, value), {.colour = ink::kGrid});
       canvas_.text(at(0.0, value) + Point2(-8.0, 4.0), fmt::format("{:g}°", value),
-                   {.size = 12.0, .colour = ink::kQuiet, .anchor = "end"});
+                   {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kEnd});
     }
     const Scale crank = even_scale(0.0, crank_span_deg_);
     for (double tick = 0.0; tick <= crank_span_deg_ + 1e-6; tick += crank.step) {
       canvas_.line(at(tick, values_.from), at(tick, values_.from) + Point2(0.0, 4.0), {.colour = ink::kQuiet});
       canvas_.text(at(tick, values_.from) + Point2(0.0, 18.0), fmt::format("{:g}°", tick),
-                   {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle"});
+                   {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle});
     }
     canvas_.line(at(0.0, values_.from), at(crank_span_deg_, values_.from), {.colour = ink::kQuiet});
     canvas_.upright_text({box_.corner.x() + 16.0, 0.5 * (at(0.0, values_.from).y() + at(0.0, values_.to).y())},
-                         value_name, {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle"});
+                         value_name, {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle});
   }
 
   void crank_name(std::string_view words) {
     canvas_.text(at(0.5 * crank_span_deg_, values_.from) + Point2(0.0, 36.0), words,
-                 {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle"});
+                 {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle});
   }
 
-  void curve(const std::vector<Sample>& samples, std::string_view colour) {
+  void curve(const std::vector<Sample>& samples, Colour colour) {
     std::vector<Point2> points;
     points.reserve(samples.size());
     for (const Sample& sample : samples) {
@@ -97,8 +97,8 @@ class Plot {
     canvas_.polyline(points, {.colour = colour, .width = 2.5});
   }
 
-  void dot(const Sample& sample, std::string_view colour) {
-    canvas_.circle(at(sample.crank_deg, sample.value_deg), 5.0, ink::kCard, {.colour = colour, .width = 2.5});
+  void dot(const Sample& sample, Colour colour) {
+    canvas_.circle(at(sample.crank_deg, sample.value_deg), 5.0, Fill{ink::kCard}, Pen{.colour = colour, .width = 2.5});
   }
 
  private:
@@ -138,8 +138,8 @@ void draw_strokes(Plot& plot, const LinkageSummary& summary) {
     return;
   }
   const double lift_deg = deg_from_rad(std::fabs(lift_span_rad(summary)));
-  plot.band(0.0, lift_deg, "#eef5f2", fmt::format("lift {:.1f}°", lift_deg));
-  plot.band(lift_deg, 360.0, "#fbf1ec", fmt::format("return {:.1f}°", 360.0 - lift_deg));
+  plot.band(0.0, lift_deg, colour_of(0xeef5f2), fmt::format("lift {:.1f}°", lift_deg));
+  plot.band(lift_deg, 360.0, colour_of(0xfbf1ec), fmt::format("return {:.1f}°", 360.0 - lift_deg));
 }
 
 }  // namespace
@@ -165,19 +165,20 @@ void draw_transmission(Canvas& canvas, const LinkageSummary& summary, double sho
   const double poor_deg = deg_from_rad(calib::kPoorTransmission_rad);
   const Point2 corner = plot.at(0.0, poor_deg);
   const Point2 end = plot.at(span_deg, 0.0);
-  canvas.rectangle(corner, end.x() - corner.x(), end.y() - corner.y(), "#fbeceb");
+  canvas.rectangle(corner, end.x() - corner.x(), end.y() - corner.y(), Fill{colour_of(0xfbeceb)});
   plot.axes("transmission");
   canvas.line(corner, plot.at(span_deg, poor_deg), {.colour = ink::kWarning, .width = 1.2, .dashes = "5 4"});
   canvas.text(box.corner + Point2(box.width - kRightMargin, 28.0), fmt::format("shaded: below {:.0f}°, poor", poor_deg),
-              {.size = 12.0, .colour = ink::kWarning, .anchor = "end"});
+              {.size = 12.0, .colour = ink::kWarning, .anchor = Anchor::kEnd});
   plot.curve(samples, ink::kCoupler);
   plot.dot(nearest(samples, since_begin_deg(summary, shown_rad)), ink::kCoupler);
   const Sample least = *std::min_element(samples.begin(), samples.end(), is_lower);
-  canvas.circle(plot.at(least.crank_deg, least.value_deg), 4.0, ink::kWarning, {.colour = ink::kCard, .width = 1.0});
+  canvas.circle(plot.at(least.crank_deg, least.value_deg), 4.0, Fill{ink::kWarning},
+                Pen{.colour = ink::kCard, .width = 1.0});
   const bool is_left = least.crank_deg < 0.5 * span_deg;
   canvas.text(plot.at(least.crank_deg, least.value_deg) + Point2(is_left ? 10.0 : -10.0, -8.0),
               fmt::format("least {:.1f}°", least.value_deg),
-              {.size = 12.0, .anchor = is_left ? "start" : "end", .is_bold = true, .has_halo = true});
+              {.size = 12.0, .anchor = is_left ? Anchor::kStart : Anchor::kEnd, .is_bold = true, .has_halo = true});
   plot.crank_name(summary.report ? "crank since the lift began" : "crank within the stretch that closes");
 }
 

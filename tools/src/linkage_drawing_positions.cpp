@@ -109,7 +109,7 @@ void draw_laser(Canvas& canvas, const LinkageSummary& summary, const Stage& stag
   for (const LinkageRow& row : rows) {
     sector.push_back(stage.beam(row, kBeam));
   }
-  canvas.polygon(sector, ink::kLaser, 0.10);
+  canvas.polygon(sector, Fill{ink::kLaser, 0.10});
   for (const LinkageRow* row : {&rows.front(), &rows.back()}) {
     canvas.line(pivot, stage.beam(*row, kBeam), {.colour = ink::kLaser, .width = 1.5, .dashes = "7 5"});
   }
@@ -126,7 +126,7 @@ void draw_elevation_label(Canvas& canvas, const Stage& stage, const LinkageRow& 
   canvas.text(tip + kGap * outward + Point2(0.0, drop), degrees_text(row.elevation_rad) + "°",
               {.size = 14.0,
                .colour = ink::kLaserText,
-               .anchor = !is_side ? "middle" : (outward.x() > 0.0 ? "start" : "end"),
+               .anchor = !is_side ? Anchor::kMiddle : (outward.x() > 0.0 ? Anchor::kStart : Anchor::kEnd),
                .is_bold = true,
                .has_halo = true});
 }
@@ -140,24 +140,24 @@ void draw_paths(Canvas& canvas, const LinkageSummary& summary, const Stage& stag
     const auto middle = calib::coupler_point(bars, summary.model.assembly, row.crank_rad, 0.5 * bars.coupler_m, 0.0);
     curve.push_back(stage.at(middle.value_or(Point2::Zero())));
   }
-  canvas.circle(stage.at(Point2::Zero()), bars.crank_m * stage.pixels_per_m(), "none",
-                {.colour = ink::kCrank, .width = 1.5, .opacity = 0.6, .dashes = "2 5"});
+  canvas.circle(stage.at(Point2::Zero()), bars.crank_m * stage.pixels_per_m(), std::nullopt,
+                Pen{.colour = ink::kCrank, .width = 1.5, .opacity = 0.6, .dashes = "2 5"});
   canvas.polyline(arc, {.colour = ink::kRocker, .width = 2.0, .opacity = 0.6, .dashes = "2 5"});
   canvas.polyline(curve, {.colour = ink::kCurve, .width = 2.0});
 }
 
 /// Hatched feet under a pivot that is fixed to the robot.
 void draw_pivot(Canvas& canvas, const Point2& at) {
-  canvas.polygon({at, at + Point2(-12.0, 20.0), at + Point2(12.0, 20.0)}, ink::kGround, 0.9);
+  canvas.polygon({at, at + Point2(-12.0, 20.0), at + Point2(12.0, 20.0)}, Fill{ink::kGround, 0.9});
   for (int i = 0; i < 4; ++i) {
     const Point2 foot = at + Point2(-12.0 + 8.0 * i, 20.0);
     canvas.line(foot, foot + Point2(-5.0, 7.0), {.colour = ink::kGround, .width = 1.2});
   }
-  canvas.circle(at, 6.5, ink::kCard, {.colour = ink::kGround, .width = 2.5});
+  canvas.circle(at, 6.5, Fill{ink::kCard}, Pen{.colour = ink::kGround, .width = 2.5});
 }
 
 /// A bar's name and length beside its middle, away from the loop.
-void draw_label(Canvas& canvas, const Point2& from, const Point2& to, const Point2& centre, std::string_view colour,
+void draw_label(Canvas& canvas, const Point2& from, const Point2& to, const Point2& centre, Colour colour,
                 const std::string& words) {
   const Point2 along = to - from;
   const double length = std::sqrt(along.x() * along.x() + along.y() * along.y());
@@ -174,7 +174,7 @@ void draw_label(Canvas& canvas, const Point2& from, const Point2& to, const Poin
   const double half_width = 0.5 * kLetterWidth * static_cast<double>(words.size());
   const double away = half_width * std::fabs(normal.x()) + kHalfHeight * std::fabs(normal.y()) + kClearance;
   canvas.text(middle + away * normal + Point2(0.0, 5.0), words,
-              {.size = 14.0, .colour = colour, .anchor = "middle", .is_bold = true, .has_halo = true});
+              {.size = 14.0, .colour = colour, .anchor = Anchor::kMiddle, .is_bold = true, .has_halo = true});
 }
 
 void draw_labels(Canvas& canvas, const calib::FourBar& bars, const Joints& joints) {
@@ -206,15 +206,15 @@ void draw_turning(Canvas& canvas, const LinkageSummary& summary, const Stage& st
   const double length = std::sqrt(back.x() * back.x() + back.y() * back.y());
   const Point2 along = 11.0 / length * back;
   const Point2 across(-0.5 * along.y(), 0.5 * along.x());
-  canvas.polygon({tip - 0.4 * along, tip + along + across, tip + along - across}, ink::kCrank, 1.0);
+  canvas.polygon({tip - 0.4 * along, tip + along + across, tip + along - across}, Fill{ink::kCrank, 1.0});
 }
 
 void draw_dead_points(Canvas& canvas, const Stage& stage, const std::vector<LinkageRow>& lift) {
   for (const LinkageRow* row : {&lift.front(), &lift.back()}) {
     const Joints joints = stage.joints(*row);
     draw_bars(canvas, joints, 2.5, 0.55);
-    canvas.circle(joints.rocker_end, 6.0, ink::kText, {.colour = ink::kCard, .width = 2.0});
-    canvas.circle(joints.crank_end, 4.0, ink::kText, {.colour = ink::kCard, .width = 1.5});
+    canvas.circle(joints.rocker_end, 6.0, Fill{ink::kText}, Pen{.colour = ink::kCard, .width = 2.0});
+    canvas.circle(joints.crank_end, 4.0, Fill{ink::kText}, Pen{.colour = ink::kCard, .width = 1.5});
   }
 }
 
@@ -229,7 +229,7 @@ void draw_scale(Canvas& canvas, const Stage& stage, const Point2& right_end) {
     canvas.line(end + Point2(0.0, -4.0), end + Point2(0.0, 4.0), {.colour = ink::kText, .width = 2.0});
   }
   canvas.text(0.5 * (left_end + right_end) + Point2(0.0, -9.0), fmt::format("{:g} cm", bar_cm),
-              {.size = 12.0, .anchor = "middle"});
+              {.size = 12.0, .anchor = Anchor::kMiddle});
 }
 
 void draw_legend(Canvas& canvas, const Point2& corner, bool lifts) {
@@ -254,7 +254,7 @@ void draw_legend(Canvas& canvas, const Point2& corner, bool lifts) {
     canvas.text(at + Point2(40.0, 4.0), item.words, {.size = 13.0});
   }
   const Point2 dot = corner + Point2(458.0, 24.0);
-  canvas.circle(dot + Point2(14.0, 0.0), 6.0, ink::kText, {.colour = ink::kCard, .width = 2.0});
+  canvas.circle(dot + Point2(14.0, 0.0), 6.0, Fill{ink::kText}, Pen{.colour = ink::kCard, .width = 2.0});
   canvas.text(dot + Point2(40.0, 4.0), lifts ? "dead points of the rocker" : "ends of the stretch", {.size = 13.0});
 }
 
@@ -293,7 +293,7 @@ void draw_positions(Canvas& canvas, const LinkageSummary& summary, double shown_
     canvas.line(joints.crank_pivot, joints.rocker_pivot, {.colour = ink::kGround, .width = 3.0, .dashes = "1 7"});
     draw_bars(canvas, joints, 8.0, 1.0);
     for (const Point2& joint : {joints.crank_end, joints.rocker_end}) {
-      canvas.circle(joint, 6.0, ink::kCard, {.colour = ink::kText, .width = 2.0});
+      canvas.circle(joint, 6.0, Fill{ink::kCard}, Pen{.colour = ink::kText, .width = 2.0});
     }
     if (summary.report) {
       draw_turning(canvas, summary, stage, shown_rad);

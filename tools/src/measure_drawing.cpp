@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "linkage_drawing_canvas.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 
 namespace gdtslam {
 namespace {
@@ -149,14 +149,14 @@ void draw_points(Canvas& canvas, const Measurement& measured, std::span<const Cl
     while (end < squares.size() && squares[end] == squares[k]) ++end;
     const double share = std::min(1.0, 0.25 + static_cast<double>(end - k) / 40.0);
     const Point2 at(square_px * (squares[k].first + 0.5), square_px * (squares[k].second + 0.5));
-    canvas.circle(at, 0.36 * square_px * share, "#b9b4a6", {.colour = "none", .width = 0.0});
+    canvas.circle(at, 0.36 * square_px * share, Fill{colour_of(0xb9b4a6)});
     k = end;
   }
 }
 
 // A line with ticks at both ends beside what it measures, and the value at its middle.
 void draw_dimension(Canvas& canvas, const TopView& view, const Point2& from_m, const Point2& to_m, const Point2& out_m,
-                    const Dimension& dimension, std::string_view colour) {
+                    const Dimension& dimension, Colour colour) {
   const Point2 out(-out_m.y(), -out_m.x());
   const Point2 from = view.at(from_m.x(), from_m.y()) + kAside_px * out;
   const Point2 to = view.at(to_m.x(), to_m.y()) + kAside_px * out;
@@ -166,23 +166,23 @@ void draw_dimension(Canvas& canvas, const TopView& view, const Point2& from_m, c
   }
   canvas.line(from, to, pen);
   const Point2 label = 0.5 * (from + to) + 20.0 * out;
-  const std::string_view anchor = out.x() > 0.5 ? "start" : out.x() < -0.5 ? "end" : "middle";
+  const Anchor anchor = out.x() > 0.5 ? Anchor::kStart : out.x() < -0.5 ? Anchor::kEnd : Anchor::kMiddle;
   canvas.text(label + Point2(0.0, 5.0), fmt::format("{:.2f} cm", 100.0 * dimension.value_m),
               {.size = 15.0, .colour = colour, .anchor = anchor, .is_bold = true, .has_halo = true});
 }
 
 void draw_box(Canvas& canvas, const TopView& view, const MeasuredBox& box, std::size_t number) {
-  const std::string_view colour = kFills[number % kFills.size()];
+  const Colour colour = kFills[number % kFills.size()];
   const Outline outline = outline_of(box);
   std::vector<Point2> corners;
   for (const Point2& corner : corners_of(outline)) corners.push_back(view.at(corner.x(), corner.y()));
-  canvas.polygon(corners, colour, outline.has_depth ? 0.16 : 0.08);
+  canvas.polygon(corners, Fill{colour, outline.has_depth ? 0.16 : 0.08});
   const std::string_view dashes = outline.has_depth ? "" : "5 5";
   canvas.polyline({corners[1], corners[2], corners[3], corners[0]}, {.colour = colour, .width = 1.5, .dashes = dashes});
   canvas.line(corners[0], corners[1], {.colour = colour, .width = 4.0});
   const Point2 middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   canvas.text(middle + Point2(0.0, 6.0), fmt::format("{}", number + 1),
-              {.size = 18.0, .colour = colour, .anchor = "middle", .is_bold = true, .has_halo = true});
+              {.size = 18.0, .colour = colour, .anchor = Anchor::kMiddle, .is_bold = true, .has_halo = true});
   draw_dimension(canvas, view, outline.left, outline.right, outline.out, box.width, colour);
   if (!outline.has_depth) return;
   const Point2 across(-outline.out.y(), outline.out.x());
@@ -195,8 +195,8 @@ void draw_box(Canvas& canvas, const TopView& view, const MeasuredBox& box, std::
 
 void draw_scanner(Canvas& canvas, const TopView& view, const Point3& viewpoint) {
   const Point2 at = view.at(viewpoint.x(), viewpoint.y());
-  canvas.circle(at, 16.0, "none", {.colour = ink::kLaser, .width = 1.0, .opacity = 0.5});
-  canvas.circle(at, 7.0, ink::kLaser, {.colour = "#ffffff", .width = 2.0});
+  canvas.circle(at, 16.0, std::nullopt, Pen{.colour = ink::kLaser, .width = 1.0, .opacity = 0.5});
+  canvas.circle(at, 7.0, Fill{ink::kLaser}, Pen{.colour = colour_of(0xffffff), .width = 2.0});
   canvas.text(at + Point2(24.0, 5.0), "scanner", {.size = 13.0, .colour = ink::kQuiet, .has_halo = true});
 }
 
@@ -208,15 +208,16 @@ void draw_scale(Canvas& canvas, const TopView& view, double step_m) {
   canvas.line(left - Point2(0.0, 5.0), left + Point2(0.0, 5.0), pen);
   canvas.line(right - Point2(0.0, 5.0), right + Point2(0.0, 5.0), pen);
   canvas.text(0.5 * (left + right) - Point2(0.0, 10.0), fmt::format("{:g} m", step_m),
-              {.size = 12.0, .colour = ink::kQuiet, .anchor = "middle", .has_halo = true});
+              {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle, .has_halo = true});
 }
 
 void draw_row(Canvas& canvas, const Point2& at, std::string_view name, const Dimension& dimension) {
   const bool is_known = std::isfinite(dimension.sigma_m);
   canvas.text(at, name, {.size = 13.0, .colour = ink::kQuiet});
   const std::string value = is_known ? fmt::format("{:.2f}", 100.0 * dimension.value_m) : "not seen";
-  const std::string_view colour = is_known ? ink::kText : ink::kQuiet;
-  canvas.text(at + Point2(142.0, 0.0), value, {.size = 16.0, .colour = colour, .anchor = "end", .is_bold = is_known});
+  const Colour colour = is_known ? ink::kText : ink::kQuiet;
+  canvas.text(at + Point2(142.0, 0.0), value,
+              {.size = 16.0, .colour = colour, .anchor = Anchor::kEnd, .is_bold = is_known});
   if (!is_known) return;
   canvas.text(at + Point2(150.0, 0.0), fmt::format("± {:.2f} cm", 100.0 * dimension.sigma_m), {.size = 13.0});
   if (!dimension.is_observed) {
@@ -230,10 +231,10 @@ void draw_table(Canvas& canvas, const Measurement& measured, const Card& card) {
   const std::size_t shown = std::min(measured.boxes.size(), kMostRows);
   for (std::size_t k = 0; k < shown; ++k) {
     const MeasuredBox& box = measured.boxes[k];
-    const std::string_view colour = kFills[k % kFills.size()];
-    canvas.circle({x + 10.0, y - 5.0}, 11.0, colour, {.colour = colour});
+    const Colour colour = kFills[k % kFills.size()];
+    canvas.circle({x + 10.0, y - 5.0}, 11.0, Fill{colour}, Pen{.colour = colour});
     canvas.text({x + 10.0, y}, fmt::format("{}", k + 1),
-                {.size = 14.0, .colour = "#ffffff", .anchor = "middle", .is_bold = true});
+                {.size = 14.0, .colour = colour_of(0xffffff), .anchor = Anchor::kMiddle, .is_bold = true});
     draw_row(canvas, {x + 36.0, y}, "width", box.width);
     draw_row(canvas, {x + 36.0, y + 26.0}, "depth", box.depth);
     draw_row(canvas, {x + 36.0, y + 52.0}, "height", box.height);
@@ -252,8 +253,9 @@ void draw_table(Canvas& canvas, const Measurement& measured, const Card& card) {
 
 }  // namespace
 
-std::string drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud) {
+Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud) {
   Canvas canvas(kWidth, kHeight, "Boxes of " + measured.cloud);
+  canvas.rectangle({0.0, 0.0}, kWidth, kHeight, Fill{ink::kPage});
   const std::size_t count = measured.boxes.size();
   canvas.text({40.0, 52.0}, fmt::format("{} {}", count, count == 1 ? "box" : "boxes"), {.size = 28.0, .is_bold = true});
   canvas.text({40.0, 80.0}, fmt::format("{}  ·  {} points", measured.cloud, measured.points),
@@ -261,7 +263,7 @@ std::string drawing_of(const Measurement& measured, std::span<const CloudPoint> 
   const Card plan{{40.0, 104.0}, 760.0, 656.0};
   const Card table{{820.0, 104.0}, 420.0, 656.0};
   for (const Card& card : {plan, table}) {
-    canvas.rectangle(card.corner, card.width, card.height, ink::kCard, ink::kEdge, kRadius);
+    canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
   }
   const TopView view = view_of(measured, cloud, plan);
   const double step_m = grid_step_of(view);
@@ -273,7 +275,7 @@ std::string drawing_of(const Measurement& measured, std::span<const CloudPoint> 
   canvas.text(plan.corner + Point2(20.0, 28.0), "From above", {.size = 15.0, .is_bold = true, .has_halo = true});
   canvas.text(table.corner + Point2(20.0, 28.0), "Dimensions", {.size = 15.0, .is_bold = true});
   draw_table(canvas, measured, table);
-  return canvas.finish();
+  return canvas;
 }
 
 }  // namespace gdtslam

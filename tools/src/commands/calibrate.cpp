@@ -13,6 +13,7 @@
 #include "calibrate_text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "drawing_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -30,7 +31,7 @@ struct CalibrateCommand {
   CalibrateJob job;
   std::string start = std::string(calib::kDefaultLinkage);
   std::string output;
-  std::string svg;
+  std::string picture;
   std::string up_to = "60deg";
   std::string sector;
   std::string sigma;
@@ -89,12 +90,15 @@ void refuse_distrusted(const CalibrateCommand& command, const std::string& distr
 // Both or none.
 void write_files(const CalibrateCommand& command, const CalibrateOutcome& outcome) {
   AtomicFileSet files;
-  if (!command.svg.empty()) files.add(command.svg).write(calibration_figure(outcome));
+  if (!command.picture.empty()) {
+    files.add(command.picture).write(drawing_bytes(calibration_figure(outcome), command.picture, kDensePng));
+  }
   files.add(command.output).write(linkage_text(outcome.result.model, stated_sigmas(outcome)));
   files.commit();
 }
 
 int run_calibrate(const CalibrateCommand& command) {
+  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   const CalibrateJob job = job_of(command);
   ProgressLine progress("records", command.quiet);
   std::uint64_t records = 0;
@@ -177,12 +181,15 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
                     "The encoder's zero is not known at all: try the whole turn");
   command->add_flag("--no-prior", chosen->no_prior,
                     "Let the data alone decide; what they do not tell stays at the start");
-  command->add_option("--svg", chosen->svg, "Draw the ranges before and after (figure A)")->type_name("FILE");
+  command
+      ->add_option("--picture,--svg", chosen->picture,
+                   "Draw the ranges before and after (figure A): .svg, .png or .pdf")
+      ->type_name("FILE");
   CLI::Option* const self =
       command->add_flag("--self", chosen->is_self,
                         "From a mapping log: what the up and the down strokes see must agree; no surface is given");
   for (const char* name : {"--surfaces", "--known-distances", "--free-headings", "--sector", "--up-to", "--sigma",
-                           "--search-zero", "--no-prior", "--svg"}) {
+                           "--search-zero", "--no-prior", "--picture"}) {
     self->excludes(command->get_option(name));
   }
   command->add_flag("--force", chosen->force, "Write the linkage file though it is not to be trusted, without sigmas");
@@ -195,7 +202,7 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam calibrate wall.log -o linkage.yaml\n"
       "  gdtslam calibrate wall.log -o linkage.yaml --start mine.yaml --surfaces wall=2m,ceiling=2.2m --free-lever\n"
-      "  gdtslam calibrate wall.log -o linkage.yaml --svg figure-a.svg --json\n"
+      "  gdtslam calibrate wall.log -o linkage.yaml --picture figure-a.svg --json\n"
       "  gdtslam calibrate office.log -o better.yaml --start linkage.yaml --self");
   command->callback([chosen, &context] {
     context.run = [chosen] { return chosen->is_self ? run_self(*chosen) : run_calibrate(*chosen); };

@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "drawing_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
@@ -30,7 +31,7 @@ struct LinkageCommand {
   std::size_t count = 1;
   std::string step = "1deg";
   std::string csv;
-  std::string svg;
+  std::string picture;
   std::string output;
   bool is_calibrated = false;
   bool lists = false;
@@ -86,8 +87,8 @@ void write_files(const LinkageCommand& command, const LinkageSummary& summary) {
   if (!command.csv.empty()) {
     files.add(command.csv).write(csv_of(summary, step_of(command.step)));
   }
-  if (!command.svg.empty()) {
-    files.add(command.svg).write(drawing_of(summary));
+  if (!command.picture.empty()) {
+    files.add(command.picture).write(drawing_bytes(drawing_of(summary), command.picture, kDensePng));
   }
   if (!command.output.empty()) {
     files.add(command.output).write(linkage_text(summary.model));
@@ -142,6 +143,7 @@ int run_design(const LinkageCommand& command) {
 }
 
 int run_linkage(const LinkageCommand& command) {
+  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   if (command.lists) {
     return list_presets(command);
   }
@@ -194,10 +196,10 @@ void add_linkage_command(CLI::App& app, CommandContext& context) {
   command->add_option("--step", chosen->step, "Step of the table's crank angle")
       ->type_name("ANGLE")
       ->capture_default_str();
-  command->add_option("--svg", chosen->svg, "Write a drawing")->type_name("FILE");
+  command->add_option("--picture,--svg", chosen->picture, "Write a drawing: .svg, .png or .pdf")->type_name("FILE");
   command->add_option("-o,--output", chosen->output, "Write the linkage as a file for map, simulate and calibrate")
       ->type_name("FILE");
-  for (const char* name : {"--csv", "--svg", "--output"}) {
+  for (const char* name : {"--csv", "--picture", "--output"}) {
     list->excludes(command->get_option(name));
   }
   command->add_flag("--json", chosen->json, "Print JSON");
@@ -205,7 +207,7 @@ void add_linkage_command(CLI::App& app, CommandContext& context) {
       "Angles and lengths need their unit: 90deg, 3.6cm. docs/linkage.md explains every figure.\n"
       "\n"
       "Examples:\n"
-      "  gdtslam linkage paper-b --svg paper-b.svg\n"
+      "  gdtslam linkage paper-b --picture paper-b.svg\n"
       "  gdtslam linkage paper-a --calibrated --csv turn.csv --step 0.5deg\n"
       "  gdtslam linkage --design --swing 90deg --min-transmission 40deg --crank 3..5cm -o linkage.yaml\n"
       "  gdtslam linkage --design --swing 60deg --min-transmission 30deg --time-ratio 1.2 --count 5 --json");

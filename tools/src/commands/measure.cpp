@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "drawing_file.hpp"
 #include "gdtslam/cloud/box.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
@@ -43,7 +44,7 @@ struct MeasureCommand {
   std::uint32_t trials = 2000;
   std::uint64_t seed = 1;
   std::string csv;
-  std::string svg;
+  std::string picture;
 };
 
 double length_of(const std::string& option, const std::string& text, double least_m, double most_m) {
@@ -135,6 +136,7 @@ int run_measure(const MeasureCommand& command) {
   if (command.boxes && command.planes && !command.csv.empty()) {
     throw UsageError("--csv writes one table: ask for --boxes or for --planes");
   }
+  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   const BoxSearch boxes = box_search_of(command);
   const PlaneSearch planes = plane_search_of(command, {});
   if (!command.viewpoint.empty() && command.viewpoint != "none") (void)viewpoint_of(command.viewpoint);
@@ -146,7 +148,9 @@ int run_measure(const MeasureCommand& command) {
   const Measurement measured = measure(command, boxes, planes, cloud);
   AtomicFileSet files;
   if (!command.csv.empty()) files.add(command.csv).write(csv_of(measured));
-  if (!command.svg.empty()) files.add(command.svg).write(drawing_of(measured, cloud));
+  if (!command.picture.empty()) {
+    files.add(command.picture).write(drawing_bytes(drawing_of(measured, cloud), command.picture, kDensePng));
+  }
   files.commit();
   print_result(command.json ? json_text(json_of(measured)) : text_of(measured));
   return static_cast<int>(ExitCode::kDone);
@@ -194,7 +198,9 @@ void add_measure_command(CLI::App& app, CommandContext& context) {
   command->add_flag("--planes", chosen->planes, "The largest planes");
   add_search_options(*command, *chosen, boxes);
   command->add_option("--csv", chosen->csv, "Write a table of the boxes or of the planes")->type_name("FILE");
-  command->add_option("--svg", chosen->svg, "Write a top view of the boxes with their dimensions")
+  command
+      ->add_option("--picture,--svg", chosen->picture,
+                   "Write a top view of the boxes with their dimensions: .svg, .png or .pdf")
       ->type_name("FILE")
       ->needs(boxes);
   command->add_flag("--json", chosen->json, "Print JSON");
@@ -204,7 +210,7 @@ void add_measure_command(CLI::App& app, CommandContext& context) {
       "\n"
       "Examples:\n"
       "  gdtslam measure run/cloud.ply --boxes\n"
-      "  gdtslam measure run/cloud.ply --boxes --projection --svg boxes.svg --csv boxes.csv\n"
+      "  gdtslam measure run/cloud.ply --boxes --projection --picture boxes.svg --csv boxes.csv\n"
       "  gdtslam measure room.pcd --boxes --viewpoint 0,0,1.2m --json\n"
       "  gdtslam measure room.pcd --planes --thickness 5cm --min-points 1000");
   command->callback([chosen, &context] { context.run = [chosen] { return run_measure(*chosen); }; });
