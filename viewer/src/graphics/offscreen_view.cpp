@@ -4,6 +4,7 @@
 #include <vtkCamera.h>
 #include <vtkNew.h>
 #include <vtkOpenGLFramebufferObject.h>
+#include <vtkPropCollection.h>
 #include <vtkRenderer.h>
 
 #include <algorithm>
@@ -152,6 +153,35 @@ RawPicture read_back(RenderWindow& window, bool with_depth) {
   return picture;
 }
 
+RawPicture drawn_over(Colour background, double alpha, RenderWindow& window, vtkRenderer& renderer, bool with_depth) {
+  renderer.SetBackground(background.red / 255.0, background.green / 255.0, background.blue / 255.0);
+  renderer.SetBackgroundAlpha(alpha);
+  window.Render();
+  if (!window.loading_failure().empty()) throw DeviceError("OpenGL", "glewInit", window.loading_failure());
+  throw_errors_of_vtk();
+  return read_back(window, with_depth);
+}
+
+bool has_translucent_props(vtkRenderer& renderer) {
+  vtkPropCollection& props = *renderer.GetViewProps();
+  vtkCollectionSimpleIterator place = nullptr;
+  props.InitTraversal(place);
+  while (vtkProp* prop = props.GetNextProp(place)) {
+    if (prop->GetVisibility() != 0 && prop->HasTranslucentPolygonalGeometry() != 0) return true;
+  }
+  return false;
+}
+
+/// Over black that does not cover, so that colours come out premultiplied by what they cover.
+RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool with_depth) {
+  RawPicture picture = drawn_over({0, 0, 0}, 0.0, window, renderer, with_depth);
+  // VTK blends translucent props with the right colours but squares their alpha.
+  if (has_translucent_props(renderer)) {
+    set_alpha_from(picture, drawn_over({255, 255, 255}, 1.0, window, renderer, false));
+  }
+  return picture;
+}
+
 }  // namespace
 
 OffscreenView::OffscreenView(const GraphicsContext& graphics) : state_(std::make_unique<State>(graphics)) {
@@ -186,18 +216,12 @@ RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
   check_size(size, s.samples, s.largest_side);
   s.context->make_current();
-  // Over black that does not cover, blended colours come out premultiplied by what they cover.
-  const Colour behind = s.is_transparent ? Colour{} : s.background;
-  s.renderer->SetBackground(behind.red / 255.0, behind.green / 255.0, behind.blue / 255.0);
-  s.renderer->SetBackgroundAlpha(s.is_transparent ? 0.0 : 1.0);
-  const DepthRange range = point_camera(*s.renderer, camera);
   s.window->SetSize(static_cast<int>(size.width * s.samples), static_cast<int>(size.height * s.samples));
-  s.window->Render();
-  if (!s.window->loading_failure().empty()) throw DeviceError("OpenGL", "glewInit", s.window->loading_failure());
-  throw_errors_of_vtk();
-  RawPicture picture = read_back(*s.window, s.has_eye_dome);
-  // As wide on every picture: a pixel of 720 rows.
-  if (s.has_eye_dome) shade_eye_dome(picture, range, std::max(1U, (picture.height + 360U) / 720U));
+  const DepthRange range = point_camera(*s.renderer, camera);
+  RawPicture picture = s.is_transparent ? drawn_over_nothing(*s.window, *s.renderer, s.has_eye_dome)
+                                        : drawn_over(s.background, 1.0, *s.window, *s.renderer, s.has_eye_dome);
+  // A pixel of pictures up to 720 rows high, and more of larger ones.
+  if (s.has_eye_dome) shade_eye_dome(picture, range, s.samples * std::max(1U, (size.height + 360U) / 720U));
   return averaged(picture, s.samples, s.is_transparent);
 }
 

@@ -7,8 +7,8 @@
 namespace gdtslam {
 namespace {
 
-/// How much nearness changes from a pixel to the next by a plane's tilt alone, as a share: a plane seen so flat that
-/// its depth doubles within twenty pixels. Steeper is an edge.
+/// Up to this share a neighbour's rise is a plane's tilt wherever the opposite one falls as much or more: a plane so
+/// flat that its depth doubles within twenty pixels. Beyond, only a fall that equals the rise speaks for a plane.
 constexpr float kTilt = 0.05F;
 /// Steps of depth beyond this share darken no more, so that far and near edges look alike.
 constexpr float kLargestStep = 0.04F;
@@ -56,8 +56,11 @@ void add_steps(const float* centre, std::ptrdiff_t to_one, float tilt, const std
     const float b = other[x] > 0.0F ? other[x] - centre[x] : 0.0F;
     const float rise = (a > 0.0F ? a : 0.0F) + (b > 0.0F ? b : 0.0F);
     const float fall = rise - (a + b);
-    float explained = rise < fall ? rise : fall;
-    explained = explained < tilt * centre[x] ? explained : tilt * centre[x];
+    const float less = rise < fall ? rise : fall;
+    const float more = rise < fall ? fall : rise;
+    const float slight = less < tilt * centre[x] ? less : tilt * centre[x];
+    const float even = less - (more - less);
+    const float explained = slight > even ? slight : even;
     const float step = (rise - explained) * inverse[x];
     shade[x] *= 1.0F + (step < kLargestStep ? step : kLargestStep);
   }
@@ -90,6 +93,14 @@ void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t 
       for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(static_cast<float>(pixel[c]) * light + 0.5F);
       pixel += 4;
     }
+  }
+}
+
+void set_alpha_from(RawPicture& over_black, const RawPicture& over_white) {
+  for (std::size_t i = 0; i < over_black.rgba.size(); i += 4) {
+    int difference = 0;
+    for (std::size_t c = i; c < i + 3; ++c) difference += over_white.rgba[c] - over_black.rgba[c];
+    over_black.rgba[i + 3] = static_cast<std::uint8_t>(255 - std::clamp((difference + 1) / 3, 0, 255));
   }
 }
 

@@ -32,6 +32,9 @@ struct DepthRange {
 /// nothing. Consumes the depth.
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius);
 
+/// Sets the alpha of a picture over black from the same picture over white: what is behind shows by their difference.
+void set_alpha_from(RawPicture& over_black, const RawPicture& over_white);
+
 /// The mean of samples x samples pixels each, rows from the top, colours no longer premultiplied where
 /// `is_premultiplied`.
 RgbaImage averaged(const RawPicture& picture, std::uint32_t samples, bool is_premultiplied);

@@ -32,7 +32,12 @@ std::string one_line(const char* text) {
     }
   }
   if (!line.empty() && line.back() == ' ') line.pop_back();
-  return line;
+  // "ERROR: In FILE, line 12 vtkClass (0x55d0): text": of this the class and the text.
+  const std::size_t address = line.find(" (0x");
+  const std::size_t text_start = line.find("): ", address);
+  if (address == std::string::npos || text_start == std::string::npos) return line;
+  const std::size_t before_class = line.rfind(' ', address - 1);
+  return line.substr(before_class + 1, address - before_class - 1) + ": " + line.substr(text_start + 3);
 }
 
 class Collector : public vtkOutputWindow {
