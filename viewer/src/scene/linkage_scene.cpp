@@ -1,7 +1,6 @@
 #include "gdtslam/viewer/linkage_scene.hpp"
 
-#include <vtkActor.h>
-#include <vtkLight.h>
+#include <fmt/format.h>
 #include <vtkRenderer.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "gdtslam/core/elementary.hpp"
 #include "graphics/offscreen_view.hpp"
 #include "scene/linkage_cycle.hpp"
+#include "scene/linkage_panel.hpp"
 #include "scene/linkage_parts.hpp"
 #include "scene/linkage_surroundings.hpp"
 
@@ -72,6 +72,11 @@ Camera camera_on(const std::vector<Point3>& places, double reach_m, const Pictur
   return camera;
 }
 
+std::string degrees_text(double angle_rad) {
+  const double rounded_deg = std::round(10.0 * deg_from_rad(angle_rad)) / 10.0;
+  return fmt::format("{:.1f}°", rounded_deg == 0.0 ? 0.0 : rounded_deg);
+}
+
 }  // namespace
 
 struct LinkageScene::State {
@@ -81,6 +86,7 @@ struct LinkageScene::State {
         sizes(suitable_sizes(model.bars)),
         parts(model, sizes),
         surroundings(cycle, parts),
+        panel(cycle, scene_look),
         view(graphics) {
     vtkRenderer& renderer = view.renderer();
     parts.add_to(renderer);
@@ -93,11 +99,33 @@ struct LinkageScene::State {
 
   Camera camera(const PictureSize& size) const { return camera_on(surroundings.reach(), surroundings.reach_m(), size); }
 
+  /// Where the laser looks at both ends of its sweep, beyond the rim.
+  void draw_sweep_labels(Canvas& canvas, const LinkageSheet& sheet) const {
+    const PictureSize size = sheet.scene_size();
+    const Camera seen_from = camera(size);
+    for (const LinkagePosition* end : {&cycle.begin(), &cycle.end()}) {
+      const std::optional<Seen> rim = pixel_of(seen_from, size, surroundings.sweep_rim(end->elevation_rad, 1.0));
+      const std::optional<Seen> inner = pixel_of(seen_from, size, surroundings.sweep_rim(end->elevation_rad, 0.9));
+      if (!rim || !inner) continue;
+      const Point2 away = Point2(rim->x_px - inner->x_px, rim->y_px - inner->y_px).normalized();
+      const double text = 1.05 * sheet.text;
+      const bool is_side = std::fabs(away.x()) > 0.6;
+      const Point2 at = sheet.scene.corner + Point2(rim->x_px, rim->y_px) +
+                        Point2(0.6 * text * away.x(), (is_side ? 0.35 : (away.y() < 0.0 ? -0.4 : 1.2)) * text);
+      canvas.text(at, degrees_text(end->elevation_rad),
+                  {.size = text,
+                   .colour = look.is_dark ? panel.theme().curve(4) : ink::kLaserText,
+                   .anchor = !is_side ? Anchor::kMiddle : (away.x() > 0.0 ? Anchor::kStart : Anchor::kEnd),
+                   .is_bold = true});
+    }
+  }
+
   LinkageLook look;
   LinkageCycle cycle;
   PartSizes sizes;
   LinkageParts parts;
   LinkageSurroundings surroundings;
+  LinkagePanel panel;
   OffscreenView view;
   double crank_rad = 0.0;
 };
@@ -109,8 +137,24 @@ LinkageScene::~LinkageScene() = default;
 
 RgbaImage LinkageScene::render(double crank_rad, const PictureSize& size) {
   if (state_->parts.pose(Pose3{}, crank_rad)) state_->crank_rad = crank_rad;
-  state_->view.set_background(state_->look.is_dark ? ink::kNight : ink::kCard, state_->look.is_transparent);
+  state_->view.set_background(state_->panel.theme().card, state_->look.is_transparent);
   return state_->view.render(state_->camera(size), size);
+}
+
+Canvas LinkageScene::picture(double crank_rad, const PictureSize& size) {
+  const LinkageSheet sheet = sheet_for(size, state_->look.with_panel);
+  const PictureSize scene_size = sheet.scene_size();
+  const auto image = std::make_shared<const RgbaImage>(render(crank_rad, scene_size));
+  const std::string& name = state_->cycle.model().name;
+  Canvas canvas(size.width, size.height, "Linkage " + (name.empty() ? "in motion" : name));
+  const bool has_panel = sheet.figures.width > 0.0;
+  if (has_panel) state_->panel.draw_ground(canvas, sheet);
+  canvas.picture(sheet.scene.corner, scene_size.width, scene_size.height, image);
+  if (!has_panel) return canvas;
+  state_->draw_sweep_labels(canvas, sheet);
+  const LinkagePosition position = state_->cycle.at(state_->crank_rad).value_or(state_->cycle.begin());
+  state_->panel.draw_read_outs(canvas, sheet, position);
+  return canvas;
 }
 
 double LinkageScene::shown_crank_rad() const { return state_->cycle.shown_crank_rad(); }

@@ -97,13 +97,14 @@ void LinkageSurroundings::add_paths(const LinkageCycle& cycle, const LinkagePart
 
 void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
   constexpr int kSteps = 96;
+  constexpr double kClearOfLaser = 0.24;
   const double from_rad = cycle.begin().elevation_rad;
   const double to_rad = cycle.end().elevation_rad;
   std::vector<Point3> hub;
   std::vector<Point3> rim;
   for (int i = 0; i <= kSteps; ++i) {
     const double elevation_rad = from_rad + (to_rad - from_rad) * i / kSteps;
-    hub.push_back(at_layer(Point2::Zero(), sweep_y_));
+    hub.push_back(sweep_rim(elevation_rad, kClearOfLaser));
     rim.push_back(sweep_rim(elevation_rad, 1.0));
   }
   Mesh sweep;
@@ -111,7 +112,9 @@ void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
   still_.add(sweep, ink::kLaser, Finish::kFlat, 0.10);
   for (const double elevation_rad : {from_rad, to_rad}) {
     std::vector<Point3> edge;
-    for (int i = 0; i <= kSteps; ++i) edge.push_back(sweep_rim(elevation_rad, static_cast<double>(i) / kSteps));
+    for (int i = 0; i <= kSteps; ++i) {
+      edge.push_back(sweep_rim(elevation_rad, kClearOfLaser + (1.0 - kClearOfLaser) * i / kSteps));
+    }
     still_.add(dashed(edge, 0.8 * thin_m_, 0.035 * sweep_m_), ink::kLaser, Finish::kFlat);
   }
 }
