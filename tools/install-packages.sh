@@ -17,7 +17,7 @@ build_packages=(
 vulkan_packages=(libvulkan1 mesa-vulkan-drivers)
 # To build and run the tests, the checks and the benchmark's peer.
 test_packages=(
-  git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libopencv-imgproc-dev
+  git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libgsl-dev libnlopt-cxx-dev libpagmo-dev libopencv-imgproc-dev
   clang libclang-rt-14-dev clang-tidy clang-format shellcheck
   python3 python3-jsonschema python3-yaml chromium xvfb xauth
   "${vulkan_packages[@]}" vulkan-validationlayers

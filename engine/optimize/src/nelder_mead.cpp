@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "gdtslam/core/error.hpp"
 #include "nelder_mead.hpp"
@@ -15,9 +16,10 @@ bool is_small(const Counted& function, std::span<const Valued> vertices, const N
   return true;
 }
 
+// Beyond the box a point is worth nothing and is not valued. Drawing it onto a face would flatten the simplex there.
 Valued tried(Counted& function, const Point& centre, const Point& worst, double factor) {
-  Valued one{function.clamped(along(centre, worst, factor)), 0.0};
-  one.value = function.evaluate(one.point);
+  Valued one{along(centre, worst, factor), std::numeric_limits<double>::infinity()};
+  if (function.holds(one.point)) one.value = function.evaluate(one.point);
   return one;
 }
 

@@ -50,8 +50,8 @@ struct MatchConfig {
 struct OptimizerConfig {
   std::int32_t particles = 30;  ///< of a swarm
   std::int32_t complexes = 4;   ///< of a shuffled population
-  std::int32_t moves = 10;      ///< of an annealed simplex at one temperature, for each dimension
-  double cooling = 4.0;         ///< of the annealing's schedule
+  std::int32_t moves = 2;       ///< of an annealed simplex at one temperature, for each dimension
+  double cooling = 1.0;         ///< of the annealing's schedule
   std::int32_t max_evaluations = 20000;
   std::int32_t seed = 1;
 };

@@ -50,7 +50,7 @@ struct Minimum {
 };
 
 /// Downhill simplex of Nelder and Mead [Nelder1965]: reflection 1, expansion 2, contraction and shrinking 1/2. Points
-/// beyond the box are drawn onto its faces [Box1965]. Batches: the first simplex, and a shrinking.
+/// beyond the box are worth nothing. Batches: the first simplex, and a shrinking.
 struct NelderMead {
   std::vector<double> steps;  ///< edges of the first simplex; empty: a tenth of the box
   std::vector<double>
@@ -90,10 +90,10 @@ Minimum minimise(Function& function, const Box& box, std::span<const double> sta
 /// Ends with the undisturbed simplex from the best point seen. Batches: the first simplex and what sets the first
 /// temperature.
 struct SimplexAnnealing {
-  double first_acceptance = 0.95;          ///< share of worse moves accepted at the first temperature
-  double cooling = 4.0;                    ///< rate delta of the schedule
-  std::uint32_t moves_per_dimension = 10;  ///< at one temperature, for each dimension; our choice
-  double tolerance = 1e-6;                 ///< converged when the simplex is smaller than this share of the box
+  double first_acceptance = 0.95;         ///< share of worse moves accepted at the first temperature
+  double cooling = 1.0;                   ///< rate delta of the schedule
+  std::uint32_t moves_per_dimension = 2;  ///< at one temperature, for each dimension; our choice
+  double tolerance = 1e-6;                ///< converged when the simplex is smaller than this share of the box
   std::uint64_t seed = 1;
 };
 Minimum minimise(Function& function, const Box& box, std::span<const double> start, const SimplexAnnealing& method,
