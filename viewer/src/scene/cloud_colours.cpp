@@ -28,10 +28,10 @@ struct Meaning {
   const char* unit;
   const char* colour_map;  // that suits it
 };
-Meaning meaning_of(CloudColour colour) {
-  switch (colour) {
+Meaning meaning_of(const CloudLook& look) {
+  switch (look.colour) {
     case CloudColour::kHeight:
-      return {"Height", "m", "lagoon"};
+      return {"Height", "m", look.is_dark ? "lagoon" : "tide"};  // the floor is what is most like the page
     case CloudColour::kElevation:
       return {"Elevation of the scan plane", "°", "blue-red"};
     case CloudColour::kTime:
@@ -82,7 +82,7 @@ float percentile(std::vector<float>& values, double share) {
 }
 
 ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::span<const std::uint32_t> drawn) {
-  const Meaning meaning = meaning_of(look.colour);
+  const Meaning meaning = meaning_of(look);
   ColourScale scale{.quantity = meaning.quantity, .unit = meaning.unit, .least = 0.0, .most = 1.0, .colour_map = {}};
   scale.colour_map = look.colour_map.empty() ? meaning.colour_map : look.colour_map;
   static_cast<void>(colour_map(scale.colour_map));  // throws where there is none of the name

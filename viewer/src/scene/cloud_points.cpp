@@ -43,6 +43,10 @@ constexpr const char* kSizeCode =
     "  float dot_diameter_m = 0.001 * exp2(scalarColor.a * (255.0 / 20.0));\n"
     "  gl_PointSize = clamp(dot_scale_px * dot_diameter_m / gl_Position.w, dot_range_px.x, dot_range_px.y);\n"
     "  if (gl_VertexID >= dots_shown) gl_Position = vec4(0.0, 0.0, -2.0, 1.0);\n";
+constexpr const char* kRoundCode =
+    "//VTK::Color::Impl\n"
+    "  vec2 dot_place = gl_PointCoord - vec2(0.5);\n"
+    "  if (dot(dot_place, dot_place) > 0.26) discard;\n";
 constexpr const char* kOpaqueCode =
     "//VTK::Color::Impl\n"
     "  vertexColorVSOutput.a = 1.0;\n";
@@ -178,6 +182,7 @@ struct CloudPoints::State {
     shaders->AddVertexShaderReplacement("//VTK::PositionVC::Dec", true, kSizeDeclaration, false);
     shaders->AddVertexShaderReplacement("//VTK::PositionVC::Impl", true, kSizeCode, false);
     shaders->AddVertexShaderReplacement("//VTK::Color::Impl", true, kOpaqueCode, false);
+    shaders->AddFragmentShaderReplacement("//VTK::Color::Impl", true, kRoundCode, false);
     renderer.AddActor(piece->actor);
     pieces.push_back(std::move(piece));
   }

@@ -27,7 +27,7 @@ constexpr double kMapBelow_m = 0.03;  // under the floor's points
 
 // A point is as large as the gaps around it, but no blot.
 constexpr double kCoverage = 1.5;       // diameters per mean distance of neighbours, so that discs overlap
-constexpr double kLargestGap_m = 0.08;  // beyond it points lie alone, and are shown so
+constexpr double kLargestGap_m = 0.05;  // beyond it points lie alone, and are shown so
 constexpr double kLeastPoint_px = 1.0;
 constexpr double kLargestPointShare = 1.0 / 40.0;  // of the picture's height
 
@@ -46,7 +46,7 @@ struct CloudScene::State {
         points(view.renderer()),
         path(view.renderer(), with.is_dark),
         robot(view.renderer()) {
-    view.set_background(look.is_dark ? ink::kNight : ink::kCard, look.is_transparent);
+    view.set_background(look.is_dark ? ink::kNight : ink::kPage, look.is_transparent);
     view.set_eye_dome(look.with_eye_dome);
     view.set_samples(look.samples);
   }
