@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSteps = 720;
 constexpr int kHalvings = 50;
-constexpr double kWholeTurn = kTwoPi - 1e-9;
+constexpr double kWholeTurn = kTwoPi - 1e-6;
 
 }  // namespace
 
@@ -31,6 +31,7 @@ LinkageCycle::LinkageCycle(const calib::SweepModel& model)
     positions_.push_back({.crank_rad = crank_rad, .elevation_rad = last_rad, .pose = *pose});
   }
   if (positions_.empty()) throw ConfigError("the loop closes in no stretch of the crank's turn");
+  centre_elevations();
   if (!turns_fully_) {
     // At the very ends rounding may leave the loop open; the stretch is what was found to close.
     from_rad_ = positions_.front().crank_rad;
@@ -54,6 +55,22 @@ void LinkageCycle::choose_span() {
   }
   turns_fully_ = std::fabs(span_rad_) >= kWholeTurn;
 }
+
+// Shifts them by whole turns so that the middle of their range is an angle as people write it.
+void LinkageCycle::centre_elevations() {
+  lowest_rad_ = positions_.front().elevation_rad;
+  highest_rad_ = lowest_rad_;
+  for (const LinkagePosition& position : positions_) {
+    lowest_rad_ = std::min(lowest_rad_, position.elevation_rad);
+    highest_rad_ = std::max(highest_rad_, position.elevation_rad);
+  }
+  const double shift_rad = kTwoPi * std::floor((0.5 * (lowest_rad_ + highest_rad_) + kPi) / kTwoPi);
+  for (LinkagePosition& position : positions_) position.elevation_rad -= shift_rad;
+  lowest_rad_ -= shift_rad;
+  highest_rad_ -= shift_rad;
+}
+
+bool LinkageCycle::sweeps_all_around() const { return highest_rad_ - lowest_rad_ >= kWholeTurn; }
 
 double LinkageCycle::lift_span_rad() const { return report_ ? span_rad_ * report_->lift_share : span_rad_; }
 

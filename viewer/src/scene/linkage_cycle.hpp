@@ -38,6 +38,13 @@ class LinkageCycle {
   [[nodiscard]] const LinkagePosition& begin() const { return begin_; }
   [[nodiscard]] const LinkagePosition& end() const { return end_; }
 
+  /// Of the elevation.
+  [[nodiscard]] double lowest_rad() const { return lowest_rad_; }
+  [[nodiscard]] double highest_rad() const { return highest_rad_; }
+
+  /// The laser turns with a rocker that turns fully.
+  [[nodiscard]] bool sweeps_all_around() const;
+
   /// Nothing where the loop does not close. The elevation is the one of the cycle.
   [[nodiscard]] std::optional<LinkagePosition> at(double crank_rad) const;
   /// The crank after this share of a film: 0 to 1, at 1 as at 0, turning evenly.
@@ -52,6 +59,7 @@ class LinkageCycle {
 
  private:
   void choose_span();
+  void centre_elevations();
 
   calib::SweepModel model_;
   calib::GrashofClass grashof_;
@@ -60,6 +68,8 @@ class LinkageCycle {
   double span_rad_ = 0.0;
   bool turns_fully_ = false;
   std::vector<LinkagePosition> positions_;
+  double lowest_rad_ = 0.0;
+  double highest_rad_ = 0.0;
   LinkagePosition begin_;
   LinkagePosition end_;
 };

@@ -23,9 +23,10 @@ double turned_into_axis(double angle_deg) { return angle_deg - 360.0 * std::floo
 std::vector<Point2> in_order(std::vector<Point2> curve, bool is_turning, double most_jump) {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   std::sort(curve.begin(), curve.end(), [](const Point2& a, const Point2& b) { return a.x() < b.x(); });
-  if (is_turning && curve.size() > 1) {
-    const Point2 first = curve.front();
-    const Point2 last = curve.back();
+  const Point2 first = curve.front();
+  const Point2 last = curve.back();
+  // Up to both ends of the axis, unless it is there that a rocker has gained a whole turn.
+  if (is_turning && std::fabs(last.y() - first.y()) < most_jump) {
     curve.insert(curve.begin(), {last.x() - 360.0, last.y()});
     curve.push_back({first.x() + 360.0, first.y()});
   }
@@ -51,13 +52,15 @@ LinkagePanel::LinkagePanel(const LinkageCycle& cycle, const LinkageLook& look)
     : cycle_(cycle), look_(look), theme_(look.is_dark ? kDarkTheme : kLightTheme) {
   std::vector<Point2> elevations;
   std::vector<Point2> transmissions;
-  for (const LinkagePosition& position : cycle.positions()) {
+  const bool is_whole = cycle.turns_fully();
+  for (std::size_t i = 0; i + (is_whole ? 1 : 0) < cycle.positions().size(); ++i) {
+    const LinkagePosition& position = cycle.positions()[i];
     const double at_deg = axis_deg(position.crank_rad);
     elevations.emplace_back(at_deg, deg_from_rad(position.elevation_rad));
     transmissions.emplace_back(at_deg, deg_from_rad(position.pose.transmission_rad));
   }
-  elevations_deg_ = in_order(std::move(elevations), cycle.turns_fully(), 180.0);
-  transmissions_deg_ = in_order(std::move(transmissions), cycle.turns_fully(), 180.0);
+  elevations_deg_ = in_order(std::move(elevations), is_whole, 180.0);
+  transmissions_deg_ = in_order(std::move(transmissions), is_whole, 180.0);
 }
 
 double LinkagePanel::axis_deg(double crank_rad) const {
@@ -147,6 +150,7 @@ void LinkagePanel::draw_figures(Canvas& canvas, const LinkageSheet& sheet, const
        look_.is_dark ? theme_.curve(4) : ink::kLaserText},
       {"µ", "", "transmission", degrees(transmission_deg), is_poor ? theme_.warning : theme_.curve(0)}};
   const double step = (sheet.figures.width - 2.4 * text) / 3.0;
+  const double value_size = std::min(2.0, 0.88 * step / text_width("000.0°", text, true)) * text;
   Point2 at = sheet.figures.corner + Point2(1.2 * text, 1.9 * text);
   for (const Figure& figure : figures) {
     const double symbol = text_width(figure.symbol, 1.1 * text, true);
@@ -156,7 +160,7 @@ void LinkagePanel::draw_figures(Canvas& canvas, const LinkageSheet& sheet, const
     canvas.text(at + Point2(symbol + index + 0.5 * text, 0.0), figure.meaning,
                 {.size = 0.95 * text, .colour = theme_.quiet});
     canvas.text(at + Point2(0.0, 2.6 * text), figure.value,
-                {.size = 2.0 * text, .colour = figure.colour, .is_bold = true});
+                {.size = value_size, .colour = figure.colour, .is_bold = true});
     at.x() += step;
   }
   const double left = sheet.figures.corner.x() + 1.2 * text + 2.0 * step;

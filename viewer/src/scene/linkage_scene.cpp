@@ -85,7 +85,7 @@ struct LinkageScene::State {
         cycle(model),
         sizes(suitable_sizes(model.bars)),
         parts(model, sizes),
-        surroundings(cycle, parts),
+        surroundings(cycle, parts, scene_look.is_dark ? kDarkTheme.text : kLightTheme.text),
         panel(cycle, scene_look),
         view(graphics) {
     vtkRenderer& renderer = view.renderer();
@@ -103,20 +103,23 @@ struct LinkageScene::State {
   void draw_sweep_labels(Canvas& canvas, const LinkageSheet& sheet) const {
     const PictureSize size = sheet.scene_size();
     const Camera seen_from = camera(size);
-    for (const LinkagePosition* end : {&cycle.begin(), &cycle.end()}) {
-      const std::optional<Seen> rim = pixel_of(seen_from, size, surroundings.sweep_rim(end->elevation_rad, 1.0));
-      const std::optional<Seen> inner = pixel_of(seen_from, size, surroundings.sweep_rim(end->elevation_rad, 0.9));
+    if (cycle.sweeps_all_around()) return;
+    for (const double elevation_rad : {cycle.lowest_rad(), cycle.highest_rad()}) {
+      const std::optional<Seen> rim = pixel_of(seen_from, size, surroundings.sweep_rim(elevation_rad, 1.0));
+      const std::optional<Seen> inner = pixel_of(seen_from, size, surroundings.sweep_rim(elevation_rad, 0.9));
       if (!rim || !inner) continue;
       const Point2 away = Point2(rim->x_px - inner->x_px, rim->y_px - inner->y_px).normalized();
       const double text = 1.05 * sheet.text;
       const bool is_side = std::fabs(away.x()) > 0.6;
       const Point2 at = sheet.scene.corner + Point2(rim->x_px, rim->y_px) +
                         Point2(0.6 * text * away.x(), (is_side ? 0.35 : (away.y() < 0.0 ? -0.4 : 1.2)) * text);
-      canvas.text(at, degrees_text(end->elevation_rad),
+      canvas.text(at, degrees_text(elevation_rad),
                   {.size = text,
                    .colour = look.is_dark ? panel.theme().curve(4) : ink::kLaserText,
                    .anchor = !is_side ? Anchor::kMiddle : (away.x() > 0.0 ? Anchor::kStart : Anchor::kEnd),
-                   .is_bold = true});
+                   .is_bold = true,
+                   .has_halo = true,
+                   .halo = panel.theme().card});
     }
   }
 

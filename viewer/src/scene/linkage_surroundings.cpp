@@ -52,14 +52,14 @@ void add_lights(vtkRenderer& renderer) {
   add(0.0, 0.0, 1.0, 0.25);
 }
 
-LinkageSurroundings::LinkageSurroundings(const LinkageCycle& cycle, const LinkageParts& parts)
+LinkageSurroundings::LinkageSurroundings(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks)
     : plane_(cycle.model()),
       thin_m_(0.085 * parts.sizes().bar_m),
       sweep_m_(parts.sizes().fan_m),
       sweep_y_(parts.layer_y(0) + parts.sizes().bar_m) {
   add_sweep(cycle);
   add_paths(cycle, parts);
-  add_dead_points(cycle, parts);
+  add_dead_points(cycle, parts, marks);
   find_reach(cycle, parts);
 }
 
@@ -98,8 +98,8 @@ void LinkageSurroundings::add_paths(const LinkageCycle& cycle, const LinkagePart
 void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
   constexpr int kSteps = 96;
   constexpr double kClearOfLaser = 0.24;
-  const double from_rad = cycle.begin().elevation_rad;
-  const double to_rad = cycle.end().elevation_rad;
+  const double from_rad = cycle.lowest_rad();
+  const double to_rad = std::min(cycle.highest_rad(), from_rad + kTwoPi);
   std::vector<Point3> hub;
   std::vector<Point3> rim;
   for (int i = 0; i <= kSteps; ++i) {
@@ -110,6 +110,7 @@ void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
   Mesh sweep;
   sweep.band(hub, rim);
   still_.add(sweep, ink::kLaser, Finish::kFlat, 0.10);
+  if (cycle.sweeps_all_around()) return;
   for (const double elevation_rad : {from_rad, to_rad}) {
     std::vector<Point3> edge;
     for (int i = 0; i <= kSteps; ++i) {
@@ -119,14 +120,14 @@ void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
   }
 }
 
-void LinkageSurroundings::add_dead_points(const LinkageCycle& cycle, const LinkageParts& parts) {
+void LinkageSurroundings::add_dead_points(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks) {
   const double radius_m = 0.55 * parts.sizes().bar_m;
   for (const LinkagePosition* position : {&cycle.begin(), &cycle.end()}) {
     const auto joints = plane_.joints(position->crank_rad, position->pose);
     const Point3 place = at_layer(joints[2], parts.layer_y(1));
     Mesh mark;
     mark.ball(place, radius_m);
-    still_.add(mark, ink::kText, Finish::kPaint);
+    still_.add(mark, marks, Finish::kPaint);
     dead_points_.push_back(place);
   }
 }

@@ -15,7 +15,8 @@ void add_lights(vtkRenderer& renderer);
 
 class LinkageSurroundings {
  public:
-  LinkageSurroundings(const LinkageCycle& cycle, const LinkageParts& parts);
+  /// `marks` is the colour of the dead points.
+  LinkageSurroundings(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks);
   void add_to(vtkRenderer& renderer) const;
   /// Places that a picture of the whole motion has to show.
   [[nodiscard]] const std::vector<Point3>& reach() const { return reach_; }
@@ -28,7 +29,7 @@ class LinkageSurroundings {
  private:
   void add_paths(const LinkageCycle& cycle, const LinkageParts& parts);
   void add_sweep(const LinkageCycle& cycle);
-  void add_dead_points(const LinkageCycle& cycle, const LinkageParts& parts);
+  void add_dead_points(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks);
   void find_reach(const LinkageCycle& cycle, const LinkageParts& parts);
 
   LinkagePlane plane_;
