@@ -159,6 +159,7 @@ LegendItem colour_bar_item(const std::string& before, const std::string& after, 
 
 void add_path_items(std::vector<LegendItem>& items, const PathOverlay& overlay, const MapLook& look,
                     const PathColours& colours, const LegendLook& legend) {
+  const std::size_t first = items.size();
   if (look.with_path && !overlay.trajectory.empty()) {
     items.push_back(time_item(duration_s(overlay.trajectory), colours, legend));
   }
@@ -169,6 +170,7 @@ void add_path_items(std::vector<LegendItem>& items, const PathOverlay& overlay, 
     items.push_back(mark_item(counted(overlay.doubtful.size(), "doubtful scan"), 1.1 * legend.sizes.body_px, colours,
                               legend, draw_doubtful));
   }
+  if (first < items.size()) items[first].begins_row = true;
 }
 
 }  // namespace gdtslam::picture

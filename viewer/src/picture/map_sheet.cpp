@@ -27,7 +27,8 @@ struct Arrangement {
 };
 
 /// Row after row, as words on a page.
-Arrangement rows_of(const std::vector<LegendItem>& items, double room_px, double gap_px, const Proportions& sizes) {
+Arrangement rows_of(const std::vector<LegendItem>& items, double room_px, double gap_px, const Proportions& sizes,
+                    bool keeps_groups = false) {
   Arrangement all;
   double top = 0.0;
   for (std::size_t begin = 0; begin < items.size();) {
@@ -35,6 +36,7 @@ Arrangement rows_of(const std::vector<LegendItem>& items, double room_px, double
     double height = 0.0;
     std::size_t end = begin;
     while (end < items.size() && (end == begin || x + items[end].width_px <= room_px)) {
+      if (keeps_groups && end > begin && items[end].begins_row) break;
       x += items[end].width_px + gap_px;
       height = std::max(height, items[end++].height_px);
     }
@@ -57,6 +59,9 @@ Arrangement fewest_rows_of(const std::vector<LegendItem>& items, double room_px,
     Arrangement closer = rows_of(items, room_px, share * sizes.gap_px, sizes);
     if (closer.height_px < best.height_px) best = std::move(closer);
   }
+  Arrangement grouped = rows_of(items, room_px, sizes.gap_px, sizes, true);
+  const bool is_one_row = best.height_px <= 2.0 * sizes.body_px;
+  if (!is_one_row && grouped.height_px <= best.height_px + 1e-9) best = std::move(grouped);
   return best;
 }
 

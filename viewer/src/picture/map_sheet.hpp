@@ -19,6 +19,7 @@ struct LegendItem {
   double width_px = 0.0;
   double height_px = 0.0;
   std::function<void(Canvas&, const Point2&)> draw;
+  bool begins_row = false;  ///< where one row does not hold all items: what belongs together stays together
 };
 using LegendOf = std::function<std::vector<LegendItem>(double px_per_m)>;
 

@@ -1,0 +1,66 @@
+#include "picture/cell_number.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gdtslam/core/elementary.hpp"
+
+namespace gdtslam::picture {
+namespace {
+
+constexpr double kUnit = 1.0 / 256.0;  // cells
+constexpr std::uint16_t kHalfCell = 128;
+
+/// A channel of sRGB as light.
+double linear(std::uint8_t channel) {
+  const double value = channel / 255.0;
+  if (value <= 0.04045) return value / 12.92;
+  return gdtslam::exp(2.4 * gdtslam::log((value + 0.055) / 1.055));
+}
+
+double luminance(Colour colour) {
+  return 0.2126 * linear(colour.red) + 0.7152 * linear(colour.green) + 0.0722 * linear(colour.blue);
+}
+
+std::string text_of(double value, double tolerance) {
+  const double whole = std::floor(value + 0.5);
+  if (std::fabs(value - whole) <= tolerance) return fmt::format("{:.0f}", whole);
+  return fmt::format("{:.1f}", value);
+}
+
+}  // namespace
+
+CellNumber cell_number(std::uint16_t value, std::uint16_t cap, bool is_squared) {
+  CellNumber number;
+  number.is_known = value < cap;
+  number.is_obstacle = number.is_known && value < kHalfCell;
+  number.distance = value * kUnit;
+  if (!number.is_known) {
+    number.text = "–";
+  } else if (is_squared) {
+    // The field holds the root, rounded to its unit: the square is off by up to the distance times that unit.
+    number.text = text_of(number.distance * number.distance, number.distance * kUnit + 0.25 * kUnit * kUnit);
+  } else {
+    number.text = text_of(number.distance, 0.0);
+  }
+  return number;
+}
+
+double contrast_of(Colour a, Colour b) {
+  constexpr double kFlare = 0.05;
+  double light = luminance(a);
+  double dark = luminance(b);
+  if (light < dark) std::swap(light, dark);
+  return (light + kFlare) / (dark + kFlare);
+}
+
+Colour legible_on(Colour ground) {
+  constexpr Colour kBlack{0, 0, 0};
+  constexpr Colour kWhite{255, 255, 255};
+  return contrast_of(ground, kBlack) >= contrast_of(ground, kWhite) ? kBlack : kWhite;
+}
+
+}  // namespace gdtslam::picture
