@@ -1,0 +1,208 @@
+// Draws the cloud and what lies about it, when something has changed. Points go into a picture with depth, which is
+// shaded onto the screen with its depths; the rest is drawn over that with smooth edges.
+
+const kSlowFrame_ms = 45;  // a frame that takes longer while the camera moves draws fewer points next time
+
+class CloudView {
+  constructor(canvas, gl) {
+    [this.canvas, this.gl] = [canvas, gl];
+    this.points = description.cloud ? new Points(description.cloud) : null;
+    this.path = description.path ? new Path(description.path) : null;
+    this.setBounds();
+    this.camera = new Camera(this.least, this.most);
+    this.share = 1;        // of the points, while the camera moves
+    this.frames = 0;
+    this.movedAt = -Infinity;
+    this.afterFrame = [];
+    this.prepare();
+    view.watchers.push(() => this.request());
+    theme.watchers.push(() => { this.readColours(); this.request(); });
+    new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+
+  /// What the camera fits into the picture: cloud without stray points, map, path.
+  setBounds() {
+    let [least, most] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    const include = (point) => {
+      least = least.map((value, axis) => Math.min(value, point[axis]));
+      most = most.map((value, axis) => Math.max(value, point[axis]));
+    };
+    const origin = description.origin;
+    const {cloud, map} = description;
+    this.floor = (cloud && cloud.floor ? cloud.floor.height : 0) - origin[2];
+    if (cloud) {
+      include(sub(cloud.middle_least, origin));
+      include(sub(cloud.middle_most, origin));
+    } else if (map) {
+      include([map.x - origin[0], map.y - origin[1], this.floor]);
+      include([map.x - origin[0] + map.width * map.resolution, map.y - origin[1] + map.height * map.resolution, this.floor]);
+    }
+    for (let k = 0; this.path && k < this.path.about.count; ++k) {
+      include([this.path.poses[4 * k], this.path.poses[4 * k + 1], this.floor]);
+    }
+    [this.least, this.most] = [least, most];
+  }
+
+  /// All that lives on the graphics processor; again where its context was lost.
+  prepare() {
+    const gl = this.gl;
+    this.pointProgram = new Program(gl, kPointVertex, kPointFragment);
+    this.shadeProgram = new Program(gl, kScreenVertex, kShadeFragment);
+    this.picture = new DepthPicture(gl);
+    this.screenArray = gl.createVertexArray();
+    this.mapTexture = makeTexture(gl, gl.LINEAR);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGB8, 256, 1);
+    this.mapLoaded = -1;
+    this.grid = new Grid(gl, this.least, this.most, this.floor - 0.03);
+    if (description.map) this.map = new MapPicture(gl, description.map, this.floor - 0.02);
+    if (this.path) {
+      this.path.upload(gl);
+      this.robot = new Robot(gl, description.linkage ? description.linkage.height : undefined);
+    }
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+  }
+
+  readColours() {
+    for (const name of ['scene', 'plain', 'quiet', 'card', 'ground', 'crank', 'edge']) this['colour_' + name] = colourOf(name);
+  }
+
+  resize() {
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    this.camera.width = Math.max(this.canvas.clientWidth, 1);
+    this.camera.height = Math.max(this.canvas.clientHeight, 1);
+    const isFirst = !this.isSized;
+    this.canvas.width = Math.round(this.camera.width * ratio);
+    this.canvas.height = Math.round(this.camera.height * ratio);
+    this.isSized = this.canvas.clientWidth > 0;
+    if (isFirst && this.isSized) this.camera.between(this.camera.state(), this.fitted(kPresets.iso), 1);
+    this.draw();
+  }
+
+  fitted(preset) { return this.camera.fitting(preset.yaw, preset.pitch); }
+
+  /// Draws at the browser's next frame.
+  request() {
+    if (this.isRequested) return;
+    this.isRequested = true;
+    requestAnimationFrame((now) => this.step(now));
+  }
+
+  /// The camera has moved: fewer points where the machine is slow, all of them when it stands again.
+  moved() {
+    this.movedAt = performance.now();
+    this.request();
+  }
+
+  step(now) {
+    this.isRequested = false;
+    if (this.flight) this.advanceFlight(now);
+    const isMoving = performance.now() - this.movedAt < 160;
+    const wasMoving = this.lastMoving;
+    this.lastMoving = isMoving;
+    if (isMoving && wasMoving) this.adapt(now - this.lastStep);
+    this.lastStep = now;
+    this.draw(isMoving ? this.share : 1);
+    if (isMoving || this.flight) this.request();
+  }
+
+  /// The browser waits for the graphics processor, so the time between two frames says how slow it is.
+  adapt(frame_ms) {
+    if (frame_ms > kSlowFrame_ms) this.share = Math.max(this.share * Math.max(kSlowFrame_ms / frame_ms, 0.5), 0.03);
+    else if (frame_ms < 0.5 * kSlowFrame_ms) this.share = Math.min(this.share * 1.15, 1);
+  }
+
+  flyTo(state) {
+    const isStill = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    this.flight = {from: this.camera.state(), to: state, begin: performance.now(), lasts_ms: isStill ? 1 : 350};
+    this.moved();
+  }
+
+  advanceFlight(now) {
+    const share = clamp((now - this.flight.begin) / this.flight.lasts_ms, 0, 1);
+    this.camera.between(this.flight.from, this.flight.to, share * share * (3 - 2 * share));
+    if (share >= 1) this.flight = null;
+    else this.movedAt = performance.now();
+  }
+
+  draw(share = 1) {
+    if (!this.isSized || this.gl.isContextLost()) return;
+    if (!this.colour_scene) this.readColours();
+    const matrix = this.camera.matrix();
+    this.drawPoints(matrix, share);
+    this.shade();
+    this.drawSurroundings(matrix);
+    ++this.frames;
+    for (const watcher of this.afterFrame) watcher();
+  }
+
+  drawPoints(matrix, share) {
+    const {gl, points} = this;
+    gl.disable(gl.BLEND);
+    this.picture.begin(this.canvas.width, this.canvas.height);
+    if (!points || !view.layers.cloud || points.loaded === 0) return;
+    const ratio = this.canvas.height / this.camera.height;
+    const pixels = this.camera.pixelsPerMetre(1) * ratio * points.spacing * view.pointFactor / Math.sqrt(share);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.mapTexture);
+    const quantity = view.quantity in kQuantities ? kQuantities[view.quantity].code : 5;
+    if (quantity < 5) this.loadColourMap(view.colourMap[view.quantity]);
+    this.pointProgram.use({
+      clip_from_page: matrix, extent: points.extent, until: cloudShareOf(shownTime()),
+      with_levels: [view.layers.floor ? 1 : 0, view.layers.ceiling ? 1 : 0], quantity, scale: this.scaleOf(view.quantity),
+      colours: 0, plain: this.colour_plain,
+      point: [pixels, 1.25 * ratio * Math.sqrt(view.pointFactor), 40 * ratio],
+    });
+    points.draw(gl, share);
+  }
+
+  /// From shares of the quantity's whole range to shares of the chosen scale.
+  scaleOf(quantity) {
+    if (!(quantity in kQuantities)) return [1, 0];
+    const {least, most} = description.cloud[quantity];
+    const [low, high] = view.scale[quantity];
+    const extent = Math.max(high - low, 1e-9 * (most - least), 1e-12);
+    return [(most - least) / extent, (least - low) / extent];
+  }
+
+  loadColourMap(index) {
+    if (this.mapLoaded === index) return;
+    const gl = this.gl;
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, 1, gl.RGB, gl.UNSIGNED_BYTE, colourMaps[index].bytes);
+    this.mapLoaded = index;
+  }
+
+  shade() {
+    const gl = this.gl;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    gl.depthFunc(gl.ALWAYS);
+    this.picture.bindTextures();
+    this.shadeProgram.use({colour: 0, depth: 1, planes: this.camera.planes(), strength: 60 * view.shading,
+                           radius: Math.max(1, Math.round(this.canvas.height / this.camera.height)),
+                           background: this.colour_scene});
+    gl.bindVertexArray(this.screenArray);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.depthFunc(gl.LEQUAL);
+  }
+
+  drawSurroundings(matrix) {
+    const gl = this.gl;
+    const pixels = [this.canvas.width, this.canvas.height];
+    gl.enable(gl.BLEND);
+    if (view.layers.grid) this.grid.draw(matrix, this.colour_quiet);
+    if (this.map && view.layers.map) {
+      this.map.draw(matrix, this.colour_edge, this.colour_ground);
+    }
+    if (!this.path) return;
+    if (view.layers.path) this.path.draw(matrix, pixels, this.floor + 0.03, this.colour_crank, shownTime());
+    if (view.layers.robot) {
+      const pose = this.path.poseAt(shownTime());
+      const seen = this.camera.pixelOf([pose.x, pose.y, this.floor]);
+      const factor = seen ? clamp(22 / (0.5 * this.camera.pixelsPerMetre(seen[2])), 1, 8) : 1;
+      this.robot.draw(matrix, pose, this.floor, factor);
+    }
+  }
+}

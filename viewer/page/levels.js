@@ -1,0 +1,30 @@
+// What the user has chosen to see. Everything that draws reads it; whoever changes it calls changed().
+
+const view = {
+  layers: {cloud: true, floor: true, ceiling: true, path: true, robot: true, map: true, grid: true},
+  quantity: 'plain',
+  colourMap: {},       // of each quantity: index into colourMaps
+  scale: {},           // of each quantity: [low, high] in its unit of the description
+  pointFactor: 1,
+  shading: 1,          // strength of the eye-dome lighting
+  until: 1,            // share of the time line
+  watchers: [],
+  changed(what = '') {
+    for (const watcher of this.watchers) watcher(what);
+  },
+};
+
+/// The stretch of time that cloud and path take together, in the log's clock.
+function timeSpanOf(cloud, path) {
+  const from = Math.min(cloud ? cloud.time.least : Infinity, path ? path.first : Infinity);
+  const to = Math.max(cloud ? cloud.time.most : -Infinity, path ? path.last : -Infinity);
+  return {from, to, extent: to - from};
+}
+const timeSpan = timeSpanOf(description.cloud, description.path);
+const shownTime = () => timeSpan.from + view.until * timeSpan.extent;
+/// A stamp as a share of the cloud's times; beyond the last one everything is shown.
+function cloudShareOf(stamp) {
+  const {least, most} = description.cloud.time;
+  if (view.until >= 1 || !(most > least)) return 1;
+  return clamp((stamp - least) / (most - least), -0.001, 1);
+}

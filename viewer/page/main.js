@@ -1,0 +1,114 @@
+// Puts the page together. `window.gdtslam` is for tests and for whoever wants to look from the browser's console.
+
+const page = {ready: false, errors: [], description, view, picks, theme};
+window.gdtslam = page;
+window.addEventListener('error', (event) => page.errors.push(String(event.message)));
+window.addEventListener('unhandledrejection', (event) => page.errors.push(String(event.reason)));
+
+function showMessage(text) {
+  byId('message').textContent = text;
+  byId('message').hidden = false;
+}
+
+/// WebGL 2, or a message that says what to do.
+function makeCloudView() {
+  const canvas = byId('scene');
+  const gl = canvas.getContext('webgl2', {antialias: true, alpha: false, powerPreference: 'high-performance'});
+  if (!gl) {
+    showMessage('This browser shows no WebGL 2, which the cloud is drawn with. Switch on hardware acceleration in its settings, or ' +
+                'open the page in a current Firefox, Chrome, Edge or Safari.');
+    return null;
+  }
+  canvas.addEventListener('webglcontextlost', (event) => {
+    event.preventDefault();
+    showMessage('The graphics driver was reset. The picture comes back as soon as the driver does.');
+  });
+  const cloudView = new CloudView(canvas, gl);
+  canvas.addEventListener('webglcontextrestored', () => location.reload());
+  return cloudView;
+}
+
+/// Decodes the points element by element, so that the page answers meanwhile.
+async function loadPoints(cloudView) {
+  const points = cloudView.points;
+  while (points && points.takeNext()) {
+    byId('loading').textContent = `${grouped(points.loaded)} of ${grouped(points.about.count)} points`;
+    cloudView.request();
+    await new Promise((resolve) => setTimeout(resolve));
+  }
+  byId('loading').textContent = '';
+}
+
+function showStage(stage) {
+  byId('main').dataset.stage = stage;
+  byId('cloud-stage').hidden = stage === 'linkage';
+  byId('linkage-stage').hidden = stage === 'cloud';
+  byId('panel').hidden = stage === 'linkage' && description.facts.length === 0;
+  byId('timeline').hidden = stage === 'linkage' || !page.timeline;
+  for (const button of byId('stages').children) button.setAttribute('aria-pressed', String(button.dataset.stage === stage));
+}
+
+function togglePanel() {
+  const isHidden = document.body.classList.toggle('is-bare');
+  byId('panel-toggle').setAttribute('aria-expanded', String(!isHidden));
+}
+
+function toggleFullScreen() {
+  if (document.fullscreenElement) document.exitFullscreen();
+  else document.documentElement.requestFullscreen().catch(() => showBriefly('This browser does not allow full screen here.'));
+}
+
+function showBriefly(text) {
+  byId('loading').textContent = text;
+  setTimeout(() => { byId('loading').textContent = ''; }, 2500);
+}
+
+function save() {
+  if (page.cloudView && !byId('cloud-stage').hidden) savePicture(page.cloudView, page.overlay);
+  else saveCanvas(byId('mechanism'));
+}
+
+/// Buttons of the top, and the keys that do the same.
+function connectTop() {
+  const openHelp = () => byId('help').showModal();
+  const actions = {save, theme: () => theme.toggle(), full: toggleFullScreen, 'help-open': openHelp, 'panel-toggle': togglePanel};
+  for (const [id, action] of Object.entries(actions)) byId(id).addEventListener('click', action);
+  for (const button of byId('stages').children) button.addEventListener('click', () => showStage(button.dataset.stage));
+  return {s: save, t: actions.theme, Enter: toggleFullScreen, '?': openHelp, h: togglePanel};
+}
+
+async function start() {
+  theme.follow();
+  byId('title').textContent = description.title;
+  byId('subtitle').textContent = description.subtitle;
+  byId('subtitle').hidden = description.subtitle === '';
+  const pageKeys = connectTop();
+  const hasScene = Boolean(description.cloud || description.path || description.map);
+  byId('stages').hidden = !(hasScene && description.linkage);
+  showStage(hasScene ? 'cloud' : 'linkage');
+  if (description.linkage) page.linkageView = new LinkageView(new Linkage(description.linkage));
+  fillHelp(hasScene, Boolean(description.linkage));
+  page.cloudView = hasScene ? makeCloudView() : null;
+  page.panel = new Panel(page.cloudView);
+  let cloudActions = {};
+  if (page.cloudView) {
+    page.camera = page.cloudView.camera;
+    page.overlay = new Overlay(byId('overlay'), page.cloudView);
+    page.pointer = new PointerControl(byId('scene'), page.cloudView);
+    if (timeSpan.extent > 0) page.timeline = new Timeline(page.cloudView);
+    picks.watchers.push(showReadout);
+    cloudActions = cloudKeys(page.cloudView, page.panel, page.timeline);
+  }
+  listenToKeys(pageKeys, page.cloudView, cloudActions, page.linkageView);
+  showStage(hasScene ? 'cloud' : 'linkage');
+  if (!page.cloudView) return;
+  await loadPoints(page.cloudView);
+  page.pointsShown = () => pointsShown(page.cloudView);
+  view.changed();
+}
+
+start().then(() => { page.ready = true; }, (error) => {
+  page.errors.push(String(error));
+  showMessage(`The page could not be shown: ${error.message}`);
+  throw error;
+});

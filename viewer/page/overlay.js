@@ -1,0 +1,149 @@
+// Words and marks over the scene: colour bar, scale bar, axes, picked points. The same on the screen and in pictures
+// that are saved.
+
+class Overlay {
+  constructor(canvas, cloudView) {
+    [this.canvas, this.cloudView] = [canvas, cloudView];
+    this.context = canvas.getContext('2d');
+    cloudView.afterFrame.push(() => this.draw());
+    picks.watchers.push(() => this.draw());
+  }
+
+  draw() {
+    const {canvas, context} = this;
+    const camera = this.cloudView.camera;
+    const ratio = this.cloudView.canvas.height / camera.height;
+    canvas.width = this.cloudView.canvas.width;
+    canvas.height = this.cloudView.canvas.height;
+    this.size = camera.width > 2000 ? 18 : 13;  // of letters
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.font = `${this.size}px system-ui, "Segoe UI", "Noto Sans", "DejaVu Sans", Arial, sans-serif`;
+    context.textBaseline = 'middle';
+    const hasBar = view.quantity in kQuantities && view.layers.cloud && this.cloudView.points;
+    const barWidth = clamp(camera.width * 0.36, 160, 1.2 * 26 * this.size);
+    if (hasBar) this.drawColourBar(18, camera.height - 3.4 * this.size, barWidth);
+    this.drawAxes(camera.width - 4 * this.size, camera.height - 4.4 * this.size);
+    if (camera.width > barWidth + 22 * this.size) this.drawScaleBar(camera.width - 8.5 * this.size, camera.height - 2.2 * this.size);
+    this.drawPicks();
+  }
+
+  /// Letters with a rim of the background, so that they can be read over points.
+  words(text, x, y, align = 'left', colour = 'text') {
+    const context = this.context;
+    context.textAlign = align;
+    context.lineJoin = 'round';
+    context.lineWidth = 4;
+    context.strokeStyle = cssOf(colourOf('scene'));
+    context.strokeText(text, x, y);
+    context.fillStyle = hexColour(colour);
+    context.fillText(text, x, y);
+  }
+
+  drawColourBar(x, y, width) {
+    const context = this.context;
+    const quantity = kQuantities[view.quantity];
+    const map = colourMaps[view.colourMap[view.quantity]];
+    const [low, high] = shownScale(view.quantity);
+    context.fillStyle = cssOf(colourOf('scene'), 0.72);
+    context.beginPath();
+    context.roundRect(x - 10, y - 1.9 * this.size, width + 20, 4.7 * this.size, 8);
+    context.fill();
+    this.words(quantity.unit ? `${quantity.name} (${quantity.unit})` : quantity.name, x, y - 0.95 * this.size);
+    for (let k = 0; k < width; ++k) {
+      context.fillStyle = cssOfMap(map, k / (width - 1));
+      context.fillRect(x + k, y, 1.2, this.size * 0.9);
+    }
+    const step = roundStep(Math.max(high - low, 1e-9) * 4.2 * this.size / width);
+    for (let k = Math.ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k) {
+      const at = x + clamp((k * step - low) / Math.max(high - low, 1e-12), 0, 1) * width;
+      context.fillStyle = hexColour('text');
+      context.fillRect(Math.round(at) - 0.5, y + this.size * 0.9, 1, 4);
+      const text = (k * step).toFixed(decimalsOf(step)).replace('-', '−').replace(/^−(0\.?0*)$/, '$1');
+      const half = context.measureText(text).width / 2;
+      this.words(text, clamp(at, x + half - 6, x + width - half + 6), y + 2 * this.size, 'center');
+    }
+  }
+
+  /// A round number of metres, as long as it is seen at the target.
+  drawScaleBar(right, y) {
+    const camera = this.cloudView.camera;
+    const perMetre = camera.pixelsPerMetre(camera.distance);
+    const length = roundStep(6 * this.size / perMetre);
+    const width = length * perMetre;
+    const context = this.context;
+    context.strokeStyle = hexColour('text');
+    context.lineWidth = 2;
+    context.beginPath();
+    context.moveTo(right - width, y - 5);
+    context.lineTo(right - width, y);
+    context.lineTo(right, y);
+    context.lineTo(right, y - 5);
+    context.stroke();
+    const text = length >= 1 ? `${length} m` : length >= 0.01 ? `${Math.round(100 * length)} cm` : `${(1000 * length).toPrecision(1)} mm`;
+    this.words(text, right - width / 2, y - 1.1 * this.size, 'center');
+  }
+
+  drawAxes(x, y) {
+    const {right, up, back} = this.cloudView.camera.axes();
+    const arm = 2.1 * this.size;
+    const arms = ['x', 'y', 'z'].map((name, axis) => ({name, colour: ['crank', 'rocker', 'coupler'][axis],
+                                                       dx: right[axis] * arm, dy: -up[axis] * arm, near: back[axis]}));
+    arms.sort((a, b) => a.near - b.near);
+    for (const {name, colour, dx, dy} of arms) {
+      this.context.strokeStyle = hexColour(colour);
+      this.context.lineWidth = 2.5;
+      this.context.lineCap = 'round';
+      this.context.beginPath();
+      this.context.moveTo(x, y);
+      this.context.lineTo(x + dx, y + dy);
+      this.context.stroke();
+      if (Math.hypot(dx, dy) > 0.35 * arm) this.words(name, x + dx * 1.3, y + dy * 1.3, 'center', colour);
+    }
+  }
+
+  drawPicks() {
+    const context = this.context;
+    const seen = picks.points.map((point) => this.cloudView.camera.pixelOf(point.position));
+    context.strokeStyle = hexColour('laser');
+    context.lineWidth = 2;
+    if (seen.length === 2 && seen[0] && seen[1]) {
+      context.beginPath();
+      context.moveTo(seen[0][0], seen[0][1]);
+      context.lineTo(seen[1][0], seen[1][1]);
+      context.stroke();
+      const middle = [0, 1].map((axis) => (seen[0][axis] + seen[1][axis]) / 2);
+      this.words(`${picks.distance().toFixed(3)} m`, middle[0], middle[1] - this.size, 'center', 'laser-text');
+    }
+    for (const at of seen) {
+      if (!at) continue;
+      context.beginPath();
+      context.arc(at[0], at[1], 6, 0, 2 * Math.PI);
+      context.stroke();
+    }
+  }
+}
+
+const cssOf = (colour, opacity = 1) => `rgb(${colour.map((part) => Math.round(255 * part)).join(' ')} / ${opacity})`;
+/// The chosen scale in the unit that is shown; times count from the begin of the log.
+function shownScale(quantity) {
+  const {factor} = kQuantities[quantity];
+  return view.scale[quantity].map((value) => (quantity === 'time' ? value - timeSpan.from : value) * factor);
+}
+
+/// The scene with what is written over it, as PNG.
+function savePicture(cloudView, overlay) {
+  cloudView.draw(1);  // in this same turn, while the picture is still there
+  const picture = element('canvas', {width: cloudView.canvas.width, height: cloudView.canvas.height});
+  const context = picture.getContext('2d');
+  context.drawImage(cloudView.canvas, 0, 0);
+  context.drawImage(overlay.canvas, 0, 0);
+  saveCanvas(picture);
+}
+
+function saveCanvas(canvas) {
+  canvas.toBlob((blob) => {
+    const url = URL.createObjectURL(blob);
+    element('a', {href: url, download: 'gdtslam.png'}).click();
+    setTimeout(() => URL.revokeObjectURL(url), 10000);
+  });
+}

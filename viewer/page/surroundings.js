@@ -1,0 +1,107 @@
+// What lies about the cloud: grid, map and path, each with its buffers.
+
+class Grid {
+  constructor(gl, least, most, height) {
+    this.gl = gl;
+    const side = Math.max(most[0] - least[0], most[1] - least[1], 0.5);
+    this.step = roundStep(side / 12);
+    const origin = description.origin;
+    const lines = [];
+    const range = (axis) => {
+      const from = Math.floor((least[axis] + origin[axis]) / this.step) - 1;
+      const to = Math.ceil((most[axis] + origin[axis]) / this.step) + 1;
+      return [from, to];
+    };
+    const [[x0, x1], [y0, y1]] = [range(0), range(1)];
+    const at = (k, axis) => k * this.step - origin[axis];
+    for (let k = x0; k <= x1; ++k) lines.push(at(k, 0), at(y0, 1), height, at(k, 0), at(y1, 1), height);
+    for (let k = y0; k <= y1; ++k) lines.push(at(x0, 0), at(k, 1), height, at(x1, 0), at(k, 1), height);
+    this.count = lines.length / 3;
+    this.array = vertexArray(gl, bufferOf(gl, new Float32Array(lines)), [[0, 3, gl.FLOAT, false, 12, 0]]);
+    this.program = new Program(gl, kFlatVertex, kFlatFragment);
+  }
+
+  draw(matrix, colour) {
+    this.program.use({clip_from_page: matrix, colour: [...colour, 0.28]});
+    this.gl.bindVertexArray(this.array);
+    this.gl.drawArrays(this.gl.LINES, 0, this.count);
+  }
+}
+
+class MapPicture {
+  constructor(gl, about, height) {
+    this.gl = gl;
+    const packed = takeBytes('map');
+    const cells = new Uint8Array(about.width * about.height * 2);
+    for (let k = 0; k < about.width * about.height; ++k) {
+      const state = packed[k >> 2] >> 2 * (k & 3) & 3;  // 0 unknown, 1 free, 2 occupied
+      cells[2 * k] = state === 2 ? 255 : 0;
+      cells[2 * k + 1] = state === 0 ? 0 : 255;
+    }
+    this.texture = makeTexture(gl, gl.LINEAR);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG8, about.width, about.height, 0, gl.RG, gl.UNSIGNED_BYTE, cells);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    this.corner = [about.x - description.origin[0], about.y - description.origin[1], height];
+    this.size = [about.width * about.resolution, about.height * about.resolution];
+    this.program = new Program(gl, kMapVertex, kMapFragment);
+    this.array = gl.createVertexArray();
+  }
+
+  draw(matrix, free, occupied) {
+    const gl = this.gl;
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    this.program.use({clip_from_page: matrix, corner: this.corner, size: this.size, cells: 0, free, occupied});
+    gl.bindVertexArray(this.array);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  }
+}
+
+class Path {
+  /// Poses: x, y, heading and time since the first, page's frame.
+  constructor(about) {
+    this.about = about;
+    this.poses = floatsOf(takeBytes('path'));
+  }
+
+  upload(gl) {
+    this.gl = gl;
+    this.program = new Program(gl, kPathVertex, kPathFragment);
+    this.array = vertexArray(gl, bufferOf(gl, this.poses),
+                             [[0, 4, gl.FLOAT, false, 16, 0, 1], [1, 4, gl.FLOAT, false, 16, 16, 1]]);
+  }
+
+  /// Where the robot was, between the poses before and after.
+  poseAt(stamp) {
+    const time = clamp(stamp - this.about.first, 0, this.poses[4 * (this.about.count - 1) + 3]);
+    let [low, high] = [0, this.about.count - 1];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.poses[4 * middle + 3] <= time) low = middle;
+      else high = middle;
+    }
+    const [a, b] = [this.poses.subarray(4 * low, 4 * low + 4), this.poses.subarray(4 * high, 4 * high + 4)];
+    const share = b[3] > a[3] ? clamp((time - a[3]) / (b[3] - a[3]), 0, 1) : 1;
+    return {x: mix(a[0], b[0], share), y: mix(a[1], b[1], share), heading: a[2] + wrapped(b[2] - a[2]) * share};
+  }
+
+  /// Twice: as it is hidden by the cloud, and faintly where it is.
+  draw(matrix, pixels, height, colour, until) {
+    const gl = this.gl;
+    if (this.about.count < 2) return;
+    gl.bindVertexArray(this.array);
+    const common = {clip_from_page: matrix, height, pixels, width: 3.5 * Math.max(devicePixelRatio, 1),
+                    until: until - this.about.first + 1e-3};
+    for (const isHidden of [true, false]) {
+      gl.depthFunc(isHidden ? gl.GREATER : gl.LEQUAL);
+      gl.depthMask(!isHidden);
+      this.program.use({...common, colour: [...colour, isHidden ? 0.3 : 1]});
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.about.count - 1);
+    }
+    gl.depthFunc(gl.LEQUAL);
+    gl.depthMask(true);
+  }
+}
