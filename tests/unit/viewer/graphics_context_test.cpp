@@ -1,0 +1,218 @@
+// Ways to OpenGL: again and again, several at once, and in processes whose surroundings lack something.
+#include <dirent.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "gdtslam/core/error.hpp"
+#include "support/image_compare.hpp"
+#include "unit/viewer/graphics_scene.hpp"
+
+namespace gdtslam::testing {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+RgbaImage picture_of_a_square(const GraphicsContext& graphics) {
+  OffscreenView view(graphics);
+  view.set_samples(2);
+  view.set_eye_dome(true);
+  add_shape(view, upright_square({0.0, 10.0, 0.0}, 1.0), kRed);
+  add_shape(view, {{-2.0, 9.0, -1.5}, {2.5, 12.0, -1.0}, {1.0, 14.0, 2.0}}, kGreen);
+  return view.render(camera_along_y(false), {160, 120});
+}
+
+std::size_t open_files() {
+  std::size_t count = 0;
+  DIR* folder = opendir("/proc/self/fd");
+  while (folder != nullptr && readdir(folder) != nullptr) ++count;
+  if (folder != nullptr) closedir(folder);
+  return count;
+}
+
+std::size_t resident_pages() {
+  std::size_t total = 0;
+  std::size_t resident = 0;
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  const int read = file == nullptr ? 0 : std::fscanf(file, "%zu %zu", &total, &resident);
+  if (file != nullptr) std::fclose(file);
+  return read == 2 ? resident : 0;
+}
+
+/// What another process of this program prints, which runs GraphicsProcess.Draws only. `before` is set before it in
+/// the shell: assignments for env, or a program that starts it.
+std::string other_process(const std::string& before, const std::string& choice = "auto") {
+  std::array<char, 4096> self{};
+  const ssize_t length = readlink("/proc/self/exe", self.data(), self.size() - 1);
+  const std::string program(self.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
+  const std::string command = "GDTSLAM_TEST_GRAPHICS=" + choice + " " + before + " '" + program +
+                              "' --gtest_filter=GraphicsProcess.Draws 2>&1 | sed -n 's/^graphics: //p; /arning/p; "
+                              "/rror/p; /abort/Ip'";
+  std::FILE* pipe = popen(command.c_str(), "r");
+  std::string text;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
+  pclose(pipe);
+  if (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+std::string drawing_or_error(GraphicsChoice choice) {
+  try {
+    const GraphicsContext graphics(choice);
+    const RgbaImage image = picture_of_a_square(graphics);
+    if (const char* path = std::getenv("GDTSLAM_TEST_PICTURE"); path != nullptr) write_png(image, path);
+    return "drew " + std::to_string(static_cast<int>(spot_of(image, kRed).count)) + " by " + graphics.description() +
+           (graphics.is_fallback() ? "; " + graphics.description_of_fallback() : "");
+  } catch (const Error& error) {
+    return "refused " + std::to_string(static_cast<int>(error.code())) + " " + error.what();
+  }
+}
+
+// Run by itself it draws like everywhere; run by the tests below it says how it fared.
+TEST(GraphicsProcess, Draws) {
+  const char* text = std::getenv("GDTSLAM_TEST_GRAPHICS");
+  const std::string choice = text == nullptr ? "auto" : text;
+  const std::string outcome = drawing_or_error(choice == "egl"   ? GraphicsChoice::kEgl
+                                               : choice == "x11" ? GraphicsChoice::kX11
+                                                                 : GraphicsChoice::kAuto);
+  std::cout << "graphics: " << outcome << std::endl;
+  if (text == nullptr) {
+    EXPECT_THAT(outcome, StartsWith("drew "));
+  }
+}
+
+TEST(GraphicsContext, HundredInARowLeaveNothingBehind) {
+  const RgbaImage first = picture_of_a_square(GraphicsContext());
+  for (int i = 0; i < 10; ++i) picture_of_a_square(GraphicsContext());
+  const std::size_t files = open_files();
+  const std::size_t pages = resident_pages();
+  for (int i = 0; i < 90; ++i) ASSERT_EQ(picture_of_a_square(GraphicsContext()).pixels, first.pixels) << i;
+  EXPECT_LE(open_files(), files);
+#ifndef __SANITIZE_ADDRESS__  // which keeps what was freed
+  EXPECT_LT(static_cast<double>(resident_pages()), static_cast<double>(pages) + 90 * 0.25 * 256.0)
+      << "a quarter of a MiB each at most";
+#else
+  EXPECT_GT(pages, 0U);
+#endif
+}
+
+TEST(GraphicsContext, SeveralAtOnce) {
+  auto one = std::make_unique<GraphicsContext>();
+  const GraphicsContext other;
+  OffscreenView red(*one);
+  OffscreenView green(other);
+  OffscreenView both(*one);
+  add_shape(red, upright_square({0.0, 10.0, 0.0}, 1.0), kRed);
+  add_shape(green, upright_square({0.0, 10.0, 0.0}, 1.0), kGreen);
+  add_shape(both, upright_square({-1.0, 10.0, 0.0}, 0.5), kRed);
+  add_shape(both, upright_square({1.0, 10.0, 0.0}, 0.5), kGreen);
+  one.reset();  // what draws keeps what it needs
+  const Camera camera = camera_along_y(true);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(spot_of(red.render(camera, {120, 120}), kRed).count, 1600.0);
+    EXPECT_EQ(spot_of(green.render(camera, {90, 60}), kGreen).count, 400.0);
+    const RgbaImage image = both.render(camera, {120, 120});
+    EXPECT_EQ(spot_of(image, kRed).count, 400.0);
+    EXPECT_EQ(spot_of(image, kGreen).count, 400.0);
+  }
+}
+
+TEST(GraphicsContext, OnePerThread) {
+  const RgbaImage expected = picture_of_a_square(GraphicsContext());
+  std::vector<RgbaImage> images(4);
+  std::vector<std::thread> threads;
+  for (RgbaImage& image : images) threads.emplace_back([&image] { image = picture_of_a_square(GraphicsContext()); });
+  for (std::thread& thread : threads) thread.join();
+  for (const RgbaImage& image : images) EXPECT_EQ(image.pixels, expected.pixels);
+}
+
+TEST(GraphicsContext, DrawsWithoutADisplayOrAHome) {
+  const std::string usual = other_process("env -u DISPLAY -u WAYLAND_DISPLAY");
+  EXPECT_THAT(usual, StartsWith("drew "));
+  EXPECT_THAT(usual, HasSubstr("EGL"));
+  EXPECT_THAT(usual, HasSubstr("OpenGL"));
+  EXPECT_EQ(other_process("env -u HOME -u XDG_CACHE_HOME -u XDG_RUNTIME_DIR"), usual);
+  EXPECT_EQ(other_process("env HOME=/nonexistent XDG_RUNTIME_DIR=/nonexistent"), usual);
+  EXPECT_EQ(other_process("env DISPLAY=:7777 WAYLAND_DISPLAY=nothing"), usual);
+  EXPECT_EQ(other_process("env DISPLAY=nowhere.invalid:0", "egl"), usual);
+}
+
+TEST(GraphicsContext, DrawsAsAnotherUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "only the superuser can become another user";
+  const std::string usual = other_process("env");
+  const std::string other = other_process("setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/nonexistent");
+  if (other.empty()) GTEST_SKIP() << "the build folder is closed to other users";
+  EXPECT_EQ(other, usual);
+}
+
+TEST(GraphicsContext, SaysInOneLineWhyNothingCanDraw) {
+  const std::string no_driver = "env -u DISPLAY __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent";
+  const std::string text = other_process(no_driver);
+  EXPECT_THAT(text, StartsWith("refused 69 nothing here can draw with OpenGL: EGL"));
+  EXPECT_THAT(text, HasSubstr("DISPLAY is not set"));
+  EXPECT_THAT(text, HasSubstr("apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"));
+  EXPECT_THAT(text, HasSubstr("xvfb-run -a gdtslam"));
+  EXPECT_THAT(text, Not(HasSubstr("\n")));
+  EXPECT_THAT(other_process("env DISPLAY=:7777 __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent"),
+              HasSubstr("no connection to DISPLAY=:7777"));
+  EXPECT_THAT(other_process(no_driver, "egl"), EndsWith("libgl1-mesa-dri)"));
+  EXPECT_THAT(other_process("env -u DISPLAY", "x11"), StartsWith("refused 69 nothing here can draw with OpenGL: X"));
+}
+
+// A driver that opens but makes no context leads on to the next, and its failure is told by name.
+TEST(GraphicsContext, NamesWhatEveryDriverFailedAt) {
+  const std::string text = other_process("env -u DISPLAY MESA_GL_VERSION_OVERRIDE=2.1");
+  EXPECT_THAT(text, StartsWith("refused 69 "));
+  EXPECT_THAT(text, HasSubstr("EGL (surfaceless): eglCreateContext gave EGL_BAD_"));
+  EXPECT_THAT(text, HasSubstr("EGL (default display): "));
+  EXPECT_THAT(text, HasSubstr("X server: XOpenDisplay gave "));
+}
+
+class GraphicsUnderX : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::system("command -v Xvfb xvfb-run xauth >/dev/null 2>&1") != 0) GTEST_SKIP() << "no Xvfb here";
+  }
+  static constexpr const char* kNoEgl = "env __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent";
+};
+
+TEST_F(GraphicsUnderX, IsTheStatedFallbackAndGivesTheSamePicture) {
+  const std::string path = ::testing::TempDir() + "gdtslam_under_x.png";
+  const std::string text =
+      other_process("GDTSLAM_TEST_PICTURE=" + path + " xvfb-run -a -s '-screen 0 640x480x24' " + kNoEgl);
+  EXPECT_THAT(text, StartsWith("drew "));
+  EXPECT_THAT(text, HasSubstr(" by X server :"));
+  EXPECT_THAT(text, HasSubstr("; drawing through the X server, because EGL"));
+  EXPECT_THAT(text, Not(HasSubstr("\n")));
+  const RgbaImage under_x = read_png(path);
+  EXPECT_LT(difference_of(under_x, picture_of_a_square(GraphicsContext())).share_clear, 0.002);
+  std::remove(path.c_str());
+}
+
+TEST_F(GraphicsUnderX, IsNotUsedWhereEglWorks) {
+  const std::string text = other_process("xvfb-run -a");
+  EXPECT_THAT(text, StartsWith("drew "));
+  EXPECT_THAT(text, HasSubstr(" by EGL"));
+  EXPECT_THAT(text, Not(HasSubstr("fallback")));
+  EXPECT_THAT(other_process("xvfb-run -a", "x11"), HasSubstr(" by X server :"));
+}
+
+TEST_F(GraphicsUnderX, RefusesAServerWithoutOpenGl) {
+  const std::string text = other_process(std::string("xvfb-run -a -s '-extension GLX' ") + kNoEgl);
+  EXPECT_THAT(text, StartsWith("refused 69 "));
+  EXPECT_THAT(text, HasSubstr("glXQueryVersion gave no GLX 1.3"));
+  EXPECT_THAT(text, Not(HasSubstr("\n")));
+}
+
+}  // namespace
+}  // namespace gdtslam::testing

@@ -1,0 +1,211 @@
+// Pictures of scenes whose every pixel follows from the camera's definition.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "gdtslam/core/error.hpp"
+#include "unit/viewer/graphics_scene.hpp"
+
+namespace gdtslam::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class OffscreenViewTest : public ::testing::Test {
+ protected:
+  void TearDown() override { EXPECT_THAT(graphics_.take_warnings(), ::testing::IsEmpty()); }
+  GraphicsContext graphics_;
+};
+
+TEST_F(OffscreenViewTest, BackgroundIsTheColourAskedFor) {
+  OffscreenView view(graphics_);
+  for (const Colour colour : {ink::kNight, ink::kPage, Colour{1, 128, 254}}) {
+    view.set_background(colour, false);
+    const RgbaImage image = view.render(Camera{}, {33, 17});
+    ASSERT_EQ(image.width, 33U);
+    ASSERT_EQ(image.height, 17U);
+    for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
+      ASSERT_TRUE(is_near(image.pixels.data() + i, colour, 0)) << i;
+      ASSERT_EQ(image.pixels[i + 3], 255) << i;
+    }
+  }
+}
+
+Camera tilted_camera() {
+  Camera camera;
+  camera.eye = {-7.0, 4.0, 9.0};
+  camera.target = {1.0, 2.0, 0.5};
+  camera.up = {0.2, 0.1, 1.0};
+  camera.view_angle_rad = 0.9;
+  return camera;
+}
+
+TEST_F(OffscreenViewTest, PointsAppearWhereTheProjectionSays) {
+  Camera from_above;
+  from_above.eye = {1.0, 2.0, 30.0};
+  from_above.target = {1.0, 2.0, 0.0};
+  from_above.up = {0.0, 1.0, 0.0};
+  from_above.is_parallel = true;
+  from_above.parallel_height_m = 8.0;
+  const PictureSize size{320, 240};
+  for (const Camera& camera : {tilted_camera(), from_above, Camera{}}) {
+    for (const std::uint32_t samples : {1U, 2U, 3U}) {
+      for (const Point3& point : {Point3(1.0, 2.0, 0.5), Point3(2.0, 1.0, 0.0), Point3(-1.0, 3.0, 1.0)}) {
+        OffscreenView view(graphics_);
+        view.set_samples(samples);
+        add_shape(view, {point}, kRed);
+        const Spot spot = spot_of(view.render(camera, size), kRed);
+        const Point2 expected = expected_pixel(camera, size, point);
+        EXPECT_GE(spot.count, 16.0);
+        EXPECT_LE(spot.count, 25.0);
+        EXPECT_NEAR(spot.x, expected.x(), 0.8) << samples;
+        EXPECT_NEAR(spot.y, expected.y(), 0.8) << samples;
+      }
+    }
+  }
+}
+
+// The shoelace formula over the corners' pixels, which a straight projection keeps corners of a polygon.
+TEST_F(OffscreenViewTest, ATriangleCoversItsArea) {
+  const std::vector<Point3> corners{{0.0, 0.0, 0.0}, {3.0, 1.0, 0.5}, {1.0, 4.0, 1.5}};
+  const PictureSize size{400, 300};
+  const Camera camera = tilted_camera();
+  OffscreenView view(graphics_);
+  add_shape(view, corners, kGreen);
+  const Spot spot = spot_of(view.render(camera, size), kGreen);
+  std::array<Point2, 3> p;
+  for (std::size_t i = 0; i < 3; ++i) p.at(i) = expected_pixel(camera, size, corners[i]);
+  const double twice_area =
+      (p[1].x() - p[0].x()) * (p[2].y() - p[0].y()) - (p[2].x() - p[0].x()) * (p[1].y() - p[0].y());
+  const Point2 centre = (p[0] + p[1] + p[2]) / 3.0;
+  EXPECT_NEAR(spot.count, 0.5 * std::fabs(twice_area), 0.01 * std::fabs(twice_area));
+  EXPECT_NEAR(spot.x, centre.x(), 0.5);
+  EXPECT_NEAR(spot.y, centre.y(), 0.5);
+}
+
+TEST_F(OffscreenViewTest, TransparentWhereNothingIsAndColoursNotPremultiplied) {
+  OffscreenView view(graphics_);
+  add_shape(view, upright_square({0.0, 10.0, 0.0}, 1.0), kRed, 0.5);
+  view.set_background(kGreen, true);
+  const RgbaImage image = view.render(camera_along_y(true), {120, 120});
+  EXPECT_EQ(image.at(5, 5)[3], 0);
+  EXPECT_EQ(image.at(5, 5)[1], 0) << "no colour of the background where it is transparent";
+  EXPECT_NEAR(image.at(60, 60)[3], 128, 1);
+  EXPECT_TRUE(is_near(image.at(60, 60), kRed, 3));
+}
+
+// The square's edge lies 20.25 pixels from the centre: a quarter of that pixel is covered.
+TEST_F(OffscreenViewTest, SamplesGiveEdgesTheirShare) {
+  OffscreenView view(graphics_);
+  view.set_samples(4);
+  add_shape(view, upright_square({0.0, 10.0, 0.0}, 20.25 / 20.0), kRed);
+  view.set_background(kGreen, true);
+  const RgbaImage clear = view.render(camera_along_y(true), {120, 120});
+  EXPECT_EQ(clear.at(79, 60)[3], 255);
+  EXPECT_EQ(clear.at(80, 60)[3], 64);
+  EXPECT_EQ(clear.at(81, 60)[3], 0);
+  EXPECT_TRUE(is_near(clear.at(80, 60), kRed, 1)) << "the edge has the square's own colour";
+  view.set_background(kGreen, false);
+  const RgbaImage covered = view.render(camera_along_y(true), {120, 120});
+  EXPECT_NEAR(covered.at(80, 60)[0], 0.25 * kRed.red + 0.75 * kGreen.red, 1.0);
+  EXPECT_NEAR(covered.at(80, 60)[1], 0.25 * kRed.green + 0.75 * kGreen.green, 1.0);
+  EXPECT_EQ(covered.at(80, 60)[3], 255);
+}
+
+TEST_F(OffscreenViewTest, NothingBeforeTheCameraIsCutOff) {
+  const PictureSize size{200, 200};
+  OffscreenView view(graphics_);
+  add_shape(view, {{0.5, 2000.0, 0.0}}, kRed);
+  add_shape(view, {{0.0, 3.0, 0.3}}, kGreen);
+  EXPECT_GT(spot_of(view.render(camera_along_y(false), size), kRed).count, 10.0);
+  EXPECT_GT(spot_of(view.render(camera_along_y(false), size), kGreen).count, 10.0);
+}
+
+TEST_F(OffscreenViewTest, AParallelCameraSeesWhatIsBehindItsEyeToo) {
+  OffscreenView view(graphics_);
+  const Point3 behind(1.0, -40.0, -0.5);
+  const PictureSize size{200, 200};
+  add_shape(view, {behind}, kRed);
+  const Camera camera = camera_along_y(true);
+  const Spot spot = spot_of(view.render(camera, size), kRed);
+  EXPECT_GT(spot.count, 10.0);
+  EXPECT_NEAR(spot.x, expected_pixel(camera, size, behind).x(), 0.8);
+  EXPECT_NEAR(spot.y, expected_pixel(camera, size, behind).y(), 0.8);
+}
+
+TEST_F(OffscreenViewTest, RefusesWhatCannotBeDrawn) {
+  OffscreenView view(graphics_);
+  EXPECT_THROW(view.render(Camera{}, {0, 10}), UsageError);
+  try {
+    view.render(Camera{}, {10, 4'000'000});
+    FAIL() << "drew four million rows";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("10x4000000 pixels"));
+    EXPECT_THAT(error.what(), HasSubstr("pixels a side"));
+  }
+  EXPECT_THROW(view.set_samples(0), UsageError);
+  EXPECT_THROW(view.set_samples(5), UsageError);
+  Camera camera;
+  camera.target = camera.eye;
+  EXPECT_THROW(view.render(camera, {10, 10}), UsageError);
+  camera = Camera{};
+  camera.up = camera.eye - camera.target;
+  EXPECT_THROW(view.render(camera, {10, 10}), UsageError);
+  camera = Camera{};
+  camera.eye.x() = std::nan("");
+  EXPECT_THROW(view.render(camera, {10, 10}), UsageError);
+  camera = Camera{};
+  camera.view_angle_rad = 3.2;
+  EXPECT_THROW(view.render(camera, {10, 10}), UsageError);
+  camera = camera_along_y(true);
+  camera.parallel_height_m = 0.0;
+  EXPECT_THROW(view.render(camera, {10, 10}), UsageError);
+  EXPECT_EQ(view.render(Camera{}, {10, 10}).width, 10U) << "usable after refusals";
+}
+
+TEST_F(OffscreenViewTest, WhatVtkSaysReachesTheCaller) {
+  OffscreenView view(graphics_);
+  vtkActor* actor = add_shape(view, {{0.0, 0.0, 0.0}}, kRed);
+  vtkWarningWithObjectMacro(actor, "an odd\n  thing");
+  vtkWarningWithObjectMacro(actor, "an odd\n  thing");
+  vtkErrorWithObjectMacro(actor, "a bad\n  thing");
+  ::testing::internal::CaptureStderr();
+  try {
+    view.render(Camera{}, {20, 20});
+    FAIL() << "an error of VTK was swallowed";
+  } catch (const DeviceError& error) {
+    EXPECT_STREQ(error.what(), "VTK: rendering gave vtkOpenGLActor: a bad thing");
+  }
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_THAT(graphics_.take_warnings(), ::testing::ElementsAre("vtkOpenGLActor: an odd thing"));
+  EXPECT_EQ(view.render(Camera{}, {20, 20}).width, 20U) << "an error is thrown once";
+}
+
+TEST_F(OffscreenViewTest, LargePicture) {
+  const PictureSize size{7680, 4320};
+  OffscreenView view(graphics_);
+  add_shape(view, upright_square({0.0, 10.0, 0.0}, 1.5), kRed);
+  view.set_eye_dome(true);
+  const RgbaImage image = view.render(camera_along_y(true), size);
+  ASSERT_EQ(image.pixels.size(), std::size_t{4} * 7680 * 4320);
+  EXPECT_TRUE(is_near(image.at(3840, 2160), kRed));
+  EXPECT_TRUE(is_near(image.at(3840 - 1079, 2160 + 1079), kRed));
+  EXPECT_TRUE(is_near(image.at(3840 - 1082, 2160), ink::kNight));
+  EXPECT_TRUE(is_near(image.at(7679, 4319), ink::kNight));
+}
+
+TEST_F(OffscreenViewTest, SizesChangeFromPictureToPicture) {
+  OffscreenView view(graphics_);
+  add_shape(view, upright_square({0.0, 10.0, 0.0}, 1.5), kRed);
+  for (const PictureSize& size : {PictureSize{64, 64}, PictureSize{300, 40}, PictureSize{2, 2}, PictureSize{64, 64}}) {
+    const RgbaImage image = view.render(camera_along_y(true), size);
+    ASSERT_EQ(image.width, size.width);
+    ASSERT_EQ(image.height, size.height);
+    // The square is half as high as the picture.
+    EXPECT_NEAR(spot_of(image, kRed).count, 0.25 * size.height * size.height, 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam::testing
