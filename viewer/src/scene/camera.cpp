@@ -8,7 +8,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFollowSlopeRad = 0.66;    // steep enough to look over walls into the room of the robot
+constexpr double kFollowSlopeRad = 0.87;    // steep enough to look over walls into the room of the robot
 constexpr double kFollowAheadShare = 0.15;  // of the distance: more is to be seen before the robot than behind it
 constexpr double kFollowViewAngleRad = 0.75;
 

@@ -14,9 +14,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kMarginShare = 0.06;   // of the picture, on each side
-constexpr double kIsoSlopeRad = 0.663;  // 38 degrees
-constexpr double kIsoTurnRad = 0.4887;  // 28 degrees between the line of sight and the normal of the longer side
+constexpr double kOrbitMarginShare = 0.02;  // corners come there but in passing
+constexpr double kMarginShare = 0.06;       // of the picture, on each side
+constexpr double kIsoSlopeRad = 0.663;      // 38 degrees
+constexpr double kIsoTurnRad = 0.4887;      // 28 degrees between the line of sight and the normal of the longer side
 constexpr double kIsoViewAngleRad = 0.42;
 constexpr double kLeastSide_m = 0.2;
 
@@ -60,13 +61,13 @@ Fit fit_along(const Point3& axis, const Point3& forward, double slope, const Poi
 
 // The nearest perspective camera with this line of sight that has all points in its picture.
 Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3& centre,
-                      const std::vector<Point3>& points, const PictureSize& size) {
+                      const std::vector<Point3>& points, const PictureSize& size, double margin_share) {
   Camera camera;
   camera.view_angle_rad = view_angle_rad;
   camera.target = centre;
   camera.eye = centre - forward;
   const CameraBasis basis = basis_of(camera);
-  const double slope = half_height_slope(camera) * (1.0 - 2.0 * kMarginShare);
+  const double slope = half_height_slope(camera) * (1.0 - 2.0 * margin_share);
   const Fit across = fit_along(basis.right, basis.forward, slope * size.aspect(), centre, points);
   const Fit upwards = fit_along(basis.up, basis.forward, slope, centre, points);
   camera.target = centre + across.shift_m * basis.right + upwards.shift_m * basis.up;
@@ -84,7 +85,7 @@ Point3 iso_sight(double west_of_south_rad) {
 Camera iso_camera(const Bounds& box, const PictureSize& size) {
   const std::vector<Point3> corners = corners_of(box);
   const auto from = [&](double west_of_south_rad) {
-    return nearest_camera(iso_sight(west_of_south_rad), kIsoViewAngleRad, box.centre(), corners, size);
+    return nearest_camera(iso_sight(west_of_south_rad), kIsoViewAngleRad, box.centre(), corners, size, kMarginShare);
   };
   const Camera southern = from(kIsoTurnRad);
   const Camera western = from(0.5 * kPi - kIsoTurnRad);
@@ -132,7 +133,7 @@ Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSi
 }
 
 Camera orbit_camera(const Bounds& bounds, const PictureSize& size) {
-  constexpr int kDirections = 64;  // of the cylinder that the turning box sweeps; 0.1 % of its radius off
+  constexpr int kDirections = 64;  // of the cylinder that the turning box sweeps; at most 0.12 % of its radius off
   const Bounds box = shown(bounds);
   const Point3 half = 0.5 * (box.highest - box.lowest);
   const double radius_m = std::sqrt(half.x() * half.x() + half.y() * half.y());
@@ -144,7 +145,7 @@ Camera orbit_camera(const Bounds& bounds, const PictureSize& size) {
     }
   }
   const Point3 sight = iso_sight(kIsoTurnRad);
-  Camera camera = nearest_camera(sight, kIsoViewAngleRad, box.centre(), rims, size);
+  Camera camera = nearest_camera(sight, kIsoViewAngleRad, box.centre(), rims, size, kOrbitMarginShare);
   // The target moves along the line of sight to the box's axis, about which the camera turns.
   const CameraBasis basis = basis_of(camera);
   const Point3 level(basis.forward.x(), basis.forward.y(), 0.0);

@@ -51,16 +51,12 @@ class CloudFilm : public Film {
 
 class OrbitFilm : public CloudFilm {
  public:
-  OrbitFilm(CloudScene& scene, const CloudLook& look, const CloudCaption& caption, const PictureSize& size,
-            std::size_t frames)
-      : CloudFilm(scene, look, caption, size, frames), camera_(orbit_camera(scene.bounds(), size)) {}
+  using CloudFilm::CloudFilm;
 
   Canvas frame(std::size_t k) override {
-    return picture(turned(camera_, kTwoPi * static_cast<double>(k) / static_cast<double>(frames())));
+    const double angle_rad = kTwoPi * static_cast<double>(k) / static_cast<double>(frames());
+    return picture(turned(orbit_camera(scene().bounds(), size()), angle_rad));
   }
-
- private:
-  Camera camera_;
 };
 
 // Unit vector of the robot's mean heading around a time, so that the camera does not follow each jerk.

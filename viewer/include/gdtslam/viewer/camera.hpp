@@ -53,7 +53,7 @@ const std::vector<CameraPresetName>& camera_presets();
 /// The camera that shows the whole box with a margin of 6 % of the picture on each side, as near as that allows; for
 /// every preset but kFollow, which needs a robot. An empty box is shown as one of a metre about the origin.
 Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSize& size);
-/// The iso camera from which the box stays in the picture while the camera turns about the vertical through its target.
+/// The iso camera from which the box stays in the picture while the camera is turned about its target.
 Camera orbit_camera(const Bounds& bounds, const PictureSize& size);
 /// Behind and above a robot.
 Camera follow_camera(const Pose2& T_map_base, double distance_m);
