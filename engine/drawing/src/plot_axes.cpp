@@ -38,6 +38,18 @@ Ticks ticks_for(Axis& axis, int most) {
   return ticks;
 }
 
+/// Leaves out what would stand over the label before it: where there is no room for two.
+template <class Label, class Place, class Size>
+void keep_apart(std::vector<Label>& labels, const Place& place_of, const Size& size_of) {
+  std::vector<Label> kept;
+  for (Label& label : labels) {
+    const bool fits = kept.empty() || std::fabs(place_of(label) - place_of(kept.back())) >=
+                                          0.5 * (size_of(label) + size_of(kept.back()));
+    if (fits) kept.push_back(std::move(label));
+  }
+  labels = std::move(kept);
+}
+
 /// On the middle of a pixel, where a thin line is sharp.
 double sharp(double pixel) { return std::floor(pixel) + 0.5; }
 
@@ -87,6 +99,8 @@ void Plot::lay_out_y() {
   inside_.height = std::max(1.0, area_.height - above - below);
   const int most = static_cast<int>(std::clamp(inside_.height / (2.6 * size), 1.0, 1.0 * kMostTicks));
   y_labels_ = labels_of(y_, ticks_for(y_, most));
+  keep_apart(
+      y_labels_, [&](const Label& label) { return at(0.0, label.value).y(); }, [&](const Label&) { return size; });
   const double left = widest(y_labels_) + kTick_px + 0.5 * size + (y_.title.empty() ? 0.0 : 1.7 * size);
   inside_.corner = area_.corner + Point2(left, above);
   inside_.width = std::max(1.0, area_.width - left);
@@ -105,7 +119,13 @@ void Plot::lay_out_x() {
     if (!x_.names.empty() || label_distance() >= widest(x_labels_) + size) break;
   }
   const double distance = label_distance();
-  if (x_.names.empty() || widest(x_labels_) + 0.6 * size <= distance) return;
+  if (x_.names.empty()) {
+    keep_apart(
+        x_labels_, [&](const Label& label) { return at(label.value, 0.0).x(); },
+        [&](const Label& label) { return text_width(label.text, letters()) + 0.6 * size; });
+    return;
+  }
+  if (widest(x_labels_) + 0.6 * size <= distance) return;
   label_rows_ = 2;
   inside_.height = std::max(1.0, inside_.height - 1.3 * size);
   for (Label& label : x_labels_) label.text = shortened(label.text, letters(), 2.0 * distance - 0.6 * size);

@@ -14,7 +14,7 @@ struct ColourBar {
   const ColourMap* map = nullptr;
   double from = 0.0;  ///< value at the map's first colour
   double to = 1.0;
-  std::string title;  ///< with the unit: "height in m"
+  std::string title = {};  ///< with the unit: "height in m"
   bool is_upright = true;
   TickSteps steps = TickSteps::kDecimal;
   double length = 240.0;    ///< pixels, along the colours

@@ -17,18 +17,18 @@
 namespace gdtslam {
 
 struct Axis {
-  std::string title;  ///< with the unit: "time in s"
+  std::string title = {};  ///< with the unit: "time in s"
   double from = 0.0;
   double to = 1.0;
   TickSteps steps = TickSteps::kDecimal;
   bool is_grown = false;  ///< outwards to whole ticks
   bool has_grid = true;
   /// Named places instead of ticks: groups of a box plot.
-  std::vector<std::pair<double, std::string>> names;
+  std::vector<std::pair<double, std::string>> names = {};
 };
 
 struct PlotLook {
-  std::string title;  ///< above the frame; none: no room for it
+  std::string title = {};  ///< above the frame; none: no room for it
   double text_size = 13.0;
   Theme theme = kLightTheme;
   bool has_frame = true;  ///< else the lower and left edge only

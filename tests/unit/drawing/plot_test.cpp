@@ -1,0 +1,219 @@
+// Plots: every word within its area, none over another, values where linear scales put them.
+#include "gdtslam/drawing/plot.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/drawing/bars.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+template <class Kind>
+std::vector<Kind> all(const Canvas& canvas) {
+  std::vector<Kind> found;
+  for (const Shape& shape : canvas.shapes()) {
+    if (const auto* const one = std::get_if<Kind>(&shape)) found.push_back(*one);
+  }
+  return found;
+}
+
+/// Of level or upright words, from text_width() and the usual height of letters.
+DrawingArea extent(const shape::Words& words) {
+  const double width = text_width(words.text, words.lettering.size, words.lettering.is_bold);
+  const double start = words.lettering.anchor == Anchor::kStart ? 0.0
+                       : words.lettering.anchor == Anchor::kEnd ? 1.0
+                                                                : 0.5;
+  const double height = 0.76 * words.lettering.size;
+  if (words.is_upright) return {words.at + Point2(-height, -(1.0 - start) * width), height, width};
+  return {words.at + Point2(-start * width, -height), width, height};
+}
+
+bool overlap(const DrawingArea& one, const DrawingArea& other) {
+  return one.corner.x() < other.corner.x() + other.width && other.corner.x() < one.corner.x() + one.width &&
+         one.corner.y() < other.corner.y() + other.height && other.corner.y() < one.corner.y() + one.height;
+}
+
+void expect_tidy(const Canvas& canvas, const DrawingArea& area) {
+  const std::vector<shape::Words> words = all<shape::Words>(canvas);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const DrawingArea one = extent(words[i]);
+    EXPECT_GE(one.corner.x(), area.corner.x() - 0.5) << words[i].text;
+    EXPECT_GE(one.corner.y(), area.corner.y() - 0.5) << words[i].text;
+    EXPECT_LE(one.corner.x() + one.width, area.corner.x() + area.width + 0.5) << words[i].text;
+    EXPECT_LE(one.corner.y() + one.height, area.corner.y() + area.height + 0.5) << words[i].text;
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_FALSE(overlap(one, extent(words[j]))) << words[i].text << " over " << words[j].text;
+    }
+  }
+}
+
+TEST(Plot, AnyRangeInAnySizeIsTidy) {
+  for (const double text_size : {9.0, 13.0, 22.0}) {
+    for (const double width : {260.0, 400.0, 900.0}) {
+      for (const auto& [from, to] : {std::pair{0.0, 1.0},
+                                     {-1234567.0, 7654321.0},
+                                     {0.99991, 1.00002},
+                                     {3.0, 3.0},
+                                     {0.0, 1e-7},
+                                     {-3e12, 4e12},
+                                     {kNone, 1.0},
+                                     {5.0, -5.0}}) {
+        for (const bool is_grown : {false, true}) {
+          const DrawingArea area{{40, 30}, width, 0.7 * width};
+          Canvas canvas(1000, 800, "");
+          const Axis axis{.title = "value in m", .from = from, .to = to, .is_grown = is_grown};
+          const Plot plot(canvas, area, axis, axis, {.title = "Title", .text_size = text_size});
+          expect_tidy(canvas, area);
+          EXPECT_GT(all<shape::Words>(canvas).size(), 4U) << from << " to " << to;
+        }
+      }
+    }
+  }
+}
+
+TEST(Plot, NamesOfGroupsTakeTwoRowsBeforeTheyAreCut) {
+  const std::vector<std::pair<double, std::string>> names{
+      {1, "simplex"}, {2, "gauss-newton"}, {3, "exhaustive"}, {4, "certified"}};
+  for (const double width : {200.0, 320.0, 800.0}) {
+    const DrawingArea area{{10, 10}, width, 200};
+    Canvas canvas(900, 300, "");
+    const Plot plot(canvas, area, {.from = 0.5, .to = 4.5, .names = names}, {.title = "error in m"});
+    expect_tidy(canvas, area);
+  }
+  Canvas canvas(900, 300, "");
+  const Plot plot(canvas, {{10, 10}, 320, 200}, {.from = 0.5, .to = 4.5, .names = names}, {});
+  int whole = 0;
+  for (const shape::Words& words : all<shape::Words>(canvas)) {
+    for (const auto& [value, name] : names) whole += words.text == name ? 1 : 0;
+  }
+  EXPECT_EQ(whole, 4);
+}
+
+TEST(Plot, PutsValuesWhereALinearScaleHasThem) {
+  Canvas canvas(500, 400, "");
+  const Plot plot(canvas, {{0, 0}, 500, 400}, {.from = -1, .to = 3}, {.from = 10, .to = 20});
+  const DrawingArea& frame = plot.inside();
+  EXPECT_TRUE(plot.at(-1, 20).isApprox(frame.corner));
+  EXPECT_TRUE(plot.at(3, 10).isApprox(frame.corner + Point2(frame.width, frame.height)));
+  EXPECT_TRUE(plot.at(1, 15).isApprox(frame.corner + 0.5 * Point2(frame.width, frame.height)));
+}
+
+TEST(Plot, WhatIsNotFiniteLeavesAGap) {
+  Canvas canvas(500, 400, "");
+  Plot plot(canvas, {{0, 0}, 500, 400}, {.to = 4}, {});
+  const std::size_t before = all<shape::Line>(canvas).size();
+  plot.line(std::vector<Point2>{{0, 0.5}, {1, 0.6}, {2, kNone}, {3, 0.4}, {4, 0.1}}, {});
+  const std::vector<shape::Line> lines = all<shape::Line>(canvas);
+  ASSERT_EQ(lines.size(), before + 2);
+  EXPECT_TRUE(lines[before].points.back().isApprox(plot.at(1, 0.6)));
+  EXPECT_TRUE(lines[before + 1].points.front().isApprox(plot.at(3, 0.4)));
+}
+
+TEST(Plot, AMillionValuesKeepTheirExtremes) {
+  Canvas canvas(500, 400, "");
+  Plot plot(canvas, {{0, 0}, 500, 400}, {.to = 1e6}, {.from = -1, .to = 1});
+  std::vector<Point2> values;
+  for (int i = 0; i < 1000000; ++i) values.emplace_back(i, i == 654321 ? 0.9 : 0.1 * (i % 7) / 7.0);
+  plot.line(values, {});
+  const std::vector<Point2> drawn = all<shape::Line>(canvas).back().points;
+  EXPECT_LT(drawn.size(), 4U * 500U);
+  EXPECT_TRUE(drawn.front().isApprox(plot.at(0, 0)));
+  EXPECT_TRUE(drawn.back().isApprox(plot.at(999999, values.back().y())));
+  double highest = 1e9;
+  for (const Point2& point : drawn) highest = std::min(highest, point.y());
+  EXPECT_NEAR(highest, plot.at(0, 0.9).y(), 1e-9);
+  for (std::size_t i = 1; i < drawn.size(); ++i) EXPECT_LE(drawn[i - 1].x(), drawn[i].x());
+}
+
+TEST(Plot, StepsAreFlatUntilTheNextValue) {
+  Canvas canvas(500, 400, "");
+  Plot plot(canvas, {{0, 0}, 500, 400}, {.to = 2}, {});
+  plot.steps(std::vector<Point2>{{0, 0.2}, {1, 0.7}, {2, 1.0}}, {});
+  const std::vector<Point2> drawn = all<shape::Line>(canvas).back().points;
+  const std::vector<Point2> expected{plot.at(0, 0.2), plot.at(1, 0.2), plot.at(1, 0.7), plot.at(2, 0.7),
+                                     plot.at(2, 1.0)};
+  ASSERT_EQ(drawn.size(), expected.size());
+  for (std::size_t i = 0; i < drawn.size(); ++i) EXPECT_TRUE(drawn[i].isApprox(expected[i])) << i;
+}
+
+TEST(Plot, TheLegendKeepsOffTheCurve) {
+  for (const bool is_high_at_left : {true, false}) {
+    Canvas canvas(600, 400, "");
+    Plot plot(canvas, {{0, 0}, 600, 400}, {}, {});
+    plot.line(std::vector<Point2>{{0.0, is_high_at_left ? 1.0 : 0.0}, {1.0, is_high_at_left ? 0.0 : 1.0}}, {},
+              "a curve");
+    plot.legend();
+    const shape::Rectangle card = all<shape::Rectangle>(canvas).back();
+    for (double x = 0.0; x <= 1.0; x += 0.01) {
+      const Point2 at = plot.at(x, is_high_at_left ? 1.0 - x : x);
+      EXPECT_FALSE(at.x() > card.corner.x() && at.x() < card.corner.x() + card.width && at.y() > card.corner.y() &&
+                   at.y() < card.corner.y() + card.height);
+    }
+  }
+  Canvas canvas(600, 400, "");
+  Plot plot(canvas, {{0, 0}, 600, 400}, {}, {});
+  plot.line(std::vector<Point2>{{0, 0}, {1, 1}}, {});
+  const std::size_t shapes = canvas.shapes().size();
+  plot.legend();  // nothing has a name
+  EXPECT_EQ(canvas.shapes().size(), shapes);
+}
+
+TEST(BoxFigures, AreTukeysWithQuartilesBetweenValues) {  // R: quantile(c(1:9, 100)), boxplot.stats' whiskers
+  const BoxFigures figures = box_figures({9, 2, 7, 4, 100, 5, 3, 6, 1, 8});
+  EXPECT_DOUBLE_EQ(figures.lower_quartile, 3.25);
+  EXPECT_DOUBLE_EQ(figures.median, 5.5);
+  EXPECT_DOUBLE_EQ(figures.upper_quartile, 7.75);
+  EXPECT_EQ(figures.low_whisker, 1.0);
+  EXPECT_EQ(figures.high_whisker, 9.0);
+  EXPECT_THAT(figures.beyond, testing::ElementsAre(100.0));
+  const BoxFigures one = box_figures({3.0});
+  EXPECT_EQ(one.low_whisker, 3.0);
+  EXPECT_EQ(one.median, 3.0);
+  EXPECT_EQ(one.high_whisker, 3.0);
+}
+
+TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
+  for (const bool is_upright : {true, false}) {
+    Canvas canvas(600, 600, "");
+    const ColourBar bar{
+        .map = &colour_map("lagoon"), .from = -0.3, .to = 2.7, .title = "height in m", .is_upright = is_upright};
+    DrawingArea room = room_of(bar);
+    room.corner = {100, 50};
+    draw_colour_bar(canvas, bar, room.corner);
+    expect_tidy(canvas, room);
+    const shape::Rectangle frame = all<shape::Rectangle>(canvas).back();
+    for (const shape::Words& words : all<shape::Words>(canvas)) {
+      if (words.text != "2.0") continue;
+      const double share = (2.0 + 0.3) / 3.0;
+      const double expected =
+          is_upright ? frame.corner.y() + (1.0 - share) * frame.height : frame.corner.x() + share * frame.width;
+      EXPECT_NEAR(is_upright ? words.at.y() - 0.36 * words.lettering.size : words.at.x(), expected, 1e-6);
+    }
+    // Each covers the rest of the one before: the first is seen at the bottom or at the left.
+    const std::vector<shape::Rectangle> colours = all<shape::Rectangle>(canvas);
+    const shape::Rectangle& top = colours[colours.size() - 2];
+    EXPECT_EQ(colours.front().fill->colour, colour_map("lagoon").at(0.5 / 128.0));
+    EXPECT_EQ(top.fill->colour, colour_map("lagoon").at(127.5 / 128.0));
+    const Point2 end = is_upright ? frame.corner : frame.corner + Point2(frame.width - top.width, 0.0);
+    EXPECT_TRUE(top.corner.isApprox(end));
+  }
+}
+
+TEST(ScaleBar, IsAsLongAsItSays) {
+  Canvas canvas(600, 100, "");
+  draw_scale_bar(canvas, {.pixels_per_m = 37.0, .most = 160.0, .has_halo = false}, {20, 50});
+  const shape::Line bar = all<shape::Line>(canvas).front();
+  EXPECT_NEAR(bar.points[1].x() - bar.points[0].x(), 2.0 * 37.0, 1e-9);  // 5 m would be 185 pixels
+  EXPECT_EQ(all<shape::Words>(canvas).front().text, "2 m");
+  Canvas empty(600, 100, "");
+  draw_scale_bar(empty, {.pixels_per_m = 0.0}, {20, 50});
+  EXPECT_TRUE(empty.shapes().empty());
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,241 @@
+// Pixels of drawings whose shapes lie at known places.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/viewer/raster.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Pixel = std::array<int, 4>;
+constexpr Pixel kNothing{0, 0, 0, 0};
+constexpr Pixel kRed{255, 0, 0, 255};
+constexpr Pixel kBlue{0, 0, 255, 255};
+const Fill kRedFill{colour_of(0xff0000)};
+const Fill kBlueFill{colour_of(0x0000ff)};
+
+Pixel at(const RgbaImage& image, std::uint32_t x, std::uint32_t y) {
+  const std::uint8_t* pixel = image.at(x, y);
+  return {pixel[0], pixel[1], pixel[2], pixel[3]};
+}
+
+/// Columns and rows that hold any ink, ends included.
+struct Extent {
+  std::uint32_t left = 100000;
+  std::uint32_t right = 0;
+  std::uint32_t top = 100000;
+  std::uint32_t bottom = 0;
+};
+
+Extent ink_of(const RgbaImage& image) {
+  Extent extent;
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      if (image.at(x, y)[3] < 64) continue;
+      extent.left = std::min(extent.left, x);
+      extent.right = std::max(extent.right, x);
+      extent.top = std::min(extent.top, y);
+      extent.bottom = std::max(extent.bottom, y);
+    }
+  }
+  return extent;
+}
+
+std::shared_ptr<RgbaImage> chequered(std::uint32_t width, std::uint32_t height) {
+  auto image = std::make_shared<RgbaImage>(width, height);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      std::uint8_t* pixel = image->at(x, y);
+      pixel[0] = static_cast<std::uint8_t>(37 * x + 11 * y);
+      pixel[1] = static_cast<std::uint8_t>(5 * x * y);
+      pixel[2] = static_cast<std::uint8_t>(200 - x);
+      pixel[3] = 255;
+    }
+  }
+  return image;
+}
+
+TEST(Raster, FillsWhatIsInsideAndLeavesTheRestTransparent) {
+  Canvas canvas(20, 10, "");
+  canvas.rectangle({2, 3}, 5, 4, kRedFill);
+  const RgbaImage image = raster_of(canvas);
+  ASSERT_EQ(image.width, 20U);
+  ASSERT_EQ(image.height, 10U);
+  for (std::uint32_t y = 0; y < 10; ++y) {
+    for (std::uint32_t x = 0; x < 20; ++x) {
+      const bool is_inside = x >= 2 && x < 7 && y >= 3 && y < 7;
+      EXPECT_EQ(at(image, x, y), is_inside ? kRed : kNothing) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(Raster, ColoursAreNotMultipliedByAlpha) {
+  Canvas canvas(4, 4, "");
+  canvas.rectangle({0, 0}, 4, 4, Fill{colour_of(0xff8040), 0.5});
+  const Pixel pixel = at(raster_of(canvas), 1, 1);
+  EXPECT_NEAR(pixel[0], 255, 1);
+  EXPECT_NEAR(pixel[1], 128, 1);
+  EXPECT_NEAR(pixel[2], 64, 1);
+  EXPECT_NEAR(pixel[3], 128, 1);
+}
+
+TEST(Raster, EdgesLinesPolygonsAndCirclesAreWhereTheyShouldBe) {
+  Canvas canvas(100, 100, "");
+  canvas.rectangle({10, 10}, 20, 20, std::nullopt, Pen{.colour = colour_of(0xff0000), .width = 2});
+  canvas.line({50, 10}, {90, 10}, {.colour = colour_of(0x0000ff), .width = 4});
+  canvas.polygon({{10, 50}, {40, 50}, {10, 90}}, kBlueFill);
+  canvas.circle({70, 70}, 15, kRedFill, Pen{.colour = colour_of(0x0000ff), .width = 4});
+  const RgbaImage image = raster_of(canvas);
+  EXPECT_EQ(at(image, 20, 10), kRed);
+  EXPECT_EQ(at(image, 20, 9), kRed);
+  EXPECT_EQ(at(image, 20, 20), kNothing);
+  EXPECT_EQ(at(image, 70, 8), kBlue);
+  EXPECT_EQ(at(image, 70, 11), kBlue);
+  EXPECT_EQ(at(image, 70, 13), kNothing);
+  EXPECT_EQ(at(image, 92, 13), kNothing);  // a round end
+  EXPECT_EQ(at(image, 12, 80), kBlue);
+  EXPECT_EQ(at(image, 38, 80), kNothing);
+  EXPECT_EQ(at(image, 70, 70), kRed);
+  EXPECT_EQ(at(image, 85, 70), kBlue);
+  EXPECT_EQ(at(image, 83, 83), kNothing);
+}
+
+TEST(Raster, DashesLeaveGaps) {
+  Canvas canvas(60, 9, "");
+  canvas.line({0, 4.5}, {60, 4.5}, {.colour = colour_of(0xff0000), .width = 1, .dashes = "10 10"});
+  const RgbaImage image = raster_of(canvas);
+  EXPECT_EQ(at(image, 5, 4), kRed);
+  EXPECT_EQ(at(image, 15, 4), kNothing);
+  EXPECT_EQ(at(image, 25, 4), kRed);
+}
+
+TEST(Raster, AScaleGivesMorePixels) {
+  Canvas canvas(20, 10, "");
+  canvas.rectangle({2, 3}, 5, 4, kRedFill);
+  const RgbaImage image = raster_of(canvas, 3.0);
+  ASSERT_EQ(image.width, 60U);
+  ASSERT_EQ(image.height, 30U);
+  EXPECT_EQ(at(image, 6, 9), kRed);
+  EXPECT_EQ(at(image, 20, 20), kRed);
+  EXPECT_EQ(at(image, 21, 20), kNothing);
+  EXPECT_EQ(at(image, 5, 9), kNothing);
+}
+
+TEST(Raster, APictureOfItsOwnSizeKeepsEveryPixel) {
+  const auto picture = chequered(64, 48);
+  for (const bool is_first : {true, false}) {  // the short way and the long one
+    Canvas canvas(64, 48, "");
+    if (!is_first) canvas.circle({1, 1}, 1, kRedFill);
+    canvas.picture({0, 0}, 64, 48, picture);
+    EXPECT_EQ(raster_of(canvas).pixels, picture->pixels) << is_first;
+  }
+}
+
+TEST(Raster, AHalfTransparentPictureSurvivesTheShortWay) {
+  auto picture = std::make_shared<RgbaImage>(2, 1);
+  picture->pixels = {200, 100, 50, 128, 255, 255, 255, 0};
+  Canvas canvas(2, 1, "");
+  canvas.picture({0, 0}, 2, 1, picture);
+  const RgbaImage image = raster_of(canvas);
+  EXPECT_NEAR(at(image, 0, 0)[0], 200, 1);
+  EXPECT_NEAR(at(image, 0, 0)[1], 100, 1);
+  EXPECT_NEAR(at(image, 0, 0)[2], 50, 1);
+  EXPECT_EQ(at(image, 0, 0)[3], 128);
+  EXPECT_EQ(at(image, 1, 0), kNothing);
+}
+
+TEST(Raster, CellsOfAMapStaySquares) {
+  auto cells = std::make_shared<RgbaImage>(2, 2);
+  cells->pixels = {255, 0, 0, 255, 0, 0, 255, 255, 0, 0, 255, 255, 255, 0, 0, 255};
+  Canvas canvas(40, 40, "");
+  canvas.picture({0, 0}, 40, 40, cells, false);
+  const RgbaImage image = raster_of(canvas);
+  for (std::uint32_t y = 0; y < 40; ++y) {
+    for (std::uint32_t x = 0; x < 40; ++x) EXPECT_EQ(at(image, x, y), (x < 20) == (y < 20) ? kRed : kBlue);
+  }
+  Canvas smooth(40, 40, "");
+  smooth.picture({0, 0}, 40, 40, cells, true);
+  const Pixel between = at(raster_of(smooth), 19, 5);
+  EXPECT_GT(between[0], 60);
+  EXPECT_GT(between[2], 60);
+  EXPECT_EQ(at(raster_of(smooth), 0, 0), kRed);  // no transparent rim
+}
+
+TEST(Raster, AClipHidesWhatLeavesItAndEnds) {
+  Canvas canvas(40, 40, "");
+  canvas.polygon({{30, 30}, {39, 30}, {39, 39}}, kBlueFill);  // its path is no part of the clip
+  canvas.begin_clip({10, 10}, 10, 10);
+  canvas.rectangle({0, 0}, 40, 40, kRedFill);
+  canvas.end_clip();
+  canvas.end_clip();  // one too many
+  canvas.rectangle({0, 0}, 5, 5, kBlueFill);
+  const RgbaImage image = raster_of(canvas);
+  EXPECT_EQ(at(image, 9, 15), kNothing);
+  EXPECT_EQ(at(image, 10, 15), kRed);
+  EXPECT_EQ(at(image, 19, 19), kRed);
+  EXPECT_EQ(at(image, 20, 19), kNothing);
+  EXPECT_EQ(at(image, 37, 32), kBlue);
+  EXPECT_EQ(at(image, 2, 2), kBlue);
+}
+
+TEST(Raster, WordsStandOnTheirAnchor) {
+  for (const Anchor anchor : {Anchor::kStart, Anchor::kMiddle, Anchor::kEnd}) {
+    Canvas canvas(200, 60, "");
+    canvas.text({100, 40}, "HHHH", {.size = 20, .anchor = anchor});
+    const Extent ink = ink_of(raster_of(canvas));
+    const double middle = 0.5 * (ink.left + ink.right + 1.0);
+    const double half = 0.5 * text_width("HHHH", 20);
+    const double expected = anchor == Anchor::kMiddle ? 100.0 : anchor == Anchor::kStart ? 100.0 + half : 100.0 - half;
+    EXPECT_NEAR(middle, expected, 1.5);
+    EXPECT_EQ(ink.bottom, 39U);                    // capitals end at the base line
+    EXPECT_NEAR(40.0 - ink.top, 0.729 * 20, 1.0);  // DejaVu Sans' height of capitals
+  }
+}
+
+TEST(Raster, UprightWordsReadFromBelow) {
+  Canvas canvas(60, 200, "");
+  canvas.upright_text({40, 150}, "HHHH", {.size = 20});
+  const Extent ink = ink_of(raster_of(canvas));
+  EXPECT_EQ(ink.right, 39U);
+  EXPECT_NEAR(ink.bottom, 149.0, 3.0);
+  EXPECT_NEAR(150.0 - ink.top, text_width("HHHH", 20), 4.0);
+}
+
+TEST(Raster, AHaloSurroundsTheLetters) {
+  Canvas canvas(60, 60, "");
+  canvas.text({20, 40}, "I",
+              {.size = 30, .colour = colour_of(0xff0000), .has_halo = true, .halo = colour_of(0x0000ff)});
+  const RgbaImage image = raster_of(canvas);
+  int red = 0;
+  int blue = 0;
+  for (std::uint32_t x = 0; x < 60; ++x) {
+    red += at(image, x, 30) == kRed ? 1 : 0;
+    blue += at(image, x, 30) == kBlue ? 1 : 0;
+  }
+  EXPECT_GE(red, 2);
+  EXPECT_GE(blue, 2);
+}
+
+TEST(Raster, ASizeBeyondReasonIsRefused) {
+  EXPECT_THROW((void)raster_of(Canvas(40000, 10, "")), Error);
+  EXPECT_THROW((void)raster_of(Canvas(10, 10, ""), 4000.0), Error);
+  EXPECT_THROW((void)raster_of(Canvas(0, 10, "")), Error);
+}
+
+TEST(Raster, TheSameDrawingGivesTheSameBytes) {
+  Canvas canvas(120, 60, "Title");
+  canvas.text({10, 30}, "crank 12.5\u00B0", {.size = 14});
+  canvas.picture({5, 5}, 20, 20, chequered(8, 8), false);
+  EXPECT_EQ(raster_of(canvas).pixels, raster_of(canvas).pixels);
+  const std::string pdf = pdf_of(canvas);
+  EXPECT_EQ(pdf, pdf_of(canvas));
+  EXPECT_EQ(pdf.substr(0, 5), "%PDF-");
+  EXPECT_EQ(pdf.find("CreationDate"), std::string::npos);             // it would change from second to second
+  EXPECT_NE(pdf.find("/MediaBox [ 0 0 90 45 ]"), std::string::npos);  // 96 pixels are 72 points
+}
+
+}  // namespace
+}  // namespace gdtslam
