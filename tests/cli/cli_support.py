@@ -166,6 +166,10 @@ def write_data():
 
 
 OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", "overview.png", "report.json", "trajectory.tum"]
+# Of a laser that nods; the picture of the cloud where the viewer is built in.
+NODDING_OUTPUTS = sorted([*OUTPUTS, "linkage.yaml"])
+CLOUD_PICTURE = ["cloud.png"] if os.environ.get("GDTSLAM_VIEWER") == "1" else []
+CLOUD_OUTPUTS = sorted([*NODDING_OUTPUTS, "cloud.ply", *CLOUD_PICTURE])
 
 
 def skip(reason):

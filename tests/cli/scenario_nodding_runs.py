@@ -84,7 +84,7 @@ def nodding_interrupt():
     process = interrupted_run(drive, lines)
     expect_exit(process, 130)
     report = cli.scans_in(run)
-    expect(sorted(digests(run)) == sorted([*cli.OUTPUTS, "cloud.ply"]), "files are missing")
+    expect(sorted(digests(run)) == sorted([*cli.NODDING_OUTPUTS, "cloud.ply"]), "files are missing")
     points = points_of(run / "cloud.ply")
     expect(report["interrupted"] is True and report["cloud_points"] == len(points) > 10000, f"{report['cloud_points']} points")
     poses = [line for line in (run / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
@@ -151,11 +151,11 @@ def nodding_cloud_options():
     thin = drive.map("thin", drive.lines, "--set", "cloud.voxel=10 cm")
     voxels = {tuple(math.floor(v / 0.1) for v in point[:3]) for point in plain.points}
     expect(abs(len(thin.points) - len(voxels)) < 0.02 * len(voxels), f"{len(thin.points)} points, {len(voxels)} voxels")
-    expect(sorted(digests(both.folder)) == sorted([*cli.OUTPUTS, "cloud.ply"]), f"{sorted(digests(both.folder))}")
+    expect(sorted(digests(both.folder)) == cli.CLOUD_OUTPUTS, f"{sorted(digests(both.folder))}")
     again = drive.map("run", drive.lines, "--no-cloud")
     expect("cloud" not in again.nodding and again.report["cloud_points"] == 0, f"{again.nodding}")
     expect(again.poses == plain.poses and again.nodding["sweep_check"]["pairs"] == plain.nodding["sweep_check"]["pairs"], "other poses")
-    expect(sorted(digests(again.folder)) == cli.OUTPUTS, f"{sorted(digests(again.folder))}: the cloud of the run before is still there")
+    expect(sorted(digests(again.folder)) == cli.NODDING_OUTPUTS, f"{sorted(digests(again.folder))}: the cloud of the run before is still there")
     drive.map("run", drive.lines)
     expect_exit(command("map", drive.write("flat", drive.edited(lambda line: None)), "-o", drive.folder / "run", "-q", "--first", 5), 0)
     expect(sorted(digests(again.folder)) == cli.OUTPUTS, "a flat run left the cloud of the run before")

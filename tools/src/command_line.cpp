@@ -22,6 +22,7 @@ namespace {
 constexpr const char* kExamples =
     "Examples:\n"
     "  gdtslam map intel.clf.gz -o intel          map a log; the results are in the folder intel\n"
+    "  gdtslam render intel                       a picture of it; films, pages: gdtslam render --help\n"
     "  gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz\n"
     "  gdtslam doctor intel.clf.gz                what is in a log, and what is wrong with it\n"
     "  gdtslam verify --device vulkan             whether a GPU gives the same results as the CPU\n"
@@ -30,7 +31,7 @@ constexpr const char* kExamples =
     "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
     "written.";
 
-#if !defined(GDTSLAM_HAS_SIM) || !defined(GDTSLAM_HAS_CALIBRATION)
+#if !defined(GDTSLAM_HAS_SIM) || !defined(GDTSLAM_HAS_CALIBRATION) || !defined(GDTSLAM_HAS_VIEWER)
 // A sub-command that this build leaves out: whoever asks for it learns why.
 void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name, const std::string& option) {
   CLI::App* command = app.add_subcommand(name, "Not in this build (" + option + "=OFF)");
@@ -64,6 +65,11 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
 #endif
   add_measure_command(*app, context);
   add_evaluate_command(*app, context);
+#ifdef GDTSLAM_HAS_VIEWER
+  add_render_command(*app, context);
+#else
+  add_missing_command(*app, context, "render", "GDTSLAM_BUILD_VIEWER");
+#endif
   add_doctor_command(*app, context);
   add_ablation_command(*app, context);
   add_config_command(*app, context);

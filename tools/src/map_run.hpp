@@ -27,7 +27,8 @@ struct MapJob {
   MapperConfig mapper;
   OccupancyConfig occupancy;
   bool with_occupancy = true;
-  MapperOptions on_failure;  ///< of the device
+  bool with_pictures = true;  ///< overview.png
+  MapperOptions on_failure;   ///< of the device
 };
 
 /// A scan whose match is in doubt.

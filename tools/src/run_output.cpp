@@ -36,7 +36,11 @@ std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& ou
   const auto start = std::chrono::steady_clock::now();
   // The order in which the files take their names: what others refer to first, the YAML that refers to them last.
   const std::string trajectory = folder.staged("trajectory.tum");
-  const std::string overview = folder.staged("overview.png");
+  if (job.with_pictures) {
+    write_overview(folder.staged("overview.png"), overview_of(job, outcome));
+  } else {
+    folder.without("overview.png");
+  }
   const std::string report_file = folder.staged("report.json");
   const std::string config = folder.staged("config.yaml");
   folder.staged("map.pgm");
@@ -46,7 +50,6 @@ std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& ou
   write_tum(trajectory, outcome.trajectory);
   write_occupancy_map(map, outcome.occupancy);
   write_distance_field(field, view_of(mapper.field()));
-  write_overview(overview, overview_of(job, outcome));
   write_config(config, options_of(settings));
   const double written_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::string report = json_text(report_of(job, outcome, nodding, mapper, device, written_s));

@@ -140,6 +140,7 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport
   report["warnings"] = warnings_json(outcome.warnings);
   report["stages"] = stages_json(outcome, written_s);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);
+  report["keyframe_scans"] = outcome.keyframes;
   return report;
 }
 

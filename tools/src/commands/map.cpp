@@ -15,12 +15,15 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/atomic_file.hpp"
 #include "interrupt.hpp"
 #include "linkage_beside.hpp"
 #include "linkage_file.hpp"
+#include "map_logs.hpp"
 #include "map_run.hpp"
 #include "nodding_run.hpp"
 #include "progress.hpp"
+#include "render_cloud_picture.hpp"
 #include "run_folder.hpp"
 #include "run_output.hpp"
 #include "run_report.hpp"
@@ -42,8 +45,10 @@ struct MapOptions {
   ScanRange range;
   std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
   bool no_cloud = false;
+  bool no_pictures = false;
   bool json = false;
   bool quiet = false;
+  bool with_summary = true;  ///< what was done, on standard output
 };
 
 // --matcher is short for --set match.matcher and comes last, so that the command line beats the file.
@@ -116,7 +121,7 @@ void report_result(const MapOptions& options, const MapOutcome& outcome, const s
   if (!options.quiet) print_remarks(outcome);
   if (options.json) {
     print_result(report);
-  } else if (!options.quiet) {
+  } else if (!options.quiet && options.with_summary) {
     print_result(summary);
   }
 }
@@ -134,25 +139,46 @@ int map_flat(const MapOptions& options, const MapJob& job, Backend& backend, Sca
   const MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
                                      [] { return interrupted(); });
   progress.clear();
-  folder.without("cloud.ply");
+  for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
   const std::string report = write_run(folder, job, outcome, nullptr, run.mapper(), backend.device(), settings);
   report_result(options, outcome, summary_of(outcome, folder.path()), report);
   return status_of(outcome, folder.path());
 }
 
+// The cloud as a picture beside it. Where nothing can draw, the run is as good without.
+void add_cloud_picture(const MapOptions& options, const NoddingJob& nodding, const std::string& cloud_file,
+                       MapOutcome& outcome, RunFolder& folder) {
+  if (!options.no_cloud && !options.no_pictures && !outcome.interrupted) {
+    try {
+      if (const auto png = cloud_picture_of_run(cloud_file, options.logs.front(), outcome.trajectory, nodding.model)) {
+        write_file_atomically(folder.staged("cloud.png"), *png);
+        return;
+      }
+    } catch (const Error& error) {
+      if (error.code() == ExitCode::kInputOutput) throw;
+      outcome.warnings.push_back({"no picture of the cloud", 1, error.what()});
+    }
+  }
+  folder.without("cloud.png");
+}
+
 int map_nodding(const MapOptions& options, const MapJob& job, const NoddingJob& nodding, Backend& backend,
                 ScanStream scans, Settings& settings, RunFolder& folder) {
   std::unique_ptr<CloudOutput> cloud;
+  std::string cloud_file;
   if (options.no_cloud) {
     folder.without("cloud.ply");
   } else {
-    cloud = std::make_unique<CloudOutput>(settings.cloud, folder.staged("cloud.ply"));
+    cloud_file = folder.staged("cloud.ply");
+    cloud = std::make_unique<CloudOutput>(settings.cloud, cloud_file);
   }
   NoddingRun run(job, nodding, backend, std::move(scans), std::move(cloud));
   ProgressLine progress("scans", options.quiet);
-  const MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
-                                     [] { return interrupted(); });
+  MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
+                               [] { return interrupted(); });
   progress.clear();
+  add_cloud_picture(options, nodding, cloud_file, outcome, folder);
+  write_linkage(folder.staged("linkage.yaml"), nodding.model);
   const NoddingReport extra{nodding, run.outcome()};
   const std::string report = write_run(folder, job, outcome, &extra, run.mapper(), backend.device(), settings);
   report_result(options, outcome, text_of(run.outcome(), nodding.linkage) + summary_of(outcome, folder.path()), report);
@@ -195,6 +221,7 @@ int map_logs(const MapOptions& options) {
                    .range = options.range,
                    .mapper = settings.mapper,
                    .occupancy = settings.occupancy,
+                   .with_pictures = !options.no_pictures,
                    .on_failure = on_failure_of(options.device)};
   ScanStream scans(job.logs, job.read, job.range);
   // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
@@ -238,6 +265,24 @@ void add_input_options(CLI::App& command, MapOptions& options) {
 
 }  // namespace
 
+int map_log(const MapLogJob& job) {
+  MapOptions options;
+  options.logs = job.logs;
+  options.folder = job.folder;
+  options.linkage = job.linkage;
+  options.no_pictures = job.is_temporary;
+  options.quiet = job.quiet;
+  options.with_summary = false;
+  return map(options);
+}
+
+bool log_nods(const std::vector<std::string>& logs) {
+  ScanStream scans(logs, {}, {});
+  const NodKind kind = scans.nod_kind(ScanStream::kMostAhead);
+  scans.expect_readable();
+  return kind != NodKind::kNone;
+}
+
 void add_map_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<MapOptions>();
   CLI::App* command =
@@ -258,11 +303,13 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "LOG.linkage.yaml beside the log (LOG without .gz, .log, .clf) is taken, else the preset paper-b")
       ->type_name("NAME|FILE");
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and cloud.png");
   command->add_flag("--json", options->json, "Print report.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
-      "trajectory.tum, overview.png, config.yaml and report.json; cloud.ply where the log tells how the laser nods.\n"
+      "trajectory.tum, overview.png, config.yaml and report.json; where the log tells how the laser nods also\n"
+      "cloud.ply, cloud.png and linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages.\n"
       "An interrupt (Ctrl-C) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"

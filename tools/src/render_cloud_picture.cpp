@@ -1,0 +1,35 @@
+#include "render_cloud_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "drawing_file.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
+#include "gdtslam/viewer/raster.hpp"
+#include "linkage_beside.hpp"
+#include "render_source.hpp"
+#include "render_studio.hpp"
+
+namespace gdtslam {
+
+std::optional<std::string> cloud_picture_of_run(const std::string& cloud_file, const std::string& log,
+                                                const Trajectory& trajectory, const calib::SweepModel& model) {
+  constexpr PictureSize kSize{1600, 900};
+  const GraphicsContext graphics;
+  CloudLook look;
+  look.with_ceiling = false;
+  CloudScene scene(graphics, look);
+  const Cloud cloud = read_whole_cloud(cloud_file, {});
+  scene.set_cloud(cloud);
+  scene.set_trajectory(trajectory);
+  scene.set_robot(trajectory.back().T_map_base, &model);
+  const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
+  const CloudCaption caption{.title = std::filesystem::path(beside_log(log, "")).filename().string(),
+                             .subtitle = with_commas(cloud.size()) + " points"};
+  const auto image = std::make_shared<const RgbaImage>(scene.render(camera, kSize));
+  return png_bytes(raster_of(cloud_picture(image, scene.scale(), camera, look, caption)));
+}
+
+}  // namespace gdtslam

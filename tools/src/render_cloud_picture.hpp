@@ -1,0 +1,17 @@
+// The picture of its cloud that `gdtslam map` leaves beside it. Not thread-safe: one OpenGL context at a time.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+/// The iso view, 1600 by 900 pixels, as the bytes of a PNG file; nothing in a build without the viewer. Throws
+/// UnavailableError where nothing can draw, InputError, FileError.
+std::optional<std::string> cloud_picture_of_run(const std::string& cloud_file, const std::string& log,
+                                                const Trajectory& trajectory, const calib::SweepModel& model);
+
+}  // namespace gdtslam

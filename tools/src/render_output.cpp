@@ -1,0 +1,65 @@
+#include "render_output.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "did_you_mean.hpp"
+#include "film_writer.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ending {
+  std::string_view extension;
+  OutputKind kind;
+};
+constexpr std::array<Ending, 11> kEndings{{{".png", OutputKind::kPng},
+                                           {".svg", OutputKind::kSvg},
+                                           {".pdf", OutputKind::kPdf},
+                                           {".mp4", OutputKind::kMp4},
+                                           {".gif", OutputKind::kGif},
+                                           {".html", OutputKind::kPage},
+                                           {".htm", OutputKind::kPage},
+                                           {".gltf", OutputKind::kGltf},
+                                           {".vtp", OutputKind::kVtp},
+                                           {".ply", OutputKind::kCloud},
+                                           {".pcd", OutputKind::kCloud}}};
+
+}  // namespace
+
+OutputKind output_kind_of(const std::string& path) {
+  std::error_code ignored;
+  if (path.ends_with('/') || fs::is_directory(path, ignored)) return OutputKind::kFrames;
+  if (is_frame_pattern(path)) {
+    frame_path(path, 0);  // refuses what is no pattern
+    return OutputKind::kFrames;
+  }
+  std::string extension = fs::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  std::vector<std::string> names;
+  std::string list;
+  for (const Ending& ending : kEndings) {
+    if (ending.extension == extension) return ending.kind;
+    names.emplace_back(ending.extension);
+    list += (list.empty() ? "" : " ") + names.back();
+  }
+  throw UsageError("-o: '" + path + "' has none of the endings " + list + ", nor does it end in / for frames" +
+                   did_you_mean(extension, names));
+}
+
+std::string_view name_of(OutputKind kind) {
+  constexpr std::array<std::string_view, 10> kNames{
+      "a still in .png",    "a drawing in .svg", "a page in .pdf",   "a film in .mp4",  "a film in .gif",
+      "frames in a folder", "a page in .html",   "a model in .gltf", "a model in .vtp", "a cloud"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+}  // namespace gdtslam

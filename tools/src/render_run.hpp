@@ -1,0 +1,32 @@
+// One run of `gdtslam render`: from inputs and options to a file. Thread-safe apart from the files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "render_options.hpp"
+#include "render_output.hpp"
+#include "render_source.hpp"
+#include "render_studio.hpp"
+
+namespace gdtslam {
+
+/// What was written.
+struct RenderResult {
+  std::string file;
+  OutputKind kind = OutputKind::kPng;
+  std::string view;  ///< empty for pages and models
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint64_t frames = 0;  ///< of a film
+  double film_s = 0.0;       ///< how long it plays
+  std::uint64_t points = 0;  ///< drawn, or in the model
+  std::uint64_t bytes = 0;   ///< of the file, or of all frames
+  std::string renderer;
+};
+
+/// Draws and writes. Throws every typed error; nothing is left behind then but the frames of a folder.
+RenderResult render(const RenderOptions& options, std::vector<RenderSource>& sources);
+
+}  // namespace gdtslam

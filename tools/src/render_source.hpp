@@ -1,0 +1,79 @@
+// What `gdtslam render` draws: the kind of its input, told by content, and the data that it holds, read when a view
+// asks for them and once. One source belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/viewer/map_picture.hpp"
+#include "run_reader.hpp"
+
+namespace gdtslam {
+
+enum class RenderKind : std::uint8_t { kRun, kCloud, kLinkage, kMap, kField, kTrajectory, kLog };
+/// "a run", "a cloud", ...
+std::string_view name_of(RenderKind kind);
+/// By the path's kind and the first bytes, unpacked; a preset's name is a linkage. Throws FileError for what is not
+/// there (with the nearest preset), InputError for what is no input.
+RenderKind kind_of_input(const std::string& input);
+
+/// What a view needs; a set of them as bits.
+namespace part {
+inline constexpr unsigned kMap = 1U;
+inline constexpr unsigned kField = 2U;
+inline constexpr unsigned kTrajectory = 4U;
+inline constexpr unsigned kCloud = 8U;
+inline constexpr unsigned kLinkage = 16U;
+inline constexpr unsigned kTruth = 32U;  ///< --reference or --relations of a trajectory
+}  // namespace part
+
+class RenderSource {
+ public:
+  /// Any kind but kLog, which has to be mapped first. Throws as RunReader does.
+  explicit RenderSource(std::string input);
+
+  [[nodiscard]] RenderKind kind() const { return kind_; }
+  [[nodiscard]] const std::string& input() const { return input_; }
+  /// For titles and names of files: "office-7f".
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] unsigned parts() const { return parts_; }
+  /// A linkage from elsewhere: a preset's name or a file.
+  void set_linkage(const std::string& linkage);
+  /// A run's, else nothing.
+  [[nodiscard]] const RunReader* run() const { return run_ ? &*run_ : nullptr; }
+
+  // Each throws InputError, FileError or ConfigError where its file cannot be used.
+  const OccupancyMap& map();
+  const FieldPicture& field();
+  const Trajectory& trajectory();
+  const calib::SweepModel& linkage();
+  /// Read anew at each call, because whoever draws it keeps it; `progress` hears of the points and their share.
+  [[nodiscard]] Cloud cloud(const std::function<void(std::uint64_t, double)>& progress = {}) const;
+  /// Path, keyframes and doubtful scans; empty where there is no trajectory.
+  PathOverlay overlay();
+
+ private:
+  std::string input_;
+  std::string name_;
+  RenderKind kind_;
+  unsigned parts_ = 0;
+  std::optional<RunReader> run_;
+  std::optional<OccupancyMap> map_;
+  std::optional<FieldPicture> field_;
+  std::optional<Trajectory> trajectory_;
+  std::optional<calib::SweepModel> linkage_;
+};
+
+/// A cloud from a file, with progress. Throws InputError or FileError, also when it has no points.
+Cloud read_whole_cloud(const std::string& path, const std::function<void(std::uint64_t, double)>& progress);
+
+}  // namespace gdtslam

@@ -1,0 +1,196 @@
+#include "render_studio.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "console.hpp"
+#include "gdtslam/core/error.hpp"
+#include "progress.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kFramesPerSecond = 25.0;
+constexpr double kLongestScan_s = 20.0;
+constexpr std::size_t kMostFrames = 100'000;
+constexpr double kFollow_s = 20.0;
+constexpr double kOrbit_s = 8.0;
+constexpr double kTurn_s = 4.0;
+
+CameraPreset preset_of(std::string_view view) {
+  for (const CameraPresetName& preset : camera_presets()) {
+    if (preset.name == view) return preset.preset;
+  }
+  return CameraPreset::kIso;
+}
+
+}  // namespace
+
+std::string with_commas(std::uint64_t value) {
+  std::string text = std::to_string(value);
+  for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");
+  return text;
+}
+
+RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
+    : options_(options), sources_(sources) {
+  if (options.with_ceiling && options.no_ceiling)
+    throw UsageError("--with-ceiling and --no-ceiling exclude each other");
+  if (options.is_light && options.is_dark) throw UsageError("--light and --dark exclude each other");
+}
+
+GraphicsContext& RenderStudio::graphics() {
+  if (!graphics_) {
+    graphics_ = std::make_unique<GraphicsContext>(graphics_of(options_.graphics));
+    if (graphics_->is_fallback() && !options_.quiet) print_remark(graphics_->description_of_fallback());
+  }
+  return *graphics_;
+}
+
+std::string RenderStudio::renderer() const { return graphics_ ? graphics_->description() : "Cairo"; }
+
+std::uint64_t RenderStudio::points_drawn() const { return cloud_scene_ ? cloud_scene_->points_drawn() : points_drawn_; }
+
+std::string RenderStudio::title() const { return options_.title.empty() ? sources_.front().name() : options_.title; }
+
+std::string RenderStudio::subtitle(std::uint64_t points) const {
+  std::string text = points > 0 ? with_commas(points) + " points" : std::string();
+  const RunReader* const run = sources_.front().run();
+  if (run == nullptr) return text;
+  const RunSummary& summary = run->summary();
+  if (points == 0) {
+    text = fmt::format("{} scans, {} keyframes", with_commas(summary.scans), with_commas(summary.keyframe_count));
+    if (!summary.doubtful.empty()) text += fmt::format(", {} doubtful", with_commas(summary.doubtful.size()));
+  }
+  return text + fmt::format(", {:.1f} m of path", summary.path_m);
+}
+
+Cloud RenderStudio::cloud(std::uint64_t most) {
+  ProgressLine progress("points", options_.quiet);
+  Cloud whole = first().cloud([&progress](std::uint64_t done, double share) { progress.update(done, share); });
+  const std::uint64_t limit = options_.points > 0 ? options_.points : most;
+  return limit > 0 && limit < whole.size() ? thinned_for_film(whole, limit) : whole;
+}
+
+std::vector<float> RenderStudio::distances(const Cloud& cloud) {
+  if (options_.reference.empty()) {
+    throw UsageError("--colour distance needs what the distances are to: --reference CLOUD, in the same frame");
+  }
+  ProgressLine progress("points", options_.quiet);
+  const Cloud reference = read_whole_cloud(
+      options_.reference, [&progress](std::uint64_t done, double share) { progress.update(done, share); });
+  return distances_to(cloud, reference);
+}
+
+// A ceiling hides the rooms from above; seen from the side it belongs to the picture.
+CloudLook RenderStudio::look_of(const RenderView& view, bool is_film) const {
+  CloudLook look = cloud_look_of(options_);
+  const bool is_from_side = view.name == "front" || view.name == "side";
+  look.with_ceiling = options_.with_ceiling || (is_from_side && !options_.no_ceiling);
+  look.with_floor = !options_.no_floor;
+  if (is_film) look.samples = 1;
+  return look;
+}
+
+CloudCaption RenderStudio::caption() const {
+  if (options_.no_caption) return {"", "", false, false, false};
+  return {title(), subtitle(drawn_.size()), true, true, true};
+}
+
+CloudScene& RenderStudio::cloud_scene(const RenderView& view, bool is_film) {
+  look_ = look_of(view, is_film);
+  drawn_ = cloud(is_film ? kFilmPoints : 0);
+  const bool by_distance = look_.colour == CloudColour::kDistance;
+  const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
+  cloud_scene_ = std::make_unique<CloudScene>(graphics(), look_);
+  cloud_scene_->set_cloud(drawn_, distances_m);
+  if ((first().parts() & part::kTrajectory) != 0 && !options_.no_path) {
+    cloud_scene_->set_trajectory(first().trajectory());
+    const bool has_linkage = (first().parts() & part::kLinkage) != 0;
+    cloud_scene_->set_robot(first().trajectory().back().T_map_base, has_linkage ? &first().linkage() : nullptr);
+  }
+  return *cloud_scene_;
+}
+
+Camera RenderStudio::camera_of(const RenderView& view, const PictureSize& size) {
+  if (!options_.camera.empty()) return parse_camera(options_.camera);
+  return fitting_camera(preset_of(view.name), cloud_scene_->bounds(), size);
+}
+
+Canvas RenderStudio::cloud_still(const RenderView& view, const PictureSize& size) {
+  CloudScene& scene = cloud_scene(view, false);
+  const Camera camera = camera_of(view, size);
+  const auto image = std::make_shared<const RgbaImage>(scene.render(camera, size));
+  return cloud_picture(image, scene.scale(), camera, look_, caption());
+}
+
+LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
+  constexpr std::uint32_t kNarrowest = 640;  // beside the scene a panel needs room
+  const LinkageLook look{.is_dark = options_.is_dark,
+                         .is_transparent = options_.is_transparent,
+                         .with_panel = !options_.no_caption && size.width >= kNarrowest};
+  linkage_scene_ = std::make_unique<LinkageScene>(graphics(), first().linkage(), look);
+  return *linkage_scene_;
+}
+
+Canvas RenderStudio::still(const RenderView& view, const PictureSize& size) {
+  if (view.name == "scene") {
+    LinkageScene& scene = linkage_scene(size);
+    return scene.picture(scene.shown_crank_rad(), size);
+  }
+  if (!view.is_scene) return flat(view, size);
+  if (view.name == "orbit" || !view.moves) return cloud_still(view, size);
+  constexpr std::size_t kFrames = 101;  // the middle of its film
+  return film(view, size, kFrames)->frame(kFrames / 2);
+}
+
+std::unique_ptr<Film> RenderStudio::film(const RenderView& view, const PictureSize& size, std::size_t frames) {
+  if (view.name == "scene") return linkage_film(linkage_scene(size), first().linkage(), size, frames);
+  if (view.name == "orbit") return orbit_film(cloud_scene(view, true), look_, caption(), size, frames);
+  if (view.name == "follow") {
+    return follow_film(cloud_scene(view, true), first().trajectory(), look_, caption(), size, frames);
+  }
+  throw UsageError(fmt::format("--view {} is no film", view.name));
+}
+
+FilmLength RenderStudio::length_of(const RenderView& view) {
+  FilmLength length{options_.frames, options_.frames_per_s > 0.0 ? options_.frames_per_s : kFramesPerSecond};
+  if (length.frames == 0) {
+    double seconds = view.name == "orbit" ? kOrbit_s : view.name == "follow" ? kFollow_s : kTurn_s;
+    if (view.name == "scan") {
+      const Stretch time = stretch(kLongestScan_s);
+      seconds = std::min(time.to_s - time.from_s, kLongestScan_s);
+    }
+    if (!options_.seconds.empty()) seconds = time_of("--seconds", options_.seconds);
+    if (!(seconds > 0.0)) throw UsageError("--seconds: " + options_.seconds + " is no time");
+    const double frames = std::max(1.0, std::floor(seconds * length.frames_per_s + 0.5));
+    length.frames = frames > static_cast<double>(kMostFrames) ? kMostFrames + 1 : static_cast<std::size_t>(frames);
+  }
+  if (length.frames > kMostFrames) throw UsageError(fmt::format("a film has at most {} frames", kMostFrames));
+  return length;
+}
+
+RenderStudio::Stretch RenderStudio::stretch(double longest_s) {
+  double first_s = std::numeric_limits<double>::infinity();
+  double last_s = -first_s;
+  for (const StampedPose& pose : first().trajectory()) {
+    first_s = std::min(first_s, pose.stamp_s);
+    last_s = std::max(last_s, pose.stamp_s);
+  }
+  const double from_s = first_s + (options_.from.empty() ? 0.0 : time_of("--from", options_.from));
+  const double to_s = options_.to.empty() ? std::min(from_s + longest_s, last_s)
+                                          : std::min(first_s + time_of("--to", options_.to), last_s);
+  if (from_s < first_s || from_s >= to_s) {
+    throw UsageError(
+        fmt::format("--from and --to: of a log of {:.1f} s they leave nothing; both count from its first "
+                    "pose",
+                    last_s - first_s));
+  }
+  return {from_s, to_s};
+}
+
+}  // namespace gdtslam

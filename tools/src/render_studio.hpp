@@ -1,0 +1,88 @@
+// Makes the pictures of `gdtslam render`: a still or a film of a view, from what the sources hold. OpenGL is looked for
+// when the first view needs it. One studio belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
+#include "gdtslam/viewer/film.hpp"
+#include "gdtslam/viewer/graphics.hpp"
+#include "gdtslam/viewer/linkage_scene.hpp"
+#include "render_options.hpp"
+#include "render_source.hpp"
+#include "render_views.hpp"
+
+namespace gdtslam {
+
+/// How long a film is.
+struct FilmLength {
+  std::size_t frames = 0;
+  double frames_per_s = 25.0;
+};
+
+/// Points of a cloud that one picture of a film draws, where --points does not say otherwise.
+inline constexpr std::uint64_t kFilmPoints = 300'000;
+
+class RenderStudio {
+ public:
+  /// Both must outlive this. Throws UsageError for options that contradict each other.
+  RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources);
+
+  /// Throws UsageError, InputError, UnavailableError where nothing can draw.
+  Canvas still(const RenderView& view, const PictureSize& size);
+  std::unique_ptr<Film> film(const RenderView& view, const PictureSize& size, std::size_t frames);
+  /// By --frames, --seconds, --fps, else what suits the view.
+  [[nodiscard]] FilmLength length_of(const RenderView& view);
+
+  /// What drew: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
+  [[nodiscard]] std::string renderer() const;
+  [[nodiscard]] std::uint64_t points_drawn() const;
+  /// The cloud of the first source, thinned where --points or `most` says so (0: all).
+  Cloud cloud(std::uint64_t most);
+  /// The distance of each point to --reference.
+  std::vector<float> distances(const Cloud& cloud);
+  /// "office-7f" or --title; "2,612,366 points, 62 m of path".
+  [[nodiscard]] std::string title() const;
+  [[nodiscard]] std::string subtitle(std::uint64_t points = 0) const;
+
+ private:
+  RenderSource& first() { return sources_.front(); }
+  GraphicsContext& graphics();
+  CloudScene& cloud_scene(const RenderView& view, bool is_film);
+  LinkageScene& linkage_scene(const PictureSize& size);
+  [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
+  [[nodiscard]] CloudCaption caption() const;
+  [[nodiscard]] Camera camera_of(const RenderView& view, const PictureSize& size);
+  Canvas cloud_still(const RenderView& view, const PictureSize& size);
+  Canvas flat(const RenderView& view, const PictureSize& size);
+  Canvas cells();
+  Canvas elevation(const PictureSize& size);
+  Canvas errors(const RenderView& view, const PictureSize& size);
+  [[nodiscard]] MapLook map_look() const;
+  /// The stretch of --from and --to in the log's clock; by default the first `longest_s` of it.
+  struct Stretch {
+    double from_s = 0.0;
+    double to_s = 0.0;
+  };
+  Stretch stretch(double longest_s);
+
+  const RenderOptions& options_;
+  std::vector<RenderSource>& sources_;
+  std::unique_ptr<GraphicsContext> graphics_;
+  Cloud drawn_;
+  CloudLook look_;
+  std::unique_ptr<CloudScene> cloud_scene_;
+  std::unique_ptr<LinkageScene> linkage_scene_;
+  std::uint64_t points_drawn_ = 0;
+};
+
+/// A whole number with a comma at every third digit.
+std::string with_commas(std::uint64_t value);
+
+}  // namespace gdtslam
