@@ -4,7 +4,10 @@ import csv
 import io
 import json
 import math
+import re
+import struct
 import xml.etree.ElementTree as xml
+import zlib
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit
@@ -58,6 +61,77 @@ def linkage_drawing():
                  "lift 183.1°", "least 52.7°", "Transmission angle"):
         expect(word in words, f"no {word!r} in {words}")
     expect(b"nan" not in first and b"inf" not in first, "a place that is no number")
+
+
+def png_size(data):
+    """Width and height that a PNG's header states; its checksums and its data are right."""
+    expect(data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG")
+    at, size, pixels = 8, None, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        expect(struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0] == zlib.crc32(kind + body), f"checksum of {kind}")
+        size = struct.unpack(">II", body[:8]) if kind == b"IHDR" else size
+        pixels += body if kind == b"IDAT" else b""
+        at += 12 + length
+    expect(len(zlib.decompress(pixels)) == size[1] * (1 + 4 * size[0]), "the pixels of another size")
+    return size
+
+
+def pdf_words(data):
+    """The words of a PDF by Cairo: literal strings of its page."""
+    words = []
+    for stream in re.finditer(rb"stream\r?\n", data):
+        try:
+            page = zlib.decompressobj().decompress(data[stream.end() :])
+        except zlib.error:
+            continue
+        for block in re.findall(rb"BT\n(.*?)ET\n", page, re.DOTALL):
+            literals = re.findall(rb"\(((?:\\.|[^\\)])*)\)", block)
+            text = b"".join(literals)
+            text = re.sub(rb"\\([0-7]{3})", lambda code: bytes([int(code[1], 8)]), text)
+            words.append(re.sub(rb"\\(.)", rb"\1", text).decode("cp1252"))
+    return words
+
+
+def linkage_pictures():
+    """The same drawing by extension: PNG of twice its size, PDF whose words are those of the SVG, and --svg as before."""
+    folder = cli.fresh_folder("linkage_pictures")
+    process = command("linkage", "paper-b", "--picture", folder / "b.png")
+    if process.returncode == 69:
+        cli.one_error_line(process.stderr)
+        cli.skip("built without the viewer")
+    expect_exit(process, 0)
+    expect(png_size((folder / "b.png").read_bytes()) == (2560, 1600), "not twice the drawing's 1280 by 800")
+    for name in ("b.svg", "b.PDF", "again.pdf"):
+        expect_exit(command("linkage", "paper-b", "--picture", folder / name), 0)
+    expect_exit(command("linkage", "paper-b", "--svg", folder / "old.svg"), 0)
+    expect((folder / "old.svg").read_bytes() == (folder / "b.svg").read_bytes(), "--svg draws something else")
+    expect((folder / "b.PDF").read_bytes() == (folder / "again.pdf").read_bytes(), "two PDFs differ")
+    root = xml.fromstring((folder / "b.svg").read_bytes())
+    drawn = [element.text for element in root.iter("{http://www.w3.org/2000/svg}text")]
+    expect(len(drawn) > 40 and pdf_words((folder / "b.PDF").read_bytes()) == drawn, f"other words in the PDF than {drawn}")
+    for arguments in (["linkage", "paper-b"], ["calibrate", folder / "missing.log", "-o", folder / "l.yaml"],
+                      ["measure", folder / "missing.ply", "--boxes"]):
+        process = command(*arguments, "--picture", folder / "b.jpg")
+        expect_exit(process, 2)  # before anything is read
+        cli.one_error_line(process.stderr)
+        expect(".svg, .png or .pdf" in process.stderr and "--picture" in process.stderr, process.stderr)
+    expect(sorted(file.name for file in folder.iterdir()) == ["again.pdf", "b.PDF", "b.png", "b.svg", "old.svg"], "other files")
+
+
+def linkage_pictures_without_a_font():
+    """No font at all: one line that names a package, not a picture without words; SVG needs none."""
+    folder = cli.fresh_folder("linkage_pictures_without_a_font")
+    (folder / "fonts.conf").write_text("<?xml version='1.0'?><!DOCTYPE fontconfig SYSTEM 'fonts.dtd'><fontconfig></fontconfig>\n")
+    bare = cli.environment(FONTCONFIG_FILE=str(folder / "fonts.conf"))
+    process = command("linkage", "paper-b", "--picture", folder / "b.png", env=bare)
+    expect_exit(process, 69)
+    cli.one_error_line(process.stderr)
+    if "viewer" in process.stderr:
+        cli.skip("built without the viewer")
+    expect("fonts-dejavu-core" in process.stderr and not (folder / "b.png").exists(), process.stderr)
+    expect_exit(command("linkage", "paper-b", "--picture", folder / "b.svg", env=bare), 0)
 
 
 def linkage_design_is_a_linkage():
