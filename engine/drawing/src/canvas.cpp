@@ -1,5 +1,6 @@
 #include "gdtslam/drawing/canvas.hpp"
 
+#include <cassert>
 #include <type_traits>
 #include <utility>
 
@@ -64,6 +65,7 @@ void Canvas::upright_text(const Point2& at, std::string_view words, const Letter
 
 void Canvas::picture(const Point2& corner, double width, double height, std::shared_ptr<const RgbaImage> image,
                      bool is_smooth) {
+  assert(image != nullptr);
   shapes_.emplace_back(shape::Picture{corner, width, height, std::move(image), is_smooth});
 }
 

@@ -1,5 +1,5 @@
-// Colour maps against CIELAB as its definition has it (CIE 15; sRGB by IEC 61966-2-1) and the dichromats of Vienot,
-// Brettel and Mollon (1999) in linear sRGB.
+// Colour maps against CIELAB as its definition has it (CIE 15; sRGB by IEC 61966-2-1) and the dichromats of
+// [Vienot1999], their matrices in linear sRGB.
 #include <gmock/gmock.h>
 
 #include <array>

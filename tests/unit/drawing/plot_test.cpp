@@ -163,14 +163,28 @@ TEST(Plot, TheLegendKeepsOffTheCurve) {
   EXPECT_EQ(canvas.shapes().size(), shapes);
 }
 
-TEST(BoxFigures, AreTukeysWithQuartilesBetweenValues) {  // R: quantile(c(1:9, 100)), boxplot.stats' whiskers
-  const BoxFigures figures = box_figures({9, 2, 7, 4, 100, 5, 3, 6, 1, 8});
+TEST(Plot, TheLegendFindsTheOneFreeCorner) {
+  Canvas canvas(600, 400, "");
+  Plot plot(canvas, {{0, 0}, 600, 400}, {}, {});
+  plot.line(std::vector<Point2>{{0.0, 0.9}, {1.0, 0.9}}, {}, "a curve");
+  plot.line(std::vector<Point2>{{0.1, 1.0}, {0.1, 0.0}}, {}, "another");
+  plot.line(std::vector<Point2>{{0.0, 0.1}, {0.6, 0.1}}, {});
+  plot.line(std::vector<Point2>{{0.75, 0.5}, {1.0, 0.5}}, {});
+  plot.legend();
+  const shape::Rectangle card = all<shape::Rectangle>(canvas).back();
+  EXPECT_GT(card.corner.x(), plot.at(0.6, 0.0).x());
+  EXPECT_GT(card.corner.y(), plot.at(0.0, 0.5).y());
+}
+
+TEST(BoxFigures, AreTukeysWithQuartilesBetweenValues) {  // R: quantile(c(1:9, 14.6)); 7.75 + 1.5 * 4.5 = 14.5
+  const BoxFigures figures = box_figures({9, 2, 7, 4, 14.6, 5, 3, 6, 1, 8});
   EXPECT_DOUBLE_EQ(figures.lower_quartile, 3.25);
   EXPECT_DOUBLE_EQ(figures.median, 5.5);
   EXPECT_DOUBLE_EQ(figures.upper_quartile, 7.75);
   EXPECT_EQ(figures.low_whisker, 1.0);
   EXPECT_EQ(figures.high_whisker, 9.0);
-  EXPECT_THAT(figures.beyond, testing::ElementsAre(100.0));
+  EXPECT_THAT(figures.beyond, testing::ElementsAre(14.6));
+  EXPECT_EQ(box_figures({9, 2, 7, 4, 14.4, 5, 3, 6, 1, 8}).high_whisker, 14.4);
   const BoxFigures one = box_figures({3.0});
   EXPECT_EQ(one.low_whisker, 3.0);
   EXPECT_EQ(one.median, 3.0);

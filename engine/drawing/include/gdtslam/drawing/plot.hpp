@@ -35,7 +35,7 @@ struct PlotLook {
 };
 
 /// Five figures of a distribution; quartiles between the two nearest values, whiskers at the outermost values
-/// within 1.5 times the quartiles' distance [Tukey, Exploratory Data Analysis, 1977].
+/// within 1.5 times the quartiles' distance [Tukey1977].
 struct BoxFigures {
   double low_whisker = 0.0;
   double lower_quartile = 0.0;
