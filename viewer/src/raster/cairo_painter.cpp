@@ -8,6 +8,11 @@
 
 #include "gdtslam/core/error.hpp"
 
+#ifdef __SANITIZE_ADDRESS__
+// Fontconfig keeps the parts of a pattern by offsets, which the search for leaks cannot follow.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
+#endif
+
 namespace gdtslam {
 namespace {
 
