@@ -1,6 +1,6 @@
 // Cameras that show a whole box. For a given direction the nearest camera is exact: in the camera's axes a point
-// (u, v, w) is in the picture while |u - a| <= (w + d) t, and the least distance d and the shift a of the camera follow
-// from the extremes of u - w t and u + w t over the points; likewise for v.
+// (u, v, w) is in the picture while |u - a| <= (w + d) t, and the least distance d of the camera follows from the
+// extremes of u - w t and u + w t over the points; likewise for v. Its shift a is what is left to choose.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -41,13 +41,9 @@ std::vector<Point3> corners_of(const Bounds& box) {
   return corners;
 }
 
-// What one direction of the picture asks for: the camera's shift along it, and its distance.
-struct Fit {
-  double shift_m = 0.0;
-  double distance_m = 0.0;
-};
-Fit fit_along(const Point3& axis, const Point3& forward, double slope, const Point3& centre,
-              const std::vector<Point3>& points) {
+// The distance that one direction of the picture asks for, wherever along it the camera is.
+double least_distance_m(const Point3& axis, const Point3& forward, double slope, const Point3& centre,
+                        const std::vector<Point3>& points) {
   double low = -1e300;
   double high = 1e300;
   for (const Point3& point : points) {
@@ -56,7 +52,34 @@ Fit fit_along(const Point3& axis, const Point3& forward, double slope, const Poi
     low = std::max(low, u - w * slope);
     high = std::min(high, u + w * slope);
   }
-  return {.shift_m = 0.5 * (low + high), .distance_m = 0.5 * (low - high) / slope};
+  return 0.5 * (low - high) / slope;
+}
+
+// The shift at which the points are as far from one edge of the picture as from the other, at this distance; exact for
+// the direction that asks for the distance, in which nothing is left to choose.
+double centring_shift_m(const Point3& axis, const Point3& forward, double distance_m, const Point3& centre,
+                        const std::vector<Point3>& points) {
+  const auto lean = [&](double shift_m) {
+    double low = 1e300;
+    double high = -1e300;
+    for (const Point3& point : points) {
+      const double at = (axis.dot(point - centre) - shift_m) / (forward.dot(point - centre) + distance_m);
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    return low + high;  // falls with the shift
+  };
+  double below = 1e300;
+  double above = -1e300;
+  for (const Point3& point : points) {
+    below = std::min(below, axis.dot(point - centre));
+    above = std::max(above, axis.dot(point - centre));
+  }
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (below + above);
+    (lean(middle) > 0.0 ? below : above) = middle;
+  }
+  return 0.5 * (below + above);
 }
 
 // The nearest perspective camera with this line of sight that has all points in its picture.
@@ -68,10 +91,12 @@ Camera nearest_camera(const Point3& forward, double view_angle_rad, const Point3
   camera.eye = centre - forward;
   const CameraBasis basis = basis_of(camera);
   const double slope = half_height_slope(camera) * (1.0 - 2.0 * margin_share);
-  const Fit across = fit_along(basis.right, basis.forward, slope * size.aspect(), centre, points);
-  const Fit upwards = fit_along(basis.up, basis.forward, slope, centre, points);
-  camera.target = centre + across.shift_m * basis.right + upwards.shift_m * basis.up;
-  camera.eye = camera.target - std::max(across.distance_m, upwards.distance_m) * basis.forward;
+  const double distance_m =
+      std::max(least_distance_m(basis.right, basis.forward, slope * size.aspect(), centre, points),
+               least_distance_m(basis.up, basis.forward, slope, centre, points));
+  camera.target = centre + centring_shift_m(basis.right, basis.forward, distance_m, centre, points) * basis.right +
+                  centring_shift_m(basis.up, basis.forward, distance_m, centre, points) * basis.up;
+  camera.eye = camera.target - distance_m * basis.forward;
   return camera;
 }
 
@@ -137,14 +162,14 @@ Camera orbit_camera(const Bounds& bounds, const PictureSize& size) {
   const Bounds box = shown(bounds);
   const Point3 half = 0.5 * (box.highest - box.lowest);
   const double radius_m = std::sqrt(half.x() * half.x() + half.y() * half.y());
+  const Point3 sight = iso_sight(kIsoTurnRad);
   std::vector<Point3> rims;
   for (int k = 0; k < kDirections; ++k) {
-    const SinCos<double> direction = sin_cos(kTwoPi * k / kDirections);
+    const SinCos<double> direction = sin_cos(kTwoPi * k / kDirections - kIsoTurnRad);  // alike on both sides
     for (const double z : {box.lowest.z(), box.highest.z()}) {
       rims.emplace_back(box.centre().x() + radius_m * direction.cos, box.centre().y() + radius_m * direction.sin, z);
     }
   }
-  const Point3 sight = iso_sight(kIsoTurnRad);
   Camera camera = nearest_camera(sight, kIsoViewAngleRad, box.centre(), rims, size, kOrbitMarginShare);
   // The target moves along the line of sight to the box's axis, about which the camera turns.
   const CameraBasis basis = basis_of(camera);

@@ -1,7 +1,7 @@
 // The points of a cloud in OpenGL: pieces of up to 64 Ki points in the order of time, each with its own buffer, so that
 // the points up to a stamp are shown by hiding later pieces and cutting one; nothing is sent to OpenGL again. A point's
-// size is that of a disc in space, so that surfaces close near and far alike. 16 bytes a point, and 4 where the points
-// have different stamps, beside OpenGL's copy of 20. One object belongs to one thread.
+// size is that of a disc in space, so that surfaces close near and far alike. 16 bytes a point, which OpenGL takes over
+// with the first picture, and 4 where the points have different stamps. One object belongs to one thread.
 #pragma once
 
 #include <vtkNew.h>
@@ -38,12 +38,13 @@ class CloudPoints {
   /// Colour and diameter in space, metres, of a point of the cloud.
   struct Dot {
     Colour colour;
-    float diameter_m = 0.0F;
+    double diameter_m = 0.0;
   };
   using DotOf = std::function<Dot(std::uint32_t)>;
   /// `drawn` are indices into the cloud; they are put into the order of time.
   void set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const DotOf& dot_of);
-  /// Points up to this stamp; equal stamps together, times within a piece to 2^-32 of its length.
+  /// Points up to this stamp; equal stamps together, times within a piece to 2^-32 of its length. Points without a
+  /// stamp that is a number are shown always.
   void show_until(double stamp_s);
   void set_sizes(const PointSizes& sizes, const Camera& camera, const PictureSize& size);
   [[nodiscard]] std::uint64_t shown() const;

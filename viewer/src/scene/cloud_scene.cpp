@@ -109,7 +109,7 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
   s.points.set(cloud, std::move(drawn), [&](std::uint32_t k) {
     const double gap_m = std::min(static_cast<double>(density.spacing_m(cloud[k])), closed_m);
     return CloudPoints::Dot{.colour = is_plain ? plain : colour_at(s.scale, map, values.at(k)),
-                            .diameter_m = static_cast<float>(kCoverage * gap_m)};
+                            .diameter_m = kCoverage * gap_m};
   });
   s.update_bounds();
 }
