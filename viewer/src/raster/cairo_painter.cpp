@@ -11,6 +11,7 @@
 #ifdef __SANITIZE_ADDRESS__
 // Fontconfig keeps the parts of a pattern by offsets, which the search for leaks cannot follow.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
+extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
 #endif
 
 namespace gdtslam {
