@@ -12,6 +12,7 @@
 #include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 #include "gdtslam/compute/kernels/jump_flood.hpp"
+#include "gdtslam/compute/kernels/pose_bounds.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
@@ -103,6 +104,10 @@ struct IsaFunctions {
   /// `values` and `voters` are scratch, one of each a point.
   void (*choose_pose)(const ChoosePose::Params&, const std::uint16_t* field, const PointCells* points,
                       const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters);
+  void (*pose_bounds)(const PoseBounds::Params&, const std::uint8_t* field, const BoundPoint* points,
+                      const PoseCandidate* tiles, std::uint32_t count, std::uint32_t* sums);
+  void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
+                        const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
   /// Beams [begin, end).
   void (*sweep_points)(const SweepPoints::Params&, const SweepBuffers&, std::uint32_t begin, std::uint32_t end);
 };

@@ -31,6 +31,8 @@ namespace {
 #include "kernels/pose_starts.inl"
 #include "kernels/pose_simplex.inl"
 #include "kernels/choose_pose.inl"
+#include "kernels/pose_bounds.inl"
+#include "kernels/pose_minorant.inl"
 #include "kernels/sweep_points.inl"
 // clang-format on
 
@@ -56,6 +58,8 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .pose_starts = pose_starts,
     .pose_simplex = pose_simplex,
     .choose_pose = choose_pose,
+    .pose_bounds = pose_bounds,
+    .pose_minorant = pose_minorant,
     .sweep_points = sweep_points,
 };
 

@@ -10,6 +10,7 @@
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernels/pose_bounds.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
 
@@ -22,6 +23,15 @@ void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t
 /// A descent from each of `count` poses, in place; field height and width at least 2, at most 65,537 points.
 void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
                        PolishedPose* poses, std::uint32_t count);
+
+/// Sums of `count` tiles of boxes, tile_width * tile_height each.
+void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,
+                      const PoseCandidate* tiles, std::uint32_t count, std::uint32_t* sums);
+
+/// Minorants of `count` boxes; field height and width at least 4.
+void pose_minorant_host(Isa isa, const PoseMinorant::Params& params, const std::uint16_t* field,
+                        const PointCells* points, const PoseCandidate* boxes, std::uint32_t count,
+                        PoseMinorant::Value* values);
 
 /// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
 void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,

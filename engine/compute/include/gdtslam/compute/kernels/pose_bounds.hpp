@@ -1,0 +1,70 @@
+// Lower bounds of the cost of pose_cost.hpp (bilinear, distance) over boxes of poses: what the matcher `certified`
+// prunes by. docs/numerics.md, "Certified matching", derives both. Frames and units as in pose_cost.hpp: cells and
+// radians relative to the lower left corner of an anchor cell. Thread-safe; linear in points times boxes.
+#pragma once
+
+#include <cstdint>
+
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+
+namespace gdtslam {
+
+/// A point and where its dilated field begins: the farther a point lies from the robot, the more a box's half angle
+/// moves it, so the wider the dilation that it needs.
+struct BoundPoint {
+  float x = 0.0F;
+  float y = 0.0F;
+  std::uint32_t field = 0;  ///< index of the first sample of the dilation's planes
+};
+
+/// Sums of a dilated field under the points for a tile of boxes that share an angle. The field is bytes: samples
+/// 2^-sample_shift cells apart (a negative shift: closer than a cell), each the least value of a square around it. They
+/// are stored as planes so that boxes one spacing, 2^phase_bits samples, apart lie side by side: sample (u, v) is
+/// column u >> phase_bits, row v >> phase_bits of plane (v & mask) * (mask + 1) + (u & mask), mask = 2^phase_bits - 1,
+/// a plane being `height` rows of `width` bytes. Per tile s, c = sin_cos(theta) in float32; per point, without
+/// contraction, u = floor(((c*x - s*y) + tile.x) * scale + bias) with scale = samples per cell and bias = 0.5 - 0.5 *
+/// scale, v likewise; column and row, plus first_column and first_row, are clamped to [0, width - tile_width] and [0,
+/// height - tile_height], and the tile's boxes read tile_width columns of tile_height rows from there. Box (i, j) has
+/// index j * tile_width + i.
+struct PoseBounds {
+  struct Params {
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::int32_t first_column = 0;  ///< of the anchor, margin included
+    std::int32_t first_row = 0;
+    std::uint32_t phase_bits = 0;
+    float samples_per_cell = 1.0F;
+    std::uint32_t point_count = 0;  ///< at most 65,537
+    std::uint32_t tile_width = 2;   ///< 2 x 2 or 16 x 4
+    std::uint32_t tile_height = 2;
+  };
+};
+
+/// An affine function that lies below the cost in a box of poses, in 1/256 cell: cost(centre + (dx, dy, dt)) >=
+/// constant
+/// + slope_x * dx + slope_y * dy + slope_theta * kThetaStep * dt - point_count * kThetaStep * |dt|.
+struct PoseMinorant {
+  struct Params {
+    std::uint32_t width = 0;  ///< of the field, at least 4 as height
+    std::uint32_t height = 0;
+    std::uint32_t stride = 0;
+    std::int32_t anchor_x = 0;
+    std::int32_t anchor_y = 0;
+    std::uint32_t point_count = 0;  ///< at most kMostPoints
+    std::uint32_t cap = 0;          ///< cells above count as this
+    float half_width = 0.0F;        ///< of the box along x and y, cells
+    float half_angle = 0.0F;
+    float slack = 0.0F;  ///< cells that rounding may move a point by
+  };
+  struct Value {
+    std::int32_t constant = 0;
+    std::int32_t slope_x = 0;  ///< per cell
+    std::int32_t slope_y = 0;
+    std::int32_t slope_theta = 0;  ///< per kThetaStep'th of a radian: rounded down
+  };
+  static constexpr std::int32_t kThetaStep = 8;
+  static constexpr std::uint32_t kMostPoints = 16384;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,201 @@
+// An affine function below the cost in a box of poses: for each point one below the field in the box that the poses
+// move it through, and the sum of them. Three steps for a block of points: where, look-up, minorant; plain loops that
+// become vectors.
+
+constexpr std::uint32_t kMinorantBlock = 64;
+constexpr std::uint32_t kPatch = 4;  ///< cells read along x and along y
+/// What rounding down of a cost's term, and float32, may take away from a point, 1/256 cell.
+constexpr float kTermSlack = 1.25F;
+
+struct MinorantBlock {
+  alignas(64) float low_x[kMinorantBlock];  ///< box of the point, cells from the centre of its patch's first cell
+  alignas(64) float high_x[kMinorantBlock];
+  alignas(64) float low_y[kMinorantBlock];
+  alignas(64) float high_y[kMinorantBlock];
+  alignas(64) float from_x[kMinorantBlock];  ///< the point as the robot sees it, turned by the box's angle
+  alignas(64) float from_y[kMinorantBlock];
+  alignas(64) float slack[kMinorantBlock];  ///< cells that the point may be off the affine path
+  alignas(64) std::int32_t cell_x[kMinorantBlock];
+  alignas(64) std::int32_t cell_y[kMinorantBlock];
+  alignas(64) std::uint32_t pairs[kPatch][kPatch / 2][kMinorantBlock];  ///< two neighbours in a row
+};
+
+constexpr float absolute(float value) { return value < 0.0F ? -value : value; }
+constexpr float lesser(float a, float b) { return a < b ? a : b; }
+/// 1/value to some 1e-5 for values from 1e-4 to 1e4: multiplications only, so that devices agree.
+inline float about_inverse(float value) {
+  std::int32_t bits = 0;
+  __builtin_memcpy(&bits, &value, 4);
+  bits = 0x7EF311C7 - bits;
+  float guess = 0.0F;
+  __builtin_memcpy(&guess, &bits, 4);
+  guess = guess * (2.0F - value * guess);
+  return guess * (2.0F - value * guess);
+}
+
+inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate& box, const SinCos<float>& rotation,
+                         const PointCells* points, std::uint32_t count, MinorantBlock& block) {
+  const float a = params.half_angle;
+  const float bend = 0.5F * a * a;
+  const float reach = params.half_width + params.slack;
+  const float slack = params.slack;
+  const float s = rotation.sin;
+  const float c = rotation.cos;
+  const PoseCandidate centre = box;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const float x = c * points[i].x - s * points[i].y;
+    const float y = s * points[i].x + c * points[i].y;
+    const float far_x = absolute(x);
+    const float far_y = absolute(y);
+    const float half_x = reach + (far_y * a + far_x * bend);
+    const float half_y = reach + (far_x * a + far_y * bend);
+    const float u = (x + centre.x) - 0.5F;
+    const float v = (y + centre.y) - 0.5F;
+    const std::int32_t cell_x = floor_position(u - half_x);
+    const std::int32_t cell_y = floor_position(v - half_y);
+    block.low_x[i] = (u - half_x) - static_cast<float>(cell_x);
+    block.high_x[i] = (u + half_x) - static_cast<float>(cell_x);
+    block.low_y[i] = (v - half_y) - static_cast<float>(cell_y);
+    block.high_y[i] = (v + half_y) - static_cast<float>(cell_y);
+    block.from_x[i] = x;
+    block.from_y[i] = y;
+    block.slack[i] = slack + bend * (far_x + far_y);
+    block.cell_x[i] = cell_x;
+    block.cell_y[i] = cell_y;
+  }
+}
+
+/// Reads the patches. The two outermost rows and columns of a field hold the cap, so that a patch that hangs over the
+/// edge by one or more reads the cap where it is shifted to; a patch shifted by less would read other cells, and so
+/// patches are moved off the map altogether.
+inline void read_patches(const PoseMinorant::Params& params, const std::uint16_t* field, std::uint32_t count,
+                         MinorantBlock& block) {
+  const auto width = static_cast<std::int32_t>(params.width);
+  const auto height = static_cast<std::int32_t>(params.height);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::int32_t x = block.cell_x[i] + params.anchor_x;
+    const std::int32_t y = block.cell_y[i] + params.anchor_y;
+    const bool inside = x >= 0 && y >= 0 && x <= width - 4 && y <= height - 4;
+    if (inside) {
+      const std::uint16_t* cells = field + at(params.stride, static_cast<std::uint32_t>(y)) + x;
+      for (std::uint32_t j = 0; j < kPatch; ++j) {
+        __builtin_memcpy(&block.pairs[j][0][i], cells, 4);
+        __builtin_memcpy(&block.pairs[j][1][i], cells + 2, 4);
+        cells += params.stride;
+      }
+      continue;
+    }
+    for (std::uint32_t j = 0; j < kPatch; ++j) {
+      const std::int32_t row = clamped(y + static_cast<std::int32_t>(j), 0, height - 1);
+      const std::uint16_t* cells = field + at(params.stride, static_cast<std::uint32_t>(row));
+      std::uint16_t four[kPatch];
+      for (std::uint32_t k = 0; k < kPatch; ++k) {
+        four[k] = cells[clamped(x + static_cast<std::int32_t>(k), 0, width - 1)];
+      }
+      __builtin_memcpy(&block.pairs[j][0][i], four, 4);
+      __builtin_memcpy(&block.pairs[j][1][i], four + 2, 4);
+    }
+  }
+}
+
+/// The cells of a patch as numbers.
+inline float cell_of_pair(std::uint32_t pair, bool second, std::uint32_t cap) {
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+  second = !second;
+#endif
+  const std::uint32_t value = second ? pair >> 16U : pair & 0xFFFFU;
+  return static_cast<float>(static_cast<std::int32_t>(lesser(value, cap)));
+}
+
+/// Adds the minorants of a block's points. In a row of the patch the field is piecewise linear: less its slope it is
+/// least at an end of the box or at a cell between them; what is least in each row is interpolated along y, where the
+/// same holds.
+inline void add_minorants(std::uint32_t cap, std::uint32_t count, const MinorantBlock& block,
+                          PoseMinorant::Value& total) {
+  std::int32_t constant = 0;
+  std::int32_t slope_x = 0;
+  std::int32_t slope_y = 0;
+  std::int32_t slope_theta = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const float x0 = block.low_x[i];
+    const float x1 = block.high_x[i];
+    const float y0 = block.low_y[i];
+    const float y1 = block.high_y[i];
+    const float half_x = 0.5F * (x1 - x0);
+    const float half_y = 0.5F * (y1 - y0);
+    float hat_x[kPatch];
+    float hat_y[kPatch];
+    for (std::uint32_t k = 0; k < kPatch; ++k) {
+      const float off_x = 1.0F - absolute(x1 - static_cast<float>(k));
+      const float off_y = 1.0F - absolute(y1 - static_cast<float>(k));
+      hat_x[k] = off_x > 0.0F ? off_x : 0.0F;
+      hat_y[k] = off_y > 0.0F ? off_y : 0.0F;
+    }
+    float inner[kPatch][2];
+    float left[kPatch];
+    float right[kPatch];
+    for (std::uint32_t j = 0; j < kPatch; ++j) {
+      const float c0 = cell_of_pair(block.pairs[j][0][i], false, cap);
+      const float c1 = cell_of_pair(block.pairs[j][0][i], true, cap);
+      const float c2 = cell_of_pair(block.pairs[j][1][i], false, cap);
+      const float c3 = cell_of_pair(block.pairs[j][1][i], true, cap);
+      inner[j][0] = c1;
+      inner[j][1] = c2;
+      left[j] = c0 + (c1 - c0) * x0;
+      right[j] = (c0 * hat_x[0] + c1 * hat_x[1]) + (c2 * hat_x[2] + c3 * hat_x[3]);
+    }
+    const float low_left = left[0] + (left[1] - left[0]) * y0;
+    const float low_right = right[0] + (right[1] - right[0]) * y0;
+    const float high_left = (left[0] * hat_y[0] + left[1] * hat_y[1]) + (left[2] * hat_y[2] + left[3] * hat_y[3]);
+    const float high_right = (right[0] * hat_y[0] + right[1] * hat_y[1]) + (right[2] * hat_y[2] + right[3] * hat_y[3]);
+    const float rise_x = (low_right - low_left) + (high_right - high_left);
+    const float rise_y = (high_left - low_left) + (high_right - low_right);
+    const std::int32_t whole_x = floor_position(rise_x * about_inverse(4.0F * half_x) + 0.5F);
+    const std::int32_t whole_y = floor_position(rise_y * about_inverse(4.0F * half_y) + 0.5F);
+    const auto gx = static_cast<float>(whole_x);
+    const auto gy = static_cast<float>(whole_y);
+    const float middle_x = x0 + half_x;
+    const float middle_y = y0 + half_y;
+    float least[kPatch];
+    for (std::uint32_t j = 0; j < kPatch; ++j) {
+      const float ends = lesser(left[j] + gx * half_x, right[j] - gx * half_x);
+      const float first = inner[j][0] - gx * (1.0F - middle_x);
+      const float second = inner[j][1] - gx * (2.0F - middle_x);
+      const float with_first = x1 > 1.0F ? lesser(ends, first) : ends;
+      least[j] = x1 > 2.0F ? lesser(with_first, second) : with_first;
+    }
+    const float at_low = (least[0] + (least[1] - least[0]) * y0) + gy * half_y;
+    const float at_high =
+        ((least[0] * hat_y[0] + least[1] * hat_y[1]) + (least[2] * hat_y[2] + least[3] * hat_y[3])) - gy * half_y;
+    const float ends = lesser(at_low, at_high);
+    const float with_first = y1 > 1.0F ? lesser(ends, least[1] - gy * (1.0F - middle_y)) : ends;
+    const float value = y1 > 2.0F ? lesser(with_first, least[2] - gy * (2.0F - middle_y)) : with_first;
+    const float term = value - ((absolute(gx) + absolute(gy)) * block.slack[i] + kTermSlack);
+    const float turn = (gy * block.from_x[i] - gx * block.from_y[i]) * (1.0F / PoseMinorant::kThetaStep);
+    const std::int32_t counts = x1 < 3.0F && y1 < 3.0F ? -1 : 0;
+    constant += floor_position(term) & counts;
+    slope_x += whole_x & counts;
+    slope_y += whole_y & counts;
+    slope_theta += floor_position(turn) & counts;
+  }
+  total.constant += constant;
+  total.slope_x += slope_x;
+  total.slope_y += slope_y;
+  total.slope_theta += slope_theta;
+}
+
+void pose_minorant(const PoseMinorant::Params& params, const std::uint16_t* field, const PointCells* points,
+                   const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values) {
+  MinorantBlock block;
+  for (std::uint32_t b = 0; b < count; ++b) {
+    const SinCos<float> rotation = sin_cos(boxes[b].theta);
+    PoseMinorant::Value total;
+    for (std::uint32_t first = 0; first < params.point_count; first += kMinorantBlock) {
+      const std::uint32_t in_block = lesser(kMinorantBlock, params.point_count - first);
+      locate_boxes(params, boxes[b], rotation, points + first, in_block, block);
+      read_patches(params, field, in_block, block);
+      add_minorants(params.cap, in_block, block, total);
+    }
+    values[b] = total;
+  }
+}

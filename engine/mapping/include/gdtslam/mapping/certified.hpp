@@ -1,0 +1,120 @@
+// The pose of a scan in a map with a proof: branch and bound over a window of poses, best bound first, until no pose of
+// the window can be better than the one in hand by more than a gap. The cost is that of pose_cost.hpp (bilinear,
+// distance), to the bit; docs/numerics.md, "Certified matching", derives the bounds. Frames: the window and the result
+// are poses of the robot in the map, metres and radians; points are in cells in the robot's frame. Same result on every
+// instruction set; with a time limit it depends on the clock. A prepared map may be shared between threads.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+
+namespace gdtslam {
+
+class BoundFields;
+
+/// A distance field in memory, row-major; its two outermost rows and columns hold the cap. 1/256 cell.
+struct FieldView {
+  const std::uint16_t* cells = nullptr;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t stride = 0;
+  CellIndex first_cell;  ///< lower left cell in map cells
+  std::uint16_t cap = 0;
+  double resolution_m = 0.05;
+};
+/// The map as it is now; valid until it grows or takes a keyframe.
+FieldView field_view(const GlobalField& map);
+
+/// A field with what the bounds need. The field's cells must outlive it and stay as they are.
+class CertifiedMap {
+ public:
+  /// `isa` runs the kernels. Throws Error where the field is smaller than 4 x 4 cells or its edge does not hold the
+  /// cap.
+  CertifiedMap(const FieldView& field, Isa isa);
+  ~CertifiedMap();
+  CertifiedMap(const CertifiedMap&) = delete;
+  CertifiedMap& operator=(const CertifiedMap&) = delete;
+
+  [[nodiscard]] const FieldView& field() const { return field_; }
+  [[nodiscard]] const BoundFields& bounds() const { return *bounds_; }
+  [[nodiscard]] Isa isa() const { return isa_; }
+  /// Of what was added to the field.
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  FieldView field_;
+  Isa isa_;
+  std::unique_ptr<BoundFields> bounds_;
+};
+
+/// A box of poses; both ends included. A half angle of pi or more means every heading.
+struct PoseWindow {
+  Pose2 centre;
+  double half_x_m = 1.0;
+  double half_y_m = 1.0;
+  double half_theta_rad = 0.35;
+  [[nodiscard]] bool holds(const Pose2& pose) const;
+};
+
+/// Poses near one that is known, in position and in heading: they do not count.
+struct ExcludedPoses {
+  Pose2 around;
+  double within_m = 1.0;
+  double within_rad = 0.35;
+  [[nodiscard]] bool hold(const Pose2& pose) const;
+};
+
+/// A preference for poses near a mean, as PriorParams has it.
+struct WindowPrior {
+  Pose2 mean;
+  float weight_xy = 0.0F;     ///< cost units per squared cell
+  float weight_theta = 0.0F;  ///< cost units per squared radian
+  float limit = 1.0e9F;       ///< cost units of either part
+};
+
+struct CertifiedOptions {
+  double gap_m = 0.005;  ///< of the mean distance: the proof that is asked for
+  std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it
+  double max_seconds = std::numeric_limits<double>::infinity();
+  std::vector<Pose2> starts{};  ///< poses to begin from, another matcher's result say
+  std::optional<WindowPrior> prior{};
+  std::optional<ExcludedPoses> excluded{};
+};
+
+/// Why a search ended. kResolution: boxes became so small that rounding alone fills the gap.
+enum class CertifiedStop : std::uint8_t { kGapReached, kBoxLimit, kTimeLimit, kResolution, kNothingAllowed };
+std::string_view name_of(CertifiedStop stop);
+
+struct CertifiedResult {
+  Pose2 T_map_base;          ///< the best pose found
+  std::uint32_t cost = 0;    ///< its cost, prior included, 1/256 cell summed over the points
+  std::uint32_t bound = 0;   ///< no pose of the window costs less
+  double mean_cost_m = 0.0;  ///< cost, bound and gap per point
+  double mean_bound_m = 0.0;
+  double gap_m = 0.0;
+  std::uint64_t boxes = 0;  ///< whose bound was computed
+  std::uint64_t evaluations = 0;
+  CertifiedStop stop = CertifiedStop::kNothingAllowed;
+  [[nodiscard]] bool certified() const { return stop == CertifiedStop::kGapReached; }
+};
+
+/// At most this many points: PoseMinorant::kMostPoints.
+inline constexpr std::size_t kMostCertifiedPoints = 16384;
+
+/// Throws Error without points, with too many of them or with a window, prior or start that is not finite. Cost: about
+/// 0.3 ms for a window of +-1 m and +-20 degrees, 20 ms for +-5 m and all headings (docs/benchmarks.md).
+CertifiedResult find_pose(const CertifiedMap& map, std::span<const PointCells> points, const PoseWindow& window,
+                          const CertifiedOptions& options = {});
+
+}  // namespace gdtslam

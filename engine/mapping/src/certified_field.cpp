@@ -1,0 +1,148 @@
+#include "certified_field.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gdtslam {
+namespace {
+
+// Half widths of the squares, in cells, for boxes of 2, 4, 8, 16 and 32 cells. A square must hold half a box, half a
+// sample and what the box's angle moves a point by, so the four of a level serve points at growing ranges.
+struct LevelPlan {
+  std::int32_t spacing_bits;
+  std::array<std::int32_t, BoundLevel::kDilations> dilation_cells;
+};
+constexpr std::array<LevelPlan, 5> kPlan{
+    {{1, {2, 3, 4, 5}}, {2, {3, 4, 5, 7}}, {3, {6, 8, 10, 14}}, {4, {12, 16, 20, 28}}, {5, {24, 32, 40, 56}}}};
+constexpr std::int32_t kMostSampleBits = 2;  // samples a box side, as a power of two
+
+struct Bytes {
+  CellIndex origin;
+  std::size_t width = 0;
+  std::size_t height = 0;
+  std::vector<std::uint8_t> cells;
+};
+
+// The field in bytes, rounded down, with room around it for the largest square.
+Bytes bytes_of(const FieldView& field, std::uint32_t unit) {
+  const std::int32_t room = kPlan.back().dilation_cells.back() + 1;
+  const auto width = static_cast<std::int32_t>(field.width);
+  const auto height = static_cast<std::int32_t>(field.height);
+  Bytes bytes;
+  bytes.origin = {aligned_down(field.first_cell.x - room), aligned_down(field.first_cell.y - room)};
+  const CellIndex end{-aligned_down(-(field.first_cell.x + width + room)),
+                      -aligned_down(-(field.first_cell.y + height + room))};
+  bytes.width = static_cast<std::size_t>(end.x - bytes.origin.x);
+  bytes.height = static_cast<std::size_t>(end.y - bytes.origin.y);
+  bytes.cells.assign(bytes.width * bytes.height, static_cast<std::uint8_t>(field.cap / unit));
+  const auto shift_x = static_cast<std::size_t>(field.first_cell.x - bytes.origin.x);
+  const auto shift_y = static_cast<std::size_t>(field.first_cell.y - bytes.origin.y);
+  for (std::size_t y = 0; y < field.height; ++y) {
+    std::uint8_t* row = &bytes.cells[(y + shift_y) * bytes.width + shift_x];
+    const std::uint16_t* from = field.cells + y * field.stride;
+    for (std::size_t x = 0; x < field.width; ++x) {
+      row[x] = static_cast<std::uint8_t>(std::min(from[x], field.cap) / unit);
+    }
+  }
+  return bytes;
+}
+
+void keep_lesser(std::uint8_t* values, const std::uint8_t* others, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) values[i] = std::min(values[i], others[i]);
+}
+
+// The least of `window` values from each on, in place, by doubling; returns how many are left.
+std::size_t slide(std::uint8_t* values, std::size_t count, std::size_t window, std::size_t step) {
+  std::size_t covered = 1;
+  while (covered < window) {
+    const std::size_t shift = std::min(covered, window - covered);
+    count -= shift * step;
+    keep_lesser(values, values + shift * step, count);
+    covered += shift;
+  }
+  return count;
+}
+
+// Squares that are `more` cells larger on every side; beyond the edge lies what the edge holds: the cap.
+void dilate(Bytes& bytes, std::int32_t more) {
+  if (more <= 0) return;
+  const auto side = static_cast<std::size_t>(more);
+  const std::uint8_t outside = bytes.cells.front();
+  std::vector<std::uint8_t> line(bytes.width + 2 * side);
+  for (std::size_t y = 0; y < bytes.height; ++y) {
+    std::uint8_t* row = &bytes.cells[y * bytes.width];
+    std::fill(line.begin(), line.end(), outside);
+    std::memcpy(line.data() + side, row, bytes.width);
+    slide(line.data(), line.size(), 2 * side + 1, 1);
+    std::memcpy(row, line.data(), bytes.width);
+  }
+  std::vector<std::uint8_t> tall((bytes.height + 2 * side) * bytes.width, outside);
+  std::memcpy(&tall[side * bytes.width], bytes.cells.data(), bytes.cells.size());
+  slide(tall.data(), tall.size(), 2 * side + 1, bytes.width);
+  std::memcpy(bytes.cells.data(), tall.data(), bytes.cells.size());
+}
+
+BoundLevel empty_level(const Bytes& bytes, const LevelPlan& plan) {
+  BoundLevel level;
+  level.spacing_bits = plan.spacing_bits;
+  level.phase_bits = std::min(plan.spacing_bits, kMostSampleBits);
+  level.origin = bytes.origin;
+  constexpr std::size_t kMargins = 2 * std::size_t{BoundLevel::kMargin};
+  level.width = static_cast<std::uint32_t>((bytes.width >> static_cast<unsigned>(plan.spacing_bits)) + kMargins);
+  level.height = static_cast<std::uint32_t>((bytes.height >> static_cast<unsigned>(plan.spacing_bits)) + kMargins);
+  level.dilation_cells = plan.dilation_cells;
+  const std::size_t planes = std::size_t{1} << static_cast<unsigned>(2 * level.phase_bits);
+  const std::size_t dilation = planes * level.width * level.height;
+  for (std::size_t k = 0; k < BoundLevel::kDilations; ++k) {
+    level.first_sample[k] = static_cast<std::uint32_t>(k * dilation);
+  }
+  level.samples.assign(BoundLevel::kDilations * dilation, bytes.cells.front());
+  return level;
+}
+
+// Takes the samples of a dilation out of the field, plane by plane.
+void take_samples(const Bytes& bytes, std::size_t dilation, BoundLevel& level) {
+  const std::size_t spacing = std::size_t{1} << static_cast<unsigned>(level.spacing_bits);
+  const std::size_t sample = std::size_t{1} << static_cast<unsigned>(level.sample_bits());
+  const std::size_t phases = spacing / sample;
+  std::uint8_t* plane = &level.samples[level.first_sample[dilation]];
+  for (std::size_t phase = 0; phase < phases * phases; ++phase) {
+    const std::uint8_t* from = &bytes.cells[(phase / phases) * sample * bytes.width + (phase % phases) * sample];
+    for (std::size_t y = 0; y < bytes.height / spacing; ++y) {
+      std::uint8_t* row = plane + (y + BoundLevel::kMargin) * level.width + BoundLevel::kMargin;
+      for (std::size_t x = 0; x < bytes.width / spacing; ++x) row[x] = from[y * spacing * bytes.width + x * spacing];
+    }
+    plane += std::size_t{level.width} * level.height;
+  }
+}
+
+}  // namespace
+
+std::int32_t aligned_down(std::int32_t cell) { return cell & ~(kBoundAlignment - 1); }
+
+BoundFields::BoundFields(const FieldView& field) : unit_(std::max(1U, (field.cap + 254U) / 255U)) {
+  const Bytes plain = bytes_of(field, unit_);
+  Bytes dilated = plain;
+  std::int32_t reached = 0;
+  for (const LevelPlan& plan : kPlan) {
+    if (plan.dilation_cells.front() < reached) {
+      dilated.cells = plain.cells;
+      reached = 0;
+    }
+    BoundLevel level = empty_level(plain, plan);
+    for (std::size_t k = 0; k < BoundLevel::kDilations; ++k) {
+      dilate(dilated, plan.dilation_cells[k] - reached);
+      reached = plan.dilation_cells[k];
+      take_samples(dilated, k, level);
+    }
+    levels_.insert(levels_.begin(), std::move(level));
+  }
+}
+
+std::size_t BoundFields::bytes() const {
+  std::size_t sum = 0;
+  for (const BoundLevel& level : levels_) sum += level.samples.size();
+  return sum;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,53 @@
+// A distance field prepared for lower bounds over boxes of poses: for each spacing of boxes the least value in squares
+// of several sizes around samples of the map, in bytes, laid out as the kernel PoseBounds reads it. Frame: map cells,
+// cell (0, 0) at the map's origin. Thread-safe once made. Cost: a few passes over the map for each square.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/mapping/certified.hpp"
+
+namespace gdtslam {
+
+/// The fields for boxes of one width.
+struct BoundLevel {
+  static constexpr std::size_t kDilations = 4;
+  std::int32_t spacing_bits = 0;  ///< boxes are 2^spacing_bits cells wide
+  std::int32_t phase_bits = 0;    ///< and have 2^phase_bits samples along a side
+  CellIndex origin;               ///< map cell of the first sample behind the margin
+  std::uint32_t width = 0;        ///< columns of a plane, with kMargin columns on either side
+  std::uint32_t height = 0;
+  std::array<std::int32_t, kDilations> dilation_cells{};  ///< half widths of the squares
+  std::array<std::uint32_t, kDilations> first_sample{};   ///< of each dilation in `samples`
+  std::vector<std::uint8_t> samples;
+
+  [[nodiscard]] std::int32_t sample_bits() const { return spacing_bits - phase_bits; }
+  /// Samples beyond the map's reach on every side, so that tiles may begin there.
+  static constexpr std::int32_t kMargin = 16;
+};
+
+/// Anchors of searches and origins of levels are multiples of this, in cells.
+constexpr std::int32_t kBoundAlignment = 64;
+/// The largest multiple of kBoundAlignment that is not larger.
+std::int32_t aligned_down(std::int32_t cell);
+
+class BoundFields {
+ public:
+  explicit BoundFields(const FieldView& field);
+
+  /// From wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.
+  [[nodiscard]] std::span<const BoundLevel> levels() const { return levels_; }
+  /// A sample times this is a lower bound in 1/256 cell.
+  [[nodiscard]] std::uint32_t unit() const { return unit_; }
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  std::uint32_t unit_ = 1;
+  std::vector<BoundLevel> levels_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,208 @@
+// The bounds that the certified matcher prunes by, against the cost of poses drawn from the boxes that they speak of;
+// and the same for the cone bound of the literature, with and without the minorant of the field, to see what such a
+// test can find.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "certified_fields.hpp"
+#include "gdtslam/compute/host_kernels.hpp"
+#include "gdtslam/core/elementary.hpp"
+#include "support/instruction_sets.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::FieldKind;
+using test::TestField;
+
+struct Scene {
+  TestField field;
+  CellIndex anchor;
+  std::vector<PointCells> points;
+  PoseCandidate centre;
+};
+
+// Sums hide what goes wrong for one point, so half of the scenes have a single one.
+Scene make_scene(FieldKind kind, std::uint64_t seed, std::size_t points) {
+  Random random(seed);
+  Scene scene;
+  scene.field = test::make_field(kind, random);
+  const double r = TestField::kResolution;
+  const Pose2 T{(scene.field.first_cell.x + random.uniform(0.0, 110.0)) * r,
+                (scene.field.first_cell.y + random.uniform(0.0, 90.0)) * r, random.uniform(-3.1, 3.1)};
+  scene.points = test::make_scan(scene.field, T, points, random);
+  scene.anchor = {static_cast<std::int32_t>(std::floor(T.x_m / r)) - 20,
+                  static_cast<std::int32_t>(std::floor(T.y_m / r)) + 9};
+  scene.centre = {static_cast<float>(T.x_m / r - scene.anchor.x + random.uniform(-2.0, 2.0)),
+                  static_cast<float>(T.y_m / r - scene.anchor.y + random.uniform(-2.0, 2.0)),
+                  static_cast<float>(T.theta_rad + random.uniform(-0.05, 0.05)), 0};
+  return scene;
+}
+
+// A place in [-1, 1], often at an end of it.
+double place(Random& random) {
+  const double draw = random.uniform(-1.5, 1.5);
+  return std::clamp(draw, -1.0, 1.0);
+}
+
+struct BoxSize {
+  float half_width;
+  float half_angle;
+};
+constexpr BoxSize kSizes[] = {{0.5F, 0.004F}, {0.25F, 0.002F},  {0.5F, 0.0F},
+                              {0.0F, 0.004F}, {0.03F, 0.0005F}, {0.001F, 1.0e-5F}};
+// A pose of a box of the scene.
+CellPose drawn_pose(const Scene& scene, const BoxSize& size, Random& random) {
+  return {scene.centre.x + static_cast<float>(place(random)) * size.half_width,
+          scene.centre.y + static_cast<float>(place(random)) * size.half_width,
+          scene.centre.theta + static_cast<float>(place(random)) * size.half_angle};
+}
+
+constexpr float kSlack = 0.0025F;  // 1/512 of a cell, and float32 within 300 cells
+
+PoseMinorant::Params minorant_params(const Scene& scene, const BoxSize& size) {
+  return {.width = scene.field.width,
+          .height = scene.field.height,
+          .stride = scene.field.width,
+          .anchor_x = scene.anchor.x - scene.field.first_cell.x,
+          .anchor_y = scene.anchor.y - scene.field.first_cell.y,
+          .point_count = static_cast<std::uint32_t>(scene.points.size()),
+          .cap = scene.field.cap,
+          .half_width = size.half_width,
+          .half_angle = size.half_angle,
+          .slack = kSlack};
+}
+
+class Bounds : public testing::TestWithParam<FieldKind> {};
+INSTANTIATE_TEST_SUITE_P(Fields, Bounds, testing::Values(FieldKind::kExact, FieldKind::kSteps, FieldKind::kNoise),
+                         [](const auto& kind) { return test::name_of(kind.param); });
+
+// Draws poses from a scene's boxes; the mean of what the bound lies below the cost by, a point.
+double checked_margin(const Scene& scene, std::uint64_t seed) {
+  Random random(seed + 1000);
+  double below = 0.0;
+  int drawn = 0;
+  const auto points = static_cast<double>(scene.points.size());
+  for (const BoxSize& size : kSizes) {
+    PoseMinorant::Value value;
+    pose_minorant_host(Isa::kBaseline, minorant_params(scene, size), scene.field.cells.data(), scene.points.data(),
+                       &scene.centre, 1, &value);
+    for (int draw = 0; draw < 30; ++draw, ++drawn) {
+      const CellPose pose = drawn_pose(scene, size, random);
+      const auto apart = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
+      const double dt = apart(pose.theta, scene.centre.theta);
+      const double bound = value.constant + value.slope_x * apart(pose.x, scene.centre.x) +
+                           value.slope_y * apart(pose.y, scene.centre.y) + value.slope_theta * 8.0 * dt -
+                           8.0 * points * std::fabs(dt);
+      const double cost = test::true_cost(scene.field.view(), scene.points, scene.anchor, pose);
+      EXPECT_LE(bound, cost) << "seed " << seed << ", half width " << size.half_width;
+      below += cost - bound;
+    }
+  }
+  return below / drawn / points;
+}
+
+TEST_P(Bounds, TheMinorantLiesBelowTheCostEverywhereInItsBox) {
+  double below = 0.0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    below += checked_margin(make_scene(GetParam(), seed, 60), seed) / 40.0;
+    for (std::uint64_t one = 0; one < 10; ++one) checked_margin(make_scene(GetParam(), 100 * seed + one, 1), seed);
+  }
+  // Else it would hold because it says nothing: less than half a cell a point on average, where the field is no noise.
+  EXPECT_LT(below, GetParam() == FieldKind::kNoise ? 700.0 : 128.0);
+  RecordProperty("units_below", std::to_string(below));
+}
+
+TEST(Minorant, IsTheSameOnEveryInstructionSet) {
+  for (const Isa isa : test::available_isas()) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const Scene scene = make_scene(FieldKind::kSteps, seed, 60);
+      for (const BoxSize& size : kSizes) {
+        PoseMinorant::Value values[2];
+        int k = 0;
+        for (const Isa one : {Isa::kBaseline, isa}) {
+          pose_minorant_host(one, minorant_params(scene, size), scene.field.cells.data(), scene.points.data(),
+                             &scene.centre, 1, &values[k++]);
+        }
+        EXPECT_EQ(values[0].constant, values[1].constant);
+        EXPECT_EQ(values[0].slope_x, values[1].slope_x);
+        EXPECT_EQ(values[0].slope_y, values[1].slope_y);
+        EXPECT_EQ(values[0].slope_theta, values[1].slope_theta);
+      }
+    }
+  }
+}
+
+// The bound of the literature, from the field's value at the box's centre and its steepest slope, 1 along an axis: sum
+// of max(0, f(T_c p) - 2 (w + |p| sin(a/2) sqrt 2)). It needs a field that is nowhere steeper; a merged one is, its
+// cone minorant min_y f(y) + |x - y| is not.
+enum class ConeField : std::uint8_t { kMinorant, kAsItIs };
+
+std::vector<std::uint16_t> cone_field(const TestField& field, ConeField form) {
+  std::vector<std::uint16_t> cells = field.cells;
+  if (form == ConeField::kAsItIs) return cells;
+  const auto relax = [&](std::size_t cell, std::size_t beside) {
+    cells[cell] = static_cast<std::uint16_t>(std::min(cells[cell], static_cast<std::uint16_t>(cells[beside] + 256)));
+  };
+  // Two sweeps make it exact for |x - y| = |dx| + |dy|, which is never below the Euclidean cone.
+  for (std::size_t y = 0; y < field.height; ++y) {
+    for (std::size_t x = 0; x < field.width; ++x) {
+      const std::size_t cell = y * field.width + x;
+      if (x > 0) relax(cell, cell - 1);
+      if (y > 0) relax(cell, cell - field.width);
+    }
+  }
+  for (std::size_t cell = cells.size(); cell-- > 0;) {
+    if (cell % field.width + 1 < field.width) relax(cell, cell + 1);
+    if (cell + field.width < cells.size()) relax(cell, cell + field.width);
+  }
+  return cells;
+}
+
+double cone_bound(const Scene& scene, const TestField& field, const BoxSize& size) {
+  double bound = 0.0;
+  const CellPose centre{scene.centre.x, scene.centre.y, scene.centre.theta};
+  for (const PointCells& point : scene.points) {
+    const double range = std::sqrt(static_cast<double>(point.x * point.x + point.y * point.y));
+    const double value = test::true_cost(field.view(), {point}, scene.anchor, centre);
+    const double sine = sin_cos(static_cast<double>(size.half_angle) / 2.0).sin;
+    const double moved = 2.0 * (static_cast<double>(size.half_width) + 0.01 + range * sine * std::sqrt(2.0));
+    bound += std::max(0.0, value - 256.0 * moved);
+  }
+  return bound;
+}
+
+// Poses of boxes whose cost lies below the cone bound of their box.
+int poses_below_cone_bound(FieldKind kind, ConeField form) {
+  int below = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const Scene scene = make_scene(kind, seed, 1 + seed % 3);
+    TestField field = scene.field;
+    field.cells = cone_field(scene.field, form);
+    Random random(seed);
+    for (const BoxSize& size : {BoxSize{0.5F, 0.004F}, BoxSize{2.0F, 0.02F}}) {
+      const double bound = cone_bound(scene, field, size);
+      for (int draw = 0; draw < 20; ++draw) {
+        const CellPose pose = drawn_pose(scene, size, random);
+        below += test::true_cost(scene.field.view(), scene.points, scene.anchor, pose) < bound ? 1 : 0;
+      }
+    }
+  }
+  return below;
+}
+
+TEST(ConeBound, HoldsOnExactFieldsEitherWay) {
+  EXPECT_EQ(poses_below_cone_bound(FieldKind::kExact, ConeField::kAsItIs), 0);
+  EXPECT_EQ(poses_below_cone_bound(FieldKind::kExact, ConeField::kMinorant), 0);
+}
+
+TEST(ConeBound, FailsOnSteepStepsWithoutTheMinorantAndHoldsWithIt) {
+  EXPECT_EQ(poses_below_cone_bound(FieldKind::kSteps, ConeField::kMinorant), 0);
+  EXPECT_GT(poses_below_cone_bound(FieldKind::kSteps, ConeField::kAsItIs), 20);
+  EXPECT_GT(poses_below_cone_bound(FieldKind::kNoise, ConeField::kAsItIs), 20);
+}
+
+}  // namespace
+}  // namespace gdtslam
