@@ -39,6 +39,12 @@ LinkageCycle::LinkageCycle(const calib::SweepModel& model)
   }
   begin_ = positions_.front();
   end_ = at(from_rad_ + lift_span_rad()).value_or(positions_.back());
+  // With the very end of the lift among them, every elevation that is reached lies between two of these.
+  branches_ = positions_;
+  const auto behind = std::find_if(branches_.begin(), branches_.end(), [&](const LinkagePosition& position) {
+    return std::fabs(position.crank_rad - from_rad_) > std::fabs(lift_span_rad());
+  });
+  branches_.insert(behind, end_);
 }
 
 void LinkageCycle::choose_span() {
@@ -103,12 +109,12 @@ double LinkageCycle::crank_of(double elevation_rad, bool is_rising, int directio
   // Along the cycle the elevation rises where it does in time, or falls there if the crank turns the other way.
   const bool rises_along = is_rising == (direction * span_rad_ > 0.0);
   const auto above = [&](double rad) { return wrap_angle(rad - elevation_rad); };
-  for (std::size_t i = 0; i + 1 < positions_.size(); ++i) {
-    const double first = above(positions_[i].elevation_rad);
-    const double second = first + (positions_[i + 1].elevation_rad - positions_[i].elevation_rad);
+  for (std::size_t i = 0; i + 1 < branches_.size(); ++i) {
+    const double first = above(branches_[i].elevation_rad);
+    const double second = first + (branches_[i + 1].elevation_rad - branches_[i].elevation_rad);
     if ((second > first) != rises_along || first == second || (first > 0.0) == (second > 0.0)) continue;
-    double low_rad = positions_[i].crank_rad;
-    double high_rad = positions_[i + 1].crank_rad;
+    double low_rad = branches_[i].crank_rad;
+    double high_rad = branches_[i + 1].crank_rad;
     for (int k = 0; k < kHalvings; ++k) {
       const double middle_rad = 0.5 * (low_rad + high_rad);
       const std::optional<double> there = calib::elevation_rad(model_, middle_rad);
@@ -117,7 +123,7 @@ double LinkageCycle::crank_of(double elevation_rad, bool is_rising, int directio
     }
     return 0.5 * (low_rad + high_rad);
   }
-  return std::min_element(positions_.begin(), positions_.end(),
+  return std::min_element(branches_.begin(), branches_.end(),
                           [&](const auto& a, const auto& b) {
                             return std::fabs(above(a.elevation_rad)) < std::fabs(above(b.elevation_rad));
                           })

@@ -68,6 +68,7 @@ class LinkageCycle {
   double span_rad_ = 0.0;
   bool turns_fully_ = false;
   std::vector<LinkagePosition> positions_;
+  std::vector<LinkagePosition> branches_;
   double lowest_rad_ = 0.0;
   double highest_rad_ = 0.0;
   LinkagePosition begin_;

@@ -15,9 +15,8 @@ namespace gdtslam {
 
 struct MountLook {
   bool with_fan = true;
-  double fan_m = 0.9;      ///< length of the beams that are shown
-  Pose2 T_base_level;      ///< of the laser at elevation 0, as the log gives it
-  double lightness = 1.0;  ///< below 1: darker, for a robot that should stand back
+  double fan_m = 0.9;  ///< length of the beams that are shown
+  Pose2 T_base_level = {};  ///< of the laser at elevation 0, as the log gives it
 };
 
 class MountModel {
