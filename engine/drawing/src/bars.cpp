@@ -65,7 +65,8 @@ void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner,
   Lettering title{.size = bar.text_size, .colour = theme.text, .has_halo = bar.has_halo, .halo = theme.page};
   if (!bar.title.empty()) canvas.text(corner + Point2(0.0, bar.text_size), bar.title, title);
   const Point2 along = bar.is_upright ? Point2(0.0, end_room(bar)) : Point2(end_room(bar), 0.0);
-  const Point2 start = corner + Point2(0.0, title_room(bar)) + along;
+  const Point2 place = corner + Point2(0.0, title_room(bar)) + along;
+  const Point2 start(std::floor(place.x()), std::floor(place.y()));  // on whole pixels: no rim of colours below
   draw_colours(canvas, bar, start);
   const double width = bar.is_upright ? bar.thickness : bar.length;
   const double height = bar.is_upright ? bar.length : bar.thickness;

@@ -1,8 +1,12 @@
 // Pixels of drawings whose shapes lie at known places.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/raster.hpp"
@@ -235,6 +239,26 @@ TEST(Raster, TheSameDrawingGivesTheSameBytes) {
   EXPECT_EQ(pdf.substr(0, 5), "%PDF-");
   EXPECT_EQ(pdf.find("CreationDate"), std::string::npos);             // it would change from second to second
   EXPECT_NE(pdf.find("/MediaBox [ 0 0 90 45 ]"), std::string::npos);  // 96 pixels are 72 points
+}
+
+TEST(Raster, ThreadsDrawAtOnceWhatOneDraws) {
+  Canvas canvas(200, 60, "");
+  canvas.text({10, 30}, "crank 12.5\u00B0", {.size = 14, .is_bold = true});
+  canvas.text({10, 50}, "\u03B8* and more", {.size = 17, .has_halo = true});
+  const std::vector<std::uint8_t> alone = raster_of(canvas).pixels;
+  const std::string alone_pdf = pdf_of(canvas);
+  std::vector<std::thread> threads;
+  std::array<bool, 4> is_same{};
+  for (std::size_t number = 0; number < is_same.size(); ++number) {
+    threads.emplace_back([&, number] {
+      bool all_same = true;
+      for (int i = 0; i < 20; ++i)
+        all_same = all_same && raster_of(canvas).pixels == alone && pdf_of(canvas) == alone_pdf;
+      is_same.at(number) = all_same;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const bool same : is_same) EXPECT_TRUE(same);
 }
 
 }  // namespace
