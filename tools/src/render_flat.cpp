@@ -54,6 +54,14 @@ CellBox box_around(const GridGeometry& grid, CellIndex middle, std::size_t cells
   return box;
 }
 
+// Plots are drawn small and scaled up, so that their words are as large beside their lines as on a printed page.
+PictureSize plot_size(const PictureSize& wanted) {
+  constexpr double kWidth_px = 960.0;
+  const double share = std::min(1.0, kWidth_px / wanted.width);
+  return {static_cast<std::uint32_t>(std::lround(share * wanted.width)),
+          static_cast<std::uint32_t>(std::lround(share * wanted.height))};
+}
+
 std::vector<TrajectoryError> errors_of(RenderSource& source, const RenderOptions& options) {
   if (!options.relations.empty()) {
     const std::vector<Relation> relations = read_relations(options.relations);
@@ -80,17 +88,22 @@ MapLook RenderStudio::map_look() const {
   return look;
 }
 
-Canvas RenderStudio::flat(const RenderView& view, const PictureSize& size) {
+Canvas RenderStudio::flat(const RenderView& view, const std::optional<PictureSize>& wanted) {
   MapLook look = map_look();
-  if (view.name == "map") return map_picture(first().map(), first().overlay(), look, size);
+  const auto size_of_grid = [&wanted](const GridGeometry& grid) {
+    return wanted ? *wanted : size_for_content(grid.width, grid.height);
+  };
+  if (view.name == "map") {
+    return map_picture(first().map(), first().overlay(), look, size_of_grid(first().map().geometry));
+  }
   if (view.name == "field" || view.name == "distance") {
     look.is_intensity = view.name == "field";
-    return field_picture(first().field(), first().overlay(), look, size);
+    return field_picture(first().field(), first().overlay(), look, size_of_grid(first().field().geometry));
   }
   if (view.name == "cells") return cells();
-  if (view.name == "elevation") return elevation(size);
   if (view.name == "drawing") return drawing_of(summary_of(first().linkage()));
-  return errors(view, size);
+  const PictureSize size = plot_size(wanted.value_or(kStillSize));
+  return view.name == "elevation" ? elevation(size) : errors(view, size);
 }
 
 Canvas RenderStudio::cells() {

@@ -29,7 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr PictureSize kStillSize{1600, 1000};
 constexpr PictureSize kFilmSize{1280, 720};
 constexpr PictureSize kGifSize{640, 360};
 constexpr std::uint64_t kPagePoints = 500'000;
@@ -114,9 +113,9 @@ class Render {
     throw UsageError(
         fmt::format("--view, --size and --transparent are for pictures, not for {}", name_of(result_.kind)));
   }
-  [[nodiscard]] PictureSize size() const {
+  [[nodiscard]] PictureSize film_size() const {
     if (!options_.size.empty()) return size_of(options_.size);
-    return result_.kind == OutputKind::kGif ? kGifSize : is_film(result_.kind) ? kFilmSize : kStillSize;
+    return result_.kind == OutputKind::kGif ? kGifSize : kFilmSize;
   }
   void write_still(const RenderView& view);
   void write_film(const RenderView& view);
@@ -131,14 +130,16 @@ class Render {
 };
 
 void Render::write_still(const RenderView& view) {
-  const PictureSize wanted = size();
+  std::optional<PictureSize> wanted;
+  if (!options_.size.empty()) wanted = size_of(options_.size);
   const Canvas drawing = studio_.still(view, wanted);
-  // Drawings of a size of their own are scaled to fit what was asked for.
-  const double scale = std::min(wanted.width / drawing.width(), wanted.height / drawing.height());
-  const bool is_own = std::lround(drawing.width()) != wanted.width || std::lround(drawing.height()) != wanted.height;
-  write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, is_own ? scale : 1.0));
-  result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * (is_own ? scale : 1.0)));
-  result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * (is_own ? scale : 1.0)));
+  // Drawings of a size of their own are scaled to fit what was asked for; only pixels can be.
+  const PictureSize target = wanted.value_or(kStillSize);
+  const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
+  const double scale = view.is_vector && result_.kind == OutputKind::kPng ? fit : 1.0;
+  write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
+  result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * scale));
+  result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * scale));
   result_.points = studio_.points_drawn();
 }
 
@@ -146,7 +147,7 @@ void Render::write_film(const RenderView& view) {
   if (options_.is_transparent && result_.kind != OutputKind::kFrames) {
     throw UsageError(fmt::format("--transparent: not for {}; .png and frames can be", name_of(result_.kind)));
   }
-  const PictureSize wanted = size();
+  const PictureSize wanted = film_size();
   const FilmLength length = studio_.length_of(view);
   const FilmKind kind = result_.kind == OutputKind::kMp4   ? FilmKind::kMp4
                         : result_.kind == OutputKind::kGif ? FilmKind::kGif
@@ -202,7 +203,7 @@ void Render::write_page() {
   if ((source.parts() & part::kTrajectory) != 0) page.trajectory = &source.trajectory();
   if ((source.parts() & part::kMap) != 0) page.map = &source.map();
   if ((source.parts() & part::kLinkage) != 0) page.linkage = &source.linkage();
-  page.subtitle = studio_.subtitle(cloud.size());
+  page.subtitle = studio_.subtitle(studio_.whole_points());
   add_facts(page);
   write_file_atomically(result_.file, page_of(page));
   result_.points = cloud.size();

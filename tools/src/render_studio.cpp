@@ -28,7 +28,25 @@ CameraPreset preset_of(std::string_view view) {
   return CameraPreset::kIso;
 }
 
+// Parallel views of long and low clouds waste no rows.
+PictureSize size_for(const RenderView& view, const Bounds& bounds) {
+  if (bounds.is_empty()) return kStillSize;
+  const Point3 extent = bounds.highest - bounds.lowest;
+  if (view.name == "front") return size_for_content(extent.x(), extent.z());
+  if (view.name == "side") return size_for_content(extent.y(), extent.z());
+  if (view.name != "top") return kStillSize;
+  return size_for_content(std::max(extent.x(), extent.y()), std::min(extent.x(), extent.y()));
+}
+
 }  // namespace
+
+PictureSize size_for_content(double width, double height) {
+  constexpr double kCaption_px = 240.0;  // title above, bars below
+  constexpr double kLowest_px = 500.0;
+  constexpr double kHighest_px = 1600.0;
+  const double rows = height / std::max(width, 1e-3) * 0.92 * kStillSize.width + kCaption_px;
+  return {kStillSize.width, static_cast<std::uint32_t>(std::clamp(rows, kLowest_px, kHighest_px))};
+}
 
 std::string with_commas(std::uint64_t value) {
   std::string text = std::to_string(value);
@@ -72,6 +90,7 @@ std::string RenderStudio::subtitle(std::uint64_t points) const {
 Cloud RenderStudio::cloud(std::uint64_t most) {
   ProgressLine progress("points", options_.quiet);
   Cloud whole = first().cloud([&progress](std::uint64_t done, double share) { progress.update(done, share); });
+  whole_points_ = whole.size();
   const std::uint64_t limit = options_.points > 0 ? options_.points : most;
   return limit > 0 && limit < whole.size() ? thinned_for_film(whole, limit) : whole;
 }
@@ -98,12 +117,12 @@ CloudLook RenderStudio::look_of(const RenderView& view, bool is_film) const {
 
 CloudCaption RenderStudio::caption() const {
   if (options_.no_caption) return {"", "", false, false, false};
-  return {title(), subtitle(drawn_.size()), true, true, true};
+  return {title(), subtitle(whole_points_), true, true, true};
 }
 
-CloudScene& RenderStudio::cloud_scene(const RenderView& view, bool is_film) {
-  look_ = look_of(view, is_film);
-  drawn_ = cloud(is_film ? kFilmPoints : 0);
+CloudScene& RenderStudio::cloud_scene(const RenderView& view, std::uint64_t points) {
+  look_ = look_of(view, points > 0);
+  drawn_ = cloud(points);
   const bool by_distance = look_.colour == CloudColour::kDistance;
   const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
   cloud_scene_ = std::make_unique<CloudScene>(graphics(), look_);
@@ -121,8 +140,9 @@ Camera RenderStudio::camera_of(const RenderView& view, const PictureSize& size) 
   return fitting_camera(preset_of(view.name), cloud_scene_->bounds(), size);
 }
 
-Canvas RenderStudio::cloud_still(const RenderView& view, const PictureSize& size) {
-  CloudScene& scene = cloud_scene(view, false);
+Canvas RenderStudio::cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted) {
+  CloudScene& scene = cloud_scene(view, 0);
+  const PictureSize size = wanted ? *wanted : size_for(view, scene.bounds());
   const Camera camera = camera_of(view, size);
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, size));
   return cloud_picture(image, scene.scale(), camera, look_, caption());
@@ -137,24 +157,42 @@ LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
   return *linkage_scene_;
 }
 
-Canvas RenderStudio::still(const RenderView& view, const PictureSize& size) {
+Canvas RenderStudio::still(const RenderView& view, const std::optional<PictureSize>& wanted) {
+  if (view.is_scene && (view.name == "orbit" || !view.moves)) return cloud_still(view, wanted);
+  if (!view.is_scene) return flat(view, wanted);
+  const PictureSize size = wanted.value_or(kStillSize);
   if (view.name == "scene") {
     LinkageScene& scene = linkage_scene(size);
     return scene.picture(scene.shown_crank_rad(), size);
   }
-  if (!view.is_scene) return flat(view, size);
-  if (view.name == "orbit" || !view.moves) return cloud_still(view, size);
-  constexpr std::size_t kFrames = 101;  // the middle of its film
-  return film(view, size, kFrames)->frame(kFrames / 2);
+  constexpr std::size_t kFrames = 101;  // the middle of its film, with all points
+  return film_of(view, size, kFrames, 0)->frame(kFrames / 2);
 }
 
 std::unique_ptr<Film> RenderStudio::film(const RenderView& view, const PictureSize& size, std::size_t frames) {
+  return film_of(view, size, frames, kFilmPoints);
+}
+
+std::unique_ptr<Film> RenderStudio::film_of(const RenderView& view, const PictureSize& size, std::size_t frames,
+                                            std::uint64_t points) {
   if (view.name == "scene") return linkage_film(linkage_scene(size), first().linkage(), size, frames);
-  if (view.name == "orbit") return orbit_film(cloud_scene(view, true), look_, caption(), size, frames);
-  if (view.name == "follow") {
-    return follow_film(cloud_scene(view, true), first().trajectory(), look_, caption(), size, frames);
-  }
-  throw UsageError(fmt::format("--view {} is no film", view.name));
+  if (view.name == "scan") return scan_film(size, frames, points);
+  CloudScene& scene = cloud_scene(view, points);
+  if (view.name == "orbit") return orbit_film(scene, look_, caption(), size, frames);
+  return follow_film(scene, first().trajectory(), look_, caption(), size, frames);
+}
+
+std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
+  look_ = look_of(render_view("scan"), points > 0);
+  drawn_ = cloud(points);
+  points_drawn_ = drawn_.size();
+  const Stretch time = stretch(kLongestScan_s);
+  const ScanningFilmInput input{.cloud = &drawn_,
+                                .trajectory = &first().trajectory(),
+                                .model = &first().linkage(),
+                                .from_s = time.from_s,
+                                .to_s = time.to_s};
+  return scanning_film(graphics(), input, look_, caption(), size, frames);
 }
 
 FilmLength RenderStudio::length_of(const RenderView& view) {

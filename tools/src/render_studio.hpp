@@ -27,7 +27,11 @@ struct FilmLength {
 };
 
 /// Points of a cloud that one picture of a film draws, where --points does not say otherwise.
-inline constexpr std::uint64_t kFilmPoints = 300'000;
+inline constexpr std::uint64_t kFilmPoints = 500'000;
+/// Of a still where --size does not say otherwise and the content has no shape of its own.
+inline constexpr PictureSize kStillSize{1600, 1000};
+/// As wide, as high as content of these proportions needs.
+PictureSize size_for_content(double width, double height);
 
 class RenderStudio {
  public:
@@ -35,7 +39,8 @@ class RenderStudio {
   RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources);
 
   /// Throws UsageError, InputError, UnavailableError where nothing can draw.
-  Canvas still(const RenderView& view, const PictureSize& size);
+  /// Without a size one that suits the content. Drawings have a size of their own, to be scaled to what is wanted.
+  Canvas still(const RenderView& view, const std::optional<PictureSize>& wanted);
   std::unique_ptr<Film> film(const RenderView& view, const PictureSize& size, std::size_t frames);
   /// By --frames, --seconds, --fps, else what suits the view.
   [[nodiscard]] FilmLength length_of(const RenderView& view);
@@ -43,6 +48,7 @@ class RenderStudio {
   /// What drew: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
   [[nodiscard]] std::string renderer() const;
   [[nodiscard]] std::uint64_t points_drawn() const;
+  [[nodiscard]] std::uint64_t whole_points() const { return whole_points_; }
   /// The cloud of the first source, thinned where --points or `most` says so (0: all).
   Cloud cloud(std::uint64_t most);
   /// The distance of each point to --reference.
@@ -54,13 +60,17 @@ class RenderStudio {
  private:
   RenderSource& first() { return sources_.front(); }
   GraphicsContext& graphics();
-  CloudScene& cloud_scene(const RenderView& view, bool is_film);
+  /// `points`: at most so many; 0 for a still, which has all.
+  CloudScene& cloud_scene(const RenderView& view, std::uint64_t points);
+  std::unique_ptr<Film> film_of(const RenderView& view, const PictureSize& size, std::size_t frames,
+                                std::uint64_t points);
+  std::unique_ptr<Film> scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
   LinkageScene& linkage_scene(const PictureSize& size);
   [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
   [[nodiscard]] CloudCaption caption() const;
   [[nodiscard]] Camera camera_of(const RenderView& view, const PictureSize& size);
-  Canvas cloud_still(const RenderView& view, const PictureSize& size);
-  Canvas flat(const RenderView& view, const PictureSize& size);
+  Canvas cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted);
+  Canvas flat(const RenderView& view, const std::optional<PictureSize>& wanted);
   Canvas cells();
   Canvas elevation(const PictureSize& size);
   Canvas errors(const RenderView& view, const PictureSize& size);
@@ -79,6 +89,7 @@ class RenderStudio {
   CloudLook look_;
   std::unique_ptr<CloudScene> cloud_scene_;
   std::unique_ptr<LinkageScene> linkage_scene_;
+  std::uint64_t whole_points_ = 0;  ///< of the cloud before it was thinned
   std::uint64_t points_drawn_ = 0;
 };
 

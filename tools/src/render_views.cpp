@@ -36,6 +36,8 @@ const std::vector<RenderView>& render_views() {
       {"side", part::kCloud, kStill, kScene, kPixels, "3D cloud seen along x, in parallel"},
       {"orbit", part::kCloud, kMoves, kScene, kPixels, "once around the 3D cloud"},
       {"follow", part::kCloud | part::kTrajectory, kMoves, kScene, kPixels, "behind the robot along its path"},
+      {"scan", part::kCloud | part::kTrajectory | part::kLinkage, kMoves, kScene, kPixels,
+       "the robot scanning, points appearing as they are measured (--from, --to)"},
       {"elevation", part::kCloud, kStill, kFlat, kVector, "elevation of the nodding scan plane over time"},
       {"map", part::kMap, kStill, kFlat, kPixels, "occupancy map with path, keyframes and doubtful scans"},
       {"field", part::kField, kStill, kFlat, kPixels, "distance field as intensity, bright near obstacles"},

@@ -1,0 +1,193 @@
+// Models for other programs, taken apart by a JSON parser and by hand: counts, bounds, places, colours.
+#include "model_export.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class ModelExportTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("gdtslam-model-" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    for (int k = 0; k < 10; ++k) {
+      const auto v = static_cast<float>(k);
+      cloud_.push_back({1.0F + v, -2.0F * v, 0.25F * v, 0.01F * v, 100.0 + 0.5 * k, static_cast<std::uint32_t>(7 + k)});
+      colours_.push_back({static_cast<std::uint8_t>(20 * k), 128, 255});
+    }
+    path_ = {{1.0, {0.5, 1.5, 0.0}}, {2.0, {1.0, 2.0, 0.0}}, {3.0, {1.5, 4.0, 0.0}}};
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string file(const char* name) const { return (folder_ / name).string(); }
+  [[nodiscard]] ModelInput model(bool with_path = true) const {
+    return {"a \"cloud\" <&>", cloud_, colours_, with_path ? &path_ : nullptr, ink::kCrank};
+  }
+
+  fs::path folder_;
+  Cloud cloud_;
+  std::vector<Colour> colours_;
+  Trajectory path_;
+};
+
+std::string content(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+// Letter by letter, as the table of RFC 4648 has them.
+std::string from_base64(const std::string& text) {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  EXPECT_EQ(text.size() % 4, 0U);
+  std::string bytes;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char letter : text) {
+    if (letter == '=') break;
+    const std::size_t value = letters.find(letter);
+    EXPECT_NE(value, std::string::npos);
+    bits = bits << 6U | static_cast<unsigned>(value);
+    count += 6;
+    if (count >= 8) bytes += static_cast<char>(bits >> static_cast<unsigned>(count -= 8) & 255U);
+  }
+  return bytes;
+}
+
+template <class T>
+T value_at(const std::string& bytes, std::size_t offset) {
+  T value{};
+  EXPECT_LE(offset + sizeof(T), bytes.size());
+  std::memcpy(&value, bytes.data() + offset, sizeof(T));
+  return value;
+}
+
+TEST_F(ModelExportTest, GltfHoldsEveryPointWithYUp) {
+  write_gltf(file("a.gltf"), model());
+  const Json gltf = Json::parse(content(file("a.gltf")));
+  EXPECT_EQ(gltf["asset"]["version"], "2.0");
+  EXPECT_EQ(gltf["scenes"][0]["name"], "a \"cloud\" <&>");
+  const std::string uri = gltf["buffers"][0]["uri"];
+  const std::string lead = "data:application/octet-stream;base64,";
+  ASSERT_EQ(uri.substr(0, lead.size()), lead);
+  const std::string bytes = from_base64(uri.substr(lead.size()));
+  ASSERT_EQ(bytes.size(), gltf["buffers"][0]["byteLength"].get<std::size_t>());
+  ASSERT_EQ(bytes.size(), 10U * (12 + 8) + 3U * 12);
+  for (std::size_t k = 0; k < 10; ++k) {
+    const auto v = static_cast<float>(k);
+    EXPECT_EQ(value_at<float>(bytes, 12 * k), 1.0F + v);
+    EXPECT_EQ(value_at<float>(bytes, 12 * k + 4), 0.25F * v);  // up
+    EXPECT_EQ(value_at<float>(bytes, 12 * k + 8), 2.0F * v);   // towards the viewer
+  }
+  const std::size_t path = 200;
+  EXPECT_EQ(value_at<float>(bytes, path), 0.5F);
+  EXPECT_EQ(value_at<float>(bytes, path + 4), 0.0F);
+  EXPECT_EQ(value_at<float>(bytes, path + 8), -1.5F);
+  EXPECT_EQ(gltf["accessors"][0]["min"], Json::parse("[1, 0, 0]"));
+  EXPECT_EQ(gltf["accessors"][0]["max"], Json::parse("[10, 2.25, 18]"));
+  EXPECT_EQ(gltf["accessors"][2]["min"], Json::parse("[0.5, 0, -4]"));
+}
+
+TEST_F(ModelExportTest, GltfColoursAreLinear) {
+  write_gltf(file("a.gltf"), model(false));
+  const Json gltf = Json::parse(content(file("a.gltf")));
+  const std::string uri = gltf["buffers"][0]["uri"];
+  const std::string bytes = from_base64(uri.substr(uri.find(',') + 1));
+  for (std::size_t k = 0; k < 10; ++k) {
+    const std::size_t at = 120 + 8 * k;
+    const double share = 20.0 * static_cast<double>(k) / 255.0;
+    const double linear = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+    EXPECT_NEAR(value_at<std::uint16_t>(bytes, at), 65535.0 * linear, 0.51);
+    EXPECT_NEAR(value_at<std::uint16_t>(bytes, at + 2), 14146.0, 1.0);  // 128 of 255 is 0.2159 of the light
+    EXPECT_EQ(value_at<std::uint16_t>(bytes, at + 4), 65535);
+    EXPECT_EQ(value_at<std::uint16_t>(bytes, at + 6), 65535);
+  }
+}
+
+// What the format's reference asks of every reference between its parts.
+TEST_F(ModelExportTest, GltfPartsFitTogether) {
+  for (const bool with_path : {false, true}) {
+    write_gltf(file("a.gltf"), model(with_path));
+    const Json gltf = Json::parse(content(file("a.gltf")));
+    EXPECT_EQ(gltf["scenes"][0]["nodes"].size(), with_path ? 2U : 1U);
+    for (const Json& node : gltf["scenes"][0]["nodes"]) EXPECT_LT(node.get<std::size_t>(), gltf["nodes"].size());
+    for (const Json& node : gltf["nodes"]) EXPECT_LT(node["mesh"].get<std::size_t>(), gltf["meshes"].size());
+    for (const Json& mesh : gltf["meshes"]) {
+      ASSERT_EQ(mesh["primitives"].size(), 1U);
+      EXPECT_LT(mesh["primitives"][0]["material"].get<std::size_t>(), gltf["materials"].size());
+      for (const Json& accessor : mesh["primitives"][0]["attributes"]) {
+        EXPECT_LT(accessor.get<std::size_t>(), gltf["accessors"].size());
+      }
+    }
+    for (const Json& accessor : gltf["accessors"]) {
+      const Json& view = gltf["bufferViews"].at(accessor["bufferView"].get<std::size_t>());
+      const std::size_t stride = accessor["componentType"] == 5126 ? 12 : 8;
+      EXPECT_EQ(view["byteLength"].get<std::size_t>(), stride * accessor["count"].get<std::size_t>());
+      EXPECT_EQ(view["byteOffset"].get<std::size_t>() % 4, 0U);
+      EXPECT_LE(view["byteOffset"].get<std::size_t>() + view["byteLength"].get<std::size_t>(),
+                gltf["buffers"][0]["byteLength"].get<std::size_t>());
+    }
+  }
+}
+
+// The text between an array's tags, by its name, the n-th of them.
+std::string array_of(const std::string& xml, const std::string& name, int n) {
+  std::size_t at = 0;
+  for (int k = 0; k <= n; ++k) at = xml.find("Name=\"" + name + "\"", at + 1);
+  const std::size_t begin = xml.find('>', at) + 1;
+  return from_base64(xml.substr(begin, xml.find('<', begin) - begin));
+}
+
+TEST_F(ModelExportTest, VtpHoldsPointsAttributesAndPath) {
+  write_vtp(file("a.vtp"), model());
+  const std::string xml = content(file("a.vtp"));
+  EXPECT_NE(xml.find("NumberOfPoints=\"10\" NumberOfVerts=\"1\" NumberOfLines=\"0\""), std::string::npos);
+  EXPECT_NE(xml.find("NumberOfPoints=\"3\" NumberOfVerts=\"0\" NumberOfLines=\"1\""), std::string::npos);
+  const std::string points = array_of(xml, "Points", 0);
+  ASSERT_EQ(points.size(), 8U + 10 * 12);
+  EXPECT_EQ(value_at<std::uint64_t>(points, 0), 120U);
+  EXPECT_EQ(value_at<float>(points, 8 + 12 * 3), 4.0F);
+  EXPECT_EQ(value_at<float>(points, 8 + 12 * 3 + 4), -6.0F);
+  EXPECT_EQ(value_at<float>(points, 8 + 12 * 3 + 8), 0.75F);
+  EXPECT_EQ(value_at<float>(array_of(xml, "elevation", 0), 8 + 4 * 2), 0.02F);
+  EXPECT_EQ(value_at<double>(array_of(xml, "time", 0), 8 + 8 * 3), 101.5);
+  EXPECT_EQ(value_at<std::uint32_t>(array_of(xml, "scan", 0), 8 + 4 * 4), 11U);
+  EXPECT_EQ(static_cast<unsigned char>(array_of(xml, "colour", 0)[8 + 3 * 2]), 40U);
+  const std::string connectivity = array_of(xml, "connectivity", 0);  // of the vertices
+  EXPECT_EQ(value_at<std::uint64_t>(connectivity, 0), 80U);
+  EXPECT_EQ(value_at<std::int64_t>(connectivity, 8 + 8 * 9), 9);
+  EXPECT_EQ(value_at<std::int64_t>(array_of(xml, "offsets", 0), 8), 10);
+  EXPECT_EQ(array_of(xml, "connectivity", 1).size(), 8U);  // no lines in the first piece
+  EXPECT_EQ(value_at<std::int64_t>(array_of(xml, "offsets", 3), 8), 3);
+  EXPECT_EQ(value_at<double>(array_of(xml, "time", 1), 8 + 8), 2.0);
+}
+
+TEST_F(ModelExportTest, NothingIsWrittenWithoutPointsOrPlace) {
+  cloud_.clear();
+  colours_.clear();
+  EXPECT_THROW(write_gltf(file("a.gltf"), model()), InputError);
+  EXPECT_THROW(write_vtp(file("a.vtp"), model()), InputError);
+  EXPECT_TRUE(fs::is_empty(folder_));
+  cloud_.push_back({});
+  colours_.emplace_back();
+  EXPECT_THROW(write_gltf(file("no/a.gltf"), model()), FileError);
+  EXPECT_THROW(write_vtp(file("no/a.vtp"), model()), FileError);
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,172 @@
+// Run folders as people leave them: files missing, cut, edited, of another run. Every message names the file and what
+// to do, and nothing ends the process.
+#include "run_reader.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "linkage_file.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kReport = R"({"format": 1, "log": ["../data/drive.log.gz"], "scans": 3, "matched": 2,
+ "keyframes": 1, "path_m": 1.5, "cloud_points": 1, "nodding": {"linkage": "paper-a"},
+ "doubtful_scans": [{"index": 2, "reason": "contradiction"}], "keyframe_scans": [0]})";
+
+class RunReaderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("gdtslam-run-" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    write("report.json", kReport);
+    write_tum(path("trajectory.tum"), {{1.0, {}}, {2.0, {1.0, 0.0, 0.0}}, {3.0, {1.5, 0.0, 0.1}}});
+    write_occupancy_map(path("map.yaml"), {{0.05, 1.0, 2.0, 2, 1}, {CellState::kFree, CellState::kOccupied}});
+    write_distance_field(path("gdt.yaml"), {{0.05, 1.0, 2.0, 2, 1}, 2, cells_, 5120});
+    write_linkage(path("linkage.yaml"), calib::sweep_model_of_preset("paper-a"));
+    CloudWriter cloud(path("cloud.ply"), CloudFormat::kPlyBinary);
+    cloud.add(std::vector<CloudPoint>(1));
+    cloud.finish();
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+  void edit(const std::string& from, const std::string& to) const {
+    std::string text = kReport;
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    write("report.json", text.replace(at, from.size(), to));
+  }
+  RunReader reader() const { return RunReader(folder_.string()); }
+  // The message names the file and says how to get a sound run.
+  void expect_refused(const std::function<void()>& act, const std::string& file, const std::string& fault) const {
+    try {
+      act();
+      ADD_FAILURE() << file << ": " << fault << ": nothing was thrown";
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      EXPECT_TRUE(error.code() == ExitCode::kBadInput || error.code() == ExitCode::kInputOutput) << what;
+      EXPECT_NE(what.find(file), std::string::npos) << what;
+      EXPECT_NE(what.find(fault), std::string::npos) << what;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+  }
+
+  fs::path folder_;
+  std::vector<std::uint16_t> cells_{0, 256};
+};
+
+TEST_F(RunReaderTest, ReadsWhatARunHolds) {
+  const RunReader run = reader();
+  EXPECT_EQ(run.name(), "drive");
+  EXPECT_EQ(run.summary().scans, 3U);
+  EXPECT_EQ(run.summary().doubtful, std::vector<std::size_t>{2});
+  EXPECT_EQ(run.summary().keyframes, std::vector<std::size_t>{0});
+  EXPECT_EQ(run.trajectory().size(), 3U);
+  EXPECT_EQ(run.map().geometry.width, 2);
+  EXPECT_EQ(run.field().cells, cells_);
+  EXPECT_EQ(run.cloud_file(), path("cloud.ply"));
+  EXPECT_EQ(run.linkage().value().name, "paper-a");
+}
+
+TEST_F(RunReaderTest, RunsOfEarlierVersionsDoWithoutKeyframesAndLinkage) {
+  edit(", \"keyframe_scans\": [0]", "");
+  fs::remove(path("linkage.yaml"));
+  EXPECT_TRUE(reader().summary().keyframes.empty());
+  EXPECT_FALSE(reader().linkage().has_value());
+}
+
+TEST_F(RunReaderTest, ARunWithoutACloudHasNone) {
+  edit("\"cloud_points\": 1", "\"cloud_points\": 0");
+  EXPECT_FALSE(reader().cloud_file().has_value());
+}
+
+TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
+  const auto refused = [this](const std::string& fault) {
+    expect_refused([this] { reader(); }, path("report.json"), fault);
+    expect_refused([this] { reader(); }, path("report.json"),
+                   "map the log again: gdtslam map LOG -o " + folder_.string());
+  };
+  const std::pair<const char*, const char*> kEdits[]{{"\"scans\": 3", "'scans'"},
+                                                     {"\"matched\": 2", "'matched'"},
+                                                     {"\"keyframes\": 1", "'keyframes'"},
+                                                     {"\"path_m\": 1.5", "'path_m'"},
+                                                     {"\"log\": [", "'log'"},
+                                                     {"\"doubtful_scans\": [", "'doubtful_scans'"},
+                                                     {"\"cloud_points\": 1", "'cloud_points'"}};
+  for (const auto& [member, name] : kEdits) {
+    edit(member, "\"x" + std::string(member).substr(1));
+    refused("has no " + std::string(name));
+  }
+  edit("\"scans\": 3", "\"scans\": -3");
+  refused("'scans' is no whole number");
+  edit("\"scans\": 3", "\"scans\": \"three\"");
+  refused("'scans' is no whole number");
+  edit("\"path_m\": 1.5", "\"path_m\": null");
+  refused("'path_m' is no number");
+  edit("[\"../data/drive.log.gz\"]", "[]");
+  refused("'log' is empty");
+  edit("[\"../data/drive.log.gz\"]", "[7]");
+  refused("'log' is no list of texts");
+  edit("\"index\": 2", "\"index\": 3");
+  refused("'doubtful_scans' names a scan that is none of its 3");
+  edit("\"keyframe_scans\": [0]", "\"keyframe_scans\": [99999999999999999999]");
+  refused("'keyframe_scans' names a scan");
+  edit("\"format\": 1", "\"format\": 2");
+  refused("has format 2, and this program reads format 1");
+  write("report.json", std::string(kReport).substr(0, 60));
+  refused("is no JSON text");
+  write("report.json", "");
+  refused("is no JSON text");
+  write("report.json", "[1, 2]");
+  refused("holds no JSON object");
+  fs::remove(path("report.json"));
+  expect_refused([this] { reader(); }, folder_.string(), "it has no report.json; map the log again");
+}
+
+TEST_F(RunReaderTest, FilesThatAreMissing) {
+  const std::pair<const char*, std::function<void()>> kFiles[]{
+      {"trajectory.tum", [this] { static_cast<void>(reader().trajectory()); }},
+      {"map.yaml", [this] { static_cast<void>(reader().map()); }},
+      {"map.pgm", [this] { static_cast<void>(reader().map()); }},
+      {"gdt.yaml", [this] { static_cast<void>(reader().field()); }},
+      {"gdt.png", [this] { static_cast<void>(reader().field()); }},
+      {"cloud.ply", [this] { static_cast<void>(reader().cloud_file()); }}};
+  for (const auto& [name, read] : kFiles) {
+    fs::rename(path(name), path("kept"));
+    expect_refused(read, path(name), "is missing in this run; map the log again");
+    fs::rename(path("kept"), path(name));
+  }
+}
+
+TEST_F(RunReaderTest, FilesThatAreDamagedOrOfAnotherRun) {
+  write("trajectory.tum", "1 0 0 0 0 0 0 1\n");
+  expect_refused([this] { static_cast<void>(reader().trajectory()); }, path("trajectory.tum"),
+                 "has 1 poses, but report.json tells of 3 scans");
+  write("trajectory.tum", "1 0 0 zero 0 0 0 1\n");
+  expect_refused([this] { static_cast<void>(reader().trajectory()); }, path("trajectory.tum") + ":1", "");
+  write("map.pgm", "P5\n2 1\n255\n");
+  expect_refused([this] { static_cast<void>(reader().map()); }, path("map.pgm"), "");
+  write("gdt.png", "no picture");
+  expect_refused([this] { static_cast<void>(reader().field()); }, path("gdt.png"), "");
+  write("linkage.yaml", "gdtslam_linkage: 1\nbars: 7\n");
+  EXPECT_THROW(static_cast<void>(reader().linkage()), ConfigError);
+}
+
+}  // namespace
+}  // namespace gdtslam
