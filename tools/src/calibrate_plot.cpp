@@ -96,10 +96,10 @@ void ScatterPlot::band(double from_y, double to_y, Colour fill) {
 }
 
 void ScatterPlot::legend(Colour colour, bool is_line, std::string_view words) {
-  constexpr double kLetter = 6.6;  // mean width at this size
+  constexpr double kSize = 12.0;
   const double y = frame_.corner.y() + 24.0;
-  canvas_.text({legend_x_, y + 4.0}, words, {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kEnd});
-  legend_x_ -= kLetter * static_cast<double>(words.size()) + 10.0;
+  canvas_.text({legend_x_, y + 4.0}, words, {.size = kSize, .colour = ink::kQuiet, .anchor = Anchor::kEnd});
+  legend_x_ -= text_width(words, kSize) + 10.0;
   if (is_line) {
     canvas_.line({legend_x_ - 18.0, y}, {legend_x_, y}, {.colour = colour, .width = 2.5});
   } else {
