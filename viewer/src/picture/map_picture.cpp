@@ -1,6 +1,7 @@
 #include "gdtslam/viewer/map_picture.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "picture/cell_image.hpp"
 #include "picture/legend_items.hpp"
@@ -17,7 +18,10 @@ constexpr MapColours kColours{ink::kText, ink::kCard, colour_of(0xe4e2db)};
 /// Walls and path count; free cells do not: beams through windows reach far and would shrink the building.
 MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
   CellBox box = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
-  if (box.empty()) box = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
+  const CellBox known = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
+  // A post in an open hall is not what the picture is about.
+  constexpr std::int32_t kPost = 4;
+  if (kPost * box.width() < known.width() && kPost * box.height() < known.height()) box = known;
   if (box.empty()) box = {{0, 0}, {map.geometry.width, map.geometry.height}};
   const MapArea area = area_of(map.geometry, box);
   constexpr double kMarginShare = 0.02;

@@ -115,7 +115,7 @@ void check_indices(const std::vector<std::size_t>& indices, std::size_t count, s
 
 const PathColours& path_colours(bool is_dark) {
   static const PathColours light{
-      {colour_of(0x0b50c8), colour_of(0x6d3fd0), colour_of(0xc02c96), colour_of(0xe2503c), colour_of(0xf28c0f)},
+      {colour_of(0x0a42d4), colour_of(0x8440be), colour_of(0xcb3596), colour_of(0xe65c3a), colour_of(0xf5970f)},
       ink::kCard,
       colour_of(0x1c2340),
       ink::kWarning};

@@ -1,0 +1,161 @@
+// The picture of a distance field: bright near obstacles or metres, unknown told apart, no obstacle lost.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/viewer/map_picture.hpp"
+#include "gdtslam/viewer/raster.hpp"
+#include "picture/path_layer.hpp"
+#include "unit/viewer/picture_scene.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace testing;
+
+constexpr PictureSize kBare{190, 150};
+constexpr std::uint16_t kCap = 5120;  // 20 cells
+
+/// One row of obstacles at the left: the distance of a cell is its column.
+FieldPicture ramp(std::int32_t width = 24) {
+  std::vector<CellIndex> wall;
+  for (std::int32_t y = 0; y < 12; ++y) wall.push_back({0, y});
+  return brute_field({0.1, 0.0, 0.0, width, 12}, wall, kCap);
+}
+
+/// Colours along the middle row of the picture, one for each step of colour; a single pixel between two is where the
+/// field's edge cuts it.
+std::vector<Colour> colours_along(const RgbaImage& image) {
+  std::vector<Colour> colours;
+  const auto at = [&](std::uint32_t x) {
+    const std::uint8_t* const pixel = image.at(x, image.height / 2);
+    return Colour{pixel[0], pixel[1], pixel[2]};
+  };
+  for (std::uint32_t x = 1; x < image.width; ++x) {
+    if (at(x) == at(x - 1) && (colours.empty() || !(colours.back() == at(x)))) colours.push_back(at(x));
+  }
+  return colours;
+}
+
+double brightness_of(Colour colour) { return 0.2126 * colour.red + 0.7152 * colour.green + 0.0722 * colour.blue; }
+
+double distance_of(Colour a, Colour b) {
+  const double red = a.red - b.red;
+  const double green = a.green - b.green;
+  const double blue = a.blue - b.blue;
+  return std::sqrt(red * red + green * green + blue * blue);
+}
+
+TEST(FieldPicture, intensity_falls_from_obstacles_and_ends_before_the_unknown) {
+  const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, {}, kBare)));
+  // Unknown beside the field, 20 cells with a distance of 0 to 19, unknown again.
+  ASSERT_EQ(colours.size(), 22U);
+  EXPECT_EQ(colours.front(), colours.back());
+  EXPECT_GT(brightness_of(colours[1]), 230.0) << "obstacles shine";
+  for (std::size_t i = 2; i < 21; ++i) EXPECT_LT(brightness_of(colours[i]), brightness_of(colours[i - 1])) << i;
+  EXPECT_GT(brightness_of(colours[20]), brightness_of(colours[21]) + 15.0) << "seen, though far";
+}
+
+TEST(FieldPicture, every_distance_has_a_colour_of_its_own_and_unknown_is_none_of_them) {
+  MapLook look;
+  look.is_intensity = false;
+  const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, look, kBare)));
+  ASSERT_EQ(colours.size(), 22U);
+  for (std::size_t i = 1; i < 21; ++i) {
+    EXPECT_GT(distance_of(colours[i], colours.front()), 40.0) << i;
+    EXPECT_GT(distance_of(colours[i], colours[i - 1]), 4.0) << i;
+  }
+}
+
+TEST(FieldPicture, named_colour_map_is_used) {
+  MapLook look;
+  look.colour_map = "grey";
+  const std::vector<Colour> colours = colours_along(raster_of(field_picture(ramp(), {}, look, kBare)));
+  ASSERT_EQ(colours.size(), 22U);
+  for (std::size_t i = 1; i < 21; ++i) EXPECT_LE(std::abs(colours[i].red - colours[i].blue), 2) << i;
+  look.colour_map = "no such map";
+  EXPECT_THROW(field_picture(ramp(), {}, look, kBare), ConfigError);
+}
+
+TEST(FieldPicture, an_obstacle_survives_ten_to_one) {
+  // All at 10 cells but one obstacle between walls far apart: no distance transform, so that nothing helps it.
+  FieldPicture field{{0.02, 0.0, 0.0, 1500, 1200}, {}, kCap};
+  field.cells.assign(field.geometry.cell_count(), 2560);
+  const auto set_at = [&](std::size_t x, std::size_t y) { field.cells[y * 1500 + x] = 0; };
+  for (std::size_t x = 0; x < 1500; ++x) {
+    set_at(x, 0);
+    set_at(x, 1199);
+  }
+  for (std::size_t y = 0; y < 1200; ++y) {
+    set_at(0, y);
+    set_at(1499, y);
+  }
+  const RgbaImage without = raster_of(field_picture(field, {}, {}, kBare));
+  set_at(700, 503);
+  const RgbaImage with = raster_of(field_picture(field, {}, {}, kBare));
+  int pixels = 0;
+  for (std::uint32_t y = 0; y < with.height; ++y) {
+    for (std::uint32_t x = 0; x < with.width; ++x) {
+      const double brighter = brightness(with.at(x, y)) - brightness(without.at(x, y));
+      if (brighter < 1.0) continue;
+      ++pixels;
+      EXPECT_GT(brightness(with.at(x, y)), 230.0) << "as bright as any obstacle";
+    }
+  }
+  EXPECT_EQ(pixels, 1);
+}
+
+TEST(FieldPicture, says_what_colours_mean) {
+  const FieldPicture field = ramp();
+  MapLook look;
+  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "intensity"));
+  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "2 m")) << "20 cells of 0.1 m";
+  look.is_intensity = false;
+  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "2 m"));
+  EXPECT_TRUE(says(field_picture(field, {}, look, {1600, 1200}), "farther or unknown"));
+}
+
+TEST(FieldPicture, transparent_where_nothing_is_known) {
+  MapLook look;
+  look.is_transparent = true;
+  const RgbaImage image = raster_of(field_picture(ramp(60), {}, look, kBare));
+  EXPECT_EQ(image.at(0, 0)[3], 0);
+  EXPECT_EQ(image.at(kBare.width - 1, kBare.height / 2)[3], 0) << "beyond the cap";
+}
+
+TEST(FieldPicture, what_cannot_be_drawn_is_refused) {
+  FieldPicture field = ramp();
+  field.cells.pop_back();
+  EXPECT_THROW(field_picture(field, {}, {}, kBare), InputError);
+  field = ramp();
+  field.cap = 0;
+  EXPECT_THROW(field_picture(field, {}, {}, kBare), InputError);
+  EXPECT_THROW(field_picture(FieldPicture{}, {}, {}, kBare), InputError);
+}
+
+/// How people without red or green cones see a colour [Vienot1999], in linear light.
+Point2 seen_without_red_or_green(Colour colour, bool lacks_red) {
+  // Both see red and green as one; what is left are that one and blue.
+  const auto light = [](std::uint8_t channel) { return channel / 255.0 * channel / 255.0; };
+  const double red = lacks_red ? 0.11238 : 0.29275;
+  return {red * light(colour.red) + (1.0 - red) * light(colour.green),
+          (lacks_red ? 0.00401 : -0.02234) * (light(colour.red) - light(colour.green)) + light(colour.blue)};
+}
+
+TEST(PathColours, order_shows_without_telling_red_from_green) {
+  for (const bool is_dark : {false, true}) {
+    const picture::PathColours& colours = picture::path_colours(is_dark);
+    for (const bool lacks_red : {false, true}) {
+      for (double from = 0.0; from <= 0.66; from += 0.01) {
+        const Point2 a = seen_without_red_or_green(picture::time_colour(colours, from), lacks_red);
+        const Point2 b = seen_without_red_or_green(picture::time_colour(colours, from + 0.34), lacks_red);
+        EXPECT_GT((a - b).norm(), 0.09) << is_dark << lacks_red << " from " << from;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam

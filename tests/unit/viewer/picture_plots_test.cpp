@@ -1,0 +1,194 @@
+// Plots of errors against figures worked out by hand, on axes that are measured from other things in the same plot.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/drawing/theme.hpp"
+#include "gdtslam/viewer/map_picture.hpp"
+#include "gdtslam/viewer/raster.hpp"
+#include "picture/plot_sheet.hpp"
+#include "unit/viewer/picture_scene.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace testing;
+
+constexpr PictureSize kSize{1600, 1200};
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+/// Pixels to values along one axis, from two places whose values are known.
+struct Scale {
+  double pixel = 0.0;
+  double value = 0.0;
+  double per_pixel = 1.0;
+  static Scale through(double pixel_a, double value_a, double pixel_b, double value_b) {
+    return {pixel_a, value_a, (value_b - value_a) / (pixel_b - pixel_a)};
+  }
+  [[nodiscard]] double at(double other_pixel) const { return value + (other_pixel - pixel) * per_pixel; }
+};
+
+std::vector<shape::Line> lines_in(const Canvas& canvas, Colour colour) {
+  std::vector<shape::Line> lines;
+  for (const shape::Line& line : shapes_of<shape::Line>(canvas)) {
+    if (line.pen.colour == colour) lines.push_back(line);
+  }
+  return lines;
+}
+
+/// Heights of a box's horizontal strokes and edges, from below to above, without doubles.
+std::vector<double> levels_of(const Canvas& canvas, Colour colour) {
+  std::vector<double> levels;
+  for (const shape::Line& line : lines_in(canvas, colour)) {
+    for (const Point2& point : line.points) levels.push_back(point.y());
+  }
+  for (const shape::Rectangle& box : shapes_of<shape::Rectangle>(canvas)) {
+    if (!box.fill || !(box.fill->colour == colour)) continue;
+    levels.push_back(box.corner.y());
+    levels.push_back(box.corner.y() + box.height);
+  }
+  std::sort(levels.rbegin(), levels.rend());
+  levels.erase(std::unique(levels.begin(), levels.end(), [](double a, double b) { return std::fabs(a - b) < 1e-6; }),
+               levels.end());
+  return levels;
+}
+
+/// numpy.percentile([1, 2, 3, 4, 5, 6, 7, 8, 9, 100], [25, 50, 75]) is [3.25, 5.5, 7.75]; whiskers end within
+/// 3.25 - 6.75 and 7.75 + 6.75.
+TEST(BoxPlot, quartiles_whiskers_and_what_lies_beyond) {
+  const ErrorPlot plot{
+      "", "error", "m", {{"none", {0, 0, 0, 0}}, {"all", {100, 100}}, {"ten", {9, 8, 7, 6, 5, 100, 4, 3, 2, 1}}}};
+  const Canvas canvas = box_plot(plot, kSize);
+  const std::vector<double> zero = levels_of(canvas, kLightTheme.curve(0));
+  const std::vector<double> hundred = levels_of(canvas, kLightTheme.curve(1));
+  ASSERT_EQ(zero.size(), 1U);
+  ASSERT_EQ(hundred.size(), 1U);
+  const Scale scale = Scale::through(zero[0], 0.0, hundred[0], 100.0);
+  const std::vector<double> ten = levels_of(canvas, kLightTheme.curve(2));
+  const std::vector<double> expected{1.0, 3.25, 5.5, 7.75, 9.0};
+  ASSERT_EQ(ten.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(scale.at(ten[i]), expected[i], 1e-6);
+  int beyond = 0;
+  for (const shape::Circle& circle : shapes_of<shape::Circle>(canvas)) {
+    EXPECT_NEAR(scale.at(circle.centre.y()), 100.0, 1e-6);
+    ++beyond;
+  }
+  EXPECT_EQ(beyond, 1);
+  EXPECT_TRUE(says(canvas, "5.50 m"));
+  EXPECT_TRUE(says(canvas, "ten (10 values)"));
+}
+
+TEST(BoxPlot, tells_what_has_no_value) {
+  const ErrorPlot plot{"t", "error", "", {{"a", {1.0, kNothing, 2.0, kNothing}}, {"b", {}}, {"c", {kNothing}}}};
+  const Canvas canvas = box_plot(plot, kSize);
+  EXPECT_TRUE(says(canvas, "a (2 values, 2 not finite)"));
+  EXPECT_TRUE(says(canvas, "b (0 values)"));
+  EXPECT_TRUE(says(canvas, "c (0 values, 1 not finite)"));
+  EXPECT_NO_THROW(raster_of(box_plot({}, kSize)));
+}
+
+/// Of 1, 2, 2, 5: a quarter up to 1, three quarters up to 2, all up to 5; the median 2, 95 % at 2 + 0.85 * 3 = 4.55.
+TEST(DistributionPlot, steps_are_the_shares_of_values) {
+  const Canvas canvas = distribution_plot({"", "error", "m", {{"four", {5, 2, 1, 2}}}}, kSize);
+  std::vector<Point2> marks;
+  for (const shape::Circle& circle : shapes_of<shape::Circle>(canvas)) {
+    if (circle.fill && circle.fill->colour == kLightTheme.curve(0)) marks.push_back(circle.centre);
+  }
+  ASSERT_EQ(marks.size(), 2U);
+  const Scale x = Scale::through(marks[0].x(), 2.0, marks[1].x(), 4.55);
+  const Scale y = Scale::through(marks[0].y(), 0.5, marks[1].y(), 0.95);
+  std::vector<Point2> corners;
+  for (const shape::Line& line : lines_in(canvas, kLightTheme.curve(0))) {
+    if (line.points.size() > 2) corners = line.points;  // the other one is the legend's
+  }
+  const std::vector<Point2> expected{{0, 0}, {1, 0}, {1, 0.25}, {2, 0.25}, {2, 0.75}, {5, 0.75}, {5, 1}};
+  ASSERT_GE(corners.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(x.at(corners[i].x()), expected[i].x(), 1e-6) << i;
+    EXPECT_NEAR(y.at(corners[i].y()), expected[i].y(), 1e-6) << i;
+  }
+  EXPECT_TRUE(says(canvas, "four: median 2.00 m, 95 % 4.55 m, largest 5.00 m"));
+}
+
+TEST(DistributionPlot, tells_what_has_no_value) {
+  const Canvas canvas = distribution_plot({"", "error", "m", {{"a", {1.0, kNothing}}, {"b", {}}}}, kSize);
+  EXPECT_TRUE(says(canvas, "1 value, 1 not finite"));
+  EXPECT_TRUE(says(canvas, "b: 0 values"));
+}
+
+/// Quantiles by their definition: the share of values below lies at (n - 1) times the share, straight between two.
+TEST(Quantile, agrees_with_known_vectors) {
+  EXPECT_DOUBLE_EQ(picture::quantile({1, 2, 3, 4}, 0.25), 1.75);  // numpy.percentile and R's type 7
+  EXPECT_DOUBLE_EQ(picture::quantile({1, 2, 3, 4}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(picture::quantile({7}, 0.95), 7.0);
+  EXPECT_DOUBLE_EQ(picture::quantile({0, 10}, 1.0), 10.0);
+  EXPECT_DOUBLE_EQ(picture::quantile({0, 10}, 0.0), 0.0);
+}
+
+/// A hundred thousand noisy values with five spikes of one sample each.
+TEST(TimePlot, loses_no_spike_and_stays_small) {
+  const std::vector<std::size_t> spikes{137, 20001, 49999, 77777, 99998};
+  TimeSeries series{"error", {}};
+  Random random(7);
+  for (std::size_t i = 0; i < 100000; ++i) series.points.emplace_back(0.001 * static_cast<double>(i), random.uniform());
+  for (const std::size_t spike : spikes) series.points[spike].second = 50.0;
+  series.points[60000].second = -20.0;
+  const Canvas canvas = time_plot("", "error", "m", {series}, kSize);
+  std::vector<Point2> points;
+  for (const shape::Line& line : lines_in(canvas, kLightTheme.curve(0))) {
+    if (line.points.size() > 2) points = line.points;
+  }
+  EXPECT_LT(points.size(), 4U * kSize.width);
+  EXPECT_LT(svg_of(canvas).size(), 300000U);
+  ASSERT_FALSE(points.empty());
+  const auto [low, high] =
+      std::minmax_element(points.begin(), points.end(), [](const Point2& a, const Point2& b) { return a.y() < b.y(); });
+  const Scale time = Scale::through(0.0, points.front().x(), 99.999, points.back().x());  // from time to pixels
+  for (const std::size_t spike : spikes) {
+    const double x = time.at(0.001 * static_cast<double>(spike));
+    const bool is_there = std::any_of(points.begin(), points.end(), [&](const Point2& point) {
+      return std::fabs(point.x() - x) < 0.01 && std::fabs(point.y() - low->y()) < 0.01;
+    });
+    EXPECT_TRUE(is_there) << spike;
+  }
+  EXPECT_NEAR(high->x(), time.at(60.0), 0.01);
+}
+
+TEST(TimePlot, a_value_that_is_missing_is_a_gap) {
+  TimeSeries series{"error", {}};
+  for (int i = 0; i < 30; ++i) series.points.emplace_back(i, i == 12 ? kNothing : 1.0 + i % 3);
+  std::vector<std::size_t> pieces;
+  for (const shape::Line& line : lines_in(time_plot("", "error", "m", {series}, kSize), kLightTheme.curve(0))) {
+    if (line.points.size() > 2) pieces.push_back(line.points.size());
+  }
+  EXPECT_EQ(pieces, (std::vector<std::size_t>{12, 17}));
+}
+
+TEST(TimePlot, times_are_those_that_people_read) {
+  const auto plot = [](double from_s, double to_s) {
+    return time_plot("", "error", "m", {{"", {{from_s, 1.0}, {to_s, 2.0}}}}, kSize);
+  };
+  EXPECT_TRUE(says(plot(3.0, 50.0), "time in s"));
+  EXPECT_TRUE(says(plot(0.0, 3000.0), "time in min"));
+  EXPECT_TRUE(says(plot(0.0, 30000.0), "time in h"));
+  EXPECT_TRUE(says(plot(976052857.0, 976052900.0), "time since the start in s")) << "a clock's stamps";
+  EXPECT_NO_THROW(raster_of(time_plot("", "error", "m", {}, kSize)));
+  EXPECT_NO_THROW(raster_of(plot(1.0, 1.0)));
+}
+
+/// What is twice as large is the same picture twice as large.
+TEST(PlotSheet, grows_as_a_whole) {
+  const ErrorPlot plot{"Title", "error", "m", {{"a", {1, 2, 3, 4, 50}}}};
+  const auto small = shapes_of<shape::Words>(box_plot(plot, {1600, 1200}));
+  const auto large = shapes_of<shape::Words>(box_plot(plot, {3200, 2400}));
+  ASSERT_EQ(small.size(), large.size());
+  for (std::size_t i = 0; i < small.size(); ++i) {
+    EXPECT_LT((2.0 * small[i].at - large[i].at).norm(), 1e-6);
+    EXPECT_NEAR(2.0 * small[i].lettering.size, large[i].lettering.size, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam
