@@ -167,10 +167,10 @@ TEST_F(OffscreenViewTest, RefusesWhatCannotBeDrawn) {
 TEST_F(OffscreenViewTest, WhatVtkSaysReachesTheCaller) {
   OffscreenView view(graphics_);
   vtkActor* actor = add_shape(view, {{0.0, 0.0, 0.0}}, kRed);
+  ::testing::internal::CaptureStderr();
   vtkWarningWithObjectMacro(actor, "an odd\n  thing");
   vtkWarningWithObjectMacro(actor, "an odd\n  thing");
   vtkErrorWithObjectMacro(actor, "a bad\n  thing");
-  ::testing::internal::CaptureStderr();
   try {
     view.render(Camera{}, {20, 20});
     FAIL() << "an error of VTK was swallowed";
