@@ -97,14 +97,19 @@ class Camera {
   fitting(yaw, pitch) {
     const trial = Object.assign(new Camera(this.least, this.most), {yaw, pitch, width: this.width, height: this.height});
     const {right, up, back} = trial.axes();
-    const slopes = trial.slopes().map((slope) => slope * 0.9);
-    let distance = 0;
-    for (const corner of cornersOf(this.least, this.most)) {
-      const away = sub(corner, trial.target);
-      const across = Math.max(Math.abs(dot(away, right)) / slopes[0], Math.abs(dot(away, up)) / slopes[1]);
-      distance = Math.max(distance, dot(away, back) + across);
+    const slopes = trial.slopes().map((slope) => slope * 0.92);
+    const corners = cornersOf(this.least, this.most);
+    for (let round = 0; round < 6; ++round) {
+      const places = corners.map((corner) => sub(corner, trial.target));
+      trial.distance = Math.max(...places.map((away) => dot(away, back) +
+          Math.max(Math.abs(dot(away, right)) / slopes[0], Math.abs(dot(away, up)) / slopes[1])));
+      // What is near looks larger, so the middle of the box is not the middle of the picture.
+      for (const axis of [right, up]) {
+        const seen = places.map((away) => dot(away, axis) / (trial.distance - dot(away, back)));
+        trial.target = add(trial.target, scaled(axis, (Math.min(...seen) + Math.max(...seen)) / 2 * trial.distance));
+      }
     }
-    return {target: trial.target, yaw, pitch, distance};
+    return {target: trial.target, yaw, pitch, distance: trial.distance};
   }
 
   state() { return {target: this.target, yaw: this.yaw, pitch: this.pitch, distance: this.distance}; }

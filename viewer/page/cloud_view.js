@@ -1,16 +1,18 @@
 // Draws the cloud and what lies about it, when something has changed. Points go into a picture with depth, which is
 // shaded onto the screen with its depths; the rest is drawn over that with smooth edges.
 
+const kLeastShare = 0.02;
 const kSlowFrame_ms = 45;  // a frame that takes longer while the camera moves draws fewer points next time
 
 class CloudView {
-  constructor(canvas, gl) {
+  constructor(canvas, gl, isSoftware) {
     [this.canvas, this.gl] = [canvas, gl];
     this.points = description.cloud ? new Points(description.cloud) : null;
     this.path = description.path ? new Path(description.path) : null;
     this.setBounds();
     this.camera = new Camera(this.least, this.most);
     this.share = 1;        // of the points, while the camera moves
+    if (this.points) this.share = clamp((isSoftware ? 120e3 : 3e6) / this.points.about.count, kLeastShare, 1);
     this.frames = 0;
     this.movedAt = -Infinity;
     this.afterFrame = [];
@@ -109,7 +111,7 @@ class CloudView {
 
   /// The browser waits for the graphics processor, so the time between two frames says how slow it is.
   adapt(frame_ms) {
-    if (frame_ms > kSlowFrame_ms) this.share = Math.max(this.share * Math.max(kSlowFrame_ms / frame_ms, 0.5), 0.03);
+    if (frame_ms > kSlowFrame_ms) this.share = Math.max(this.share * Math.max(kSlowFrame_ms / frame_ms, 0.3), kLeastShare);
     else if (frame_ms < 0.5 * kSlowFrame_ms) this.share = Math.min(this.share * 1.15, 1);
   }
 
@@ -146,24 +148,26 @@ class CloudView {
     const pixels = this.camera.pixelsPerMetre(1) * ratio * points.spacing * view.pointFactor / Math.sqrt(share);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.mapTexture);
-    const quantity = view.quantity in kQuantities ? kQuantities[view.quantity].code : 5;
-    if (quantity < 5) this.loadColourMap(view.colourMap[view.quantity]);
+    const hasScale = view.quantity in kQuantities;
+    if (hasScale) this.loadColourMap(view.colourMap[view.quantity]);
     this.pointProgram.use({
       clip_from_page: matrix, extent: points.extent, until: cloudShareOf(shownTime()),
-      with_levels: [view.layers.floor ? 1 : 0, view.layers.ceiling ? 1 : 0], quantity, scale: this.scaleOf(view.quantity),
-      colours: 0, plain: this.colour_plain,
+      with_levels: [view.layers.floor ? 1 : 0, view.layers.ceiling ? 1 : 0], ...this.weightsOf(view.quantity),
+      is_plain: hasScale ? 0 : 1, colours: 0, plain: this.colour_plain,
       point: [pixels, 1.25 * ratio * Math.sqrt(view.pointFactor), 40 * ratio],
     });
     points.draw(gl, share);
   }
 
   /// From shares of the quantity's whole range to shares of the chosen scale.
-  scaleOf(quantity) {
-    if (!(quantity in kQuantities)) return [1, 0];
+  weightsOf(quantity) {
+    if (!(quantity in kQuantities)) return {};
     const {least, most} = description.cloud[quantity];
     const [low, high] = view.scale[quantity];
     const extent = Math.max(high - low, 1e-9 * (most - least), 1e-12);
-    return [(most - least) / extent, (least - low) / extent];
+    const weight = (name) => (name === quantity ? (most - least) / extent : 0);
+    return {of_place: [weight('height'), weight('time')],
+            of_attributes: [weight('elevation'), weight('scan'), weight('distance'), (least - low) / extent]};
   }
 
   loadColourMap(index) {
@@ -180,7 +184,7 @@ class CloudView {
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.depthFunc(gl.ALWAYS);
     this.picture.bindTextures();
-    this.shadeProgram.use({colour: 0, depth: 1, planes: this.camera.planes(), strength: 60 * view.shading,
+    this.shadeProgram.use({colour: 0, depth: 1, planes: this.camera.planes(), strength: 90 * view.shading,
                            radius: Math.max(1, Math.round(this.canvas.height / this.camera.height)),
                            background: this.colour_scene});
     gl.bindVertexArray(this.screenArray);

@@ -49,15 +49,14 @@ function bufferOf(gl, data) {
   return buffer;
 }
 
-/// A vertex array over one buffer; attributes are [location, size, type, normalised, stride, offset, divisor].
+/// A vertex array over one buffer; attributes are [location, size, type, normalised, stride, offset].
 function vertexArray(gl, buffer, attributes) {
   const array = gl.createVertexArray();
   gl.bindVertexArray(array);
   gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-  for (const [location, size, type, isNormalised, stride, offset, divisor = 0] of attributes) {
+  for (const [location, size, type, isNormalised, stride, offset] of attributes) {
     gl.enableVertexAttribArray(location);
     gl.vertexAttribPointer(location, size, type, isNormalised, stride, offset);
-    gl.vertexAttribDivisor(location, divisor);
   }
   gl.bindVertexArray(null);
   return array;

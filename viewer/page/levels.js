@@ -1,7 +1,7 @@
-// What the user has chosen to see. Everything that draws reads it; whoever changes it calls changed().
+// What the user has chosen to see; at first without the ceiling, which hides the rooms. Everything that draws reads it; whoever changes it calls changed().
 
 const view = {
-  layers: {cloud: true, floor: true, ceiling: true, path: true, robot: true, map: true, grid: true},
+  layers: {cloud: true, floor: true, ceiling: false, path: true, robot: true, map: true, grid: true},
   quantity: 'plain',
   colourMap: {},       // of each quantity: index into colourMaps
   scale: {},           // of each quantity: [low, high] in its unit of the description

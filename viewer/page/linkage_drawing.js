@@ -201,7 +201,7 @@ class PlotDrawing {
     for (let value = this.least; value <= this.most + 1e-6; value += this.step) {
       const y = this.at(0, value)[1];
       stroke(context, [[this.left, y], [this.right, y]], inkOf('grid'), 1);
-      context.fillText(`${value}°`.replace('-', '−'), this.left - 7, y);
+      context.fillText(`${fixed(value, 0)}°`, this.left - 7, y);
     }
     context.textAlign = 'center';
     for (let turn = 0; turn <= 360; turn += 90) {

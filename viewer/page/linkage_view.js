@@ -100,7 +100,7 @@ class LinkageView {
     this.mechanism.draw(pose);
     this.plot.draw(this.step, pose);
     for (const [key, place] of Object.entries(this.values)) {
-      place.textContent = pose ? `${degrees(pose[key]).toFixed(1)}°`.replace('-', '−') : '';
+      place.textContent = pose ? `${fixed(degrees(pose[key]), 1)}°` : '';
     }
   }
 

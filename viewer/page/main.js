@@ -10,10 +10,21 @@ function showMessage(text) {
   byId('message').hidden = false;
 }
 
+/// Whether the processor does the work of a graphics processor, so that less must do.
+function drawsInSoftware() {
+  const gl = element('canvas').getContext('webgl2');
+  const about = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  const renderer = about ? gl.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer);
+}
+
 /// WebGL 2, or a message that says what to do.
 function makeCloudView() {
   const canvas = byId('scene');
-  const gl = canvas.getContext('webgl2', {antialias: true, alpha: false, powerPreference: 'high-performance'});
+  const isSoftware = drawsInSoftware();
+  const gl = canvas.getContext('webgl2', {antialias: !isSoftware, alpha: false, stencil: true,
+                                          powerPreference: 'high-performance'});
   if (!gl) {
     showMessage('This browser shows no WebGL 2, which the cloud is drawn with. Switch on hardware acceleration in its settings, or ' +
                 'open the page in a current Firefox, Chrome, Edge or Safari.');
@@ -23,7 +34,7 @@ function makeCloudView() {
     event.preventDefault();
     showMessage('The graphics driver was reset. The picture comes back as soon as the driver does.');
   });
-  const cloudView = new CloudView(canvas, gl);
+  const cloudView = new CloudView(canvas, gl, isSoftware);
   canvas.addEventListener('webglcontextrestored', () => location.reload());
   return cloudView;
 }

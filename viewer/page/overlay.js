@@ -58,7 +58,7 @@ class Overlay {
       const at = x + clamp((k * step - low) / Math.max(high - low, 1e-12), 0, 1) * width;
       context.fillStyle = hexColour('text');
       context.fillRect(Math.round(at) - 0.5, y + this.size * 0.9, 1, 4);
-      const text = (k * step).toFixed(decimalsOf(step)).replace('-', '−').replace(/^−(0\.?0*)$/, '$1');
+      const text = fixed(k * step, decimalsOf(step));
       const half = context.measureText(text).width / 2;
       this.words(text, clamp(at, x + half - 6, x + width - half + 6), y + 2 * this.size, 'center');
     }

@@ -37,5 +37,10 @@ function element(tag, properties = {}, ...children) {
 }
 
 const grouped = (count) => Math.round(count).toLocaleString('en-US');
+/// Fixed decimals with a true minus, and no minus before zero.
+function fixed(value, decimals) {
+  const text = value.toFixed(decimals);
+  return /^-0(\.0*)?$/.test(text) ? text.slice(1) : text.replace('-', '−');
+}
 const degrees = (angle) => angle * 180 / Math.PI;
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);

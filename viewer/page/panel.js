@@ -4,6 +4,13 @@ function group(title, ...children) {
   return element('div', {className: 'group', role: 'group', 'aria-label': title}, element('h2', {textContent: title}), ...children);
 }
 
+/// One that is not needed beside the linkage alone.
+function cloudGroup(...of) {
+  const made = group(...of);
+  made.classList.add('of-cloud');
+  return made;
+}
+
 function checkbox(label, layer, note = '') {
   const box = element('input', {type: 'checkbox', checked: view.layers[layer], id: 'layer-' + layer});
   box.addEventListener('change', () => {
@@ -48,7 +55,7 @@ class Panel {
     for (const key of keys) {
       view.colourMap[key] = defaultMapOf(key);
       const {low, high, least, most} = description.cloud[key];
-      view.scale[key] = high > low ? [low, high] : [least, most];
+      view.scale[key] = high > low ? [key === 'distance' ? Math.min(least, 0) : low, high] : [least, most];
     }
     view.quantity = keys[0] ?? 'plain';
     const choices = [...keys.map((key) => [key, kQuantities[key].name]), ['plain', 'One colour']];
@@ -57,7 +64,7 @@ class Panel {
                            (k) => { view.colourMap[view.quantity] = Number(k); });
     this.low = this.scaleSlider('From', 'scale-low', 0);
     this.high = this.scaleSlider('To', 'scale-high', 1);
-    return group('Colours', this.quantity.row, this.map.row, this.low.row, this.high.row);
+    return cloudGroup('Colours', this.quantity.row, this.map.row, this.low.row, this.high.row);
   }
 
   select(label, id, choices, apply) {
@@ -75,7 +82,7 @@ class Panel {
       if (!(view.quantity in kQuantities)) return '';
       const {unit} = kQuantities[view.quantity];
       const value = shownScale(view.quantity)[end];
-      return value.toFixed(Math.abs(value) < 100 && unit !== '' ? 2 : 0).replace('-', '−') + (unit === '°' ? '°' : unit && ' ' + unit);
+      return fixed(value, Math.abs(value) < 100 && unit !== '' ? 2 : 0) + (unit === '°' ? '°' : unit && ' ' + unit);
     };
     return slider(label, id, {min: 0, max: 1, step: 0.002, value: end}, textOf, (share) => {
       const {least, most} = description.cloud[view.quantity];
@@ -96,7 +103,7 @@ class Panel {
     if (map) boxes.push(checkbox('Map', 'map', `${grouped(map.width)} × ${grouped(map.height)}`));
     boxes.push(checkbox('Grid', 'grid', `${this.cloudView.grid.step} m`));
     this.shown = element('div', {className: 'note', id: 'shown'});
-    return group('Layers', ...boxes, ...(cloud ? [this.shown] : []));
+    return cloudGroup('Layers', ...boxes, ...(cloud ? [this.shown] : []));
   }
 
   camera() {
@@ -120,7 +127,7 @@ class Panel {
       this.measure.addEventListener('click', () => this.toggleMeasuring());
       children.push(this.size.row, this.shading.row, this.measure);
     }
-    return group('View', ...children);
+    return cloudGroup('View', ...children);
   }
 
   toggleMeasuring() {
@@ -172,7 +179,7 @@ function pointsShown(cloudView) {
   return cloudView.points.countShown(cloudShareOf(shownTime()), view.layers);
 }
 
-/// The map that suits a quantity: one with a light middle for what has a sign, else one that brightens.
+/// The map that suits a quantity, as pictures of clouds have it.
 function defaultMapOf(quantity) {
   const named = description.default_maps[quantity];
   return Math.max(colourMaps.findIndex((map) => map.name === named), 0);

@@ -61,10 +61,10 @@ const picks = {
 function rowsOf(point) {
   const at = add(point.position, description.origin);
   const about = description.cloud;
-  const rows = ['x', 'y', 'z'].map((name, axis) => [name, at[axis].toFixed(3) + ' m']);
+  const rows = ['x', 'y', 'z'].map((name, axis) => [name, fixed(at[axis], 3) + ' m']);
   const has = (quantity) => about[quantity] && about[quantity].most > about[quantity].least;
-  if (has('time')) rows.push(['time', (point.time - timeSpan.from).toFixed(2) + ' s']);
-  if (has('elevation')) rows.push(['elevation', degrees(point.elevation).toFixed(1) + '°']);
+  if (has('time')) rows.push(['time', fixed(point.time - timeSpan.from, 2) + ' s']);
+  if (has('elevation')) rows.push(['elevation', fixed(degrees(point.elevation), 1) + '°']);
   if (has('distance')) rows.push(['distance', point.distance.toFixed(3) + ' m']);
   return rows;
 }
@@ -82,7 +82,7 @@ function showReadout() {
     box.append(element('table', {}, ...rows));
   }
   if (picks.points.length === 2) {
-    const [dx, dy, dz] = sub(picks.points[1].position, picks.points[0].position).map((value) => value.toFixed(3));
+    const [dx, dy, dz] = sub(picks.points[1].position, picks.points[0].position).map((value) => fixed(value, 3));
     box.append(element('p', {textContent: `Distance ${picks.distance().toFixed(3)} m`}));
     box.append(element('div', {textContent: `x ${dx}, y ${dy}, z ${dz} m`}));
   }

@@ -27,7 +27,6 @@ class PointerControl {
     this.pointers.set(event.pointerId, this.at(event));
     this.path_px = this.pointers.size > 1 ? Infinity : 0;
     this.canvas.classList.add('is-moving');
-    this.canvas.focus({preventScroll: true});
     this.cloudView.flight = null;
   }
 

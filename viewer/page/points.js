@@ -1,11 +1,11 @@
 // The cloud's points, as they lie in memory and on the graphics processor: 12 bytes each (viewer/src/page/page_cloud.hpp).
 
 const kQuantities = {
-  height: {name: 'Height', unit: 'm', code: 0, factor: 1},
-  elevation: {name: 'Elevation', unit: '°', code: 1, factor: 180 / Math.PI},
-  time: {name: 'Time', unit: 's', code: 2, factor: 1},
-  scan: {name: 'Scan', unit: '', code: 3, factor: 1},
-  distance: {name: 'Distance', unit: 'm', code: 4, factor: 1},
+  height: {name: 'Height', unit: 'm', factor: 1},
+  elevation: {name: 'Elevation', unit: '°', factor: 180 / Math.PI},
+  time: {name: 'Time', unit: 's', factor: 1},
+  scan: {name: 'Scan', unit: '', factor: 1},
+  distance: {name: 'Distance', unit: 'm', factor: 1},
 };
 
 class Points {

@@ -48,14 +48,11 @@ class Robot {
   draw(matrix, pose, height, factor) {
     const gl = this.gl;
     gl.bindVertexArray(this.array);
-    for (const isHidden of [true, false]) {
-      gl.depthFunc(isHidden ? gl.GREATER : gl.LEQUAL);
-      gl.depthMask(!isHidden);
+    drawHiddenAndSeen(gl, (isHidden) => {
+      if (!isHidden) gl.disable(gl.STENCIL_TEST);  // its own boxes hide each other by depth
       this.program.use({clip_from_page: matrix, pose: [pose.x, pose.y, height, pose.heading], factor,
-                        opacity: isHidden ? 0.18 : 1});
+                        opacity: isHidden ? 0.4 : 1});
       gl.drawArrays(gl.TRIANGLES, 0, this.count);
-    }
-    gl.depthFunc(gl.LEQUAL);
-    gl.depthMask(true);
+    });
   }
 }

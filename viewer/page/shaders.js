@@ -10,8 +10,9 @@ uniform mat4 u_clip_from_page;
 uniform vec3 u_extent;
 uniform float u_until;
 uniform vec2 u_with_levels;   // floor, ceiling: 1 when shown
-uniform int u_quantity;       // 0 height, 1 elevation, 2 time, 3 scan, 4 distance, 5 plain
-uniform vec2 u_scale;         // share of the colour map = share of the quantity * x + y
+uniform vec2 u_of_place;       // weights of height and time in the share of the colour map
+uniform vec4 u_of_attributes;  // of elevation, scan, distance and of 1
+uniform bool u_is_plain;
 uniform sampler2D u_colours;
 uniform vec3 u_plain;
 uniform vec3 u_point;         // pixels of a point 1 m away, least and most pixels
@@ -29,9 +30,12 @@ void main() {
   gl_Position = u_clip_from_page * vec4(a_share * u_extent, 1.0);
   gl_PointSize = clamp(u_point.x / gl_Position.w, u_point.y, u_point.z);
   v_is_round = gl_PointSize > 3.5 ? 1.0 : 0.0;
-  float shares[5] = float[5](a_share.z, a_attributes.x, a_time, a_attributes.y, a_attributes.z);
-  v_colour = u_quantity == 5 ? u_plain
-      : texture(u_colours, vec2(clamp(shares[min(u_quantity, 4)] * u_scale.x + u_scale.y, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+  if (u_is_plain) {
+    v_colour = u_plain;
+  } else {
+    float share = dot(vec2(a_share.z, a_time), u_of_place) + dot(vec4(a_attributes.xyz, 1.0), u_of_attributes);
+    v_colour = texelFetch(u_colours, ivec2(clamp(share, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb;
+  }
 }`;
 
 const kPointFragment = `#version 300 es
@@ -133,10 +137,12 @@ out float v_time;
 void main() {
   vec4 from = u_clip_from_page * vec4(a_from.xy, u_height, 1.0);
   vec4 to = u_clip_from_page * vec4(a_to.xy, u_height, 1.0);
-  bool is_end = gl_VertexID > 1;
+  int corner = gl_VertexID % 6;  // 0 1 2, 1 2 3 of a strip
+  corner = corner < 3 ? corner : corner - 2;
+  bool is_end = corner > 1;
   vec2 along = (to.xy / max(to.w, 1e-4) - from.xy / max(from.w, 1e-4)) * u_pixels;
   along = dot(along, along) > 1e-8 ? normalize(along) : vec2(1.0, 0.0);
-  float side = (gl_VertexID & 1) == 1 ? 0.5 : -0.5;
+  float side = (corner & 1) == 1 ? 0.5 : -0.5;
   vec4 at = is_end ? to : from;
   vec2 shift = (vec2(-along.y, along.x) * side + along * (is_end ? 0.25 : -0.25)) * u_width * 2.0 / u_pixels;
   gl_Position = from.w < 1e-3 || to.w < 1e-3 ? vec4(2.0, 2.0, 2.0, 1.0) : at + vec4(shift * at.w, 0.0, 0.0);

@@ -60,6 +60,24 @@ class MapPicture {
   }
 }
 
+const kStretch_m = 0.02;  // shorter ones are joined
+
+/// Draws twice, first what others hide, then what is seen, no pixel of either twice.
+function drawHiddenAndSeen(gl, draw) {
+  gl.enable(gl.STENCIL_TEST);
+  gl.stencilFunc(gl.EQUAL, 0, 255);
+  gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
+  for (const isHidden of [true, false]) {
+    gl.clear(gl.STENCIL_BUFFER_BIT);
+    gl.depthFunc(isHidden ? gl.GREATER : gl.LEQUAL);
+    gl.depthMask(!isHidden);
+    draw(isHidden);
+  }
+  gl.depthFunc(gl.LEQUAL);
+  gl.depthMask(true);
+  gl.disable(gl.STENCIL_TEST);
+}
+
 class Path {
   /// Poses: x, y, heading and time since the first, page's frame.
   constructor(about) {
@@ -70,8 +88,28 @@ class Path {
   upload(gl) {
     this.gl = gl;
     this.program = new Program(gl, kPathVertex, kPathFragment);
-    this.array = vertexArray(gl, bufferOf(gl, this.poses),
-                             [[0, 4, gl.FLOAT, false, 16, 0, 1], [1, 4, gl.FLOAT, false, 16, 16, 1]]);
+    const corners = this.corners();
+    this.vertices = corners.length / 8;
+    this.array = vertexArray(gl, bufferOf(gl, corners), [[0, 4, gl.FLOAT, false, 32, 0], [1, 4, gl.FLOAT, false, 32, 16]]);
+  }
+
+  /// Two triangles for each stretch between poses that lie apart; each corner knows both ends. (One instance for each
+  /// stretch would be less to hold, but software renderers take a millisecond for every instance.)
+  corners() {
+    const pose = (k) => this.poses.subarray(4 * k, 4 * k + 4);
+    const kept = [0];
+    for (let k = 1; k < this.about.count; ++k) {
+      const [a, b] = [pose(kept[kept.length - 1]), pose(k)];
+      if (Math.hypot(b[0] - a[0], b[1] - a[1]) > kStretch_m || k === this.about.count - 1) kept.push(k);
+    }
+    const corners = new Float32Array(48 * (kept.length - 1));
+    for (let k = 0; k + 1 < kept.length; ++k) {
+      for (let corner = 0; corner < 6; ++corner) {
+        corners.set(pose(kept[k]), 48 * k + 8 * corner);
+        corners.set(pose(kept[k + 1]), 48 * k + 8 * corner + 4);
+      }
+    }
+    return corners;
   }
 
   /// Where the robot was, between the poses before and after.
@@ -95,13 +133,9 @@ class Path {
     gl.bindVertexArray(this.array);
     const common = {clip_from_page: matrix, height, pixels, width: 3.5 * Math.max(devicePixelRatio, 1),
                     until: until - this.about.first + 1e-3};
-    for (const isHidden of [true, false]) {
-      gl.depthFunc(isHidden ? gl.GREATER : gl.LEQUAL);
-      gl.depthMask(!isHidden);
-      this.program.use({...common, colour: [...colour, isHidden ? 0.3 : 1]});
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.about.count - 1);
-    }
-    gl.depthFunc(gl.LEQUAL);
-    gl.depthMask(true);
+    drawHiddenAndSeen(gl, (isHidden) => {
+      this.program.use({...common, colour: [...colour, isHidden ? 0.35 : 1]});
+      gl.drawArrays(gl.TRIANGLES, 0, this.vertices);
+    });
   }
 }

@@ -11,6 +11,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "page/page_base64.hpp"
+#include "scene/cloud_colours.hpp"
 
 namespace gdtslam::page {
 namespace {
@@ -168,8 +169,18 @@ void write_colour_maps(JsonWriter& json) {
     json.open("", '{').text("name", map.name()).text("doc", map.doc()).text("colours", colours).close();
   }
   json.close();
-  json.open("default_maps", '{').text("height", "lagoon").text("elevation", "compass");
-  json.text("time", "ember").text("scan", "ember").text("distance", "ember").close();
+  json.open("default_maps", '{');
+  const auto write_default = [&json](std::string_view key, CloudColour colour) {
+    CloudLook look;
+    look.colour = colour;
+    json.text(key, colour_scale(look, CloudValues(colour, {}, {}), {}).colour_map);
+  };
+  write_default("height", CloudColour::kHeight);
+  write_default("elevation", CloudColour::kElevation);
+  write_default("time", CloudColour::kTime);
+  write_default("scan", CloudColour::kScan);
+  write_default("distance", CloudColour::kDistance);
+  json.close();
 }
 
 }  // namespace gdtslam::page

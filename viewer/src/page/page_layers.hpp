@@ -28,7 +28,7 @@ void write_map(const OccupancyMap& map, JsonWriter& json, std::string& elements)
 inline constexpr int kCrankSteps = 720;
 void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string& elements);
 
-/// Name and 256 colours of each map.
+/// Name and 256 colours of each map, and which one suits which quantity, as in pictures of a cloud.
 void write_colour_maps(JsonWriter& json);
 
 }  // namespace gdtslam::page
