@@ -117,6 +117,7 @@ TEST(EyeDomeStrength, ParallelAsPerspective) {
       OffscreenView view(graphics);
       add_shape(view, upright_square({0.0, 100.0, 0.0}, 10.0), kRed);
       add_shape(view, upright_square({0.0, 100.0 + step_m, 0.0}, 25.0), Colour{200, 200, 200});
+      add_shape(view, {{28.0, 300.0, 28.0}}, kGreen);  // what else there is must not matter
       const Pictures pictures = both(view, camera, kSize);
       const auto beside = static_cast<std::uint32_t>(expected_pixel(camera, kSize, {10.0, 100.0, 0.0}).x()) + 1U;
       ASSERT_EQ(pictures.plain.at(beside, 120)[2], 200);
