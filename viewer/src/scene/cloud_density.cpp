@@ -1,11 +1,21 @@
 #include "scene/cloud_density.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "scene/cloud_colours.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr std::size_t kFirstSlots = 1U << 14U;
+constexpr std::size_t kSample = 20000;  // of points, for what is common
+constexpr double kCubesAlong = 400.0;   // the finest measure: cubes along the cloud's longest side
+constexpr double kLeastCube_m = 0.02;
+constexpr double kCoarsestCubesAlong = 10.0;
+constexpr double kGapsPerCube = 3.0;    // at least, along a cube's edge, so that counting says something
+constexpr double kLargestGap_m = 0.05;  // beyond it points lie alone, and are shown so,
+constexpr double kGapsPerMedian = 1.4;  // but for clouds that are all sparse
 constexpr int kBits = 21;  // of a coordinate in a key; farther cubes fall together, which only makes points smaller
 
 std::uint64_t cell_of(float coordinate_m, double cube_m) {
@@ -57,6 +67,22 @@ CloudDensity::CloudDensity(std::span<const CloudPoint> cloud, std::span<const st
 float CloudDensity::spacing_m(const CloudPoint& point) const {
   const std::uint32_t count = slots_[place_of(key_of(point))].count;
   return static_cast<float>(cube_m_ / std::sqrt(static_cast<double>(count > 0 ? count : 1U)));
+}
+
+CloudGaps::CloudGaps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double longest_side_m) {
+  const std::size_t step = std::max<std::size_t>(1, drawn.size() / kSample);
+  for (double cube_m = std::max(kLeastCube_m, longest_side_m / kCubesAlong);; cube_m *= 2.0) {
+    density_.emplace(cloud, drawn, cube_m);
+    std::vector<float> gaps;
+    for (std::size_t k = 0; k < drawn.size(); k += step) gaps.push_back(density_->spacing_m(cloud[drawn[k]]));
+    const auto median_m = static_cast<double>(percentile(gaps, 0.5));
+    largest_m_ = std::max(kLargestGap_m, kGapsPerMedian * median_m);
+    if (median_m * kGapsPerCube <= cube_m || cube_m * kCoarsestCubesAlong > longest_side_m) return;
+  }
+}
+
+double CloudGaps::at_m(const CloudPoint& point) const {
+  return std::min(static_cast<double>(density_->spacing_m(point)), largest_m_);
 }
 
 }  // namespace gdtslam

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,19 @@ class CloudDensity {
   double cube_m_;
   std::vector<Slot> slots_;
   std::size_t taken_ = 0;
+};
+
+/// The gaps between points that their discs should close: the spacing around each point, measured in cubes that hold
+/// several points, but no more than a little above what is common in the cloud; points farther apart lie alone and are
+/// shown so.
+class CloudGaps {
+ public:
+  CloudGaps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double longest_side_m);
+  [[nodiscard]] double at_m(const CloudPoint& point) const;
+
+ private:
+  std::optional<CloudDensity> density_;
+  double largest_m_ = 0.0;
 };
 
 }  // namespace gdtslam

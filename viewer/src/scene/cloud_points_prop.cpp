@@ -21,6 +21,8 @@ namespace {
 
 constexpr double kLeastDiameter_m = 0.001;
 constexpr double kCodesPerDoubling = 20.0;
+// OpenGL on the processor keeps what is waiting to be drawn, some 100 bytes a point, without end.
+constexpr std::size_t kMostUnderWay = 1U << 20U;
 
 // The size of a point is that of a disc in space: w is its depth before a perspective camera, and 1 before a parallel
 // one. The words after // are VTK's, which puts the version and the names of the outputs there.
@@ -131,10 +133,15 @@ int CloudPointsProp::RenderOpaqueGeometry(vtkViewport* viewport) {
   glEnableVertexAttribArray(static_cast<GLuint>(place_at));
   glEnableVertexAttribArray(static_cast<GLuint>(colour_at));
   glEnable(GL_PROGRAM_POINT_SIZE);
+  std::size_t under_way = 0;
   for (Piece& piece : pieces_) {
     if (piece.shown == 0) continue;
     bind(piece, place_at, colour_at);
     glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(piece.shown));
+    under_way += piece.shown;
+    if (under_way < kMostUnderWay) continue;
+    glFinish();
+    under_way = 0;
   }
   glDisable(GL_PROGRAM_POINT_SIZE);
   glBindBuffer(GL_ARRAY_BUFFER, 0);

@@ -26,27 +26,9 @@ constexpr double kLargestPathWidth_m = 2.0;
 constexpr double kMapBelow_m = 0.03;  // under the floor's points
 
 // A point is as large as the gaps around it, but no blot.
-constexpr double kCoverage = 1.5;       // diameters per mean distance of neighbours, so that discs overlap
-constexpr double kLargestGap_m = 0.05;  // beyond it points lie alone, and are shown so,
-constexpr double kGapsPerMedian = 1.4;  // but for clouds that are all sparse
+constexpr double kCoverage = 1.7;  // diameters per mean distance of neighbours, so that discs overlap
 constexpr double kLeastPoint_px = 1.0;
-constexpr double kLargestPointShare = 1.0 / 40.0;  // of the picture's height
-
-// Gaps above this are not closed: where points lie so much farther apart than elsewhere, they are shown alone.
-double largest_gap_m(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn,
-                     const CloudDensity& density) {
-  constexpr std::size_t kSample = 20000;
-  std::vector<float> gaps;
-  const std::size_t step = std::max<std::size_t>(1, drawn.size() / kSample);
-  for (std::size_t k = 0; k < drawn.size(); k += step) gaps.push_back(density.spacing_m(cloud[drawn[k]]));
-  return std::max(kLargestGap_m, kGapsPerMedian * static_cast<double>(percentile(gaps, 0.5)));
-}
-
-// Cubes in which density is measured: some dozen points in each on a surface, small against the scene.
-double density_cube_m(const Bounds& bounds) {
-  const double longest_m = (bounds.highest - bounds.lowest).maxCoeff();
-  return std::clamp(longest_m / 400.0, 0.02, 0.5);
-}
+constexpr double kLargestPointShare = 1.0 / 16.0;  // of the picture's height
 
 }  // namespace
 
@@ -102,14 +84,12 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
   const CloudValues values(s.look.colour, cloud, distances_m);
   s.scale = colour_scale(s.look, values, drawn);
   const ColourMap& map = colour_map(s.scale.colour_map);
-  const CloudDensity density(cloud, drawn, density_cube_m(s.cloud_bounds));
-  const double closed_m = largest_gap_m(cloud, drawn, density);
+  const CloudGaps gaps(cloud, drawn, (s.cloud_bounds.highest - s.cloud_bounds.lowest).maxCoeff());
   const bool is_plain = s.look.colour == CloudColour::kPlain;
   const Colour plain = plain_colour(s.look);
   s.points.set(cloud, std::move(drawn), [&](std::uint32_t k) {
-    const double gap_m = std::min(static_cast<double>(density.spacing_m(cloud[k])), closed_m);
     return CloudPoints::Dot{.colour = is_plain ? plain : colour_at(s.scale, map, values.at(k)),
-                            .diameter_m = kCoverage * gap_m};
+                            .diameter_m = kCoverage * gaps.at_m(cloud[k])};
   });
   s.update_bounds();
 }

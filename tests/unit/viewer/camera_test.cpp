@@ -1,0 +1,256 @@
+// Cameras against a projection that is written out as a matrix, and against what OpenGL draws.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/viewer/camera.hpp"
+
+namespace gdtslam::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Pixel by OpenGL's own way: a look-at and a projection matrix, division by w, viewport.
+Point2 matrix_pixel(const Camera& camera, const PictureSize& size, const Point3& point) {
+  const Point3 back = (camera.eye - camera.target).normalized();
+  const Point3 right = camera.up.cross(back).normalized();
+  Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
+  view.block<1, 3>(0, 0) = right.transpose();
+  view.block<1, 3>(1, 0) = back.cross(right).transpose();
+  view.block<1, 3>(2, 0) = back.transpose();
+  view.block<3, 1>(0, 3) = -view.block<3, 3>(0, 0) * camera.eye;
+  Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
+  if (camera.is_parallel) {
+    projection(0, 0) = 2.0 / (camera.parallel_height_m * size.aspect());
+    projection(1, 1) = 2.0 / camera.parallel_height_m;
+    projection(3, 3) = 1.0;
+  } else {
+    projection(1, 1) = 1.0 / std::tan(0.5 * camera.view_angle_rad);
+    projection(0, 0) = projection(1, 1) / size.aspect();
+    projection(3, 2) = -1.0;
+  }
+  const Eigen::Vector4d clip = projection * view * Eigen::Vector4d(point.x(), point.y(), point.z(), 1.0);
+  return {0.5 * size.width * (1.0 + clip.x() / clip.w()), 0.5 * size.height * (1.0 - clip.y() / clip.w())};
+}
+
+std::vector<Point3> corners_of(const Bounds& box) {
+  std::vector<Point3> corners;
+  for (int k = 0; k < 8; ++k) {
+    corners.emplace_back((k & 1 ? box.highest : box.lowest).x(), (k & 2 ? box.highest : box.lowest).y(),
+                         (k & 4 ? box.highest : box.lowest).z());
+  }
+  return corners;
+}
+
+// Least distance of the box's corners to each edge of the picture, as a share of its side: left, right, top, bottom.
+std::array<double, 4> margins(const Camera& camera, const PictureSize& size, const Bounds& box) {
+  std::array<double, 4> least{1.0, 1.0, 1.0, 1.0};
+  for (const Point3& corner : corners_of(box)) {
+    const Point2 at = matrix_pixel(camera, size, corner);
+    const double x = at.x() / size.width;
+    const double y = at.y() / size.height;
+    least = {std::min(least[0], x), std::min(least[1], 1.0 - x), std::min(least[2], y), std::min(least[3], 1.0 - y)};
+  }
+  return least;
+}
+
+const std::vector<Bounds> kBoxes{{{-2.0, -8.0, 0.0}, {34.0, 8.0, 2.6}},
+                                 {{0.0, 0.0, 0.0}, {3.0, 40.0, 5.0}},
+                                 {{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}},
+                                 {{5.0, 5.0, 0.0}, {6.0, 6.0, 30.0}},
+                                 {{1e4, -1e4, 3.0}, {1e4 + 50.0, -1e4 + 50.0, 3.0}}};
+const std::vector<PictureSize> kSizes{{1280, 720}, {480, 270}, {600, 1200}, {100, 100}};
+
+TEST(Camera, PixelsAreThoseOfTheProjectionMatrix) {
+  Random random(7);
+  const auto anywhere = [&random] {
+    return Point3(random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9));
+  };
+  int seen_count = 0;
+  for (int k = 0; k < 500; ++k) {
+    Camera camera{.eye = anywhere(), .target = anywhere(), .up = anywhere().normalized()};
+    camera.is_parallel = k % 3 == 0;
+    camera.view_angle_rad = random.uniform(0.1, 2.0);
+    camera.parallel_height_m = random.uniform(1.0, 20.0);
+    const PictureSize size = kSizes[static_cast<std::size_t>(k) % kSizes.size()];
+    const Point3 point = anywhere();
+    const double depth_m = (camera.target - camera.eye).normalized().dot(point - camera.eye);
+    const auto seen = pixel_of(camera, size, point);
+    ASSERT_EQ(seen.has_value(), depth_m > 0.0);
+    if (!seen) continue;
+    ++seen_count;
+    const Point2 expected = matrix_pixel(camera, size, point);
+    const double tolerance = 1e-9 * (1.0 + expected.norm());
+    EXPECT_NEAR(seen->x_px, expected.x(), tolerance);
+    EXPECT_NEAR(seen->y_px, expected.y(), tolerance);
+    EXPECT_NEAR(seen->depth_m, depth_m, 1e-9);
+  }
+  EXPECT_GT(seen_count, 150);
+}
+
+TEST(Camera, AMetreHasAsManyPixelsAsTwoPointsAMetreApart) {
+  Camera camera{.eye = {3.0, -20.0, 11.0}, .target = {1.0, 2.0, 0.5}};
+  for (const bool is_parallel : {false, true}) {
+    camera.is_parallel = is_parallel;
+    const PictureSize size{640, 480};
+    const Point3 point(2.0, 1.0, -1.0);
+    const Point3 across = (camera.target - camera.eye).cross(camera.up).normalized();
+    const Point2 one = matrix_pixel(camera, size, point);
+    const Point2 other = matrix_pixel(camera, size, point + across);
+    EXPECT_NEAR(pixels_per_metre(camera, size, point), (other - one).norm(), 1e-9);
+  }
+  EXPECT_EQ(pixels_per_metre(camera, {640, 480}, {5.0, -42.0, 21.5}), 0.0) << "behind the camera";
+}
+
+TEST(FittingCamera, BoxFillsThePictureUpToTheMargin) {
+  for (const Bounds& box : kBoxes) {
+    for (const PictureSize& size : kSizes) {
+      for (const CameraPreset preset :
+           {CameraPreset::kIso, CameraPreset::kTop, CameraPreset::kFront, CameraPreset::kSide}) {
+        const auto [left, right, top, bottom] = margins(fitting_camera(preset, box, size), size, box);
+        const double tolerance = 1e-7;
+        for (const double margin : {left, right, top, bottom}) EXPECT_GE(margin, 0.06 - tolerance);
+        const bool fills_width = left < 0.06 + tolerance && right < 0.06 + tolerance;
+        const bool fills_height = top < 0.06 + tolerance && bottom < 0.06 + tolerance;
+        EXPECT_TRUE(fills_width || fills_height)
+            << left << " " << right << " " << top << " " << bottom << " preset " << static_cast<int>(preset);
+        EXPECT_NEAR(left, right, tolerance) << "in the middle";
+        EXPECT_NEAR(top, bottom, tolerance) << "in the middle";
+      }
+    }
+  }
+}
+
+TEST(FittingCamera, TheLongSideFillsThePicturesLongSide) {
+  const PictureSize wide{1600, 900};
+  const Camera along_x = fitting_camera(CameraPreset::kTop, {{0, 0, 0}, {30, 10, 3}}, wide);
+  const Camera along_y = fitting_camera(CameraPreset::kTop, {{0, 0, 0}, {10, 30, 3}}, wide);
+  EXPECT_EQ(along_x.up, Point3::UnitY());
+  EXPECT_EQ(along_y.up, Point3::UnitX());
+  EXPECT_NEAR(along_x.parallel_height_m, along_y.parallel_height_m, 1e-12);
+  // The iso camera stands in the south-west, and before the longer side.
+  for (const Bounds& box : {Bounds{{0, 0, 0}, {30, 10, 3}}, Bounds{{0, 0, 0}, {10, 30, 3}}}) {
+    const Camera camera = fitting_camera(CameraPreset::kIso, box, wide);
+    const Point3 towards = camera.target - camera.eye;
+    EXPECT_GT(towards.x(), 0.0);
+    EXPECT_GT(towards.y(), 0.0);
+    EXPECT_EQ(towards.y() > towards.x(), box.highest.x() > box.highest.y());
+  }
+}
+
+TEST(FittingCamera, EmptyBoxAndSinglePointGiveAUsableCamera) {
+  for (const Bounds& box : {Bounds{}, Bounds{{3, 4, 5}, {3, 4, 5}}}) {
+    for (const CameraPresetName& preset : camera_presets()) {
+      if (preset.preset == CameraPreset::kFollow) continue;
+      const Camera camera = fitting_camera(preset.preset, box, {});
+      EXPECT_TRUE(camera.eye.allFinite());
+      EXPECT_GT((camera.eye - camera.target).norm(), 0.05) << preset.name;
+      const auto seen = pixel_of(camera, {}, box.is_empty() ? Point3::Zero() : box.centre());
+      ASSERT_TRUE(seen.has_value());
+      EXPECT_NEAR(seen->x_px, 640.0, 30.0);
+      EXPECT_NEAR(seen->y_px, 360.0, 30.0);
+    }
+  }
+}
+
+TEST(OrbitCamera, BoxStaysInThePictureAllTheWayRound) {
+  for (const Bounds& box : kBoxes) {
+    for (const PictureSize& size : kSizes) {
+      const Camera camera = orbit_camera(box, size);
+      EXPECT_NEAR((camera.target - box.centre()).head<2>().norm(), 0.0, 1e-6) << "turns about the box's axis";
+      double nearest = 1.0;
+      for (int degree = 0; degree < 360; ++degree) {
+        for (const double margin : margins(turned(camera, degree * std::numbers::pi / 180.0), size, box)) {
+          nearest = std::min(nearest, margin);
+        }
+      }
+      EXPECT_GE(nearest, 0.015);
+      EXPECT_LE(nearest, 0.03) << "as near as that allows";
+    }
+  }
+}
+
+TEST(Turned, KeepsDistanceAndHeightAndClosesAfterAWholeTurn) {
+  const Camera camera = fitting_camera(CameraPreset::kIso, kBoxes[0], {});
+  const Camera quarter = turned(camera, 0.5 * std::numbers::pi);
+  const Point3 before = camera.eye - camera.target;
+  EXPECT_NEAR((quarter.eye - quarter.target - Point3(-before.y(), before.x(), before.z())).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((turned(camera, 2.0 * std::numbers::pi).eye - camera.eye).norm(), 0.0, 1e-9);
+}
+
+TEST(FollowCamera, StandsBehindAndAboveAndLooksAhead) {
+  const Pose2 pose{.x_m = 4.0, .y_m = -3.0, .theta_rad = 2.2};
+  const Camera camera = follow_camera(pose, 9.0);
+  const Point3 ahead(std::cos(2.2), std::sin(2.2), 0.0);
+  EXPECT_NEAR((camera.eye - camera.target).norm(), 9.0, 1e-9);
+  EXPECT_LT((camera.eye - Point3(4.0, -3.0, 0.0)).dot(ahead), -3.0);
+  EXPECT_GT(camera.eye.z(), 4.0);
+  const auto robot = pixel_of(camera, {1280, 720}, {4.0, -3.0, 0.0});
+  ASSERT_TRUE(robot.has_value());
+  EXPECT_NEAR(robot->x_px, 640.0, 1e-6);
+  EXPECT_GT(robot->y_px, 360.0) << "more before it than behind it";
+  EXPECT_LT(robot->y_px, 600.0);
+}
+
+TEST(CameraText, ReadsBackWhatItWrites) {
+  for (const std::string text :
+       {"20,-30,25,0,0,0,35", "1.5,2.25,-3,4,5,6,60", "0,0,50,0,0,0,12.5m", "1e3,-0.001,2,0,0,0.1,0.5"}) {
+    const Camera camera = parse_camera(text);
+    const Camera again = parse_camera(camera_text(camera));
+    EXPECT_EQ(again.eye, camera.eye) << text;
+    EXPECT_EQ(again.target, camera.target);
+    EXPECT_EQ(again.up, camera.up);
+    EXPECT_EQ(again.is_parallel, camera.is_parallel);
+    EXPECT_EQ(camera_text(again), camera_text(camera));
+  }
+  EXPECT_EQ(camera_text(parse_camera("20,-30,25,0,0,0,35")), "20,-30,25,0,0,0,35");
+  EXPECT_EQ(camera_text(parse_camera(" 0, 0, 50,0,0,0, 12.5m")), "0,0,50,0,0,0,12.5m");
+}
+
+TEST(CameraText, NumbersMeanWhatTheFormSays) {
+  const Camera camera = parse_camera("1,2,3,4,5,6,90");
+  EXPECT_EQ(camera.eye, Point3(1, 2, 3));
+  EXPECT_EQ(camera.target, Point3(4, 5, 6));
+  EXPECT_NEAR(camera.view_angle_rad, 0.5 * std::numbers::pi, 1e-15);
+  EXPECT_EQ(camera.up, Point3::UnitZ());
+  EXPECT_EQ(parse_camera("1,2,30,1,2,0").up, Point3::UnitY()) << "straight down";
+  EXPECT_EQ(parse_camera("1,2,3,4,5,6").view_angle_rad, Camera{}.view_angle_rad);
+}
+
+TEST(CameraText, WhatIsWrongIsSaid) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "1 number where 6 or 7"},
+      {"1,2,3", "3 numbers where 6 or 7"},
+      {"1,2,3,4,5,6,7,8", "8 numbers where 6 or 7"},
+      {"1,2,three,4,5,6", "'three' is no number"},
+      {"1,2,,4,5,6", "'' is no number"},
+      {"1,2,3,4,5,6x", "'6x' is no number"},
+      {"nan,2,3,4,5,6", "'nan'"},
+      {"1,2,inf,4,5,6", "'inf'"},
+      {"1,2,3e7,4,5,6", "beyond 1000 km"},
+      {"1,2,3,1,2,3", "at one place"},
+      {"1,2,3,4,5,6,0", "not between 0.1 and 170"},
+      {"1,2,3,4,5,6,171", "not between 0.1 and 170"},
+      {"1,2,3,4,5,6,0m", "at least 0.001 m"},
+      {"1,2,3,4,5,6,m", "'' is no number"},
+  };
+  for (const auto& [text, reason] : cases) {
+    try {
+      parse_camera(text);
+      ADD_FAILURE() << text;
+    } catch (const UsageError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(reason));
+      EXPECT_THAT(error.what(), HasSubstr("EYE_X,EYE_Y,EYE_Z,TARGET_X,TARGET_Y,TARGET_Z[,ANGLE]"));
+      EXPECT_THAT(error.what(), ::testing::Not(HasSubstr("\n")));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam::testing

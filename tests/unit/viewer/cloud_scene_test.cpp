@@ -1,0 +1,297 @@
+// Pictures of clouds whose points are known: where they appear, what covers what, what is taken away.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/core/error.hpp"
+#include "unit/viewer/cloud_room.hpp"
+
+namespace gdtslam::testing {
+namespace {
+
+const PictureSize kSize{320, 180};
+
+class CloudSceneTest : public ::testing::Test {
+ protected:
+  GraphicsContext graphics_;
+};
+
+Camera over_the_room() { return fitting_camera(CameraPreset::kTop, {Point3::Zero(), kRoomSize}, kSize); }
+
+TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
+  Camera tilted = parse_camera("-7,4,9,1,2,0.5,50");
+  tilted.up = Point3(0.3, 0.1, 1.0).normalized();
+  const Bounds box{{-3.0, -3.0, 0.0}, {4.0, 4.0, 2.0}};
+  for (const Camera& camera : {tilted, fitting_camera(CameraPreset::kIso, box, kSize),
+                               fitting_camera(CameraPreset::kTop, box, kSize), parse_camera("3,-6,2,1,1,1,5m")}) {
+    for (const Point3& place : {Point3(1.0, 2.0, 0.5), Point3(2.0, 1.0, 0.0), Point3(0.2, 1.5, 1.0)}) {
+      for (const std::uint32_t samples : {1U, 2U}) {
+        CloudLook look = plain_look(CloudColour::kPlain);
+        look.point_px = 5.0;
+        look.samples = samples;
+        CloudScene scene(graphics_, look);
+        const Cloud cloud{test::cloud_point(place)};
+        scene.set_cloud(cloud);
+        const RgbaImage image = scene.render(camera, kSize);
+        double x = 0.0;
+        double y = 0.0;
+        double weight = 0.0;
+        for (std::uint32_t row = 0; row < image.height; ++row) {
+          for (std::uint32_t column = 0; column < image.width; ++column) {
+            const double light = std::max(0, image.at(column, row)[0] - ink::kNight.red);
+            x += light * (column + 0.5);
+            y += light * (row + 0.5);
+            weight += light;
+          }
+        }
+        ASSERT_GT(weight, 0.0);
+        const auto expected = pixel_of(camera, kSize, place);
+        ASSERT_TRUE(expected.has_value());
+        EXPECT_NEAR(x / weight, expected->x_px, 0.55 / samples) << camera_text(camera);
+        EXPECT_NEAR(y / weight, expected->y_px, 0.55 / samples) << camera_text(camera);
+      }
+    }
+  }
+}
+
+TEST_F(CloudSceneTest, SurfacesCloseFromNearAndFarAlike) {
+  // A wall thinned to cubes of 4 cm, as clouds are: all but closed from 2 m as from 60 m.
+  Random random(2);
+  Cloud wall;
+  for (int x = 0; x < 500; ++x) {
+    for (int z = 0; z < 300; ++z) {
+      wall.push_back(test::cloud_point({-10.0 + 0.04 * (x + random.uniform()), 0.0, 0.04 * (z + random.uniform())}));
+    }
+  }
+  for (const double distance_m : {2.0, 8.0, 25.0, 60.0}) {
+    CloudScene scene(graphics_, plain_look(CloudColour::kPlain));
+    scene.set_cloud(wall);
+    Camera camera;
+    camera.eye = {0.0, -distance_m, 6.0};
+    camera.target = {0.0, 0.0, 6.0};
+    camera.view_angle_rad = std::min(0.6, 2.0 * std::atan(5.0 / distance_m));
+    const RgbaImage image = scene.render(camera, kSize);
+    const double half_px = std::min(90.0, 5.5 * pixels_per_metre(camera, kSize, camera.target));
+    std::size_t holes = 0;
+    std::size_t pixels = 0;
+    for (auto y = static_cast<std::uint32_t>(90.0 - 0.95 * half_px); y < 90.0 + 0.95 * half_px; ++y) {
+      for (auto x = static_cast<std::uint32_t>(160.0 - half_px); x < 160.0 + half_px; ++x, ++pixels) {
+        if (is_colour(image.at(x, y), ink::kNight)) ++holes;
+      }
+    }
+    EXPECT_LT(static_cast<double>(holes), 0.04 * static_cast<double>(pixels)) << distance_m;
+  }
+}
+
+TEST_F(CloudSceneTest, AGivenPointSizeIsThatOfThePicture) {
+  for (const double point_px : {3.0, 6.0, 11.0}) {
+    CloudLook look = plain_look(CloudColour::kPlain);
+    look.point_px = point_px;
+    CloudScene scene(graphics_, look);
+    scene.set_cloud(Cloud{test::cloud_point({0.0, 0.0, 0.0})});
+    const double area = static_cast<double>(covered(scene.render(parse_camera("0,-5,0,0,0,0"), kSize), ink::kNight));
+    EXPECT_NEAR(area, 0.26 * M_PI * point_px * point_px, 0.25 * point_px * point_px + 2.0) << "a disc";
+  }
+}
+
+TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
+  const Cloud cloud = room_cloud();
+  const auto with = [&](bool floor, bool ceiling) {
+    CloudLook look = plain_look();
+    look.with_floor = floor;
+    look.with_ceiling = ceiling;
+    CloudScene scene(graphics_, look);
+    scene.set_cloud(cloud);
+    return std::pair(scene.points_drawn(), scene.render(over_the_room(), kSize));
+  };
+  // What is drawn is counted by height, with the margins given in the sources' own comments left aside.
+  const auto between = [&](float low, float high) {
+    return static_cast<double>(std::count_if(
+        cloud.begin(), cloud.end(), [&](const CloudPoint& point) { return point.z_m > low && point.z_m < high; }));
+  };
+  const auto all = with(true, true);
+  EXPECT_EQ(all.first, cloud.size());
+  const auto no_ceiling = with(true, false);
+  EXPECT_GE(static_cast<double>(no_ceiling.first), between(-1.0F, 2.2F));
+  EXPECT_LE(static_cast<double>(no_ceiling.first), between(-1.0F, 2.45F));
+  const auto neither = with(false, false);
+  EXPECT_GE(static_cast<double>(neither.first), between(0.1F, 2.2F));
+  EXPECT_LE(static_cast<double>(neither.first), between(0.03F, 2.45F));
+  // From above: the ceiling is yellow, the floor blue, without both the background is seen.
+  const ColourMap& map = colour_map("lagoon");
+  const auto pixel = [](const RgbaImage& image, const Point3& at) {
+    const auto seen = pixel_of(over_the_room(), kSize, at);
+    return image.at(static_cast<std::uint32_t>(seen->x_px), static_cast<std::uint32_t>(seen->y_px));
+  };
+  const Point3 free_place(2.5, 2.5, 0.0);
+  EXPECT_TRUE(is_colour(pixel(all.second, free_place), map.at(1.0), 6));
+  EXPECT_TRUE(is_colour(pixel(no_ceiling.second, free_place), map.at(0.0), 6));
+  EXPECT_TRUE(is_colour(pixel(neither.second, free_place), ink::kNight));
+  EXPECT_FALSE(is_colour(pixel(neither.second, {5.5, 3.0, 0.9}), ink::kNight)) << "the box stays";
+  // The share of the picture that the floor covers: the room less walls and box.
+  const double scale_px = pixels_per_metre(over_the_room(), kSize, Point3::Zero());
+  const double floor_px = (8.0 * 5.0 - 1.2 * 0.8) * scale_px * scale_px;
+  const double lost = static_cast<double>(covered(no_ceiling.second, ink::kNight)) -
+                      static_cast<double>(covered(neither.second, ink::kNight));
+  EXPECT_NEAR(lost, floor_px, 0.06 * floor_px);
+}
+
+TEST_F(CloudSceneTest, ColoursAreThoseOfTheScale) {
+  const Cloud cloud = room_cloud();
+  CloudLook look = plain_look();
+  look.least = 0.0;
+  look.most = 2.5;
+  CloudScene scene(graphics_, look);
+  scene.set_cloud(cloud);
+  EXPECT_EQ(scene.scale().least, 0.0);
+  EXPECT_EQ(scene.scale().most, 2.5);
+  const RgbaImage image = scene.render(over_the_room(), kSize);
+  const auto at = pixel_of(over_the_room(), kSize, {5.5, 3.0, 0.9});
+  const Colour expected = colour_map(scene.scale().colour_map).at(0.9 / 2.5);
+  EXPECT_TRUE(
+      is_colour(image.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)), expected, 4));
+}
+
+TEST_F(CloudSceneTest, ShowUntilDrawsWhatWasMeasuredTillThenInAnyOrder) {
+  Cloud cloud = room_cloud(1500);
+  ASSERT_GT(cloud.size(), 131072U) << "more than two pieces";
+  for (std::size_t k = 0; k < cloud.size(); ++k) std::swap(cloud[k], cloud[k * 7919 % cloud.size()]);
+  CloudLook look = plain_look();
+  look.with_ceiling = true;
+  CloudScene scene(graphics_, look);
+  scene.set_cloud(cloud);
+  for (const double stamp_s : {99.0, 100.0, 100.0005, 123.456, 165.536, 165.5365, 200.0, 1e9,
+                               std::numeric_limits<double>::infinity(), 111.0}) {
+    scene.show_until(stamp_s);
+    const auto expected =
+        std::count_if(cloud.begin(), cloud.end(), [&](const CloudPoint& point) { return point.stamp_s <= stamp_s; });
+    EXPECT_EQ(scene.points_drawn(), static_cast<std::uint64_t>(expected)) << stamp_s;
+  }
+  // The floor comes first: its points alone give the picture of a cloud that is nothing else.
+  const auto floor_count = static_cast<std::size_t>(8.0 * 5.0 * 1500);
+  const double floor_end_s = 100.0 + 0.001 * (static_cast<double>(floor_count) - 0.5);
+  scene.show_until(floor_end_s);
+  EXPECT_EQ(scene.points_drawn(), floor_count);
+  const RgbaImage half = scene.render(over_the_room(), kSize);
+  const auto at = pixel_of(over_the_room(), kSize, {5.5, 3.0, 0.0});
+  EXPECT_TRUE(is_colour(half.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)),
+                        colour_map("lagoon").at(0.0), 6));
+  scene.show_until(0.0);
+  EXPECT_EQ(covered(scene.render(over_the_room(), kSize), ink::kNight), 0U);
+}
+
+TEST_F(CloudSceneTest, BoundsLeaveStrayPointsOutAndTakeThePathIn) {
+  Cloud cloud = room_cloud();
+  Random random(1);
+  test::strew_outliers(cloud, {0.0, 0.0, 0.0}, 500.0, 20, random);
+  CloudLook look = plain_look();
+  look.with_ceiling = true;
+  CloudScene scene(graphics_, look);
+  EXPECT_TRUE(scene.bounds().is_empty());
+  scene.set_cloud(cloud);
+  EXPECT_NEAR((scene.bounds().lowest - Point3::Zero()).cwiseAbs().maxCoeff(), 0.0, 0.05);
+  EXPECT_NEAR((scene.bounds().highest - kRoomSize).cwiseAbs().maxCoeff(), 0.0, 0.05);
+  scene.set_trajectory({{.stamp_s = 0.0, .T_map_base = {.x_m = -9.0, .y_m = 2.0, .theta_rad = 0.0}}});
+  EXPECT_NEAR(scene.bounds().lowest.x(), -9.0, 1e-9);
+}
+
+TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
+  CloudLook look = plain_look();
+  look.with_eye_dome = true;
+  CloudScene scene(graphics_, look);
+  scene.set_cloud(room_cloud());
+  const RgbaImage without = scene.render(over_the_room(), kSize);
+  scene.set_trajectory(room_path());
+  const RgbaImage with = scene.render(over_the_room(), kSize);
+  std::size_t lit = 0;
+  for (double x_m = 1.2; x_m < 3.8; x_m += 0.05) {
+    const auto at = pixel_of(over_the_room(), kSize, {x_m, 1.0, 0.0});
+    const auto x = static_cast<std::uint32_t>(at->x_px);
+    const auto y = static_cast<std::uint32_t>(at->y_px);
+    if (with.at(x, y)[0] > without.at(x, y)[0] + 60) ++lit;
+  }
+  EXPECT_GE(lit, 52U) << "without a gap";
+  scene.show_until(150.0);
+  const RgbaImage half = scene.render(over_the_room(), kSize);
+  const auto late = pixel_of(over_the_room(), kSize, {3.5, 1.0, 0.0});
+  const auto x = static_cast<std::uint32_t>(late->x_px);
+  const auto y = static_cast<std::uint32_t>(late->y_px);
+  EXPECT_LT(half.at(x, y)[0], with.at(x, y)[0]) << "not driven yet";
+}
+
+TEST_F(CloudSceneTest, NothingHidesTheRobot) {
+  CloudScene scene(graphics_, plain_look());
+  scene.set_cloud(room_cloud());
+  // Through the wall, from outside.
+  const Camera camera = parse_camera("3,-9,1.2,3,2.5,0.3,35");
+  const RgbaImage without = scene.render(camera, kSize);
+  scene.set_robot(Pose2{.x_m = 3.0, .y_m = 2.5, .theta_rad = 0.4});
+  const RgbaImage with = scene.render(camera, kSize);
+  const auto at = pixel_of(camera, kSize, {3.0, 2.5, 0.2});
+  std::size_t changed = 0;
+  for (std::uint32_t y = 0; y < kSize.height; ++y) {
+    for (std::uint32_t x = 0; x < kSize.width; ++x) {
+      if (is_colour(with.at(x, y), {without.at(x, y)[0], without.at(x, y)[1], without.at(x, y)[2]}, 3)) continue;
+      ++changed;
+      EXPECT_LT(std::hypot(x - at->x_px, y - at->y_px), 40.0) << "only where the robot is";
+    }
+  }
+  EXPECT_GT(changed, 25U);
+  scene.set_robot(std::nullopt);
+  EXPECT_EQ(scene.render(camera, kSize).pixels, without.pixels);
+}
+
+TEST_F(CloudSceneTest, TheMapLiesUnderTheCloud) {
+  OccupancyMap map;
+  map.geometry = {.resolution_m = 0.5, .origin_x_m = -1.0, .origin_y_m = -1.0, .width = 4, .height = 4};
+  map.cells.assign(16, CellState::kUnknown);
+  map.cells[5] = CellState::kFree;       // cell (1, 1): -0.5 to 0
+  map.cells[10] = CellState::kOccupied;  // cell (2, 2): 0 to 0.5
+  CloudScene scene(graphics_, plain_look());
+  scene.set_map(map);
+  EXPECT_NEAR((scene.bounds().lowest - Point3(-0.5, -0.5, 0.0)).head<2>().norm(), 0.0, 1e-9);
+  const Camera camera = fitting_camera(CameraPreset::kTop, scene.bounds(), kSize);
+  const RgbaImage image = scene.render(camera, kSize);
+  const auto pixel = [&](double x_m, double y_m) {
+    const auto at = pixel_of(camera, kSize, {x_m, y_m, 0.0});
+    return image.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px));
+  };
+  EXPECT_FALSE(is_colour(pixel(-0.25, -0.25), ink::kNight));
+  EXPECT_GT(pixel(0.25, 0.25)[0], pixel(-0.25, -0.25)[0] + 60);
+  EXPECT_TRUE(is_colour(pixel(0.25, -0.25), ink::kNight)) << "unknown stays open";
+  const double cell_px = 0.5 * pixels_per_metre(camera, kSize, Point3::Zero());
+  EXPECT_NEAR(static_cast<double>(covered(image, ink::kNight)), 2.0 * cell_px * cell_px, 4.0 * cell_px);
+}
+
+TEST_F(CloudSceneTest, ATransparentBackgroundIsOne) {
+  CloudLook look = plain_look();
+  look.is_transparent = true;
+  look.with_eye_dome = true;
+  CloudScene scene(graphics_, look);
+  scene.set_cloud(room_cloud());
+  const RgbaImage image = scene.render(over_the_room(), kSize);
+  EXPECT_EQ(image.at(1, 1)[3], 0);
+  EXPECT_EQ(image.at(160, 90)[3], 255);
+}
+
+TEST_F(CloudSceneTest, WhatCannotBeShownIsSaid) {
+  CloudScene scene(graphics_, plain_look());
+  EXPECT_THROW(scene.set_cloud({}), InputError);
+  Cloud nowhere(3, test::cloud_point({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}));
+  EXPECT_THROW(scene.set_cloud(nowhere), InputError);
+  CloudScene by_distance(graphics_, plain_look(CloudColour::kDistance));
+  EXPECT_THROW(by_distance.set_cloud(room_cloud(50)), InputError);
+  Cloud some = room_cloud(50);
+  some[3].y_m = std::numeric_limits<float>::infinity();
+  CloudLook look = plain_look();
+  look.with_ceiling = true;
+  CloudScene rest(graphics_, look);
+  rest.set_cloud(some);
+  EXPECT_EQ(rest.points_drawn(), some.size() - 1);
+}
+
+}  // namespace
+}  // namespace gdtslam::testing

@@ -1,0 +1,210 @@
+// What is computed of clouds before anything is drawn: distances, thinning, scales. Oracles: brute force and sorting.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
+#include "scene/cloud_colours.hpp"
+#include "scene/cloud_density.hpp"
+#include "support/cloud_scenes.hpp"
+
+namespace gdtslam::testing {
+namespace {
+
+using test::cloud_point;
+using ::testing::HasSubstr;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+Cloud random_cloud(std::size_t count, Random& random) {
+  Cloud cloud;
+  test::strew_outliers(cloud, {1.0, -2.0, 0.5}, 3.0, count, random);
+  return cloud;
+}
+
+float brute_distance(const CloudPoint& point, const Cloud& reference, double most_m) {
+  double best = most_m;
+  for (const CloudPoint& other : reference) {
+    const double dx = static_cast<double>(point.x_m) - static_cast<double>(other.x_m);
+    const double dy = static_cast<double>(point.y_m) - static_cast<double>(other.y_m);
+    const double dz = static_cast<double>(point.z_m) - static_cast<double>(other.z_m);
+    const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+    if (distance < best) best = distance;
+  }
+  return static_cast<float>(best);
+}
+
+TEST(CloudDistances, AreThoseOfBruteForce) {
+  Random random(3);
+  for (const std::size_t count : {0U, 1U, 2U, 11U, 12U, 13U, 25U, 100U, 997U}) {
+    Cloud reference = random_cloud(count, random);
+    // Ties: half of them lie on a lattice, some twice.
+    for (std::size_t k = 0; k < count / 2; ++k) {
+      reference[k] = cloud_point({static_cast<double>(k % 5), static_cast<double>(k % 3), static_cast<double>(k % 2)});
+    }
+    const Cloud cloud = random_cloud(300, random);
+    for (const double most_m : {0.3, 1.0, 100.0}) {
+      const std::vector<float> distances = distances_to(cloud, reference, most_m);
+      ASSERT_EQ(distances.size(), cloud.size());
+      for (std::size_t k = 0; k < cloud.size(); ++k) {
+        ASSERT_NEAR(distances[k], brute_distance(cloud[k], reference, most_m), 1e-5) << count << " " << k;
+      }
+    }
+  }
+}
+
+TEST(CloudDistances, ToThemselvesAreZeroAndWhatIsNoPlaceIsFar) {
+  Random random(4);
+  Cloud cloud = random_cloud(200, random);
+  EXPECT_THAT(distances_to(cloud, cloud), ::testing::Each(0.0F));
+  cloud[7].y_m = kNan;
+  const std::vector<float> distances = distances_to(cloud, cloud, 2.5);
+  EXPECT_EQ(distances[7], 2.5F);
+  EXPECT_EQ(distances[8], 0.0F);
+}
+
+TEST(ThinnedForFilm, KeepsOrderAndNumberAndSpreadsThePoints) {
+  Random random(5);
+  Cloud cloud;
+  // Dense near one corner, as a scan is near its robot.
+  test::strew(cloud, {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}}, 40000, 0.0, random);
+  test::strew(cloud, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 60000, 0.0, random);
+  for (std::size_t k = 0; k < cloud.size(); ++k) cloud[k].scan = static_cast<std::uint32_t>(k);
+  for (const std::size_t most : {1U, 10U, 1000U, 20000U}) {
+    const Cloud thinned = thinned_for_film(cloud, most);
+    EXPECT_LE(thinned.size(), most);
+    EXPECT_GE(thinned.size(), most >= 1000 ? most * 85 / 100 : 1);
+    EXPECT_TRUE(std::is_sorted(thinned.begin(), thinned.end(),
+                               [](const CloudPoint& a, const CloudPoint& b) { return a.scan < b.scan; }));
+    for (const CloudPoint& point : thinned) ASSERT_EQ(point, cloud[point.scan]);
+    const auto dense =
+        std::count_if(thinned.begin(), thinned.end(), [](const CloudPoint& p) { return p.x_m < 1.0F && p.y_m < 1.0F; });
+    // A hundredth of the area, where more than half of the points were.
+    if (most == 1000) {
+      EXPECT_NEAR(static_cast<double>(dense), 0.01 * static_cast<double>(thinned.size()), 8.0);
+    }
+  }
+}
+
+TEST(ThinnedForFilm, SmallCloudsStayAndWhatIsNoPlaceGoes) {
+  Random random(6);
+  Cloud cloud = random_cloud(50, random);
+  EXPECT_EQ(thinned_for_film(cloud, 50), cloud);
+  EXPECT_TRUE(thinned_for_film(cloud, 0).empty());
+  EXPECT_TRUE(thinned_for_film({}, 10).empty());
+  cloud[3].x_m = kNan;
+  EXPECT_EQ(thinned_for_film(cloud, 50).size(), 49U);
+  EXPECT_LE(thinned_for_film(Cloud(1000, cloud[0]), 10).size(), 10U);
+  for (CloudPoint& point : cloud) point.x_m += 3e5F;  // far from the origin, where voxels cannot be small
+  EXPECT_LE(thinned_for_film(cloud, 20).size(), 20U);
+}
+
+TEST(Percentile, IsTheValueOfThatRankInOrder) {
+  Random random(8);
+  for (const std::size_t count : {1U, 2U, 3U, 100U, 1001U}) {
+    std::vector<float> values(count);
+    for (float& value : values) value = static_cast<float>(random.normal());
+    std::vector<float> sorted = values;
+    std::sort(sorted.begin(), sorted.end());
+    for (const double share : {0.0, 0.01, 0.5, 0.99, 1.0}) {
+      std::vector<float> with_holes = values;
+      with_holes.push_back(kNan);
+      with_holes.insert(with_holes.begin(), std::numeric_limits<float>::infinity());
+      const auto rank = static_cast<std::size_t>(std::lround(share * static_cast<double>(count - 1)));
+      EXPECT_EQ(percentile(with_holes, share), sorted[rank]) << count << " " << share;
+    }
+  }
+  std::vector<float> none{kNan};
+  EXPECT_TRUE(std::isnan(percentile(none, 0.5)));
+}
+
+std::vector<std::uint32_t> all_of(const Cloud& cloud) {
+  std::vector<std::uint32_t> all(cloud.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return all;
+}
+
+ColourScale scale_of(const CloudLook& look, const Cloud& cloud, std::span<const float> distances_m = {}) {
+  return colour_scale(look, CloudValues(look.colour, cloud, distances_m), all_of(cloud));
+}
+
+Cloud ramp(std::size_t count) {
+  Cloud cloud(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto value = static_cast<float>(k);
+    cloud[k] = {.x_m = 0,
+                .y_m = 0,
+                .z_m = value,
+                .elevation_rad = value / 1000.0F,
+                .stamp_s = 1e9 + 0.5 * static_cast<double>(k),
+                .scan = static_cast<std::uint32_t>(7 + k)};
+  }
+  return cloud;
+}
+
+TEST(ColourScaleOfCloud, EndsAreTheFirstAndLastPercentile) {
+  const Cloud cloud = ramp(1001);
+  const auto expect = [&](CloudColour colour, double least, double most, const char* unit) {
+    const ColourScale scale = scale_of({.colour = colour, .colour_map = {}, .least = {}, .most = {}}, cloud);
+    EXPECT_NEAR(scale.least, least, 1e-4) << scale.quantity;
+    EXPECT_NEAR(scale.most, most, 1e-4) << scale.quantity;
+    EXPECT_EQ(scale.unit, unit);
+    EXPECT_NO_THROW(colour_map(scale.colour_map));
+  };
+  expect(CloudColour::kHeight, 10.0, 990.0, "m");
+  expect(CloudColour::kElevation, 0.010 * 180.0 / M_PI, 0.990 * 180.0 / M_PI, "°");
+  expect(CloudColour::kTime, 5.0, 495.0, "s");
+  expect(CloudColour::kScan, 17.0, 997.0, "");
+  std::vector<float> distances(cloud.size());
+  for (std::size_t k = 0; k < distances.size(); ++k) distances[k] = 0.5F + static_cast<float>(k) * 0.001F;
+  const ColourScale scale =
+      scale_of({.colour = CloudColour::kDistance, .colour_map = {}, .least = {}, .most = {}}, cloud, distances);
+  EXPECT_EQ(scale.least, 0.0) << "distances begin at none";
+  EXPECT_NEAR(scale.most, 0.5 + 0.990, 1e-5);
+}
+
+TEST(ColourScaleOfCloud, GivenEndsHoldAndWrongOnesAreSaid) {
+  const Cloud cloud = ramp(1001);
+  ColourScale scale = scale_of({.colour_map = "grey", .least = -1.0, .most = {}}, cloud);
+  EXPECT_EQ(scale.least, -1.0);
+  EXPECT_NEAR(scale.most, 990.0, 1e-4);
+  EXPECT_EQ(scale.colour_map, "grey");
+  scale = scale_of({.colour = CloudColour::kElevation, .colour_map = {}, .least = 0.0, .most = 0.5}, cloud);
+  EXPECT_NEAR(scale.most, 0.5 * 180.0 / M_PI, 1e-9) << "given in radians, shown in degrees";
+  EXPECT_THROW(scale_of({.colour_map = {}, .least = 3.0, .most = 1.0}, cloud), ConfigError);
+  EXPECT_THROW(scale_of({.colour_map = {}, .least = 3.0, .most = 3.0}, cloud), ConfigError);
+  EXPECT_THROW(scale_of({.colour_map = "no-such-map", .least = {}, .most = {}}, cloud), ConfigError);
+}
+
+TEST(ColourScaleOfCloud, OneValueOrNoneStillGivesAScale) {
+  const Cloud flat(20, cloud_point({1.0, 2.0, 3.0}));
+  const ColourScale scale = scale_of({.colour_map = {}, .least = {}, .most = {}}, flat);
+  EXPECT_EQ(scale.least, 2.5);
+  EXPECT_EQ(scale.most, 3.5);
+  const std::vector<float> nothing(flat.size(), kNan);
+  const ColourScale none =
+      scale_of({.colour = CloudColour::kDistance, .colour_map = {}, .least = {}, .most = {}}, flat, nothing);
+  EXPECT_LT(none.least, none.most);
+  EXPECT_EQ(colour_at(none, colour_map(none.colour_map), kNan), colour_map(none.colour_map).unknown());
+}
+
+TEST(CloudDensity, SpacingOnALatticeIsItsStep) {
+  Cloud cloud;
+  for (int x = 0; x < 100; ++x) {
+    for (int y = 0; y < 100; ++y) cloud.push_back(cloud_point({0.02 * x + 0.01, 0.02 * y + 0.01, 0.05}));
+  }
+  const CloudDensity density(cloud, all_of(cloud), 0.1);
+  for (const CloudPoint& point : cloud) ASSERT_NEAR(density.spacing_m(point), 0.02, 0.003);
+  const Cloud alone{cloud_point({500.0, -3.0, 2.0})};
+  EXPECT_FLOAT_EQ(CloudDensity(alone, all_of(alone), 0.1).spacing_m(alone[0]), 0.1F);
+}
+
+}  // namespace
+}  // namespace gdtslam::testing
