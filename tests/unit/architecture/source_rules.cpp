@@ -71,6 +71,9 @@ const std::vector<Library>& libraries() {
       {"gmock/", {}},
       {"rapidcheck", {}},
       {"mpfr.h", {}},
+      {"gsl/", {}},
+      {"nlopt.hpp", {}},
+      {"pagmo/", {}},
       {"benchmark/", {}},
   };
   return table;
