@@ -117,6 +117,7 @@ void LinkagePanel::draw_bars(Canvas& canvas, const LinkageSheet& sheet) const {
                      {"rocker", bars.rocker_m, ink::kRocker},
                      {"ground", bars.ground_m, look_.is_dark ? theme_.quiet : ink::kGround}};
   const double text = sheet.text;
+  if (sheet.bars.height < 2.0 * text) return;
   const int columns = sheet.bars.height > 3.5 * text ? 2 : 4;
   const double step = (sheet.bars.width - 2.8 * text) / columns;
   int i = 0;
@@ -128,7 +129,7 @@ void LinkagePanel::draw_bars(Canvas& canvas, const LinkageSheet& sheet) const {
     const Point2 words = at + Point2(2.4 * text, 0.0);
     canvas.text(words, bar.name, {.size = text, .colour = theme_.text});
     canvas.text(words + Point2(text_width(std::string(bar.name) + " ", text), 0.0),
-                fmt::format("{:.5g} cm", 100.0 * bar.length_m), {.size = text, .colour = theme_.text, .is_bold = true});
+                fmt::format("{:.4g} cm", 100.0 * bar.length_m), {.size = text, .colour = theme_.text, .is_bold = true});
     ++i;
   }
 }

@@ -58,7 +58,9 @@ LinkageSheet sheet_for(const PictureSize& size, bool with_panel) {
     panel = {body.corner + Point2(0.0, card.height + text), body.width, body.height - card.height - text};
   }
   lay_out_panel(sheet, panel);
-  const double bars = std::round((card.width < 46.0 * text ? 4.2 : 2.6) * text);
+  // One row, two rows, or no room for the bars' lengths.
+  const double rows = card.width > 46.0 * text ? 2.6 : (card.width > 30.0 * text ? 4.2 : 0.6);
+  const double bars = std::round(rows * text);
   // One pixel inside the card, whose edge stays.
   sheet.scene = {card.corner + Point2(1.0, std::round(0.6 * text)), card.width - 2.0,
                  std::floor(card.height - bars - 0.6 * text)};

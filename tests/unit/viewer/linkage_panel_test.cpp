@@ -1,0 +1,130 @@
+// Words beside a linkage: all there, large enough, none over another or over the edge; the marks run along.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/viewer/linkage_scene.hpp"
+
+namespace gdtslam {
+namespace {
+
+struct Box {
+  double left = 0.0;
+  double top = 0.0;
+  double right = 0.0;
+  double bottom = 0.0;
+  std::string text;
+};
+
+std::vector<Box> boxes_of(const Canvas& canvas) {
+  std::vector<Box> boxes;
+  for (const Shape& shape : canvas.shapes()) {
+    const auto* words = std::get_if<shape::Words>(&shape);
+    if (words == nullptr || words->text.empty()) continue;
+    const double size = words->lettering.size;
+    const double width = text_width(words->text, size, words->lettering.is_bold);
+    const double share = words->lettering.anchor == Anchor::kStart ? 0.0
+                         : words->lettering.anchor == Anchor::kEnd ? 1.0
+                                                                   : 0.5;
+    EXPECT_FALSE(words->is_upright) << words->text;
+    const double left = words->at.x() - share * width;
+    // Greek and digits stand on the line; a quarter more for what hangs below it.
+    boxes.push_back({left, words->at.y() - 0.73 * size, left + width, words->at.y() + 0.12 * size, words->text});
+  }
+  return boxes;
+}
+
+bool has_words(const Canvas& canvas, const std::string& text) {
+  const std::vector<Box> boxes = boxes_of(canvas);
+  return std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) { return box.text == text; });
+}
+
+std::vector<calib::SweepModel> models() {
+  std::vector<calib::SweepModel> models;
+  for (const calib::LinkagePreset& preset : calib::linkage_presets()) {
+    models.push_back(calib::sweep_model_of_preset(preset.name));
+  }
+  calib::SweepModel odd;
+  odd.name = "a-name-of-some-length-as-files-have-it";
+  odd.bars = {.crank_m = 3.71234, .coupler_m = 2.91234, .rocker_m = 4.07771, .ground_m = 5.01234};
+  models.push_back(odd);
+  odd.name = "";
+  odd.bars = {.crank_m = 0.07, .coupler_m = 0.06, .rocker_m = 0.08, .ground_m = 0.03};
+  models.push_back(odd);
+  return models;
+}
+
+TEST(LinkagePanel, words_are_legible_and_apart) {
+  const GraphicsContext graphics;
+  for (const calib::SweepModel& model : models()) {
+    LinkageScene scene(graphics, model, {.samples = 1});
+    for (const PictureSize& size :
+         {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{600, 800}, PictureSize{480, 270}}) {
+      for (const double turn : {0.0, 2.3}) {
+        const Canvas canvas = scene.picture(scene.shown_crank_rad() + turn, size);
+        const std::vector<Box> boxes = boxes_of(canvas);
+        EXPECT_GT(boxes.size(), 10U);
+        for (std::size_t i = 0; i < boxes.size(); ++i) {
+          const Box& a = boxes[i];
+          const std::string where = model.name + " " + std::to_string(size.width) + ": " + a.text;
+          EXPECT_GE(a.left, 0.0) << where;
+          EXPECT_LE(a.right, canvas.width()) << where;
+          EXPECT_LE(a.bottom, canvas.height()) << where;
+          EXPECT_GE(a.bottom - a.top, 0.85 * 8.0) << where;
+          for (std::size_t k = 0; k < i; ++k) {
+            const Box& b = boxes[k];
+            const bool is_apart = a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+            EXPECT_TRUE(is_apart) << where << " over " << b.text;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(LinkagePanel, reads_out_the_angles_as_they_are) {
+  const GraphicsContext graphics;
+  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
+  LinkageScene scene(graphics, model, {.samples = 1});
+  // At the lowest dead point by the law of cosines: coupler and crank stretched, elevation 0.
+  const double reach = model.bars.coupler_m + model.bars.crank_m;
+  const double crank_deg = deg_from_rad(std::acos(
+      (reach * reach + model.bars.ground_m * model.bars.ground_m - model.bars.rocker_m * model.bars.rocker_m) /
+      (2.0 * reach * model.bars.ground_m)));
+  const Canvas canvas = scene.picture(rad_from_deg(crank_deg), {1280, 720});
+  char text[16];
+  std::snprintf(text, sizeof text, "%.1f°", crank_deg);
+  EXPECT_TRUE(has_words(canvas, text)) << text;
+  EXPECT_TRUE(has_words(canvas, "0.0°"));
+  for (const char* words : {"paper-b", "3.6 cm", "8.5 cm", "8.8 cm", "5 cm", "lift 266.4°", "return 93.6°"}) {
+    EXPECT_TRUE(has_words(canvas, words)) << words;
+  }
+}
+
+TEST(LinkagePanel, warns_of_a_poor_transmission_angle) {
+  const GraphicsContext graphics;
+  LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.samples = 1});
+  const auto warning_words = [&](double crank_rad) {
+    const Canvas canvas = scene.picture(crank_rad, {1280, 720});
+    return std::count_if(canvas.shapes().begin(), canvas.shapes().end(), [](const Shape& shape) {
+      const auto* words = std::get_if<shape::Words>(&shape);
+      return words != nullptr && words->lettering.colour == ink::kWarning;
+    });
+  };
+  // 9.1 degrees with the crank on the ground line, 59.6 on the other side.
+  EXPECT_EQ(warning_words(0.0), warning_words(kPi) + 1);
+}
+
+TEST(LinkagePanel, small_pictures_are_the_scene_alone) {
+  const GraphicsContext graphics;
+  LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.samples = 1});
+  const Canvas canvas = scene.picture(1.0, {200, 160});
+  EXPECT_TRUE(boxes_of(canvas).empty());
+  EXPECT_EQ(canvas.shapes().size(), 1U);
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,132 @@
+// Pictures and films of a linkage: joints in the picture, goldens, words that can be read, films that close.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/viewer/linkage_scene.hpp"
+#include "gdtslam/viewer/raster.hpp"
+#include "support/image_compare.hpp"
+#include "unit/viewer/linkage_drawn.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace testing;
+
+calib::SweepModel double_rocker() {
+  calib::SweepModel model;
+  model.name = "swings";
+  model.bars = {.crank_m = 0.08, .coupler_m = 0.04, .rocker_m = 0.07, .ground_m = 0.09};
+  return model;
+}
+
+TEST(LinkageScene, joints_are_seen_where_it_says) {
+  const GraphicsContext graphics;
+  constexpr PictureSize kSize{900, 700};
+  for (const char* preset : {"paper-a", "paper-b", "paper-c-calibrated"}) {
+    const calib::SweepModel model = calib::sweep_model_of_preset(preset);
+    LinkageScene scene(graphics, model, {.is_dark = true});
+    for (const double crank_rad : {0.4, 1.9, 3.4, 4.9}) {
+      const RgbaImage image = scene.render(crank_rad, kSize);
+      for (const std::size_t joint : {std::size_t{1}, std::size_t{2}}) {
+        const Point2 said = scene.joint_px(joint, crank_rad, kSize);
+        const std::optional<Point2> found = cap_near(image, said, 6.0);
+        ASSERT_TRUE(found) << preset << ", joint " << joint << ", crank " << crank_rad;
+        EXPECT_LT((*found - said).norm(), 2.0) << preset << ", joint " << joint << ", crank " << crank_rad;
+      }
+    }
+    // Perspective is slight: bars keep their length within a few percent while they turn, their ratio says whose they
+    // are.
+    const double crank_px = (scene.joint_px(1, 1.0, kSize) - scene.joint_px(0, 1.0, kSize)).norm();
+    for (const double crank_rad : {2.0, 3.0, 4.0, 5.0, 6.0}) {
+      const double now_px = (scene.joint_px(1, crank_rad, kSize) - scene.joint_px(0, crank_rad, kSize)).norm();
+      EXPECT_NEAR(now_px / crank_px, 1.0, 0.12) << preset << ", crank " << crank_rad;
+    }
+  }
+}
+
+TEST(LinkageScene, sizes_from_millimetres_to_metres_look_alike) {
+  const GraphicsContext graphics;
+  constexpr PictureSize kSize{320, 240};
+  std::vector<RgbaImage> images;
+  for (const double scale : {0.1, 1.0, 60.0}) {
+    calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
+    for (double* bar : {&model.bars.crank_m, &model.bars.coupler_m, &model.bars.rocker_m, &model.bars.ground_m}) {
+      *bar *= scale;
+    }
+    LinkageScene scene(graphics, model, {.with_panel = false});
+    images.push_back(scene.render(2.0, kSize));
+  }
+  EXPECT_TRUE(is_alike(images[0], images[1]));
+  EXPECT_TRUE(is_alike(images[2], images[1]));
+}
+
+TEST(LinkageScene, goldens) {
+  const GraphicsContext graphics;
+  constexpr PictureSize kSize{320, 240};
+  constexpr ImageTolerance kTolerance{.mean = 0.8, .share_clear = 0.006};
+  LinkageScene paper(graphics, calib::sweep_model_of_preset("paper-b"), {.with_panel = false});
+  const double crank_rad = paper.shown_crank_rad();
+  EXPECT_TRUE(matches_golden(paper.render(crank_rad, kSize), "linkage_paper_b", kTolerance));
+  LinkageScene swings(graphics, double_rocker(), {.is_dark = true, .with_panel = false});
+  EXPECT_TRUE(matches_golden(swings.render(0.9, kSize), "linkage_double_rocker", kTolerance));
+
+  const auto passes = [&](const RgbaImage& image) { return is_alike(image, golden("linkage_paper_b"), kTolerance); };
+  EXPECT_FALSE(passes(paper.render(crank_rad + rad_from_deg(3.0), kSize))) << "three degrees on";
+  LinkageScene other(graphics, calib::sweep_model_of_preset("paper-b-calibrated"), {.with_panel = false});
+  EXPECT_FALSE(passes(other.render(crank_rad, kSize))) << "another linkage";
+}
+
+TEST(LinkageScene, background_can_be_left_out) {
+  const GraphicsContext graphics;
+  LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.is_transparent = true, .with_panel = false});
+  const RgbaImage image = scene.render(1.0, {200, 150});
+  EXPECT_EQ(image.at(1, 1)[3], 0);
+  std::size_t solid = 0;
+  for (std::size_t i = 3; i < image.pixels.size(); i += 4) solid += image.pixels[i] == 255 ? 1U : 0U;
+  EXPECT_GT(solid, std::size_t{1000});
+}
+
+TEST(LinkageScene, shows_the_lift_at_its_best_transmission) {
+  const GraphicsContext graphics;
+  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
+  LinkageScene scene(graphics, model, {});
+  const double shown_rad = scene.shown_crank_rad();
+  EXPECT_GT(*calib::elevation_rate(model, shown_rad), 0.0);
+  // Of paper-b the transmission angle is largest with crank and ground in one line, the crank outward.
+  EXPECT_NEAR(wrap_angle(shown_rad - kPi), 0.0, rad_from_deg(1.0));
+}
+
+TEST(LinkageFilm, ends_where_it_began_without_a_jump) {
+  const GraphicsContext graphics;
+  constexpr PictureSize kSize{480, 270};
+  constexpr std::size_t kFrames = 24;
+  for (const calib::SweepModel& model : {calib::sweep_model_of_preset("paper-b"), double_rocker()}) {
+    LinkageScene scene(graphics, model, {});
+    const auto film = linkage_film(scene, model, kSize, kFrames);
+    ASSERT_EQ(film->frames(), kFrames);
+    std::vector<RgbaImage> frames;
+    for (std::size_t k = 0; k < kFrames; ++k) frames.push_back(raster_of(film->frame(k)));
+    EXPECT_EQ(raster_of(film->frame(kFrames)).pixels, frames.front().pixels) << model.name;
+    double most = 0.0;
+    for (std::size_t k = 1; k < kFrames; ++k) {
+      const double step = difference_of(frames[k - 1], frames[k]).mean;
+      EXPECT_GT(step, 0.0) << model.name << ", frame " << k;
+      most = std::max(most, step);
+    }
+    EXPECT_LE(difference_of(frames.back(), frames.front()).mean, 1.5 * most) << model.name;
+  }
+}
+
+TEST(LinkageFilm, without_frames_is_refused) {
+  const GraphicsContext graphics;
+  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
+  LinkageScene scene(graphics, model, {});
+  EXPECT_THROW(static_cast<void>(linkage_film(scene, model, {640, 360}, 0)), UsageError);
+}
+
+}  // namespace
+}  // namespace gdtslam
