@@ -1,0 +1,268 @@
+"""gdtslam render where something is missing or wrong: display, OpenGL, ffmpeg, disk, files of a run, options."""
+
+import json
+import os
+import pathlib
+import shutil
+import signal
+import stat
+import subprocess
+import time
+
+import cli_support as cli
+from cli_support import DATA, PROGRAM, RUN, TRUTH, command, digests, environment, expect, expect_exit, finish, one_error_line
+from scenario_render import Png, nodding_run, refused, rendered, require_ffmpeg, require_viewer
+
+NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "DISPLAY": None}
+SMALL = ("--size", "64x48")
+
+
+def render_without_a_display():
+    """DISPLAY unset, as this user and as one who owns nothing, many times in a row: the same picture each time."""
+    require_viewer()
+    drive = nodding_run("render_without_a_display")
+    times = int(os.environ.get("GDTSLAM_RENDERS", "100"))
+    pictures = set()
+    for number in range(times):
+        rendered(drive.folder / "run", "-o", drive.folder / "a.png", *SMALL, env=environment(DISPLAY=None, WAYLAND_DISPLAY=None))
+        pictures.add((drive.folder / "a.png").read_bytes())
+        expect(len(pictures) == 1, f"picture {number} differs")
+    if os.geteuid() != 0 or not shutil.which("setpriv"):
+        return
+    place = pathlib.Path("/tmp") / f"gdtslam-render-{os.getpid()}"  # the work folder may lie where nobody else may look
+    shutil.copytree(drive.folder / "run", place / "run")
+    shutil.copy(PROGRAM, place / "gdtslam")
+    for path in (place, place / "run", *place.rglob("*")):
+        path.chmod(path.stat().st_mode | stat.S_IROTH | (stat.S_IXOTH if path.is_dir() or path.name == "gdtslam" else 0))
+    place.chmod(0o777)
+    try:
+        process = subprocess.run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", str(place / "gdtslam"), "render",
+                                  str(place / "run"), "-o", str(place / "b.png"), *SMALL], capture_output=True, text=True, check=False,
+                                 env=environment(DISPLAY=None, HOME="/nonexistent", XDG_CACHE_HOME=None, XDG_RUNTIME_DIR=None), timeout=100)
+        expect_exit(process, 0)
+        expect(process.stderr == "" and (place / "b.png").read_bytes() in pictures, f"another picture: {process.stderr}")
+    finally:
+        shutil.rmtree(place)
+
+
+def render_without_opengl():
+    """No driver at all: exit 69 and one line from render, also for films and with each --graphics; what needs none is drawn all the
+    same; map warns, counts it and is as good without."""
+    require_viewer()
+    drive = nodding_run("render_without_opengl")
+    run = drive.folder / "run"
+    for name, *arguments in (("a.png",), ("a.png", "--graphics", "egl"), ("a.png", "--view", "scene"), ("a.gif",)):
+        refused(69, run, "-o", drive.folder / name, *arguments, env=environment(**NO_GL))
+    refused(69, run, "-o", drive.folder / "a.png", "--graphics", "x11", says="DISPLAY", env=environment(DISPLAY=None))
+    expect(not list(drive.folder.glob("a.*")), "something is left")
+    rendered(run, "--view", "map", "-o", drive.folder / "map.png", *SMALL, env=environment(**NO_GL))
+    process = command("map", drive.log, "-o", drive.folder / "again", "--json", env=environment(**NO_GL))
+    expect_exit(process, 0)
+    report = json.loads(process.stdout)
+    expect(report["warnings"] == {"no picture of the cloud": 1}, f"{report['warnings']}")
+    expect("warning: no picture of the cloud" in process.stderr and len(process.stderr.splitlines()) == 1, process.stderr)
+    expect(sorted(digests(drive.folder / "again")) == sorted([*cli.NODDING_OUTPUTS, "cloud.ply"]), f"{sorted(digests(drive.folder / 'again'))}")
+    process = command("map", drive.log, "-o", drive.folder / "again", "--json")
+    expect(json.loads(process.stdout)["warnings"] == {} and sorted(digests(drive.folder / "again")) == cli.CLOUD_OUTPUTS, process.stderr)
+    process = command("map", drive.log, "-o", drive.folder / "again", "-q", "--no-pictures")
+    files = sorted(digests(drive.folder / "again"))
+    expect("overview.png" not in files and "cloud.png" not in files and "cloud.ply" in files, f"pictures of the run before: {files}")
+
+
+def fake_ffmpeg(folder, script):
+    path = folder / "ffmpeg"
+    path.write_text(f"#!/bin/sh\nfor last; do :; done\nout=$last\n{script}\n")
+    path.chmod(0o755)
+    return path
+
+
+def render_ffmpeg_faults():
+    """No ffmpeg: 69 with its name and the package before anything is drawn. One that fails: what it said. Neither leaves a file."""
+    require_viewer()
+    folder = cli.fresh_folder("render_ffmpeg_faults")
+    film = folder / "a.mp4"
+    says = ("'ffmpeg'", "install the package ffmpeg", "--ffmpeg")
+    refused(69, "paper-b", "-o", film, says=says, env=environment(PATH="/nonexistent"))
+    refused(69, "paper-b", "-o", film, "--ffmpeg", "/nonexistent/ffmpeg", says="/nonexistent/ffmpeg")
+    short = ("-o", film, *SMALL, "--frames", 3)
+    failing = fake_ffmpeg(folder, "cat > /dev/null; echo 'the codec is out of order' >&2; exit 3")
+    refused(1, "paper-b", *short, "--ffmpeg", failing, says="ffmpeg failed (exit 3): the codec is out of order")
+    early = fake_ffmpeg(folder, "echo 'no, thanks' >&2; exit 1")
+    refused(1, "paper-b", "-o", film, "--frames", 3, "--size", "640x480", "--ffmpeg", early, says="ffmpeg failed (exit 1): no, thanks")
+    full = fake_ffmpeg(folder, "cat > /dev/null; echo 'write: No space left on device' >&2; exit 1")
+    refused(74, "paper-b", *short, "--ffmpeg", full, says="a.mp4")
+    (folder / "garbage").write_bytes(b"\x7fELF no program")
+    (folder / "garbage").chmod(0o755)
+    refused(69, "paper-b", *short, "--ffmpeg", folder / "garbage", says="garbage")
+    film.write_text("old")
+    refused(74, "paper-b", *short, "--ffmpeg", full)
+    expect(film.read_text() == "old", "the old film is gone")
+    film.unlink()
+    expect(sorted(digests(folder)) == ["ffmpeg", "garbage"], f"{sorted(digests(folder))}")
+
+
+def children_of(pid):
+    """Processes whose parent is this one."""
+    found = []
+    for entry in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            if int(entry.read_text().rsplit(")", 1)[1].split()[1]) == pid:
+                found.append(int(entry.parent.name))
+        except (OSError, ValueError):
+            continue
+    return found
+
+
+def render_interrupted_film():
+    """SIGINT in the middle of a film, also while ffmpeg takes nothing: exit 130, one line, no file, no process. Frames stay."""
+    require_viewer()
+    require_ffmpeg()
+    folder = cli.fresh_folder("render_interrupted")
+    stuck = fake_ffmpeg(folder, "exec sleep 1000")
+    for arguments in (("-o", folder / "a.mp4"), ("-o", folder / "a.gif"), ("-o", folder / "a.mp4", "--ffmpeg", stuck)):
+        process = subprocess.Popen([PROGRAM, "render", "paper-b", "--frames", "5000", *map(str, arguments)], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        for _ in range(200):
+            time.sleep(0.05)
+            children = children_of(process.pid)
+            if children:
+                break
+        expect(children, "no ffmpeg was started")
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        done = finish(process)
+        expect_exit(done, 130)
+        one_error_line(done.stderr)
+        expect("nothing is written" in done.stderr, done.stderr)
+        expect(not any(pathlib.Path(f"/proc/{pid}").exists() for pid in children), "ffmpeg still runs")
+        expect(sorted(digests(folder)) == ["ffmpeg"], f"{sorted(digests(folder))}")
+    process = subprocess.Popen([PROGRAM, "render", "paper-b", "--frames", "5000", *SMALL, "-o", f"{folder}/frames/"], stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+    while not (folder / "frames/frame-0003.png").exists():
+        expect(process.poll() is None, "it ended early")
+        time.sleep(0.05)
+    process.send_signal(signal.SIGTERM)
+    done = finish(process)
+    expect_exit(done, 130)
+    frames = sorted((folder / "frames").iterdir())
+    expect(f"after {len(frames)} of 5000 frames; they are in" in done.stderr, done.stderr)
+    for path in frames[-2:]:
+        expect(Png(path).width == 64, f"{path} is no whole picture")
+
+
+def render_unwritable():
+    """Disk full at whichever write, a folder in the way, a folder that is not there, one that is read only: 74, old files kept."""
+    require_viewer()
+    drive = nodding_run("render_unwritable")
+    folder, run = drive.folder / "out", drive.folder / "run"
+    folder.mkdir()
+    for name in ("a.png", "a.svg", "a.pdf", "a.gltf", "a.vtp", "a.ply", "a.html"):
+        size = SMALL if name[-3:] in ("png", "svg", "pdf") else ()
+        view = ("--view", "iso") if size else ()
+        refused(74, run, *view, *size, "-o", folder / "none" / name, says=name)
+        (folder / name).write_text("old")
+        if "FULL_DISK" in os.environ:
+            full = environment(LD_PRELOAD=os.environ["FULL_DISK"], FULL_DISK_AT="1")
+            refused(74, run, *view, *size, "-o", folder / name, says="No space left on device", env=full)
+        expect((folder / name).read_text() == "old" and len(digests(folder)) == 1, f"{name}: {sorted(digests(folder))}")
+        (folder / name).unlink()
+    refused(74, "paper-b", *SMALL, "--frames", 2, "-o", "/proc/a.mp4", says="a.mp4")
+    refused(74, run, *SMALL, "-o", "/proc/a.png", says="a.png")
+
+
+def render_hostile_runs():
+    """Files of a run that are missing, cut, edited or of another run: 65, the file's name and what to do; never an abort."""
+    require_viewer()
+    drive = nodding_run("render_hostile_runs")
+    run = drive.folder / "run"
+
+    def broken(name, content, *arguments, code=65, says=()):
+        copy = drive.folder / "copy"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(run, copy)
+        (copy / name).unlink() if content is None else (copy / name).write_bytes(content)
+        refused(code, copy, "-o", drive.folder / "a.png", *SMALL, *arguments, says=(name, *says))
+        expect(not (drive.folder / "a.png").exists(), f"{name}: a picture was written")
+
+    again = ("map the log again: gdtslam map LOG -o",)
+    views = {"cloud.ply": "iso", "trajectory.tum": "map", "map.yaml": "map", "map.pgm": "map", "gdt.yaml": "field", "gdt.png": "field"}
+    for name, view in views.items():
+        data = (run / name).read_bytes()
+        broken(name, None, "--view", view, says=again)
+        broken(name, b"", "--view", view)
+        broken(name, bytes(range(256)) * 4, "--view", view)
+        if name not in ("map.yaml", "gdt.yaml", "trajectory.tum"):
+            broken(name, data[:len(data) // 2], "--view", view)
+    report = json.loads((run / "report.json").read_text())
+    broken("report.json", b"{", says=again)
+    broken("report.json", json.dumps({**report, "scans": -1}).encode(), says=("'scans'",))
+    broken("report.json", json.dumps({**report, "doubtful_scans": [{"index": 1 << 40}]}).encode(), says=("'doubtful_scans'",))
+    lines = (run / "trajectory.tum").read_text().splitlines(keepends=True)
+    broken("trajectory.tum", "".join(lines[:-1]).encode(), "--view", "map", says=("not of one run", *again))
+    broken("linkage.yaml", b"gdtslam_linkage: 1\nbars: none\n", code=78)
+    header = (run / "cloud.ply").read_bytes().split(b"end_header\n")[0]
+    count = [word for word in header.split() if word.isdigit()][0]
+    broken("cloud.ply", header.replace(count, b"9" * len(count)) + b"end_header\n" + b"\0" * 280, "--view", "iso")
+    empty = cli.fresh_folder("render_hostile_runs/empty")
+    refused(65, empty, says=("no run of 'gdtslam map'",))
+
+
+def render_mistakes():
+    """Wrong options: exit 2, one line that says what would fit; nothing is drawn or written."""
+    require_viewer()
+    folder = cli.fresh_folder("render_mistakes")
+    out = ("-o", folder / "a.png")
+    cases = [
+        ((RUN, "-o", folder / "a.jpg"), ".png .svg .pdf .mp4"),
+        ((RUN, "-o", folder / "a.glft"), "did you mean '.gltf'"),
+        ((RUN, "-o", folder / "a"), "has none of the endings"),
+        ((RUN, "-o", folder / "f%d-%d.png"), "no pattern for frames"),
+        ((RUN, "-o", folder / "a.mp4"), "no view that moves"),
+        ((RUN, "-o", f"{folder}/"), "no view that moves"),
+        ((RUN, "-o", folder / "a.mp4", "--view", "map"), "does not move"),
+        ((RUN, "--view", "iso", *out), "has not a 3D cloud; its views are map, field, distance, cells"),
+        ((RUN, "--view", "fild", *out), "did you mean 'field'"),
+        ((RUN, "--view", "errors-box", *out), "--reference or --relations"),
+        ((RUN, "-o", folder / "a.gltf"), "has no 3D cloud"),
+        (("paper-b", "-o", folder / "a.html", "--view", "scene"), "a page in .html"),
+        ((RUN, "--size", "0x0", *out), "--size: 0x0"),
+        ((RUN, "--size", "100000x100000", *out), "1 to 16384 pixels"),
+        ((RUN, "--size", "100", *out), "WIDTHxHEIGHT"),
+        ((RUN, "--size", "99999999999x1", *out), "--size"),
+        (("paper-b", "-o", folder / "a.mp4", "--size", "641x361"), "642x362"),
+        (("paper-b", "-o", folder / "a.mp4", "--transparent"), "--transparent"),
+        (("paper-b", "-o", folder / "a.mp4", "--seconds", "2h", "--fps", 240), "at most 100000 frames"),
+        (("paper-b", "-o", folder / "a.mp4", "--seconds", "-2s"), "--seconds"),
+        (("paper-b", "-o", folder / "a.mp4", "--frames", "0"), "--frames"),
+        ((RUN, "--colour", "hight", *out), "did you mean 'height'"),
+        ((RUN, "--colour-map", "virids", *out), "--colour-map"),
+        ((RUN, "--range", "2m", *out), "MIN:MAX"),
+        ((RUN, "--range", "1:2", *out), "has no unit"),
+        ((RUN, "--range", "3m:2m", *out), "not below"),
+        ((RUN, "--camera", "1,2,3", *out), "camera"),
+        ((RUN, "--graphics", "gl", *out), "auto, egl, x11"),
+        ((RUN, "--light", "--dark", *out), "exclude each other"),
+        ((RUN, "--view", "cells", "--cells", 61, *out), "--cells"),
+        ((RUN, "--view", "cells", "--at", "900m,0m", *out), "outside the field"),
+        ((RUN, "--view", "cells", "--at", "1m", *out), "X,Y"),
+        ((RUN, "paper-b", *out), "several inputs"),
+        ((RUN, RUN, "--view", "map", *out), "several inputs"),
+        ((*out,), "INPUT|input"),
+    ]
+    for arguments, says in cases:
+        process = command("render", *arguments)
+        expect(process.returncode == 2, f"{arguments}: exit {process.returncode}: {process.stderr}")
+        one_error_line(process.stderr)
+        expect(any(part in process.stderr for part in says.split("|")), f"{arguments}: {says!r} is not in {process.stderr!r}")
+    for arguments, code, says in [
+        (("paper-z", *out), 74, "did you mean 'paper-"),
+        ((folder / "none.ply", *out), 74, "no such file"),
+        ((RUN / "map.pgm", *out), 65, "give the .yaml"),
+        ((DATA / "empty.ply", *out), 65, "has no points"),
+        ((DATA / "empty.log", *out), 65, "empty.log"),
+        ((DATA / "bad.tum", "--reference", TRUTH, *out), 65, "bad.tum:2"),
+        ((RUN, "--relations", DATA / "far.relations", "--view", "errors-cdf", *out), 65, "far.relations"),
+        ((RUN, "--reference", DATA / "far.tum", "--view", "errors-cdf", *out), 65, "stamps"),
+    ]:
+        refused(code, *arguments, says=says)
+    expect(not list(folder.iterdir()), f"{list(folder.iterdir())}")
