@@ -45,35 +45,6 @@ class BenchFile {
   std::string path_;
 };
 
-/// What a scanner sees in a hall of 40 x 20 x 4 m: row after row of points on floor, ceiling and walls.
-Cloud hall() {
-  Random random(1);
-  Cloud cloud(kPoints);
-  for (std::size_t k = 0; k < kPoints; ++k) {
-    const auto along = static_cast<float>(random.uniform(-20.0, 20.0));
-    const auto across = static_cast<float>(random.uniform(-10.0, 10.0));
-    const auto up = static_cast<float>(random.uniform(0.0, 4.0));
-    CloudPoint& p = cloud[k];
-    switch (k % 4) {
-      case 0:
-        p = {.x_m = along, .y_m = across, .z_m = 0.01F * up};
-        break;
-      case 1:
-        p = {.x_m = along, .y_m = across, .z_m = 4.0F + 0.01F * up};
-        break;
-      case 2:
-        p = {.x_m = along, .y_m = 10.0F, .z_m = up};
-        break;
-      default:
-        p = {.x_m = 20.0F, .y_m = across, .z_m = up};
-    }
-    p.elevation_rad = 0.1F * up;
-    p.stamp_s = 1e9 + 1e-5 * static_cast<double>(k);
-    p.scan = static_cast<std::uint32_t>(k / 361);
-  }
-  return cloud;
-}
-
 void write_cloud(const std::string& path, const Cloud& cloud) {
   CloudWriter writer(path, CloudFormat::kPlyBinary);
   for (std::size_t k = 0; k < cloud.size(); k += kPiece) {
@@ -146,8 +117,36 @@ BenchRow cloud_row(const std::string& name, const std::string& variant, const Wo
 
 }  // namespace
 
+Cloud bench_hall(std::size_t points) {
+  Random random(1);
+  Cloud cloud(points);
+  for (std::size_t k = 0; k < points; ++k) {
+    const auto along = static_cast<float>(random.uniform(-20.0, 20.0));
+    const auto across = static_cast<float>(random.uniform(-10.0, 10.0));
+    const auto up = static_cast<float>(random.uniform(0.0, 4.0));
+    CloudPoint& p = cloud[k];
+    switch (k % 4) {
+      case 0:
+        p = {.x_m = along, .y_m = across, .z_m = 0.01F * up};
+        break;
+      case 1:
+        p = {.x_m = along, .y_m = across, .z_m = 4.0F + 0.01F * up};
+        break;
+      case 2:
+        p = {.x_m = along, .y_m = 10.0F, .z_m = up};
+        break;
+      default:
+        p = {.x_m = 20.0F, .y_m = across, .z_m = up};
+    }
+    p.elevation_rad = 0.1F * up;
+    p.stamp_s = 1e9 + 1e-5 * static_cast<double>(k);
+    p.scan = static_cast<std::uint32_t>(k / 361);
+  }
+  return cloud;
+}
+
 std::vector<BenchRow> bench_clouds(const TimingOptions& options) {
-  const Cloud cloud = hall();
+  const Cloud cloud = bench_hall(kPoints);
   const BenchFile file;
   std::vector<char> bytes(kPoints * kPointBytes, 'x');
   std::vector<BenchRow> rows;

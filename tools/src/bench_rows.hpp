@@ -12,6 +12,7 @@
 
 #include "bench_timing.hpp"
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/cloud.hpp"
 
 namespace gdtslam {
 
@@ -50,6 +51,13 @@ std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, c
 
 /// Whole transforms of a square of `size` cells with walls on 1.5 % of them; on the CPU the peers too.
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options);
+
+/// What a scanner sees in a hall of 40 x 20 x 4 m: points on floor, ceiling and two walls, in the order of time.
+Cloud bench_hall(std::size_t points);
+
+/// Frames of a cloud and of a linkage, drawn without a display; nothing where the build has no viewer, and a remark
+/// where nothing here can draw.
+std::vector<BenchRow> bench_viewer(const TimingOptions& options);
 
 /// Clouds written, read and thinned, and the peers: fwrite, fread, std::unordered_set. On the CPU only.
 std::vector<BenchRow> bench_clouds(const TimingOptions& options);

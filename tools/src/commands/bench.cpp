@@ -233,6 +233,7 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
   if (wants(options, "scan")) add(bench_scans(backend, options.timing));
   if (wants(options, "sweep")) add(bench_sweeps(backend, options.timing));
   if (measured.device.kind == "cpu" && wants(options, "clouds")) add(bench_clouds(options.timing));
+  if (measured.device.kind == "cpu" && wants(options, "viewer")) add(bench_viewer(options.timing));
   if (measured.rows.empty()) throw UsageError("bench: no kernel's name contains '" + options.filter + "'");
   return measured;
 }
@@ -260,7 +261,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "filter", options->filter,
           "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; 'sweep': "
-          "whole sweeps; 'clouds': files and thinning")
+          "whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
@@ -279,7 +280,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       "together, so that a submission's own time is shared; a time is that of one step, the median of the samples.\n"
       "\n"
       "Examples:\n  gdtslam bench\n  gdtslam bench --device vulkan --json\n  gdtslam bench pose_cost --isa avx2\n"
-      "  gdtslam bench clouds\n"
+      "  gdtslam bench clouds\n  gdtslam bench viewer\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");
   command->callback([options, &context] { context.run = [options] { return bench(*options); }; });
 }
