@@ -1,0 +1,116 @@
+// The film of a scanning robot: points until each moment, the sensor where it was, frames that differ.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/viewer/film.hpp"
+#include "gdtslam/viewer/raster.hpp"
+#include "scene/linkage_cycle.hpp"
+#include "scene/scanning_scene.hpp"
+#include "support/image_compare.hpp"
+#include "unit/viewer/scanning_room.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace testing;
+
+CloudLook quick_look() {
+  CloudLook look;
+  look.samples = 1;
+  return look;
+}
+
+std::vector<std::string> words_of(const Canvas& canvas) {
+  std::vector<std::string> words;
+  for (const Shape& shape : canvas.shapes()) {
+    if (const auto* text = std::get_if<shape::Words>(&shape)) words.push_back(text->text);
+  }
+  return words;
+}
+
+bool has_words(const Canvas& canvas, const std::string& text) {
+  const std::vector<std::string> words = words_of(canvas);
+  return std::find(words.begin(), words.end(), text) != words.end();
+}
+
+TEST(ScanningScene, draws_the_points_that_were_measured_until_then) {
+  const GraphicsContext graphics;
+  const ScanningRoom room;
+  const Cloud cloud = room.cloud();
+  const Trajectory trajectory = room.trajectory();
+  const ScanningTrack track(cloud, trajectory, 1.0, 6.0);
+  ScanningScene scene(graphics, track, room.model, trajectory, quick_look());
+  for (const double stamp_s : {1.0, 1.5, 3.21, 6.0}) {
+    scene.show(stamp_s, room.crank_rad(stamp_s));
+    const auto truth = std::count_if(cloud.begin(), cloud.end(), [&](const CloudPoint& point) {
+      return point.stamp_s >= 1.0 && point.stamp_s <= stamp_s;
+    });
+    EXPECT_EQ(scene.points_drawn(), static_cast<std::uint64_t>(truth)) << stamp_s;
+  }
+}
+
+TEST(ScanningScene, sensor_is_where_it_was_and_looks_along_the_elevation) {
+  const GraphicsContext graphics;
+  ScanningRoom room;
+  room.sensor_forward_m = 0.12;
+  const Cloud cloud = room.cloud();
+  const Trajectory trajectory = room.trajectory();
+  const ScanningTrack track(cloud, trajectory, 0.0, room.length_s);
+  ScanningScene scene(graphics, track, room.model, trajectory, quick_look());
+  for (const double stamp_s : {0.5, 2.0, 3.9}) {
+    scene.show(stamp_s, room.crank_rad(stamp_s));
+    const Pose3 T_map_laser = scene.T_map_laser();
+    const Pose2 base = room.T_map_base(stamp_s);
+    EXPECT_NEAR(T_map_laser.translation_m.x(), base.x_m + 0.12 * std::cos(room.heading_rad), 1e-3);
+    EXPECT_NEAR(T_map_laser.translation_m.y(), base.y_m + 0.12 * std::sin(room.heading_rad), 1e-3);
+    EXPECT_NEAR(T_map_laser.translation_m.z(), room.model.mount.height_m, 1e-9);
+    // The middle beam's point of that very moment lies along the sensor's forward direction.
+    const CloudPoint ahead = room.measured(stamp_s, 0.0, 0);
+    const Point3 along = T_map_laser * Point3(2.5, 0.0, 0.0);
+    EXPECT_NEAR(along.x(), ahead.x_m, 2e-3);
+    EXPECT_NEAR(along.y(), ahead.y_m, 2e-3);
+    EXPECT_NEAR(along.z(), ahead.z_m, 2e-3);
+  }
+}
+
+TEST(ScanningFilm, runs_through_the_stretch) {
+  const GraphicsContext graphics;
+  const ScanningRoom room;
+  const Cloud cloud = room.cloud();
+  const Trajectory trajectory = room.trajectory();
+  const ScanningFilmInput input{
+      .cloud = &cloud, .trajectory = &trajectory, .model = &room.model, .from_s = 0.0, .to_s = room.length_s};
+  CloudCaption caption;
+  caption.title = "round room";
+  const auto film = scanning_film(graphics, input, quick_look(), caption, {640, 360}, 5);
+  ASSERT_EQ(film->frames(), 5U);
+  const Canvas first = film->frame(0);
+  const Canvas last = film->frame(4);
+  EXPECT_TRUE(has_words(first, "round room"));
+  EXPECT_TRUE(has_words(first, "1")) << "the beam at 0 s";
+  EXPECT_TRUE(has_words(last, "57,920")) << "320 scans of 181 beams";
+  EXPECT_TRUE(has_words(last, "8.0 s"));
+  const RgbaImage start = raster_of(first);
+  const RgbaImage end = raster_of(last);
+  EXPECT_EQ(start.width, 640U);
+  EXPECT_EQ(start.height, 360U);
+  EXPECT_GT(difference_of(start, end).share_clear, 0.05);
+  EXPECT_EQ(raster_of(film->frame(0)).pixels, start.pixels) << "any order of frames gives the same";
+}
+
+TEST(ScanningFilm, needs_all_its_parts) {
+  const GraphicsContext graphics;
+  const ScanningRoom room;
+  const Cloud cloud = room.cloud();
+  const Trajectory trajectory = room.trajectory();
+  ScanningFilmInput input{.cloud = &cloud, .trajectory = &trajectory, .model = nullptr, .from_s = 0.0, .to_s = 1.0};
+  EXPECT_THROW(static_cast<void>(scanning_film(graphics, input, quick_look(), {}, {64, 48}, 2)), UsageError);
+  input.model = &room.model;
+  EXPECT_THROW(static_cast<void>(scanning_film(graphics, input, quick_look(), {}, {64, 48}, 0)), UsageError);
+}
+
+}  // namespace
+}  // namespace gdtslam
