@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Makes the pictures of the README and the docs anew, from simulated logs, with the program itself.
+# Usage: tools/scripts/make_images.sh PROGRAM [FOLDER]   (FOLDER: docs/images)
+set -euo pipefail
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.." && pwd)
+if [[ $# -lt 1 || $# -gt 2 ]]; then
+  sed -n '2,3s/^# //p' "${BASH_SOURCE[0]}" >&2
+  exit 2
+fi
+program=$(readlink -f "$1")
+images=$(mkdir -p "${2:-$root/docs/images}" && readlink -f "${2:-$root/docs/images}")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+gdtslam() { "$program" "$@" >/dev/null; }
+
+for scene in office-loop office-7f three-boxes; do
+  echo "$scene"
+  gdtslam simulate "$scene" -o "$scene.log"
+done
+gdtslam map office-loop.log -o office-loop
+gdtslam map office-7f.log -o office-7f
+gdtslam map three-boxes.log -o three-boxes --set cloud.voxel=0
+
+gdtslam render office-loop -o "$images/office-loop.png" --size 1280x800
+gdtslam render office-loop --view field -o "$images/office-loop-field.png" --size 1280x800
+gdtslam render office-7f -o "$images/office-7f-cloud.png" --size 1280x720
+gdtslam render three-boxes --view scan -o "$images/scanning.png" --size 960x540
+gdtslam render paper-b -o "$images/linkage-paper-b.gif" --size 640x360 --fps 20
+gdtslam linkage paper-b --picture "$images/linkage-paper-b.svg"
+gdtslam measure three-boxes/cloud.ply --boxes --picture "$images/measured-boxes.svg"
+gdtslam simulate wall -o wall.log --linkage paper-b-calibrated
+gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.png"
+ls -l "$images"
