@@ -1,0 +1,184 @@
+// What a page is made of; tests/cli/browser opens it.
+#include "gdtslam/viewer/page.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/elementary.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string element_of(const std::string& page, const std::string& id) {
+  const std::size_t name = page.find("id=\"" + id + "\">");
+  if (name == std::string::npos) return "";
+  const std::size_t begin = page.find('>', name) + 1;
+  return page.substr(begin, page.find('<', begin) - begin);
+}
+
+std::vector<std::uint8_t> decoded(const std::string& base64) {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t word = 0;
+  int bits = 0;
+  for (const char c : base64) {
+    if (c == '=') break;
+    word = word << 6U | static_cast<std::uint32_t>(letters.find(c));
+    bits += 6;
+    if (bits >= 8) {
+      bits -= 8;
+      bytes.push_back(static_cast<std::uint8_t>(word >> static_cast<unsigned>(bits) & 0xFFU));
+    }
+  }
+  return bytes;
+}
+
+std::vector<float> floats_of(const std::vector<std::uint8_t>& bytes) {
+  std::vector<float> values;
+  for (std::size_t k = 0; k + 3 < bytes.size(); k += 4) {
+    values.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(bytes[k]) | std::uint32_t{bytes[k + 1]} << 8U |
+                                          std::uint32_t{bytes[k + 2]} << 16U | std::uint32_t{bytes[k + 3]} << 24U));
+  }
+  return values;
+}
+
+Cloud slope() {
+  Cloud cloud;
+  for (std::uint32_t k = 0; k < 500; ++k) {
+    const auto at = static_cast<float>(k);
+    cloud.push_back({at, 0.5F * at, 0.1F * at, 0.01F * at, 7.0 + k, k});
+  }
+  return cloud;
+}
+
+TEST(Page, NothingToShowIsAnInputError) {
+  const Cloud no_points;
+  const Trajectory no_poses;
+  PageInput input;
+  input.cloud = &no_points;
+  input.trajectory = &no_poses;
+  EXPECT_THROW(page_of({}), InputError);
+  EXPECT_THROW(page_of(input), InputError);
+}
+
+TEST(Page, ACloudWithoutAFinitePointIsAnInputError) {
+  Cloud cloud = slope();
+  for (CloudPoint& point : cloud) point.y_m = std::numeric_limits<float>::quiet_NaN();
+  PageInput input;
+  input.cloud = &cloud;
+  EXPECT_THROW(page_of(input), InputError);
+}
+
+TEST(Page, AnotherNumberOfDistancesIsAnInputError) {
+  const Cloud cloud = slope();
+  const std::vector<float> distances(cloud.size() - 1);
+  PageInput input;
+  input.cloud = &cloud;
+  input.distances_m = &distances;
+  EXPECT_THROW(page_of(input), InputError);
+}
+
+TEST(Page, PointsThatAreNotFiniteAreLeftOutAndCounted) {
+  Cloud cloud = slope();
+  cloud[3].x_m = std::numeric_limits<float>::infinity();
+  cloud[9].stamp_s = std::numeric_limits<double>::quiet_NaN();
+  PageInput input;
+  input.cloud = &cloud;
+  const std::string page = page_of(input);
+  EXPECT_THAT(page, HasSubstr("\"count\":498,\"of\":500"));
+  EXPECT_EQ(decoded(element_of(page, "points-0")).size(), 12U * 498U);
+}
+
+TEST(Page, ADistanceThatIsUnknownIsTheLargest) {
+  const Cloud cloud = slope();
+  std::vector<float> distances(cloud.size(), 0.25F);
+  distances[0] = 0.0F;
+  distances[1] = std::numeric_limits<float>::quiet_NaN();
+  PageInput input;
+  input.cloud = &cloud;
+  input.distances_m = &distances;
+  const std::vector<std::uint8_t> bytes = decoded(element_of(page_of(input), "points-0"));
+  EXPECT_EQ(bytes[10], 0U);  // the first point of the page is the cloud's
+  EXPECT_EQ(bytes.size(), 6000U);
+  for (std::size_t k = 1; k < cloud.size(); ++k) EXPECT_EQ(bytes[12 * k + 10], 255U);
+}
+
+TEST(Page, TheSameInputGivesTheSameBytes) {
+  const Cloud cloud = slope();
+  PageInput input;
+  input.title = "same";
+  input.cloud = &cloud;
+  EXPECT_EQ(page_of(input), page_of(input));
+}
+
+TEST(Page, IsOneFileThatAsksForNothing) {
+  const Cloud cloud = slope();
+  PageInput input;
+  input.title = "{{program}} {{title}} <b>";
+  input.cloud = &cloud;
+  const std::string page = page_of(input);
+  EXPECT_THAT(page, HasSubstr("<title>{{program}} {{title}} &lt;b&gt;</title>"));
+  for (const char* outside : {"src=\"", "http://", "https://", "@import", "url("})
+    EXPECT_THAT(page, Not(HasSubstr(outside)));
+  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+  input.cloud = nullptr;
+  const calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
+  input.linkage = &model;
+  EXPECT_LT(page_of(input).size(), 200'000U);  // style and program, colour maps, table of the linkage
+}
+
+TEST(Page, LinkageIsThatOfTheCalibration) {
+  for (const char* name : {"paper-a", "paper-b", "paper-c"}) {
+    calib::SweepModel model = calib::sweep_model_of_preset(name);
+    for (const int sign : {1, -1}) {
+      model.elevation_sign = sign;
+      PageInput input;
+      input.linkage = &model;
+      const std::vector<float> table = floats_of(decoded(element_of(page_of(input), "linkage")));
+      ASSERT_EQ(table.size(), 8U * 720U);
+      for (std::size_t step = 0; step < 720; ++step) {
+        const double turn_rad = kTwoPi * static_cast<double>(step) / 720.0;
+        const double crank_rad = model.encoder.zero_rad + model.encoder.direction * turn_rad;
+        const float* row = &table[8 * step];
+        const auto elevation = calib::elevation_rad(model, crank_rad);
+        ASSERT_TRUE(elevation.has_value());
+        EXPECT_EQ(row[6], static_cast<float>(*elevation));
+        EXPECT_EQ(row[7], static_cast<float>(calib::solve(model.bars, model.assembly, crank_rad)->transmission_rad));
+        // Drawn upright: from its pivot the rocker points along the elevation.
+        const SinCos<double> along = sin_cos(*elevation);
+        const SinCos<double> ground = sin_cos(model.elevation_offset_rad);
+        const double rocker = model.bars.rocker_m;
+        EXPECT_NEAR(static_cast<double>(row[2]), model.bars.ground_m * ground.cos + rocker * along.cos, 1e-8);
+        EXPECT_NEAR(static_cast<double>(row[3]), model.bars.ground_m * ground.sin + rocker * along.sin, 1e-8);
+        EXPECT_NEAR(std::sqrt(static_cast<double>(row[0] * row[0] + row[1] * row[1])), model.bars.crank_m, 1e-8);
+      }
+    }
+  }
+}
+
+TEST(Page, AMapOfManyCellsIsMadeSmaller) {
+  OccupancyMap map;
+  map.geometry = {.resolution_m = 0.05, .origin_x_m = 1.0, .origin_y_m = 2.0, .width = 9001, .height = 4};
+  map.cells.assign(map.geometry.cell_count(), CellState::kUnknown);
+  map.cells[3] = CellState::kFree;
+  map.cells[4] = CellState::kOccupied;
+  map.cells[5] = CellState::kFree;
+  PageInput input;
+  input.map = &map;
+  const std::string page = page_of(input);
+  EXPECT_THAT(page, HasSubstr("\"width\":3001,\"height\":2,"));
+  // Three by three cells: nothing of the first three, occupied beats free in the second.
+  EXPECT_EQ(decoded(element_of(page, "map")).front(), (0U | 2U << 2U));
+}
+
+}  // namespace
+}  // namespace gdtslam
