@@ -114,7 +114,7 @@ TEST(DistributionPlot, steps_are_the_shares_of_values) {
 
 TEST(DistributionPlot, tells_what_has_no_value) {
   const Canvas canvas = distribution_plot({"", "error", "m", {{"a", {1.0, kNothing}}, {"b", {}}}}, kSize);
-  EXPECT_TRUE(says(canvas, "1 value, 1 not finite"));
+  EXPECT_TRUE(says(canvas, "largest 1.00 m, 1 not finite"));
   EXPECT_TRUE(says(canvas, "b: 0 values"));
 }
 

@@ -86,7 +86,7 @@ void draw_distribution(Plot& plot, const SortedGroup& group, std::size_t number,
   const double most = quantile(group.values, 0.95);
   const std::string name = group.name + (group.name.empty() ? "" : ": ") + "median " + value_text(median, unit) +
                            ", 95 % " + value_text(most, unit) + ", largest " + value_text(group.values.back(), unit) +
-                           (group.without_value == 0 ? "" : ", " + count_text(group));
+                           (group.without_value == 0 ? "" : ", " + std::to_string(group.without_value) + " not finite");
   plot.steps(distribution_of(group.values, to), {.colour = kLightTheme.curve(number), .width = 2.2}, name);
   plot.markers(std::array{Point2(median, 0.5), Point2(most, 0.95)}, Fill{kLightTheme.card}, 6.0);
   plot.markers(std::array{Point2(median, 0.5), Point2(most, 0.95)}, Fill{kLightTheme.curve(number)}, 4.5);

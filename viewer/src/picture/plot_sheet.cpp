@@ -11,7 +11,7 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr double kTextPx = 17.0;
+constexpr double kTextPx = 20.0;
 constexpr double kMarginPx = 24.0;
 
 }  // namespace
