@@ -7,39 +7,16 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"
+#include "unit/viewer/linkage_words.hpp"
 
 namespace gdtslam {
 namespace {
 
-struct Box {
-  double left = 0.0;
-  double top = 0.0;
-  double right = 0.0;
-  double bottom = 0.0;
-  std::string text;
-};
-
-std::vector<Box> boxes_of(const Canvas& canvas) {
-  std::vector<Box> boxes;
-  for (const Shape& shape : canvas.shapes()) {
-    const auto* words = std::get_if<shape::Words>(&shape);
-    if (words == nullptr || words->text.empty()) continue;
-    const double size = words->lettering.size;
-    const double width = text_width(words->text, size, words->lettering.is_bold);
-    const double share = words->lettering.anchor == Anchor::kStart ? 0.0
-                         : words->lettering.anchor == Anchor::kEnd ? 1.0
-                                                                   : 0.5;
-    EXPECT_FALSE(words->is_upright) << words->text;
-    const double left = words->at.x() - share * width;
-    // Greek and digits stand on the line; a quarter more for what hangs below it.
-    boxes.push_back({left, words->at.y() - 0.73 * size, left + width, words->at.y() + 0.12 * size, words->text});
-  }
-  return boxes;
-}
+using namespace testing;
 
 bool has_words(const Canvas& canvas, const std::string& text) {
-  const std::vector<Box> boxes = boxes_of(canvas);
-  return std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) { return box.text == text; });
+  const std::vector<WordBox> boxes = word_boxes(canvas);
+  return std::any_of(boxes.begin(), boxes.end(), [&](const WordBox& box) { return box.text == text; });
 }
 
 std::vector<calib::SweepModel> models() {
@@ -65,21 +42,8 @@ TEST(LinkagePanel, words_are_legible_and_apart) {
          {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{600, 800}, PictureSize{480, 270}}) {
       for (const double turn : {0.0, 2.3}) {
         const Canvas canvas = scene.picture(scene.shown_crank_rad() + turn, size);
-        const std::vector<Box> boxes = boxes_of(canvas);
-        EXPECT_GT(boxes.size(), 10U);
-        for (std::size_t i = 0; i < boxes.size(); ++i) {
-          const Box& a = boxes[i];
-          const std::string where = model.name + " " + std::to_string(size.width) + ": " + a.text;
-          EXPECT_GE(a.left, 0.0) << where;
-          EXPECT_LE(a.right, canvas.width()) << where;
-          EXPECT_LE(a.bottom, canvas.height()) << where;
-          EXPECT_GE(a.bottom - a.top, 0.85 * 8.0) << where;
-          for (std::size_t k = 0; k < i; ++k) {
-            const Box& b = boxes[k];
-            const bool is_apart = a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
-            EXPECT_TRUE(is_apart) << where << " over " << b.text;
-          }
-        }
+        EXPECT_GT(word_boxes(canvas).size(), 10U);
+        expect_legible(canvas, model.name + " " + std::to_string(size.width));
       }
     }
   }
@@ -122,7 +86,7 @@ TEST(LinkagePanel, small_pictures_are_the_scene_alone) {
   const GraphicsContext graphics;
   LinkageScene scene(graphics, calib::sweep_model_of_preset("paper-b"), {.samples = 1});
   const Canvas canvas = scene.picture(1.0, {200, 160});
-  EXPECT_TRUE(boxes_of(canvas).empty());
+  EXPECT_TRUE(word_boxes(canvas).empty());
   EXPECT_EQ(canvas.shapes().size(), 1U);
 }
 

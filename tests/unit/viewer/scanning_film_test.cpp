@@ -10,6 +10,7 @@
 #include "scene/linkage_cycle.hpp"
 #include "scene/scanning_scene.hpp"
 #include "support/image_compare.hpp"
+#include "unit/viewer/linkage_words.hpp"
 #include "unit/viewer/scanning_room.hpp"
 
 namespace gdtslam {
@@ -99,6 +100,22 @@ TEST(ScanningFilm, runs_through_the_stretch) {
   EXPECT_EQ(start.height, 360U);
   EXPECT_GT(difference_of(start, end).share_clear, 0.05);
   EXPECT_EQ(raster_of(film->frame(0)).pixels, start.pixels) << "any order of frames gives the same";
+}
+
+TEST(ScanningFilm, words_are_legible_and_apart) {
+  const GraphicsContext graphics;
+  const ScanningRoom room;
+  const Cloud cloud = room.cloud();
+  const Trajectory trajectory = room.trajectory();
+  const ScanningFilmInput input{
+      .cloud = &cloud, .trajectory = &trajectory, .model = &room.model, .from_s = 0.0, .to_s = room.length_s};
+  CloudCaption caption;
+  caption.title = "round room";
+  caption.subtitle = "57,920 points";
+  for (const PictureSize& size : {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{480, 640}}) {
+    const auto film = scanning_film(graphics, input, quick_look(), caption, size, 3);
+    for (const std::size_t k : {0U, 1U, 2U}) expect_legible(film->frame(k), std::to_string(size.width));
+  }
 }
 
 TEST(ScanningFilm, needs_all_its_parts) {

@@ -111,12 +111,18 @@ struct LinkageScene::State {
       const Point2 away = Point2(rim->x_px - inner->x_px, rim->y_px - inner->y_px).normalized();
       const double text = 1.05 * sheet.text;
       const bool is_side = std::fabs(away.x()) > 0.6;
-      const Point2 at = sheet.scene.corner + Point2(rim->x_px, rim->y_px) +
-                        Point2(0.6 * text * away.x(), (is_side ? 0.35 : (away.y() < 0.0 ? -0.4 : 1.2)) * text);
-      canvas.text(at, degrees_text(elevation_rad),
+      const std::string words = degrees_text(elevation_rad);
+      const double width = text_width(words, text, true);
+      // By its left end, which keeps it within the card where the rim comes close to the edge.
+      const double share = !is_side ? 0.5 : (away.x() > 0.0 ? 0.0 : 1.0);
+      const double left = rim->x_px + 0.6 * text * away.x() - share * width;
+      const double drop = is_side ? 0.35 : (away.y() < 0.0 ? -0.4 : 1.2);
+      const Point2 at = sheet.scene.corner +
+                        Point2(std::clamp(left, 0.4 * text, std::max(0.4 * text, size.width - width - 0.4 * text)),
+                               rim->y_px + drop * text);
+      canvas.text(at, words,
                   {.size = text,
                    .colour = look.is_dark ? panel.theme().curve(4) : ink::kLaserText,
-                   .anchor = !is_side ? Anchor::kMiddle : (away.x() > 0.0 ? Anchor::kStart : Anchor::kEnd),
                    .is_bold = true,
                    .has_halo = true,
                    .halo = panel.theme().card});

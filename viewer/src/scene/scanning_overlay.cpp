@@ -59,9 +59,9 @@ ScanningOverlay::ScanningOverlay(const ScanningTrack& track, const CloudLook& lo
   highest_deg_ += margin_deg;
   if (size.width < kLeastWidth || size.height < kLeastHeight) return;
   const double margin = std::round(1.4 * text_);
-  const double height = std::round(std::max(0.24 * size.height, 11.0 * text_));
-  const double wide = std::round(std::clamp(0.36 * size.width, 24.0 * text_, 46.0 * text_));
-  plot_ = {{margin, size.height - margin - height}, std::min(wide, 0.58 * size.width), height};
+  const double height = std::round(std::max(0.24 * std::min<double>(size.height, 0.75 * size.width), 11.0 * text_));
+  const double wide = std::round(std::clamp(0.36 * size.width, 20.0 * text_, 46.0 * text_));
+  plot_ = {{margin, size.height - margin - height}, std::min(wide, std::round(0.37 * size.width)), height};
   const double inset_width = std::round(std::min(1.25 * 1.4 * height, size.width - plot_.width - 3.0 * margin));
   const double inset_height = std::round(1.4 * height);
   inset_ = {{size.width - margin - inset_width, size.height - margin - inset_height}, inset_width, inset_height};
@@ -119,13 +119,18 @@ void ScanningOverlay::draw_figures(Canvas& canvas, const ScanningMoment& moment,
 
 void ScanningOverlay::draw_plot(Canvas& canvas, const ScanningMoment& moment) const {
   draw_card(canvas, plot_);
-  canvas.text(plot_.corner + Point2(1.1 * text_, 1.65 * text_), "Elevation θ* in degrees over time in s",
-              {.size = 1.05 * text_, .colour = theme_.text, .is_bold = true});
-  canvas.text(plot_.corner + Point2(plot_.width - 1.1 * text_, 1.75 * text_), degrees(moment.elevation_rad),
+  const std::string value = degrees(moment.elevation_rad);
+  canvas.text(plot_.corner + Point2(plot_.width - 1.1 * text_, 1.75 * text_), value,
               {.size = 1.45 * text_,
                .colour = look_.is_dark ? theme_.curve(4) : ink::kLaserText,
                .anchor = Anchor::kEnd,
                .is_bold = true});
+  const double room = plot_.width - 3.2 * text_ - text_width("−000.0°", 1.45 * text_, true);
+  const auto fits = [&](const char* words) { return text_width(words, 1.05 * text_, true) <= room; };
+  const char* whole = "Elevation θ* in degrees over time in s";
+  const char* heading = fits(whole) ? whole : (fits("Elevation θ*") ? "Elevation θ*" : "θ*");
+  canvas.text(plot_.corner + Point2(1.1 * text_, 1.65 * text_), heading,
+              {.size = 1.05 * text_, .colour = theme_.text, .is_bold = true});
   const double length_s = std::min(track_.to_s() - track_.from_s(), kWindow_s);
   // The moment stays at four fifths of a window that runs along.
   const double from_s = std::clamp(moment.stamp_s - 0.8 * length_s, track_.from_s(), track_.to_s() - length_s);
