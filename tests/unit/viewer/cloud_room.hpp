@@ -25,7 +25,7 @@ inline Cloud room_cloud(std::size_t points_per_m2 = 900, double noise_m = 0.004)
   for (std::size_t k = 0; k < cloud.size(); ++k) {
     cloud[k].stamp_s = 100.0 + 0.001 * static_cast<double>(k);
     cloud[k].scan = static_cast<std::uint32_t>(k / 500);
-    cloud[k].elevation_rad = static_cast<float>(0.5 * random.uniform() - 0.2);
+    cloud[k].elevation_rad = 0.1F * cloud[k].x_m - 0.3F;
   }
   return cloud;
 }
@@ -54,10 +54,12 @@ inline std::size_t covered(const RgbaImage& image, Colour background) {
   return count;
 }
 
+/// Along x at 0.03 m/s from (1, kPathY), seen over the walls from everywhere.
+inline constexpr double kPathY = 3.6;
 inline Trajectory room_path() {
   Trajectory path;
   for (int k = 0; k <= 100; ++k) {
-    path.push_back({.stamp_s = 100.0 + k, .T_map_base = {.x_m = 1.0 + 0.03 * k, .y_m = 1.0, .theta_rad = 0.0}});
+    path.push_back({.stamp_s = 100.0 + k, .T_map_base = {.x_m = 1.0 + 0.03 * k, .y_m = kPathY, .theta_rad = 0.0}});
   }
   return path;
 }

@@ -208,7 +208,7 @@ TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
   const RgbaImage with = scene.render(over_the_room(), kSize);
   std::size_t lit = 0;
   for (double x_m = 1.2; x_m < 3.8; x_m += 0.05) {
-    const auto at = pixel_of(over_the_room(), kSize, {x_m, 1.0, 0.0});
+    const auto at = pixel_of(over_the_room(), kSize, {x_m, kPathY, 0.0});
     const auto x = static_cast<std::uint32_t>(at->x_px);
     const auto y = static_cast<std::uint32_t>(at->y_px);
     if (with.at(x, y)[0] > without.at(x, y)[0] + 60) ++lit;
@@ -216,7 +216,7 @@ TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
   EXPECT_GE(lit, 52U) << "without a gap";
   scene.show_until(150.0);
   const RgbaImage half = scene.render(over_the_room(), kSize);
-  const auto late = pixel_of(over_the_room(), kSize, {3.5, 1.0, 0.0});
+  const auto late = pixel_of(over_the_room(), kSize, {3.5, kPathY, 0.0});
   const auto x = static_cast<std::uint32_t>(late->x_px);
   const auto y = static_cast<std::uint32_t>(late->y_px);
   EXPECT_LT(half.at(x, y)[0], with.at(x, y)[0]) << "not driven yet";

@@ -21,6 +21,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kPathWidthShare = 1.0 / 260.0;  // of the picture's height
+constexpr double kLeastPathWidth_px = 1.6;
 constexpr double kLeastPathWidth_m = 0.03;
 constexpr double kLargestPathWidth_m = 2.0;
 constexpr double kMapBelow_m = 0.03;  // under the floor's points
@@ -130,7 +131,7 @@ RgbaImage CloudScene::render(const Camera& camera, const PictureSize& size) {
                       .samples = s.look.samples},
                      camera, size);
   const double scale_px = pixels_per_metre(camera, size, camera.target);
-  const double width_m = kPathWidthShare * size.height / std::max(scale_px, 1e-6);
+  const double width_m = std::max(kLeastPathWidth_px, kPathWidthShare * size.height) / std::max(scale_px, 1e-6);
   s.path.prepare(std::clamp(width_m, kLeastPathWidth_m, kLargestPathWidth_m));
   return s.view.render(camera, size);
 }

@@ -1,0 +1,122 @@
+// Films of a cloud: that they close, grow and end as they should, and leave the scene as it was.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/viewer/film.hpp"
+#include "support/image_compare.hpp"
+#include "unit/viewer/cloud_room.hpp"
+
+namespace gdtslam::testing {
+namespace {
+
+const PictureSize kSize{160, 90};
+const CloudCaption kBare{
+    .title = "", .subtitle = "", .with_scale_bar = false, .with_axes = false, .with_colour_bar = false};
+
+std::shared_ptr<const RgbaImage> scene_of(const Canvas& frame) {
+  for (const Shape& shape : frame.shapes()) {
+    if (const auto* picture = std::get_if<shape::Picture>(&shape)) return picture->image;
+  }
+  return nullptr;
+}
+
+class CloudFilmTest : public ::testing::Test {
+ protected:
+  CloudFilmTest() : cloud_(room_cloud(300)), look_(plain_look()), scene_(graphics_, look_) { scene_.set_cloud(cloud_); }
+  GraphicsContext graphics_;
+  Cloud cloud_;
+  CloudLook look_;
+  CloudScene scene_;
+};
+
+TEST_F(CloudFilmTest, OrbitClosesWithoutAJump) {
+  const std::size_t count = 24;
+  const auto film = orbit_film(scene_, look_, kBare, kSize, count);
+  ASSERT_EQ(film->frames(), count);
+  std::vector<std::shared_ptr<const RgbaImage>> frames;
+  for (std::size_t k = 0; k < count; ++k) frames.push_back(scene_of(film->frame(k)));
+  std::vector<double> steps;
+  for (std::size_t k = 0; k < count; ++k) {
+    steps.push_back(difference_of(*frames[k], *frames[(k + 1) % count]).mean);
+  }
+  for (const double step : steps) EXPECT_GT(step, 1.0) << "each frame is another picture";
+  const double largest = *std::max_element(steps.begin(), steps.end() - 1);
+  EXPECT_LE(steps.back(), largest) << "from the last to the first no more than elsewhere";
+  EXPECT_EQ(scene_of(film->frame(0))->pixels, frames[0]->pixels) << "frames may be asked for in any order";
+}
+
+TEST_F(CloudFilmTest, OrbitKeepsTheWholeRoomInThePicture) {
+  const auto film = orbit_film(scene_, look_, kBare, kSize, 12);
+  for (std::size_t k = 0; k < film->frames(); ++k) {
+    const auto image = scene_of(film->frame(k));
+    for (std::uint32_t x = 0; x < kSize.width; ++x) {
+      ASSERT_TRUE(is_colour(image->at(x, 0), ink::kNight) && is_colour(image->at(x, kSize.height - 1), ink::kNight));
+    }
+    EXPECT_GT(covered(*image, ink::kNight), kSize.width * kSize.height / 8) << "and large";
+  }
+}
+
+TEST_F(CloudFilmTest, FollowFilmGrowsAndEndsWithAllMeasuredTillThen) {
+  const Trajectory path = room_path();
+  scene_.set_trajectory(path);
+  const auto whole = scene_.points_drawn();
+  const RgbaImage before = scene_.render(fitting_camera(CameraPreset::kTop, scene_.bounds(), kSize), kSize);
+  {
+    const auto film = follow_film(scene_, path, look_, kBare, kSize, 6);
+    std::uint64_t last = 0;
+    for (std::size_t k = 0; k < film->frames(); ++k) {
+      const Canvas frame = film->frame(k);
+      EXPECT_EQ(scene_of(frame)->width, kSize.width);
+      const double stamp_s = 100.0 + 100.0 * static_cast<double>(k) / 5.0;
+      std::uint64_t expected = 0;
+      for (const CloudPoint& point : cloud_) {
+        if (point.stamp_s <= stamp_s && point.z_m < 2.25F) ++expected;
+      }
+      EXPECT_NEAR(static_cast<double>(scene_.points_drawn()), static_cast<double>(expected),
+                  0.01 * static_cast<double>(whole));
+      EXPECT_GE(scene_.points_drawn(), last);
+      last = scene_.points_drawn();
+    }
+  }
+  EXPECT_EQ(scene_.points_drawn(), whole) << "the scene is as it was";
+  const RgbaImage after = scene_.render(fitting_camera(CameraPreset::kTop, scene_.bounds(), kSize), kSize);
+  EXPECT_EQ(after.pixels, before.pixels);
+}
+
+TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
+  const Trajectory path = room_path();
+  const auto film = follow_film(scene_, path, look_, kBare, kSize, 5);
+  for (std::size_t k = 0; k < film->frames(); ++k) {
+    const auto with = scene_of(film->frame(k));
+    const double x_m = 1.0 + 3.0 * static_cast<double>(k) / 4.0;
+    const Camera camera = follow_camera({.x_m = x_m, .y_m = kPathY, .theta_rad = 0.0}, 9.0);
+    scene_.set_robot(std::nullopt);
+    const RgbaImage without = scene_.render(camera, kSize);
+    std::size_t changed = 0;
+    double x = 0.0;
+    for (std::uint32_t row = 0; row < kSize.height; ++row) {
+      for (std::uint32_t column = 0; column < kSize.width; ++column) {
+        const std::uint8_t* was = without.at(column, row);
+        if (is_colour(with->at(column, row), {was[0], was[1], was[2]}, 4)) continue;
+        ++changed;
+        x += column;
+      }
+    }
+    ASSERT_GT(changed, 8U) << "the robot is seen, and nothing else differs from a picture of that camera";
+    ASSERT_LT(changed, 500U);
+    EXPECT_NEAR(x / static_cast<double>(changed), 80.0, 4.0);
+  }
+}
+
+TEST_F(CloudFilmTest, WhatMakesNoFilmIsSaid) {
+  EXPECT_THROW(orbit_film(scene_, look_, kBare, kSize, 0), UsageError);
+  EXPECT_THROW(follow_film(scene_, {}, look_, kBare, kSize, 5), InputError);
+  EXPECT_NO_THROW(follow_film(scene_, {room_path().front()}, look_, kBare, kSize, 1)->frame(0));
+}
+
+}  // namespace
+}  // namespace gdtslam::testing
