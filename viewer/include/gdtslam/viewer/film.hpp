@@ -23,10 +23,12 @@ class Film {
   virtual Canvas frame(std::size_t k) = 0;
 };
 
-/// Once around the cloud; the last frame is followed by the first without a jump.
+/// Once around the cloud; the last frame is followed by the first without a jump. The scene must outlive the film.
+/// Throws UsageError for no frames.
 std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const CloudCaption& caption,
                                  const PictureSize& size, std::size_t frames);
-/// Behind the robot along its path; points appear when they are measured.
+/// Behind the robot along its path, time running evenly; points appear when they are measured. Afterwards the scene
+/// shows all again, without a robot. Throws InputError for a trajectory without poses.
 std::unique_ptr<Film> follow_film(CloudScene& scene, const Trajectory& trajectory, const CloudLook& look,
                                   const CloudCaption& caption, const PictureSize& size, std::size_t frames);
 
