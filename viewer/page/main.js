@@ -44,7 +44,7 @@ async function loadPoints(cloudView) {
   const points = cloudView.points;
   while (points && points.takeNext()) {
     byId('loading').textContent = `${grouped(points.loaded)} of ${grouped(points.about.count)} points`;
-    cloudView.request();
+    cloudView.moved();
     await new Promise((resolve) => setTimeout(resolve));
   }
   byId('loading').textContent = '';

@@ -75,7 +75,8 @@ class Browser:
         self.resize(width, height)
 
     def resize(self, width, height, scale=1):
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=False)
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale,
+                  mobile=False)
 
     def call(self, method, timeout_s=120, **parameters):
         self.last_id += 1
@@ -138,7 +139,8 @@ class Browser:
 
     def settle(self):
         """Waits until two frames have been drawn and nothing moves any more."""
-        self.value("new Promise((done) => setTimeout(() => requestAnimationFrame(() => requestAnimationFrame(done)), 260))")
+        self.value("new Promise((done) => setTimeout(() => requestAnimationFrame(() => requestAnimationFrame(done)),"
+                   " 260))")
 
     def screenshot(self, path=None):
         png = base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
@@ -184,7 +186,11 @@ class Browser:
             self.call("Browser.close", 10)
         except (ProtocolError, OSError):
             self.process.kill()
-        self.process.wait(20)
+        try:
+            self.process.wait(20)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
         for end in (self.read_end, self.write_end):
             os.close(end)
         self.log.close()

@@ -80,7 +80,7 @@ class SceneTest(BrowserCase):
         browser = self.open(self.path("c.html"))
         browser.value("Object.assign(gdtslam.view.layers, {floor: true, ceiling: true, grid: false})")
         state = state_of(browser)
-        width, height = browser.value("(window.kept = gdtslam.picture(), [gdtslam.camera.width, gdtslam.camera.height])")
+        points = [(x, y, z, 0.0, 0.0, 0) for x in (0.0, 4.0) for y in (0.0, 3.0) for z in (0.0, 2.0)] * 3
         background = browser.value("gdtslam.at(window.kept, 2, 2)")
         cy, sy, cp, sp = (f(state[a]) for a in ("yaw", "pitch") for f in (math.cos, math.sin))
         back, right, up = (cp * cy, cp * sy, sp), (-sy, cy, 0.0), (-sp * cy, -sp * sy, cp)

@@ -1,4 +1,5 @@
-# Reads a page as page_of writes it, and nothing of page_of: layout by viewer/src/page/page_cloud.hpp and page_layers.hpp.
+# Reads a page as page_of writes it, without any of its code; the layout is that of viewer/src/page/page_cloud.hpp and
+# page_layers.hpp.
 import base64
 import json
 import re
@@ -21,8 +22,8 @@ class PageFile:
         return base64.b64decode(self.element(name), validate=True)
 
     def points(self):
-        """(x, y, z, stamp, elevation, scan, distance, level) of each point in the order of the cloud's kept points; what
-        a field of 8 or 16 bits stands for is computed, the level is a code."""
+        """(x, y, z, stamp, elevation, scan, distance, level) of each point in the order of the cloud's kept points; the
+        level is a code, the others are what their 8 or 16 bits stand for."""
         about = self.description["cloud"]
         data = b"".join(self.bytes_of(f"points-{k}") for k in range(about["elements"]))
         count = about["count"]
@@ -41,7 +42,8 @@ class PageFile:
     def path(self):
         x, y, _ = self.description["origin"]
         first = self.description["path"]["first"]
-        return [(first + t, px + x, py + y, heading) for px, py, heading, t in struct.iter_unpack("<4f", self.bytes_of("path"))]
+        poses = struct.iter_unpack("<4f", self.bytes_of("path"))
+        return [(first + t, px + x, py + y, heading) for px, py, heading, t in poses]
 
     def map_cells(self):
         """0 unknown, 1 free, 2 occupied; the lower left cell first."""

@@ -75,7 +75,8 @@ class DataTest(Case):
         about = PageFile(page).description["cloud"]
         beginning = sorted(k * about["step"] % about["count"] for k in range(100))
         gaps = [b - a for a, b in zip(beginning, beginning[1:])]
-        self.assertLess(max(gaps), 2.7 * len(points) / 100)  # three lengths of gaps, the longest at most phi^2 times even
+        # Multiples of the golden ratio leave gaps of at most phi^2 times the even one.
+        self.assertLess(max(gaps), 2.7 * len(points) / 100)
 
     def test_stray_points_are_left_out_and_told(self):
         points, _, _ = room()
