@@ -172,7 +172,7 @@ def nodding_full_disk():
     before = digests(run)
     count_file = drive.folder / "count"
     environment = {**os.environ, "LD_PRELOAD": os.environ["FULL_DISK"], "FULL_DISK_COUNT": str(count_file)}
-    for options in (["--set", "cloud.remove=none"], ["--set", "cloud.remove=both"], ["--no-cloud"]):
+    for options in (["--set", "cloud.remove=none"], ["--set", "cloud.remove=both", "--no-pictures"], ["--no-cloud"]):
         expect_exit(command(*arguments, "-o", drive.folder / "counted", *options, env={**environment, "FULL_DISK_AT": "0"}), 0)
         count = int(count_file.read_text())
         expect(count >= 2 * len(cli.OUTPUTS), f"only {count} writes were seen")

@@ -87,13 +87,19 @@ std::string RenderStudio::subtitle(std::uint64_t points) const {
   return text + fmt::format(", {:.1f} m of path", summary.path_m);
 }
 
-Cloud RenderStudio::cloud(std::uint64_t most) {
+Cloud RenderStudio::whole_cloud() {
   ProgressLine progress("points", options_.quiet);
   Cloud whole = first().cloud([&progress](std::uint64_t done, double share) { progress.update(done, share); });
   whole_points_ = whole.size();
-  const std::uint64_t limit = options_.points > 0 ? options_.points : most;
-  return limit > 0 && limit < whole.size() ? thinned_for_film(whole, limit) : whole;
+  return whole;
 }
+
+Cloud RenderStudio::thinned(Cloud cloud, std::uint64_t most) const {
+  const std::uint64_t limit = options_.points > 0 ? options_.points : most;
+  return limit > 0 && limit < cloud.size() ? thinned_for_film(cloud, limit) : cloud;
+}
+
+Cloud RenderStudio::cloud(std::uint64_t most) { return thinned(whole_cloud(), most); }
 
 std::vector<float> RenderStudio::distances(const Cloud& cloud) {
   if (options_.reference.empty()) {
@@ -170,7 +176,7 @@ Canvas RenderStudio::still(const RenderView& view, const std::optional<PictureSi
 }
 
 std::unique_ptr<Film> RenderStudio::film(const RenderView& view, const PictureSize& size, std::size_t frames) {
-  return film_of(view, size, frames, kFilmPoints);
+  return film_of(view, size, frames, view.name == "follow" ? kFollowPoints : kFilmPoints);
 }
 
 std::unique_ptr<Film> RenderStudio::film_of(const RenderView& view, const PictureSize& size, std::size_t frames,
@@ -182,11 +188,15 @@ std::unique_ptr<Film> RenderStudio::film_of(const RenderView& view, const Pictur
   return follow_film(scene, first().trajectory(), look_, caption(), size, frames);
 }
 
+// Only what is measured until the end is thinned, so that the stretch of the log has all the points.
 std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
   look_ = look_of(render_view("scan"), points > 0);
-  drawn_ = cloud(points);
-  points_drawn_ = drawn_.size();
   const Stretch time = stretch(kLongestScan_s);
+  drawn_ = whole_cloud();
+  std::erase_if(drawn_, [&time](const CloudPoint& point) { return !(point.stamp_s <= time.to_s); });
+  if (drawn_.empty()) throw InputError({first().input(), 0}, "has no points of that time");
+  drawn_ = thinned(std::move(drawn_), points);
+  points_drawn_ = drawn_.size();
   const ScanningFilmInput input{.cloud = &drawn_,
                                 .trajectory = &first().trajectory(),
                                 .model = &first().linkage(),

@@ -28,6 +28,7 @@ struct FilmLength {
 
 /// Points of a cloud that one picture of a film draws, where --points does not say otherwise.
 inline constexpr std::uint64_t kFilmPoints = 500'000;
+inline constexpr std::uint64_t kFollowPoints = 1'000'000;  ///< seen from near
 /// Of a still where --size does not say otherwise and the content has no shape of its own.
 inline constexpr PictureSize kStillSize{1600, 1000};
 /// As wide, as high as content of these proportions needs.
@@ -59,6 +60,9 @@ class RenderStudio {
 
  private:
   RenderSource& first() { return sources_.front(); }
+  Cloud whole_cloud();
+  /// To what --points says, else to at most `most`; 0: all.
+  [[nodiscard]] Cloud thinned(Cloud cloud, std::uint64_t most) const;
   GraphicsContext& graphics();
   /// `points`: at most so many; 0 for a still, which has all.
   CloudScene& cloud_scene(const RenderView& view, std::uint64_t points);

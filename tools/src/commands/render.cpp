@@ -243,8 +243,9 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
       ->group("Data");
   command.add_flag("--squared", chosen.is_squared, "Of cells: squared distances, as figure 3 has them")->group("Data");
   command
-      .add_option("--points", chosen.points,
-                  "Thin a cloud to at most N points [films 300,000, .html 500,000, .gltf 1,000,000, else all]")
+      .add_option(
+          "--points", chosen.points,
+          "Thin a cloud to at most N points [films 500,000, follow and .gltf\n1,000,000, .html 500,000, else all]")
       ->type_name("N")
       ->check(whole_number_from(1))
       ->group("Data");
