@@ -77,7 +77,7 @@ FieldView field_view(const GlobalField& map) {
 }
 
 CertifiedMap::CertifiedMap(const FieldView& field, Isa isa)
-    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field)) {}
+    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field, isa)) {}
 CertifiedMap::~CertifiedMap() = default;
 std::size_t CertifiedMap::bytes() const { return bounds_->bytes(); }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "gdtslam/compute/host_kernels.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -116,11 +118,34 @@ void take_samples(const Bytes& bytes, std::size_t dilation, BoundLevel& level) {
   }
 }
 
+MinorantLevels minorants_of(const FieldView& field, Isa isa) {
+  constexpr std::uint32_t kMargins = 2 * FieldMinorant::kMargin;
+  MinorantLevels levels{.width = field.width + kMargins,
+                        .height = field.height + kMargins,
+                        .constant_unit = FieldMinorant::unit_for(field.cap),
+                        .first_word = {},
+                        .words = {}};
+  const std::size_t words = std::size_t{levels.width} * levels.height;
+  levels.words.resize(words * MinorantLevels::kReaches.size());
+  for (std::size_t k = 0; k < MinorantLevels::kReaches.size(); ++k) {
+    levels.first_word[k] = static_cast<std::uint32_t>(k * words);
+    const FieldMinorant::Params params{.width = field.width,
+                                       .height = field.height,
+                                       .stride = field.stride,
+                                       .cap = field.cap,
+                                       .reach = MinorantLevels::kReaches[k],
+                                       .constant_unit = levels.constant_unit};
+    field_minorant_host(isa, params, field.cells, levels.words.data() + k * words);
+  }
+  return levels;
+}
+
 }  // namespace
 
 std::int32_t aligned_down(std::int32_t cell) { return cell & ~(kBoundAlignment - 1); }
 
-BoundFields::BoundFields(const FieldView& field) : unit_(std::max(1U, (field.cap + 254U) / 255U)) {
+BoundFields::BoundFields(const FieldView& field, Isa isa)
+    : unit_(std::max(1U, (field.cap + 254U) / 255U)), minorants_(minorants_of(field, isa)) {
   const Bytes plain = bytes_of(field, unit_);
   Bytes dilated = plain;
   std::int32_t reached = 0;
@@ -140,7 +165,7 @@ BoundFields::BoundFields(const FieldView& field) : unit_(std::max(1U, (field.cap
 }
 
 std::size_t BoundFields::bytes() const {
-  std::size_t sum = 0;
+  std::size_t sum = minorants_.words.size() * sizeof(std::uint32_t);
   for (const BoundLevel& level : levels_) sum += level.samples.size();
   return sum;
 }

@@ -35,19 +35,31 @@ constexpr std::int32_t kBoundAlignment = 64;
 /// The largest multiple of kBoundAlignment that is not larger.
 std::int32_t aligned_down(std::int32_t cell);
 
+/// Affine minorants of the field around each cell, for squares of several half widths.
+struct MinorantLevels {
+  static constexpr std::array<std::uint32_t, 3> kReaches{1, 2, 3};  ///< cells
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t constant_unit = 1;
+  std::array<std::uint32_t, kReaches.size()> first_word{};
+  std::vector<std::uint32_t> words;
+};
+
 class BoundFields {
  public:
-  explicit BoundFields(const FieldView& field);
+  BoundFields(const FieldView& field, Isa isa);
 
   /// From wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.
   [[nodiscard]] std::span<const BoundLevel> levels() const { return levels_; }
   /// A sample times this is a lower bound in 1/256 cell.
   [[nodiscard]] std::uint32_t unit() const { return unit_; }
+  [[nodiscard]] const MinorantLevels& minorants() const { return minorants_; }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   std::uint32_t unit_ = 1;
   std::vector<BoundLevel> levels_;
+  MinorantLevels minorants_;
 };
 
 }  // namespace gdtslam

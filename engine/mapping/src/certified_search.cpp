@@ -10,13 +10,18 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::uint64_t kMostTopBoxes = 400000;
+constexpr std::uint64_t kMostTopBoxes = 150000;
 constexpr std::int32_t kTopSpacingBits = 3;  // where searches begin that are small enough
 constexpr std::uint32_t kWideTile = 16;
 constexpr std::uint32_t kWideTileRows = 4;
 // Boxes below the narrowest fields are halved so often: half a cell to 1/4096 of one.
 constexpr std::int32_t kParts = 12;
-constexpr float kLeastReference = 40.0F;
+// How many of them ask a field of minorants first.
+constexpr std::int32_t kWideLevels = 2;
+constexpr std::int32_t kWideAbove = 1;    // and how many of those with dilated fields do
+constexpr float kLeastReference = 40.0F;  // cells
+// Of the mean range, by measurement on Intel's map: finer angles cost more boxes, coarser ones blunter bounds.
+constexpr float kReferenceShare = 1.4F;
 // Float32 in the poses of boxes and their angles.
 constexpr float kAngleSlack = 1.0e-6F;
 constexpr double kFloatUnit = 1.0 / 16777216.0;  // 2^-24
@@ -70,7 +75,8 @@ void CertifiedSearch::prepare_points() {
     sum += static_cast<double>(range_of(point));
     farthest = std::max(farthest, range_of(point));
   }
-  reference_ = std::max(kLeastReference, static_cast<float>(sum / static_cast<double>(points_.size())));
+  reference_ =
+      std::max(kLeastReference, kReferenceShare * static_cast<float>(sum / static_cast<double>(points_.size())));
   const double coordinates =
       static_cast<double>(farthest) + static_cast<double>(half_x_ + half_y_) + 2.0 * kBoundAlignment;
   slack_ = static_cast<float>(1.0 / 512.0 + 24.0 * kFloatUnit * coordinates);
@@ -91,8 +97,14 @@ void CertifiedSearch::choose_levels() {
   while (levels[first_level_].spacing_bits > kTopSpacingBits && boxes_at(first_level_ + 1) <= kMostTopBoxes)
     ++first_level_;
   field_levels_ = static_cast<std::int32_t>(levels.size() - first_level_);
-  top_angles_ = static_cast<std::uint32_t>(std::max(1.0F, std::ceil(half_theta_ * reference_ / half_width(0))));
+  top_angles_ = static_cast<std::uint32_t>(
+      std::max(1.0F, std::ceil(half_theta_ * reference_ / std::ldexp(0.5F, levels[first_level_].spacing_bits))));
   top_angle_ = half_theta_ / static_cast<float>(top_angles_);
+  for (std::int32_t level = 0; level <= field_levels_ + kParts; ++level) {
+    half_widths_.push_back(has_fields(level) ? std::ldexp(0.5F, fields(level).spacing_bits)
+                                             : std::ldexp(0.5F, field_levels_ - level));
+    half_angles_.push_back(std::ldexp(top_angle_, -level));
+  }
   bound_points_.resize(static_cast<std::size_t>(field_levels_));
   for (std::int32_t level = 0; level < field_levels_; ++level) {
     const BoundLevel& f = fields(level);
@@ -108,17 +120,25 @@ void CertifiedSearch::choose_levels() {
       }
     }
   }
+  for (std::int32_t level = field_levels_ - kWideAbove; has_wide_minorant(level); ++level) choose_reaches(level);
 }
 
 const BoundLevel& CertifiedSearch::fields(std::int32_t level) const {
   return map_.bounds().levels()[first_level_ + static_cast<std::size_t>(level)];
 }
 
-float CertifiedSearch::half_width(std::int32_t level) const {
-  return has_fields(level) ? std::ldexp(0.5F, fields(level).spacing_bits) : std::ldexp(0.5F, field_levels_ - level);
+// Each point takes the narrowest field that reaches as far as the box moves it.
+void CertifiedSearch::choose_reaches(std::int32_t level) {
+  const MinorantLevels& fields = map_.bounds().minorants();
+  std::vector<BoundPoint>& chosen = wide_points_.emplace_back();
+  const float around = half_width(level) + 0.5F + slack_;
+  for (const PointCells& point : points_) {
+    const float needed = around + range_of(point) * (half_angle(level) + kAngleSlack);
+    std::size_t k = 0;
+    while (k < fields.kReaches.size() && static_cast<float>(fields.kReaches[k]) < needed) ++k;
+    if (k < fields.kReaches.size()) chosen.push_back({point.x, point.y, fields.first_word[k]});
+  }
 }
-
-float CertifiedSearch::half_angle(std::int32_t level) const { return std::ldexp(top_angle_, -level); }
 
 // Covers the window with boxes of the top level and bounds them all.
 void CertifiedSearch::open_window() {
@@ -241,18 +261,8 @@ void CertifiedSearch::expand(const OpenBox& box) {
 }
 
 void CertifiedSearch::halve(const OpenBox& box) {
-  PoseMinorant::Value minorant{};
-  if (!has_fields(box.level)) {
-    minorant = minorant_in(box);
-    ++boxes_;
-  }
-  if (box.level + 1 == field_levels_ + kParts) {
-    OpenBox whole = box;
-    whole.terms = std::max(whole.terms, least_of(minorant, box, box));
-    at_resolution_ = at_resolution_ || whole.terms < enough();
-    give_up(std::max(whole.bound, whole.terms));
-    return;
-  }
+  const std::optional<PoseMinorant::Value> minorant = minorant_in(box);
+  if (!minorant) return;
   const float w = half_width(box.level + 1);
   const float a = half_angle(box.level + 1);
   for (unsigned part = 0; part < 8; ++part) {
@@ -260,12 +270,60 @@ void CertifiedSearch::halve(const OpenBox& box) {
     OpenBox child{.terms = box.terms,
                   .level = box.level + 1,
                   .centre = {box.centre.x + side(1, w), box.centre.y + side(2, w), box.centre.theta + side(4, a)}};
-    if (!has_fields(box.level)) child.terms = std::max(child.terms, least_of(minorant, box, child));
+    child.terms = std::max(child.terms, least_of(*minorant, box, child));
     if (matters(child)) keep(child);
   }
 }
 
-PoseMinorant::Value CertifiedSearch::minorant_in(const OpenBox& box) const {
+// A minorant of a box whose parts may still matter: the quick one where it is enough to close the box, else the one
+// from patches. Nothing where the box is closed.
+std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& box) {
+  ++boxes_;
+  const std::uint32_t prior = box.bound - box.terms;
+  const auto bound_by = [&](const PoseMinorant::Value& minorant) {
+    return std::max(box.terms, least_of(minorant, box, box)) + prior;
+  };
+  if (has_wide_minorant(box.level)) {
+    const PoseMinorant::Value wide = wide_minorant_of(box);
+    const std::uint32_t bound = bound_by(wide);
+    if (bound >= enough()) {
+      give_up(bound);
+      return std::nullopt;
+    }
+    if (has_fields(box.level)) return wide;
+  }
+  const PoseMinorant::Value minorant = patch_minorant_of(box);
+  const std::uint32_t bound = bound_by(minorant);
+  const bool smallest = box.level + 1 == field_levels_ + kParts;
+  if (bound < enough() && !smallest) return minorant;
+  at_resolution_ = at_resolution_ || bound < enough();
+  give_up(bound);
+  return std::nullopt;
+}
+
+// Boxes of one cell and of half a cell: what the fields of minorants are made for.
+bool CertifiedSearch::has_wide_minorant(std::int32_t level) const { return level < field_levels_ + kWideLevels; }
+
+PoseMinorant::Value CertifiedSearch::wide_minorant_of(const OpenBox& box) const {
+  const MinorantLevels& fields = map_.bounds().minorants();
+  const std::vector<BoundPoint>& points =
+      wide_points_[static_cast<std::size_t>(box.level - field_levels_ + kWideAbove)];
+  constexpr auto kMargin = static_cast<std::int32_t>(FieldMinorant::kMargin);
+  const PoseMinorantWide::Params params{.width = fields.width,
+                                        .height = fields.height,
+                                        .anchor_x = cost_params_.anchor_x + kMargin,
+                                        .anchor_y = cost_params_.anchor_y + kMargin,
+                                        .point_count = static_cast<std::uint32_t>(points.size()),
+                                        .constant_unit = fields.constant_unit,
+                                        .half_angle = half_angle(box.level) + kAngleSlack,
+                                        .slack = slack_};
+  const PoseCandidate centre{box.centre.x, box.centre.y, box.centre.theta, 0};
+  PoseMinorant::Value value;
+  pose_minorant_wide_host(map_.isa(), params, fields.words.data(), points.data(), &centre, 1, &value);
+  return value;
+}
+
+PoseMinorant::Value CertifiedSearch::patch_minorant_of(const OpenBox& box) const {
   const FieldView& field = map_.field();
   const PoseMinorant::Params params{.width = field.width,
                                     .height = field.height,

@@ -32,12 +32,13 @@ class CertifiedSearch {
 
  private:
   void choose_levels();
+  void choose_reaches(std::int32_t level);
   void prepare_points();
   [[nodiscard]] std::uint64_t boxes_at(std::size_t level) const;
   [[nodiscard]] bool has_fields(std::int32_t level) const { return level < field_levels_; }
   [[nodiscard]] const BoundLevel& fields(std::int32_t level) const;
-  [[nodiscard]] float half_width(std::int32_t level) const;
-  [[nodiscard]] float half_angle(std::int32_t level) const;
+  [[nodiscard]] float half_width(std::int32_t level) const { return half_widths_[static_cast<std::size_t>(level)]; }
+  [[nodiscard]] float half_angle(std::int32_t level) const { return half_angles_[static_cast<std::size_t>(level)]; }
 
   // Bounds.
   void open_window();
@@ -46,7 +47,10 @@ class CertifiedSearch {
   void bound_tiles(std::int32_t level, std::span<const PoseCandidate> corners, std::uint32_t tile_width,
                    std::uint32_t tile_height, std::uint32_t known_bound);
   void keep(OpenBox box);
-  [[nodiscard]] PoseMinorant::Value minorant_in(const OpenBox& box) const;
+  [[nodiscard]] bool has_wide_minorant(std::int32_t level) const;
+  std::optional<PoseMinorant::Value> minorant_in(const OpenBox& box);
+  [[nodiscard]] PoseMinorant::Value patch_minorant_of(const OpenBox& box) const;
+  [[nodiscard]] PoseMinorant::Value wide_minorant_of(const OpenBox& box) const;
   [[nodiscard]] std::uint32_t least_of(const PoseMinorant::Value& minorant, const OpenBox& box,
                                        const OpenBox& part) const;
   [[nodiscard]] bool matters(const OpenBox& box) const;
@@ -83,11 +87,15 @@ class CertifiedSearch {
   PriorParams prior_;
   PoseCost::Params cost_params_;
 
-  std::size_t first_level_ = 0;    // of the map's levels
-  std::int32_t field_levels_ = 0;  // how many of them are used
+  std::size_t first_level_ = 0;     // of the map's levels
+  std::int32_t field_levels_ = 0;   // how many of them are used
+  std::vector<float> half_widths_;  // of the boxes of each level
+  std::vector<float> half_angles_;
   float top_angle_ = 0.0F;
   std::uint32_t top_angles_ = 1;
   std::vector<std::vector<BoundPoint>> bound_points_;  // of each of those levels
+
+  std::vector<std::vector<BoundPoint>> wide_points_;  // of the first levels without dilated fields
 
   std::uint32_t gap_ = 0;      // cost units
   std::vector<OpenBox> open_;  // a heap once the window is open

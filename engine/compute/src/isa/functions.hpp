@@ -108,6 +108,11 @@ struct IsaFunctions {
                       const PoseCandidate* tiles, std::uint32_t count, std::uint32_t* sums);
   void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
                         const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
+  /// Rows [begin, end) of the minorants.
+  void (*field_minorant)(const FieldMinorant::Params&, const std::uint16_t* field, std::uint32_t* minorants,
+                         std::uint32_t begin, std::uint32_t end);
+  void (*pose_minorant_wide)(const PoseMinorantWide::Params&, const std::uint32_t* minorants, const BoundPoint* points,
+                             const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
   /// Beams [begin, end).
   void (*sweep_points)(const SweepPoints::Params&, const SweepBuffers&, std::uint32_t begin, std::uint32_t end);
 };

@@ -33,6 +33,8 @@ namespace {
 #include "kernels/choose_pose.inl"
 #include "kernels/pose_bounds.inl"
 #include "kernels/pose_minorant.inl"
+#include "kernels/pose_minorant_wide.inl"
+#include "kernels/field_minorant.inl"
 #include "kernels/sweep_points.inl"
 // clang-format on
 
@@ -60,6 +62,8 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .choose_pose = choose_pose,
     .pose_bounds = pose_bounds,
     .pose_minorant = pose_minorant,
+    .field_minorant = field_minorant,
+    .pose_minorant_wide = pose_minorant_wide,
     .sweep_points = sweep_points,
 };
 

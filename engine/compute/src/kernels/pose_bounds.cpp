@@ -21,4 +21,17 @@ void pose_minorant_host(Isa isa, const PoseMinorant::Params& params, const std::
   functions_or_throw(isa).pose_minorant(params, field, points, boxes, count, values);
 }
 
+void field_minorant_host(Isa isa, const FieldMinorant::Params& params, const std::uint16_t* field,
+                         std::uint32_t* minorants) {
+  assert(params.reach >= 1 && params.reach < FieldMinorant::kMargin && params.stride >= params.width);
+  functions_or_throw(isa).field_minorant(params, field, minorants, 0, params.height + 2 * FieldMinorant::kMargin);
+}
+
+void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, const std::uint32_t* minorants,
+                             const BoundPoint* points, const PoseCandidate* boxes, std::uint32_t count,
+                             PoseMinorant::Value* values) {
+  assert(params.width > 0 && params.height > 0 && params.point_count <= PoseMinorant::kMostPoints);
+  functions_or_throw(isa).pose_minorant_wide(params, minorants, points, boxes, count, values);
+}
+
 }  // namespace gdtslam

@@ -3,6 +3,7 @@
 // become vectors.
 
 constexpr std::uint32_t kMinorantBlock = 64;
+constexpr std::uint32_t kMinorantLanes = 16;
 constexpr std::uint32_t kPatch = 4;  ///< cells read along x and along y
 /// What rounding down of a cost's term, and float32, may take away from a point, 1/256 cell.
 constexpr float kTermSlack = 1.25F;
@@ -14,7 +15,8 @@ struct MinorantBlock {
   alignas(64) float high_y[kMinorantBlock];
   alignas(64) float from_x[kMinorantBlock];  ///< the point as the robot sees it, turned by the box's angle
   alignas(64) float from_y[kMinorantBlock];
-  alignas(64) float slack[kMinorantBlock];  ///< cells that the point may be off the affine path
+  alignas(64) float slack[kMinorantBlock];          ///< cells that the point may be off the affine path
+  alignas(64) std::int32_t counts[kMinorantBlock];  ///< all bits where the box fits into the patch, else none
   alignas(64) std::int32_t cell_x[kMinorantBlock];
   alignas(64) std::int32_t cell_y[kMinorantBlock];
   alignas(64) std::uint32_t pairs[kPatch][kPatch / 2][kMinorantBlock];  ///< two neighbours in a row
@@ -60,19 +62,31 @@ inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate
     block.from_x[i] = x;
     block.from_y[i] = y;
     block.slack[i] = slack + bend * (far_x + far_y);
+    block.counts[i] = block.high_x[i] < 3.0F && block.high_y[i] < 3.0F ? -1 : 0;
     block.cell_x[i] = cell_x;
     block.cell_y[i] = cell_y;
   }
 }
 
-/// Reads the patches. The two outermost rows and columns of a field hold the cap, so that a patch that hangs over the
-/// edge by one or more reads the cap where it is shifted to; a patch shifted by less would read other cells, and so
-/// patches are moved off the map altogether.
+/// Fills a block up to whole vectors with points that do not count: loops without remainders are twice as fast.
+inline std::uint32_t fill_up(std::uint32_t count, MinorantBlock& block) {
+  const std::uint32_t whole = (count + kMinorantLanes - 1) / kMinorantLanes * kMinorantLanes;
+  for (std::uint32_t i = count; i < whole; ++i) {
+    block.low_x[i] = block.low_y[i] = 0.0F;
+    block.high_x[i] = block.high_y[i] = 1.0F;
+    block.from_x[i] = block.from_y[i] = block.slack[i] = 0.0F;
+    block.counts[i] = 0;
+  }
+  return whole;
+}
+
+/// Reads the patches. Beyond the edge lies what the edge holds, the cap.
 inline void read_patches(const PoseMinorant::Params& params, const std::uint16_t* field, std::uint32_t count,
                          MinorantBlock& block) {
   const auto width = static_cast<std::int32_t>(params.width);
   const auto height = static_cast<std::int32_t>(params.height);
   for (std::uint32_t i = 0; i < count; ++i) {
+    if (block.counts[i] == 0) continue;
     const std::int32_t x = block.cell_x[i] + params.anchor_x;
     const std::int32_t y = block.cell_y[i] + params.anchor_y;
     const bool inside = x >= 0 && y >= 0 && x <= width - 4 && y <= height - 4;
@@ -116,6 +130,7 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
   std::int32_t slope_x = 0;
   std::int32_t slope_y = 0;
   std::int32_t slope_theta = 0;
+  count = count / kMinorantLanes * kMinorantLanes;  // it is; the compiler may know
   for (std::uint32_t i = 0; i < count; ++i) {
     const float x0 = block.low_x[i];
     const float x1 = block.high_x[i];
@@ -172,7 +187,7 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
     const float value = y1 > 2.0F ? lesser(with_first, least[2] - gy * (2.0F - middle_y)) : with_first;
     const float term = value - ((absolute(gx) + absolute(gy)) * block.slack[i] + kTermSlack);
     const float turn = (gy * block.from_x[i] - gx * block.from_y[i]) * (1.0F / PoseMinorant::kThetaStep);
-    const std::int32_t counts = x1 < 3.0F && y1 < 3.0F ? -1 : 0;
+    const std::int32_t counts = block.counts[i];
     constant += floor_position(term) & counts;
     slope_x += whole_x & counts;
     slope_y += whole_y & counts;
@@ -186,7 +201,7 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
 
 void pose_minorant(const PoseMinorant::Params& params, const std::uint16_t* field, const PointCells* points,
                    const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values) {
-  MinorantBlock block;
+  MinorantBlock block{};
   for (std::uint32_t b = 0; b < count; ++b) {
     const SinCos<float> rotation = sin_cos(boxes[b].theta);
     PoseMinorant::Value total;
@@ -194,7 +209,7 @@ void pose_minorant(const PoseMinorant::Params& params, const std::uint16_t* fiel
       const std::uint32_t in_block = lesser(kMinorantBlock, params.point_count - first);
       locate_boxes(params, boxes[b], rotation, points + first, in_block, block);
       read_patches(params, field, in_block, block);
-      add_minorants(params.cap, in_block, block, total);
+      add_minorants(params.cap, fill_up(in_block, block), block, total);
     }
     values[b] = total;
   }

@@ -33,6 +33,15 @@ void pose_minorant_host(Isa isa, const PoseMinorant::Params& params, const std::
                         const PointCells* points, const PoseCandidate* boxes, std::uint32_t count,
                         PoseMinorant::Value* values);
 
+/// Minorants of a field, (width + 2 * kMargin) * (height + 2 * kMargin) words; reach 1 to 3.
+void field_minorant_host(Isa isa, const FieldMinorant::Params& params, const std::uint16_t* field,
+                         std::uint32_t* minorants);
+
+/// Minorants of `count` boxes from such fields.
+void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, const std::uint32_t* minorants,
+                             const BoundPoint* points, const PoseCandidate* boxes, std::uint32_t count,
+                             PoseMinorant::Value* values);
+
 /// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
 void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,
               std::uint16_t* sq_distance);

@@ -41,6 +41,27 @@ struct PoseBounds {
   };
 };
 
+/// An affine function below the field in the square of half width `reach` cells around each cell's centre, at what is
+/// interpolated there too: f(centre + (dx, dy)) >= constant * constant_unit + kSlopeUnit * (slope_x * dx + slope_y *
+/// dy). A word: the constant in its low 16 bits (signed), then the slopes, 8 bits each. slope_x is the sum over the
+/// rows j = -reach, 0, reach of field(reach, j) - field(-reach, j), divided by 6 * reach * kSlopeUnit, cut towards zero
+/// and clamped to +-127; slope_y likewise; the constant is the least of field - kSlopeUnit * (slope_x * i + slope_y *
+/// j) over the square's cells, divided by the unit, rounded down. Beyond the field lies the cap. The result reaches
+/// kMargin cells beyond the field on every side, where it is the cap.
+struct FieldMinorant {
+  struct Params {
+    std::uint32_t width = 0;  ///< of the field
+    std::uint32_t height = 0;
+    std::uint32_t stride = 0;
+    std::uint32_t cap = 0;
+    std::uint32_t reach = 1;  ///< 1, 2 or 3
+    std::uint32_t constant_unit = 1;
+  };
+  static constexpr std::uint32_t kMargin = 4;
+  static constexpr std::int32_t kSlopeUnit = 3;
+  static constexpr std::uint32_t unit_for(std::uint32_t cap) { return cap / 32767U + 1U; }
+};
+
 /// An affine function that lies below the cost in a box of poses, in 1/256 cell: cost(centre + (dx, dy, dt)) >=
 /// constant
 /// + slope_x * dx + slope_y * dy + slope_theta * kThetaStep * dt - point_count * kThetaStep * |dt|.
@@ -65,6 +86,22 @@ struct PoseMinorant {
   };
   static constexpr std::int32_t kThetaStep = 8;
   static constexpr std::uint32_t kMostPoints = 16384;
+};
+
+/// The same from fields of minorants, for boxes that patches are too small for. A point's `field` is where the field
+/// that reaches far enough for it begins. Per point u = ((c*x - s*y) + box.x) - 0.5, column i = floor(u + 0.5), the
+/// minorant is that of cell i, plus anchor and margin and clamped, taken at u - i.
+struct PoseMinorantWide {
+  struct Params {
+    std::uint32_t width = 0;  ///< of a field of minorants
+    std::uint32_t height = 0;
+    std::int32_t anchor_x = 0;  ///< margin included
+    std::int32_t anchor_y = 0;
+    std::uint32_t point_count = 0;
+    std::uint32_t constant_unit = 1;
+    float half_angle = 0.0F;
+    float slack = 0.0F;
+  };
 };
 
 }  // namespace gdtslam
