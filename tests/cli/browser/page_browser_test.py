@@ -1,4 +1,5 @@
 # Groups of tests that open a page in Chromium: scene, controls, linkage, robust.
+import base64
 import math
 import os
 import unittest
@@ -80,7 +81,8 @@ class SceneTest(BrowserCase):
         browser = self.open(self.path("c.html"))
         browser.value("Object.assign(gdtslam.view.layers, {floor: true, ceiling: true, grid: false})")
         state = state_of(browser)
-        points = [(x, y, z, 0.0, 0.0, 0) for x in (0.0, 4.0) for y in (0.0, 3.0) for z in (0.0, 2.0)] * 3
+        width, height = browser.value("[gdtslam.camera.width, gdtslam.camera.height]")
+        browser.value("void (window.kept = gdtslam.picture())")
         background = browser.value("gdtslam.at(window.kept, 2, 2)")
         cy, sy, cp, sp = (f(state[a]) for a in ("yaw", "pitch") for f in (math.cos, math.sin))
         back, right, up = (cp * cy, cp * sy, sp), (-sy, cy, 0.0), (-sp * cy, -sp * sy, cp)
@@ -114,6 +116,27 @@ class SceneTest(BrowserCase):
                           "document.getElementById('quantity').dispatchEvent(new Event('change'))")
             self.assertGreater(pixels_changed(browser), 20000, quantity)
             keep_picture(browser)
+
+    def test_colours_are_those_of_the_map(self):
+        corners = [(x, y, z) for x in (0.0, 4.0) for y in (0.0, 3.0) for z in (0.0, 2.0)]
+        points = [(*corner, 0.3 * k, 7.0 * (k * 3 % 8), k * 5 % 8) for k, corner in enumerate(corners)]
+        write_cloud(self.path("c.ply"), points)
+        make_page(self.path("c.html"), "--cloud", self.path("c.ply"))
+        browser = self.open(self.path("c.html"))
+        about = PageFile(self.path("c.html")).description
+        maps = [base64.b64decode(one["colours"]) for one in about["colour_maps"]]
+        browser.value("Object.assign(gdtslam.view.layers, {floor: true, ceiling: true, grid: false})")
+        browser.value("gdtslam.view.shading = 0")
+        seen = [browser.value(f"gdtslam.camera.pixelOf({list(corner)})") for corner in corners]
+        for quantity, column, low, high, index in (("height", 2, -1.0, 2.5, 0), ("elevation", 3, 0.2, 1.5, 1),
+                                                   ("time", 4, 0.0, 60.0, 2), ("scan", 5, 1.0, 9.0, 5)):
+            browser.value(f"gdtslam.view.quantity = '{quantity}', gdtslam.view.colourMap.{quantity} = {index},"
+                          f"gdtslam.view.scale.{quantity} = [{low}, {high}]")
+            browser.value("void (window.kept = gdtslam.picture())")
+            for point, (x, y, _) in zip(points, seen):
+                entry = round(255 * min(max((point[column] - low) / (high - low), 0), 1))
+                near = [maps[index][3 * k:3 * k + 3] for k in range(max(entry - 1, 0), min(entry + 2, 256))]
+                self.assertIn(bytes(browser.value(f"gdtslam.at(window.kept, {x}, {y})")), near, (quantity, point))
 
     def test_the_cloud_appears_as_measured(self):
         browser = self.open_room()
