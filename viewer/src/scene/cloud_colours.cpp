@@ -26,25 +26,27 @@ double first_stamp(std::span<const CloudPoint> cloud) {
 struct Meaning {
   const char* quantity;
   const char* unit;
-  const char* colour_map;  // that suits it
 };
-Meaning meaning_of(const CloudLook& look) {
-  switch (look.colour) {
+Meaning meaning_of(CloudColour colour) {
+  switch (colour) {
     case CloudColour::kHeight:
-      return {"Height", "m", look.is_dark ? "lagoon" : "tide"};  // the floor is what is most like the page
+      return {"Height", "m"};
     case CloudColour::kElevation:
-      return {"Elevation of the scan plane", "°", "blue-red"};
+      return {"Elevation", "°"};
     case CloudColour::kTime:
-      return {"Time", "s", "ember"};
+      return {"Time", "s"};
     case CloudColour::kScan:
-      return {"Scan", "", "ember"};
+      return {"Scan", ""};
     case CloudColour::kDistance:
-      return {"Distance to the reference", "m", "ember"};
+      return {"Distance", "m"};
     case CloudColour::kPlain:
       break;
   }
-  return {"", "", "grey"};
+  return {"", ""};
 }
+
+// Sequential, the least value nearest to the background, so that what is high, late or far off stands out.
+const char* suitable_map(const CloudLook& look) { return look.is_dark ? "lagoon" : "tide"; }
 
 }  // namespace
 
@@ -82,9 +84,9 @@ float percentile(std::vector<float>& values, double share) {
 }
 
 ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::span<const std::uint32_t> drawn) {
-  const Meaning meaning = meaning_of(look);
+  const Meaning meaning = meaning_of(look.colour);
   ColourScale scale{.quantity = meaning.quantity, .unit = meaning.unit, .least = 0.0, .most = 1.0, .colour_map = {}};
-  scale.colour_map = look.colour_map.empty() ? meaning.colour_map : look.colour_map;
+  scale.colour_map = look.colour_map.empty() ? suitable_map(look) : look.colour_map;
   static_cast<void>(colour_map(scale.colour_map));  // throws where there is none of the name
   if (look.colour == CloudColour::kPlain) return scale;
   const auto in_unit = [&look](double value) {
