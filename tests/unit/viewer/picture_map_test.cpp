@@ -119,7 +119,11 @@ TEST(MapPicture, transparent_where_nothing_is_known) {
   MapLook look;
   look.is_transparent = true;
   const RgbaImage image = raster_of(map_picture(map, {}, look, kBare));
-  EXPECT_EQ(image.at(0, 0)[3], 0);
+  EXPECT_EQ(image.at(0, 0)[3], 0) << "beyond the map";
+  // The unknown corner is the last 14 of 64 columns and the upper 12 of 40 rows, at nearly 3 pixels a cell.
+  EXPECT_EQ(image.at(175, 30)[3], 0) << "in the map, unknown";
+  look.is_transparent = false;
+  EXPECT_EQ(raster_of(map_picture(map, {}, look, kBare)).at(175, 30)[3], 255);
   EXPECT_EQ(image.at(kBare.width / 4, kBare.height / 2)[3], 255) << "free";
 }
 
