@@ -1,4 +1,4 @@
-// Bytes as base64 [RFC4648] into a file, piece by piece. One writer belongs to one thread.
+// Bytes as base64 [Josefsson2006] into a file, piece by piece. One writer belongs to one thread.
 #pragma once
 
 #include <array>

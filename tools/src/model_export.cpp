@@ -66,7 +66,7 @@ Box box_of(const Range& points) {
   return box;
 }
 
-// The linear share of an sRGB value as 16 bits [IEC 61966-2-1].
+// The linear share of an sRGB value as 16 bits, IEC 61966-2-1.
 std::array<std::uint16_t, 256> linear_table() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t k = 0; k < table.size(); ++k) {
