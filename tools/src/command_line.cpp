@@ -44,6 +44,14 @@ void add_missing_command(CLI::App& app, CommandContext& context, const std::stri
 }
 #endif
 
+#if !defined(GDTSLAM_HAS_SIM)
+constexpr const char* kOptionsOfReproduce = "GDTSLAM_BUILD_SIM";
+#elif !defined(GDTSLAM_HAS_CALIBRATION)
+constexpr const char* kOptionsOfReproduce = "GDTSLAM_BUILD_CALIBRATION";
+#elif !defined(GDTSLAM_HAS_VIEWER)
+constexpr const char* kOptionsOfReproduce = "GDTSLAM_BUILD_VIEWER";
+#endif
+
 std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   auto app = std::make_unique<CLI::App>("2D and 3D mapping with a laser range finder and wheel odometry", "gdtslam");
   app->set_version_flag("--version", "gdtslam " GDTSLAM_VERSION, "Print the version and exit");
@@ -69,6 +77,11 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   add_render_command(*app, context);
 #else
   add_missing_command(*app, context, "render", "GDTSLAM_BUILD_VIEWER");
+#endif
+#if defined(GDTSLAM_HAS_SIM) && defined(GDTSLAM_HAS_CALIBRATION) && defined(GDTSLAM_HAS_VIEWER)
+  add_reproduce_command(*app, context);
+#else
+  add_missing_command(*app, context, "reproduce", kOptionsOfReproduce);
 #endif
   add_doctor_command(*app, context);
   add_ablation_command(*app, context);

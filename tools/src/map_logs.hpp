@@ -1,17 +1,25 @@
-// `gdtslam map` for who needs a run without the command line: all defaults. Not thread-safe.
+// `gdtslam map` for who needs a run without the command line: all defaults but what the job says. Not thread-safe.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "device_option.hpp"
+#include "map_run.hpp"
+#include "scan_stream.hpp"
+
 namespace gdtslam {
 
 struct MapLogJob {
   std::vector<std::string> logs;
-  std::string folder;         ///< of the run
-  std::string linkage;        ///< preset or file; empty: as `gdtslam map` finds it
-  bool is_temporary = false;  ///< without the pictures that a run has beside it
-  bool quiet = false;         ///< no progress, no remarks
+  std::string folder;               ///< of the run
+  std::string linkage;              ///< preset or file; empty: as `gdtslam map` finds it
+  bool is_temporary = false;        ///< without the pictures that a run has beside it
+  bool quiet = false;               ///< no progress line, no remarks
+  std::vector<std::string> sets{};  ///< as --set has them
+  ScanRange range{};
+  DeviceOptions device{};
+  MapRun::Progress progress{};  ///< where given it is called instead of the progress line
 };
 /// Maps the logs as one, without a summary; the exit code of `gdtslam map`. Throws as that does.
 int map_log(const MapLogJob& job);

@@ -48,7 +48,8 @@ struct MapOptions {
   bool no_pictures = false;
   bool json = false;
   bool quiet = false;
-  bool with_summary = true;  ///< what was done, on standard output
+  bool with_summary = true;   ///< what was done, on standard output
+  MapRun::Progress progress;  ///< instead of the line on standard error
 };
 
 // --matcher is short for --set match.matcher and comes last, so that the command line beats the file.
@@ -132,12 +133,16 @@ int status_of(const MapOutcome& outcome, const std::string& folder) {
   return static_cast<int>(ExitCode::kInterrupted);
 }
 
+MapRun::Progress progress_of(const MapOptions& options, ProgressLine& line) {
+  if (options.progress) return options.progress;
+  return [&line](std::uint64_t done, double share) { line.update(done, share); };
+}
+
 int map_flat(const MapOptions& options, const MapJob& job, Backend& backend, ScanStream scans, Settings& settings,
              RunFolder& folder) {
   MapRun run(job, backend, std::move(scans));
   ProgressLine progress("scans", options.quiet);
-  const MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
-                                     [] { return interrupted(); });
+  const MapOutcome outcome = run.run(progress_of(options, progress), [] { return interrupted(); });
   progress.clear();
   for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
   const std::string report = write_run(folder, job, outcome, nullptr, run.mapper(), backend.device(), settings);
@@ -174,8 +179,7 @@ int map_nodding(const MapOptions& options, const MapJob& job, const NoddingJob& 
   }
   NoddingRun run(job, nodding, backend, std::move(scans), std::move(cloud));
   ProgressLine progress("scans", options.quiet);
-  MapOutcome outcome = run.run([&progress](std::uint64_t done, double share) { progress.update(done, share); },
-                               [] { return interrupted(); });
+  MapOutcome outcome = run.run(progress_of(options, progress), [] { return interrupted(); });
   progress.clear();
   add_cloud_picture(options, nodding, cloud_file, outcome, folder);
   write_linkage(folder.staged("linkage.yaml"), nodding.model);
@@ -273,6 +277,10 @@ int map_log(const MapLogJob& job) {
   options.no_pictures = job.is_temporary;
   options.quiet = job.quiet;
   options.with_summary = false;
+  options.settings.sets = job.sets;
+  options.range = job.range;
+  options.device = job.device;
+  options.progress = job.progress;
   return map(options);
 }
 

@@ -1,0 +1,31 @@
+// How parts leave pictures in their folder, and how they end when they are stopped. Thread-safe.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "render_options.hpp"
+#include "reproduce_part.hpp"
+
+namespace gdtslam::reproduce {
+
+/// Throws Error(kInterrupted) where the work is to stop.
+void go_on(const Workplace& place);
+
+/// Writes the drawing under that name (.svg, or .png of `scale` pixels for each of the drawing) and adds it.
+void add_picture(Part& part, const Workplace& place, const Canvas& drawing, Picture picture, double scale = 1.0);
+
+/// A view of `gdtslam render` of these inputs, drawn as that command draws it.
+struct ViewOrder {
+  std::vector<std::string> inputs;
+  std::string view;
+  std::string size;  ///< empty: the view's own
+  RenderOptions options{};
+};
+void add_view(Part& part, const Workplace& place, const ViewOrder& order, Picture picture);
+
+/// "1.23 cm", "0.004 m": a length in the unit that reads best.
+std::string length_with_unit(double length_m);
+
+}  // namespace gdtslam::reproduce

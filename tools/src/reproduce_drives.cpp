@@ -1,0 +1,124 @@
+#include "reproduce_drives.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "asset_folder.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/atomic_file.hpp"
+#include "gdtslam/io/sha256.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "map_logs.hpp"
+#include "scene_file.hpp"
+#include "simulate_run.hpp"
+
+namespace gdtslam::reproduce {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Where the elevator of office-3f is in view, and before the plant of the lobby.
+constexpr std::string_view kAtElevator = "gdtslam_trajectory: 1\nwaypoints:\n  - {at: [13.6, 4.7], pause: 40 s}\n";
+constexpr std::string_view kAtPlant = "gdtslam_trajectory: 1\nwaypoints:\n  - {at: [19.6, 4.7], pause: 40 s}\n";
+
+// What a simulation takes of the time of simulation and map.
+constexpr double kSimulationShare = 0.35;
+
+[[noreturn]] void throw_interrupted() { throw Error(ExitCode::kInterrupted, "interrupted"); }
+
+}  // namespace
+
+const DriveRecipe& recipe_of(std::string_view name) {
+  static const std::vector<DriveRecipe> kRecipes{
+      {"office-loop", "office-loop", "", {}},
+      {"three-boxes", "three-boxes", "", {"cloud.voxel=0"}},
+      {"standing-elevator", "office-3f", kAtElevator, {"cloud.voxel=0"}},
+      {"standing-plant", "office-3f", kAtPlant, {"cloud.voxel=0"}},
+      {"office-3f", "office-3f", "", {}},
+      {"office-7f", "office-7f", "", {}},
+      {"wall", "wall", "", {}, false},
+  };
+  for (const DriveRecipe& recipe : kRecipes) {
+    if (recipe.name == name) return recipe;
+  }
+  throw Error(ExitCode::kFailed, fmt::format("there is no drive '{}'", name));
+}
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file && text.empty()) throw FileError(path, "cannot be read");
+  return text;
+}
+
+Drives::Drives(std::string folder, std::string program, DeviceOptions device, std::function<bool()> stop)
+    : folder_(std::move(folder)), program_(std::move(program)), device_(std::move(device)), stop_(std::move(stop)) {}
+
+std::string Drives::key_of(std::string_view name) {
+  const DriveRecipe& recipe = recipe_of(name);
+  Sha256 key;
+  key.update(recipe.name).update(text_of_file(find_scene(std::string(recipe.scene), asset_folders("scenes"))));
+  key.update(recipe.waypoints).update(recipe.is_mapped ? "mapped" : "log").update(fmt::format("seed {}", kSeed));
+  for (const std::string& set : recipe.sets) key.update(set);
+  return key.hex();
+}
+
+std::vector<std::string> Drives::commands_of(std::string_view name) {
+  const DriveRecipe& recipe = recipe_of(name);
+  std::vector<std::string> commands;
+  std::string simulation = fmt::format("gdtslam simulate {} -o {}.log", recipe.scene, name);
+  if (!recipe.waypoints.empty()) {
+    commands.push_back(fmt::format("printf '{}' > {}.yaml", recipe.waypoints, name));
+    for (std::size_t at = 0; (at = commands.back().find('\n', at)) != std::string::npos;)
+      commands.back().replace(at, 1, "\\n");
+    simulation += fmt::format(" --trajectory {}.yaml", name);
+  }
+  commands.push_back(simulation);
+  if (!recipe.is_mapped) return commands;
+  std::string map = fmt::format("gdtslam map {0}.log -o {0}", name);
+  for (const std::string& set : recipe.sets) map += " --set " + set;
+  commands.push_back(map);
+  return commands;
+}
+
+Drive Drives::drive(std::string_view name, const std::function<void(double)>& progress) {
+  const DriveRecipe& recipe = recipe_of(name);
+  const std::string folder = fmt::format("{}/{}", folder_, name);
+  const std::string mark = folder + "/key";
+  Drive drive{fmt::format("{}/{}.log", folder, name), fmt::format("{}/{}.truth.tum", folder, name),
+              recipe.is_mapped ? folder + "/run" : "", find_scene(std::string(recipe.scene), asset_folders("scenes"))};
+  const std::string key = key_of(name) + program_ + device_.device + "\n";
+  std::error_code failed;
+  if (fs::exists(mark, failed) && text_of_file(mark) == key) return drive;
+  fs::remove_all(folder, failed);
+  make_folder(folder);
+  SimulateOptions simulation{.scene = drive.scene, .scene_folders = {}, .output = drive.log, .seed = kSeed};
+  if (!recipe.waypoints.empty()) {
+    simulation.trajectory = folder + "/waypoints.yaml";
+    write_file_atomically(*simulation.trajectory, recipe.waypoints);
+  }
+  const double map_share = recipe.is_mapped ? 1.0 - kSimulationShare : 0.0;
+  simulation.progress = [&](std::uint64_t, double share) { progress((1.0 - map_share) * share); };
+  simulation.stop = stop_;
+  if (simulate(simulation).interrupted) throw_interrupted();
+  if (recipe.is_mapped) {
+    MapLogJob job{.logs = {drive.log}, .folder = drive.run, .linkage = "", .is_temporary = true, .quiet = true};
+    job.sets = recipe.sets;
+    job.device = device_;
+    job.progress = [&](std::uint64_t, double share) { progress(kSimulationShare + map_share * share); };
+    if (map_log(job) != static_cast<int>(ExitCode::kDone)) throw_interrupted();
+  }
+  write_file_atomically(mark, key);
+  return drive;
+}
+
+ReferenceReport errors_of(const Drive& drive) {
+  return evaluate_reference(read_tum(drive.run + "/trajectory.tum"), read_tum(drive.truth), {});
+}
+
+}  // namespace gdtslam::reproduce
