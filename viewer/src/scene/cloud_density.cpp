@@ -15,7 +15,7 @@ constexpr double kLeastCube_m = 0.02;
 constexpr double kCoarsestCubesAlong = 10.0;
 constexpr double kGapsPerCube = 3.0;    // at least, along a cube's edge, so that counting says something
 constexpr double kLargestGap_m = 0.05;  // beyond it points lie alone, and are shown so,
-constexpr double kGapsPerMedian = 1.4;  // but for clouds that are all sparse
+constexpr double kGapsPerMedian = 2.0;  // but for clouds that are all sparse
 constexpr int kBits = 21;  // of a coordinate in a key; farther cubes fall together, which only makes points smaller
 
 std::uint64_t cell_of(float coordinate_m, double cube_m) {
@@ -79,6 +79,10 @@ CloudGaps::CloudGaps(std::span<const CloudPoint> cloud, std::span<const std::uin
     largest_m_ = std::max(kLargestGap_m, kGapsPerMedian * median_m);
     if (median_m * kGapsPerCube <= cube_m || cube_m * kCoarsestCubesAlong > longest_side_m) return;
   }
+}
+
+bool CloudGaps::is_alone(const CloudPoint& point) const {
+  return static_cast<double>(density_->spacing_m(point)) > largest_m_;
 }
 
 double CloudGaps::at_m(const CloudPoint& point) const {

@@ -40,6 +40,7 @@ class CloudGaps {
  public:
   CloudGaps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double longest_side_m);
   [[nodiscard]] double at_m(const CloudPoint& point) const;
+  [[nodiscard]] bool is_alone(const CloudPoint& point) const;
 
  private:
   std::optional<CloudDensity> density_;

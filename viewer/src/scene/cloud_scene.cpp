@@ -28,8 +28,19 @@ constexpr double kMapBelow_m = 0.03;  // under the floor's points
 
 // A point is as large as the gaps around it, but no blot.
 constexpr double kCoverage = 1.7;  // diameters per mean distance of neighbours, so that discs overlap
-constexpr double kLeastPoint_px = 1.0;
+constexpr double kLeastPoint_px = 1.5;
 constexpr double kLargestPointShare = 1.0 / 16.0;  // of the picture's height
+
+// The box of what looks like surfaces: a few beams that went far through a door or a window should not make all else
+// small. Where most of the cloud is sparse, the box of all.
+Bounds bounds_of_surfaces(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn,
+                          const CloudGaps& gaps, const Bounds& of_all) {
+  std::vector<std::uint32_t> dense;
+  for (const std::uint32_t k : drawn) {
+    if (!gaps.is_alone(cloud[k])) dense.push_back(k);
+  }
+  return dense.size() * 2 > drawn.size() ? robust_bounds(cloud, dense) : of_all;
+}
 
 }  // namespace
 
@@ -86,6 +97,7 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
   s.scale = colour_scale(s.look, values, drawn);
   const ColourMap& map = colour_map(s.scale.colour_map);
   const CloudGaps gaps(cloud, drawn, (s.cloud_bounds.highest - s.cloud_bounds.lowest).maxCoeff());
+  s.cloud_bounds = bounds_of_surfaces(cloud, drawn, gaps, s.cloud_bounds);
   const bool is_plain = s.look.colour == CloudColour::kPlain;
   const Colour plain = plain_colour(s.look);
   s.points.set(cloud, std::move(drawn), [&](std::uint32_t k) {
