@@ -24,6 +24,7 @@ constexpr const char* kExamples =
     "  gdtslam map intel.clf.gz -o intel          map a log; the results are in the folder intel\n"
     "  gdtslam render intel                       a picture of it; films, pages: gdtslam render --help\n"
     "  gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz\n"
+    "  gdtslam localize intel today.clf.gz        where a scan was taken in that map, with a proof\n"
     "  gdtslam doctor intel.clf.gz                what is in a log, and what is wrong with it\n"
     "  gdtslam verify --device vulkan             whether a GPU gives the same results as the CPU\n"
     "\n"
@@ -83,6 +84,7 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
 #else
   add_missing_command(*app, context, "reproduce", kOptionsOfReproduce);
 #endif
+  add_localize_command(*app, context);
   add_doctor_command(*app, context);
   add_ablation_command(*app, context);
   add_config_command(*app, context);
