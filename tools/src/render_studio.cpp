@@ -172,7 +172,25 @@ Canvas RenderStudio::still(const RenderView& view, const std::optional<PictureSi
     return scene.picture(scene.shown_crank_rad(), size);
   }
   constexpr std::size_t kFrames = 101;  // the middle of its film, with all points
-  return film_of(view, size, kFrames, 0)->frame(kFrames / 2);
+  const std::unique_ptr<Film> film = film_of(view, size, kFrames, 0);
+  return film->frame(view.name == "scan" ? telling_frame(kFrames) : kFrames / 2);
+}
+
+// At the end of a stroke the plane of the beams is seen edge-on; the first frame past the middle that has it half-way.
+std::size_t RenderStudio::telling_frame(std::size_t frames) {
+  const Stretch time = stretch(kLongestScan_s);
+  const double middle_s = 0.5 * (time.from_s + time.to_s);
+  const auto by_elevation = [](const CloudPoint& a, const CloudPoint& b) { return a.elevation_rad < b.elevation_rad; };
+  const auto [lowest, highest] = std::minmax_element(drawn_.begin(), drawn_.end(), by_elevation);
+  const float half_rad = 0.5F * (lowest->elevation_rad + highest->elevation_rad);
+  const float near_rad = 0.05F * (highest->elevation_rad - lowest->elevation_rad);
+  double shown_s = time.to_s;
+  for (const CloudPoint& point : drawn_) {
+    const bool is_half_way = std::fabs(point.elevation_rad - half_rad) <= near_rad;
+    if (is_half_way && point.stamp_s >= middle_s) shown_s = std::min(shown_s, point.stamp_s);
+  }
+  const double share = (shown_s - time.from_s) / (time.to_s - time.from_s);
+  return static_cast<std::size_t>(share * static_cast<double>(frames - 1));
 }
 
 std::unique_ptr<Film> RenderStudio::film(const RenderView& view, const PictureSize& size, std::size_t frames) {

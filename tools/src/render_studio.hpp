@@ -70,6 +70,7 @@ class RenderStudio {
                                 std::uint64_t points);
   std::unique_ptr<Film> scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
   LinkageScene& linkage_scene(const PictureSize& size);
+  std::size_t telling_frame(std::size_t frames);
   [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
   [[nodiscard]] CloudCaption caption() const;
   [[nodiscard]] Camera camera_of(const RenderView& view, const PictureSize& size);

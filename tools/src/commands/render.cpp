@@ -286,7 +286,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(
       "Without a view the most telling one is drawn: the cloud of a run that has one, else its map. From above a\n"
-      "ceiling would hide the rooms, so iso, top, orbit and follow leave it out. A film's .png is its middle.\n"
+      "ceiling would hide the rooms, so iso, top, orbit and follow leave it out. A film's .png is one of its frames.\n"
       "\n"
       "Examples:\n"
       "  gdtslam render office                                    the run folder 'office': its cloud, or its map\n"
