@@ -15,7 +15,7 @@ namespace gdtslam {
 
 struct MountLook {
   bool with_fan = true;
-  double fan_m = 0.9;  ///< length of the beams that are shown
+  double fan_m = 0.9;       ///< length of the beams that are shown
   Pose2 T_base_level = {};  ///< of the laser at elevation 0, as the log gives it
 };
 
