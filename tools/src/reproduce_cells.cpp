@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "gdtslam/drawing/theme.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/local_field.hpp"
 #include "gdtslam/viewer/map_picture.hpp"
@@ -44,6 +43,7 @@ KeyframeCells obstacles() {
 }
 
 // By the kernels that make every map: a first keyframe is the map.
+// Cut to the cells of the figure.
 FieldPicture field_of(const KeyframeCells& keyframe, Backend& backend) {
   GlobalField field(backend, 1.0, kRadius_cells, 1U << 20U);
   LocalField local(backend, kRadius_cells);
@@ -51,11 +51,8 @@ FieldPicture field_of(const KeyframeCells& keyframe, Backend& backend) {
   field.admit(keyframe, step);
   local.compute(keyframe);
   local.merge_into(field, step);
-  const DistanceFieldView view = view_of(field);
-  FieldPicture picture{view.geometry, {}, view.cap};
-  for (std::int32_t y = 0; y < view.geometry.height; ++y) {
-    for (std::int32_t x = 0; x < view.geometry.width; ++x) picture.cells.push_back(view.at({x, y}));
-  }
+  FieldPicture picture{GridGeometry{1.0, 0.0, 0.0, kSide, kSide}, {}, field.cap()};
+  for (std::int32_t k = 0; k < kSide * kSide; ++k) picture.cells.push_back(field.at({k % kSide, k / kSide}));
   return picture;
 }
 
@@ -138,12 +135,11 @@ Canvas printed() {
 }
 
 // Cells of the field that differ from the definition, to half a step of 1/256 cell.
-int wrong_cells(const FieldPicture& field, CellIndex first) {
+int wrong_cells(const FieldPicture& field) {
   int wrong = 0;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
-      const std::size_t index = static_cast<std::size_t>(first.y + y) * static_cast<std::size_t>(field.geometry.width) +
-                                static_cast<std::size_t>(first.x + x);
+      const auto index = static_cast<std::size_t>(y * kSide + x);
       wrong += std::abs(field.cells[index] / 256.0 - least_distance(x, y, euclidean)) > 0.5 / 256.0 ? 1 : 0;
     }
   }
@@ -155,7 +151,6 @@ int wrong_cells(const FieldPicture& field, CellIndex first) {
 Part make_cells(const Workplace& place) {
   const std::unique_ptr<Backend> backend = make_backend(place.device);
   const FieldPicture field = field_of(obstacles(), *backend);
-  const CellIndex first = field.geometry.cell_of({0.5, 0.5});
   MapLook look;
   look.title = "After: the exact distance";
   look.subtitle = "Euclidean, in cells, with one decimal";
@@ -163,13 +158,12 @@ Part make_cells(const Workplace& place) {
   part.origin = Origin::kComputed;
   part.source =
       "Computed from the obstacles that figure 3(a) prints, by the kernels that make every map; no sensor is involved.";
-  add_picture(part, place, before(), {"before.svg", "(a) The obstacles of figure 3(a).", false});
-  add_picture(
-      part, place, cells_picture(field, {first, {first.x + kSide, first.y + kSide}}, false, look),
-      {"after.svg", "(b) Their distance transform, equation (1) with the root taken: exact to 1/256 cell.", false});
+  add_picture(part, place, before(), {"before.svg", "(a) The obstacles of figure 3(a).", 3});
+  add_picture(part, place, cells_picture(field, {{0, 0}, {kSide, kSide}}, false, look),
+              {"after.svg", "(b) Their distance transform, equation (1) with the root taken: exact to 1/256 cell.", 3});
   add_picture(part, place, printed(),
-              {"printed.svg", "(b) of the paper, for comparison. Marked cells hold the city-block distance.", false});
-  const int wrong = wrong_cells(field, first);
+              {"printed.svg", "(b) of the paper, for comparison. Marked: not the Euclidean distance, rounded.", 3});
+  const int wrong = wrong_cells(field);
   part.rows.push_back(
       {"cells off the Euclidean distance", "", fmt::format("{} of 100", wrong),
        wrong == 0 ? Verdict::kWithin : Verdict::kOutside,

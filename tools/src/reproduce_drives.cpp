@@ -22,9 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the elevator of office-3f is in view, and before the plant of the lobby.
-constexpr std::string_view kAtElevator = "gdtslam_trajectory: 1\nwaypoints:\n  - {at: [13.6, 4.7], pause: 40 s}\n";
-constexpr std::string_view kAtPlant = "gdtslam_trajectory: 1\nwaypoints:\n  - {at: [19.6, 4.7], pause: 40 s}\n";
+// Along the corridor of office-3f: the open elevator ahead and to the left, a plant ahead. In office-loop: a crossing.
+constexpr std::string_view kAtElevator = "gdtslam_trajectory: 1\nwaypoints:\n  - {at: [10.5, 4.7], pause: 40 s}\n";
+constexpr std::string_view kAtPlant = "gdtslam_trajectory: 1\nwaypoints:\n  - {at: [18.8, 4.7], pause: 40 s}\n";
+constexpr std::string_view kAtCrossing = "gdtslam_trajectory: 1\nwaypoints:\n  - {at: [18.9, 6.1], pause: 1 s}\n";
 
 // What a simulation takes of the time of simulation and map.
 constexpr double kSimulationShare = 0.35;
@@ -35,13 +36,24 @@ constexpr double kSimulationShare = 0.35;
 
 const DriveRecipe& recipe_of(std::string_view name) {
   static const std::vector<DriveRecipe> kRecipes{
-      {"office-loop", "office-loop", "", {}},
-      {"three-boxes", "three-boxes", "", {"cloud.voxel=0"}},
-      {"standing-elevator", "office-3f", kAtElevator, {"cloud.voxel=0"}},
-      {"standing-plant", "office-3f", kAtPlant, {"cloud.voxel=0"}},
-      {"office-3f", "office-3f", "", {}},
-      {"office-7f", "office-7f", "", {}},
-      {"wall", "wall", "", {}, false},
+      {.name = "office-loop", .scene = "office-loop", .waypoints = "", .sets = {}},
+      {.name = "one-scan",
+       .scene = "office-loop",
+       .waypoints = kAtCrossing,
+       .sets = {},
+       .laser = "hokuyo-961",
+       .first = 1},
+      {.name = "three-boxes", .scene = "three-boxes", .waypoints = "", .sets = {"cloud.voxel=0"}},
+      {.name = "at-elevator", .scene = "office-3f", .waypoints = kAtElevator, .sets = {"cloud.voxel=0"}},
+      {.name = "at-plant", .scene = "office-3f", .waypoints = kAtPlant, .sets = {"cloud.voxel=0"}},
+      {.name = "office-3f", .scene = "office-3f", .waypoints = "", .sets = {}},
+      {.name = "office-7f", .scene = "office-7f", .waypoints = "", .sets = {}},
+      {.name = "wall",
+       .scene = "wall",
+       .waypoints = "",
+       .sets = {},
+       .is_mapped = false,
+       .linkage = "paper-b-calibrated"},
   };
   for (const DriveRecipe& recipe : kRecipes) {
     if (recipe.name == name) return recipe;
@@ -64,6 +76,7 @@ std::string Drives::key_of(std::string_view name) {
   Sha256 key;
   key.update(recipe.name).update(text_of_file(find_scene(std::string(recipe.scene), asset_folders("scenes"))));
   key.update(recipe.waypoints).update(recipe.is_mapped ? "mapped" : "log").update(fmt::format("seed {}", kSeed));
+  key.update(recipe.laser).update(recipe.linkage).update(fmt::format("first {}", recipe.first));
   for (const std::string& set : recipe.sets) key.update(set);
   return key.hex();
 }
@@ -78,10 +91,13 @@ std::vector<std::string> Drives::commands_of(std::string_view name) {
       commands.back().replace(at, 1, "\\n");
     simulation += fmt::format(" --trajectory {}.yaml", name);
   }
+  if (!recipe.laser.empty()) simulation += fmt::format(" --laser {}", recipe.laser);
+  if (!recipe.linkage.empty()) simulation += fmt::format(" --linkage {}", recipe.linkage);
   commands.push_back(simulation);
   if (!recipe.is_mapped) return commands;
   std::string map = fmt::format("gdtslam map {0}.log -o {0}", name);
   for (const std::string& set : recipe.sets) map += " --set " + set;
+  if (recipe.first > 0) map += fmt::format(" --first {}", recipe.first);
   commands.push_back(map);
   return commands;
 }
@@ -97,28 +113,49 @@ Drive Drives::drive(std::string_view name, const std::function<void(double)>& pr
   if (fs::exists(mark, failed) && text_of_file(mark) == key) return drive;
   fs::remove_all(folder, failed);
   make_folder(folder);
-  SimulateOptions simulation{.scene = drive.scene, .scene_folders = {}, .output = drive.log, .seed = kSeed};
-  if (!recipe.waypoints.empty()) {
-    simulation.trajectory = folder + "/waypoints.yaml";
-    write_file_atomically(*simulation.trajectory, recipe.waypoints);
-  }
-  const double map_share = recipe.is_mapped ? 1.0 - kSimulationShare : 0.0;
-  simulation.progress = [&](std::uint64_t, double share) { progress((1.0 - map_share) * share); };
-  simulation.stop = stop_;
-  if (simulate(simulation).interrupted) throw_interrupted();
+  const double simulated_share = recipe.is_mapped ? kSimulationShare : 1.0;
+  simulate_drive(recipe, drive, folder, [&](double share) { progress(simulated_share * share); });
   if (recipe.is_mapped) {
-    MapLogJob job{.logs = {drive.log}, .folder = drive.run, .linkage = "", .is_temporary = true, .quiet = true};
-    job.sets = recipe.sets;
-    job.device = device_;
-    job.progress = [&](std::uint64_t, double share) { progress(kSimulationShare + map_share * share); };
-    if (map_log(job) != static_cast<int>(ExitCode::kDone)) throw_interrupted();
+    map_drive(recipe, drive, [&](double share) { progress(simulated_share + (1.0 - simulated_share) * share); });
   }
   write_file_atomically(mark, key);
   return drive;
 }
 
-ReferenceReport errors_of(const Drive& drive) {
-  return evaluate_reference(read_tum(drive.run + "/trajectory.tum"), read_tum(drive.truth), {});
+void Drives::simulate_drive(const DriveRecipe& recipe, const Drive& drive, const std::string& folder,
+                            const std::function<void(double)>& progress) const {
+  SimulateOptions simulation{.scene = drive.scene, .scene_folders = {}, .output = drive.log, .seed = kSeed};
+  if (!recipe.waypoints.empty()) {
+    simulation.trajectory = folder + "/waypoints.yaml";
+    write_file_atomically(*simulation.trajectory, recipe.waypoints);
+  }
+  if (!recipe.laser.empty()) simulation.laser = std::string(recipe.laser);
+  if (!recipe.linkage.empty()) simulation.linkage = std::string(recipe.linkage);
+  simulation.progress = [&](std::uint64_t, double share) { progress(share); };
+  simulation.stop = stop_;
+  if (simulate(simulation).interrupted) throw_interrupted();
+}
+
+void Drives::map_drive(const DriveRecipe& recipe, const Drive& drive,
+                       const std::function<void(double)>& progress) const {
+  MapLogJob job{.logs = {drive.log}, .folder = drive.run, .linkage = "", .is_temporary = true, .quiet = true};
+  job.sets = recipe.sets;
+  if (recipe.first > 0) job.range.count = recipe.first;
+  job.device = device_;
+  job.progress = [&](std::uint64_t, double share) { progress(share); };
+  if (map_log(job) != static_cast<int>(ExitCode::kDone)) throw_interrupted();
+}
+
+void map_whole(const std::string& log, const std::string& run, const Workplace& place,
+               const std::function<void(double)>& progress) {
+  MapLogJob job{.logs = {log}, .folder = run, .linkage = "", .is_temporary = true, .quiet = true};
+  job.device = place.device;
+  job.progress = [&](std::uint64_t, double share) { progress(share); };
+  if (map_log(job) != static_cast<int>(ExitCode::kDone)) throw_interrupted();
+}
+
+ReferenceReport errors_of(const Drive& drive, bool is_aligned) {
+  return evaluate_reference(read_tum(drive.run + "/trajectory.tum"), read_tum(drive.truth), {.align = is_aligned});
 }
 
 }  // namespace gdtslam::reproduce

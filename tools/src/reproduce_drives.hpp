@@ -20,6 +20,9 @@ struct DriveRecipe {
   std::string_view waypoints;     ///< of a trajectory file; empty: those of the scene
   std::vector<std::string> sets;  ///< of the map, as --set has them
   bool is_mapped = true;
+  std::string_view laser = {};    ///< preset; empty: the scene's
+  std::string_view linkage = {};  ///< the mount's; empty: the scene's
+  std::uint64_t first = 0;        ///< scans that are mapped; 0: all
 };
 const DriveRecipe& recipe_of(std::string_view name);
 
@@ -43,6 +46,10 @@ class Drives {
   [[nodiscard]] static std::vector<std::string> commands_of(std::string_view name);
 
  private:
+  void simulate_drive(const DriveRecipe& recipe, const Drive& drive, const std::string& folder,
+                      const std::function<void(double)>& progress) const;
+  void map_drive(const DriveRecipe& recipe, const Drive& drive, const std::function<void(double)>& progress) const;
+
   std::string folder_;
   std::string program_;
   DeviceOptions device_;
@@ -51,8 +58,12 @@ class Drives {
 
 inline constexpr std::uint64_t kSeed = 1;
 
-/// Errors of a run against the truth of its drive, aligned.
-ReferenceReport errors_of(const Drive& drive);
+/// Errors of a run against the truth of its drive: aligned, or with the first poses made to agree.
+ReferenceReport errors_of(const Drive& drive, bool is_aligned = true);
+
+/// A whole log mapped into a folder. Throws as map_log(), Error(kInterrupted).
+void map_whole(const std::string& log, const std::string& run, const Workplace& place,
+               const std::function<void(double)>& progress);
 
 /// Text of a file. Throws FileError.
 std::string text_of_file(const std::string& path);

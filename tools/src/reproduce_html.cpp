@@ -66,7 +66,7 @@ std::string overview_html(const Result& result) {
   for (const PartState& state : result.parts) {
     if (!state.kept) continue;
     for (const Row& row : state.kept->part.rows) {
-      rows += row_html(row, fmt::format("<td class=\"number\"><a href=\"#{}\">{}</a></td>", state.info->id,
+      rows += row_html(row, fmt::format("<td class=\"part\"><a href=\"#{}\">{}</a></td>", state.info->id,
                                         escaped(state.info->label)));
     }
   }
@@ -98,7 +98,7 @@ std::string picture_html(const Picture& picture, const std::string& folder) {
                         base64_text(bytes));
   }
   return fmt::format("<figure{}><div class=\"sheet\">\n{}</div><figcaption>{}</figcaption></figure>\n",
-                     picture.is_wide ? " class=\"wide\"" : "", image, escaped(picture.caption));
+                     fmt::format(" class=\"across{}\"", picture.across), image, escaped(picture.caption));
 }
 
 std::string command_html(const std::string& command) {

@@ -39,7 +39,7 @@ struct Row {
 struct Picture {
   std::string file;  ///< in the part's folder, .svg or .png
   std::string caption;
-  bool is_wide = true;  ///< else two stand side by side
+  int across = 1;  ///< so many stand side by side: 1, 2 or 3
 };
 
 struct Table {
@@ -87,6 +87,13 @@ const std::vector<PartInfo>& part_list();
 
 // The makers, each in a file of its own.
 Part make_cells(const Workplace& place);
+Part make_local_scan(const Workplace& place);
+Part make_loop(const Workplace& place);
 Part make_linkages(const Workplace& place);
+Part make_boxes(const Workplace& place);
+Part make_standing(const Workplace& place);
+Part make_floor_3f(const Workplace& place);
+Part make_floor_7f(const Workplace& place);
+Part make_calibration(const Workplace& place);
 
 }  // namespace gdtslam::reproduce

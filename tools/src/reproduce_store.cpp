@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -28,7 +29,7 @@ Json json_of(const std::string& key, const KeptPart& kept) {
             {"source", part.source},   {"origin", static_cast<int>(part.origin)},
             {"notes", part.notes},     {"by_hand", part.by_hand}};
   for (const Picture& p : part.pictures) {
-    json["pictures"].push_back({{"file", p.file}, {"caption", p.caption}, {"wide", p.is_wide}});
+    json["pictures"].push_back({{"file", p.file}, {"caption", p.caption}, {"across", p.across}});
   }
   for (const Row& r : part.rows) {
     json["rows"].push_back({{"quantity", r.quantity},
@@ -66,8 +67,8 @@ KeptPart part_of(const Json& json) {
   part.notes = json.at("notes").get<std::vector<std::string>>();
   part.by_hand = json.at("by_hand").get<std::vector<std::string>>();
   each(json, "pictures", [&part](const Json& p) {
-    part.pictures.push_back(
-        {p.at("file").get<std::string>(), p.at("caption").get<std::string>(), p.at("wide").get<bool>()});
+    part.pictures.push_back({p.at("file").get<std::string>(), p.at("caption").get<std::string>(),
+                             std::clamp(p.at("across").get<int>(), 1, 3)});
   });
   each(json, "rows", [&part](const Json& r) {
     part.rows.push_back({r.at("quantity").get<std::string>(), r.at("paper").get<std::string>(),

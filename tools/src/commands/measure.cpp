@@ -20,6 +20,7 @@
 #include "gdtslam/io/json_file.hpp"
 #include "linkage_goal.hpp"
 #include "measure_drawing.hpp"
+#include "measure_run.hpp"
 #include "measure_table.hpp"
 #include "whole_number.hpp"
 
@@ -96,38 +97,26 @@ BoxSearch box_search_of(const MeasureCommand& command) {
   return search;
 }
 
-void choose_viewpoint(const MeasureCommand& command, std::span<const CloudPoint> cloud, Measurement& measured) {
-  if (command.viewpoint == "none") return;
-  if (!command.viewpoint.empty()) {
-    measured.viewpoint = viewpoint_of(command.viewpoint);
-    measured.viewpoint_source = ViewpointSource::kGiven;
-    return;
-  }
-  measured.viewpoint = standing_viewpoint(cloud);
-  if (measured.viewpoint) {
-    measured.viewpoint_source = ViewpointSource::kFound;
-  } else {
+// What the command line asks for, checked before the cloud is read.
+MeasureJob job_of(const MeasureCommand& command) {
+  MeasureJob job;
+  job.cloud = command.cloud;
+  job.boxes = command.boxes;
+  job.planes = command.planes;
+  job.box_search = box_search_of(command);
+  job.plane_search = plane_search_of(command, {});
+  job.finds_viewpoint = command.viewpoint.empty();
+  if (!command.viewpoint.empty() && command.viewpoint != "none") job.viewpoint = viewpoint_of(command.viewpoint);
+  return job;
+}
+
+Measurement measure(const MeasureJob& job, const Cloud& cloud) {
+  Measurement measured = measure_cloud(job, cloud);
+  if (job.boxes && job.finds_viewpoint && !measured.viewpoint) {
     print_remark(
         "the cloud does not tell where one standing scanner was; ends of faces are measured without it, "
         "less exactly (--viewpoint X,Y,Z says where it was)");
   }
-}
-
-Measurement measure(const MeasureCommand& command, const BoxSearch& boxes, const PlaneSearch& planes,
-                    const Cloud& cloud) {
-  Measurement measured;
-  measured.cloud = command.cloud;
-  measured.points = cloud.size();
-  measured.has_boxes = command.boxes;
-  measured.has_planes = command.planes;
-  measured.is_projection = command.is_projection;
-  if (command.boxes) {
-    choose_viewpoint(command, cloud, measured);
-    BoxSearch search = boxes;
-    search.viewpoint = measured.viewpoint;
-    measured.boxes = find_boxes(cloud, search);
-  }
-  if (command.planes) measured.planes = find_planes(cloud, planes);
   return measured;
 }
 
@@ -137,15 +126,13 @@ int run_measure(const MeasureCommand& command) {
     throw UsageError("--csv writes one table: ask for --boxes or for --planes");
   }
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
-  const BoxSearch boxes = box_search_of(command);
-  const PlaneSearch planes = plane_search_of(command, {});
-  if (!command.viewpoint.empty() && command.viewpoint != "none") (void)viewpoint_of(command.viewpoint);
+  const MeasureJob job = job_of(command);
   std::uint64_t skipped = 0;
   const Cloud cloud = read_cloud(command.cloud, kMostPoints, &skipped);
   if (skipped > 0)
     print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, command.cloud));
   if (cloud.empty()) throw InputError({command.cloud, 0}, "holds no point to measure");
-  const Measurement measured = measure(command, boxes, planes, cloud);
+  const Measurement measured = measure(job, cloud);
   AtomicFileSet files;
   if (!command.csv.empty()) files.add(command.csv).write(csv_of(measured));
   if (!command.picture.empty()) {

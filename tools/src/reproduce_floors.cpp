@@ -1,0 +1,121 @@
+// Figures 13 to 15: what a standing scanner sees of its surroundings, and two office floors in 3D from a drive.
+#include <fmt/format.h>
+
+#include <string>
+
+#include "asset_folder.hpp"
+#include "gdtslam/core/error.hpp"
+#include "render_studio.hpp"
+#include "reproduce_draw.hpp"
+#include "reproduce_drives.hpp"
+#include "run_reader.hpp"
+#include "scene_errors.hpp"
+
+namespace gdtslam::reproduce {
+namespace {
+
+// Distances of the cloud's points to the scene's true surfaces.
+SceneErrors surface_errors(const Drive& drive, const Workplace& place, bool is_aligned, double from, double span) {
+  SceneErrorsJob job{
+      .cloud = drive.run + "/cloud.ply", .scene = drive.scene, .scene_folders = asset_folders("scenes"), .frame = {}};
+  job.frame.trajectory = errors_of(drive, is_aligned);
+  job.frame.T_truth_map = job.frame.trajectory->T_reference_estimate;
+  job.progress = [&](std::uint64_t, double share) { place.progress(from + span * share); };
+  job.stop = place.stop;
+  SceneErrors errors = scene_errors(job);
+  if (errors.interrupted) throw Error(ExitCode::kInterrupted, "interrupted");
+  return errors;
+}
+
+Row surface_row(const std::string& what, const SceneErrors& errors) {
+  return {what, "",
+          fmt::format("{} mean, {} for 95 %", length_with_unit(errors.distances.mean_m()),
+                      length_with_unit(errors.distances.quantile_m(0.95))),
+          Verdict::kOpen, "of all points to the scene's true surfaces; the paper shows pictures only"};
+}
+
+void add_standing(Part& part, const Workplace& place, const std::string& name, const std::string& what, double from) {
+  const Drive drive = place.drives.drive(name, [&](double share) { place.progress(from + 0.25 * share); });
+  RenderOptions look;
+  look.title = "From one place: " + what;
+  add_view(part, place, {.inputs = {drive.run}, .view = "iso", .size = "1600x1000", .options = look},
+           {name + ".png",
+            fmt::format("The scanner stands in the corridor, {} ahead; without the ceiling. What hides behind "
+                        "walls stays empty.",
+                        what),
+            2});
+  const SceneErrors errors = surface_errors(drive, place, false, from + 0.35, 0.1);
+  part.rows.push_back({fmt::format("points, {} ahead", what), "", with_commas(errors.distances.count()), Verdict::kOpen,
+                       "every beam that returned, in 40 s"});
+  part.rows.push_back(surface_row(fmt::format("distance to surfaces, {} ahead", what), errors));
+  for (const std::string& command : Drives::commands_of(name)) part.by_hand.push_back(command);
+  part.by_hand.push_back(fmt::format("gdtslam render {} --view iso", name));
+}
+
+void add_floor_views(Part& part, const Workplace& place, const Drive& drive, const std::string& floor) {
+  RenderOptions look;
+  look.title = floor;
+  add_view(part, place, {.inputs = {drive.run}, .view = "map", .size = "1600x1100", .options = look},
+           {"map.png", "(a) 2D map of the horizontal scans, with the path.", 2});
+  look.no_floor = true;
+  add_view(part, place, {.inputs = {drive.run}, .view = "top", .size = "1600x1100", .options = look},
+           {"top.png", "From above, floor and ceiling taken away.", 2});
+  add_view(
+      part, place, {.inputs = {drive.run}, .view = "iso", .size = "1800x1000", .options = look},
+      {"iso.png", "(b) The 3D map, floor and ceiling taken away as planes that were found in it; colours by height."});
+}
+
+void add_floor_rows(Part& part, const Workplace& place, const Drive& drive) {
+  const RunSummary summary = RunReader(drive.run).summary();
+  const ReferenceReport path = errors_of(drive);
+  part.rows.push_back(
+      {"points in the map", "", with_commas(summary.cloud_points), Verdict::kOpen,
+       fmt::format("thinned, from {} scans along {:.0f} m", with_commas(summary.scans), summary.path_m)});
+  part.rows.push_back(surface_row("distance to surfaces", surface_errors(drive, place, true, 0.85, 0.15)));
+  part.rows.push_back(
+      {"error of the robot's path (ATE)", "",
+       fmt::format("{} mean, {} at most", length_with_unit(path.ate_m.mean), length_with_unit(path.ate_m.max)),
+       Verdict::kOpen, "best rigid alignment with the true path"});
+  part.rows.push_back(
+      {"contour of 3D and 2D map", "almost the same", fmt::format("{} scans doubtful", summary.doubtful.size()),
+       summary.doubtful.empty() ? Verdict::kWithin : Verdict::kOutside,
+       "within: every horizontal scan fits the one map that both are made with; see (a) and the view from above"});
+}
+
+Part make_floor(const Workplace& place, const std::string& scene, const std::string& title) {
+  const Drive drive = place.drives.drive(scene, [&](double share) { place.progress(0.6 * share); });
+  Part part;
+  part.source = fmt::format(
+      "Simulated: the scene {}, seed 1, a floor like that of the figure, drawn by us; the laser nods on the linkage "
+      "paper-b "
+      "while the robot drives.",
+      scene);
+  add_floor_views(part, place, drive, title);
+  place.progress(0.85);
+  add_floor_rows(part, place, drive);
+  part.by_hand = Drives::commands_of(scene);
+  part.by_hand.push_back(
+      fmt::format("gdtslam render {0} --view iso --no-floor && gdtslam render {0} --view top --no-floor", scene));
+  part.by_hand.push_back(fmt::format(
+      "gdtslam evaluate {0}/cloud.ply --scene {0} --trajectory {0}/trajectory.tum --reference {0}.truth.tum", scene));
+  return part;
+}
+
+}  // namespace
+
+Part make_standing(const Workplace& place) {
+  Part part;
+  part.source =
+      "Simulated: the scanner stands at two places of the scene office-3f, seed 1, which has an open elevator and "
+      "plants.";
+  add_standing(part, place, "at-elevator", "an open elevator", 0.0);
+  add_standing(part, place, "at-plant", "a plant", 0.5);
+  part.notes.push_back(
+      "As in the paper, one place is not enough: walls hide most of the floor. Figures 14 and 15 are the remedy.");
+  return part;
+}
+
+Part make_floor_3f(const Workplace& place) { return make_floor(place, "office-3f", "3F"); }
+Part make_floor_7f(const Workplace& place) { return make_floor(place, "office-7f", "7F"); }
+
+}  // namespace gdtslam::reproduce

@@ -1,0 +1,156 @@
+// Figures 4 and 7: the field of one scan, and a loop mapped with it; in 2D.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "reproduce_data.hpp"
+#include "reproduce_draw.hpp"
+#include "reproduce_drives.hpp"
+#include "temporary_folder.hpp"
+
+namespace gdtslam::reproduce {
+namespace {
+
+// A view with its words, without the path.
+RenderOptions titled(const std::string& title, bool has_path) {
+  RenderOptions options;
+  options.title = title;
+  options.no_path = !has_path;
+  return options;
+}
+
+/// First and last pose that the wheels alone give.
+struct WheelPath {
+  std::optional<Pose2> first;
+  Pose2 last;
+};
+WheelPath wheel_path_of(const std::string& log) {
+  WheelPath path;
+  const auto reader = open_log(log, {});
+  while (const auto record = reader->next()) {
+    const auto* const scan = std::get_if<ScanRecord>(&*record);
+    if (scan == nullptr || !scan->T_odom_base) continue;
+    if (!path.first) path.first = scan->T_odom_base;
+    path.last = *scan->T_odom_base;
+  }
+  return path;
+}
+
+/// How far off the end is, seen from the begin.
+struct EndError {
+  double distance_m = 0.0;
+  double angle_deg = 0.0;
+};
+EndError end_error(const Pose2& first, const Pose2& last, const Trajectory& truth) {
+  const Pose2 T_first_last = between(first, last);
+  const Pose2 truly = between(truth.front().T_map_base, truth.back().T_map_base);
+  const Pose2 error = between(truly, T_first_last);
+  return {Point2(error.x_m, error.y_m).norm(), deg_from_rad(std::abs(error.theta_rad))};
+}
+
+std::string text_of(const EndError& error) {
+  return fmt::format("{}, {:.2f}\u00b0", length_with_unit(error.distance_m), error.angle_deg);
+}
+
+double path_length_m(const Trajectory& path) {
+  double length_m = 0.0;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const Pose2 step = between(path[k - 1].T_map_base, path[k].T_map_base);
+    length_m += Point2(step.x_m, step.y_m).norm();
+  }
+  return length_m;
+}
+
+void add_loop_rows(Part& part, const Drive& drive) {
+  constexpr double kClosed_m = 0.1;
+  const Trajectory truth = read_tum(drive.truth);
+  const Trajectory path = read_tum(drive.run + "/trajectory.tum");
+  const ReferenceReport errors = errors_of(drive);
+  const EndError end = end_error(path.front().T_map_base, path.back().T_map_base, truth);
+  part.rows.push_back(
+      {fmt::format("end of {:.0f} m of path, seen from its start", path_length_m(truth)), "start and end coincide",
+       text_of(end), end.distance_m < kClosed_m ? Verdict::kWithin : Verdict::kOutside,
+       "off the truth; within 10 cm counts as a closed loop. No loop closure is done: matching alone keeps it"});
+  const WheelPath wheels = wheel_path_of(drive.log);
+  part.rows.push_back({"the same by the wheels alone", "", text_of(end_error(*wheels.first, wheels.last, truth)),
+                       Verdict::kOpen, "what matching corrects"});
+  part.rows.push_back(
+      {"error of all poses (ATE)", "",
+       fmt::format("{} mean, {} at most", length_with_unit(errors.ate_m.mean), length_with_unit(errors.ate_m.max)),
+       Verdict::kOpen, "best rigid alignment with the true path; the paper had no truth to compare with"});
+}
+
+void add_real_logs(Part& part, const Workplace& place) {
+  for (const RealLog& real : real_logs(place.data)) {
+    const TemporaryFolder folder("gdtslam-reproduce");
+    const std::string run = folder.path() + "/run";
+    map_whole(real.log, run, place, [&place](double share) { place.progress(0.3 + 0.6 * share); });
+    const RelationReport report = evaluate_relations(read_tum(run + "/trajectory.tum"), read_relations(real.relations));
+    add_view(part, place,
+             {.inputs = {run}, .view = "map", .size = "1600x1200", .options = titled(real.name + " (real)", true)},
+             {"real-map.png", fmt::format("Real log, {}: occupancy map and path.", real.name), 2});
+    add_view(part, place,
+             {.inputs = {run}, .view = "field", .size = "1600x1200", .options = titled(real.name + " (real)", true)},
+             {"real-field.png", fmt::format("Real log, {}: distance transform as intensity.", real.name), 2});
+    part.rows.push_back(
+        {real.name + " (real): error of verified relations", "",
+         fmt::format("{} and {:.2f}\u00b0 mean", length_with_unit(report.all.translation_m.mean),
+                     report.all.rotation_deg.mean),
+         Verdict::kOpen,
+         fmt::format("{} relations of [Kuemmerle2009]; loops alone {}. Not a log of the paper's",
+                     report.all.translation_m.count, length_with_unit(report.loops.translation_m.mean))});
+    part.origin = Origin::kSimulatedAndReal;
+    part.source += fmt::format(" Real: the log of the {}.", real.name);
+    part.by_hand.push_back("gdtslam map intel.clf.gz -o intel && gdtslam render intel --view field");
+    part.by_hand.push_back("gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz");
+  }
+}
+
+}  // namespace
+
+Part make_local_scan(const Workplace& place) {
+  const Drive drive = place.drives.drive("one-scan", place.progress);
+  Part part;
+  part.source = "Simulated: one scan of 961 beams over 240\u00b0 at a crossing of the scene office-loop, seed 1.";
+  add_view(part, place,
+           {.inputs = {drive.run}, .view = "map", .size = "1400x1050", .options = titled("One scan", false)},
+           {"scan.png", "(a) What one scan tells: walls, free space, unknown.", 2});
+  add_view(
+      part, place,
+      {.inputs = {drive.run}, .view = "field", .size = "1400x1050", .options = titled("Its distance transform", false)},
+      {"field.png", "(b) Its distance transform as intensity: bright near obstacles, as in the paper.", 2});
+  part.notes.push_back("A picture to be compared by eye: the paper gives no number for it.");
+  part.by_hand = Drives::commands_of("one-scan");
+  part.by_hand.push_back(
+      "gdtslam render one-scan --view map --no-path && gdtslam render one-scan --view field --no-path");
+  return part;
+}
+
+Part make_loop(const Workplace& place) {
+  const double share = place.data.empty() ? 0.8 : 0.2;
+  const Drive drive = place.drives.drive("office-loop", [&](double done) { place.progress(share * done); });
+  Part part;
+  part.source =
+      "Simulated: a drive through the scene office-loop, seed 1, an office floor with a loop of corridors like the "
+      "paper's 7F.";
+  add_view(part, place,
+           {.inputs = {drive.run}, .view = "map", .size = "1600x1200", .options = titled("2D map and path", true)},
+           {"map.png", "(a) Occupancy map with the robot's path in the colours of time.", 2});
+  add_view(part, place,
+           {.inputs = {drive.run}, .view = "field", .size = "1600x1200", .options = titled("GDT and path", true)},
+           {"field.png", "(b) The global distance transform as intensity, with the path.", 2});
+  add_loop_rows(part, drive);
+  part.by_hand = Drives::commands_of("office-loop");
+  part.by_hand.push_back("gdtslam render office-loop --view map && gdtslam render office-loop --view field");
+  part.by_hand.push_back("gdtslam evaluate office-loop/trajectory.tum --reference office-loop.truth.tum");
+  add_real_logs(part, place);
+  return part;
+}
+
+}  // namespace gdtslam::reproduce
