@@ -116,7 +116,35 @@ FfmpegProcess::~FfmpegProcess() {
   }
 }
 
+namespace {
+
+/// Holds SIGPIPE back on this thread and takes away what came meanwhile, so that a program that is gone shows as EPIPE
+/// whether or not the process ignores the signal.
+class NoBrokenPipeSignal {
+ public:
+  NoBrokenPipeSignal() {
+    ::sigemptyset(&pipe_);
+    ::sigaddset(&pipe_, SIGPIPE);
+    ::pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  NoBrokenPipeSignal(const NoBrokenPipeSignal&) = delete;
+  NoBrokenPipeSignal& operator=(const NoBrokenPipeSignal&) = delete;
+  ~NoBrokenPipeSignal() {
+    const timespec now{};
+    while (::sigtimedwait(&pipe_, nullptr, &now) == SIGPIPE) {
+    }
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+
+ private:
+  sigset_t pipe_{};
+  sigset_t before_{};
+};
+
+}  // namespace
+
 bool FfmpegProcess::write(std::string_view bytes) {
+  const NoBrokenPipeSignal quiet;
   while (!bytes.empty()) {
     const ssize_t count = ::write(input_.number(), bytes.data(), bytes.size());
     if (count >= 0) {

@@ -2,6 +2,7 @@
 #include "cloud_output.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -60,7 +61,7 @@ class CloudOutputFile : public testing::Test {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
     return names;
   }
-  fs::path folder_ = fs::path(testing::TempDir()) / "cloud_output_test";
+  fs::path folder_ = fs::path(testing::TempDir()) / ("cloud_output_test_" + std::to_string(::getpid()));
 };
 
 constexpr std::uint64_t kPlane = kSide * kSide;

@@ -1,6 +1,7 @@
 #include "linkage_beside.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -26,7 +27,8 @@ class LinkageBeside : public testing::Test {
   void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "linkage_beside_test";
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("linkage_beside_test_" + std::to_string(::getpid()));
 };
 
 TEST_F(LinkageBeside, IsWhereThereIsOne) {

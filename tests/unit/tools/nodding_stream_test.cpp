@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -71,7 +72,8 @@ class NoddingStreamOfLines : public testing::Test {
   }
   Outcome read_lines(const std::vector<std::string>& lines) { return read(std::vector{write("a.log", lines)}, {}); }
 
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "nodding_stream_test";
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("nodding_stream_test_" + std::to_string(::getpid()));
 };
 
 constexpr const char* kUncovered = "scans without the crank's position";
