@@ -117,8 +117,16 @@ CloudLook RenderStudio::look_of(const RenderView& view, bool is_film) const {
   const bool is_from_side = view.name == "front" || view.name == "side";
   look.with_ceiling = options_.with_ceiling || (is_from_side && !options_.no_ceiling);
   look.with_floor = !options_.no_floor;
-  if (is_film) look.samples = 1;
+  if (is_film || is_huge()) look.samples = 1;
   return look;
+}
+
+// OpenGL draws 16384 pixels a side, so that the largest pictures have one sample a pixel.
+bool RenderStudio::is_huge() const {
+  constexpr std::uint32_t kMostSmooth_px = 8192;
+  if (options_.size.empty()) return false;
+  const PictureSize size = size_of(options_.size);
+  return size.width > kMostSmooth_px || size.height > kMostSmooth_px;
 }
 
 CloudCaption RenderStudio::caption() const {
@@ -158,7 +166,8 @@ LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
   constexpr std::uint32_t kNarrowest = 640;  // beside the scene a panel needs room
   const LinkageLook look{.is_dark = options_.is_dark,
                          .is_transparent = options_.is_transparent,
-                         .with_panel = !options_.no_caption && size.width >= kNarrowest};
+                         .with_panel = !options_.no_caption && size.width >= kNarrowest,
+                         .samples = is_huge() ? 1U : 2U};
   linkage_scene_ = std::make_unique<LinkageScene>(graphics(), first().linkage(), look);
   return *linkage_scene_;
 }

@@ -72,6 +72,7 @@ class RenderStudio {
   LinkageScene& linkage_scene(const PictureSize& size);
   std::size_t telling_frame(std::size_t frames);
   [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
+  [[nodiscard]] bool is_huge() const;
   [[nodiscard]] CloudCaption caption() const;
   [[nodiscard]] Camera camera_of(const RenderView& view, const PictureSize& size);
   Canvas cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted);
