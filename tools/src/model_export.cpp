@@ -104,8 +104,8 @@ Json unlit_material(const char* name, const std::array<double, 3>& colour) {
 Json gltf_of(const ModelInput& model, std::size_t bytes) {
   const std::size_t points = model.cloud.size();
   const std::size_t poses = path_size(model);
-  static const auto kLinear = linear_table();
-  const auto linear = [](std::uint8_t value) { return static_cast<double>(kLinear[value]) / 65535.0; };
+  static const auto table = linear_table();
+  const auto linear = [](std::uint8_t value) { return static_cast<double>(table[value]) / 65535.0; };
   Json json;
   json["asset"] = {{"version", "2.0"}, {"generator", "gdtslam " GDTSLAM_VERSION}};
   json["extensionsUsed"] = {"KHR_materials_unlit"};
@@ -136,11 +136,11 @@ Json gltf_of(const ModelInput& model, std::size_t bytes) {
 }
 
 void write_gltf_bytes(AtomicFile& file, const ModelInput& model) {
-  static const auto kLinear = linear_table();
+  static const auto table = linear_table();
   Base64Writer out(file);
   for (const CloudPoint& point : model.cloud) out.add_value(y_up(point));
   for (const Colour& colour : model.colours) {
-    out.add_value(std::array<std::uint16_t, 4>{kLinear[colour.red], kLinear[colour.green], kLinear[colour.blue],
+    out.add_value(std::array<std::uint16_t, 4>{table[colour.red], table[colour.green], table[colour.blue],
                                                std::numeric_limits<std::uint16_t>::max()});
   }
   if (path_size(model) > 1) {
