@@ -87,6 +87,7 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   add_localize_command(*app, context);
   add_doctor_command(*app, context);
   add_ablation_command(*app, context);
+  add_compare_command(*app, context);
   add_config_command(*app, context);
   add_devices_command(*app, context);
   add_verify_command(*app, context);

@@ -1,0 +1,134 @@
+// What a comparison adds up to, against published intervals and hand-made trials.
+#include "compare_figures.hpp"
+
+#include <gtest/gtest.h>
+
+#include "compare_global.hpp"
+#include "compare_table.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+// Intervals of Newcombe's comparison of methods (1998), table I, method 3.
+TEST(CompareFigures, SharesHaveTheIntervalsOfWilson) {
+  const auto expect = [](std::uint64_t count, std::uint64_t of, double low, double high) {
+    const Share share{count, of};
+    EXPECT_NEAR(share.low(), low, 5e-5) << count << "/" << of;
+    EXPECT_NEAR(share.high(), high, 5e-5) << count << "/" << of;
+  };
+  expect(81, 263, 0.2553, 0.3662);
+  expect(15, 148, 0.0624, 0.1605);
+  expect(0, 20, 0.0, 0.1611);
+  expect(1, 29, 0.0061, 0.1718);
+  EXPECT_EQ((Share{0, 0}.low()), 0.0);
+  EXPECT_EQ((Share{0, 0}.high()), 1.0);
+}
+
+// A point sees a wall along its slope only, so the normal equations of a room are sums over directions.
+TEST(CompareFigures, ACorridorHoldsInOneDirection) {
+  Linearisation corridor;
+  corridor.curvature = {0.0, 0.0, 0.0, 100.0, 0.0, 5000.0};
+  EXPECT_EQ(hold_of(corridor), 0.0);
+  Linearisation room;
+  room.curvature = {50.0, 0.0, 0.0, 50.0, 0.0, 5000.0};
+  EXPECT_DOUBLE_EQ(hold_of(room), 1.0);
+  // A slope along y that turning undoes says nothing of y: xx = 10, yy = 4, yt = 20, tt = 100.
+  Linearisation hinged;
+  hinged.curvature = {10.0, 0.0, 0.0, 4.0, 20.0, 100.0};
+  EXPECT_NEAR(hold_of(hinged), 0.0, 1e-12);
+  // Turned by 45 degrees the ratio stays: eigenvalues 8 and 2.
+  Linearisation turned;
+  turned.curvature = {5.0, 3.0, 0.0, 5.0, 0.0, 100.0};
+  EXPECT_DOUBLE_EQ(hold_of(turned), 0.25);
+  EXPECT_EQ(hold_of(Linearisation{}), 0.0);
+}
+
+TEST(CompareFigures, CostsAreMeansInMetresAndBack) {
+  // 100 points, each one cell of 2.5 cm off: 25,600 units.
+  EXPECT_EQ(cost_of(0.025, 100, 0.025), 25600U);
+  EXPECT_DOUBLE_EQ(mean_cost_m(25600, 100, 0.025), 0.025);
+}
+
+CompareTrial trial(std::uint32_t scan, std::uint32_t method, std::uint32_t level, double distance_m, double deg,
+                   double seconds) {
+  CompareTrial t;
+  t.scan = scan;
+  t.method = method;
+  t.level = level;
+  t.distance_m = t.x_m = distance_m;
+  t.theta_rad = rad_from_deg(deg);
+  t.seconds = seconds;
+  t.evaluations = 10 * (method + 1);
+  t.is_optimal = distance_m == 0.0;
+  return t;
+}
+
+class Trials : public testing::Test {
+ protected:
+  void SetUp() override {
+    job_.methods = {CompareMethod::kSimplex, CompareMethod::kPso};
+    job_.levels = {{0.1, rad_from_deg(2.0)}};
+    outcome_.scans.resize(4);
+    for (CompareScan& scan : outcome_.scans) {
+      scan.is_certified = true;
+      scan.hold = 0.5;
+    }
+    outcome_.scans[2].hold = 0.001;
+    outcome_.scans[3].is_certified = false;
+    for (std::uint32_t scan = 0; scan < 4; ++scan) {
+      for (std::uint32_t level = 0; level < 2; ++level) {
+        outcome_.trials.push_back(trial(scan, 0, level, scan == 0 ? 0.0 : 0.03, 0.1, 1e-4));
+        outcome_.trials.push_back(trial(scan, 1, level, 0.01, scan == 1 ? 0.6 : 0.1, 3e-4));
+      }
+    }
+  }
+  CompareJob job_;
+  CompareOutcome outcome_;
+};
+
+TEST_F(Trials, CountByKindOfScan) {
+  EXPECT_EQ(count_of(outcome_, ScanKind::kHeld), 2U);
+  EXPECT_EQ(count_of(outcome_, ScanKind::kWeak), 1U);
+  EXPECT_EQ(count_of(outcome_, ScanKind::kUncertain), 1U);
+  const auto figures = figures_of(job_, outcome_, 0, ScanKind::kHeld);
+  ASSERT_EQ(figures.size(), 2U);
+  EXPECT_EQ(figures[0].distance_m.count, 2U);
+  EXPECT_DOUBLE_EQ(figures[0].distance_m.max, 0.03);
+  EXPECT_DOUBLE_EQ(figures[0].distance_m.mean, 0.015);
+  EXPECT_EQ(figures[0].success.count, 1U);  // 0 m; 3 cm is too far
+  EXPECT_EQ(figures[1].success.count, 1U);  // 0.6 degrees are too many
+  EXPECT_EQ(figures[0].optimal.count, 1U);
+  EXPECT_EQ(figures[1].optimal.count, 0U);
+  EXPECT_DOUBLE_EQ(figures[1].evaluations.mean, 20.0);
+  EXPECT_NEAR(figures[1].time_ratio, 3.0, 1e-12);
+  EXPECT_EQ(figures_of(job_, outcome_, 1, ScanKind::kWeak)[1].distance_m.count, 1U);
+  EXPECT_EQ(distances_of(outcome_, 0, 0, ScanKind::kHeld), (std::vector<double>{0.0, 0.03}));
+}
+
+TEST_F(Trials, TablesNameEveryMethodAndEveryStart) {
+  const std::string text = text_of(job_, outcome_);
+  for (const char* part :
+       {"simplex", "pso", "prediction", "10 cm, 2°", "1 are weak along a corridor", "1 have no proof"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+  const auto json = json_of(job_, outcome_, {}, {});
+  EXPECT_EQ(json["levels"].size(), 2U);
+  EXPECT_EQ(json["levels"][0]["held"][0]["success"]["count"], 1);
+  EXPECT_EQ(json["scans"]["weak"], 1);
+  const std::string csv = csv_of(job_, outcome_);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 16);
+}
+
+TEST(CompareMethods, AreChosenByName) {
+  EXPECT_EQ(compare_methods_of("--matchers", "").size(), compare_methods().size());
+  EXPECT_EQ(compare_methods_of("--matchers", "pso,simplex"),
+            (std::vector<CompareMethod>{CompareMethod::kPso, CompareMethod::kSimplex}));
+  for (const char* wrong : {"simplx", "pso,", "pso,pso", ","}) {
+    EXPECT_THROW(compare_methods_of("--matchers", wrong), UsageError) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,15 @@
+// A comparison as a picture: success against the start's distance from the solution, with its 95 % intervals, and the
+// errors of the starts at the odometry's prediction as boxes and as distribution. Pixels. Thread-safe.
+#pragma once
+
+#include <string>
+
+#include "compare_figures.hpp"
+#include "compare_run.hpp"
+#include "gdtslam/drawing/canvas.hpp"
+
+namespace gdtslam {
+
+Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, const std::string& log);
+
+}  // namespace gdtslam
