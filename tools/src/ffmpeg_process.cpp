@@ -99,6 +99,7 @@ void FfmpegProcess::spawn(const std::string& program, std::vector<std::string> a
         "cannot be started");
   arguments.insert(arguments.begin(), program);
   std::vector<char*> words;
+  words.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   const int code =

@@ -221,7 +221,7 @@ std::string frame_path(const std::string& target, std::size_t k) {
 }
 
 std::string find_ffmpeg(const std::string& given) {
-  const std::string name = given.empty() ? "ffmpeg" : given;
+  std::string name = given.empty() ? "ffmpeg" : given;
   const auto can_run = [](const std::string& path) {
     std::error_code ignored;
     return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
@@ -234,8 +234,9 @@ std::string find_ffmpeg(const std::string& given) {
   const std::string path = variable == nullptr ? "" : variable;
   for (std::size_t begin = 0; begin <= path.size();) {
     const std::size_t end = std::min(path.find(':', begin), path.size());
-    const std::string folder = end > begin ? path.substr(begin, end - begin) : ".";
-    if (can_run(folder + "/" + name)) return folder + "/" + name;
+    std::string program = end > begin ? path.substr(begin, end - begin) : ".";
+    program.append("/").append(name);
+    if (can_run(program)) return program;
     begin = end + 1;
   }
   throw UnavailableError(fmt::format(

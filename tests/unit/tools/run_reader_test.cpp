@@ -102,14 +102,14 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
     expect_refused([this] { reader(); }, path("report.json"),
                    "map the log again: gdtslam map LOG -o " + folder_.string());
   };
-  const std::pair<const char*, const char*> kEdits[]{{"\"scans\": 3", "'scans'"},
-                                                     {"\"matched\": 2", "'matched'"},
-                                                     {"\"keyframes\": 1", "'keyframes'"},
-                                                     {"\"path_m\": 1.5", "'path_m'"},
-                                                     {"\"log\": [", "'log'"},
-                                                     {"\"doubtful_scans\": [", "'doubtful_scans'"},
-                                                     {"\"cloud_points\": 1", "'cloud_points'"}};
-  for (const auto& [member, name] : kEdits) {
+  const std::pair<const char*, const char*> edits[]{{"\"scans\": 3", "'scans'"},
+                                                    {"\"matched\": 2", "'matched'"},
+                                                    {"\"keyframes\": 1", "'keyframes'"},
+                                                    {"\"path_m\": 1.5", "'path_m'"},
+                                                    {"\"log\": [", "'log'"},
+                                                    {"\"doubtful_scans\": [", "'doubtful_scans'"},
+                                                    {"\"cloud_points\": 1", "'cloud_points'"}};
+  for (const auto& [member, name] : edits) {
     edit(member, "\"x" + std::string(member).substr(1));
     refused("has no " + std::string(name));
   }
@@ -140,14 +140,14 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
 }
 
 TEST_F(RunReaderTest, FilesThatAreMissing) {
-  const std::pair<const char*, std::function<void()>> kFiles[]{
+  const std::pair<const char*, std::function<void()>> files[]{
       {"trajectory.tum", [this] { static_cast<void>(reader().trajectory()); }},
       {"map.yaml", [this] { static_cast<void>(reader().map()); }},
       {"map.pgm", [this] { static_cast<void>(reader().map()); }},
       {"gdt.yaml", [this] { static_cast<void>(reader().field()); }},
       {"gdt.png", [this] { static_cast<void>(reader().field()); }},
       {"cloud.ply", [this] { static_cast<void>(reader().cloud_file()); }}};
-  for (const auto& [name, read] : kFiles) {
+  for (const auto& [name, read] : files) {
     fs::rename(path(name), path("kept"));
     expect_refused(read, path(name), "is missing in this run; map the log again");
     fs::rename(path("kept"), path(name));

@@ -19,7 +19,6 @@ namespace gdtslam::testing {
 namespace {
 
 using test::cloud_point;
-using ::testing::HasSubstr;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 

@@ -143,17 +143,18 @@ TEST(TimePlot, loses_no_spike_and_stays_small) {
   EXPECT_LT(points.size(), 4U * kSize.width);
   EXPECT_LT(svg_of(canvas).size(), 300000U);
   ASSERT_FALSE(points.empty());
-  const auto [low, high] =
+  const auto ends =
       std::minmax_element(points.begin(), points.end(), [](const Point2& a, const Point2& b) { return a.y() < b.y(); });
+  const double low_y = ends.first->y();
   const Scale time = Scale::through(0.0, points.front().x(), 99.999, points.back().x());  // from time to pixels
   for (const std::size_t spike : spikes) {
     const double x = time.at(0.001 * static_cast<double>(spike));
     const bool is_there = std::any_of(points.begin(), points.end(), [&](const Point2& point) {
-      return std::fabs(point.x() - x) < 0.01 && std::fabs(point.y() - low->y()) < 0.01;
+      return std::fabs(point.x() - x) < 0.01 && std::fabs(point.y() - low_y) < 0.01;
     });
     EXPECT_TRUE(is_there) << spike;
   }
-  EXPECT_NEAR(high->x(), time.at(60.0), 0.01);
+  EXPECT_NEAR(ends.second->x(), time.at(60.0), 0.01);
 }
 
 TEST(TimePlot, a_value_that_is_missing_is_a_gap) {

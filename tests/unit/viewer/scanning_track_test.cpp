@@ -100,7 +100,7 @@ TEST(ScanningTrack, poses_lie_between_those_of_the_log) {
     EXPECT_NEAR(pose.y_m, truth.y_m, 1e-9);
     EXPECT_NEAR(pose.theta_rad, truth.theta_rad, 1e-9);
   }
-  EXPECT_NEAR(track.smooth_T_map_base(4.0).x_m, room.T_map_base(4.0).x_m, 1e-9);
+  EXPECT_NEAR(track.T_map_base_smooth(4.0).x_m, room.T_map_base(4.0).x_m, 1e-9);
   EXPECT_NEAR(track.usual_range_m(), 2.2, 0.6);
 }
 

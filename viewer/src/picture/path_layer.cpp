@@ -174,6 +174,7 @@ void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay
   canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
   if (look.with_path && points.size() > 1) {
     std::vector<Point2> whole;
+    whole.reserve(points.size());
     for (const PathPoint& point : points) whole.push_back(point.at);
     canvas.polyline(std::move(whole), {.colour = colours.halo, .width = 2.3 * sizes.line_px, .opacity = 0.8});
     draw_line(canvas, points, colours, sizes.line_px);

@@ -128,7 +128,7 @@ void CloudLayout::draw_scale_bar(const Camera& camera, const PictureSize& size) 
 }
 
 Point2 CloudLayout::bar_corner(const DrawingArea& room, BarPlace place) const {
-  const Point2 low_right(canvas_.width() - margin_ - room.width, canvas_.height() - margin_ - room.height);
+  Point2 low_right(canvas_.width() - margin_ - room.width, canvas_.height() - margin_ - room.height);
   switch (place) {
     case BarPlace::kMiddleRight:
       return {low_right.x(), 0.5 * (canvas_.height() - room.height)};

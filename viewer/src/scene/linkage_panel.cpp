@@ -122,8 +122,8 @@ void LinkagePanel::draw_bars(Canvas& canvas, const LinkageSheet& sheet) const {
   const double step = (sheet.bars.width - 2.8 * text) / columns;
   int i = 0;
   for (const Bar& bar : all) {
-    const Point2 at = sheet.bars.corner + Point2(1.4 * text + step * (i % columns),
-                                                 1.5 * text + 1.6 * text * static_cast<double>(i / columns));
+    const int row = i / columns;
+    const Point2 at = sheet.bars.corner + Point2(1.4 * text + step * (i % columns), 1.5 * text + 1.6 * text * row);
     canvas.line(at + Point2(0.0, -0.36 * text), at + Point2(1.6 * text, -0.36 * text),
                 {.colour = bar.colour, .width = 0.5 * text});
     const Point2 words = at + Point2(2.4 * text, 0.0);

@@ -220,7 +220,7 @@ void MountModel::set_fan_visible(bool is_visible) {
 }
 
 Pose3 MountModel::T_map_laser() const {
-  const Pose3 T_map_axis = embed(state_->T_map_base) * state_->T_base_axis();
+  Pose3 T_map_axis = embed(state_->T_map_base) * state_->T_base_axis();
   if (!state_->cycle) return T_map_axis;
   const double elevation_rad = calib::elevation_rad(state_->cycle->model(), state_->crank_rad).value_or(0.0);
   return T_map_axis * state_->linkage->T_axis_laser(elevation_rad);

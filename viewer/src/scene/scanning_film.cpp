@@ -69,7 +69,7 @@ class ScanningFilm : public Film {
     scene_.show(stamp_s, moment.crank_rad);
     moment.points = scene_.points_drawn();
     const Camera camera =
-        camera_beside(track_.smooth_T_map_base(stamp_s), distance_m_, kSway_rad * sin_cos(kTwoPi * share).sin);
+        camera_beside(track_.T_map_base_smooth(stamp_s), distance_m_, kSway_rad * sin_cos(kTwoPi * share).sin);
     Canvas canvas(size_.width, size_.height, "A robot with a nodding laser, scanning");
     canvas.picture(Point2::Zero(), size_.width, size_.height,
                    std::make_shared<const RgbaImage>(scene_.render(camera, size_)));

@@ -127,7 +127,7 @@ Pose2 ScanningTrack::T_map_base(double stamp_s) const {
   return blended(*(after - 1), *after, stamp_s);
 }
 
-Pose2 ScanningTrack::smooth_T_map_base(double stamp_s) const {
+Pose2 ScanningTrack::T_map_base_smooth(double stamp_s) const {
   Point2 place = Point2::Zero();
   Point2 heading = Point2::Zero();
   double weights = 0.0;

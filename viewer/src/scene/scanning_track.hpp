@@ -34,7 +34,7 @@ class ScanningTrack {
   /// Between the poses before and after.
   [[nodiscard]] Pose2 T_map_base(double stamp_s) const;
   /// Averaged over some seconds, for a camera that follows without jerks.
-  [[nodiscard]] Pose2 smooth_T_map_base(double stamp_s) const;
+  [[nodiscard]] Pose2 T_map_base_smooth(double stamp_s) const;
 
   /// How far before the robot's origin the sensor sits, read off the points: those of a scan lie in a plane through the
   /// sensor whose slope is the elevation. 0 where too few points tell, or they disagree.
