@@ -29,7 +29,7 @@ const std::vector<RenderView>& render_views() {
   constexpr bool kFlat = false;
   constexpr bool kVector = true;
   constexpr bool kPixels = false;
-  static const std::vector<RenderView> kViews{
+  static const std::vector<RenderView> views{
       {"iso", part::kCloud, kStill, kScene, kPixels, "3D cloud from the south-west and above, without the ceiling"},
       {"top", part::kCloud, kStill, kScene, kPixels, "3D cloud from straight above, without the ceiling"},
       {"front", part::kCloud, kStill, kScene, kPixels, "3D cloud seen along y, in parallel"},
@@ -49,7 +49,7 @@ const std::vector<RenderView>& render_views() {
       {"errors-cdf", kErrors, kStill, kFlat, kVector, "errors of the trajectory as distribution"},
       {"errors-time", kErrors, kStill, kFlat, kVector, "errors of the trajectory over time"},
   };
-  return kViews;
+  return views;
 }
 
 const RenderView& render_view(const std::string& name) {

@@ -89,9 +89,11 @@ class Annealing {
   // One move of Nelder and Mead on values that are disturbed anew each time.
   void move(Spread& spread) {
     std::vector<std::pair<double, std::size_t>> order;
+    order.reserve(vertices_.size());
     for (std::size_t i = 0; i < vertices_.size(); ++i) order.emplace_back(vertices_[i].value + heat(), i);
     std::sort(order.begin(), order.end());
     std::vector<Valued> sorted;
+    sorted.reserve(vertices_.size());
     for (const auto& [warm, i] : order) sorted.push_back(vertices_[i]);
     vertices_ = std::move(sorted);
     const double best = order.front().first;

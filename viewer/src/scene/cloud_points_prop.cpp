@@ -109,7 +109,10 @@ void CloudPointsProp::bind(Piece& piece, std::int32_t place_at, std::int32_t col
                  piece.waiting.data(), GL_STATIC_DRAW);
     std::vector<DotVertex>().swap(piece.waiting);
   }
-  const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
+  // OpenGL takes an offset into the buffer as a pointer.
+  const auto offset = [](std::size_t bytes) {
+    return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
+  };
   constexpr GLsizei kStride = sizeof(DotVertex);
   glVertexAttribPointer(static_cast<GLuint>(place_at), 3, GL_FLOAT, GL_FALSE, kStride,
                         offset(offsetof(DotVertex, place)));
