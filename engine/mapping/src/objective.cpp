@@ -8,7 +8,6 @@
 #include "gdtslam/compute/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
-#include "robust_sums.hpp"
 
 namespace gdtslam {
 namespace {
@@ -134,22 +133,16 @@ void Objective::residuals(const CellPose& pose, std::span<const PointCells> poin
   }
 }
 
-// Points in eight lanes, each summed on its own and all added in one order, so that a wide machine gives the bits of a
-// narrow one.
 Linearisation Objective::linearise(const CellPose& pose, float scale_cells) {
   ++evaluations_;
-  const FieldSlope field(params(Interpolation::kBilinear, points_.size()), map_->cells().data());
-  const float scale = scale_cells * static_cast<float>(kFieldOne);
-  const auto [sin, cos] = sin_cos(pose.theta);
-  RobustSums sums;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const PointCells& p = points_[i];
-    const float turned_x = cos * p.x - sin * p.y;
-    const float turned_y = sin * p.x + cos * p.y;
-    const FieldSlope::Value at = field.at(turned_x + pose.x, turned_y + pose.y);
-    sums.add(i % RobustSums::kLanes, at, at.slope_y * turned_x - at.slope_x * turned_y, scale);
-  }
-  Linearisation result = sums.total();
+  const PoseSlope::Params slope{.grid = params(Interpolation::kBilinear, points_.size()),
+                                .scale = scale_cells * static_cast<float>(kFieldOne)};
+  const PoseSlope::Sums sums = pose_slope_host(backend_->host_isa(), slope, map_->cells().data(), points_.data(),
+                                               {.x = pose.x, .y = pose.y, .theta = pose.theta});
+  Linearisation result;
+  result.cost = sums[0];
+  std::copy_n(sums.begin() + 1, result.gradient.size(), result.gradient.begin());
+  std::copy_n(sums.begin() + 4, result.curvature.size(), result.curvature.begin());
   add_prior(prior_, pose, result);
   return result;
 }

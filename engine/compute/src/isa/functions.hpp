@@ -16,6 +16,7 @@
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
+#include "gdtslam/compute/kernels/pose_slope.hpp"
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
 #include "gdtslam/compute/kernels/sweep_points.hpp"
 #include "gdtslam/core/elementary.hpp"
@@ -113,6 +114,9 @@ struct IsaFunctions {
                          std::uint32_t begin, std::uint32_t end);
   void (*pose_minorant_wide)(const PoseMinorantWide::Params&, const std::uint32_t* minorants, const BoundPoint* points,
                              const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
+  /// totals: PoseSlope::kSums of them.
+  void (*pose_slope)(const PoseSlope::Params&, const std::uint16_t* field, const PointCells* points,
+                     const PoseSlope::Pose&, double* totals);
   /// Beams [begin, end).
   void (*sweep_points)(const SweepPoints::Params&, const SweepBuffers&, std::uint32_t begin, std::uint32_t end);
 };

@@ -35,6 +35,7 @@ namespace {
 #include "kernels/pose_minorant.inl"
 #include "kernels/pose_minorant_wide.inl"
 #include "kernels/field_minorant.inl"
+#include "kernels/pose_slope.inl"
 #include "kernels/sweep_points.inl"
 // clang-format on
 
@@ -64,6 +65,7 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .pose_minorant = pose_minorant,
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,
+    .pose_slope = pose_slope,
     .sweep_points = sweep_points,
 };
 

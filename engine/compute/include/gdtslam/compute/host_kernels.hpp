@@ -13,6 +13,7 @@
 #include "gdtslam/compute/kernels/pose_bounds.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
+#include "gdtslam/compute/kernels/pose_slope.hpp"
 
 namespace gdtslam {
 
@@ -23,6 +24,10 @@ void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t
 /// A descent from each of `count` poses, in place; field height and width at least 2, at most 65,537 points.
 void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
                        PolishedPose* poses, std::uint32_t count);
+
+/// Cost of a pose with its slope; field height and width at least 2, at most 65,537 points.
+PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const std::uint16_t* field,
+                                const PointCells* points, const PoseSlope::Pose& pose);
 
 /// Sums of `count` tiles of boxes, tile_width * tile_height each.
 void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,
