@@ -5,6 +5,7 @@ import sys
 
 import scenario_bad_input
 import scenario_calibrate
+import scenario_compare
 import scenario_devices
 import scenario_files
 import scenario_linkage
@@ -15,14 +16,15 @@ import scenario_nodding_runs
 import scenario_printing
 import scenario_render
 import scenario_render_faults
+import scenario_reproduce
 import scenario_results
 import scenario_same_bytes
 import scenario_signals
 import scenario_tilt3d
 
-MODULES = (scenario_bad_input, scenario_calibrate, scenario_devices, scenario_files, scenario_linkage, scenario_measure, scenario_nodding,
+MODULES = (scenario_bad_input, scenario_calibrate, scenario_compare, scenario_devices, scenario_files, scenario_linkage, scenario_measure, scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
-           scenario_render_faults, scenario_results, scenario_same_bytes, scenario_signals,
+           scenario_render_faults, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,
            scenario_tilt3d)
 
 

@@ -31,6 +31,10 @@ const MeasuredBox* box_near(const Measurement& measured, double width_cm) {
   return nearest == measured.boxes.end() || off(*nearest) > kSame_cm ? nullptr : &*nearest;
 }
 
+std::string width_text(const Dimension& width) {
+  return fmt::format("{:.2f} \u00b1 {:.2f} cm", 100.0 * width.value_m, 100.0 * width.sigma_m);
+}
+
 void add_rows(Part& part, const Measurement& measured, const std::string& how) {
   for (const BoxOfPaper& box : kBoxes) {
     const MeasuredBox* const found = box_near(measured, box.true_cm);
@@ -38,7 +42,7 @@ void add_rows(Part& part, const Measurement& measured, const std::string& how) {
     const double ours_mm = found == nullptr ? 0.0 : std::abs(1000.0 * found->width.value_m - 10.0 * box.true_cm);
     part.rows.push_back(
         {fmt::format("width of the box of {} cm, {}", box.true_cm, how), fmt::format("{} cm", box.paper_cm),
-         found == nullptr ? "not found" : dimension_text(found->width),
+         found == nullptr ? "not found" : width_text(found->width),
          found != nullptr && ours_mm <= paper_mm ? Verdict::kWithin : Verdict::kOutside,
          fmt::format("off by {:.1f} mm in the paper, by {:.2f} mm here; within: not more than the paper", paper_mm,
                      ours_mm)});
@@ -64,17 +68,16 @@ Part make_boxes(const Workplace& place) {
   const Measurement projected = measured_in(cloud, file, true);
   place.progress(0.85);
   Part part;
-  part.source =
-      "Simulated: the scene three-boxes, seed 1: boxes of the paper's true widths before the standing scanner.";
+  part.source = "The scene three-boxes, seed 1: boxes of the paper's true widths before the standing scanner.";
   RenderOptions look;
   look.title = "Three boxes";
   look.no_path = true;
   add_view(part, place, {.inputs = {file}, .view = "iso", .size = "1600x1000", .options = look},
            {"cloud.png", "(b) The 3D map of the room with the three boxes, without the ceiling."});
   add_picture(part, place, drawing_of(solid, cloud),
-              {"solid.svg", "Measured in the 3D map, seen from above: faces and where they end.", 2});
+              {"solid.svg", "Measured in the 3D map, seen from above: faces and where they end."});
   add_picture(part, place, drawing_of(projected, cloud),
-              {"projection.svg", "(c) Measured in the projection to the floor.", 2});
+              {"projection.svg", "(c) Measured in the projection to the floor."});
   add_rows(part, solid, "3D");
   add_rows(part, projected, "projected");
   part.notes.push_back(

@@ -99,10 +99,10 @@ void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepMod
   const double after_m = miss_rms_m(outcome, outcome.result.model, outcome.result.surfaces.front().distance_m);
   part.rows.push_back({"wall's distance by the ranges, scatter before", "curves differ (figure A(a))",
                        length_with_unit(before_m) + " rms", Verdict::kOpen,
-                       "with the nominal lengths, up to 60\u00b0"});
+                       "with the nominal lengths, up to 60\u00b0; the paper shows curves only"});
   part.rows.push_back({"the same after the calibration", "best fit (figure A(b))", length_with_unit(after_m) + " rms",
                        after_m < 0.5 * before_m ? Verdict::kWithin : Verdict::kOutside,
-                       "within: at most half of before. An average of 250 ranges has 0.6 mm of noise"});
+                       "within: at most half of before; what is left is the noise of the averages"});
   const double off_before = elevation_error_deg(outcome.start, truth, outcome.max_elevation_rad);
   const double off_after = elevation_error_deg(outcome.result.model, truth, outcome.max_elevation_rad);
   part.rows.push_back(
@@ -123,7 +123,7 @@ Part make_calibration(const Workplace& place) {
       job, [&](double share) { place.progress(0.6 + 0.3 * share); }, place.stop);
   Part part;
   part.source =
-      "Simulated: the scene wall, seed 1, with the paper's protocol: the crank stops each 1.8\u00b0 for 250 scans. The "
+      "The scene wall, seed 1, with the paper's protocol: the crank stops each 1.8\u00b0 for 250 scans. The "
       "mount has the "
       "lengths that the paper found; the calibration starts from the nominal ones.";
   add_picture(part, place, calibration_figure(outcome),

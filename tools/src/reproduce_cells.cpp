@@ -157,7 +157,7 @@ Part make_cells(const Workplace& place) {
   Part part;
   part.origin = Origin::kComputed;
   part.source =
-      "Computed from the obstacles that figure 3(a) prints, by the kernels that make every map; no sensor is involved.";
+      "From the obstacles that figure 3(a) prints, by the kernels that make every map; no sensor is involved.";
   add_picture(part, place, before(), {"before.svg", "(a) The obstacles of figure 3(a).", 3});
   add_picture(part, place, cells_picture(field, {{0, 0}, {kSide, kSide}}, false, look),
               {"after.svg", "(b) Their distance transform, equation (1) with the root taken: exact to 1/256 cell.", 3});

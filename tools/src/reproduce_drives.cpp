@@ -40,7 +40,7 @@ const DriveRecipe& recipe_of(std::string_view name) {
       {.name = "one-scan",
        .scene = "office-loop",
        .waypoints = kAtCrossing,
-       .sets = {},
+       .sets = {"occupancy.min_ends=1"},
        .laser = "hokuyo-961",
        .first = 1},
       {.name = "three-boxes", .scene = "three-boxes", .waypoints = "", .sets = {"cloud.voxel=0"}},

@@ -1,6 +1,7 @@
 // Figure 11: the four-bar linkage in the three readings that turn all the way round.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -46,12 +47,19 @@ Table readings_table() {
   return table;
 }
 
+// Shortest and longest bar against the other two.
+std::string sums_text(const calib::FourBar& bars) {
+  std::array<double, 4> lengths{bars.crank_m, bars.coupler_m, bars.rocker_m, bars.ground_m};
+  std::sort(lengths.begin(), lengths.end());
+  return fmt::format("{:.1f} < {:.1f} cm", 100.0 * (lengths[0] + lengths[3]), 100.0 * (lengths[1] + lengths[2]));
+}
+
 void add_rows(Part& part) {
   const LinkageSummary b = summary_of(resolve_linkage("paper-b"));
   const double swing_deg = deg_from_rad(b.report->swing_rad);
   const double ratio = b.report->time_ratio;
   const calib::FourBar& bars = b.model.bars;
-  part.rows.push_back({"a link turns all the way (Grashof)", "s + l < p + q", calib::inequality_text(bars),
+  part.rows.push_back({"a link turns all the way (Grashof)", "s + l < p + q", sums_text(bars),
                        b.grashof == calib::GrashofClass::kCrankRocker ? Verdict::kWithin : Verdict::kOutside,
                        "reading paper-b, nominal lengths"});
   part.rows.push_back({"swing of the laser", "0\u00b0 to 90\u00b0", fmt::format("{:.1f}\u00b0", swing_deg),
@@ -69,7 +77,7 @@ void add_rows(Part& part) {
 Part make_linkages(const Workplace& place) {
   Part part;
   part.origin = Origin::kComputed;
-  part.source = "Computed from the lengths that the paper's appendix prints.";
+  part.source = "From the lengths that the paper's appendix prints.";
   add_view(part, place, {.inputs = {"paper-b"}, .view = "scene", .size = "1600x900"},
            {"scene.png", "The mount as reading paper-b has it: four bars and the laser on the rocker."});
   double share = 0.25;

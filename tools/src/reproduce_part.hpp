@@ -73,12 +73,13 @@ struct Workplace {
 /// One row of the list of parts.
 struct PartInfo {
   std::string_view id;                   ///< "fig3"
-  std::string_view label;                ///< "Figure 3"
-  std::string_view title;                ///< what it shows here
-  std::string_view paper;                ///< what it shows in the paper, in our words
+  std::string_view also{};               ///< another name of it, "table1"; empty: none
+  std::string_view label{};              ///< "Figure 3"
+  std::string_view title{};              ///< what it shows here
+  std::string_view paper{};              ///< what it shows in the paper, in our words
   double weight_s = 1.0;                 ///< CPU seconds as measured, for the time left
   std::vector<std::string_view> drives;  ///< that it uses, by name
-  bool uses_data = false;                ///< real logs too, where they are
+  double data_weight_s = 0.0;            ///< likewise, for the real logs where it takes them in; 0: it does not
   Part (*make)(const Workplace&) = nullptr;
 };
 
@@ -89,6 +90,8 @@ const std::vector<PartInfo>& part_list();
 Part make_cells(const Workplace& place);
 Part make_local_scan(const Workplace& place);
 Part make_loop(const Workplace& place);
+Part make_optimizer_errors(const Workplace& place);
+Part make_optimizer_positions(const Workplace& place);
 Part make_linkages(const Workplace& place);
 Part make_boxes(const Workplace& place);
 Part make_standing(const Workplace& place);

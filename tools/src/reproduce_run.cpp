@@ -36,7 +36,7 @@ std::string key_of(const PartInfo& info, const std::string& program, const Optio
   Sha256 key;
   key.update(program).update(info.id).update(options.device.device);
   for (const std::string_view drive : info.drives) key.update(Drives::key_of(drive));
-  if (info.uses_data) {
+  if (info.data_weight_s > 0.0) {
     for (const RealLog& log : logs) key.update(text_of_file(log.log)).update(text_of_file(log.relations));
   }
   return key.hex();
@@ -91,6 +91,9 @@ class Reproduction {
     const bool is_named = only.empty() || std::find(only.begin(), only.end(), state.info->id) != only.end();
     return is_named && (options_.force || !state.kept);
   }
+  [[nodiscard]] double weight_of(const PartInfo& info) const {
+    return info.weight_s + (logs_.empty() ? 0.0 : info.data_weight_s);
+  }
   [[nodiscard]] std::size_t made() const {
     return static_cast<std::size_t>(std::count_if(result_.parts.begin(), result_.parts.end(),
                                                   [](const PartState& state) { return state.kept.has_value(); }));
@@ -101,7 +104,7 @@ class Reproduction {
     double total_s = 0.0;
     for (const PartState& state : result_.parts) {
       count += is_wanted(state) ? 1U : 0U;
-      total_s += is_wanted(state) ? state.info->weight_s : 0.0;
+      total_s += is_wanted(state) ? weight_of(*state.info) : 0.0;
     }
     Progress progress(count, total_s, options_.quiet);
     for (std::size_t k = 0; k < result_.parts.size(); ++k) {
@@ -112,7 +115,7 @@ class Reproduction {
   void make(PartState& state, const std::string& key, Progress& progress) {
     const std::string id(state.info->id);
     const Clock::time_point start = Clock::now();
-    progress.begin(id, state.info->weight_s);
+    progress.begin(id, weight_of(*state.info));
     const Workplace place{.folder = store_.begin(id),
                           .drives = drives_,
                           .device = options_.device,
@@ -152,13 +155,22 @@ class Reproduction {
 
 }  // namespace
 
-std::vector<std::string> checked_ids(const std::vector<std::string>& ids) {
+std::vector<std::string> checked_ids(const std::vector<std::string>& names) {
   std::vector<std::string> all;
-  for (const PartInfo& info : part_list()) all.emplace_back(info.id);
-  for (const std::string& id : ids) {
-    if (std::find(all.begin(), all.end(), id) == all.end()) {
-      throw UsageError("--only: there is no part '" + id + "'" + did_you_mean(id, all) + " (--list names all)");
+  std::vector<std::string> ids;
+  for (const PartInfo& info : part_list()) {
+    all.emplace_back(info.id);
+    if (!info.also.empty()) all.emplace_back(info.also);
+  }
+  for (const std::string& name : names) {
+    const auto is_named = [&name](const PartInfo& info) {
+      return info.id == name || (!name.empty() && info.also == name);
+    };
+    const auto info = std::find_if(part_list().begin(), part_list().end(), is_named);
+    if (info == part_list().end()) {
+      throw UsageError("--only: there is no part '" + name + "'" + did_you_mean(name, all) + " (--list names all)");
     }
+    ids.emplace_back(info->id);
   }
   return ids;
 }

@@ -46,8 +46,8 @@ struct Result {
   double seconds = 0.0;  ///< of this run
 };
 
-/// The parts of these ids. Throws UsageError with the nearest one.
-std::vector<std::string> checked_ids(const std::vector<std::string>& ids);
+/// The ids of parts by these names, "fig8" or "table1". Throws UsageError with the nearest one.
+std::vector<std::string> checked_ids(const std::vector<std::string>& names);
 
 /// Throws every typed error; parts that are finished by then are kept, and the report has them.
 Result reproduce(const Options& options);

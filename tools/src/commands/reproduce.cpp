@@ -30,8 +30,12 @@ int list_parts(const ReproduceCommand& command) {
   Json all = Json::array();
   std::string text;
   for (const reproduce::PartInfo& info : reproduce::part_list()) {
-    all.push_back({{"part", info.id}, {"label", info.label}, {"title", info.title}});
-    text += fmt::format("{:<8} {:<10} {}\n", info.id, info.label, info.title);
+    all.push_back({{"part", info.id},
+                   {"also", info.also.empty() ? Json() : Json(info.also)},
+                   {"label", info.label},
+                   {"title", info.title}});
+    text += fmt::format("{:<14} {:<18} {}\n", fmt::format("{}{}{}", info.id, info.also.empty() ? "" : ", ", info.also),
+                        info.label, info.title);
   }
   print_result(command.json ? json_text(all) : text);
   return static_cast<int>(ExitCode::kDone);
@@ -72,7 +76,7 @@ std::string text_of(const reproduce::Result& result) {
     const std::string status = !state.kept    ? "not made"
                                : state.is_new ? reproduce::seconds_text(state.kept->seconds)
                                               : "kept, made " + state.kept->date;
-    text += fmt::format("{:<10} {:<52} {}\n", state.info->label, state.info->title, status);
+    text += fmt::format("{:<18} {:<46} {}\n", state.info->label, state.info->title, status);
   }
   const reproduce::VerdictCounts counts = reproduce::counts_of(result);
   return text + fmt::format("{} within what the paper claims, {} outside, {} without a verdict\n{}\n{}\n",

@@ -1,0 +1,180 @@
+"""gdtslam reproduce from the outside: parts that are made, kept and made again, and a report that needs nothing else."""
+
+import html.parser
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import time
+import xml.etree.ElementTree as xml
+
+import cli_support as cli
+from cli_support import PROGRAM, command, digests, environment, expect, expect_exit, finish, one_error_line
+
+WITHOUT_DATA = environment(GDTSLAM_DATA=None)
+CHEAP = ("fig3", "fig11")
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+
+def reproduced(folder, *arguments):
+    """Runs; what it says as JSON, parts by name."""
+    process = command("reproduce", "-o", folder, "--json", *arguments, env=WITHOUT_DATA, timeout=250)
+    expect_exit(process, 0)
+    said = json.loads(process.stdout)
+    return {part["part"]: part for part in said["parts"]}, said
+
+
+def refused(code, *arguments, says, env=WITHOUT_DATA):
+    process = command("reproduce", *arguments, env=env)
+    expect_exit(process, code)
+    one_error_line(process.stderr)
+    expect(says in process.stderr, f"{says!r} is not in {process.stderr!r}")
+
+
+class Page(html.parser.HTMLParser):
+    """Tags that close in order, ids, and everything that leads elsewhere."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.open, self.ids, self.links, self.pictures, self.words = [], [], [], [], {}
+        self.feed(text)
+        self.close()
+        expect(not self.open, f"never closed: {self.open}")
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        if tag not in VOID:
+            self.open.append(tag)
+        if "id" in values:
+            self.ids.append(values["id"])
+        for name in ("href", "src", "srcset", "data", "action", "poster", "xlink:href"):
+            if name in values:
+                (self.pictures if tag in ("img", "image") else self.links).append(values[name])
+        if tag == "img":
+            expect(values.get("alt"), "a picture without words for who cannot see it")
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        expect(self.open and self.open[-1] == tag, f"</{tag}> closes {self.open[-3:]}")
+        self.open.pop()
+
+    def handle_data(self, data):
+        if self.open:
+            self.words.setdefault(self.open[-1], []).append(data)
+
+
+def check_page(path):
+    """Well formed, nothing from elsewhere, every link within leads somewhere, drawings are XML."""
+    text = path.read_text(encoding="utf-8", errors="strict")
+    page = Page(text)
+    expect(len(page.ids) == len(set(page.ids)), f"ids twice: {page.ids}")
+    expect(page.pictures and all(p.startswith("data:image/png;base64,iVBORw0KGgo") for p in page.pictures), "a picture is not in the page")
+    for link in page.links:
+        expect(link.startswith("#") and link[1:] in page.ids, f"{link} leads out of the page")
+    expect("url(" not in text and "@import" not in text, "the style sheet wants something from elsewhere")
+    expect(set(re.findall(r"https?://[^\"'\s<]*", text)) <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"},
+           "an address of elsewhere")
+    drawings = re.findall(r"<svg.*?\n</svg>", text, re.S)
+    expect(drawings, "no drawing")
+    for drawing in drawings:
+        xml.fromstring(drawing)
+    expect("{{" not in text, "a mark of the skeleton is left")
+    return page
+
+
+def reproduce_cheap_parts():
+    """Figures 3 and 11: numbers that others counted, a page that needs nothing else, Markdown whose pictures are there."""
+    folder = cli.fresh_folder("reproduce") / "report"
+    parts, said = reproduced(folder, "--only", ",".join(CHEAP))
+    expect({name for name, part in parts.items() if part["made"]} == set(CHEAP), f"{parts}")
+    ours = [row["ours"] for row in parts["fig3"]["rows"]]
+    expect(ours == ["0 of 100", "80 of 100", "88 of 100"], f"{ours}")
+    expect([row["verdict"] for row in parts["fig3"]["rows"]] == ["within", "outside", "no verdict"], "verdicts of figure 3")
+    ours = [row["ours"] for row in parts["fig11"]["rows"]]  # docs/linkage.md, found with another program
+    expect(ours[0] == "12.4 < 13.5 cm" and ours[1].startswith("93.0") and ours[2].startswith("2.85") and ours[3].startswith("9.1"), f"{ours}")
+
+    page = check_page(pathlib.Path(said["html"]))
+    expect(set(parts) <= set(page.ids), f"a part has no section: {page.ids}")
+    commands = "\n".join(page.words["pre"])
+    for name in parts:
+        expect(re.search(rf"gdtslam reproduce -o report --only {name}\b", commands), f"no command for {name}")
+    everything = " ".join(" ".join(words) for words in page.words.values())
+    for word in (said["version"], said["processor"], said["device"], "simulated", "Not made yet"):
+        expect(word in everything, f"the page does not say {word}")
+
+    markdown = (folder / "report.md").read_text(encoding="utf-8")
+    pictures = re.findall(r"!\[[^\]]*\]\(([^)]*)\)", markdown)
+    expect(len(pictures) == 7 and all((folder / picture).stat().st_size > 1000 for picture in pictures), f"{pictures}")
+    expect(sorted(p.name for p in folder.iterdir()) == ["parts", "report.html", "report.md"], "something else is left in the folder")
+
+
+def reproduce_keeps_parts():
+    """What is made stays byte for byte; what is forced, incomplete, cut or of other inputs is made again."""
+    folder = cli.fresh_folder("reproduce_keeps") / "report"
+    only = ("--only", "fig3,fig11")
+    reproduced(folder, *only)
+    before = digests(folder / "parts")
+    parts, _ = reproduced(folder, *only)
+    expect(not any(part["new"] for part in parts.values()) and digests(folder / "parts") == before, "a part was made twice")
+    parts, _ = reproduced(folder, "--only", "fig3", "--force")
+    expect(parts["fig3"]["new"] and not parts["fig11"]["new"] and parts["fig11"]["made"], f"{parts}")
+
+    (folder / "parts/fig3/after.svg").unlink()
+    (folder / "parts/fig11/part.json").write_text((folder / "parts/fig11/part.json").read_text()[:200])
+    parts, _ = reproduced(folder, *only)
+    expect(parts["fig3"]["new"] and parts["fig11"]["new"], "an incomplete part was kept")
+    kept = folder / "parts/fig3/part.json"
+    for change in ({"key": "0" * 64}, {"version": 99}, {"rows": "none"}, {"origin": 7}, {"pictures": [{"file": "../../report.md", "caption": "", "across": 1}]}):
+        kept.write_text(json.dumps({**json.loads(kept.read_text()), **change}))
+        parts, _ = reproduced(folder, *only)
+        expect(parts["fig3"]["new"], f"a part with {change} was kept")
+    check_page(folder / "report.html")
+
+
+def reproduce_interrupted():
+    """SIGINT: exit 130, one line, finished parts are kept and in the report; the next run does not make them again."""
+    folder = cli.fresh_folder("reproduce_interrupted") / "report"
+    process = subprocess.Popen([PROGRAM, "reproduce", "-q", "-o", str(folder)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               text=True, env=WITHOUT_DATA)
+    deadline = time.time() + 100
+    while not (folder / "parts/fig3/part.json").exists() and process.poll() is None and time.time() < deadline:
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    done = finish(process)
+    expect_exit(done, 130)
+    one_error_line(done.stderr)
+    expect("kept" in done.stderr and done.stdout == "", f"{done.stdout} {done.stderr}")
+    expect(not list(folder.glob("parts/*.making")), "half a part is left")
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    expect("Not made yet" in text and "88 of 100" in text, "the report lacks what is made, or says that all is")
+    parts, _ = reproduced(folder, "--only", "fig3")
+    expect(not parts["fig3"]["new"], "figure 3 was made twice")
+
+
+def reproduce_mistakes():
+    """Parts that there are not, folders that cannot be: one line, the exit code, nothing written."""
+    folder = cli.fresh_folder("reproduce_mistakes")
+    refused(2, "-o", folder / "a", "--only", "fig33", says="fig3")
+    refused(2, "--only", "fig3", says="-o DIR")
+    refused(2, "-o", folder / "a", "--graphics", "metal", says="metal")
+    (folder / "file").write_text("old")
+    refused(74, "-o", folder / "file", "--only", "fig3", says="file")
+    refused(74, "-o", "/proc/report", "--only", "fig3", says="/proc/report")
+    refused(74, "-o", folder / "a", "--data", folder / "none", "--only", "fig3", says="no such folder")
+    refused(74, "-o", folder / "a", "--data", folder, "--only", "fig3", says="intel.clf.gz")
+    refused(74, "-o", folder / "a", "--only", "fig3", says="no such folder", env=environment(GDTSLAM_DATA=str(folder / "none")))
+    expect(sorted(digests(folder)) == ["file"] and (folder / "file").read_text() == "old", f"{sorted(digests(folder))}")
+    if "FULL_DISK" in os.environ:
+        full = environment(GDTSLAM_DATA=None, LD_PRELOAD=os.environ["FULL_DISK"], FULL_DISK_AT="1")
+        refused(74, "-o", folder / "full", "--only", "fig3", says="No space left on device", env=full)
+        expect(not list((folder / "full").glob("parts/*")), "something is left of a part that could not be written")
+    process = command("reproduce", "--list", "--json", env=WITHOUT_DATA)
+    expect_exit(process, 0)
+    names = [name for part in json.loads(process.stdout) for name in (part["part"], part["also"]) if name]
+    expect({"fig3", "fig4", "fig7", "fig11", "fig12", "fig13", "fig14", "fig15", "figA"} <= set(names), f"{names}")
