@@ -47,8 +47,8 @@ std::vector<ColourMap> made_maps() {
 }  // namespace
 
 const std::vector<ColourMap>& colour_maps() {
-  static const std::vector<ColourMap> kMaps = made_maps();
-  return kMaps;
+  static const std::vector<ColourMap> maps = made_maps();
+  return maps;
 }
 
 }  // namespace gdtslam
