@@ -90,6 +90,8 @@ std::optional<LocalizedScan> Localizer::localize(const LaserScan& scan, std::uin
                       .best = find_pose(*map_, points, window_, options),
                       .runner_up = std::nullopt};
   if (limits_.with_runner_up) {
+    options.gap_m = LocalizeLimits::kElsewhereGaps * limits_.gap_m;
+    options.max_boxes = LocalizeLimits::kElsewhereBoxes;
     options.excluded = ExcludedPoses{found.best.T_map_base, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
     found.runner_up = find_pose(*map_, points, window_, options);
   }

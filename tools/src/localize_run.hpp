@@ -17,9 +17,12 @@ namespace gdtslam {
 
 /// What is asked of each scan.
 struct LocalizeLimits {
-  double gap_m = 0.005;                                        ///< of the mean distance
-  std::optional<double> max_seconds{};                         ///< for a pose; none: until it is proven
-  bool with_runner_up = true;                                  ///< the best pose elsewhere
+  double gap_m = 0.005;                 ///< of the mean distance
+  std::optional<double> max_seconds{};  ///< for a pose; none: until it is proven
+  bool with_runner_up = true;           ///< the best pose elsewhere
+  /// Elsewhere much less is asked: whether anything there is as good.
+  static constexpr double kElsewhereGaps = 4.0;
+  static constexpr std::uint64_t kElsewhereBoxes = 1000000;
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
   static constexpr double kElsewhereRad = 0.3490658503988659;  ///< or turned this far: 20 degrees
 };

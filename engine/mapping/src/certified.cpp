@@ -76,8 +76,8 @@ FieldView field_view(const GlobalField& map) {
           .resolution_m = grid.resolution_m};
 }
 
-CertifiedMap::CertifiedMap(const FieldView& field, Isa isa)
-    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field, isa)) {}
+CertifiedMap::CertifiedMap(const FieldView& field, Isa isa, Windows windows)
+    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field, isa, windows == kSmallWindows)) {}
 CertifiedMap::~CertifiedMap() = default;
 std::size_t CertifiedMap::bytes() const { return bounds_->bytes(); }
 

@@ -26,8 +26,7 @@ struct Bytes {
 };
 
 // The field in bytes, rounded down, with room around it for the largest square.
-Bytes bytes_of(const FieldView& field, std::uint32_t unit) {
-  const std::int32_t room = kPlan.back().dilation_cells.back() + 1;
+Bytes bytes_of(const FieldView& field, std::uint32_t unit, std::int32_t room) {
   const auto width = static_cast<std::int32_t>(field.width);
   const auto height = static_cast<std::int32_t>(field.height);
   Bytes bytes;
@@ -144,12 +143,13 @@ MinorantLevels minorants_of(const FieldView& field, Isa isa) {
 
 std::int32_t aligned_down(std::int32_t cell) { return cell & ~(kBoundAlignment - 1); }
 
-BoundFields::BoundFields(const FieldView& field, Isa isa)
+BoundFields::BoundFields(const FieldView& field, Isa isa, bool small_windows)
     : unit_(std::max(1U, (field.cap + 254U) / 255U)), minorants_(minorants_of(field, isa)) {
-  const Bytes plain = bytes_of(field, unit_);
+  const std::span<const LevelPlan> plans = std::span(kPlan).first(small_windows ? 3 : kPlan.size());
+  const Bytes plain = bytes_of(field, unit_, plans.back().dilation_cells.back() + 1);
   Bytes dilated = plain;
   std::int32_t reached = 0;
-  for (const LevelPlan& plan : kPlan) {
+  for (const LevelPlan& plan : plans) {
     if (plan.dilation_cells.front() < reached) {
       dilated.cells = plain.cells;
       reached = 0;

@@ -47,7 +47,8 @@ struct MinorantLevels {
 
 class BoundFields {
  public:
-  BoundFields(const FieldView& field, Isa isa);
+  /// With small_windows the widest boxes are 8 cells wide.
+  BoundFields(const FieldView& field, Isa isa, bool small_windows);
 
   /// From wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.
   [[nodiscard]] std::span<const BoundLevel> levels() const { return levels_; }

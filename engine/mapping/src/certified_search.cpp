@@ -14,8 +14,9 @@ constexpr std::uint64_t kMostTopBoxes = 150000;
 constexpr std::int32_t kTopSpacingBits = 3;  // where searches begin that are small enough
 constexpr std::uint32_t kWideTile = 16;
 constexpr std::uint32_t kWideTileRows = 4;
-// Boxes below the narrowest fields are halved so often: half a cell to 1/4096 of one.
-constexpr std::int32_t kParts = 12;
+// Boxes below the narrowest fields are halved so often, half a cell to 1/64 of one: what rounding takes away weighs more
+// than the width of smaller ones.
+constexpr std::int32_t kParts = 6;
 // How many of them ask a field of minorants first.
 constexpr std::int32_t kWideLevels = 2;
 constexpr std::int32_t kWideAbove = 1;    // and how many of those with dilated fields do
@@ -136,7 +137,8 @@ void CertifiedSearch::choose_reaches(std::int32_t level) {
     const float needed = around + range_of(point) * (half_angle(level) + kAngleSlack);
     std::size_t k = 0;
     while (k < fields.kReaches.size() && static_cast<float>(fields.kReaches[k]) < needed) ++k;
-    if (k < fields.kReaches.size()) chosen.push_back({point.x, point.y, fields.first_word[k]});
+    const bool near = std::fabs(point.x) + std::fabs(point.y) < 0.7F * PoseMinorant::kFarthest;  // at any heading
+    if (near && k < fields.kReaches.size()) chosen.push_back({point.x, point.y, fields.first_word[k]});
   }
 }
 

@@ -13,7 +13,8 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::array kMergeRules{"working"sv, "literal"sv};
-constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv, "gauss-newton"sv, "pso"sv, "sce"sv, "simpsa"sv};
+constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv, "gauss-newton"sv, "pso"sv,
+                               "sce"sv,     "simpsa"sv,     "certified"sv};
 constexpr std::array kCostForms{"distance"sv, "squared"sv};
 constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
 constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
@@ -44,7 +45,7 @@ void add_map_options(MapperConfig& c, std::vector<Option>& table) {
 void add_match_options(MapperConfig& c, std::vector<Option>& table) {
   table.push_back({"match.matcher",
                    "optimizer of (4): simplex; pso, sce, simpsa; gauss-newton; exhaustive, a window for each scan, all "
-                   "on the device",
+                   "on the device; certified, simplex with windows whose best pose is proven",
                    Unit::kNone, 0, 0, Choice(c.match.matcher, kMatchers)});
   table.push_back(
       {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
@@ -106,6 +107,10 @@ void add_search_options(MapperConfig& c, std::vector<Option>& table) {
                    Matcher::kMostPoints, &c.search.max_points});
   table.push_back({"search.attempts", "windows tried, each twice as large, while the match is in doubt", Unit::kNone, 1,
                    8, &c.search.attempts});
+  table.push_back({"search.gap", "certified: no pose of a window has a mean distance smaller by more than this",
+                   Unit::kMetre, 0.0, 1.0, &c.search.gap_m});
+  table.push_back({"search.max_kiloboxes", "certified: a window is given up after a thousand times so many boxes",
+                   Unit::kNone, 1, 1000000, &c.search.max_kiloboxes});
 }
 
 void add_doubt_options(MapperConfig& c, std::vector<Option>& table) {
@@ -182,6 +187,11 @@ std::vector<std::string> validate(const MapperConfig& config) {
   }
   if (found.empty() && config.gate.final_m > config.gate.wide_m) {
     found.emplace_back("gate.final must not be larger than gate.wide");
+  }
+  const bool has_bounds =
+      config.match.cost == CostForm::kDistance && config.match.interpolation == Interpolation::kBilinear;
+  if (config.match.matcher == MatcherKind::kCertified && !has_bounds) {
+    found.emplace_back("match.matcher certified needs match.cost distance and match.interpolation bilinear");
   }
   return found;
 }

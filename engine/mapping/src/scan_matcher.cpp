@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "certified_crop.hpp"
 #include "gdtslam/mapping/box_search.hpp"
 #include "gdtslam/mapping/gauss_newton.hpp"
 #include "thinning.hpp"
@@ -25,7 +26,12 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const Glo
       leap_gain_(config.doubt.leap_gain),
       map_(&map),
       rules_(config),
-      objective_(backend, map, config.match.interpolation, config.match.cost) {}
+      objective_(backend, map, config.match.interpolation, config.match.cost),
+      isa_(backend.host_isa()) {
+  if (matcher_ == MatcherKind::kCertified) crop_ = std::make_unique<CertifiedCrop>();
+}
+
+ScanMatcher::~ScanMatcher() = default;
 
 void ScanMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool search) {
   points_ = points;
@@ -39,13 +45,16 @@ void ScanMatcher::start(std::span<const PointCells> points, const Prediction& pr
 MatchResult ScanMatcher::finish() {
   const std::uint64_t before = objective_.evaluations();
   attempts_ = 0;
+  proven_gap_m_.reset();
+  proof_evaluations_ = 0;
   Estimate best = descend(rules_.predicted());
   if (must_search_ ||
       (search_.when != SearchWhen::kNever && (rules_.is_suspect(best.evidence) || rules_.is_far(best.pose)))) {
     best = search(best);
   }
   MatchResult result = rules_.judged(best.pose, best.evidence);
-  result.evaluations = static_cast<std::uint32_t>(objective_.evaluations() - before);
+  result.evaluations = static_cast<std::uint32_t>(objective_.evaluations() - before + proof_evaluations_);
+  result.proven_gap_m = proven_gap_m_;
   result.attempts = attempts_;
   return result;
 }
@@ -131,17 +140,47 @@ std::uint32_t ScanMatcher::cost_to_voters(const CellPose& pose) {
   return objective_.evaluate(pose);
 }
 
+ExhaustiveResult ScanMatcher::find_in(const SearchWindow& window) {
+  if (crop_ != nullptr && !voters_.empty() && voters_.size() <= kMostCertifiedPoints) return prove_in(window);
+  objective_.set_points(thinned_);
+  objective_.set_cap(rules_.wide_gate());
+  return search_window(objective_, window, static_cast<std::uint32_t>(search_.starts), kCoarsePolish);
+}
+
+// The best pose of a window for all voters, up to the gap. Distances count up to the truncation radius.
+ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
+  const double resolution_m = map_->geometry().resolution_m;
+  const double half_m = static_cast<double>(window.half_xy_cells) * resolution_m;
+  const PoseWindow poses{.centre = objective_.to_metres(window.centre),
+                         .half_x_m = half_m,
+                         .half_y_m = half_m,
+                         .half_theta_rad = static_cast<double>(window.half_theta_rad)};
+  const PosePrior& prior = rules_.prior();
+  CertifiedOptions options;
+  options.gap_m = search_.gap_m;
+  options.max_boxes = std::uint64_t{1000} * static_cast<std::uint64_t>(search_.max_kiloboxes);
+  options.starts = {poses.centre};
+  options.prior = WindowPrior{.mean = objective_.to_metres(prior.mean),
+                              .weight_xy = prior.weight_xy,
+                              .weight_theta = prior.weight_theta,
+                              .limit = prior.limit};
+  const CertifiedMap& map = crop_->of(*map_, reached_from(poses, voters_, resolution_m), isa_);
+  const CertifiedResult found = find_pose(map, voters_, poses, options);
+  proven_gap_m_ = found.gap_m;
+  proof_evaluations_ += found.boxes + found.evaluations;
+  ExhaustiveResult result{
+      .pose = objective_.to_cells(found.T_map_base), .cost = found.cost, .evaluations = 0, .at_edge = false};
+  result.at_edge = window.has_at_edge(result.pose);
+  return result;
+}
+
 // A window around the prediction, twice as large each time as long as what it finds is suspect or lies on its edge.
 ScanMatcher::Estimate ScanMatcher::search(const Estimate& local) {
   Estimate best = local;
   choose_voters(local);
   std::uint32_t best_cost = cost_to_voters(local.pose);
   for (; attempts_ < static_cast<std::uint32_t>(search_.attempts);) {
-    objective_.set_points(thinned_);
-    objective_.set_cap(rules_.wide_gate());
-    const SearchWindow window = rules_.window(std::ldexp(1.0, static_cast<int>(attempts_)));
-    const ExhaustiveResult found =
-        search_window(objective_, window, static_cast<std::uint32_t>(search_.starts), kCoarsePolish);
+    const ExhaustiveResult found = find_in(rules_.window(std::ldexp(1.0, static_cast<int>(attempts_))));
     ++attempts_;
     const Estimate polished = descend(found.pose);
     std::uint32_t cost = cost_to_voters(polished.pose);

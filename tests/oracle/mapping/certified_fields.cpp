@@ -40,8 +40,9 @@ void fill_exact(TestField& field, Random& random) {
   }
   for (std::uint32_t y = 0; y < kHeight; ++y) {
     for (std::uint32_t x = 0; x < kWidth; ++x) {
-      double least = kCap;
-      for (const auto& [wx, wy] : walls) least = std::min(least, 256.0 * std::hypot(x - wx, y - wy));
+      double sq_least = 1.0e9;
+      for (const auto& [wx, wy] : walls) sq_least = std::min(sq_least, (x - wx) * (x - wx) + (y - wy) * (y - wy));
+      const double least = std::min<double>(kCap, 256.0 * std::sqrt(sq_least));
       field.cells[y * kWidth + x] = static_cast<std::uint16_t>(std::floor(least));
     }
   }
@@ -114,10 +115,10 @@ std::vector<PointCells> make_scan(const TestField& field, const Pose2& T_map_bas
   return points;
 }
 
-std::uint32_t true_cost(const FieldView& field, const std::vector<PointCells>& points, CellIndex anchor,
+std::uint32_t true_cost(const TestField& field, const std::vector<PointCells>& points, CellIndex anchor,
                         const CellPose& pose) {
-  const std::vector<std::uint16_t> cells(field.cells, field.cells + std::size_t{field.stride} * field.height);
-  return brute_pose_cost(cost_params(field, points.size(), anchor), cells, points, {pose.x, pose.y, pose.theta, 0});
+  return brute_pose_cost(cost_params(field.view(), points.size(), anchor), field.cells, points,
+                         {pose.x, pose.y, pose.theta, 0});
 }
 
 std::uint32_t searched_optimum(const FieldView& field, const std::vector<PointCells>& points, const PoseWindow& window,

@@ -30,7 +30,7 @@ TestField make_field(FieldKind kind, Random& random);
 std::vector<PointCells> make_scan(const TestField& field, const Pose2& T_map_base, std::size_t count, Random& random);
 
 /// The cost of a pose given in cells from an anchor cell.
-std::uint32_t true_cost(const FieldView& field, const std::vector<PointCells>& points, CellIndex anchor,
+std::uint32_t true_cost(const TestField& field, const std::vector<PointCells>& points, CellIndex anchor,
                         const CellPose& pose);
 
 /// The least cost that a dense grid over the window finds, polished from its best places. An upper bound of the

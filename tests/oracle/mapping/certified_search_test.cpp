@@ -88,7 +88,7 @@ TEST_P(Search, TellsTheCostOfItsPose) {
                         static_cast<float>(found.T_map_base.y_m / r - anchor.y),
                         static_cast<float>(found.T_map_base.theta_rad)};
     // The anchor of the search is another one, so that a point may round to the neighbouring 1/256 cell.
-    const std::uint32_t cost = test::true_cost(problem.field.view(), problem.points, anchor, pose);
+    const std::uint32_t cost = test::true_cost(problem.field, problem.points, anchor, pose);
     const double per_point = std::fabs(static_cast<double>(cost) - static_cast<double>(found.cost)) / 50.0;
     EXPECT_LE(per_point, GetParam() == FieldKind::kExact ? 1.0 : 12.0) << "seed " << seed;
     EXPECT_NEAR(found.mean_cost_m, found.cost / 256.0 * r / 50.0, 1e-12);

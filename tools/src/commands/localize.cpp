@@ -120,9 +120,10 @@ std::string runner_up_text(const LocalizedScan& scan) {
   if (!scan.runner_up) return "";
   if (scan.runner_up->stop == CertifiedStop::kNothingAllowed) return "  elsewhere: no pose in the map\n";
   const Pose2 apart = between(scan.best.T_map_base, scan.runner_up->T_map_base);
-  return fmt::format("  elsewhere, {:.2f} m and {:.1f} deg away: mean distance {:.1f} mm{}\n",
-                     apart.translation().norm(), std::abs(deg_from_rad(apart.theta_rad)),
-                     1000.0 * scan.runner_up->mean_cost_m, scan.is_ambiguous() ? "; AMBIGUOUS: it may be as good" : "");
+  return fmt::format(
+      "  elsewhere, {:.2f} m and {:.1f} deg away: mean distance {:.1f} mm, nowhere less than {:.1f} mm{}\n",
+      apart.translation().norm(), std::abs(deg_from_rad(apart.theta_rad)), 1000.0 * scan.runner_up->mean_cost_m,
+      1000.0 * scan.runner_up->mean_bound_m, scan.is_ambiguous() ? "; AMBIGUOUS: it may be as good" : "");
 }
 
 std::string scan_text(const LocalizedScan& scan) {

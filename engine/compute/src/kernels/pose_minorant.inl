@@ -35,6 +35,12 @@ inline float about_inverse(float value) {
   return guess * (2.0F - value * guess);
 }
 
+/// The slope over a box from what two of its sides rise by together.
+inline std::int32_t slope_of(float rise, float half) {
+  return clamped(floor_position(rise * about_inverse(4.0F * half) + 0.5F), -PoseMinorant::kMostSlope,
+                 PoseMinorant::kMostSlope);
+}
+
 inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate& box, const SinCos<float>& rotation,
                          const PointCells* points, std::uint32_t count, MinorantBlock& block) {
   const float a = params.half_angle;
@@ -62,7 +68,8 @@ inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate
     block.from_x[i] = x;
     block.from_y[i] = y;
     block.slack[i] = slack + bend * (far_x + far_y);
-    block.counts[i] = block.high_x[i] < 3.0F && block.high_y[i] < 3.0F ? -1 : 0;
+    const bool fits = block.high_x[i] < 3.0F && block.high_y[i] < 3.0F;
+    block.counts[i] = fits && far_x + far_y < PoseMinorant::kFarthest ? -1 : 0;
     block.cell_x[i] = cell_x;
     block.cell_y[i] = cell_y;
   }
@@ -165,8 +172,8 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
     const float high_right = (right[0] * hat_y[0] + right[1] * hat_y[1]) + (right[2] * hat_y[2] + right[3] * hat_y[3]);
     const float rise_x = (low_right - low_left) + (high_right - high_left);
     const float rise_y = (high_left - low_left) + (high_right - low_right);
-    const std::int32_t whole_x = floor_position(rise_x * about_inverse(4.0F * half_x) + 0.5F);
-    const std::int32_t whole_y = floor_position(rise_y * about_inverse(4.0F * half_y) + 0.5F);
+    const std::int32_t whole_x = slope_of(rise_x, half_x);
+    const std::int32_t whole_y = slope_of(rise_y, half_y);
     const auto gx = static_cast<float>(whole_x);
     const auto gy = static_cast<float>(whole_y);
     const float middle_x = x0 + half_x;

@@ -39,9 +39,11 @@ FieldView field_view(const GlobalField& map);
 /// A field with what the bounds need. The field's cells must outlive it and stay as they are.
 class CertifiedMap {
  public:
+  /// What searches begin with: boxes for windows of any size, or of up to some metres, which is less to prepare.
+  enum Windows : std::uint8_t { kAnyWindows, kSmallWindows };
   /// `isa` runs the kernels. Throws Error where the field is smaller than 4 x 4 cells or its edge does not hold the
   /// cap.
-  CertifiedMap(const FieldView& field, Isa isa);
+  CertifiedMap(const FieldView& field, Isa isa, Windows windows = kAnyWindows);
   ~CertifiedMap();
   CertifiedMap(const CertifiedMap&) = delete;
   CertifiedMap& operator=(const CertifiedMap&) = delete;
@@ -110,7 +112,7 @@ struct CertifiedResult {
 };
 
 /// At most this many points: PoseMinorant::kMostPoints.
-inline constexpr std::size_t kMostCertifiedPoints = 16384;
+inline constexpr std::size_t kMostCertifiedPoints = 4096;
 
 /// Throws Error without points, with too many of them or with a window, prior or start that is not finite. Cost: about
 /// 0.3 ms for a window of +-1 m and +-20 degrees, 20 ms for +-5 m and all headings (docs/benchmarks.md).

@@ -12,7 +12,7 @@
 
 namespace gdtslam {
 
-enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive, kGaussNewton, kPso, kSce, kSimpsa };
+enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive, kGaussNewton, kPso, kSce, kSimpsa, kCertified };
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
 struct MapConfig {
@@ -92,6 +92,8 @@ struct SearchConfig {
   std::int32_t starts = 3;
   std::int32_t max_points = 96;  ///< a scan is thinned to this for the window
   std::int32_t attempts = 3;
+  double gap_m = 0.005;              ///< certified: of the mean distance
+  std::int32_t max_kiloboxes = 200;  ///< certified: gives a window up after 1000 times so many boxes
 };
 
 struct DoubtConfig {

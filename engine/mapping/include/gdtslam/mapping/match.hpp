@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "gdtslam/core/pose.hpp"
@@ -35,8 +36,11 @@ struct MatchResult {
   StopReason stop = StopReason::kNotRun;
   Doubt doubt = Doubt::kNone;
   std::uint32_t attempts = 0;  ///< windows that were searched
-  bool accepted = false;       ///< the estimate is the matcher's (or the first scan's), not the prediction
-  bool merged = false;         ///< a keyframe: the scan went into the map
+  /// Of the last window that `certified` searched: no pose there has a mean distance smaller by more than this than the
+  /// one that the final descent began from.
+  std::optional<double> proven_gap_m{};
+  bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
+  bool merged = false;    ///< a keyframe: the scan went into the map
 };
 
 }  // namespace gdtslam

@@ -4,6 +4,8 @@
 // complexes go to the device. Frame: map. Not thread-safe.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
@@ -16,10 +18,13 @@
 
 namespace gdtslam {
 
+class CertifiedCrop;
+
 class ScanMatcher final : public Matcher {
  public:
   /// The map must outlive the matcher and live on the backend.
   ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map);
+  ~ScanMatcher() override;
 
   void start(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
   MatchResult finish() override;
@@ -38,6 +43,9 @@ class ScanMatcher final : public Matcher {
   void choose_voters(const Estimate& local);
   [[nodiscard]] std::uint32_t cost_to_voters(const CellPose& pose);
 
+  [[nodiscard]] ExhaustiveResult find_in(const SearchWindow& window);
+  [[nodiscard]] ExhaustiveResult prove_in(const SearchWindow& window);
+
   MatcherKind matcher_;
   OptimizerConfig optimizer_;
   GateConfig gate_;
@@ -54,6 +62,10 @@ class ScanMatcher final : public Matcher {
   std::vector<PointCells> voters_;   // points that count in a window
   std::vector<PointCells> thinned_;  // and a share of them for its samples
   std::vector<std::uint16_t> values_;
+  Isa isa_;
+  std::unique_ptr<CertifiedCrop> crop_;  // of the matcher certified
+  std::optional<double> proven_gap_m_;
+  std::uint64_t proof_evaluations_ = 0;
 };
 
 }  // namespace gdtslam

@@ -84,8 +84,12 @@ struct PoseMinorant {
     std::int32_t slope_y = 0;
     std::int32_t slope_theta = 0;  ///< per kThetaStep'th of a radian: rounded down
   };
-  static constexpr std::int32_t kThetaStep = 8;
-  static constexpr std::uint32_t kMostPoints = 16384;
+  static constexpr std::int32_t kThetaStep = 16;
+  static constexpr std::uint32_t kMostPoints = 4096;
+  /// Points farther from the robot than this, |x| + |y| in cells, count nothing, and slopes of a point's minorant stay
+  /// within +-kMostSlope: so no sum overflows.
+  static constexpr float kFarthest = 8192.0F;
+  static constexpr std::int32_t kMostSlope = 511;
 };
 
 /// The same from fields of minorants, for boxes that patches are too small for. A point's `field` is where the field
