@@ -1,6 +1,8 @@
 // What a comparison adds up to, against published intervals and hand-made trials.
 #include "compare_figures.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "compare_global.hpp"
