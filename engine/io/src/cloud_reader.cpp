@@ -115,6 +115,7 @@ struct CloudReader::State {
   void skip(const CloudElement& element);
   void unpack();
   bool read_point(CloudPoint& point);
+  void choose_origin();
   void read_ascii();
   void read_placed();
   void read_value_by_value();
@@ -137,6 +138,9 @@ struct CloudReader::State {
   std::uint64_t done = 0;
   std::uint64_t skipped = 0;
   bool is_end_checked = false;
+  bool is_relative = false;
+  bool has_origin = false;
+  std::array<double, 3> origin_m{};
   std::array<double, kRoles> values{};  // of the point at hand; what the file lacks is 0
 };
 
@@ -256,6 +260,21 @@ void CloudReader::State::check_end() {
   }
 }
 
+// By the first point that is finite: kilometres of the axes on which it is far.
+void CloudReader::State::choose_origin() {
+  constexpr double kFar_m = 1e4;
+  constexpr double kFarthest_m = 1e9;  // beyond, no grid of the earth
+  const std::array<double, 3> first{value(CloudRole::kX), value(CloudRole::kY), value(CloudRole::kZ)};
+  for (const double number : first) {
+    if (!std::isfinite(number)) return;
+  }
+  for (std::size_t axis = 0; axis < first.size(); ++axis) {
+    const double far = std::abs(first[axis]);
+    if (far > kFar_m && far < kFarthest_m) origin_m[axis] = std::floor(first[axis] / 1000.0) * 1000.0;
+  }
+  has_origin = true;
+}
+
 // False when the point is not finite.
 bool CloudReader::State::read_point(CloudPoint& point) {
   if (is_ascii(layout)) {
@@ -265,9 +284,10 @@ bool CloudReader::State::read_point(CloudPoint& point) {
   } else {
     read_value_by_value();
   }
-  point = {.x_m = static_cast<float>(value(CloudRole::kX)),
-           .y_m = static_cast<float>(value(CloudRole::kY)),
-           .z_m = static_cast<float>(value(CloudRole::kZ)),
+  if (is_relative && !has_origin) choose_origin();
+  point = {.x_m = static_cast<float>(value(CloudRole::kX) - origin_m[0]),
+           .y_m = static_cast<float>(value(CloudRole::kY) - origin_m[1]),
+           .z_m = static_cast<float>(value(CloudRole::kZ) - origin_m[2]),
            .elevation_rad = static_cast<float>(value(CloudRole::kElevation)),
            .stamp_s = value(CloudRole::kTime)};
   if (!(std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m) &&
@@ -288,6 +308,8 @@ CloudReader::CloudReader(std::span<const std::byte> data, const std::string& nam
 CloudReader::~CloudReader() = default;
 const CloudHeader& CloudReader::header() const { return state_->layout.header; }
 std::uint64_t CloudReader::skipped() const { return state_->skipped; }
+void CloudReader::make_relative() { state_->is_relative = true; }
+const std::array<double, 3>& CloudReader::origin_m() const { return state_->origin_m; }
 
 Cloud CloudReader::next(std::size_t most) {
   State& s = *state_;
@@ -305,8 +327,10 @@ Cloud CloudReader::next(std::size_t most) {
   return cloud;
 }
 
-Cloud read_cloud(const std::string& path, std::uint64_t max_points, std::uint64_t* skipped) {
+Cloud read_cloud(const std::string& path, std::uint64_t max_points, std::uint64_t* skipped,
+                 std::array<double, 3>* origin_m) {
   CloudReader reader(path);
+  if (origin_m != nullptr) reader.make_relative();
   Cloud cloud;
   for (Cloud piece = reader.next(); !piece.empty(); piece = reader.next()) {
     if (cloud.size() + piece.size() > max_points) {
@@ -316,6 +340,7 @@ Cloud read_cloud(const std::string& path, std::uint64_t max_points, std::uint64_
     cloud.insert(cloud.end(), piece.begin(), piece.end());
   }
   if (skipped != nullptr) *skipped = reader.skipped();
+  if (origin_m != nullptr) *origin_m = reader.origin_m();
   return cloud;
 }
 

@@ -67,6 +67,28 @@ TEST(CloudReader, PointsThatAreNotFiniteAreSkippedAndCounted) {
   EXPECT_TRUE(read(ply("1", "nan 2 3 nan\n", std::string(kXyz) + "property float scan\n")).empty());
 }
 
+TEST(CloudReader, CloudsInACountrysGridKeepTheirMillimetres) {
+  const std::string far = ply("3", "500000.123 5400000.456 -3.5\n500001.124 5400000.457 2\n499999 5399998.001 0\n",
+                              "property double x\nproperty double y\nproperty double z\n");
+  CloudReader reader(bytes_of(far), "c");
+  reader.make_relative();
+  const Cloud cloud = reader.next();
+  ASSERT_EQ(cloud.size(), 3U);
+  EXPECT_EQ(reader.origin_m(), (std::array<double, 3>{500000.0, 5400000.0, 0.0}));
+  EXPECT_NEAR(cloud[1].x_m - cloud[0].x_m, 1.001, 1e-6);
+  EXPECT_NEAR(cloud[1].y_m - cloud[0].y_m, 0.001, 1e-6);
+  EXPECT_NEAR(cloud[2].y_m, -1.999, 1e-6);
+  EXPECT_EQ(cloud[0].z_m, -3.5F);
+}
+
+TEST(CloudReader, CloudsNearTheirOriginStayWhereTheyAre) {
+  const std::string near = ply("2", "9000 -9999 3\n20000 5 6\n");
+  CloudReader reader(bytes_of(near), "c");
+  reader.make_relative();
+  EXPECT_EQ(reader.next(), read(near));
+  EXPECT_EQ(reader.origin_m(), (std::array<double, 3>{}));
+}
+
 TEST(CloudReader, HeaderSaysWhatThereIs) {
   const std::string file = ply("1", "1 2 3 4\n", std::string(kXyz) + "property double time\n");
   const CloudReader reader(bytes_of(file), "c");

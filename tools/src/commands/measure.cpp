@@ -13,6 +13,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "drawing_file.hpp"
+#include "far_cloud.hpp"
 #include "gdtslam/cloud/box.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
@@ -128,7 +129,9 @@ int run_measure(const MeasureCommand& command) {
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   const MeasureJob job = job_of(command);
   std::uint64_t skipped = 0;
-  const Cloud cloud = read_cloud(command.cloud, kMostPoints, &skipped);
+  std::array<double, 3> origin_m{};
+  const Cloud cloud = read_cloud(command.cloud, kMostPoints, &skipped, &origin_m);
+  remark_origin(command.cloud, origin_m);
   if (skipped > 0)
     print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, command.cloud));
   if (cloud.empty()) throw InputError({command.cloud, 0}, "holds no point to measure");

@@ -5,6 +5,7 @@
 // and skips what it does not know. Cost: one pass. One object belongs to one thread.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -56,6 +57,11 @@ class CloudReader {
   CloudReader(std::span<const std::byte> data, const std::string& name);
   ~CloudReader();
   [[nodiscard]] const CloudHeader& header() const;
+  /// Before the first next(): where the first point lies beyond 10 km on an axis, as in a country's grid, whole
+  /// kilometres are taken off that axis in double, because the points are single precision and would be off by
+  /// decimetres. origin_m() tells what was taken off.
+  void make_relative();
+  [[nodiscard]] const std::array<double, 3>& origin_m() const;
   /// The next up to `most` points; empty at the end. Points with a value that is not finite are skipped and counted.
   Cloud next(std::size_t most = 65536);
   [[nodiscard]] std::uint64_t skipped() const;
@@ -65,8 +71,9 @@ class CloudReader {
   std::unique_ptr<State> state_;
 };
 
-/// The whole cloud; how many points were skipped as not finite goes to *skipped (may be null). Throws InputError beyond
-/// max_points, with what to do.
-Cloud read_cloud(const std::string& path, std::uint64_t max_points = 200'000'000, std::uint64_t* skipped = nullptr);
+/// The whole cloud; how many points were skipped as not finite goes to *skipped (may be null). With `origin_m` the
+/// cloud is relative (CloudReader::make_relative). Throws InputError beyond max_points, with what to do.
+Cloud read_cloud(const std::string& path, std::uint64_t max_points = 200'000'000, std::uint64_t* skipped = nullptr,
+                 std::array<double, 3>* origin_m = nullptr);
 
 }  // namespace gdtslam
