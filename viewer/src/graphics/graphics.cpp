@@ -17,8 +17,8 @@ std::string joined(const std::vector<std::string>& texts) {
 }
 
 std::string advice(GraphicsChoice choice) {
-  const std::string egl = "install a software renderer (apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri)";
-  const std::string x11 = "use a virtual display (apt-get install xvfb xauth; xvfb-run -a gdtslam ...)";
+  std::string egl = "install a software renderer (apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri)";
+  std::string x11 = "use a virtual display (apt-get install xvfb xauth; xvfb-run -a gdtslam ...)";
   if (choice == GraphicsChoice::kEgl) return egl;
   if (choice == GraphicsChoice::kX11) return x11;
   return egl + " or " + x11;

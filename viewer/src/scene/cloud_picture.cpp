@@ -21,14 +21,15 @@ std::optional<BarPlace> bar_place_of(const RgbaImage& scene, const ColourScale& 
 
 Canvas cloud_picture_at(std::optional<BarPlace> place, std::shared_ptr<const RgbaImage> scene, const ColourScale& scale,
                         const Camera& camera, const CloudLook& look, const CloudCaption& caption) {
-  const PictureSize size = size_of(*scene);
+  const RgbaImage& image = *scene;  // the canvas keeps it
+  const PictureSize size = size_of(image);
   Canvas canvas(size.width, size.height, caption.title.empty() ? "Point cloud" : caption.title);
-  canvas.picture({0.0, 0.0}, size.width, size.height, scene);
+  canvas.picture({0.0, 0.0}, size.width, size.height, std::move(scene));
   CloudLayout layout(canvas, look);
   layout.write_title(caption);
   if (caption.with_scale_bar) layout.draw_scale_bar(camera, size);
   if (caption.with_colour_bar) {
-    const std::optional<BarPlace> at = place ? place : layout.best_bar_place(scale, *scene);
+    const std::optional<BarPlace> at = place ? place : layout.best_bar_place(scale, image);
     if (at) layout.draw_colour_bar(scale, *at);
   }
   if (caption.with_axes) layout.draw_axes(camera);
