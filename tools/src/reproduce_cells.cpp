@@ -139,7 +139,7 @@ int wrong_cells(const FieldPicture& field) {
   int wrong = 0;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
-      const auto index = static_cast<std::size_t>(y * kSide + x);
+      const auto index = static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x);
       wrong += std::abs(field.cells[index] / 256.0 - least_distance(x, y, euclidean)) > 0.5 / 256.0 ? 1 : 0;
     }
   }

@@ -35,7 +35,7 @@ constexpr double kSimulationShare = 0.35;
 }  // namespace
 
 const DriveRecipe& recipe_of(std::string_view name) {
-  static const std::vector<DriveRecipe> kRecipes{
+  static const std::vector<DriveRecipe> recipes{
       {.name = "office-loop", .scene = "office-loop", .waypoints = "", .sets = {}},
       {.name = "one-scan",
        .scene = "office-loop",
@@ -55,7 +55,7 @@ const DriveRecipe& recipe_of(std::string_view name) {
        .is_mapped = false,
        .linkage = "paper-b-calibrated"},
   };
-  for (const DriveRecipe& recipe : kRecipes) {
+  for (const DriveRecipe& recipe : recipes) {
     if (recipe.name == name) return recipe;
   }
   throw Error(ExitCode::kFailed, fmt::format("there is no drive '{}'", name));

@@ -5,7 +5,7 @@
 namespace gdtslam::reproduce {
 
 const std::vector<PartInfo>& part_list() {
-  static const std::vector<PartInfo> kParts{
+  static const std::vector<PartInfo> parts{
       {.id = "fig3",
        .label = "Figure 3",
        .title = "A small distance transform",
@@ -93,7 +93,7 @@ const std::vector<PartInfo>& part_list() {
        .drives = {"wall"},
        .make = make_calibration},
   };
-  return kParts;
+  return parts;
 }
 
 }  // namespace gdtslam::reproduce

@@ -119,7 +119,7 @@ std::optional<KeptPart> Store::find(const std::string& id, const std::string& ke
 }
 
 std::string Store::begin(const std::string& id) {
-  const std::string folder = folder_of(id) + kMaking;
+  std::string folder = folder_of(id) + kMaking;
   remove(folder);
   make_folder(folder);
   return folder;

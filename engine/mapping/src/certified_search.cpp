@@ -14,8 +14,8 @@ constexpr std::uint64_t kMostTopBoxes = 150000;
 constexpr std::int32_t kTopSpacingBits = 3;  // where searches begin that are small enough
 constexpr std::uint32_t kWideTile = 16;
 constexpr std::uint32_t kWideTileRows = 4;
-// Boxes below the narrowest fields are halved so often, half a cell to 1/64 of one: what rounding takes away weighs more
-// than the width of smaller ones.
+// Boxes below the narrowest fields are halved so often, half a cell to 1/64 of one: what rounding takes away weighs
+// more than the width of smaller ones.
 constexpr std::int32_t kParts = 6;
 // How many of them ask a field of minorants first.
 constexpr std::int32_t kWideLevels = 2;
@@ -187,10 +187,11 @@ void CertifiedSearch::bound_tiles(std::int32_t level, std::span<const PoseCandid
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     const PoseCandidate& corner = corners[i / in_tile];
     const std::size_t place = i % in_tile;
+    const std::size_t row = place / tile_width;
     OpenBox box{.terms = std::max(sums_[i] * map_.bounds().unit(), known_bound),
                 .level = level,
                 .centre = {corner.x + static_cast<float>(place % tile_width) * spacing,
-                           corner.y + static_cast<float>(place / tile_width) * spacing, corner.theta}};
+                           corner.y + static_cast<float>(row) * spacing, corner.theta}};
     if (!matters(box)) continue;
     ++boxes_;
     keep(box);
@@ -308,8 +309,8 @@ bool CertifiedSearch::has_wide_minorant(std::int32_t level) const { return level
 
 PoseMinorant::Value CertifiedSearch::wide_minorant_of(const OpenBox& box) const {
   const MinorantLevels& fields = map_.bounds().minorants();
-  const std::vector<BoundPoint>& points =
-      wide_points_[static_cast<std::size_t>(box.level - field_levels_ + kWideAbove)];
+  const std::int32_t wide_level = box.level - field_levels_ + kWideAbove;
+  const std::vector<BoundPoint>& points = wide_points_[static_cast<std::size_t>(wide_level)];
   constexpr auto kMargin = static_cast<std::int32_t>(FieldMinorant::kMargin);
   const PoseMinorantWide::Params params{.width = fields.width,
                                         .height = fields.height,
