@@ -4,8 +4,11 @@
 
 namespace gdtslam::reproduce {
 
-const std::vector<PartInfo>& part_list() {
-  static const std::vector<PartInfo> parts{
+namespace {
+
+// In 2D.
+std::vector<PartInfo> flat_parts() {
+  return {
       {.id = "fig3",
        .label = "Figure 3",
        .title = "A small distance transform",
@@ -47,6 +50,12 @@ const std::vector<PartInfo>& part_list() {
        .weight_s = 30.0,
        .drives = {"office-loop"},
        .make = make_optimizer_positions},
+  };
+}
+
+// The nodding laser.
+std::vector<PartInfo> solid_parts() {
+  return {
       {.id = "fig11",
        .label = "Figure 11",
        .title = "The crank-rocker linkage",
@@ -93,6 +102,16 @@ const std::vector<PartInfo>& part_list() {
        .drives = {"wall"},
        .make = make_calibration},
   };
+}
+
+}  // namespace
+
+const std::vector<PartInfo>& part_list() {
+  static const std::vector<PartInfo> parts = [] {
+    std::vector<PartInfo> all = flat_parts();
+    for (const PartInfo& info : solid_parts()) all.push_back(info);
+    return all;
+  }();
   return parts;
 }
 
