@@ -2,8 +2,11 @@
 
 import base64
 import json
+import math
 import os
+import pathlib
 import re
+import shutil
 import struct
 import subprocess
 import xml.etree.ElementTree as xml
@@ -204,6 +207,70 @@ def render_drawings():
     expect("office" in words and "trajectory" in words and f"{mean['median']:.3g}" in words, f"{mean['median']:.3g} in {words}")
 
 
+def words_of(*arguments):
+    """Everything that is written in a picture."""
+    svg = arguments[0] if isinstance(arguments[0], pathlib.Path) else pathlib.Path(arguments[0])
+    rendered(*arguments[1:], "-o", svg)
+    return " ".join(xml.fromstring(svg.read_text()).itertext())
+
+
+def render_figures():
+    """Numbers in captions, pages and on the terminal are those of the picture: points that are drawn, the path's length."""
+    require_viewer()
+    drive = nodding_run("render_figures")
+    run, svg = drive.folder / "run", drive.folder / "a.svg"
+    report = json.loads((run / "report.json").read_text())
+    places = [tuple(map(float, line.split()[1:3])) for line in (run / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+    path = f"{sum(math.dist(a, b) for a, b in zip(places, places[1:])):.1f} m"
+    for view, more in (("iso", ()), ("iso", ("--points", 5000)), ("front", ("--no-floor",)), ("iso", ("--with-ceiling",))):
+        said = rendered(run, "--view", view, *more, "-o", svg)
+        whole = report["cloud_points"]
+        expect(said["points_of"] == whole and said["points"] <= whole, f"{said}, {whole} in the report")
+        count = f"{said['points']:,} of {whole:,} points" if said["points"] < whole else f"{whole:,} points"
+        words = words_of(svg, run, "--view", view, *more)
+        expect(f"{count}, {path} of path" in words, f"{view} {more}: {count!r}, {path!r} is not in {words}")
+        text = command("render", run, "--view", view, *more, "-o", svg).stdout
+        expect(f" {count}," in text, f"{count!r} is not in {text}")
+    words = words_of(svg, run, "--view", "scan", "--from", "2s", "--to", "6s")
+    said = rendered(run, "--view", "scan", "--from", "2s", "--to", "6s", "-o", svg)
+    expect(f"{said['points']:,} of {said['points_of']:,} points" in words and said["points_of"] < 0.5 * report["cloud_points"], f"{said}: {words}")
+    page = drive.folder / "a.html"
+    said = rendered(run, "-o", page, "--points", 5000)
+    count = f"{said['points']:,} of {report['cloud_points']:,}"
+    expect(f"{count} points, {path} of path" in page.read_text() and f'"{count}"' in page.read_text(), f"{count}, {path} in the page")
+    words = words_of(svg, RUN, "--view", "map")
+    expect(f"{len(json.loads((RUN / 'report.json').read_text())['keyframe_scans']):,} keyframes" in words, words)
+    standing = "".join(f"{k} 0 0.001 0 0 0 0 1\n" for k in range(len(places)))
+    (run / "trajectory.tum").write_text(standing)
+    expect("of path" not in words_of(svg, run, "--view", "iso"), "a robot that stands has a path")
+
+
+def render_clouds_of_others():
+    """A cloud without a run, a run without its trajectory, points that are no places."""
+    require_viewer()
+    drive = nodding_run("render_clouds_of_others")
+    run, folder = drive.folder / "run", drive.folder / "only-a-cloud"
+    folder.mkdir()
+    shutil.copy(run / "cloud.ply", folder)
+    expect(views_of(folder)[0] == {"iso", "top", "front", "side", "orbit", "elevation"}, f"{views_of(folder)}")
+    rendered(folder, "-o", drive.folder / "a.png", "--size", "64x48")
+    (run / "trajectory.tum").unlink()
+    process = command("render", run, "-o", drive.folder / "b.png", "--size", "64x48")
+    expect_exit(process, 0)
+    expect("has no trajectory.tum" in process.stderr, process.stderr)
+    expect("follow" not in views_of(run)[0], "a run without a trajectory cannot be followed")
+    head = "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    strays = "nan 0 0\n1e30 0 0\n"
+    good = "".join(f"{x} {y} 0.5\n" for x in range(4) for y in range(3))
+    cloud = drive.folder / "strays.ply"
+    cloud.write_text(head.format(14) + good + strays)
+    process = command("render", cloud, "-o", drive.folder / "c.png", "--size", "64x48", "--json")
+    expect_exit(process, 0)
+    expect("left out, not finite or more than 1000 km" in process.stderr and json.loads(process.stdout)["points"] == 12, process.stderr)
+    cloud.write_text(head.format(2) + strays)
+    refused(65, cloud, "-o", drive.folder / "d.png", says=("strays.ply", "1000 km"))
+
+
 def render_models():
     """glTF, VTP and PLY: every reference within bounds, every point there, by parsers of Python's own."""
     require_viewer()
@@ -250,6 +317,23 @@ def probe(path):
     return stream["codec_name"], stream["width"], stream["height"], stream["r_frame_rate"], int(stream["nb_read_frames"])
 
 
+def render_drawings_of_a_size():
+    """A drawing as pixels has the size that was asked for, in the middle of its own ground; cells have one kind of number."""
+    require_viewer()
+    folder = cli.fresh_folder("render_drawings_of_a_size")
+    for view, size in (("drawing", (480, 270)), ("drawing", (300, 900))):
+        said = rendered("paper-b", "--view", view, "--size", f"{size[0]}x{size[1]}", "-o", folder / "a.png")
+        picture = Png(folder / "a.png")
+        expect((picture.width, picture.height) == size and said["size_px"] == list(size), f"{view}: {picture.width}x{picture.height}, {said}")
+        expect(picture.pixel(0, 0) == picture.pixel(size[0] - 1, size[1] - 1), "two grounds")
+    said = rendered(RUN, "--view", "cells", "--size", "700x400", "-o", folder / "a.png")
+    expect(said["size_px"] == [700, 400], f"{said}")
+    root = xml.fromstring(pathlib.Path(folder / "a.svg").read_text()) if words_of(folder / "a.svg", RUN, "--view", "cells") else None
+    texts = ["".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")]
+    tenths = [text for text in texts if re.fullmatch(r"\d+\.\d", text)]
+    expect(len(tenths) > 100 and "0.0" in tenths, f"numbers of the cells: {texts}")
+
+
 def render_films():
     """MP4 and GIF by ffprobe, frames in a folder and by a pattern; a turn of the linkage begins as it ends."""
     require_viewer()
@@ -269,7 +353,14 @@ def render_films():
     expect([path.name for path in frames] == [f"frame-000{k}.png" for k in (1, 2, 3)], f"{frames}")
     expect(said["bytes"] == sum(path.stat().st_size for path in frames), f"{said}")
     expect(len({path.read_bytes() for path in frames}) == 3, "the frames are one picture")
+    (folder / "frames/frame-1.png").write_text("of somebody else")
+    (folder / "frames/frame-0003.png.txt").write_text("of somebody else")
+    rendered(run, "-o", f"{folder}/frames/", "--view", "orbit", *small, "--frames", 2)
+    names = sorted(path.name for path in (folder / "frames").iterdir())
+    expect(names == ["frame-0001.png", "frame-0002.png", "frame-0003.png.txt", "frame-1.png"], f"after a shorter film: {names}")
+    rendered("paper-b", "-o", f"{folder}/f%02d.png", *small, "--frames", 3, "--no-caption")
     rendered("paper-b", "-o", f"{folder}/f%02d.png", *small, "--frames", 2, "--no-caption")
+    expect(not (folder / "f03.png").exists(), "a frame of the longer film is still there")
     expect((Png(folder / "f01.png").width, Png(folder / "f02.png").height) == (160, 90), "frames by a pattern")
 
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -173,9 +174,37 @@ class FrameFolder : public FilmWriter {
               {frame.width, frame.height, PixelFormat::kRgba8, std::as_bytes(std::span(frame.pixels))});
   }
 
-  void finish() override {}
+  void finish() override { remove_frames_beyond(); }
 
  private:
+  // An earlier film was longer: its last frames are no part of this one.
+  void remove_frames_beyond() const {
+    const fs::path first(frame_path(target_.path, 0));
+    const fs::path folder = first.has_parent_path() ? first.parent_path() : fs::path(".");
+    std::vector<fs::path> old;
+    try {
+      for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+        const std::size_t number = frame_number(first.parent_path() / entry.path().filename());
+        if (number > count_ && entry.is_regular_file()) old.push_back(entry.path());
+      }
+      for (const fs::path& path : old) fs::remove(path);
+    } catch (const fs::filesystem_error& error) {
+      throw FileError(error.path1().string(),
+                      "a frame of an earlier film cannot be removed: " + error.code().message());
+    }
+  }
+
+  // 3 for frame-0003.png, or by the pattern; 0 where a film of this target has no such file.
+  [[nodiscard]] std::size_t frame_number(const fs::path& path) const {
+    const std::string name = path.string();
+    for (std::size_t begin = 0; begin < name.size(); ++begin) {
+      std::size_t number = 0;
+      const auto read = std::from_chars(name.data() + begin, name.data() + name.size(), number);
+      if (read.ec == std::errc{} && number > 0 && frame_path(target_.path, number - 1) == name) return number;
+    }
+    return 0;
+  }
+
   FilmTarget target_;
   std::size_t count_ = 0;
 };

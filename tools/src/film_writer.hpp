@@ -33,7 +33,8 @@ class FilmWriter {
   /// Throws Error for a frame of another size, FileError, and Error with what ffmpeg said where that failed; exit 130
   /// where an interrupt came while ffmpeg did not take the frame.
   virtual void add(const RgbaImage& frame) = 0;
-  /// Ends the film; the last call. Throws as add().
+  /// Ends the film; the last call. Frames of an earlier film beyond the last are removed, and nothing else of the
+  /// folder. Throws as add().
   virtual void finish() = 0;
 };
 

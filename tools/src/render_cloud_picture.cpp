@@ -27,7 +27,7 @@ std::optional<std::string> cloud_picture_of_run(const std::string& cloud_file, c
   scene.set_robot(trajectory.back().T_map_base, &model);
   const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
   const CloudCaption caption{.title = std::filesystem::path(beside_log(log, "")).filename().string(),
-                             .subtitle = with_commas(cloud.size()) + " points"};
+                             .subtitle = points_text(scene.points_drawn(), cloud.size())};
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, kSize));
   return png_bytes(raster_of(cloud_picture(image, scene.scale(), camera, look, caption)));
 }

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t kCells = 12;
 constexpr std::size_t kMostCells = 60;
+constexpr std::uint16_t kHalfCell = 128;  // of the field's 1/256 cell: where scans were merged, obstacles are near 0
 
 // The obstacle that is nearest to the middle of the field.
 CellIndex middle_obstacle(const FieldPicture& field) {
@@ -31,7 +32,7 @@ CellIndex middle_obstacle(const FieldPicture& field) {
     for (std::int32_t x = 0; x < grid.width; ++x) {
       const std::size_t index =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
-      if (field.cells[index] != 0) continue;
+      if (field.cells[index] >= kHalfCell) continue;
       const std::int64_t dx = x - grid.width / 2;
       const std::int64_t dy = y - grid.height / 2;
       if (dx * dx + dy * dy >= sq_best) continue;
@@ -127,7 +128,7 @@ Canvas RenderStudio::cells() {
 
 // One elevation a scan, that of its points in the middle of its time.
 Canvas RenderStudio::elevation(const PictureSize& size) {
-  Cloud cloud = first().cloud();
+  Cloud cloud = first().cloud({}, [this](const std::string& remark) { tell(remark); });
   std::sort(cloud.begin(), cloud.end(), [](const CloudPoint& a, const CloudPoint& b) { return a.stamp_s < b.stamp_s; });
   const double begin_s = cloud.front().stamp_s;
   const double from_s = begin_s + (options_.from.empty() ? 0.0 : time_of("--from", options_.from));

@@ -36,8 +36,9 @@ constexpr std::array<Ending, 11> kEndings{{{".png", OutputKind::kPng},
 
 OutputKind output_kind_of(const std::string& path) {
   std::error_code ignored;
-  if (path.ends_with('/') || fs::is_directory(path, ignored)) return OutputKind::kFrames;
-  if (is_frame_pattern(path)) {
+  if (path.ends_with('/')) return OutputKind::kFrames;
+  const bool is_folder = fs::is_directory(path, ignored);
+  if (!is_folder && is_frame_pattern(path)) {
     frame_path(path, 0);  // refuses what is no pattern
     return OutputKind::kFrames;
   }
@@ -47,10 +48,14 @@ OutputKind output_kind_of(const std::string& path) {
   std::vector<std::string> names;
   std::string list;
   for (const Ending& ending : kEndings) {
+    if (ending.extension == extension && is_folder) {
+      throw UsageError("-o: '" + path + "' is a folder; end it in / for the frames of a film");
+    }
     if (ending.extension == extension) return ending.kind;
     names.emplace_back(ending.extension);
     list += (list.empty() ? "" : " ") + names.back();
   }
+  if (is_folder) return OutputKind::kFrames;
   throw UsageError("-o: '" + path + "' has none of the endings " + list + ", nor does it end in / for frames" +
                    did_you_mean(extension, names));
 }

@@ -9,8 +9,8 @@ namespace gdtslam {
 
 enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGltf, kVtp, kCloud };
 
-/// By extension, in small or capital letters; a name that ends in / or is a folder, and a pattern with %04d, take the
-/// frames of a film. Throws UsageError with what there is.
+/// By extension, in small or capital letters; a name that ends in / or is a folder without such an extension, and a
+/// pattern with %04d, take the frames of a film. Throws UsageError with what there is.
 OutputKind output_kind_of(const std::string& path);
 /// "a film in .mp4".
 std::string_view name_of(OutputKind kind);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "console.hpp"
 #include "drawing_file.hpp"
@@ -23,6 +25,7 @@
 #include "interrupt.hpp"
 #include "model_export.hpp"
 #include "progress.hpp"
+#include "render_effect.hpp"
 
 namespace gdtslam {
 namespace {
@@ -51,8 +54,8 @@ const RenderView& view_of(const RenderOptions& options, const std::vector<Render
                                  moves ? "; .png .svg and .pdf fit" : ": give --reference or --relations"));
   }
   const RenderView& view = render_view(options.view);
-  if (const std::string missing = missing_parts(view, parts); !missing.empty()) {
-    throw UsageError(fmt::format("--view {}: {} has not {}; its views are {}", view.name, source.input(), missing,
+  if (const std::string missing = missing_parts(view, parts, " and no "); !missing.empty()) {
+    throw UsageError(fmt::format("--view {}: {} has no {}; its views are {}", view.name, source.input(), missing,
                                  there_are.empty() ? "none" : there_are));
   }
   if (moves && !view.moves) {
@@ -85,6 +88,21 @@ Cloud filtered(Cloud cloud, const RenderOptions& options) {
   return std::move(kept.cloud);
 }
 
+// In the middle of a page of this size, in the drawing's own background.
+Canvas on_page(const Canvas& drawing, double width, double height) {
+  constexpr double kSame = 1e-6;
+  if (std::fabs(width - drawing.width()) < kSame && std::fabs(height - drawing.height()) < kSame) return drawing;
+  Canvas page(width, height, drawing.title());
+  if (!drawing.shapes().empty()) {
+    const auto* const ground = std::get_if<shape::Rectangle>(&drawing.shapes().front());
+    if (ground != nullptr && ground->width >= drawing.width() && ground->height >= drawing.height()) {
+      page.rectangle(Point2::Zero(), width, height, ground->fill);
+    }
+  }
+  page.place(drawing, {0.5 * (width - drawing.width()), 0.5 * (height - drawing.height())});
+  return page;
+}
+
 class Render {
  public:
   Render(const RenderOptions& options, std::vector<RenderSource>& sources)
@@ -93,21 +111,37 @@ class Render {
   RenderResult run() {
     result_.kind = options_.output.empty() ? OutputKind::kPng : output_kind_of(options_.output);
     result_.file = options_.output;
+    if (const RunReader* const run = sources_.front().run();
+        run != nullptr && !run->has_trajectory() && !options_.quiet) {
+      print_remark(run->folder() + ": has no trajectory.tum, so that no path is drawn");
+    }
     if (is_model(result_.kind) || result_.kind == OutputKind::kPage) {
+      require_one_input(nullptr);
       refuse_view();
+      refuse_idle_options(options_, nullptr, result_.kind);
       result_.kind == OutputKind::kPage ? write_page() : write_model();
     } else {
       const RenderView& view = view_of(options_, sources_, result_.kind);
+      require_one_input(&view);
+      refuse_idle_options(options_, &view, result_.kind);
       result_.view = view.name;
       if (result_.file.empty()) result_.file = default_file(sources_.front(), view);
       is_film(result_.kind) ? write_film(view) : write_still(view);
     }
     result_.renderer = studio_.renderer();
+    result_.points_of = std::max(result_.points, studio_.whole_points());
     if (result_.bytes == 0) result_.bytes = size_of_file(result_.file);
     return result_;
   }
 
  private:
+  void require_one_input(const RenderView* view) const {
+    if (sources_.size() == 1 || (view != nullptr && view->name.starts_with("errors-"))) return;
+    throw UsageError(fmt::format(
+        "{} draws one input, and {} are given; several are compared by the views errors-*, "
+        "which need --reference or --relations FILE",
+        view == nullptr ? std::string(name_of(result_.kind)) : fmt::format("--view {}", view->name), sources_.size()));
+  }
   void refuse_view() const {
     if (options_.view.empty() && options_.size.empty() && !options_.is_transparent) return;
     throw UsageError(
@@ -132,11 +166,13 @@ class Render {
 void Render::write_still(const RenderView& view) {
   std::optional<PictureSize> wanted;
   if (!options_.size.empty()) wanted = size_of(options_.size);
-  const Canvas drawing = studio_.still(view, wanted);
+  Canvas drawing = studio_.still(view, wanted);
   // Drawings of a size of their own are scaled to fit what was asked for; only pixels can be.
   const PictureSize target = wanted.value_or(kStillSize);
   const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
   const double scale = view.is_vector && result_.kind == OutputKind::kPng ? fit : 1.0;
+  if (wanted && result_.kind == OutputKind::kPng)
+    drawing = on_page(drawing, target.width / scale, target.height / scale);
   write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
   result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * scale));
   result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * scale));
@@ -176,14 +212,18 @@ void Render::write_film(const RenderView& view) {
 
 void Render::add_facts(PageInput& page) const {
   const RunReader* const run = sources_.front().run();
-  if (page.cloud != nullptr) page.facts.emplace_back("Points", with_commas(page.cloud->size()));
+  if (page.cloud != nullptr) {
+    const std::uint64_t count = page.cloud->size();
+    const std::uint64_t whole = studio_.whole_points();
+    page.facts.emplace_back("Points", with_commas(count) + (count < whole ? " of " + with_commas(whole) : ""));
+  }
+  if (const std::string path = studio_.path_text(); !path.empty()) page.facts.emplace_back("Path", path);
   if (run == nullptr) return;
   const RunSummary& summary = run->summary();
   page.facts.emplace_back("Scans", with_commas(summary.scans));
   page.facts.emplace_back("Matched", with_commas(summary.matched));
   page.facts.emplace_back("Doubtful", with_commas(summary.doubtful.size()));
   page.facts.emplace_back("Keyframes", with_commas(summary.keyframe_count));
-  page.facts.emplace_back("Path", fmt::format("{:.1f} m", summary.path_m));
 }
 
 void Render::write_page() {
@@ -203,7 +243,7 @@ void Render::write_page() {
   if ((source.parts() & part::kTrajectory) != 0) page.trajectory = &source.trajectory();
   if ((source.parts() & part::kMap) != 0) page.map = &source.map();
   if ((source.parts() & part::kLinkage) != 0) page.linkage = &source.linkage();
-  page.subtitle = studio_.subtitle(studio_.whole_points());
+  page.subtitle = studio_.subtitle(cloud.size());
   add_facts(page);
   write_file_atomically(result_.file, page_of(page));
   result_.points = cloud.size();

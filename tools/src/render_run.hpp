@@ -19,10 +19,11 @@ struct RenderResult {
   std::string view;  ///< empty for pages and models
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::uint64_t frames = 0;  ///< of a film
-  double film_s = 0.0;       ///< how long it plays
-  std::uint64_t points = 0;  ///< drawn, or in the model
-  std::uint64_t bytes = 0;   ///< of the file, or of all frames
+  std::uint64_t frames = 0;     ///< of a film
+  double film_s = 0.0;          ///< how long it plays
+  std::uint64_t points = 0;     ///< drawn, or in the page or model
+  std::uint64_t points_of = 0;  ///< that there are: before thinning, with floor and ceiling
+  std::uint64_t bytes = 0;      ///< of the file, or of all frames
   std::string renderer;
 };
 

@@ -29,6 +29,23 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMostPoints = 200'000'000;
 constexpr std::size_t kPointsAtOnce = 1U << 16U;
+constexpr double kFarthest_m = 1e6;
+constexpr const char* kCloudName = "cloud.ply";
+constexpr const char* kTrajectoryName = "trajectory.tum";
+
+bool has_file(const std::string& folder, const char* name) {
+  std::error_code ignored;
+  return fs::is_regular_file(fs::path(folder) / name, ignored);
+}
+
+std::string in_folder(const std::string& folder, const char* name) { return (fs::path(folder) / name).string(); }
+
+// The folder's own name, whatever the path to it looks like.
+std::string name_of_folder(const std::string& folder) {
+  std::error_code failed;
+  const fs::path whole = fs::weakly_canonical(folder, failed);
+  return failed || whole.filename().empty() ? "cloud" : whole.filename().string();
+}
 
 std::vector<std::string> preset_names() {
   std::vector<std::string> names;
@@ -98,6 +115,12 @@ RenderKind kind_of_file(const std::string& path) {
   return is_tum(head) ? RenderKind::kTrajectory : RenderKind::kLog;
 }
 
+// False for what is not finite, too.
+bool is_near(const CloudPoint& point) {
+  const auto is_within = [](double value_m) { return value_m >= -kFarthest_m && value_m <= kFarthest_m; };
+  return is_within(point.x_m) && is_within(point.y_m) && is_within(point.z_m);
+}
+
 // "cloud" from "out/cloud.ply.gz".
 std::string stem_of(const std::string& path) {
   fs::path name = fs::path(path).filename();
@@ -119,8 +142,10 @@ RenderKind kind_of_input(const std::string& input) {
   const fs::file_status status = fs::status(input, failed);
   if (fs::is_directory(status)) {
     if (RunReader::is_run(input)) return RenderKind::kRun;
+    if (has_file(input, kCloudName)) return RenderKind::kCloud;
     throw InputError({input, 0},
-                     "is a folder without report.json, so no run of 'gdtslam map'; give a run, a cloud, a linkage, a "
+                     "is a folder without report.json, so no run of 'gdtslam map', and has no cloud.ply; give a run, a "
+                     "cloud, a linkage, a "
                      "map's .yaml, a trajectory or a log");
   }
   if (fs::exists(status)) return fs::is_regular_file(status) ? kind_of_file(input) : RenderKind::kLog;
@@ -134,11 +159,15 @@ RenderSource::RenderSource(std::string input)
     case RenderKind::kRun:
       run_.emplace(input_);
       name_ = run_->name();
-      parts_ = part::kMap | part::kField | part::kTrajectory | (run_->cloud_file() ? part::kCloud : 0U);
+      parts_ = part::kMap | part::kField | (run_->has_trajectory() ? part::kTrajectory : 0U);
+      if (const std::optional<std::string> cloud = run_->cloud_file()) {
+        cloud_file_ = *cloud;
+        parts_ |= part::kCloud;
+      }
       if ((linkage_ = run_->linkage())) parts_ |= part::kLinkage;
       break;
     case RenderKind::kCloud:
-      parts_ = part::kCloud;
+      open_cloud();
       break;
     case RenderKind::kLinkage:
       set_linkage(input_);
@@ -151,11 +180,25 @@ RenderSource::RenderSource(std::string input)
       parts_ = part::kField;
       break;
     case RenderKind::kTrajectory:
+      trajectory_file_ = input_;
       parts_ = part::kTrajectory;
       break;
     case RenderKind::kLog:
       throw Error(ExitCode::kFailed, input_ + ": a log has to be mapped before it is drawn");
   }
+}
+
+// A file, or a folder that has one and perhaps the path beside it.
+void RenderSource::open_cloud() {
+  cloud_file_ = input_;
+  parts_ = part::kCloud;
+  std::error_code ignored;
+  if (!fs::is_directory(input_, ignored)) return;
+  cloud_file_ = in_folder(input_, kCloudName);
+  name_ = name_of_folder(input_);
+  if (!has_file(input_, kTrajectoryName)) return;
+  trajectory_file_ = in_folder(input_, kTrajectoryName);
+  parts_ |= part::kTrajectory;
 }
 
 void RenderSource::set_linkage(const std::string& linkage) {
@@ -178,16 +221,16 @@ const FieldPicture& RenderSource::field() {
 
 const Trajectory& RenderSource::trajectory() {
   if (!trajectory_) {
-    trajectory_ = run_ ? run_->trajectory() : read_tum(input_);
-    if (trajectory_->empty()) throw InputError({input_, 0}, "has no poses");
+    trajectory_ = run_ ? run_->trajectory() : read_tum(trajectory_file_);
+    if (trajectory_->empty()) throw InputError({run_ ? input_ : trajectory_file_, 0}, "has no poses");
   }
   return *trajectory_;
 }
 
 const calib::SweepModel& RenderSource::linkage() { return linkage_.value(); }
 
-Cloud RenderSource::cloud(const std::function<void(std::uint64_t, double)>& progress) const {
-  return read_whole_cloud(run_ ? run_->cloud_file().value() : input_, progress);
+Cloud RenderSource::cloud(const CloudProgress& progress, const CloudRemark& remark) const {
+  return read_whole_cloud(cloud_file_, progress, remark);
 }
 
 PathOverlay RenderSource::overlay() {
@@ -200,7 +243,7 @@ PathOverlay RenderSource::overlay() {
   return overlay;
 }
 
-Cloud read_whole_cloud(const std::string& path, const std::function<void(std::uint64_t, double)>& progress) {
+Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark) {
   CloudReader reader(path);
   const std::uint64_t told = reader.header().points;
   if (told > kMostPoints) {
@@ -216,7 +259,24 @@ Cloud read_whole_cloud(const std::string& path, const std::function<void(std::ui
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   }
   if (cloud.empty()) throw InputError({path, 0}, "has no points to draw");
+  const std::uint64_t strays = std::erase_if(cloud, [](const CloudPoint& point) { return !is_near(point); });
+  const std::string which = "not finite or more than 1000 km from the origin";
+  if (cloud.empty()) {
+    throw InputError({path, 0}, fmt::format("all of its points are {}; move the origin to the cloud", which));
+  }
+  if (strays > 0 && remark) {
+    remark(fmt::format("{}: {} left out, {}", path, strays == 1 ? "1 point is" : fmt::format("{} points are", strays),
+                       which));
+  }
   return cloud;
+}
+
+double length_m_of(const Trajectory& trajectory) {
+  double length_m = 0.0;
+  for (std::size_t k = 1; k < trajectory.size(); ++k) {
+    length_m += (trajectory[k].T_map_base.translation() - trajectory[k - 1].T_map_base.translation()).norm();
+  }
+  return length_m;
 }
 
 }  // namespace gdtslam

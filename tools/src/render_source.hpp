@@ -36,6 +36,11 @@ inline constexpr unsigned kLinkage = 16U;
 inline constexpr unsigned kTruth = 32U;  ///< --reference or --relations of a trajectory
 }  // namespace part
 
+/// Hears of the points that are read and their share; below 0 where that is not known.
+using CloudProgress = std::function<void(std::uint64_t, double)>;
+/// Hears of what is left out.
+using CloudRemark = std::function<void(const std::string&)>;
+
 class RenderSource {
  public:
   /// Any kind but kLog, which has to be mapped first. Throws as RunReader does.
@@ -56,16 +61,20 @@ class RenderSource {
   const FieldPicture& field();
   const Trajectory& trajectory();
   const calib::SweepModel& linkage();
-  /// Read anew at each call, because whoever draws it keeps it; `progress` hears of the points and their share.
-  [[nodiscard]] Cloud cloud(const std::function<void(std::uint64_t, double)>& progress = {}) const;
+  /// Read anew at each call, because whoever draws it keeps it; both as of read_whole_cloud().
+  [[nodiscard]] Cloud cloud(const CloudProgress& progress = {}, const CloudRemark& remark = {}) const;
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
   PathOverlay overlay();
 
  private:
+  void open_cloud();
+
   std::string input_;
   std::string name_;
   RenderKind kind_;
   unsigned parts_ = 0;
+  std::string cloud_file_;
+  std::string trajectory_file_;
   std::optional<RunReader> run_;
   std::optional<OccupancyMap> map_;
   std::optional<FieldPicture> field_;
@@ -73,7 +82,11 @@ class RenderSource {
   std::optional<calib::SweepModel> linkage_;
 };
 
-/// A cloud from a file, with progress. Throws InputError or FileError, also when it has no points.
-Cloud read_whole_cloud(const std::string& path, const std::function<void(std::uint64_t, double)>& progress);
+/// A cloud from a file. Points that are not finite or farther than 1000 km from the origin, where single precision is
+/// coarser than 6 cm, are left out, and `remark` hears how many. Throws InputError or FileError, also when no points
+/// are left.
+Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark = {});
+/// From pose to pose.
+double length_m_of(const Trajectory& trajectory);
 
 }  // namespace gdtslam

@@ -54,6 +54,14 @@ std::string with_commas(std::uint64_t value) {
   return text;
 }
 
+std::string counted(std::uint64_t value, const std::string& noun) {
+  return with_commas(value) + " " + noun + (value == 1 ? "" : "s");
+}
+
+std::string points_text(std::uint64_t drawn, std::uint64_t whole) {
+  return drawn < whole ? with_commas(drawn) + " of " + counted(whole, "point") : counted(drawn, "point");
+}
+
 RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
     : options_(options), sources_(sources) {
   if (options.with_ceiling && options.no_ceiling)
@@ -64,32 +72,46 @@ RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSourc
 GraphicsContext& RenderStudio::graphics() {
   if (!graphics_) {
     graphics_ = std::make_unique<GraphicsContext>(graphics_of(options_.graphics));
-    if (graphics_->is_fallback() && !options_.quiet) print_remark(graphics_->description_of_fallback());
+    if (graphics_->is_fallback()) tell(graphics_->description_of_fallback());
   }
   return *graphics_;
 }
 
 std::string RenderStudio::renderer() const { return graphics_ ? graphics_->description() : "Cairo"; }
 
-std::uint64_t RenderStudio::points_drawn() const { return cloud_scene_ ? cloud_scene_->points_drawn() : points_drawn_; }
+std::uint64_t RenderStudio::points_drawn() const { return points_drawn_; }
+
+void RenderStudio::tell(const std::string& remark) const {
+  if (!options_.quiet) print_remark(remark);
+}
 
 std::string RenderStudio::title() const { return options_.title.empty() ? sources_.front().name() : options_.title; }
 
 std::string RenderStudio::subtitle(std::uint64_t points) const {
-  std::string text = points > 0 ? with_commas(points) + " points" : std::string();
-  const RunReader* const run = sources_.front().run();
-  if (run == nullptr) return text;
-  const RunSummary& summary = run->summary();
-  if (points == 0) {
-    text = fmt::format("{} scans, {} keyframes", with_commas(summary.scans), with_commas(summary.keyframe_count));
-    if (!summary.doubtful.empty()) text += fmt::format(", {} doubtful", with_commas(summary.doubtful.size()));
+  std::string text = points > 0 ? points_text(points, whole_points_) : std::string();
+  const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
+  if (const RunReader* const run = sources_.front().run(); run != nullptr && points == 0) {
+    const RunSummary& summary = run->summary();
+    add(counted(summary.scans, "scan"));
+    if (!summary.keyframes.empty()) add(counted(summary.keyframes.size(), "keyframe"));
+    if (!summary.doubtful.empty()) add(with_commas(summary.doubtful.size()) + " doubtful");
   }
-  return text + fmt::format(", {:.1f} m of path", summary.path_m);
+  if (const std::string path = path_text(); !path.empty()) add(path + " of path");
+  return text;
+}
+
+std::string RenderStudio::path_text() const {
+  constexpr double kStands_m = 0.05;
+  RenderSource& source = sources_.front();
+  if ((source.parts() & part::kTrajectory) == 0) return {};
+  const double length_m = length_m_of(source.trajectory());
+  return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
 }
 
 Cloud RenderStudio::whole_cloud() {
   ProgressLine progress("points", options_.quiet);
-  Cloud whole = first().cloud([&progress](std::uint64_t done, double share) { progress.update(done, share); });
+  Cloud whole = first().cloud([&progress](std::uint64_t done, double share) { progress.update(done, share); },
+                              [this](const std::string& remark) { tell(remark); });
   whole_points_ = whole.size();
   return whole;
 }
@@ -107,7 +129,8 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
   }
   ProgressLine progress("points", options_.quiet);
   const Cloud reference = read_whole_cloud(
-      options_.reference, [&progress](std::uint64_t done, double share) { progress.update(done, share); });
+      options_.reference, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+      [this](const std::string& remark) { tell(remark); });
   return distances_to(cloud, reference);
 }
 
@@ -131,7 +154,7 @@ bool RenderStudio::is_huge() const {
 
 CloudCaption RenderStudio::caption() const {
   if (options_.no_caption) return {"", "", false, false, false};
-  return {title(), subtitle(whole_points_), true, true, true};
+  return {title(), subtitle(points_drawn_), true, true, true};
 }
 
 CloudScene& RenderStudio::cloud_scene(const RenderView& view, std::uint64_t points) {
@@ -141,6 +164,7 @@ CloudScene& RenderStudio::cloud_scene(const RenderView& view, std::uint64_t poin
   const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
   cloud_scene_ = std::make_unique<CloudScene>(graphics(), look_);
   cloud_scene_->set_cloud(drawn_, distances_m);
+  points_drawn_ = cloud_scene_->points_drawn();
   if ((first().parts() & part::kTrajectory) != 0 && !options_.no_path) {
     cloud_scene_->set_trajectory(first().trajectory());
     const bool has_linkage = (first().parts() & part::kLinkage) != 0;
@@ -215,15 +239,24 @@ std::unique_ptr<Film> RenderStudio::film_of(const RenderView& view, const Pictur
   return follow_film(scene, first().trajectory(), look_, caption(), size, frames);
 }
 
-// Only what is measured until the end is thinned, so that the stretch of the log has all the points.
+std::uint64_t RenderStudio::points_of_scan() {
+  CloudScene scene(graphics(), look_);  // it leaves out floor and ceiling as the film does
+  scene.set_cloud(drawn_);
+  return scene.points_drawn();
+}
+
+// Only what is measured in the stretch is thinned, so that it has all the points.
 std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
   look_ = look_of(render_view("scan"), points > 0);
   const Stretch time = stretch(kLongestScan_s);
   drawn_ = whole_cloud();
-  std::erase_if(drawn_, [&time](const CloudPoint& point) { return !(point.stamp_s <= time.to_s); });
+  std::erase_if(drawn_, [&time](const CloudPoint& point) {
+    return !(point.stamp_s >= time.from_s && point.stamp_s <= time.to_s);
+  });
   if (drawn_.empty()) throw InputError({first().input(), 0}, "has no points of that time");
+  whole_points_ = drawn_.size();
   drawn_ = thinned(std::move(drawn_), points);
-  points_drawn_ = drawn_.size();
+  points_drawn_ = points_of_scan();
   const ScanningFilmInput input{.cloud = &drawn_,
                                 .trajectory = &first().trajectory(),
                                 .model = &first().linkage(),

@@ -49,14 +49,17 @@ class RenderStudio {
   /// What drew: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
   [[nodiscard]] std::string renderer() const;
   [[nodiscard]] std::uint64_t points_drawn() const;
+  /// Of the cloud before it was thinned and without floor or ceiling; of a scan those of its stretch of time.
   [[nodiscard]] std::uint64_t whole_points() const { return whole_points_; }
   /// The cloud of the first source, thinned where --points or `most` says so (0: all).
   Cloud cloud(std::uint64_t most);
   /// The distance of each point to --reference.
   std::vector<float> distances(const Cloud& cloud);
-  /// "office-7f" or --title; "2,612,366 points, 62 m of path".
+  /// "office-7f" or --title; "1,771,492 of 2,612,366 points, 62.8 m of path", or of what has none, its scans.
   [[nodiscard]] std::string title() const;
   [[nodiscard]] std::string subtitle(std::uint64_t points = 0) const;
+  /// "62.8 m" of the trajectory that is drawn; empty where there is none or the robot stands.
+  [[nodiscard]] std::string path_text() const;
 
  private:
   RenderSource& first() { return sources_.front(); }
@@ -74,6 +77,9 @@ class RenderStudio {
   [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
   [[nodiscard]] bool is_huge() const;
   [[nodiscard]] CloudCaption caption() const;
+  void tell(const std::string& remark) const;
+  /// How many points a film of the scan ends with.
+  std::uint64_t points_of_scan();
   [[nodiscard]] Camera camera_of(const RenderView& view, const PictureSize& size);
   Canvas cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted);
   Canvas flat(const RenderView& view, const std::optional<PictureSize>& wanted);
@@ -101,5 +107,9 @@ class RenderStudio {
 
 /// A whole number with a comma at every third digit.
 std::string with_commas(std::uint64_t value);
+/// "1 point", "2,839 points".
+std::string counted(std::uint64_t value, const std::string& noun);
+/// "1,771,492 of 2,612,366 points", or the points where those are all.
+std::string points_text(std::uint64_t drawn, std::uint64_t whole);
 
 }  // namespace gdtslam

@@ -39,7 +39,7 @@ const std::vector<RenderView>& render_views() {
       {"scan", part::kCloud | part::kTrajectory | part::kLinkage, kMoves, kScene, kPixels,
        "the robot scanning, points appearing as they are measured (--from, --to)"},
       {"elevation", part::kCloud, kStill, kFlat, kVector, "elevation of the nodding scan plane over time"},
-      {"map", part::kMap, kStill, kFlat, kPixels, "occupancy map with path, keyframes and doubtful scans"},
+      {"map", part::kMap, kStill, kFlat, kPixels, "occupancy map, with the path where there is one"},
       {"field", part::kField, kStill, kFlat, kPixels, "distance field as intensity, bright near obstacles"},
       {"distance", part::kField, kStill, kFlat, kPixels, "distance field in metres"},
       {"cells", part::kField, kStill, kFlat, kVector, "a few cells of the field with their numbers (--at, --cells)"},
@@ -72,18 +72,18 @@ const RenderView* default_view(RenderKind kind, unsigned parts, bool is_film) {
   return nullptr;
 }
 
-std::string missing_parts(const RenderView& view, unsigned parts) {
+std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint) {
   constexpr std::array<std::pair<unsigned, std::string_view>, 6> kNames{{
-      {part::kMap, "a map"},
-      {part::kField, "a distance field"},
-      {part::kTrajectory, "a trajectory"},
-      {part::kCloud, "a 3D cloud"},
-      {part::kLinkage, "a linkage (--linkage NAME|FILE)"},
-      {part::kTruth, "the truth (--reference or --relations FILE)"},
+      {part::kMap, "map"},
+      {part::kField, "distance field"},
+      {part::kTrajectory, "trajectory"},
+      {part::kCloud, "3D cloud"},
+      {part::kLinkage, "linkage (--linkage NAME|FILE)"},
+      {part::kTruth, "truth (--reference or --relations FILE)"},
   }};
   std::string text;
   for (const auto& [bit, name] : kNames) {
-    if ((view.needs & bit & ~parts) != 0) text += (text.empty() ? "" : " and ") + std::string(name);
+    if ((view.needs & bit & ~parts) != 0) text += (text.empty() ? "" : std::string(joint)) + std::string(name);
   }
   return text;
 }

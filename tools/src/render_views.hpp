@@ -24,8 +24,8 @@ const RenderView& render_view(const std::string& name);
 /// The view that an input is drawn as when none is named; the one that moves best for a film. Nothing where no view can
 /// be a film.
 const RenderView* default_view(RenderKind kind, unsigned parts, bool is_film);
-/// What the view lacks of these parts, as text for a message; empty when nothing.
-std::string missing_parts(const RenderView& view, unsigned parts);
+/// What the view lacks of these parts, "map and 3D cloud", with these words between them; empty when nothing.
+std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint = " and ");
 /// Names of the views that these parts allow, "map, field, distance".
 std::string views_there_are(unsigned parts, bool is_film);
 

@@ -133,6 +133,11 @@ std::string RunReader::name() const {
   return log == "-" ? "stdin" : one_line(fs::path(beside_log(log, "")).filename().string(), 80);
 }
 
+bool RunReader::has_trajectory() const {
+  std::error_code ignored;
+  return fs::exists(file("trajectory.tum"), ignored);
+}
+
 Trajectory RunReader::trajectory() const {
   require("trajectory.tum");
   Trajectory trajectory = read_tum(file("trajectory.tum"));

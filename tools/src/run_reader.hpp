@@ -21,7 +21,7 @@ struct RunSummary {
   std::uint64_t scans = 0;
   std::uint64_t matched = 0;
   std::uint64_t keyframe_count = 0;
-  double path_m = 0.0;
+  double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
   std::uint64_t cloud_points = 0;
   bool nods = false;
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
@@ -39,6 +39,7 @@ class RunReader {
   [[nodiscard]] std::string name() const;
   /// As the other members: throws InputError or FileError.
   [[nodiscard]] Trajectory trajectory() const;
+  [[nodiscard]] bool has_trajectory() const;
   [[nodiscard]] OccupancyMap map() const;
   [[nodiscard]] DistanceFieldFile field() const;
   /// The file of the 3D cloud; nothing where the run made none. Throws InputError where it is missing.

@@ -32,6 +32,7 @@ Json json_of(const RenderResult& result) {
     json["film_s"] = result.film_s;
   }
   json["points"] = result.points;
+  json["points_of"] = result.points_of;
   json["bytes"] = result.bytes;
   json["renderer"] = result.renderer;
   return json;
@@ -50,7 +51,7 @@ std::string text_of(const RenderResult& result) {
   if (!result.view.empty()) text += fmt::format(" view {},", result.view);
   if (result.width > 0) text += fmt::format(" {}x{} pixels,", result.width, result.height);
   if (result.frames > 0) text += fmt::format(" {} frames in {:.1f} s,", result.frames, result.film_s);
-  if (result.points > 0) text += fmt::format(" {} points,", with_commas(result.points));
+  if (result.points > 0) text += " " + points_text(result.points, result.points_of) + ",";
   return text + fmt::format(" {}\n", bytes_text(result.bytes));
 }
 
@@ -97,7 +98,14 @@ int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
     const std::string marks = fmt::format("{}{}", view.moves ? "film" : "", is_default ? " *" : "");
     text += fmt::format("{:<12} {:<7} {}\n", view.name, marks, view.doc);
   }
-  text += "film: can be .mp4, .gif or frames; *: drawn where no --view is given, as a still or as a film\n";
+  if (text.empty()) {
+    text = fmt::format("{} has no view without more\n", name_of(kind));
+  } else {
+    text += "film: can be .mp4, .gif or frames; *: drawn where no --view is given, as a still or as a film\n";
+  }
+  if ((parts & part::kTrajectory) != 0 && (parts & part::kTruth) == 0) {
+    text += "with --reference or --relations FILE also errors-box, errors-cdf and errors-time\n";
+  }
   print_result(options.json ? json_text(all) : text);
   return static_cast<int>(ExitCode::kDone);
 }

@@ -25,10 +25,11 @@ double luminance(Colour colour) {
   return 0.2126 * linear(colour.red) + 0.7152 * linear(colour.green) + 0.0722 * linear(colour.blue);
 }
 
-std::string text_of(double value, double tolerance) {
+void write(CellNumber& number, double value, double tolerance) {
   const double whole = std::floor(value + 0.5);
-  if (std::fabs(value - whole) <= tolerance) return fmt::format("{:.0f}", whole);
-  return fmt::format("{:.1f}", value);
+  number.is_whole = std::fabs(value - whole) <= tolerance;
+  number.text_tenths = fmt::format("{:.1f}", number.is_whole ? whole : value);
+  number.text = number.is_whole ? fmt::format("{:.0f}", whole) : number.text_tenths;
 }
 
 }  // namespace
@@ -39,12 +40,12 @@ CellNumber cell_number(std::uint16_t value, std::uint16_t cap, bool is_squared) 
   number.is_obstacle = number.is_known && value < kHalfCell;
   number.distance = value * kUnit;
   if (!number.is_known) {
-    number.text = "–";
+    number.text = number.text_tenths = "–";
   } else if (is_squared) {
     // The field holds the root, rounded to its unit: the square is off by up to the distance times that unit.
-    number.text = text_of(number.distance * number.distance, number.distance * kUnit + 0.25 * kUnit * kUnit);
+    write(number, number.distance * number.distance, number.distance * kUnit + 0.25 * kUnit * kUnit);
   } else {
-    number.text = text_of(number.distance, 0.0);
+    write(number, number.distance, 0.0);
   }
   return number;
 }

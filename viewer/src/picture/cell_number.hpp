@@ -12,7 +12,9 @@ struct CellNumber {
   bool is_known = false;     ///< below the cap
   bool is_obstacle = false;  ///< nearer than half a cell: 0 in an exact transform, about 0 where scans were merged
   double distance = 0.0;     ///< cells
-  std::string text;          ///< whole where it is whole within the field's 1/256 cell, else with one decimal
+  bool is_whole = true;      ///< within the field's 1/256 cell
+  std::string text;          ///< without decimals where it is whole, else with one
+  std::string text_tenths;   ///< with one decimal in any case, for a sheet where others need it
 };
 CellNumber cell_number(std::uint16_t value, std::uint16_t cap, bool is_squared);
 

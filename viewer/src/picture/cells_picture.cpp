@@ -70,6 +70,10 @@ struct CellLook {
   double text_px = 15.0;
   bool has_obstacle = false;
   bool has_unknown = false;
+  bool has_tenths = false;  ///< of one number, and so of all
+  [[nodiscard]] const std::string& words_of(const CellNumber& number) const {
+    return has_tenths ? number.text_tenths : number.text;
+  }
   [[nodiscard]] Colour at(double distance) const {
     constexpr double kDarkest = 0.12;  // darker ones are too near to an obstacle's
     return map.at(kDarkest + (1.0 - kDarkest) * distance / most);
@@ -84,17 +88,20 @@ CellNumber number_at(const FieldPicture& field, CellIndex cell, bool is_squared)
 
 CellLook look_of(const FieldPicture& field, const CellSheet& sheet, bool is_squared, const MapLook& look) {
   CellLook cells{.map = colour_map(look.colour_map.empty() ? "lagoon" : look.colour_map)};
-  double widest = 0.42;  // of a cell, for a letter size of 1
+  double widest = 0.42;         // of a cell, for a letter size of 1
+  double widest_tenths = 0.42;  // likewise, of numbers with a decimal
   for (std::int32_t y = sheet.part.min.y; y < sheet.part.end.y; ++y) {
     for (std::int32_t x = sheet.part.min.x; x < sheet.part.end.x; ++x) {
       const CellNumber number = number_at(field, {x, y}, is_squared);
       if (number.is_known) cells.most = std::max(cells.most, number.distance);
       cells.has_obstacle = cells.has_obstacle || number.is_obstacle;
       cells.has_unknown = cells.has_unknown || !number.is_known;
+      cells.has_tenths = cells.has_tenths || !number.is_whole;
       widest = std::max(widest, text_width(number.text, 1.0));
+      widest_tenths = std::max(widest_tenths, text_width(number.text_tenths, 1.0));
     }
   }
-  cells.text_px = std::min(0.42, 0.86 / widest) * sheet.cell_px;
+  cells.text_px = std::min(0.42, 0.86 / (cells.has_tenths ? widest_tenths : widest)) * sheet.cell_px;
   return cells;
 }
 
@@ -105,7 +112,7 @@ void draw_cell(Canvas& canvas, const CellSheet& sheet, CellIndex cell, const Cel
   if (number.is_obstacle) ground = kLightTheme.text;
   if (number.is_known && !number.is_obstacle) ground = look.at(number.distance);
   canvas.rectangle(corner, sheet.cell_px, sheet.cell_px, Fill{ground}, Pen{.colour = kLightTheme.card, .width = 1.0});
-  canvas.text({middle.x(), middle.y() + 0.36 * look.text_px}, number.text,
+  canvas.text({middle.x(), middle.y() + 0.36 * look.text_px}, look.words_of(number),
               {.size = look.text_px, .colour = legible_on(ground), .anchor = Anchor::kMiddle});
 }
 

@@ -78,7 +78,9 @@ LegendItem keyframe_item(const std::string& words, const PathColours& colours, c
 }
 
 std::string counted(std::size_t count, const std::string& noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+  std::string text = std::to_string(count);
+  for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");
+  return fmt::format("{} {}{}", text, noun, count == 1 ? "" : "s");
 }
 
 void draw_axes(Canvas& canvas, const Point2& origin, double arm, const LegendLook& look) {

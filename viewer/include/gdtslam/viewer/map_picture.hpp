@@ -53,7 +53,7 @@ Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const Ma
 Canvas field_picture(const FieldPicture& field, const PathOverlay& overlay, const MapLook& look,
                      const PictureSize& size);
 /// Figure 3: the distances of a small part of a field as numbers in its cells, obstacles filled. At most 60 cells a
-/// side. Distances in cells, squared where asked, with one decimal where they are not whole. Throws InputError for a
+/// side. Distances in cells, squared where asked, with one decimal where one is not whole. Throws InputError for a
 /// part that is too large or not within the field.
 Canvas cells_picture(const FieldPicture& field, const CellBox& part, bool is_squared, const MapLook& look);
 
