@@ -20,6 +20,12 @@ function cssOfMap(map, share) {
   return `rgb(${map.bytes[k]} ${map.bytes[k + 1]} ${map.bytes[k + 2]})`;
 }
 
+/// The map that suits a quantity on the page's ground, as pictures of clouds have it.
+function defaultMapOf(quantity) {
+  const named = description.default_maps[theme.isDark() ? 'dark' : 'light'][quantity];
+  return Math.max(colourMaps.findIndex((map) => map.name === named), 0);
+}
+
 const theme = {
   watchers: [],
   isDark() { return document.documentElement.dataset.theme === 'dark'; },

@@ -1,5 +1,5 @@
-// The four-bar linkage as the program has computed it: joints and elevation at even steps of the crank from tick 0, in
-// the direction of growing ticks. x forward, z up, metres, from the crank's pivot.
+// The four-bar linkage as the program has computed it: joints and elevation at even steps of the crank's angle
+// theta_input, which the ground bar is the zero of. x forward, z up, metres, from the crank's pivot.
 
 class Linkage {
   constructor(about) {
@@ -15,7 +15,7 @@ class Linkage {
     return Number.isNaN(row[2]) ? null : row;
   }
 
-  /// Between two steps straight lines: at most 1e-5 of a bar's length off.
+  /// Between two steps straight lines: at most 1e-4 of a bar's length off.
   at(step) {
     const low = Math.floor(step);
     const share = step - low;
@@ -30,8 +30,8 @@ class Linkage {
 
   /// The step at which the crank points in a direction (of the drawing, from +x).
   stepOfDirection(angle) {
-    const {sign, offset, zero, direction, steps} = this.about;
-    const turned = direction * (sign * (angle - offset) - zero) / (2 * Math.PI);
+    const {sign, offset, steps} = this.about;
+    const turned = sign * (angle - offset) / (2 * Math.PI);
     return (turned - Math.floor(turned)) * steps;
   }
 

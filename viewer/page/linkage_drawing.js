@@ -160,7 +160,7 @@ class MechanismDrawing {
   }
 }
 
-/// Elevation over the crank's angle from tick 0, with dead points and a mark that runs along.
+/// Elevation over the crank's angle, with dead points and a mark that runs along.
 class PlotDrawing {
   constructor(canvas, linkage) {
     [this.canvas, this.linkage] = [canvas, linkage];
@@ -209,7 +209,7 @@ class PlotDrawing {
       stroke(context, [[x, this.top], [x, this.bottom]], inkOf('grid'), 1);
       context.fillText(`${turn}°`, x, this.bottom + size);
     }
-    context.fillText('Crank θ input from tick 0', (this.left + this.right) / 2, this.bottom + 2.3 * size);
+    context.fillText('crank angle θ input in degrees', (this.left + this.right) / 2, this.bottom + 2.3 * size);
     context.fillStyle = inkOf('laser-text');
     context.textAlign = 'left';
     context.fillText('Elevation θ*', this.left, 0.8 * size);

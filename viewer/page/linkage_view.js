@@ -8,7 +8,7 @@ class LinkageView {
     this.mechanism = new MechanismDrawing(byId('mechanism'), linkage);
     this.plot = new PlotDrawing(byId('plot'), linkage);
     this.step = this.firstStep();
-    this.direction = 1;
+    this.direction = linkage.about.direction;  // as the motor turns
     this.isPlaying = true;
     this.makeValues();
     this.listen();
@@ -17,7 +17,10 @@ class LinkageView {
     requestAnimationFrame((now) => this.advance(now));
   }
 
+  /// The begin of the lift, else the first that closes.
   firstStep() {
+    const {dead_points: deadPoints, steps} = this.linkage.about;
+    if (deadPoints.length > 0) return deadPoints[0].step % steps;
     for (let k = 0; k < this.linkage.about.steps; ++k) {
       if (this.linkage.at(k + 0.5)) return k;
     }

@@ -39,6 +39,7 @@ function slider(label, id, {min, max, step, value}, textOf, apply) {
 class Panel {
   constructor(cloudView) {
     this.cloudView = cloudView;
+    this.chosenMaps = new Set();  // quantities
     this.root = byId('panel');
     if (cloudView) {
       if (cloudView.points) this.root.append(this.colours());
@@ -53,18 +54,32 @@ class Panel {
   colours() {
     const keys = this.cloudView.points.quantities();
     for (const key of keys) {
-      view.colourMap[key] = defaultMapOf(key);
       const {low, high, least, most} = description.cloud[key];
       view.scale[key] = high > low ? [key === 'distance' ? Math.min(least, 0) : low, high] : [least, most];
     }
+    this.suitMaps(keys);
+    theme.watchers.push(() => {
+      this.suitMaps(keys);
+      view.changed('colours');
+    });
     view.quantity = keys[0] ?? 'plain';
     const choices = [...keys.map((key) => [key, kQuantities[key].name]), ['plain', 'One colour']];
     this.quantity = this.select('Colour by', 'quantity', choices, (key) => { view.quantity = key; });
     this.map = this.select('Colours', 'colour-map', colourMaps.map((map, k) => [k, map.name]),
-                           (k) => { view.colourMap[view.quantity] = Number(k); });
+                           (k) => {
+                             view.colourMap[view.quantity] = Number(k);
+                             this.chosenMaps.add(view.quantity);
+                           });
     this.low = this.scaleSlider('From', 'scale-low', 0);
     this.high = this.scaleSlider('To', 'scale-high', 1);
     return cloudGroup('Colours', this.quantity.row, this.map.row, this.low.row, this.high.row);
+  }
+
+  /// Dark and light grounds have maps of their own, unless the user has chosen one.
+  suitMaps(keys) {
+    for (const key of keys) {
+      if (!this.chosenMaps.has(key)) view.colourMap[key] = defaultMapOf(key);
+    }
   }
 
   select(label, id, choices, apply) {
@@ -99,7 +114,7 @@ class Panel {
     if (cloud) boxes.push(checkbox('Cloud', 'cloud', grouped(cloud.count)));
     if (cloud && cloud.floor) boxes.push(checkbox('Floor', 'floor', grouped(cloud.floor.points)));
     if (cloud && cloud.ceiling) boxes.push(checkbox('Ceiling', 'ceiling', grouped(cloud.ceiling.points)));
-    if (path) boxes.push(checkbox('Path', 'path', `${path.length.toFixed(1)} m`), checkbox('Robot', 'robot'));
+    if (path) boxes.push(checkbox('Path', 'path', path.length >= 0.05 ? `${path.length.toFixed(1)} m` : ''), checkbox('Robot', 'robot'));
     if (map) boxes.push(checkbox('Map', 'map', `${grouped(map.width)} × ${grouped(map.height)}`));
     boxes.push(checkbox('Grid', 'grid', `${this.cloudView.grid.step} m`));
     this.shown = element('div', {className: 'note', id: 'shown'});
@@ -177,10 +192,4 @@ class Panel {
 function pointsShown(cloudView) {
   if (!cloudView.points || !view.layers.cloud) return 0;
   return cloudView.points.countShown(cloudShareOf(shownTime()), view.layers);
-}
-
-/// The map that suits a quantity, as pictures of clouds have it.
-function defaultMapOf(quantity) {
-  const named = description.default_maps[quantity];
-  return Math.max(colourMaps.findIndex((map) => map.name === named), 0);
 }

@@ -87,6 +87,22 @@ class DataTest(Case):
         self.assertEqual((about["of"], about["count"]), (len(points) + 2, len(points)))
         self.assertLess(about["most"][0] - about["least"][0], 7.0)
 
+    def test_few_points_are_all_in_the_middle(self):
+        points = [(0.0, 0.0, 0.0, 0.0, 1.0, 0), (9.0, 1.0, 0.5, 0.0, 2.0, 1), (3.0, -7.0, 1.0, 0.0, 3.0, 2),
+                  (4.0, 2.0, 5.0, 0.0, 4.0, 3)]
+        write_cloud(self.path("c.ply"), points)
+        make_page(self.path("c.html"), "--cloud", self.path("c.ply"))
+        about = PageFile(self.path("c.html")).description["cloud"]
+        self.assertEqual((about["middle_least"], about["middle_most"]), ([0.0, -7.0, 0.0], [9.0, 2.0, 5.0]))
+
+    def test_length_of_all_poses(self):
+        with open(self.path("p.tum"), "w", encoding="ascii") as file:  # 0.1 m up and down at each: thinning cuts corners
+            for k in range(120001):
+                file.write(f"{0.01 * k:.2f} {0.1 * (k % 2):.1f} 0 0 0 0 0 1\n")
+        make_page(self.path("p.html"), "--path", self.path("p.tum"))
+        about = PageFile(self.path("p.html")).description["path"]
+        self.assertAlmostEqual(about["length"], 12000.0, delta=1e-6)
+
     def test_path_and_map(self):
         page = PageFile(make_room_page(self.folder.name)[0])
         rows = page.path()
@@ -104,6 +120,27 @@ class DataTest(Case):
             for got, expected in zip(row, expected_row(about, step)):
                 self.assertAlmostEqual(got, expected, delta=2e-7 * 4)
 
+    def test_crank_angles_are_those_of_the_pictures(self):
+        make_page(self.path("l.html"), "--linkage", "paper-b")
+        page = PageFile(self.path("l.html"))
+        lowest, highest = page.description["linkage"]["dead_points"]
+        self.assertAlmostEqual(lowest["step"] / 2, 39.0, delta=0.05)  # half a degree each
+        self.assertAlmostEqual(lowest["elevation"], 0.0, delta=1e-9)
+        self.assertAlmostEqual((highest["step"] - lowest["step"]) / 2, 266.4, delta=0.05)
+        self.assertAlmostEqual(math.degrees(page.linkage_rows()[360][6]), 61.5, delta=0.05)
+
+    def test_lamps_go_with_the_ceiling(self):
+        points, _, ceiling = room()
+        lamps = [(13.0, -18.0, 2.5 - below, 0.5, 101.0, 3) for below in (0.1, 0.24, 0.26)]
+        write_cloud(self.path("c.ply"), points + lamps)
+        make_page(self.path("c.html"), "--cloud", self.path("c.ply"))
+        page = PageFile(self.path("c.html"))
+        self.assertEqual([point[7] for point in page.points()][-3:], [2, 2, 0])
+        heights = sorted(p[2] for p in points + lamps if p[2] < 2.25)  # the scale is that of what is drawn
+        about = page.description["cloud"]
+        self.assertEqual(about["ceiling"]["points"], ceiling + 2)
+        self.assertAlmostEqual(about["height"]["high"], heights[round(0.99 * (len(heights) - 1))], delta=1e-6)
+
     def test_hostile_words_stay_words(self):
         words = HOSTILE + "\x01\u2028" + os.fsdecode(b"\xff\xc0\x80\xed\xa0\x80")
         make_page(self.path("h.html"), "--linkage", "paper-b", "--title", words, "--fact", words + "=" + words)
@@ -116,7 +153,7 @@ class DataTest(Case):
 
 def expected_row(about, step):
     """Joints from the intersection of two circles, in the frame in which the linkage is drawn."""
-    phi = about["zero"] + about["direction"] * 2 * math.pi * step / about["steps"]
+    phi = 2 * math.pi * step / about["steps"]
     a = complex(math.cos(phi), math.sin(phi)) * about["crank"]
     to_pivot = about["ground"] - a
     length = abs(to_pivot)

@@ -4,14 +4,15 @@
 #include <cmath>
 #include <numeric>
 
-#include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
+#include "scene/cloud_level.hpp"
 
 namespace gdtslam::page {
 namespace {
 
-constexpr std::size_t kSample = 200'000;       // points that percentiles and level surfaces are found by
-constexpr double kLevelMargin_m = 0.05;        // over the floor and under the ceiling, as in the cloud command
+constexpr std::size_t kSample = 200'000;  // points that the middle box is found by
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStrayShare = 0.001;          // at either end of each axis
 constexpr double kGoldenShare = 0.6180339887;  // consecutive multiples fill a circle evenly
 
 Point3 position(const CloudPoint& point) { return {point.x_m, point.y_m, point.z_m}; }
@@ -20,9 +21,9 @@ bool is_finite(const CloudPoint& point) {
   return position(point).allFinite() && std::isfinite(point.elevation_rad) && std::isfinite(point.stamp_s);
 }
 
-/// The value at a share of the sorted values.
+/// The value at a share of the sorted values, of the rank that pictures of clouds take (scene/cloud_colours.hpp).
 double percentile(std::vector<double>& values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto rank = static_cast<std::ptrdiff_t>(std::floor(share * static_cast<double>(values.size() - 1) + 0.5));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
   return values[static_cast<std::size_t>(rank)];
 }
@@ -59,8 +60,8 @@ PagedCloud::PagedCloud(const Cloud& cloud, const std::vector<float>* distances_m
                      std::to_string(cloud.size()) + ": thin the cloud");
   }
   keep_points();
-  measure();
   find_levels();
+  measure();
 }
 
 /// A few stray points far away would coarsen the steps of all others: kept is what lies within the middle 99.8 % of
@@ -77,8 +78,10 @@ void PagedCloud::keep_points() {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(position(cloud_[finite[k]])[axis]);
-    low[axis] = percentile(values, 0.001);
-    high[axis] = percentile(values, 0.999);
+    const double beyond = std::floor(kStrayShare * static_cast<double>(values.size() - 1));  // of few points none
+    const double last = static_cast<double>(values.size() - 1);
+    low[axis] = percentile(values, last > 0.0 ? beyond / last : 0.0);
+    high[axis] = percentile(values, last > 0.0 ? (last - beyond) / last : 0.0);
   }
   middle_least_ = low;
   middle_most_ = high;
@@ -96,8 +99,6 @@ void PagedCloud::keep_points() {
   while (std::gcd(step_, static_cast<std::uint64_t>(kept_.size())) != 1) step_ += 2;
 }
 
-std::size_t PagedCloud::sample_stride() const { return kept_.size() / kSample + 1; }
-
 template <class ValueOf>
 Range PagedCloud::range_of(const ValueOf& value_of) const {
   Range range;
@@ -108,8 +109,8 @@ Range PagedCloud::range_of(const ValueOf& value_of) const {
     range.most = std::max(range.most, value);
   }
   std::vector<double> sample;
-  for (std::size_t k = 0; k < kept_.size(); k += sample_stride()) {
-    const double value = value_of(kept_[k]);
+  for (const std::uint32_t index : kept_) {  // what is drawn at first, as in a picture of the cloud
+    const double value = level_of(cloud_[index]) == LevelCode::kCeiling ? kUnknown : value_of(index);
     if (std::isfinite(value)) sample.push_back(value);
   }
   if (!sample.empty()) {
@@ -130,9 +131,7 @@ void PagedCloud::measure() {
 }
 
 void PagedCloud::find_levels() {
-  Cloud sample;
-  for (std::size_t k = 0; k < kept_.size(); k += sample_stride()) sample.push_back(cloud_[kept_[k]]);
-  const LevelSurfaces surfaces = find_level_surfaces(sample, {});
+  const LevelSurfaces surfaces = level_surfaces_of(cloud_);
   if (surfaces.floor) floor_ = surfaces.floor->plane;
   if (surfaces.ceiling) ceiling_ = surfaces.ceiling->plane;
   for (const std::uint32_t index : kept_) {
@@ -143,8 +142,8 @@ void PagedCloud::find_levels() {
 }
 
 LevelCode PagedCloud::level_of(const CloudPoint& point) const {
-  if (floor_ && floor_->distance_m(position(point)) <= kLevelMargin_m) return LevelCode::kFloor;
-  if (ceiling_ && ceiling_->distance_m(position(point)) >= -kLevelMargin_m) return LevelCode::kCeiling;
+  if (floor_ && floor_->distance_m(position(point)) <= kFloorMargin_m) return LevelCode::kFloor;
+  if (ceiling_ && ceiling_->distance_m(position(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
   return LevelCode::kNone;
 }
 

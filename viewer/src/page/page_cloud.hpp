@@ -30,11 +30,12 @@ inline constexpr std::size_t kMostPoints = std::size_t{16} << 20U;
 struct Range {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
-  double low = 0.0;   ///< 1st percentile
+  double low = 0.0;   ///< 1st percentile of those that are no part of the ceiling
   double high = 0.0;  ///< 99th
   [[nodiscard]] double extent() const { return most - least; }
 };
 
+/// Floor and below, ceiling and above, with the margins of pictures of clouds: lamps go with the ceiling.
 enum class LevelCode : std::uint8_t { kNone, kFloor, kCeiling };
 
 class PagedCloud {
@@ -54,7 +55,6 @@ class PagedCloud {
   void measure();
   void find_levels();
   [[nodiscard]] LevelCode level_of(const CloudPoint& point) const;
-  [[nodiscard]] std::size_t sample_stride() const;
   template <class ValueOf>
   [[nodiscard]] Range range_of(const ValueOf& value_of) const;
   void append_point(std::size_t index, ByteWriter& bytes) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "gdtslam/calib/crank_rocker.hpp"
@@ -34,9 +35,7 @@ Point2 at_angle(double length, double angle_rad) {
   return {length * s.cos, length * s.sin};
 }
 
-double crank_at(const calib::CrankEncoder& encoder, int step) {
-  return encoder.zero_rad + encoder.direction * (kTwoPi * step / kCrankSteps);
-}
+double crank_at(int step) { return kTwoPi * step / kCrankSteps; }
 
 void append_linkage_step(const calib::SweepModel& model, const DrawnFrame& frame, double crank_rad, ByteWriter& bytes) {
   const auto pose = calib::solve(model.bars, model.assembly, crank_rad);
@@ -64,7 +63,7 @@ void write_dead_points(const calib::SweepModel& model, JsonWriter& json) {
   if (calib::grashof_class(model.bars) == calib::GrashofClass::kCrankRocker) {
     const calib::CrankRockerReport report = calib::analyse(model.bars, model.assembly);
     for (const calib::DeadPoint& dead : {report.lowest, report.highest}) {
-      const double turned = model.encoder.direction * (dead.crank_rad - model.encoder.zero_rad) / kTwoPi;
+      const double turned = dead.crank_rad / kTwoPi;
       const double elevation = wrap_angle(model.elevation_sign * dead.rocker_rad + model.elevation_offset_rad);
       json.open("", '{').number("step", (turned - std::floor(turned)) * kCrankSteps);
       json.number("elevation", elevation).close();
@@ -97,14 +96,16 @@ void write_path(const Trajectory& trajectory, const Point3& origin, JsonWriter& 
   const auto shown = [&](std::size_t k) { return poses[count == 1 ? 0 : k * (poses.size() - 1) / (count - 1)]; };
   const double first_s = poses.front()->stamp_s;
   ByteWriter bytes(16 * count);
-  double length_m = 0.0;
+  double length_m = 0.0;  // of all poses, whatever the page holds of them
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    length_m += (poses[k]->T_map_base.translation() - poses[k - 1]->T_map_base.translation()).norm();
+  }
   for (std::size_t k = 0; k < count; ++k) {
     const Pose2& pose = shown(k)->T_map_base;
     bytes.f32(pose.x_m - origin.x());
     bytes.f32(pose.y_m - origin.y());
     bytes.f32(pose.theta_rad);
     bytes.f32(shown(k)->stamp_s - first_s);
-    if (k > 0) length_m += (pose.translation() - shown(k - 1)->T_map_base.translation()).norm();
   }
   append_bytes_element("path", bytes.bytes(), elements);
   json.open("path", '{').number("count", static_cast<double>(count)).number("length", length_m);
@@ -143,7 +144,7 @@ void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string
   const DrawnFrame frame(model);
   ByteWriter bytes(std::size_t{32} * kCrankSteps);
   for (int step = 0; step < kCrankSteps; ++step) {
-    append_linkage_step(model, frame, crank_at(model.encoder, step), bytes);
+    append_linkage_step(model, frame, crank_at(step), bytes);
   }
   append_bytes_element("linkage", bytes.bytes(), elements);
   const Point2 rocker_pivot = frame.of({model.bars.ground_m, 0.0});
@@ -151,7 +152,7 @@ void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string
   json.text("class", calib::class_name(calib::grashof_class(model.bars)));
   json.number("crank", model.bars.crank_m).number("coupler", model.bars.coupler_m);
   json.number("rocker", model.bars.rocker_m).number("ground", model.bars.ground_m);
-  json.number("zero", model.encoder.zero_rad).number("direction", model.encoder.direction);
+  json.number("direction", model.encoder.direction);
   json.number("sign", model.elevation_sign).number("offset", model.elevation_offset_rad);
   json.number("height", model.mount.height_m);
   json.open("rocker_pivot", '[').number("", rocker_pivot.x()).number("", rocker_pivot.y()).close();
@@ -170,16 +171,21 @@ void write_colour_maps(JsonWriter& json) {
   }
   json.close();
   json.open("default_maps", '{');
-  const auto write_default = [&json](std::string_view key, CloudColour colour) {
-    CloudLook look;
-    look.colour = colour;
-    json.text(key, colour_scale(look, CloudValues(colour, {}, {}), {}).colour_map);
-  };
-  write_default("height", CloudColour::kHeight);
-  write_default("elevation", CloudColour::kElevation);
-  write_default("time", CloudColour::kTime);
-  write_default("scan", CloudColour::kScan);
-  write_default("distance", CloudColour::kDistance);
+  const std::pair<std::string_view, CloudColour> quantities[] = {{"height", CloudColour::kHeight},
+                                                                 {"elevation", CloudColour::kElevation},
+                                                                 {"time", CloudColour::kTime},
+                                                                 {"scan", CloudColour::kScan},
+                                                                 {"distance", CloudColour::kDistance}};
+  for (const bool is_dark : {true, false}) {
+    json.open(is_dark ? "dark" : "light", '{');
+    for (const auto& [key, colour] : quantities) {
+      CloudLook look;
+      look.colour = colour;
+      look.is_dark = is_dark;
+      json.text(key, colour_scale(look, CloudValues(colour, {}, {}), {}).colour_map);
+    }
+    json.close();
+  }
   json.close();
 }
 

@@ -22,13 +22,14 @@ void write_path(const Trajectory& trajectory, const Point3& origin, JsonWriter& 
 inline constexpr std::int32_t kMostMapSide = 4096;
 void write_map(const OccupancyMap& map, JsonWriter& json, std::string& elements);
 
-/// The linkage at kCrankSteps crank angles from tick 0 in the direction of growing ticks, eight float32 each: joints A
+/// The linkage at kCrankSteps crank angles of calib/four_bar.hpp from 0 on (theta_input), eight float32 each: joints A
 /// and B, the middle of the coupler (x forward, z up, metres, from the crank's pivot; turned so that elevation 0 is
 /// level), elevation, transmission angle. Not a number where the loop does not close.
 inline constexpr int kCrankSteps = 720;
 void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string& elements);
 
-/// Name and 256 colours of each map, and which one suits which quantity, as in pictures of a cloud.
+/// Name and 256 colours of each map, and which one suits which quantity on a dark and on a light ground, as in pictures
+/// of a cloud.
 void write_colour_maps(JsonWriter& json);
 
 }  // namespace gdtslam::page

@@ -11,9 +11,6 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kSample = 250000;
-// Thicker than a surface's noise, thinner than what stands on a floor or hangs from a ceiling.
-constexpr double kFloorMargin_m = 0.06;
-constexpr double kCeilingMargin_m = 0.25;
 constexpr double kStrayShare = 0.001;
 
 Point3 place_of(const CloudPoint& point) {

@@ -10,6 +10,11 @@
 
 namespace gdtslam {
 
+/// What goes with a level surface: over the floor thicker than its noise and thinner than what stands on it, under the
+/// ceiling its lamps too.
+inline constexpr double kFloorMargin_m = 0.06;
+inline constexpr double kCeilingMargin_m = 0.25;
+
 /// Found on at most a quarter million points spread over the cloud. O(points).
 LevelSurfaces level_surfaces_of(std::span<const CloudPoint> cloud);
 /// Height of a level plane at a place of the map.
