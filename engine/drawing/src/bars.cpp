@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace gdtslam {
 namespace {
@@ -20,17 +22,60 @@ Ticks ticks_along(const ColourBar& bar) {
   return ticks_of(bar.from, bar.to, most, bar.steps);
 }
 
-double widest(const Ticks& ticks, double text_size) {
+struct Mark {
+  double value = 0.0;
+  std::string text;
+};
+
+/// An end of the bar to a fiftieth of its range, without zeros that say nothing.
+Mark end_mark(double value, double range) {
+  constexpr double kShare = 0.02;
+  double step = 1.0;
+  while (step > kShare * range && step > 1e-9) step /= 10.0;
+  while (step * 10.0 <= kShare * range) step *= 10.0;
+  std::string text = Ticks{.first = std::floor(value / step + 0.5) * step, .step = step, .count = 1}.text(0);
+  if (text.find('.') != std::string::npos && text.find('e') == std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  return {value, text};
+}
+
+/// Room between the middles of two marks that keeps their letters apart.
+double least_gap(const ColourBar& bar, const Mark& one, const Mark& other) {
+  const double size = kTickLetters * bar.text_size;
+  if (bar.is_upright) return 1.15 * size;
+  return 0.5 * (text_width(one.text, size) + text_width(other.text, size)) + 0.6 * size;
+}
+
+/// Both ends, and between them the round values that find room.
+std::vector<Mark> marks_of(const ColourBar& bar) {
+  const double range = bar.to - bar.from;
+  std::vector<Mark> marks{end_mark(bar.from, range)};
+  const Mark last = end_mark(bar.to, range);
+  const Ticks ticks = ticks_along(bar);
+  const auto gap = [&](const Mark& low, const Mark& high) { return (high.value - low.value) / range * bar.length; };
+  for (int i = 0; i < ticks.count; ++i) {
+    const Mark mark{ticks.value(i), ticks.text(i)};
+    const bool is_free = gap(marks.front(), mark) >= least_gap(bar, marks.front(), mark) &&
+                         gap(mark, last) >= least_gap(bar, mark, last);
+    if (is_free) marks.push_back(mark);
+  }
+  marks.push_back(last);
+  return marks;
+}
+
+double widest(const std::vector<Mark>& marks, double text_size) {
   double width = 0.0;
-  for (int i = 0; i < ticks.count; ++i) width = std::max(width, text_width(ticks.text(i), kTickLetters * text_size));
+  for (const Mark& mark : marks) width = std::max(width, text_width(mark.text, kTickLetters * text_size));
   return width;
 }
 
 double title_room(const ColourBar& bar) { return bar.title.empty() ? 0.0 : 1.7 * bar.text_size; }
 
-/// Room at both ends for half a tick's letters.
+/// Room at both ends for half a tick's letters, and the pixel that whole pixels may take.
 double end_room(const ColourBar& bar) {
-  return bar.is_upright ? 0.5 * bar.text_size : 0.5 * widest(ticks_along(bar), bar.text_size);
+  return bar.is_upright ? 0.5 * bar.text_size : 1.0 + 0.5 * widest(marks_of(bar), bar.text_size);
 }
 
 void draw_colours(Canvas& canvas, const ColourBar& bar, const Point2& corner) {
@@ -50,7 +95,7 @@ void draw_colours(Canvas& canvas, const ColourBar& bar, const Point2& corner) {
 }  // namespace
 
 DrawingArea room_of(const ColourBar& bar) {
-  const double letters = widest(ticks_along(bar), bar.text_size);
+  const double letters = widest(marks_of(bar), bar.text_size);
   const double title = text_width(bar.title, bar.text_size);
   if (bar.is_upright) {
     return {Point2::Zero(), std::max(title, bar.thickness + kTick_px + 4.0 + letters),
@@ -71,18 +116,17 @@ void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner,
   const double width = bar.is_upright ? bar.thickness : bar.length;
   const double height = bar.is_upright ? bar.length : bar.thickness;
   canvas.rectangle(start, width, height, std::nullopt, Pen{.colour = theme.quiet, .width = 1.0, .opacity = 0.6});
-  const Ticks ticks = ticks_along(bar);
   Lettering letters = title;
   letters.size = kTickLetters * bar.text_size;
   letters.anchor = bar.is_upright ? Anchor::kStart : Anchor::kMiddle;
-  for (int i = 0; i < ticks.count; ++i) {
-    const double share = (ticks.value(i) - bar.from) / (bar.to - bar.from);
+  for (const Mark& mark : marks_of(bar)) {
+    const double share = (mark.value - bar.from) / (bar.to - bar.from);
     const Point2 at = bar.is_upright ? start + Point2(bar.thickness, bar.length * (1.0 - share))
                                      : start + Point2(bar.length * share, bar.thickness);
     const Point2 end = bar.is_upright ? at + Point2(kTick_px, 0.0) : at + Point2(0.0, kTick_px);
     canvas.line(at, end, {.colour = theme.quiet});
     const Point2 by = bar.is_upright ? Point2(4.0, kHalfFigure * letters.size) : Point2(0.0, 1.2 * letters.size);
-    canvas.text(end + by, ticks.text(i), letters);
+    canvas.text(end + by, mark.text, letters);
   }
 }
 

@@ -24,7 +24,7 @@ std::vector<Colour> diverging(double end_lightness, double middle_lightness, con
 std::vector<ColourMap> made_maps() {
   std::vector<ColourMap> maps;
   maps.emplace_back("lagoon", "sequential: night blue, teal, green, yellow",
-                    even_path(16.0, 93.0, {{28, -44}, {10, -37}, {-12, -23}, {-30, 4}, {-34, 40}, {-10, 62}}, kColours),
+                    even_path(24.0, 95.0, {{28, -44}, {10, -37}, {-12, -23}, {-30, 4}, {-34, 40}, {-10, 62}}, kColours),
                     kUnknown);
   maps.emplace_back("ember", "sequential, warm: black, purple, red, orange, pale yellow",
                     even_path(6.0, 94.0, {{8, -16}, {32, -28}, {52, 2}, {46, 40}, {20, 48}, {-1, 32}}, kColours),

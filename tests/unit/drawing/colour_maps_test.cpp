@@ -113,6 +113,15 @@ TEST(ColourMaps, LightnessOfASequentialMapIsAStraightLine) {  // what sRGB canno
   }
 }
 
+TEST(ColourMaps, TheLeastOfLagoonStandsOutFromTheDarkPage) {  // contrast as WCAG 2.1 defines it
+  const auto luminance = [](Colour colour) {
+    const Triple rgb = linear(colour);
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+  };
+  const double contrast = (luminance(colour_map("lagoon").table().front()) + 0.05) / (luminance(ink::kNight) + 0.05);
+  EXPECT_GT(contrast, 1.5);
+}
+
 TEST(ColourMaps, StepsOfASequentialMapLookEquallyLarge) {
   for (const std::string& name : kSequential) EXPECT_LT(unevenness(colour_map(name), 0, 255, 15), 1.3) << name;
 }

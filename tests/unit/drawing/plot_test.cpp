@@ -218,6 +218,38 @@ TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
   }
 }
 
+TEST(ColourBar, NamesBothEndsHoweverShortItIs) {
+  struct Case {
+    double from, to;
+    const char* low;
+    const char* high;
+  };
+  for (const Case& one : {Case{-0.0312, 2.4731, "\u22120.03", "2.47"}, Case{0.0, 0.5, "0", "0.5"},
+                          Case{3.0, 188.4, "3", "188"}, Case{-40.0, 31.52, "\u221240", "32"}}) {
+    for (const double length : {40.0, 90.0, 240.0, 500.0}) {
+      for (const bool is_upright : {true, false}) {
+        Canvas canvas(800, 800, "");
+        draw_colour_bar(
+            canvas,
+            {.map = &colour_map("lagoon"), .from = one.from, .to = one.to, .is_upright = is_upright, .length = length},
+            {100, 100});
+        const std::vector<shape::Words> words = all<shape::Words>(canvas);
+        ASSERT_GE(words.size(), 2U);
+        EXPECT_EQ(words.front().text, one.low);
+        EXPECT_EQ(words.back().text, one.high);
+        for (std::size_t k = 1; k < words.size(); ++k) {
+          const Point2 away = words[k].at - words[k - 1].at;
+          const double apart = is_upright ? -away.y() : away.x();
+          const double size = words[k].lettering.size;
+          const double letters =
+              is_upright ? size : 0.5 * (text_width(words[k].text, size) + text_width(words[k - 1].text, size));
+          EXPECT_GE(apart, letters) << words[k - 1].text << " and " << words[k].text;
+        }
+      }
+    }
+  }
+}
+
 TEST(ScaleBar, IsAsLongAsItSays) {
   Canvas canvas(600, 100, "");
   draw_scale_bar(canvas, {.pixels_per_m = 37.0, .most = 160.0, .has_halo = false}, {20, 50});

@@ -222,6 +222,38 @@ TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
   EXPECT_LT(half.at(x, y)[0], with.at(x, y)[0]) << "not driven yet";
 }
 
+TEST_F(CloudSceneTest, MarksOfThePathAreSmallAndAStandingRobotHasNone) {
+  const Camera camera = parse_camera("0,-3,1.5,0,0,0,35");
+  const auto extent_px = [&](double driven_m, const Colour& colour) {
+    CloudScene scene(graphics_, plain_look());
+    scene.set_trajectory({{.stamp_s = 0.0, .T_map_base = {.x_m = 0.0, .y_m = 0.0, .theta_rad = 0.0}},
+                          {.stamp_s = 1.0, .T_map_base = {.x_m = driven_m, .y_m = 0.0, .theta_rad = 0.0}}});
+    const RgbaImage image = scene.render(camera, kSize);
+    std::uint32_t left = kSize.width;
+    std::uint32_t right = 0;
+    for (std::uint32_t y = 0; y < kSize.height; ++y) {
+      for (std::uint32_t x = 0; x < kSize.width; ++x) {
+        const std::uint8_t* at = image.at(x, y);
+        const bool is_green = at[1] > at[0] + 40 && at[1] > at[2] + 10;
+        const bool is_orange = at[0] > at[2] + 60;
+        if (!(colour.green > colour.red ? is_green : is_orange)) continue;
+        left = std::min(left, x);
+        right = std::max(right, x + 1);
+      }
+    }
+    return right > left ? static_cast<double>(right - left) : 0.0;
+  };
+  const Colour green = colour_of(0x00ff00);
+  const Colour orange = colour_of(0xff8000);
+  EXPECT_EQ(extent_px(0.19, green), 0.0);
+  EXPECT_EQ(extent_px(0.19, orange), 0.0);
+  const double most_px = 2.0 * 0.12 * pixels_per_metre(camera, kSize, Point3::Zero());
+  for (const Colour& colour : {green, orange}) {
+    EXPECT_GT(extent_px(0.5, colour), 2.0);
+    EXPECT_LT(extent_px(0.5, colour), 1.1 * most_px + 2.0);
+  }
+}
+
 TEST_F(CloudSceneTest, NothingHidesTheRobot) {
   CloudScene scene(graphics_, plain_look());
   scene.set_cloud(room_cloud());

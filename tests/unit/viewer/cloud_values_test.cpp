@@ -187,6 +187,11 @@ TEST(ColourScaleOfCloud, OneValueOrNoneStillGivesAScale) {
   const ColourScale scale = scale_of({.colour_map = {}, .least = {}, .most = {}}, flat);
   EXPECT_EQ(scale.least, 2.5);
   EXPECT_EQ(scale.most, 3.5);
+  const std::vector<float> none_away(flat.size(), 0.0F);
+  const ColourScale distances =
+      scale_of({.colour = CloudColour::kDistance, .colour_map = {}, .least = {}, .most = {}}, flat, none_away);
+  EXPECT_EQ(distances.least, 0.0) << "no distance is negative";
+  EXPECT_EQ(distances.most, 1.0);
   const std::vector<float> nothing(flat.size(), kNan);
   const ColourScale none =
       scale_of({.colour = CloudColour::kDistance, .colour_map = {}, .least = {}, .most = {}}, flat, nothing);

@@ -108,7 +108,7 @@ ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::
     throw ConfigError(fmt::format("the colours' least value {} is not below their most {}", scale.least, scale.most));
   }
   if (!(scale.least < scale.most)) {  // all of one value, or none
-    if (!look.least && !look.most) scale.least -= 0.5;
+    if (!look.least && !look.most && !from_zero) scale.least -= 0.5;
     if (look.most) scale.least = scale.most - 1.0;
     if (!look.most) scale.most = scale.least + 1.0;
   }

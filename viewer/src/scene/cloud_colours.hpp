@@ -28,8 +28,8 @@ class CloudValues {
 float percentile(std::vector<float>& values, double share);
 
 /// Ends of the scale: what the look asks for, else the 1st and 99th percentile of the values of the points that are
-/// drawn (distances begin at 0). Where both are one value the scale is 1 unit wide about it. Throws ConfigError where
-/// the least is not below the most, or the colour map is unknown.
+/// drawn (distances begin at 0). Where both are one value the scale is 1 unit wide about it, that of distances above
+/// it. Throws ConfigError where the least is not below the most, or the colour map is unknown.
 ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::span<const std::uint32_t> drawn);
 
 /// The look's values are in rad, the scale's in degrees.

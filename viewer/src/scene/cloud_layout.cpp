@@ -25,9 +25,25 @@ constexpr double kScaleBarShare = 0.16;  // of the picture's width, at most
 constexpr double kTriadLetters = 2.4;    // length of an axis
 constexpr double kTriadShare = 0.35;     // of the picture's height, at most
 constexpr double kSeenEndOn = 0.12;      // an axis shorter than this share of its length says nothing
+constexpr double kLettersApart = 1.15;   // middles of two axes' letters, in letters
+constexpr double kLetterOffLine = 0.5;   // a letter's middle from another axis, in letters
 constexpr int kClearStep = 10;           // by which a pixel of the scene differs from the page
 
 bool is_lying(BarPlace place) { return place == BarPlace::kLyingRight || place == BarPlace::kLyingMiddle; }
+
+// Nobody knows what a transparent picture will lie on: dark words with a light halo can be read on white and on dark.
+Theme theme_of(const CloudLook& look) {
+  if (!look.is_transparent) return look.is_dark ? kDarkTheme : kLightTheme;
+  Theme theme = kLightTheme;
+  theme.quiet = theme.text;
+  return theme;
+}
+
+double distance_to_line(const Point2& at, const Point2& start, const Point2& end) {
+  const Point2 along = end - start;
+  const double share = std::clamp((at - start).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (at - start - share * along).norm();
+}
 
 // The words with as many letters as fit, three dots in place of the rest; nothing where not even four fit.
 std::string shortened(const std::string& words, double size, bool is_bold, double most) {
@@ -46,7 +62,7 @@ std::string shortened(const std::string& words, double size, bool is_bold, doubl
 
 CloudLayout::CloudLayout(Canvas& canvas, const CloudLook& look)
     : canvas_(canvas),
-      theme_(look.is_dark ? kDarkTheme : kLightTheme),
+      theme_(theme_of(look)),
       is_transparent_(look.is_transparent),
       letter_(std::max(kLeastLetter_px, kLetterShare * std::min(canvas.height(), 0.75 * canvas.width()))),
       margin_(kMarginLetters * letter_) {}
@@ -186,26 +202,46 @@ void CloudLayout::draw_colour_bar(const ColourScale& scale, BarPlace place) {
   gdtslam::draw_colour_bar(canvas_, placed->bar, placed->room.corner, theme_);
 }
 
-void CloudLayout::draw_axis(const Point2& centre, const Point2& along, const char* name, Colour colour) {
-  const Point2 end = centre + kTriadLetters * letter_ * along;
-  canvas_.line(centre, end, {.colour = theme_.page, .width = 0.34 * letter_, .opacity = 0.6});
-  canvas_.line(centre, end, {.colour = colour, .width = 0.14 * letter_});
-  const Point2 at = end + 0.75 * letter_ * along.normalized();
-  canvas_.text({at.x(), at.y() + 0.32 * letter_}, name,
-               {.size = 0.95 * letter_,
-                .colour = colour,
-                .anchor = Anchor::kMiddle,
-                .is_bold = true,
-                .has_halo = true,
-                .halo = theme_.page});
+// Farthest from the middle first; a letter that would come near another, or upon another axis, stands beside its
+// axis' end, and where that does not help either, is left out: the axis points to the viewer or away.
+void CloudLayout::draw_axis_letters(const Point2& centre, std::span<const Axis> axes) {
+  std::vector<const Axis*> longest_first;
+  for (const Axis& axis : axes) {
+    if (axis.along.norm() >= kSeenEndOn) longest_first.push_back(&axis);
+  }
+  std::stable_sort(longest_first.begin(), longest_first.end(),
+                   [](const Axis* a, const Axis* b) { return a->along.norm() > b->along.norm(); });
+  std::vector<Point2> taken;
+  const double length = kTriadLetters * letter_;
+  for (const Axis* axis : longest_first) {
+    const auto is_clear = [&](const Point2& at) {
+      return std::none_of(taken.begin(), taken.end(),
+                          [&](const Point2& other) { return (at - other).norm() < kLettersApart * letter_; }) &&
+             std::none_of(longest_first.begin(), longest_first.end(), [&](const Axis* other) {
+               return other != axis &&
+                      distance_to_line(at, centre, centre + length * other->along) < kLetterOffLine * letter_;
+             });
+    };
+    const Point2 ahead = axis->along.normalized();
+    const Point2 beside(-ahead.y(), ahead.x());
+    const Point2 end = centre + length * axis->along;
+    for (const Point2& by : {ahead, beside, Point2(-beside)}) {
+      const Point2 at = end + 0.75 * letter_ * by;
+      if (!is_clear(at)) continue;
+      taken.push_back(at);
+      canvas_.text({at.x(), at.y() + 0.32 * letter_}, axis->name,
+                   {.size = 0.95 * letter_,
+                    .colour = axis->colour,
+                    .anchor = Anchor::kMiddle,
+                    .is_bold = true,
+                    .has_halo = true,
+                    .halo = theme_.page});
+      break;
+    }
+  }
 }
 
 void CloudLayout::draw_axes(const Camera& camera) {
-  struct Axis {
-    const char* name;
-    Point3 direction;
-    Colour colour;
-  };
   const double reach = (kTriadLetters + 1.4) * letter_;
   const Point2 centre(canvas_.width() - margin_ - reach, margin_ + reach);
   const DrawingArea room{centre - Point2(reach, reach), 2.0 * reach, 2.0 * reach};
@@ -219,10 +255,14 @@ void CloudLayout::draw_axes(const Camera& camera) {
   std::stable_sort(axes.begin(), axes.end(), [&basis](const Axis& a, const Axis& b) {
     return a.direction.dot(basis.forward) > b.direction.dot(basis.forward);
   });
-  for (const Axis& axis : axes) {
-    const Point2 along(axis.direction.dot(basis.right), -axis.direction.dot(basis.up));
-    if (along.norm() >= kSeenEndOn) draw_axis(centre, along, axis.name, axis.colour);
+  for (Axis& axis : axes) {
+    axis.along = {axis.direction.dot(basis.right), -axis.direction.dot(basis.up)};
+    if (axis.along.norm() < kSeenEndOn) continue;
+    const Point2 end = centre + kTriadLetters * letter_ * axis.along;
+    canvas_.line(centre, end, {.colour = theme_.page, .width = 0.34 * letter_, .opacity = 0.6});
+    canvas_.line(centre, end, {.colour = axis.colour, .width = 0.14 * letter_});
   }
+  draw_axis_letters(centre, axes);
   canvas_.circle(centre, 0.13 * letter_, Fill{.colour = theme_.quiet});
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,13 @@ class CloudLayout {
   [[nodiscard]] double covered_share(const DrawingArea& area, const RgbaImage& scene) const;
   [[nodiscard]] std::optional<PlacedBar> placed_bar(const ColourScale& scale, BarPlace place) const;
   [[nodiscard]] Point2 bar_corner(const DrawingArea& room, BarPlace place) const;
-  void draw_axis(const Point2& centre, const Point2& along, const char* name, Colour colour);
+  struct Axis {
+    const char* name;
+    Point3 direction;
+    Colour colour;
+    Point2 along = Point2::Zero();  ///< in the picture, of its length
+  };
+  void draw_axis_letters(const Point2& centre, std::span<const Axis> axes);
 
   Canvas& canvas_;
   Theme theme_;

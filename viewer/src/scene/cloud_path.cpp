@@ -14,10 +14,13 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kClearance_m = 0.04;     // of the tube above the floor, for the noise of the floor's points
-constexpr double kStepWidths = 0.7;       // between the tube's rings
-constexpr double kMarkWidths = 1.6;       // radius of the marks
-constexpr double kWidthTolerance = 0.08;  // a tube is not built again for less
+constexpr double kClearance_m = 0.04;      // of the tube above the floor, for the noise of the floor's points
+constexpr double kStepWidths = 0.7;        // between the tube's rings
+constexpr double kMarkWidths = 1.6;        // radius of the marks
+constexpr double kLargestMark_m = 0.12;    // radius: none hides a robot,
+constexpr double kLeastMarkWidths = 0.75;  // but it stands out from the widest tube
+constexpr double kLeastPath_m = 0.2;       // marks of a path that leads nowhere would be one blot
+constexpr double kWidthTolerance = 0.08;   // a tube is not built again for less
 
 void paint(vtkActor& actor, Colour colour, double own_light) {
   vtkProperty& look = *actor.GetProperty();
@@ -86,11 +89,15 @@ void CloudPath::build(double width_m, std::size_t count) {
   Mesh tube;
   tube.tube(path, 0.5 * width_m, false);
   give(*tube_, tube);
+  double reach_m = 0.0;
+  for (const Point3& at : path) reach_m = std::max(reach_m, (at - path.front()).norm());
+  for (vtkActor* mark : {start_.Get(), end_.Get()}) mark->SetVisibility(reach_m >= kLeastPath_m);
+  const double radius_m = std::max(std::min(kMarkWidths * width_m, kLargestMark_m), kLeastMarkWidths * width_m);
   Mesh start;
-  start.ball(path.front(), kMarkWidths * width_m);
+  start.ball(path.front(), radius_m);
   give(*start_, start);
   Mesh end;
-  end.ball(last, kMarkWidths * width_m);
+  end.ball(last, radius_m);
   give(*end_, end);
 }
 

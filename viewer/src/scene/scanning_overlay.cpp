@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeastText = 10.5;
 constexpr double kTextShare = 0.0182;  ///< of the picture's height
 constexpr double kWindow_s = 24.0;     ///< of the running plot where the film is longer
-constexpr double kCardOpacity = 0.82;
+constexpr double kCardOpacity = 0.92;
 constexpr int kCurveSteps = 600;
 constexpr double kLeastWidth = 420.0;
 constexpr double kLeastHeight = 280.0;

@@ -24,6 +24,7 @@ struct ColourBar {
 };
 /// Room that it takes, words included: to place it by. Only width and height are filled in.
 DrawingArea room_of(const ColourBar& bar);
+/// Both ends are labelled, and the round values between them that find room.
 /// With the upper left corner of its room at `corner`; upright: the title above, the largest value at the top; lying:
 /// the title above, the largest value at the right.
 void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner, const Theme& theme = kLightTheme);
