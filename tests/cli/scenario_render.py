@@ -266,7 +266,7 @@ def render_clouds_of_others():
     cloud.write_text(head.format(14) + good + strays)
     process = command("render", cloud, "-o", drive.folder / "c.png", "--size", "64x48", "--json")
     expect_exit(process, 0)
-    expect("left out, not finite or more than 1000 km" in process.stderr and json.loads(process.stdout)["points"] == 12, process.stderr)
+    expect("strays.ply: 2 points are left out, not finite or more than 1000 km" in process.stderr and json.loads(process.stdout)["points"] == 12, process.stderr)
     cloud.write_text(head.format(2) + strays)
     refused(65, cloud, "-o", drive.folder / "d.png", says=("strays.ply", "1000 km"))
 

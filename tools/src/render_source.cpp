@@ -258,8 +258,9 @@ Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, c
       progress(cloud.size(), told > 0 ? static_cast<double>(cloud.size()) / static_cast<double>(told) : -1.0);
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   }
-  if (cloud.empty()) throw InputError({path, 0}, "has no points to draw");
-  const std::uint64_t strays = std::erase_if(cloud, [](const CloudPoint& point) { return !is_near(point); });
+  if (cloud.empty() && reader.skipped() == 0) throw InputError({path, 0}, "has no points to draw");
+  const std::uint64_t strays =
+      reader.skipped() + std::erase_if(cloud, [](const CloudPoint& point) { return !is_near(point); });
   const std::string which = "not finite or more than 1000 km from the origin";
   if (cloud.empty()) {
     throw InputError({path, 0}, fmt::format("all of its points are {}; move the origin to the cloud", which));
