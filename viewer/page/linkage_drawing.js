@@ -1,4 +1,4 @@
-// Draws the linkage and the plot of its elevation on canvases of two dimensions.
+// Draws the linkage on a canvas of two dimensions.
 
 const inkOf = (name) => hexColour(name);
 
@@ -39,21 +39,30 @@ function disc(context, [x, y], radius, fill, edge, width = 2) {
   context.stroke();
 }
 
+const kHalfFan = 0.09;  // rad, as wide as the fan is drawn
+
 class MechanismDrawing {
   constructor(canvas, linkage) {
     [this.canvas, this.linkage] = [canvas, linkage];
     const {crank, coupler, rocker, ground} = linkage.about;
     this.beam = 1.15 * Math.max(rocker, crank + coupler - ground, 0.5 * (crank + ground)) + 0.35 * rocker;
     [this.least, this.most] = linkage.bounds(this.beam);
+    this.sweep = this.sweepOf();
     for (const axis of [0, 1]) {
       this.least[axis] = Math.min(this.least[axis], -crank);
       this.most[axis] = Math.max(this.most[axis], crank);
     }
   }
 
+  /// Least and most elevation, where the rocker's end goes back.
+  sweepOf() {
+    const dead = this.linkage.about.dead_points.map((point) => point.elevation);
+    return dead.length === 2 && dead[1] !== dead[0] ? dead : null;
+  }
+
   /// Pixels from metres, all positions in the middle of the canvas.
   fit(width, height) {
-    const margin = clamp(0.09 * Math.min(width, height), 18, 64);
+    const margin = clamp(0.09 * Math.min(width, height), 3.8 * this.size, 80);
     const [w, h] = [0, 1].map((axis) => this.most[axis] - this.least[axis]);
     this.scale = Math.max(Math.min((width - 2 * margin) / w, (height - 2 * margin) / h), 1);
     this.origin = [width / 2 - this.scale * (this.least[0] + this.most[0]) / 2,
@@ -64,8 +73,10 @@ class MechanismDrawing {
 
   draw(pose) {
     const {context, width, height} = sharpContext(this.canvas);
-    this.fit(width, height);
     this.unit = clamp(Math.min(width, height) / 100, 2.4, 12);
+    this.size = clamp(2.2 * this.unit, 12, 22);  // of letters
+    this.fit(width, height - this.drawLegend(context, width, height));
+    this.drawSweep(context);
     this.drawPaths(context);
     if (!pose) return;
     this.drawLaser(context, pose);
@@ -96,25 +107,94 @@ class MechanismDrawing {
     stroke(context, circle, inkOf('crank'), 1.5, [2, 5], 0.7);
     stroke(context, arc, inkOf('rocker'), 1.5, [2, 5], 0.7);
     stroke(context, curve, inkOf('curve'), 2);
+    this.drawDeadPoints(context);
   }
 
-  /// The laser sits on the rocker's axis and looks along the rocker.
-  drawLaser(context, pose) {
+  font(context, weight, size = this.size) {
+    context.font = `${weight} ${size}px system-ui, "Segoe UI", "Noto Sans", "DejaVu Sans", Arial, sans-serif`;
+  }
+
+  /// Letters with a rim of the background.
+  words(context, text, at, colour) {
+    context.lineWidth = 5;
+    context.strokeStyle = cssOf(colourOf('scene'));
+    context.strokeText(text, ...at);
+    context.fillStyle = colour;
+    context.fillText(text, ...at);
+  }
+
+  /// The bars and their lengths along the lower edge, in as many lines as they need; answers the height.
+  drawLegend(context, width, height) {
+    const size = clamp(width / 55, 12, 22);
+    this.font(context, 400, size);
+    context.textAlign = 'left';
+    context.textBaseline = 'middle';
+    const items = ['crank', 'coupler', 'rocker', 'ground'].map((name) => {
+      const text = `${name} ${Number((100 * this.linkage.about[name]).toFixed(2))} cm`;
+      return {name, text, width: context.measureText(text).width + 3.6 * size};
+    });
+    const item = Math.max(...items.map((one) => one.width));
+    const columns = [4, 2, 1].find((count) => count * item <= width - 2 * size) ?? 1;
+    const lines = items.length / columns;
+    items.forEach(({name, text}, k) => {
+      const x = (width - columns * item) / 2 + (k % columns) * item;
+      const y = height - (lines - Math.floor(k / columns) - 0.2) * 1.8 * size;
+      stroke(context, [[x + 0.3 * size, y], [x + 1.8 * size, y]], inkOf(name), 0.4 * size);
+      context.fillStyle = inkOf('text');
+      context.fillText(text, x + 2.6 * size, y);
+    });
+    return lines * 1.8 * size;
+  }
+
+  /// All that the laser sees in one turn, and where it begins and ends.
+  drawSweep(context) {
+    if (!this.sweep) return;
     const pivot = this.at(this.linkage.rockerPivot);
-    const end = this.at(this.linkage.beamEnd(pose, this.beam));
-    const level = this.at([this.linkage.rockerPivot[0] + this.beam, this.linkage.rockerPivot[1]]);
-    stroke(context, [pivot, level], inkOf('quiet'), 1, [3, 5]);
+    const radius = this.beam * this.scale;
+    const [from, to] = this.sweep;
     context.save();
-    context.globalAlpha = 0.16;
+    context.globalAlpha = 0.09;
     context.fillStyle = inkOf('laser');
     context.beginPath();
     context.moveTo(...pivot);
-    context.arc(...pivot, this.beam * this.scale * 0.45, 0, -pose.elevation, pose.elevation > 0);
+    context.arc(...pivot, radius, -from, -to, to > from);
     context.fill();
     context.restore();
-    stroke(context, [pivot, end], inkOf('laser'), 2.5);
+    this.font(context, 600);
+    context.textAlign = 'center';
+    context.textBaseline = 'middle';
+    for (const elevation of this.sweep) {
+      const along = [Math.cos(elevation), -Math.sin(elevation)];
+      const out = (share) => along.map((part, axis) => pivot[axis] + share * part);
+      stroke(context, [pivot, out(radius)], inkOf('laser'), 1.5, [7, 6]);
+      this.words(context, `${fixed(degrees(elevation), 1)}°`, out(radius + 1.9 * this.size), inkOf('laser-text'));
+    }
+  }
+
+  /// Where the rocker turns back, on its arc.
+  drawDeadPoints(context) {
+    for (const {elevation} of this.linkage.about.dead_points) {
+      const [x, y] = this.linkage.rockerPivot;
+      const {rocker} = this.linkage.about;
+      disc(context, this.at([x + rocker * Math.cos(elevation), y + rocker * Math.sin(elevation)]), 0.9 * this.unit, inkOf('text'));
+    }
+  }
+
+  /// The laser sits on the rocker's axis and looks along the rocker; its fan is seen from the edge.
+  drawLaser(context, pose) {
+    const pivot = this.at(this.linkage.rockerPivot);
+    const end = this.at(this.linkage.beamEnd(pose, this.beam));
+    context.save();
+    context.globalAlpha = 0.3;
+    context.fillStyle = inkOf('laser');
+    context.beginPath();
+    context.moveTo(...pivot);
+    context.arc(...pivot, this.beam * this.scale, -pose.elevation - kHalfFan, -pose.elevation + kHalfFan);
+    context.fill();
+    context.restore();
     const away = [end[0] - pivot[0], end[1] - pivot[1]].map((value) => value / (this.beam * this.scale));
-    const [x, y] = end;
+    const [x, y] = end.map((value, axis) => value - 2.2 * this.unit * away[axis]);
+    stroke(context, [pivot, [x, y]], inkOf('laser'), 2.5);
     const [u, v] = [away.map((part) => part * 2.2 * this.unit), [-away[1] * 1.1 * this.unit, away[0] * 1.1 * this.unit]];
     context.fillStyle = inkOf('laser');
     context.beginPath();
@@ -137,12 +217,13 @@ class MechanismDrawing {
 
   /// Each bar's name beside its middle, away from the loop.
   drawNames(context, crankPivot, rockerPivot, a, b) {
-    const size = clamp(2.4 * this.unit, 12, 22);
-    context.font = `600 ${size}px system-ui, "Segoe UI", "Noto Sans", "DejaVu Sans", Arial, sans-serif`;
+    const {size} = this;
+    this.font(context, 600);
     context.textAlign = 'center';
     context.textBaseline = 'middle';
     const centre = [0, 1].map((axis) => (crankPivot[axis] + rockerPivot[axis] + a[axis] + b[axis]) / 4);
-    for (const [from, to, name] of [[crankPivot, a, 'crank'], [a, b, 'coupler'], [rockerPivot, b, 'rocker']]) {
+    const bars = [[crankPivot, rockerPivot, 'ground'], [crankPivot, a, 'crank'], [a, b, 'coupler'], [rockerPivot, b, 'rocker']];
+    for (const [from, to, name] of bars) {
       const middle = [0, 1].map((axis) => (from[axis] + to[axis]) / 2);
       let normal = [from[1] - to[1], to[0] - from[0]];
       const length = Math.max(Math.hypot(...normal), 1);
@@ -151,84 +232,7 @@ class MechanismDrawing {
       const half = context.measureText(name).width / 2;
       const away = half * Math.abs(normal[0]) + 0.5 * size * Math.abs(normal[1]) + 1.9 * this.unit;
       const at = [0, 1].map((axis) => middle[axis] + away * normal[axis]);
-      context.lineWidth = 5;
-      context.strokeStyle = cssOf(colourOf('scene'));
-      context.strokeText(name, ...at);
-      context.fillStyle = inkOf(name);
-      context.fillText(name, ...at);
+      this.words(context, name, at, inkOf(name));
     }
-  }
-}
-
-/// Elevation over the crank's angle, with dead points and a mark that runs along.
-class PlotDrawing {
-  constructor(canvas, linkage) {
-    [this.canvas, this.linkage] = [canvas, linkage];
-    const rows = Array.from({length: linkage.about.steps}, (_, k) => linkage.row(k)).filter((row) => row);
-    const elevations = rows.map((row) => degrees(row[6]));
-    const [least, most] = [Math.min(...elevations), Math.max(...elevations)];
-    this.step = [5, 10, 15, 30, 45, 90].find((step) => (most - least) / step <= 6) ?? 90;
-    [this.least, this.most] = [Math.floor(least / this.step + 0.01) * this.step, Math.ceil(most / this.step - 0.01) * this.step];
-    if (this.most <= this.least) this.most = this.least + this.step;
-  }
-
-  at(step, elevation_deg) {
-    const share = (elevation_deg - this.least) / (this.most - this.least);
-    return [mix(this.left, this.right, step / this.linkage.about.steps), mix(this.bottom, this.top, share)];
-  }
-  stepAt(x) { return clamp((x - this.left) / (this.right - this.left), 0, 1) * this.linkage.about.steps; }
-
-  draw(step, pose) {
-    const {context, width, height} = sharpContext(this.canvas);
-    const size = width > 700 ? 16 : 12.5;
-    context.font = `${size}px system-ui, "Segoe UI", "Noto Sans", "DejaVu Sans", Arial, sans-serif`;
-    [this.left, this.right, this.top, this.bottom] = [3.6 * size, width - 1.2 * size, 2 * size, height - 3.2 * size];
-    this.drawFrame(context, size);
-    this.drawCurve(context);
-    for (const dead of this.linkage.about.dead_points) {
-      disc(context, this.at(dead.step, degrees(dead.elevation)), 4, inkOf('card'), inkOf('ground'));
-    }
-    if (!pose) return;
-    const mark = this.at(step, degrees(pose.elevation));
-    stroke(context, [[mark[0], this.bottom], mark], inkOf('laser'), 1.5, [3, 4]);
-    disc(context, mark, 6, inkOf('laser'), inkOf('card'));
-  }
-
-  drawFrame(context, size) {
-    context.textBaseline = 'middle';
-    context.fillStyle = inkOf('quiet');
-    context.textAlign = 'right';
-    for (let value = this.least; value <= this.most + 1e-6; value += this.step) {
-      const y = this.at(0, value)[1];
-      stroke(context, [[this.left, y], [this.right, y]], inkOf('grid'), 1);
-      context.fillText(`${fixed(value, 0)}°`, this.left - 7, y);
-    }
-    context.textAlign = 'center';
-    for (let turn = 0; turn <= 360; turn += 90) {
-      const x = this.at(turn / 360 * this.linkage.about.steps, this.least)[0];
-      stroke(context, [[x, this.top], [x, this.bottom]], inkOf('grid'), 1);
-      context.fillText(`${turn}°`, x, this.bottom + size);
-    }
-    context.fillText('crank angle θ input in degrees', (this.left + this.right) / 2, this.bottom + 2.3 * size);
-    context.fillStyle = inkOf('laser-text');
-    context.textAlign = 'left';
-    context.fillText('Elevation θ*', this.left, 0.8 * size);
-  }
-
-  drawCurve(context) {
-    const {steps} = this.linkage.about;
-    let stretch = [];
-    let before = null;
-    const flush = () => {
-      if (stretch.length > 1) stroke(context, stretch, inkOf('laser'), 2.5);
-      stretch = [];
-    };
-    for (let k = 0; k <= steps; ++k) {
-      const row = this.linkage.row(k);
-      if (!row || (before && Math.abs(row[6] - before[6]) > Math.PI)) flush();
-      if (row) stretch.push(this.at(k, degrees(row[6])));
-      before = row;
-    }
-    flush();
   }
 }

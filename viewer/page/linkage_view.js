@@ -6,16 +6,19 @@ class LinkageView {
   constructor(linkage) {
     this.linkage = linkage;
     this.mechanism = new MechanismDrawing(byId('mechanism'), linkage);
-    this.plot = new PlotDrawing(byId('plot'), linkage);
+    this.plots = [new PlotDrawing(byId('plot'), linkage, kElevationCurve),
+                  new PlotDrawing(byId('transmission-plot'), linkage, kTransmissionCurve)];
     this.step = this.firstStep();
     this.direction = linkage.about.direction;  // as the motor turns
     this.isPlaying = true;
     this.makeValues();
     this.listen();
     theme.watchers.push(() => this.draw());
-    for (const canvas of [byId('mechanism'), byId('plot')]) new ResizeObserver(() => this.draw()).observe(canvas);
+    for (const canvas of this.canvases()) new ResizeObserver(() => this.draw()).observe(canvas);
     requestAnimationFrame((now) => this.advance(now));
   }
+
+  canvases() { return [this.mechanism, ...this.plots].map((drawing) => drawing.canvas); }
 
   /// The begin of the lift, else the first that closes.
   firstStep() {
@@ -42,7 +45,7 @@ class LinkageView {
     const show = () => { byId('crank-speed-value').textContent = `${(15 * this.speed()).toFixed(1)} rpm`; };
     speed.addEventListener('input', show);
     show();
-    for (const canvas of [byId('mechanism'), byId('plot')]) {
+    for (const canvas of this.canvases()) {
       canvas.addEventListener('pointerdown', (event) => {
         canvas.setPointerCapture(event.pointerId);
         this.dragged = canvas;
@@ -67,8 +70,9 @@ class LinkageView {
   drag(event) {
     const box = this.dragged.getBoundingClientRect();
     const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-    if (this.dragged.id === 'plot') {
-      this.moveTo(this.plot.stepAt(x));
+    const plot = this.plots.find((one) => one.canvas === this.dragged);
+    if (plot) {
+      this.moveTo(plot.stepAt(x));
     } else {
       const [mx, my] = this.mechanism.metresAt(x, y);
       if (Math.hypot(mx, my) > 1e-6) this.moveTo(this.linkage.stepOfDirection(Math.atan2(my, mx)));
@@ -101,7 +105,7 @@ class LinkageView {
     if (this.mechanism.canvas.clientWidth === 0) return;
     const pose = this.linkage.at(this.step);
     this.mechanism.draw(pose);
-    this.plot.draw(this.step, pose);
+    for (const plot of this.plots) plot.draw(this.step, pose);
     for (const [key, place] of Object.entries(this.values)) {
       place.textContent = pose ? `${fixed(degrees(pose[key]), 1)}°` : '';
     }
