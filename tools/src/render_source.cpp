@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "did_you_mean.hpp"
+#include "far_cloud.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -245,6 +246,7 @@ PathOverlay RenderSource::overlay() {
 
 Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark) {
   CloudReader reader(path);
+  reader.make_relative();
   const std::uint64_t told = reader.header().points;
   if (told > kMostPoints) {
     throw InputError({path, 0}, fmt::format("has {} points, and at most {} can be drawn; thin it when it is mapped "
@@ -265,11 +267,19 @@ Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, c
   if (cloud.empty()) {
     throw InputError({path, 0}, fmt::format("all of its points are {}; move the origin to the cloud", which));
   }
+  if (remark && reader.origin_m() != std::array<double, 3>{}) remark(origin_text(path, reader.origin_m()));
   if (strays > 0 && remark) {
     remark(fmt::format("{}: {} left out, {}", path, strays == 1 ? "1 point is" : fmt::format("{} points are", strays),
                        which));
   }
   return cloud;
+}
+
+std::array<double, 3> origin_of_cloud(const std::string& path) {
+  CloudReader reader(path);
+  reader.make_relative();
+  (void)reader.next(1);
+  return reader.origin_m();
 }
 
 double length_m_of(const Trajectory& trajectory) {

@@ -2,6 +2,7 @@
 // asks for them and once. One source belongs to one thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -63,6 +64,7 @@ class RenderSource {
   const calib::SweepModel& linkage();
   /// Read anew at each call, because whoever draws it keeps it; both as of read_whole_cloud().
   [[nodiscard]] Cloud cloud(const CloudProgress& progress = {}, const CloudRemark& remark = {}) const;
+  [[nodiscard]] const std::string& cloud_file() const { return cloud_file_; }
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
   PathOverlay overlay();
 
@@ -86,6 +88,8 @@ class RenderSource {
 /// coarser than 6 cm, are left out, and `remark` hears how many. Throws InputError or FileError, also when no points
 /// are left.
 Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark = {});
+/// What was taken off the points of that cloud when it was read (CloudReader::make_relative).
+std::array<double, 3> origin_of_cloud(const std::string& path);
 /// From pose to pose.
 double length_m_of(const Trajectory& trajectory);
 

@@ -128,9 +128,17 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
     throw UsageError("--colour distance needs what the distances are to: --reference CLOUD, in the same frame");
   }
   ProgressLine progress("points", options_.quiet);
-  const Cloud reference = read_whole_cloud(
+  Cloud reference = read_whole_cloud(
       options_.reference, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
       [this](const std::string& remark) { tell(remark); });
+  // Both were read relative to origins of their own.
+  const std::array<double, 3> to = origin_of_cloud(sources_.front().cloud_file());
+  const std::array<double, 3> from = origin_of_cloud(options_.reference);
+  for (CloudPoint& point : reference) {
+    point.x_m += static_cast<float>(from[0] - to[0]);
+    point.y_m += static_cast<float>(from[1] - to[1]);
+    point.z_m += static_cast<float>(from[2] - to[2]);
+  }
   return distances_to(cloud, reference);
 }
 
