@@ -13,7 +13,7 @@ namespace {
 const PictureSize kSize{160, 90};
 const Bounds kRoom{Point3::Zero(), kRoomSize};
 // Tighter than the default: the faults below differ by more.
-const ImageTolerance kTolerance{.mean = 0.5, .share_clear = 0.004, .clear_step = 24};
+const ImageTolerance kTolerance{.mean = 0.5, .share_clear = 0.002, .clear_step = 24};
 
 struct Subject {
   CloudLook look = plain_look();

@@ -114,6 +114,8 @@ void CloudPoints::set_sizes(const PointSizes& sizes, const Camera& camera, const
                           samples * (is_fixed ? sizes.fixed_px : sizes.largest_px));
 }
 
+void CloudPoints::keep_in_view(const std::optional<Point3>& place) { state_->prop->keep_in_view(place); }
+
 std::uint64_t CloudPoints::shown() const { return state_->shown; }
 
 }  // namespace gdtslam

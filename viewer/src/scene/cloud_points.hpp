@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,8 @@ class CloudPoints {
   /// stamp that is a number are shown always.
   void show_until(double stamp_s);
   void set_sizes(const PointSizes& sizes, const Camera& camera, const PictureSize& size);
+  /// A place that no point nearer to a perspective camera hides; nothing: each point hides what is behind it.
+  void keep_in_view(const std::optional<Point3>& place);
   [[nodiscard]] std::uint64_t shown() const;
 
  private:

@@ -19,6 +19,7 @@
 namespace gdtslam {
 namespace {
 
+constexpr float kKeptRadius = 0.4F;  // of half the picture's height: of the cone that is kept clear
 constexpr double kLeastDiameter_m = 0.001;
 constexpr double kCodesPerDoubling = 20.0;
 // OpenGL on the processor keeps what is waiting to be drawn, some 100 bytes a point, without end.
@@ -33,9 +34,16 @@ constexpr const char* kVertexCode =
     "uniform mat4 clip_from_place;\n"
     "uniform float metre_px;\n"
     "uniform vec2 range_px;\n"
+    "uniform vec3 kept_place;\n"
+    "uniform float kept_radius;\n"
+    "uniform float kept_aspect;\n"
     "out vec3 dot_colour;\n"
     "void main() {\n"
     "  gl_Position = clip_from_place * vec4(place, 1.0);\n"
+    "  vec4 kept = clip_from_place * vec4(kept_place, 1.0);\n"
+    "  vec2 off = (gl_Position.xy / gl_Position.w - kept.xy / kept.w) * vec2(kept_aspect, 1.0);\n"
+    "  bool is_before = kept.w - gl_Position.w > 0.4 && place.z > kept_place.z;\n"
+    "  if (is_before && length(off) < kept_radius) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);\n"
     "  float diameter_m = 0.001 * exp2(colour_and_size.a * (255.0 / 20.0));\n"
     "  gl_PointSize = clamp(metre_px * diameter_m / gl_Position.w, range_px.x, range_px.y);\n"
     "  dot_colour = colour_and_size.rgb;\n"
@@ -128,6 +136,11 @@ int CloudPointsProp::RenderOpaqueGeometry(vtkViewport* viewport) {
   program->SetUniformMatrix("clip_from_place", clip_from_place(*renderer, origin_));
   program->SetUniformf("metre_px", metre_px_);
   program->SetUniform2f("range_px", range_px_.data());
+  const Eigen::Vector3f kept = (kept_in_view_.value_or(origin_) - origin_).cast<float>();
+  const int* size = window->GetSize();
+  program->SetUniform3f("kept_place", kept.data());
+  program->SetUniformf("kept_radius", kept_in_view_ ? kKeptRadius : 0.0F);
+  program->SetUniformf("kept_aspect", static_cast<float>(size[0]) / static_cast<float>(std::max(1, size[1])));
   const auto handle = static_cast<GLuint>(program->GetHandle());
   const GLint place_at = glGetAttribLocation(handle, "place");
   const GLint colour_at = glGetAttribLocation(handle, "colour_and_size");

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gdtslam/viewer/camera.hpp"
@@ -38,6 +39,9 @@ class CloudPointsProp : public vtkProp {
   /// Pixels of a disc of a metre: at one metre's distance, or of a parallel camera anywhere; and the least and the
   /// largest size that is drawn.
   void set_sizes(double metre_px, double least_px, double largest_px);
+  /// A place that no point nearer to a perspective camera hides: those in a cone around it are left
+  /// out, but for what lies lower than it: the floor.
+  void keep_in_view(const std::optional<Point3>& place) { kept_in_view_ = place; }
 
   double* GetBounds() override;
   int RenderOpaqueGeometry(vtkViewport* viewport) override;
@@ -60,6 +64,7 @@ class CloudPointsProp : public vtkProp {
   std::array<double, 6> vtk_bounds_{};
   std::vector<Piece> pieces_;
   std::uint32_t layout_ = 0;  ///< vertex array object
+  std::optional<Point3> kept_in_view_;
   float metre_px_ = 1.0F;
   std::array<float, 2> range_px_{1.0F, 1.0F};
 };

@@ -1,5 +1,4 @@
-// The robot in a cloud: the model with the mount, drawn before everything else, so that no wall hides it. One object
-// belongs to one thread.
+// The robot in a cloud: the model with the mount; what is before it hides it. One object belongs to one thread.
 #pragma once
 
 #include <memory>

@@ -24,6 +24,9 @@ constexpr double kPathWidthShare = 1.0 / 260.0;  // of the picture's height
 constexpr double kLeastPathWidth_px = 1.6;
 constexpr double kLeastPathWidth_m = 0.03;
 constexpr double kLargestPathWidth_m = 2.0;
+// A camera that is so near to the robot looks at it: walls between them are opened. Farther off they hide it.
+constexpr double kNearRobot_m = 10.0;
+constexpr double kRobotMiddle_m = 0.2;
 constexpr double kMapBelow_m = 0.03;  // under the floor's points
 
 // A point is as large as the gaps around it, but no blot.
@@ -65,6 +68,7 @@ struct CloudScene::State {
   CloudPoints points;
   CloudPath path;
   CloudRobot robot;
+  std::optional<Point3> robot_at;
   LevelSurfaces surfaces;
   Bounds cloud_bounds;
   Bounds plane_bounds;  // of the map
@@ -124,6 +128,10 @@ void CloudScene::set_map(const OccupancyMap& map) {
 void CloudScene::set_robot(const std::optional<Pose2>& T_map_base, const calib::SweepModel* model,
                            double elevation_rad) {
   state_->robot.set(T_map_base, model, elevation_rad);
+  state_->robot_at.reset();
+  if (!T_map_base) return;
+  const Point2 at = T_map_base->translation();
+  state_->robot_at = Point3(at.x(), at.y(), state_->floor_m(at) + kRobotMiddle_m);
 }
 
 void CloudScene::show_until(double stamp_s) {
@@ -142,6 +150,8 @@ RgbaImage CloudScene::render(const Camera& camera, const PictureSize& size) {
                       .largest_px = std::max(2.0, kLargestPointShare * size.height),
                       .samples = s.look.samples},
                      camera, size);
+  const bool is_near = s.robot_at && !camera.is_parallel && (camera.eye - *s.robot_at).norm() < kNearRobot_m;
+  s.points.keep_in_view(is_near ? s.robot_at : std::nullopt);
   const double scale_px = pixels_per_metre(camera, size, camera.target);
   const double width_m = std::max(kLeastPathWidth_px, kPathWidthShare * size.height) / std::max(scale_px, 1e-6);
   s.path.prepare(std::clamp(width_m, kLeastPathWidth_m, kLargestPathWidth_m));

@@ -116,6 +116,7 @@ void ScanningScene::show(double stamp_s, double crank_rad) {
   s.robot.place(s.track.T_map_base(stamp_s));
   s.robot.set_crank(crank_rad);
   const Point3 sensor_m = s.robot.T_map_laser().translation_m;
+  s.points.keep_in_view(Point3(sensor_m.x(), sensor_m.y(), 0.5 * sensor_m.z()));
   s.beams.set_scan(sensor_m, s.track.last_scan(stamp_s));
   s.beams.set_fresh(sensor_m, s.track.measured_between(stamp_s - kFades_s, stamp_s),
                     {.now_s = stamp_s, .fades_s = kFades_s, .size_px = 2.0 * s.look.samples});
