@@ -1,7 +1,7 @@
 // One HTML file that needs nothing else: opens offline in a browser, lets one turn the cloud, switch layers and
-// colours, and play the linkage. Data lie in it as base64, 16 bytes of text a point: coordinates and time in 16 bits (at
-// most 1/131070 of the cloud's size off), elevation, scan and distance in 8. Points that are not finite, and stray ones
-// farther from the middle 99.8 % than that is large, are left out; the page says how many. Drawn by WebGL 2 with a
+// colours, and play the linkage. Data lie in it as base64, 16 bytes of text a point: coordinates and time in 16 bits
+// (at most 1/131070 of the cloud's size off), elevation, scan and distance in 8. Points that are not finite, and stray
+// ones farther from the middle 99.8 % than that is large, are left out; the page says how many. Drawn by WebGL 2 with a
 // program of our own. Frame: map, metres. Thread-safe; O(n log n) in the points.
 #pragma once
 
@@ -30,8 +30,8 @@ struct PageInput {
   std::vector<std::pair<std::string, std::string>> facts;  ///< name and value, for the panel: "Points", "2,612,034"
 };
 
-/// Throws InputError where there is nothing to show, for a cloud of which no point is finite or which has more than 2^24
-/// points, and for another number of distances than of points; ConfigError for a linkage that closes nowhere.
+/// Throws InputError where there is nothing to show, for a cloud of which no point is finite or which has more than
+/// 2^24 points, and for another number of distances than of points; ConfigError for a linkage that closes nowhere.
 std::string page_of(const PageInput& input);
 
 }  // namespace gdtslam
