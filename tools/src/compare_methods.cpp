@@ -1,5 +1,7 @@
 #include "compare_methods.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "did_you_mean.hpp"
@@ -99,11 +101,11 @@ std::vector<CompareMethod> compare_methods_of(const std::string& option, const s
     const std::string name = names.substr(begin, end - begin);
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end()) {
-      throw UsageError(option + ": there is no method '" + name + "'" + did_you_mean(name, known));
+      throw UsageError(fmt::format("{}: there is no method '{}'{}", option, name, did_you_mean(name, known)));
     }
     const CompareMethod method = compare_methods()[static_cast<std::size_t>(found - known.begin())];
     if (std::find(chosen.begin(), chosen.end(), method) != chosen.end()) {
-      throw UsageError(option + ": '" + name + "' is named twice");
+      throw UsageError(fmt::format("{}: '{}' is named twice", option, name));
     }
     chosen.push_back(method);
     begin = end + 1;
