@@ -10,6 +10,7 @@
 #include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
+#include "support/brute_bounds.hpp"
 #include "support/brute_force.hpp"
 #include "support/brute_lattice.hpp"
 #include "support/brute_polish.hpp"
@@ -252,6 +253,18 @@ void sweep_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   outcome.contents[3] = bytes_of(points);
 }
 
+void bounds_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<PoseBounds::Params>(kernel_case);
+  const auto field = values_of<std::uint8_t>(outcome.contents[0]);
+  const auto points = values_of<BoundPoint>(outcome.contents[1]);
+  std::vector<std::uint32_t> sums;
+  for (const PoseCandidate& tile : values_of<PoseCandidate>(outcome.contents[2])) {
+    const std::vector<std::uint32_t> boxes = brute_bounds(params, field, points, tile);
+    sums.insert(sums.end(), boxes.begin(), boxes.end());
+  }
+  outcome.contents[3] = bytes_of(sums);
+}
+
 using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;
 
 std::uint32_t radius_of(const KernelCase& kernel_case) { return params_of<EdtColumns::Params>(kernel_case).radius; }
@@ -281,7 +294,8 @@ const std::map<std::string_view, Oracle>& oracles() {
       {"pose_starts", starts_oracle},
       {"pose_simplex", simplex_oracle},
       {"choose_pose", choice_oracle},
-      {"sweep_points", sweep_oracle}};
+      {"sweep_points", sweep_oracle},
+      {"pose_bounds", bounds_oracle}};
   return table;
 }
 

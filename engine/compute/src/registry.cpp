@@ -8,6 +8,7 @@
 #include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 #include "gdtslam/compute/kernels/jump_flood.hpp"
+#include "gdtslam/compute/kernels/pose_bounds.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
@@ -34,7 +35,8 @@ std::span<const KernelInfo* const> kernel_registry() {
       &JumpFloodInit::info(), &JumpFloodStep::info(),  &JumpFloodDistance::info(), &DistanceField::info(),
       &PoseCost::info(),      &ArgMin::info(),         &GdtMerge::info(),          &PoseLattice::info(),
       &LatticeMinima::info(), &SmallestValues::info(), &SeedScatter::info(),       &FieldGrow::info(),
-      &PoseStarts::info(),    &PoseSimplex::info(),    &ChoosePose::info(),        &SweepPoints::info()};
+      &PoseStarts::info(),    &PoseSimplex::info(),    &ChoosePose::info(),        &SweepPoints::info(),
+      &PoseBounds::info()};
   return kernels;
 }
 

@@ -177,6 +177,7 @@ void CertifiedSearch::bound_tiles(std::int32_t level, std::span<const PoseCandid
                                   .phase_bits = static_cast<std::uint32_t>(f.phase_bits),
                                   .samples_per_cell = std::ldexp(1.0F, -f.sample_bits()),
                                   .point_count = static_cast<std::uint32_t>(points.size()),
+                                  .last_field = f.first_sample.back(),
                                   .tile_width = tile_width,
                                   .tile_height = tile_height};
   const std::size_t in_tile = std::size_t{tile_width} * tile_height;

@@ -66,7 +66,7 @@ TEST_P(Subnormals, MayBeTakenForZero) {
 
 INSTANTIATE_TEST_SUITE_P(In, Subnormals,
                          testing::Values("pose_cost", "pose_lattice", "pose_starts", "pose_simplex", "choose_pose",
-                                         "sweep_points"),
+                                         "sweep_points", "pose_bounds"),
                          [](const auto& kernel) { return std::string(kernel.param); });
 
 }  // namespace

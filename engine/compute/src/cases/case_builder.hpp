@@ -159,5 +159,7 @@ void add_pose_simplex_cases(std::vector<KernelCaseSource>& list);
 void add_choose_pose_cases(std::vector<KernelCaseSource>& list);
 void add_sweep_points_cases(std::vector<KernelCaseSource>& list);
 void add_sweep_points_draws(std::vector<RandomKernel>& list);
+void add_pose_bounds_cases(std::vector<KernelCaseSource>& list);
+void add_pose_bounds_draws(std::vector<RandomKernel>& list);
 
 }  // namespace gdtslam

@@ -78,6 +78,7 @@ std::vector<KernelCaseSource> kernel_cases() {
   add_pose_simplex_cases(list);
   add_choose_pose_cases(list);
   add_sweep_points_cases(list);
+  add_pose_bounds_cases(list);
   return list;
 }
 

@@ -19,6 +19,7 @@ const std::vector<RandomKernel>& random_kernels() {
     add_pose_simplex_draws(kernels);
     add_choose_pose_draws(kernels);
     add_sweep_points_draws(kernels);
+    add_pose_bounds_draws(kernels);
     return kernels;
   }();
   return list;

@@ -7,18 +7,19 @@ constexpr std::uint32_t kBoundBlock = 128;
 void locate_tiles(const PoseBounds::Params& params, const BoundPoint* points, std::uint32_t count,
                   const PoseCandidate& tile, const SinCos<float>& rotation, std::uint32_t* offsets) {
   const float scale = params.samples_per_cell;
-  const float bias = 0.5F - 0.5F * scale;
+  const auto bits = static_cast<int>(params.phase_bits);
+  const float bias = (0.5F - 0.5F * scale) + static_cast<float>(1 << bits);
   const float s = rotation.sin;
   const float c = rotation.cos;
   const float x = tile.x;
   const float y = tile.y;
-  const auto bits = static_cast<int>(params.phase_bits);
   const std::int32_t mask = (1 << bits) - 1;
   const auto width = static_cast<std::int32_t>(params.width);
   const std::int32_t last_column = width - static_cast<std::int32_t>(params.tile_width);
   const std::int32_t last_row = static_cast<std::int32_t>(params.height - params.tile_height);
-  const std::int32_t first_column = params.first_column;
-  const std::int32_t first_row = params.first_row;
+  const std::int32_t first_column = params.first_column - 1;
+  const std::int32_t first_row = params.first_row - 1;
+  const std::uint32_t last_field = params.last_field;
   const std::int32_t plane = width * static_cast<std::int32_t>(params.height);
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::int32_t u = floor_position(((c * points[i].x - s * points[i].y) + x) * scale + bias);
@@ -26,7 +27,7 @@ void locate_tiles(const PoseBounds::Params& params, const BoundPoint* points, st
     const std::int32_t column = clamped((u >> bits) + first_column, 0, last_column);
     const std::int32_t row = clamped((v >> bits) + first_row, 0, last_row);
     const std::int32_t phase = ((v & mask) << bits) + (u & mask);
-    offsets[i] = points[i].field + static_cast<std::uint32_t>(phase * plane + row * width + column);
+    offsets[i] = lesser(points[i].field, last_field) + static_cast<std::uint32_t>(phase * plane + row * width + column);
   }
 }
 

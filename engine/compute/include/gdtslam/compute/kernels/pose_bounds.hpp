@@ -3,6 +3,7 @@
 // radians relative to the lower left corner of an anchor cell. Thread-safe; linear in points times boxes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "gdtslam/compute/kernel.hpp"
@@ -18,27 +19,38 @@ struct BoundPoint {
   std::uint32_t field = 0;  ///< index of the first sample of the dilation's planes
 };
 
-/// Sums of a dilated field under the points for a tile of boxes that share an angle. The field is bytes: samples
+/// Sums of a dilated field under the points for tiles of boxes that share an angle. The field is bytes: samples
 /// 2^-sample_shift cells apart (a negative shift: closer than a cell), each the least value of a square around it. They
 /// are stored as planes so that boxes one spacing, 2^phase_bits samples, apart lie side by side: sample (u, v) is
 /// column u >> phase_bits, row v >> phase_bits of plane (v & mask) * (mask + 1) + (u & mask), mask = 2^phase_bits - 1,
-/// a plane being `height` rows of `width` bytes. Per tile s, c = sin_cos(theta) in float32; per point, without
-/// contraction, u = floor(((c*x - s*y) + tile.x) * scale + bias) with scale = samples per cell and bias = 0.5 - 0.5 *
-/// scale, v likewise; column and row, plus first_column and first_row, are clamped to [0, width - tile_width] and [0,
-/// height - tile_height], and the tile's boxes read tile_width columns of tile_height rows from there. Box (i, j) has
-/// index j * tile_width + i.
+/// a plane being `height` rows of `width` bytes.
+///
+/// Per tile s, c = sin_cos(theta) in float32; per point, without contraction, u = floor(((c*x - s*y) + tile.x) * scale
+/// + bias) with scale = samples per cell and bias = (0.5 - 0.5 * scale) + 2^phase_bits, v likewise with (s*x + c*y) +
+/// tile.y. The floor is clamped to +-2^30 as that of pose_cost.hpp is (NaN: -2^30). Column (u >> phase_bits) - 1 +
+/// first_column and row (v >> phase_bits) - 1 + first_row are clamped to [0, width - tile_width] and [0, height -
+/// tile_height], and the tile's boxes read tile_width columns of tile_height rows from there, in the planes that begin
+/// at the lesser of the point's `field` and `last_field`. Box (i, j) has index j * tile_width + i. The spacing that the
+/// bias adds, and the 1 takes away, keeps a position near 0 from being decided by a sign that a device may drop: that
+/// of a value below 2^-126.
+///
+/// Bindings: field (u8, read), points (BoundPoint, read), tiles (PoseCandidate, read; the bias is not), sums (u32,
+/// write; tile_width * tile_height a tile). Extent: x = tiles.
 struct PoseBounds {
   struct Params {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
-    std::int32_t first_column = 0;  ///< of the anchor, margin included
+    std::int32_t first_column = 0;  ///< of the anchor, margin included; any value within +-2^21
     std::int32_t first_row = 0;
-    std::uint32_t phase_bits = 0;
+    std::uint32_t phase_bits = 0;  ///< at most 4
     float samples_per_cell = 1.0F;
     std::uint32_t point_count = 0;  ///< at most 65,537
+    std::uint32_t last_field = 0;   ///< first sample of the last dilation
     std::uint32_t tile_width = 2;   ///< 2 x 2 or 16 x 4
     std::uint32_t tile_height = 2;
   };
+  static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
+  static const KernelInfo& info();
 };
 
 /// An affine function below the field in the square of half width `reach` cells around each cell's centre, at what is
