@@ -1,12 +1,11 @@
 #include "localize_run.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 
-#include "gdtslam/compute/backend.hpp"
-#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -57,46 +56,114 @@ PoseWindow known_window(const DistanceFieldFile& file, const std::string& path) 
           .half_theta_rad = kPi};
 }
 
+double thread_cpu_s() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// The proof takes so many points at most: every k-th of more, as the other matchers' scans are thinned.
+std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfig& config, double resolution_m) {
+  std::vector<PointCells> points = in_cells(points_of(scan, valid_ranges(config)), resolution_m);
+  const std::size_t every = (points.size() + kMostCertifiedPoints - 1) / kMostCertifiedPoints;
+  if (every < 2) return points;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); i += every) points[kept++] = points[i];
+  points.resize(kept);
+  return points;
+}
+
 }  // namespace
 
 bool LocalizedScan::is_ambiguous() const {
-  return runner_up && runner_up->stop != CertifiedStop::kNothingAllowed && runner_up->bound <= best.cost;
+  return best && runner_up && runner_up->stop != CertifiedStop::kNothingAllowed && runner_up->bound <= best->cost;
 }
 
-Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits)
+Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Isa isa)
     : config_(config),
       limits_(limits),
       path_(field_file_of(map)),
       file_(read_distance_field(path_)),
       window_(known_window(file_, path_)) {
   try {
-    map_.emplace(view_of(file_, path_), make_cpu_backend({})->host_isa());
+    map_.emplace(view_of(file_, path_), isa);
   } catch (const InputError& error) {
     throw InputError({path_, 0}, error.what());
   }
 }
 
-std::optional<LocalizedScan> Localizer::localize(const LaserScan& scan, std::uint64_t index) const {
-  const std::vector<PointCells> points = in_cells(points_of(scan, valid_ranges(config_)), file_.geometry.resolution_m);
-  if (points.empty() || points.size() < static_cast<std::size_t>(config_.scan.min_points)) return std::nullopt;
-  const auto began = std::chrono::steady_clock::now();
+CertifiedOptions Localizer::options_with(double gap_m) const {
   CertifiedOptions options;
-  options.gap_m = limits_.gap_m;
+  options.gap_m = gap_m;
   if (limits_.max_seconds) options.max_seconds = *limits_.max_seconds;
-  LocalizedScan found{.index = index,
-                      .stamp_s = scan.stamp_s,
-                      .points = static_cast<std::uint32_t>(points.size()),
-                      .wall_s = 0.0,
-                      .best = find_pose(*map_, points, window_, options),
-                      .runner_up = std::nullopt};
-  if (limits_.with_runner_up) {
-    options.gap_m = LocalizeLimits::kElsewhereGaps * limits_.gap_m;
-    options.max_boxes = LocalizeLimits::kElsewhereBoxes;
-    options.excluded = ExcludedPoses{found.best.T_map_base, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
-    found.runner_up = find_pose(*map_, points, window_, options);
+  return options;
+}
+
+LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
+                                  const std::optional<Pose2>& T_map_base_reference) const {
+  const double begin_s = thread_cpu_s();
+  const std::vector<PointCells> points = points_to_match(scan, config_, file_.geometry.resolution_m);
+  LocalizedScan found;
+  found.index = index;
+  found.stamp_s = scan.stamp_s;
+  found.points = static_cast<std::uint32_t>(points.size());
+  if (!points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points)) {
+    found.best = find_pose(*map_, points, window_, options_with(limits_.gap_m));
+    if (limits_.with_runner_up) found.runner_up = elsewhere(points, *found.best);
   }
-  found.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
+  found.cpu_s = thread_cpu_s() - begin_s;
   return found;
+}
+
+// Whether anything elsewhere is as good takes no more of a proof than the lead that the best pose has; how large it is
+// shows when the best pose elsewhere is known.
+CertifiedResult Localizer::elsewhere(std::span<const PointCells> points, const CertifiedResult& best) const {
+  constexpr double kShareOfLead = 0.9;
+  CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
+  options.max_boxes = LocalizeLimits::kElsewhereBoxes;
+  options.excluded = ExcludedPoses{best.T_map_base, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
+  const CertifiedResult first = find_pose(*map_, points, window_, options);
+  const double lead_m = first.mean_cost_m - best.mean_cost_m;
+  if (!first.certified() || first.bound > best.cost || lead_m <= limits_.gap_m) return first;
+  options.gap_m = kShareOfLead * lead_m;
+  options.starts = {first.T_map_base};
+  return find_pose(*map_, points, window_, options);
+}
+
+ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2& T_map_base,
+                                const std::optional<CertifiedResult>& best) const {
+  ReferencePose reference;
+  reference.T_map_base = T_map_base;
+  reference.known_share = known_share(points, T_map_base);
+  if (!best) return reference;
+  reference.distance_m = (best->T_map_base.translation() - T_map_base.translation()).norm();
+  reference.angle_rad = std::fabs(wrap_angle(best->T_map_base.theta_rad - T_map_base.theta_rad));
+  if (reference.distance_m <= limits_.within_m && reference.angle_rad <= limits_.within_rad) return reference;
+  const PoseWindow around{.centre = T_map_base,
+                          .half_x_m = limits_.within_m,
+                          .half_y_m = limits_.within_m,
+                          .half_theta_rad = limits_.within_rad};
+  CertifiedOptions options = options_with(LocalizeLimits::kNearbyGaps * limits_.gap_m);
+  options.max_boxes = LocalizeLimits::kNearbyBoxes;
+  options.starts = {T_map_base};
+  reference.nearby = find_pose(*map_, points, around, options);
+  return reference;
+}
+
+double Localizer::known_share(std::span<const PointCells> points, const Pose2& T_map_base) const {
+  const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
+  const DistanceFieldView field = file_.view();
+  const double r = field.geometry.resolution_m;
+  std::size_t known = 0;
+  for (const PointCells& point : points) {
+    const auto x = static_cast<double>(point.x) * r;
+    const auto y = static_cast<double>(point.y) * r;
+    const CellIndex cell =
+        field.geometry.cell_of({cos * x - sin * y + T_map_base.x_m, sin * x + cos * y + T_map_base.y_m});
+    known += field.geometry.contains(cell) && field.at(cell) < field.cap ? 1U : 0U;
+  }
+  return points.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(points.size());
 }
 
 }  // namespace gdtslam

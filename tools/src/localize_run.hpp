@@ -1,13 +1,16 @@
 // The pose of scans in the whole of a map that was made before, without odometry; the work of `gdtslam localize`.
-// Frames: robot in the map, metres and radians. One object belongs to one thread. Cost: some 100 ms a scan on a map of
-// 30 m.
+// Frames: robot in the map, metres and radians. One object may serve several threads. Cost: some tenths of a second of
+// CPU time a scan on a map of 50 m.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/certified.hpp"
@@ -20,11 +23,25 @@ struct LocalizeLimits {
   double gap_m = 0.005;                 ///< of the mean distance
   std::optional<double> max_seconds{};  ///< for a pose; none: until it is proven
   bool with_runner_up = true;           ///< the best pose elsewhere
-  /// Elsewhere much less is asked: whether anything there is as good.
-  static constexpr double kElsewhereGaps = 4.0;
+  double within_m = 0.10;               ///< a pose so near to the reference is right
+  double within_rad = rad_from_deg(1.0);
+  /// Elsewhere less is asked at first: whether anything there is as good. Where that leaves it open, more.
+  static constexpr double kElsewhereGaps = 8.0;
   static constexpr std::uint64_t kElsewhereBoxes = 1000000;
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
-  static constexpr double kElsewhereRad = 0.3490658503988659;  ///< or turned this far: 20 degrees
+  static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
+  static constexpr double kNearbyGaps = 0.1;                   ///< of the search around the reference
+  static constexpr std::uint64_t kNearbyBoxes = 200000;
+};
+
+/// What the reference says of a scan.
+struct ReferencePose {
+  Pose2 T_map_base;
+  double distance_m = 0.0;   ///< of the pose found from it; 0 where none was found, as the angle
+  double angle_rad = 0.0;    ///< absolute
+  double known_share = 0.0;  ///< of the scan's points: where the reference puts them the map has an obstacle in reach
+  /// The least cost within the limits around the reference, where the pose found is not within them.
+  std::optional<CertifiedResult> nearby;
 };
 
 /// A scan and what was found.
@@ -32,9 +49,10 @@ struct LocalizedScan {
   std::uint64_t index = 0;  ///< in the log
   double stamp_s = 0.0;
   std::uint32_t points = 0;
-  double wall_s = 0.0;
-  CertifiedResult best;
+  double cpu_s = 0.0;
+  std::optional<CertifiedResult> best;  ///< nothing where the scan has too few returns
   std::optional<CertifiedResult> runner_up;
+  std::optional<ReferencePose> reference;
   /// Whether a pose elsewhere may be as good, as far as the proof tells.
   [[nodiscard]] bool is_ambiguous() const;
 };
@@ -42,15 +60,23 @@ struct LocalizedScan {
 class Localizer {
  public:
   /// `map` is a run folder or its gdt.yaml. Throws InputError, FileError.
-  Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits);
+  Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Isa isa);
 
-  /// Nothing where the scan has too few returns.
-  std::optional<LocalizedScan> localize(const LaserScan& scan, std::uint64_t index) const;
+  [[nodiscard]] LocalizedScan localize(const LaserScan& scan, std::uint64_t index,
+                                       const std::optional<Pose2>& T_map_base_reference) const;
   /// The poses that are searched: those over what the map knows, all headings.
   [[nodiscard]] const PoseWindow& window() const { return window_; }
   [[nodiscard]] const std::string& file() const { return path_; }
+  [[nodiscard]] const DistanceFieldFile& field() const { return file_; }
+  [[nodiscard]] const LocalizeLimits& limits() const { return limits_; }
 
  private:
+  [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
+  [[nodiscard]] CertifiedResult elsewhere(std::span<const PointCells> points, const CertifiedResult& best) const;
+  [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,
+                                     const std::optional<CertifiedResult>& best) const;
+  [[nodiscard]] double known_share(std::span<const PointCells> points, const Pose2& T_map_base) const;
+
   MapperConfig config_;
   LocalizeLimits limits_;
   std::string path_;

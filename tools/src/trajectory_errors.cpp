@@ -1,35 +1,13 @@
 #include "trajectory_errors.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "gdtslam/core/angle.hpp"
+#include "poses_by_stamp.hpp"
 
 namespace gdtslam {
 namespace {
-
-// Poses by stamp; of several with one stamp the last of the log counts.
-class ByStamp {
- public:
-  explicit ByStamp(const Trajectory& trajectory) : poses_(trajectory) {
-    std::stable_sort(poses_.begin(), poses_.end(), [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
-  }
-  [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const {
-    const auto later = [](double t_s, const StampedPose& pose) { return t_s < pose.stamp_s; };
-    const auto after = std::upper_bound(poses_.begin(), poses_.end(), stamp_s, later);
-    const StampedPose* best = after == poses_.begin() ? nullptr : &*std::prev(after);
-    if (after != poses_.end() && (best == nullptr || after->stamp_s - stamp_s < stamp_s - best->stamp_s)) {
-      best = &*std::prev(std::upper_bound(after, poses_.end(), after->stamp_s, later));
-    }
-    if (best == nullptr || std::fabs(best->stamp_s - stamp_s) > tolerance_s) return std::nullopt;
-    return best->T_map_base;
-  }
-
- private:
-  Trajectory poses_;
-};
 
 double degrees_of(double angle_rad) { return std::fabs(deg_from_rad(wrap_angle(angle_rad))); }
 
@@ -38,7 +16,7 @@ double degrees_of(double angle_rad) { return std::fabs(deg_from_rad(wrap_angle(a
 std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Trajectory& reference) {
   const ReferenceOptions options;
   const Pose2 T_reference_map = evaluate_reference(estimate, reference, options).T_reference_estimate;
-  const ByStamp truth(reference);
+  const PosesByStamp truth(reference);
   std::vector<TrajectoryError> errors;
   for (const StampedPose& pose : estimate) {
     const std::optional<Pose2> T_reference_base = truth.find(pose.stamp_s, options.tolerance_s);
@@ -52,7 +30,7 @@ std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Tr
 
 std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const std::vector<Relation>& relations) {
   constexpr double kTolerance_s = 1e-4;
-  const ByStamp poses(estimate);
+  const PosesByStamp poses(estimate);
   std::vector<TrajectoryError> errors;
   for (const Relation& relation : relations) {
     const std::optional<Pose2> first = poses.find(relation.t1_s, kTolerance_s);

@@ -1,180 +1,209 @@
 // gdtslam localize: where scans of a log were taken in a map, without odometry and with a proof.
 #include <fmt/format.h>
 
-#include <limits>
+#include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
+#include <thread>
 
 #include "commands.hpp"
 #include "console.hpp"
-#include "gdtslam/core/angle.hpp"
+#include "device_option.hpp"
+#include "drawing_file.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "interrupt.hpp"
-#include "localize_run.hpp"
+#include "linkage_goal.hpp"
+#include "localize_picture.hpp"
+#include "localize_scans.hpp"
+#include "localize_text.hpp"
 #include "progress.hpp"
-#include "scan_stream.hpp"
 #include "settings.hpp"
+#include "stopwatch.hpp"
 #include "whole_number.hpp"
 
 namespace gdtslam {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct LocalizeOptions {
   std::string map;
   std::string log;
-  std::uint64_t scan = 0;
-  std::uint64_t every = 0;  ///< 0: one scan alone
+  ScanChoice choice;
+  double leave_out_s = -1.0;  ///< negative: not asked for
+  std::string reference;
+  bool align = false;
+  std::string within = "10cm/1deg";
   double gap_mm = 5.0;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;
+  unsigned threads = 1;
+  std::string isa;
   bool lenient = false;
   bool json = false;
   bool quiet = false;
   std::string trajectory;  ///< to be written; empty: none
+  std::string picture;
   SettingsOptions settings;
 };
 
-struct Localized {
-  std::vector<LocalizedScan> scans;
-  std::vector<std::uint64_t> without_returns;  ///< indices of scans with too few
-  bool interrupted = false;
-};
+// "10cm/1deg"
+void read_within(const std::string& text, LocalizeLimits& limits) {
+  const std::size_t mark = text.find('/');
+  if (mark == std::string::npos) {
+    throw UsageError("--within: '" + text + "' is not DISTANCE/ANGLE, for example 10cm/1deg");
+  }
+  limits.within_m = quantity_of("--within", text.substr(0, mark), Unit::kMetre);
+  limits.within_rad = quantity_of("--within", text.substr(mark + 1), Unit::kRadian);
+  constexpr double kMost_m = 100.0;
+  if (!(limits.within_m > 0.0 && limits.within_m <= kMost_m && limits.within_rad > 0.0 && limits.within_rad <= kPi)) {
+    throw UsageError("--within: '" + text + "' is out of range: up to 100m/180deg, neither of them 0");
+  }
+}
 
-// From the scan asked for on; all of them, every so many, or the one.
-Localized localize_scans(const LocalizeOptions& options, const Localizer& localizer) {
-  ReadOptions read;
-  read.lenient = options.lenient;
-  ScanStream stream({options.log}, read, {.skip = options.scan, .count = std::numeric_limits<std::uint64_t>::max()});
-  ProgressLine progress("scans", options.quiet || options.json);
-  Localized all;
-  std::uint64_t index = options.scan;
-  for (; !interrupted(); ++index) {
-    const std::optional<ScanRecord> record = stream.next();
-    if (!record) break;
-    if (options.every > 1 && (index - options.scan) % options.every != 0) continue;
-    const std::optional<LocalizedScan> found = localizer.localize(record->scan, index);
-    if (found) {
-      all.scans.push_back(*found);
-    } else {
-      all.without_returns.push_back(index);
+LocalizeLimits limits_of(const LocalizeOptions& options) {
+  LocalizeLimits limits{.gap_m = options.gap_mm / 1000.0, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
+  if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
+  read_within(options.within, limits);
+  return limits;
+}
+
+LocalizeJob job_of(const LocalizeOptions& options) {
+  LocalizeJob job;
+  job.log = options.log;
+  job.read.lenient = options.lenient;
+  job.choice = options.choice;
+  job.threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  if (options.leave_out_s >= 0.0) {
+    job.merged.emplace(run_of_map(options.map, "--leave-out"), options.leave_out_s);
+  }
+  if (!options.reference.empty()) {
+    job.reference.emplace(options.reference);
+    if (options.align) job.reference->align(run_of_map(options.map, "--align"));
+  }
+  return job;
+}
+
+// One scan alone has nothing to be chosen from.
+void check(const LocalizeOptions& options) {
+  const ScanChoice& choice = options.choice;
+  if (options.leave_out_s >= 0.0 && choice.random == 0 && choice.every == 0) {
+    throw UsageError("--leave-out chooses among scans: give --random or --every too");
+  }
+  if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
+}
+
+void write_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
+                 const Localized& all) {
+  if (!options.trajectory.empty()) {
+    Trajectory trajectory;
+    for (const LocalizedScan& scan : all.scans) {
+      if (scan.best) trajectory.push_back({scan.stamp_s, scan.best->T_map_base});
     }
-    progress.update(all.scans.size(), stream.progress());
-    if (options.every == 0) break;
+    write_tum(options.trajectory, trajectory);
   }
-  all.interrupted = interrupted();
-  if (all.scans.empty() && all.without_returns.empty() && !all.interrupted) {
-    throw InputError({options.log, 0}, fmt::format("has no scan {}: {} were read", options.scan, stream.scans_read()));
+  if (!options.picture.empty()) {
+    write_file_atomically(options.picture,
+                          drawing_bytes(localize_picture(job, localizer, all), options.picture, kDensePng));
   }
-  return all;
 }
 
-Json pose_json(const CertifiedResult& found) {
-  return {{"x_m", found.T_map_base.x_m},
-          {"y_m", found.T_map_base.y_m},
-          {"theta_rad", found.T_map_base.theta_rad},
-          {"mean_distance_m", found.mean_cost_m},
-          {"mean_bound_m", found.mean_bound_m},
-          {"gap_m", found.gap_m},
-          {"certified", found.certified()},
-          {"stop", name_of(found.stop)},
-          {"boxes", found.boxes},
-          {"evaluations", found.evaluations}};
+void print_remarks(const LocalizeJob& job, const Localized& all) {
+  for (const LogReader::Warning& warning : all.warnings) {
+    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
+  }
+  if (all.nods) {
+    print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
+  }
+  if (job.choice.random > all.scans.size() && !all.interrupted) {
+    print_remark(fmt::format("warning: only {} scans could be drawn, not {}", all.scans.size(), job.choice.random));
+  }
+  if (job.merged && all.left_out == 0 && !all.interrupted) {
+    print_remark("warning: no scan of the log lies near one that went into the map; was the map made from it?");
+  }
+  if (all.interrupted) print_remark(fmt::format("interrupted after {} scans", all.scans.size()));
 }
 
-Json scan_json(const LocalizedScan& scan) {
-  Json json{{"scan", scan.index}, {"stamp_s", scan.stamp_s}, {"points", scan.points}, {"wall_s", scan.wall_s}};
-  json.update(pose_json(scan.best));
-  const bool has_other = scan.runner_up && scan.runner_up->stop != CertifiedStop::kNothingAllowed;
-  json["runner_up"] = has_other ? pose_json(*scan.runner_up) : Json();
-  json["ambiguous"] = scan.runner_up ? Json(scan.is_ambiguous()) : Json();
-  return json;
-}
-
-std::string json_text(const LocalizeOptions& options, const Localizer& localizer, const Localized& all) {
-  Json scans = Json::array();
-  for (const LocalizedScan& scan : all.scans) scans.push_back(scan_json(scan));
-  const PoseWindow& window = localizer.window();
-  const Json report{{"map", localizer.file()},
-                    {"log", options.log},
-                    {"gap_m", options.gap_mm / 1000.0},
-                    {"window",
-                     {{"x_m", {window.centre.x_m - window.half_x_m, window.centre.x_m + window.half_x_m}},
-                      {"y_m", {window.centre.y_m - window.half_y_m, window.centre.y_m + window.half_y_m}}}},
-                    {"scans", scans},
-                    {"without_returns", all.without_returns},
-                    {"interrupted", all.interrupted}};
-  return report.dump(2) + "\n";
-}
-
-std::string proof_text(const CertifiedResult& found) {
-  if (found.certified()) return fmt::format("no pose is better by more than {:.2f} mm", 1000.0 * found.gap_m);
-  return fmt::format("not proven ({}): a pose may be better by {:.2f} mm", name_of(found.stop), 1000.0 * found.gap_m);
-}
-
-std::string runner_up_text(const LocalizedScan& scan) {
-  if (!scan.runner_up) return "";
-  if (scan.runner_up->stop == CertifiedStop::kNothingAllowed) return "  elsewhere: no pose in the map\n";
-  const Pose2 apart = between(scan.best.T_map_base, scan.runner_up->T_map_base);
-  return fmt::format(
-      "  elsewhere, {:.2f} m and {:.1f} deg away: mean distance {:.1f} mm, nowhere less than {:.1f} mm{}\n",
-      apart.translation().norm(), std::abs(deg_from_rad(apart.theta_rad)), 1000.0 * scan.runner_up->mean_cost_m,
-      1000.0 * scan.runner_up->mean_bound_m, scan.is_ambiguous() ? "; AMBIGUOUS: it may be as good" : "");
-}
-
-std::string scan_text(const LocalizedScan& scan) {
-  const Pose2& T = scan.best.T_map_base;
-  return fmt::format("scan {} at {:.6f} s: x {:.3f} m, y {:.3f} m, heading {:.2f} deg\n", scan.index, scan.stamp_s,
-                     T.x_m, T.y_m, deg_from_rad(T.theta_rad)) +
-         fmt::format("  mean distance {:.1f} mm of {} points; {}; {:.0f} ms\n", 1000.0 * scan.best.mean_cost_m,
-                     scan.points, proof_text(scan.best), 1000.0 * scan.wall_s) +
-         runner_up_text(scan);
-}
-
-std::string text_of(const Localized& all) {
-  std::string text;
-  std::size_t certified = 0;
-  std::size_t ambiguous = 0;
+void require_reference(const LocalizeJob& job, const Localized& all) {
+  if (!job.reference || all.interrupted) return;
   for (const LocalizedScan& scan : all.scans) {
-    text += scan_text(scan);
-    certified += scan.best.certified() ? 1U : 0U;
-    ambiguous += scan.is_ambiguous() ? 1U : 0U;
+    if (scan.reference) return;
   }
-  for (const std::uint64_t index : all.without_returns) text += fmt::format("scan {}: too few returns\n", index);
-  if (all.scans.size() > 1) {
-    text += fmt::format("{} scans, {} proven, {} ambiguous\n", all.scans.size(), certified, ambiguous);
-  }
-  return text;
+  throw InputError({job.reference->file(), 0},
+                   fmt::format("none of its {} poses has the stamp of a scan that was localised; do both belong to the "
+                               "same log?",
+                               job.reference->count()));
 }
 
 int localize(const LocalizeOptions& options) {
+  check(options);
+  Stopwatch watch;
+  LocalizeTimes times;
   const Settings settings = load_settings(options.settings);
-  LocalizeLimits limits{.gap_m = options.gap_mm / 1000.0, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
-  if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
-  const Localizer localizer(options.map, settings.mapper, limits);
-  const Localized all = localize_scans(options, localizer);
-  if (!options.trajectory.empty()) {
-    Trajectory trajectory;
-    for (const LocalizedScan& scan : all.scans) trajectory.push_back({scan.stamp_s, scan.best.T_map_base});
-    write_tum(options.trajectory, trajectory);
+  const LocalizeLimits limits = limits_of(options);
+  const LocalizeJob job = job_of(options);
+  const Isa isa = make_cpu({.device = "cpu", .threads = 1, .isa = options.isa})->host_isa();
+  const Localizer localizer(options.map, settings.mapper, limits, isa);
+  Localized all;
+  {
+    ProgressLine progress("scans", options.quiet);
+    all = localize_scans(
+        job, localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
+        [] { return interrupted(); });
   }
-  print_result(options.json ? json_text(options, localizer, all) : text_of(all));
+  require_reference(job, all);
+  watch.add_to(times.wall_s, times.cpu_s);
+  write_files(options, job, localizer, all);
+  print_remarks(job, all);
+  if (options.json) {
+    print_result(json_of(job, localizer, all, times).dump(2) + "\n");
+  } else if (!options.quiet) {
+    print_result(text_of(job, localizer, all));
+  }
   if (all.interrupted) return static_cast<int>(ExitCode::kInterrupted);
-  return static_cast<int>(all.scans.empty() ? ExitCode::kBadInput : ExitCode::kDone);
+  const bool is_any =
+      std::any_of(all.scans.begin(), all.scans.end(), [](const auto& scan) { return scan.best.has_value(); });
+  if (!is_any) throw InputError({options.log, 0}, "none of the scans has enough returns to be localised");
+  return static_cast<int>(ExitCode::kDone);
 }
 
 void add_choices(CLI::App& command, LocalizeOptions& chosen) {
-  command.add_option("--scan", chosen.scan, "Index of the scan, from 0; with --every the first one")
+  ScanChoice& choice = chosen.choice;
+  CLI::Option* scan =
+      command.add_option("--scan", choice.first, "Index of the scan, from 0; with --every the first one");
+  scan->type_name("N")->check(whole_number_from(0))->capture_default_str();
+  CLI::Option* every = command.add_option("--every", choice.every, "Go on to the end of the log with every N-th scan");
+  every->type_name("N")->check(whole_number_from(1));
+  CLI::Option* random = command.add_option("--random", choice.random, "N scans of the whole log, drawn at random");
+  random->type_name("N")->check(whole_number_from(1))->excludes(scan)->excludes(every);
+  command.add_option("--seed", choice.seed, "Of the draw")
       ->type_name("N")
       ->check(whole_number_from(0))
+      ->capture_default_str()
+      ->needs(random);
+  command
+      .add_option("--leave-out", chosen.leave_out_s,
+                  "Do not choose scans that were taken within so many seconds of one that went into the map;\n"
+                  "needs the run folder; 0: leave out those that went into it themselves")
+      ->type_name("SECONDS")
+      ->check(CLI::NonNegativeNumber.description(""));
+}
+
+void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
+  CLI::Option* reference = command.add_option("--reference", chosen.reference,
+                                              "True poses in the map's frame, TUM, plain or gzip: report the errors.\n"
+                                              "The run's own trajectory.tum will do for the log that was mapped");
+  reference->type_name("FILE");
+  command
+      .add_flag("--align", chosen.align,
+                "Move the reference as a whole onto the run's own trajectory first, where its frame is another")
+      ->needs(reference);
+  command.add_option("--within", chosen.within, "So near to the reference a pose is right")
+      ->type_name("D/A")
       ->capture_default_str();
-  command.add_option("--every", chosen.every, "Go on to the end of the log with every N-th scan")
-      ->type_name("N")
-      ->check(whole_number_from(1));
+}
+
+void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("--gap", chosen.gap_mm, "Prove that no pose has a mean distance smaller by more than this")
       ->type_name("MM")
       ->check(CLI::NonNegativeNumber)
@@ -183,7 +212,25 @@ void add_choices(CLI::App& command, LocalizeOptions& chosen) {
       ->type_name("SECONDS")
       ->check(CLI::PositiveNumber);
   command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
+  constexpr unsigned kMostThreads = 1024;
+  command
+      .add_option("--threads", chosen.threads,
+                  "Scans that are searched at once; 0: one per processor. Results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(0U, kMostThreads).description(""))
+      ->capture_default_str();
+  command
+      .add_option("--isa", chosen.isa,
+                  "Force the CPU's instruction set: baseline, avx2 or avx512. Results do not depend on it")
+      ->type_name("NAME");
+}
+
+void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("-o,--output", chosen.trajectory, "Write the poses as a trajectory, TUM")->type_name("FILE");
+  command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png or .pdf")->type_name("FILE");
+  command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines of the log");
+  command.add_flag("--json", chosen.json, "Print JSON; what depends on the machine is under \"times\"");
+  command.add_flag("-q,--quiet", chosen.quiet, "Print errors only");
 }
 
 }  // namespace
@@ -195,20 +242,24 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
   command->add_option("map", options->map, "Run folder of `gdtslam map`, or its gdt.yaml")->required();
   command->add_option("log", options->log, "Log with the scans, plain or gzip")->required();
   add_choices(*command, *options);
-  command->add_flag("--lenient", options->lenient, "Count and skip malformed lines of the log");
-  command->add_flag("--json", options->json, "Print JSON");
-  command->add_flag("-q,--quiet", options->quiet, "No progress");
+  add_reference_options(*command, *options);
+  add_search_options(*command, *options);
+  add_output_options(*command, *options);
   add_settings_options(*command, options->settings);
   command->footer(
-      "All poses over the known part of the map are searched, in every heading, by branch and bound: the result is "
-      "the\n"
-      "pose of least mean distance between the scan's points and the map's obstacles, up to the gap. Elsewhere means 1 "
-      "m\n"
-      "or 20 degrees away; a scan is ambiguous when a pose elsewhere may be as good.\n"
+      "All poses over the known part of the map are searched, in every heading, by branch and bound: the result is\n"
+      "the pose of least mean distance between the scan's points and the map's obstacles, up to the gap. Elsewhere\n"
+      "means 1 m or 20 degrees away; a scan is ambiguous when a pose elsewhere may be as good.\n"
+      "\n"
+      "JSON: map, log, gap_m, window, choice (of the scans), interrupted, found, certified, ambiguous (counts),\n"
+      "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, found,\n"
+      "runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
       "\n"
       "Examples:\n"
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"
-      "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json");
+      "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json\n"
+      "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5 --reference intel/trajectory.tum\n"
+      "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");
   command->callback([&context, options] { context.run = [options] { return localize(*options); }; });
 }
 

@@ -1,0 +1,86 @@
+#include "localize_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kLeastKnown = 0.5;
+
+}  // namespace
+
+std::string_view name_of(LocalizeFault fault) {
+  switch (fault) {
+    case LocalizeFault::kNone:
+      return "none";
+    case LocalizeFault::kTooFewReturns:
+      return "too-few-returns";
+    case LocalizeFault::kNotMapped:
+      return "not-mapped";
+    case LocalizeFault::kNotProven:
+      return "not-proven";
+    case LocalizeFault::kAsGood:
+      return "as-good";
+    case LocalizeFault::kMapPrefers:
+      return "map-prefers";
+  }
+  return "unknown";
+}
+
+std::string_view text_of(LocalizeFault fault) {
+  switch (fault) {
+    case LocalizeFault::kNone:
+      return "right";
+    case LocalizeFault::kTooFewReturns:
+      return "too few returns";
+    case LocalizeFault::kNotMapped:
+      return "the map does not know the place";
+    case LocalizeFault::kNotProven:
+      return "the search was cut short";
+    case LocalizeFault::kAsGood:
+      return "both poses fit alike";
+    case LocalizeFault::kMapPrefers:
+      return "the map prefers the pose found";
+  }
+  return "unknown";
+}
+
+LocalizeFault fault_of(const LocalizedScan& scan, const LocalizeLimits& limits) {
+  if (!scan.best) return LocalizeFault::kTooFewReturns;
+  const ReferencePose& reference = *scan.reference;
+  if (!reference.nearby) return LocalizeFault::kNone;
+  if (reference.known_share < kLeastKnown) return LocalizeFault::kNotMapped;
+  const double lead_m = reference.nearby->mean_cost_m - scan.best->mean_cost_m;
+  if (lead_m < 0.0 && !scan.best->certified()) return LocalizeFault::kNotProven;
+  return std::fabs(lead_m) <= limits.gap_m ? LocalizeFault::kAsGood : LocalizeFault::kMapPrefers;
+}
+
+LocalizeFigures figures_of(const std::vector<LocalizedScan>& scans, const LocalizeLimits& limits) {
+  LocalizeFigures figures;
+  std::vector<double> distances_m;
+  std::vector<double> angles_deg;
+  for (const LocalizedScan& scan : scans) {
+    figures.found += scan.best ? 1U : 0U;
+    figures.certified += scan.best && scan.best->certified() ? 1U : 0U;
+    figures.ambiguous += scan.is_ambiguous() ? 1U : 0U;
+    if (!scan.reference) continue;
+    ++figures.within.of;
+    const LocalizeFault fault = fault_of(scan, limits);
+    if (fault == LocalizeFault::kNone) {
+      ++figures.within.count;
+      distances_m.push_back(scan.reference->distance_m);
+      angles_deg.push_back(deg_from_rad(scan.reference->angle_rad));
+      continue;
+    }
+    const auto* const place = std::find(kLocalizeFaults.begin(), kLocalizeFaults.end(), fault);
+    ++figures.faults[static_cast<std::size_t>(place - kLocalizeFaults.begin())];
+  }
+  figures.distance_m = summarise(distances_m);
+  figures.angle_deg = summarise(angles_deg);
+  return figures;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,48 @@
+// What localised scans add up to: the share that is right by the reference, and why the rest is not. Thread-safe; O(n
+// log n).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "compare_figures.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+#include "localize_run.hpp"
+#include "localize_scans.hpp"
+
+namespace gdtslam {
+
+/// Why a scan was not found where the reference has it.
+enum class LocalizeFault : std::uint8_t {
+  kNone,           ///< it was
+  kTooFewReturns,  ///< nothing was searched
+  kNotMapped,      ///< less than half of its points lie near anything that the map knows
+  kNotProven,      ///< a pose near the reference costs less, but the search was not allowed to end
+  kAsGood,         ///< both poses cost the same, up to the gap of the proof
+  kMapPrefers,     ///< any pose near the reference costs more, by more than the gap
+};
+inline constexpr std::array kLocalizeFaults{LocalizeFault::kTooFewReturns, LocalizeFault::kNotMapped,
+                                            LocalizeFault::kNotProven, LocalizeFault::kAsGood,
+                                            LocalizeFault::kMapPrefers};
+/// For programs: "as-good".
+std::string_view name_of(LocalizeFault fault);
+/// For people: "another pose fits as well".
+std::string_view text_of(LocalizeFault fault);
+
+/// Of a scan with a reference.
+LocalizeFault fault_of(const LocalizedScan& scan, const LocalizeLimits& limits);
+
+struct LocalizeFigures {
+  std::uint64_t found = 0;
+  std::uint64_t certified = 0;
+  std::uint64_t ambiguous = 0;
+  Share within;  ///< of the scans with a reference, those without enough returns among them
+  std::array<std::uint64_t, kLocalizeFaults.size()> faults{};  ///< in the order of kLocalizeFaults
+  ErrorSummary distance_m;                                     ///< of those within the limits
+  ErrorSummary angle_deg;
+};
+LocalizeFigures figures_of(const std::vector<LocalizedScan>& scans, const LocalizeLimits& limits);
+
+}  // namespace gdtslam

@@ -1,0 +1,55 @@
+// What `gdtslam localize` knows of scans beforehand: their true poses, and which of them went into the map. Frame: map.
+// Thread-safe once made; O(log n) a scan.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "poses_by_stamp.hpp"
+#include "run_reader.hpp"
+
+namespace gdtslam {
+
+/// Times of the scans that a run merged into its map.
+class MergedScans {
+ public:
+  /// Throws InputError where the run does not tell them, or its files are missing.
+  MergedScans(const RunReader& run, double within_s);
+  /// Whether one was merged at most within_s() before or after.
+  [[nodiscard]] bool are_near(double stamp_s) const;
+  [[nodiscard]] double within_s() const { return within_s_; }
+  [[nodiscard]] std::size_t count() const { return stamps_s_.size(); }
+
+ private:
+  double within_s_;
+  std::vector<double> stamps_s_;  // ascending
+};
+
+/// True poses of scans, in the map's frame.
+class LocalizeTruth {
+ public:
+  /// Throws InputError, FileError.
+  explicit LocalizeTruth(const std::string& file);
+  /// Moves all poses so that they lie best on the run's trajectory, whose frame they are in from then on. Throws
+  /// InputError where fewer than two stamps agree.
+  void align(const RunReader& run);
+
+  /// The pose of the scan with that stamp.
+  [[nodiscard]] std::optional<Pose2> find(double stamp_s) const;
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] std::size_t count() const { return poses_.size(); }
+  [[nodiscard]] bool is_aligned() const { return is_aligned_; }
+
+ private:
+  std::string file_;
+  Trajectory poses_;
+  PosesByStamp by_stamp_;
+  bool is_aligned_ = false;
+};
+
+/// The run folder that a map belongs to: itself, or the folder of its gdt.yaml. Throws InputError, with what it was
+/// needed for, where it is none.
+RunReader run_of_map(const std::string& map, const std::string& purpose);
+
+}  // namespace gdtslam
