@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "certified_device.hpp"
 #include "certified_field.hpp"
 #include "certified_search.hpp"
 #include "gdtslam/compute/host_kernels.hpp"
@@ -76,9 +77,12 @@ FieldView field_view(const GlobalField& map) {
           .resolution_m = grid.resolution_m};
 }
 
-CertifiedMap::CertifiedMap(const FieldView& field, Isa isa, Windows windows)
-    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field, isa, windows == kSmallWindows)) {}
+CertifiedMap::CertifiedMap(const FieldView& field, Isa isa, Windows windows, Backend* device)
+    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field, isa, windows == kSmallWindows)) {
+  if (device != nullptr) device_ = std::make_unique<DeviceBounds>(*device, *bounds_);
+}
 CertifiedMap::~CertifiedMap() = default;
+std::uint64_t CertifiedMap::device_launches() const { return device_ != nullptr ? device_->launches() : 0; }
 std::size_t CertifiedMap::bytes() const { return bounds_->bytes(); }
 
 bool PoseWindow::holds(const Pose2& pose) const {

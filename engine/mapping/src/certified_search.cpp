@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "certified_device.hpp"
 #include "gdtslam/compute/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -14,6 +15,7 @@ constexpr std::uint64_t kMostTopBoxes = 150000;
 constexpr std::int32_t kTopSpacingBits = 3;  // where searches begin that are small enough
 constexpr std::uint32_t kWideTile = 16;
 constexpr std::uint32_t kWideTileRows = 4;
+constexpr std::size_t kHostTiles = 256;  // at once: their sums stay in the cache
 // Boxes below the narrowest fields are halved so often, half a cell to 1/64 of one: what rounding takes away weighs
 // more than the width of smaller ones.
 constexpr std::int32_t kParts = 6;
@@ -151,39 +153,56 @@ void CertifiedSearch::open_window() {
   const auto low = [&](float centre, std::uint32_t n) { return centre - 0.5F * static_cast<float>(n - 1) * spacing; };
   const std::uint32_t columns = count(half_x_);
   const std::uint32_t rows = count(half_y_);
+  const std::size_t batch = map_.device() != nullptr ? DeviceBounds::kMostTiles : kHostTiles;
   std::vector<PoseCandidate> corners;
+  const auto bound = [&] {
+    bound_tiles(0, corners, kWideTile, kWideTileRows, 0);
+    corners.clear();
+  };
   for (std::uint32_t t = 0; t < top_angles_; ++t) {
     const float theta = (centre_.theta - half_theta_) + (2.0F * static_cast<float>(t) + 1.0F) * top_angle_;
-    corners.clear();
     for (std::uint32_t j = 0; j < divided_up(rows, kWideTileRows); ++j) {
       for (std::uint32_t i = 0; i < divided_up(columns, kWideTile); ++i) {
         corners.push_back({low(centre_.x, columns) + static_cast<float>(i * kWideTile) * spacing,
                            low(centre_.y, rows) + static_cast<float>(j * kWideTileRows) * spacing, theta, 0});
+        if (corners.size() == batch) bound();
       }
     }
-    bound_tiles(0, corners, kWideTile, kWideTileRows, 0);
   }
+  bound();
+}
+
+// The sums of tiles of a level; on the device where there is one and they are many.
+void CertifiedSearch::sum_tiles(const PoseBounds::Params& params, std::int32_t level,
+                                std::span<const PoseCandidate> corners) {
+  const std::vector<BoundPoint>& points = bound_points_[static_cast<std::size_t>(level)];
+  const std::size_t map_level = first_level_ + static_cast<std::size_t>(level);
+  sums_.resize(corners.size() * params.tile_width * params.tile_height);
+  if (map_.device() != nullptr && map_.device()->takes(params, map_level, corners.size())) {
+    map_.device()->sum(params, map_level, points, corners, sums_);
+    return;
+  }
+  pose_bounds_host(map_.isa(), params, fields(level).samples.data(), points.data(), corners.data(),
+                   static_cast<std::uint32_t>(corners.size()), sums_.data());
 }
 
 // Bounds of tiles of boxes of a level by its dilated fields; those that matter are appended.
 void CertifiedSearch::bound_tiles(std::int32_t level, std::span<const PoseCandidate> corners, std::uint32_t tile_width,
                                   std::uint32_t tile_height, std::uint32_t known_bound) {
   const BoundLevel& f = fields(level);
-  const std::vector<BoundPoint>& points = bound_points_[static_cast<std::size_t>(level)];
-  const PoseBounds::Params params{.width = f.width,
-                                  .height = f.height,
-                                  .first_column = ((anchor_.x - f.origin.x) >> f.spacing_bits) + BoundLevel::kMargin,
-                                  .first_row = ((anchor_.y - f.origin.y) >> f.spacing_bits) + BoundLevel::kMargin,
-                                  .phase_bits = static_cast<std::uint32_t>(f.phase_bits),
-                                  .samples_per_cell = std::ldexp(1.0F, -f.sample_bits()),
-                                  .point_count = static_cast<std::uint32_t>(points.size()),
-                                  .last_field = f.first_sample.back(),
-                                  .tile_width = tile_width,
-                                  .tile_height = tile_height};
+  const PoseBounds::Params params{
+      .width = f.width,
+      .height = f.height,
+      .first_column = ((anchor_.x - f.origin.x) >> f.spacing_bits) + BoundLevel::kMargin,
+      .first_row = ((anchor_.y - f.origin.y) >> f.spacing_bits) + BoundLevel::kMargin,
+      .phase_bits = static_cast<std::uint32_t>(f.phase_bits),
+      .samples_per_cell = std::ldexp(1.0F, -f.sample_bits()),
+      .point_count = static_cast<std::uint32_t>(bound_points_[static_cast<std::size_t>(level)].size()),
+      .last_field = f.first_sample.back(),
+      .tile_width = tile_width,
+      .tile_height = tile_height};
   const std::size_t in_tile = std::size_t{tile_width} * tile_height;
-  sums_.resize(corners.size() * in_tile);
-  pose_bounds_host(map_.isa(), params, f.samples.data(), points.data(), corners.data(),
-                   static_cast<std::uint32_t>(corners.size()), sums_.data());
+  sum_tiles(params, level, corners);
   const float spacing = 2.0F * half_width(level);
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     const PoseCandidate& corner = corners[i / in_tile];

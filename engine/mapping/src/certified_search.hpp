@@ -46,6 +46,7 @@ class CertifiedSearch {
   void halve(const OpenBox& box);
   void bound_tiles(std::int32_t level, std::span<const PoseCandidate> corners, std::uint32_t tile_width,
                    std::uint32_t tile_height, std::uint32_t known_bound);
+  void sum_tiles(const PoseBounds::Params& params, std::int32_t level, std::span<const PoseCandidate> corners);
   void keep(OpenBox box);
   [[nodiscard]] bool has_wide_minorant(std::int32_t level) const;
   std::optional<PoseMinorant::Value> minorant_in(const OpenBox& box);

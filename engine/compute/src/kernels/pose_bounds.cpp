@@ -11,7 +11,6 @@ namespace {
 
 /// Most points whose bytes sum up to what those of pose_cost do; a block of them is added in 16 bits.
 constexpr std::uint32_t kMostPoints = 65537;
-constexpr std::int32_t kFarthestFirst = 1 << 21;
 constexpr std::uint32_t kMostPhaseBits = 4;
 /// So that places in a dilation can be counted in 31 bits.
 constexpr std::uint64_t kMostSamples = 0x7FFFFFFFU;
@@ -42,7 +41,8 @@ struct Adapter {
     check.require(std::isfinite(params.samples_per_cell) && params.samples_per_cell > 0.0F,
                   "the samples per cell are no positive number");
     check.require(params.point_count <= kMostPoints, "more than 65,537 points");
-    const auto in_reach = [](std::int32_t first) { return -kFarthestFirst <= first && first <= kFarthestFirst; };
+    constexpr std::int32_t kFarthest = PoseBounds::kFarthestFirst;
+    const auto in_reach = [](std::int32_t first) { return -kFarthest <= first && first <= kFarthest; };
     check.require(in_reach(params.first_column) && in_reach(params.first_row),
                   "the anchor is more than 2^21 samples off");
     const std::uint64_t samples = params.last_field + planes * params.width * params.height;

@@ -2,7 +2,8 @@
 // the window can be better than the one in hand by more than a gap. The cost is that of pose_cost.hpp (bilinear,
 // distance), to the bit; docs/numerics.md, "Certified matching", derives the bounds. Frames: the window and the result
 // are poses of the robot in the map, metres and radians; points are in cells in the robot's frame. Same result on every
-// instruction set; with a time limit it depends on the clock. A prepared map may be shared between threads.
+// instruction set and with every device; with a time limit it depends on the clock. A prepared map may be shared
+// between threads unless it has a device, to whose thread it then belongs.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,9 @@
 
 namespace gdtslam {
 
+class Backend;
 class BoundFields;
+class DeviceBounds;
 
 /// A distance field in memory, row-major; its two outermost rows and columns hold the cap. 1/256 cell.
 struct FieldView {
@@ -41,9 +44,10 @@ class CertifiedMap {
  public:
   /// What searches begin with: boxes for windows of any size, or of up to some metres, which is less to prepare.
   enum Windows : std::uint8_t { kAnyWindows, kSmallWindows };
-  /// `isa` runs the kernels. Throws Error where the field is smaller than 4 x 4 cells or its edge does not hold the
-  /// cap.
-  CertifiedMap(const FieldView& field, Isa isa, Windows windows = kAnyWindows);
+  /// `isa` runs the kernels, but for the boxes that the search of a large window begins with where there is a `device`,
+  /// which must outlive this: those are bounded there, all at once. The result is the same. Throws Error where the
+  /// field is smaller than 4 x 4 cells or its edge does not hold the cap.
+  CertifiedMap(const FieldView& field, Isa isa, Windows windows = kAnyWindows, Backend* device = nullptr);
   ~CertifiedMap();
   CertifiedMap(const CertifiedMap&) = delete;
   CertifiedMap& operator=(const CertifiedMap&) = delete;
@@ -51,6 +55,10 @@ class CertifiedMap {
   [[nodiscard]] const FieldView& field() const { return field_; }
   [[nodiscard]] const BoundFields& bounds() const { return *bounds_; }
   [[nodiscard]] Isa isa() const { return isa_; }
+  /// nullptr without a device.
+  [[nodiscard]] DeviceBounds* device() const { return device_.get(); }
+  /// What searches launched on the device so far.
+  [[nodiscard]] std::uint64_t device_launches() const;
   /// Of what was added to the field.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -58,6 +66,7 @@ class CertifiedMap {
   FieldView field_;
   Isa isa_;
   std::unique_ptr<BoundFields> bounds_;
+  std::unique_ptr<DeviceBounds> device_;
 };
 
 /// A box of poses; both ends included. A half angle of pi or more means every heading.
@@ -114,7 +123,8 @@ struct CertifiedResult {
 /// At most this many points: PoseMinorant::kMostPoints.
 inline constexpr std::size_t kMostCertifiedPoints = 4096;
 
-/// Throws Error without points, with too many of them or with a window, prior or start that is not finite. Cost: about
+/// Throws Error without points, with too many of them or with a window, prior or start that is not finite, DeviceError
+/// where the map's device fails; then a map without one has the result. Cost: about
 /// 0.3 ms for a window of +-1 m and +-20 degrees, 20 ms for +-5 m and all headings (docs/benchmarks.md).
 CertifiedResult find_pose(const CertifiedMap& map, std::span<const PointCells> points, const PoseWindow& window,
                           const CertifiedOptions& options = {});

@@ -40,7 +40,7 @@ struct PoseBounds {
   struct Params {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
-    std::int32_t first_column = 0;  ///< of the anchor, margin included; any value within +-2^21
+    std::int32_t first_column = 0;  ///< of the anchor, margin included; at most kFarthestFirst off
     std::int32_t first_row = 0;
     std::uint32_t phase_bits = 0;  ///< at most 4
     float samples_per_cell = 1.0F;
@@ -49,6 +49,7 @@ struct PoseBounds {
     std::uint32_t tile_width = 2;   ///< 2 x 2 or 16 x 4
     std::uint32_t tile_height = 2;
   };
+  static constexpr std::int32_t kFarthestFirst = 1 << 21;
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
   static const KernelInfo& info();
 };

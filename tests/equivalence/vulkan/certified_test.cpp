@@ -1,0 +1,227 @@
+// Certified matching with a device for the boxes that it begins with: every number of the result is the host's.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/elementary.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/mapping/certified.hpp"
+#include "support/vulkan_device.hpp"
+
+namespace gdtslam::test {
+namespace {
+
+constexpr double kResolution_m = 0.05;
+constexpr std::uint16_t kCap = 5120;
+constexpr std::uint32_t kWidth = 390;
+constexpr std::uint32_t kHeight = 301;
+constexpr CellIndex kFirst{-57, 23};  // the map's lower left cell
+
+/// A wall along x or y, in cells from the field's corner.
+struct Wall {
+  double x0, y0, x1, y1;
+};
+constexpr Wall kWalls[] = {{30, 25, 360, 25},    {30, 270, 250, 270},  {30, 25, 30, 270},    {360, 25, 360, 200},
+                           {250, 200, 360, 200}, {250, 200, 250, 270}, {120, 25, 120, 110},  {120, 150, 120, 270},
+                           {200, 110, 290, 110}, {290, 60, 290, 110},  {165, 180, 185, 180}, {185, 180, 185, 205}};
+
+double distance_to(const Wall& wall, double x, double y) {
+  const double dx = x - std::clamp(x, wall.x0, wall.x1);
+  const double dy = y - std::clamp(y, wall.y0, wall.y1);
+  return std::sqrt(dx * dx + dy * dy);
+}
+
+std::vector<std::uint16_t> walls_field() {
+  std::vector<std::uint16_t> field(std::size_t{kWidth} * kHeight, kCap);
+  for (std::uint32_t y = 2; y + 2 < kHeight; ++y) {
+    for (std::uint32_t x = 2; x + 2 < kWidth; ++x) {
+      double least = 20.0;
+      for (const Wall& wall : kWalls) least = std::min(least, distance_to(wall, x + 0.5, y + 0.5));
+      field[std::size_t{y} * kWidth + x] = static_cast<std::uint16_t>(std::lround(256.0 * least));
+    }
+  }
+  return field;
+}
+
+/// Points on the walls as they are seen from a pose, some of them on nothing.
+std::vector<PointCells> seen_from(const Pose2& T_map_base, std::size_t count, Random& random) {
+  const auto [s, c] = sin_cos(T_map_base.theta_rad);
+  std::vector<PointCells> points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Wall& wall = kWalls[random.below(std::size(kWalls))];
+    const double along = random.uniform(0.0, 1.0);
+    const double stray = i % 9 == 0 ? 15.0 : 0.2;
+    const double x = wall.x0 + along * (wall.x1 - wall.x0) + random.uniform(-stray, stray) + kFirst.x;
+    const double y = wall.y0 + along * (wall.y1 - wall.y0) + random.uniform(-stray, stray) + kFirst.y;
+    const double dx = x - T_map_base.x_m / kResolution_m;
+    const double dy = y - T_map_base.y_m / kResolution_m;
+    points[i] = {static_cast<float>(c * dx + s * dy), static_cast<float>(c * dy - s * dx)};
+  }
+  return points;
+}
+
+struct Problem {
+  std::vector<PointCells> points;
+  PoseWindow window;
+  CertifiedOptions options;
+};
+
+/// Of the whole map and all headings, of half of both, and of more than the map; with priors and places that do not
+/// count.
+Problem make_problem(std::uint64_t seed) {
+  Random random(seed);
+  const Pose2 truth{(kFirst.x + random.uniform(40.0, 240.0)) * kResolution_m,
+                    (kFirst.y + random.uniform(35.0, 260.0)) * kResolution_m, random.uniform(-3.1, 3.1)};
+  Problem problem;
+  problem.points = seen_from(truth, 240 + 40 * (seed % 5), random);
+  const Pose2 middle{(kFirst.x + 0.5 * kWidth) * kResolution_m, (kFirst.y + 0.5 * kHeight) * kResolution_m, 0.0};
+  constexpr double kWholeX_m = 0.5 * kWidth * kResolution_m;
+  constexpr double kWholeY_m = 0.5 * kHeight * kResolution_m;
+  problem.window = {middle, kWholeX_m, kWholeY_m, kPi};
+  if (seed % 3 == 1) problem.window = {truth, 5.0, 4.0, 1.7};
+  if (seed % 3 == 2) problem.window = {middle, 3.0 * kWholeX_m, 3.0 * kWholeY_m, kPi};
+  problem.options.gap_m = 0.01;
+  problem.options.max_boxes = 400000;
+  if (seed % 4 == 3) problem.options.prior = WindowPrior{.mean = truth, .weight_xy = 3.0F, .weight_theta = 400.0F};
+  if (seed % 4 == 2) problem.options.excluded = ExcludedPoses{.around = truth};
+  return problem;
+}
+
+void expect_equal(const CertifiedResult& found, const CertifiedResult& expected, std::uint64_t seed) {
+  EXPECT_EQ(found.T_map_base, expected.T_map_base) << "seed " << seed;
+  EXPECT_EQ(found.cost, expected.cost) << "seed " << seed;
+  EXPECT_EQ(found.bound, expected.bound) << "seed " << seed;
+  EXPECT_EQ(found.boxes, expected.boxes) << "seed " << seed;
+  EXPECT_EQ(found.evaluations, expected.evaluations) << "seed " << seed;
+  EXPECT_EQ(found.stop, expected.stop) << "seed " << seed;
+  EXPECT_EQ(found.mean_cost_m, expected.mean_cost_m) << "seed " << seed;
+  EXPECT_EQ(found.mean_bound_m, expected.mean_bound_m) << "seed " << seed;
+  EXPECT_EQ(found.gap_m, expected.gap_m) << "seed " << seed;
+}
+
+class CertifiedOnDevice : public testing::Test {
+ protected:
+  CertifiedResult on_host(const Problem& problem) const {
+    return find_pose(host, problem.points, problem.window, problem.options);
+  }
+  /// All problems, one launch for each.
+  void expect_the_hosts_results(Backend& backend) const {
+    const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, &backend);
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+      const Problem problem = make_problem(seed);
+      const std::uint64_t dispatches = backend.dispatch_count();
+      expect_equal(find_pose(map, problem.points, problem.window, problem.options), on_host(problem), seed);
+      EXPECT_EQ(backend.dispatch_count() - dispatches, 1U) << "seed " << seed;
+      EXPECT_EQ(map.device_launches(), seed + 1);
+    }
+  }
+
+  const std::vector<std::uint16_t> cells = walls_field();
+  const FieldView view{cells.data(), kWidth, kHeight, kWidth, kFirst, kCap, kResolution_m};
+  const CertifiedMap host{view, best_isa()};
+};
+
+class CertifiedOnVulkan : public CertifiedOnDevice, public testing::WithParamInterface<ShaderForms> {
+ protected:
+  void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
+  static std::unique_ptr<VulkanBackend> device(VulkanOptions options = {}) {
+    options.forms = GetParam();
+    return test_backend(options);
+  }
+};
+
+TEST_P(CertifiedOnVulkan, GivesTheHostsResult) {
+  const auto backend = device();
+  expect_the_hosts_results(*backend);
+  EXPECT_EQ(backend->submit_count(), 12U);
+}
+
+// A deliberate fault: with bounds that are too low in every other column the search would take more boxes.
+TEST_P(CertifiedOnVulkan, SeesAConstantThatIsWrong) {
+  constexpr std::uint32_t kRight = 0x00FF00FF;
+  constexpr std::uint32_t kWrong = 0x00FF000F;
+  std::size_t edits = 0;
+  VulkanOptions options;
+  options.edit_shader = [&](std::string_view, std::vector<std::uint32_t>& spirv) {
+    edits += static_cast<std::size_t>(std::count(spirv.begin(), spirv.end(), kRight));
+    std::replace(spirv.begin(), spirv.end(), kRight, kWrong);
+  };
+  const auto backend = device(options);
+  const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, backend.get());
+  const Problem problem = make_problem(0);
+  const CertifiedResult found = find_pose(map, problem.points, problem.window, problem.options);
+  EXPECT_GT(edits, 0U);
+  EXPECT_GT(found.boxes, on_host(problem).boxes);
+}
+
+std::string form_name(const testing::TestParamInfo<ShaderForms>& forms) {
+  constexpr std::array kNames{"ByDevice", "Wide", "Narrow", "NoTexels"};
+  return kNames[static_cast<std::size_t>(forms.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms, CertifiedOnVulkan,
+                         testing::Values(ShaderForms::kByDevice, ShaderForms::kWide, ShaderForms::kNarrow,
+                                         ShaderForms::kNoTexels),
+                         form_name);
+
+// Every call to the driver may be the one that loses the device: the search ends with its error, or with the result.
+TEST_F(CertifiedOnDevice, EndsWithTheErrorOfTheDevice) {
+  GDTSLAM_NEEDS_VULKAN();
+  const Problem problem = make_problem(1);
+  const CertifiedResult expected = on_host(problem);
+  const auto search_on = [&](VulkanBackend& backend) {
+    const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, &backend);
+    return find_pose(map, problem.points, problem.window, problem.options);
+  };
+  const auto sound = test_backend();
+  const std::uint64_t before = sound->call_count();
+  search_on(*sound);
+  const std::uint64_t calls = sound->call_count();
+  ASSERT_GT(calls, before);
+  std::size_t lost = 0;
+  for (std::uint64_t at = before + 1; at <= calls; ++at) {
+    VulkanOptions options;
+    options.fault = {.at = at, .code = VulkanFault::Code::kDeviceLost};
+    const auto backend = test_backend(options);
+    try {
+      expect_equal(search_on(*backend), expected, at);
+    } catch (const DeviceError&) {
+      ++lost;
+    }
+  }
+  EXPECT_GT(lost, 0U);
+}
+
+TEST_F(CertifiedOnDevice, ThreadsOfTheCpuGiveTheHostsResult) {
+  const auto backend = make_cpu_backend({.threads = 3, .isa = std::nullopt});
+  expect_the_hosts_results(*backend);
+}
+
+// What the host does sooner than a device answers stays there.
+TEST_F(CertifiedOnDevice, SmallWindowsStayOnTheHost) {
+  const auto backend = make_cpu_backend({});
+  const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, backend.get());
+  Problem problem = make_problem(0);
+  problem.window = {problem.window.centre, 0.5, 0.5, 0.3};
+  expect_equal(find_pose(map, problem.points, problem.window, problem.options), on_host(problem), 0);
+  EXPECT_EQ(backend->dispatch_count(), 0U);
+  EXPECT_EQ(map.device_launches(), 0U);
+}
+
+// More boxes than a launch takes, and a map that lies far off.
+TEST_F(CertifiedOnDevice, HugeWindowsTakeSeveralLaunches) {
+  const auto backend = make_cpu_backend({.threads = 2, .isa = std::nullopt});
+  const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, backend.get());
+  Problem problem = make_problem(3);
+  problem.window = {{300.0, -200.0, 0.0}, 500.0, 400.0, 0.5};
+  problem.options.max_boxes = 1000;
+  expect_equal(find_pose(map, problem.points, problem.window, problem.options), on_host(problem), 3);
+  EXPECT_GT(map.device_launches(), 1U);
+}
+
+}  // namespace
+}  // namespace gdtslam::test
