@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench_certified.hpp"
 #include "bench_rows.hpp"
 #include "commands.hpp"
 #include "console.hpp"
@@ -18,6 +19,9 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/json_file.hpp"
 #include "interrupt.hpp"
+#include "settings.hpp"
+#include "verify_logs.hpp"
+#include "whole_number.hpp"
 
 namespace gdtslam {
 namespace {
@@ -31,8 +35,12 @@ struct BenchOptions {
   std::string filter;
   std::uint32_t size = 1024;
   TimingOptions timing;
+  std::string log{};  ///< of certified matching; empty: the sample
+  std::uint64_t scans = 100;
+  double lattice_s = 5.0;
   bool json = false;
   bool flood_errors = false;
+  [[nodiscard]] bool is_certified() const { return filter == "certified"; }
 };
 
 /// All rows of one backend, and what it is called.
@@ -238,8 +246,22 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
   return measured;
 }
 
+int print_certified(Backend& cpu, const BenchOptions& options) {
+  const CertifiedBenchJob job{.log = options.log.empty() ? sample_log_file() : options.log,
+                              .mapper = load_settings({}).mapper,
+                              .scans = options.scans,
+                              .lattice_s = options.lattice_s};
+  const CertifiedBench bench = bench_certified(job, cpu, [] { return interrupted(); });
+  print_result(options.json ? json_text_of(job, bench, cpu) : text_of(job, bench, cpu));
+  return static_cast<int>(ExitCode::kDone);
+}
+
 int bench(const BenchOptions& options) {
+  if (!options.is_certified() && !options.log.empty()) {
+    throw UsageError("bench: --log is for 'gdtslam bench certified'");
+  }
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
+  if (options.is_certified()) return print_certified(*cpu, options);
   const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
   if (options.flood_errors) return print_flood_errors(device ? *device : *cpu, options);
   std::vector<Measured> all{measure_all(*cpu, "cpu", options)};
@@ -261,7 +283,8 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "filter", options->filter,
           "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; 'sweep': "
-          "whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage")
+          "whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage; 'certified': "
+          "certified matching in the merged map of a log, on the CPU")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
@@ -270,6 +293,18 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
   command->add_option("--samples", options->timing.samples, "Samples of each time at most; the median counts")
       ->type_name("N")
       ->check(CLI::Range(1, 1000).description(""))
+      ->capture_default_str();
+  command->add_option("--log", options->log, "certified: the log that is mapped (default: the sample that comes along)")
+      ->type_name("LOG");
+  command->add_option("--scans", options->scans, "certified: scans that are looked for, evenly over the log")
+      ->type_name("N")
+      ->check(whole_number_from(1) & CLI::Range(1, 100000).description(""))
+      ->capture_default_str();
+  command
+      ->add_option("--lattice", options->lattice_s,
+                   "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 1.0e6).description(""))
       ->capture_default_str();
   command->add_flag("--flood-errors", options->flood_errors,
                     "Instead of times: the errors of jump flooding from 512 to --size, as a table");
@@ -280,7 +315,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       "together, so that a submission's own time is shared; a time is that of one step, the median of the samples.\n"
       "\n"
       "Examples:\n  gdtslam bench\n  gdtslam bench --device vulkan --json\n  gdtslam bench pose_cost --isa avx2\n"
-      "  gdtslam bench clouds\n  gdtslam bench viewer\n"
+      "  gdtslam bench clouds\n  gdtslam bench viewer\n  gdtslam bench certified --log intel.clf.gz\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");
   command->callback([options, &context] { context.run = [options] { return bench(*options); }; });
 }
