@@ -31,17 +31,24 @@ void locate_tiles(const PoseBounds::Params& params, const BoundPoint* points, st
   }
 }
 
-/// A tile of 2 x 2: four bytes of a point are added as two pairs of 16 bits.
+/// A tile of 2 x 2: its four bytes become a word, columns in turn, and the words of a block are added as two pairs of
+/// 16 bits each.
 void add_small_tile(const std::uint8_t* field, std::uint32_t width, const std::uint32_t* offsets, std::uint32_t count,
                     std::uint32_t* sums) {
+  alignas(64) std::uint32_t words[kBoundBlock];
+  const std::uint8_t* above = field + width;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint16_t lower;
+    std::uint16_t upper;
+    __builtin_memcpy(&lower, field + offsets[i], 2);
+    __builtin_memcpy(&upper, above + offsets[i], 2);
+    words[i] = lower | static_cast<std::uint32_t>(upper) << 16U;
+  }
   std::uint32_t lefts = 0;
   std::uint32_t rights = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint8_t* at = field + offsets[i];
-    const std::uint32_t lower = at[0] | static_cast<std::uint32_t>(at[width]) << 16U;
-    const std::uint32_t upper = at[1] | static_cast<std::uint32_t>(at[width + 1]) << 16U;
-    lefts += lower;
-    rights += upper;
+    lefts += words[i] & 0x00FF00FFU;
+    rights += words[i] >> 8U & 0x00FF00FFU;
   }
   sums[0] += lefts & 0xFFFFU;
   sums[1] += rights & 0xFFFFU;
