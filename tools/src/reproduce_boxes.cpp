@@ -60,13 +60,13 @@ Measurement measured_in(const Cloud& cloud, const std::string& file, bool is_pro
 }  // namespace
 
 Part make_boxes(const Workplace& place) {
-  const Drive drive = place.drives.drive("three-boxes", [&](double share) { place.progress(0.5 * share); });
+  const Drive drive = place.drives.drive("three-boxes");
   const std::string file = drive.run + "/cloud.ply";
   const Cloud cloud = read_whole_cloud(file, {});
   const Measurement solid = measured_in(cloud, file, false);
-  place.progress(0.7);
+  place.progress(0.4);
   const Measurement projected = measured_in(cloud, file, true);
-  place.progress(0.85);
+  place.progress(0.7);
   Part part;
   part.source = "The scene three-boxes, seed 1: boxes of the paper's true widths before the standing scanner.";
   RenderOptions look;

@@ -115,12 +115,12 @@ void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepMod
 }  // namespace
 
 Part make_calibration(const Workplace& place) {
-  const Drive drive = place.drives.drive("wall", [&](double share) { place.progress(0.6 * share); });
+  const Drive drive = place.drives.drive("wall");
   CalibrateJob job;
   job.logs = {drive.log};
   job.start = resolve_linkage(kNominal);
   const CalibrateOutcome outcome = run_calibration(
-      job, [&](double share) { place.progress(0.6 + 0.3 * share); }, place.stop);
+      job, [&](double share) { place.progress(0.9 * share); }, place.stop);
   Part part;
   part.source =
       "The scene wall, seed 1, with the paper's protocol: the crank stops each 1.8\u00b0 for 250 scans. The "

@@ -102,24 +102,36 @@ std::vector<std::string> Drives::commands_of(std::string_view name) {
   return commands;
 }
 
-Drive Drives::drive(std::string_view name, const std::function<void(double)>& progress) {
-  const DriveRecipe& recipe = recipe_of(name);
-  const std::string folder = fmt::format("{}/{}", folder_, name);
-  const std::string mark = folder + "/key";
-  Drive drive{fmt::format("{}/{}.log", folder, name), fmt::format("{}/{}.truth.tum", folder, name),
-              recipe.is_mapped ? folder + "/run" : "", find_scene(std::string(recipe.scene), asset_folders("scenes"))};
-  const std::string key = key_of(name) + program_ + device_.device + "\n";
+std::string Drives::folder_of(std::string_view name) const { return fmt::format("{}/{}", folder_, name); }
+
+std::string Drives::mark_of(std::string_view name) const { return key_of(name) + program_ + device_.device + "\n"; }
+
+bool Drives::is_made(std::string_view name) const {
+  const std::string mark = folder_of(name) + "/key";
   std::error_code failed;
-  if (fs::exists(mark, failed) && text_of_file(mark) == key) return drive;
+  return fs::exists(mark, failed) && text_of_file(mark) == mark_of(name);
+}
+
+Drive Drives::drive(std::string_view name) const {
+  const DriveRecipe& recipe = recipe_of(name);
+  const std::string folder = folder_of(name);
+  return {fmt::format("{}/{}.log", folder, name), fmt::format("{}/{}.truth.tum", folder, name),
+          recipe.is_mapped ? folder + "/run" : "", find_scene(std::string(recipe.scene), asset_folders("scenes"))};
+}
+
+void Drives::make(std::string_view name, const std::function<void(double)>& progress) const {
+  const DriveRecipe& recipe = recipe_of(name);
+  const Drive made = drive(name);
+  const std::string folder = folder_of(name);
+  std::error_code failed;
   fs::remove_all(folder, failed);
   make_folder(folder);
   const double simulated_share = recipe.is_mapped ? kSimulationShare : 1.0;
-  simulate_drive(recipe, drive, folder, [&](double share) { progress(simulated_share * share); });
+  simulate_drive(recipe, made, folder, [&](double share) { progress(simulated_share * share); });
   if (recipe.is_mapped) {
-    map_drive(recipe, drive, [&](double share) { progress(simulated_share + (1.0 - simulated_share) * share); });
+    map_drive(recipe, made, [&](double share) { progress(simulated_share + (1.0 - simulated_share) * share); });
   }
-  write_file_atomically(mark, key);
-  return drive;
+  write_file_atomically(folder + "/key", mark_of(name));
 }
 
 void Drives::simulate_drive(const DriveRecipe& recipe, const Drive& drive, const std::string& folder,

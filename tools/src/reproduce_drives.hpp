@@ -1,5 +1,5 @@
-// The simulated drives that parts share: a log with its truth and, where it is mapped, the run, in DIR/work/NAME. Each
-// is made when a part asks for it and once. One object belongs to one thread.
+// The simulated drives that parts share: a log with its truth and, where it is mapped, the run, in a folder of its own
+// among the output's working files. Each is made when a part asks for it and once. One object belongs to one thread.
 #pragma once
 
 #include <functional>
@@ -23,6 +23,7 @@ struct DriveRecipe {
   std::string_view laser = {};    ///< preset; empty: the scene's
   std::string_view linkage = {};  ///< the mount's; empty: the scene's
   std::uint64_t first = 0;        ///< scans that are mapped; 0: all
+  double weight_s = 1.0;          ///< CPU seconds as measured, for the time left
 };
 const DriveRecipe& recipe_of(std::string_view name);
 
@@ -38,14 +39,19 @@ class Drives {
   /// `program` stands for the program: what another one left is not used.
   Drives(std::string folder, std::string program, DeviceOptions device, std::function<bool()> stop);
 
-  /// Simulates and maps where that is not done. Throws as simulate() and map_log(), Error(kInterrupted).
-  Drive drive(std::string_view name, const std::function<void(double)>& progress);
+  [[nodiscard]] bool is_made(std::string_view name) const;
+  /// Simulates and maps. Throws as simulate() and map_log(), Error(kInterrupted).
+  void make(std::string_view name, const std::function<void(double)>& progress) const;
+  /// Where a drive is that is made.
+  [[nodiscard]] Drive drive(std::string_view name) const;
   /// What stands for all that goes into it: scene, waypoints, options.
   [[nodiscard]] static std::string key_of(std::string_view name);
   /// `gdtslam simulate ...` and `gdtslam map ...`.
   [[nodiscard]] static std::vector<std::string> commands_of(std::string_view name);
 
  private:
+  [[nodiscard]] std::string folder_of(std::string_view name) const;
+  [[nodiscard]] std::string mark_of(std::string_view name) const;
   void simulate_drive(const DriveRecipe& recipe, const Drive& drive, const std::string& folder,
                       const std::function<void(double)>& progress) const;
   void map_drive(const DriveRecipe& recipe, const Drive& drive, const std::function<void(double)>& progress) const;

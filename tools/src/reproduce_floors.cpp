@@ -44,7 +44,7 @@ Row surface_row(const std::string& what, const SceneErrors& errors) {
 
 void add_standing(Part& part, const Workplace& place, const std::string& name, const std::string& what,
                   const std::string& camera, double from) {
-  const Drive drive = place.drives.drive(name, [&](double share) { place.progress(from + 0.25 * share); });
+  const Drive drive = place.drives.drive(name);
   RenderOptions look;
   look.title = "From one place: " + what;
   look.camera = camera;
@@ -53,7 +53,7 @@ void add_standing(Part& part, const Workplace& place, const std::string& name, c
             fmt::format("The scanner stands in the corridor, {} ahead; without the ceiling. What hides behind "
                         "walls stays empty.",
                         what)});
-  const SceneErrors errors = surface_errors(drive, place, false, from + 0.35, 0.1);
+  const SceneErrors errors = surface_errors(drive, place, false, from + 0.3, 0.2);
   part.rows.push_back({fmt::format("points, {} ahead", what), "", with_commas(errors.distances.count()), Verdict::kOpen,
                        "every beam that returned, in 40 s"});
   part.rows.push_back(surface_row(fmt::format("distance to surfaces, {} ahead", what), errors));
@@ -106,7 +106,7 @@ void add_floor_rows(Part& part, const Workplace& place, const Drive& drive) {
   part.rows.push_back(
       {"points in the map", "", with_commas(summary.cloud_points), Verdict::kOpen,
        fmt::format("thinned, from {} scans along {:.0f} m", with_commas(summary.scans), summary.path_m)});
-  part.rows.push_back(surface_row("distance to surfaces", surface_errors(drive, place, true, 0.85, 0.15)));
+  part.rows.push_back(surface_row("distance to surfaces", surface_errors(drive, place, true, 0.5, 0.5)));
   part.rows.push_back(
       {"error of the robot's path (ATE)", "",
        fmt::format("{} mean, {} at most", length_with_unit(path.ate_m.mean), length_with_unit(path.ate_m.max)),
@@ -119,7 +119,7 @@ void add_floor_rows(Part& part, const Workplace& place, const Drive& drive) {
 }
 
 Part make_floor(const Workplace& place, const std::string& scene, const std::string& title) {
-  const Drive drive = place.drives.drive(scene, [&](double share) { place.progress(0.6 * share); });
+  const Drive drive = place.drives.drive(scene);
   Part part;
   part.source = fmt::format(
       "The scene {}, seed 1, a floor like that of the figure, drawn by us; the laser nods on the linkage "
@@ -127,7 +127,7 @@ Part make_floor(const Workplace& place, const std::string& scene, const std::str
       "while the robot drives.",
       scene);
   add_floor_views(part, place, drive, title);
-  place.progress(0.85);
+  place.progress(0.5);
   add_floor_rows(part, place, drive);
   part.by_hand = Drives::commands_of(scene);
   part.by_hand.push_back(

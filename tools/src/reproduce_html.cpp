@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base64_text.hpp"
+#include "gdtslam/drawing/markup.hpp"
 #include "reproduce_drives.hpp"
 #include "reproduce_report.hpp"
 
@@ -16,40 +17,18 @@ std::string_view program();
 namespace gdtslam::reproduce {
 namespace {
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char letter : text) {
-    switch (letter) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += letter;
-    }
-  }
-  return out;
-}
-
 std::string verdict_html(Verdict verdict) {
   const char* const style = verdict == Verdict::kWithin ? "within" : verdict == Verdict::kOutside ? "outside" : "open";
   return fmt::format("<span class=\"verdict {}\">{}</span>", style, name_of(verdict));
 }
 
 std::string row_html(const Row& row, const std::string& lead) {
-  const std::string paper = row.paper.empty() ? "<span class=\"quiet\">not given</span>" : escaped(row.paper);
+  const std::string paper = row.paper.empty() ? "<span class=\"quiet\">not given</span>" : markup_text(row.paper);
   return fmt::format(
       "<tr>{}<td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td><td "
       "class=\"remark\">{}</td></tr>\n",
-      lead, escaped(row.quantity), paper, escaped(row.ours), verdict_html(row.verdict), escaped(row.remark));
+      lead, markup_text(row.quantity), paper, markup_text(row.ours), verdict_html(row.verdict),
+      markup_text(row.remark));
 }
 
 std::string rows_table(const std::string& rows, bool has_lead) {
@@ -67,7 +46,7 @@ std::string overview_html(const Result& result) {
     if (!state.kept) continue;
     for (const Row& row : state.kept->part.rows) {
       rows += row_html(row, fmt::format("<td class=\"part\"><a href=\"#{}\">{}</a></td>", state.info->id,
-                                        escaped(state.info->label)));
+                                        markup_text(state.info->label)));
     }
   }
   return rows_table(rows, true);
@@ -75,12 +54,12 @@ std::string overview_html(const Result& result) {
 
 std::string table_html(const Table& table) {
   std::string text = fmt::format("<div class=\"table\"><table class=\"numbers\"><caption>{}</caption><thead><tr>",
-                                 escaped(table.caption));
-  for (const std::string& head : table.heads) text += "<th scope=\"col\">" + escaped(head) + "</th>";
+                                 markup_text(table.caption));
+  for (const std::string& head : table.heads) text += "<th scope=\"col\">" + markup_text(head) + "</th>";
   text += "</tr></thead><tbody>\n";
   for (const auto& row : table.rows) {
     text += "<tr>";
-    for (const std::string& cell : row) text += "<td>" + escaped(cell) + "</td>";
+    for (const std::string& cell : row) text += "<td>" + markup_text(cell) + "</td>";
     text += "</tr>\n";
   }
   return text + "</tbody></table></div>\n";
@@ -94,28 +73,28 @@ std::string picture_html(const Picture& picture, const std::string& folder) {
     const std::size_t begin = bytes.find("<svg");
     image = begin == std::string::npos ? "" : bytes.substr(begin);
   } else {
-    image = fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", escaped(picture.caption),
+    image = fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", markup_text(picture.caption),
                         base64_text(bytes));
   }
   return fmt::format("<figure{}><div class=\"sheet\">\n{}</div><figcaption>{}</figcaption></figure>\n",
-                     fmt::format(" class=\"across{}\"", picture.across), image, escaped(picture.caption));
+                     fmt::format(" class=\"across{}\"", picture.across), image, markup_text(picture.caption));
 }
 
 std::string command_html(const std::string& command) {
-  return "<div class=\"command\"><pre>" + escaped(command) + "</pre></div>\n";
+  return "<div class=\"command\"><pre>" + markup_text(command) + "</pre></div>\n";
 }
 
 std::string part_html(const PartState& state, const Store& store) {
   const PartInfo& info = *state.info;
   std::string text = fmt::format(
       "<section id=\"{}\">\n<h2><span class=\"label\">{}</span>{}</h2>\n<p class=\"quiet\">In the paper: {}</p>\n",
-      info.id, escaped(info.label), escaped(info.title), escaped(info.paper));
+      info.id, markup_text(info.label), markup_text(info.title), markup_text(info.paper));
   if (!state.kept) {
     return text + "<div class=\"missing\"><p>Not made yet. This command makes it:</p>\n" +
            command_html(command_of(info)) + "</div>\n</section>\n";
   }
   const Part& part = state.kept->part;
-  text += fmt::format("<p><span class=\"origin\">{}</span>{}</p>\n", name_of(part.origin), escaped(part.source));
+  text += fmt::format("<p><span class=\"origin\">{}</span>{}</p>\n", name_of(part.origin), markup_text(part.source));
   text += "<div class=\"figures\">\n";
   for (const Picture& picture : part.pictures) text += picture_html(picture, store.folder_of(std::string(info.id)));
   text += "</div>\n";
@@ -124,7 +103,7 @@ std::string part_html(const PartState& state, const Store& store) {
   if (!rows.empty()) text += rows_table(rows, false);
   for (const Table& table : part.tables) text += table_html(table);
   if (!part.notes.empty()) text += "<ul class=\"notes\">\n";
-  for (const std::string& note : part.notes) text += "<li>" + escaped(note) + "</li>\n";
+  for (const std::string& note : part.notes) text += "<li>" + markup_text(note) + "</li>\n";
   if (!part.notes.empty()) text += "</ul>\n";
   text += "<h3>This part alone</h3>\n" + command_html(command_of(info));
   if (!part.by_hand.empty()) {
@@ -134,30 +113,24 @@ std::string part_html(const PartState& state, const Store& store) {
     text +=
         "<details><summary>Step by step, with the ordinary commands</summary>\n" + command_html(steps) + "</details>\n";
   }
-  return text + fmt::format("<p class=\"quiet\">Made {} in {}.</p>\n</section>\n", state.kept->date,
-                            seconds_text(state.kept->seconds));
+  return text + fmt::format("<p class=\"quiet\">Made {}, {} of CPU time.</p>\n</section>\n", state.kept->date,
+                            seconds_text(state.kept->cpu_s));
 }
 
 std::string fact(std::string_view name, const std::string& value) {
-  return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", name, escaped(value));
+  return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", name, markup_text(value));
 }
 
 std::string header_html(const Result& result) {
   const VerdictCounts counts = counts_of(result);
   std::string text =
-      "<h1>The paper, figure by figure</h1>\n"
-      "<p>The figures and tables of \u201cA Robotic Indoor 3D Mapping System Using a 2D Laser Range Finder Mounted on "
-      "a "
-      "Rotating Four-Bar Linkage of a Mobile Platform\u201d made anew by gdtslam, with the paper\u2019s numbers beside "
-      "ours.</p>\n"
-      "<p><strong>The paper\u2019s logs are not published. Everything here is simulated, or computed from what the "
-      "paper "
-      "prints, unless a part says that it is real.</strong></p>\n<dl class=\"facts\">\n";
+      fmt::format("<h1>The paper, figure by figure</h1>\n<p>{}</p>\n<p><strong>{}</strong></p>\n<dl class=\"facts\">\n",
+                  kAbout, kNotPublished);
   text += fact("Version", "gdtslam " + result.host.version) + fact("Report written", utc_text());
   text += fact("Processor", fmt::format("{}, {} threads", result.host.processor, result.host.threads));
   text += fact("Device", result.host.device);
-  text += fact("Parts", fmt::format("{} of {} made, in {}", parts_made(result), result.parts.size(),
-                                    seconds_text(seconds_of_parts(result))));
+  text += fact("Parts", fmt::format("{} of {} made, {} of CPU time", parts_made(result), result.parts.size(),
+                                    seconds_text(cpu_s_of_parts(result))));
   text +=
       fact("Verdicts", fmt::format("{} within, {} outside, {} without", counts.within, counts.outside, counts.open));
   return text + "</dl>\n";
@@ -166,16 +139,14 @@ std::string header_html(const Result& result) {
 std::string times_html(const Result& result) {
   std::string rows;
   for (const PartState& state : result.parts) {
-    rows +=
-        fmt::format("<tr><td><a href=\"#{}\">{}</a></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", state.info->id,
-                    escaped(state.info->label), escaped(state.info->title),
-                    state.kept ? seconds_text(state.kept->seconds) : "not made", state.kept ? state.kept->date : "");
+    rows += fmt::format("<tr><td><a href=\"#{}\">{}</a></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", state.info->id,
+                        markup_text(state.info->label), markup_text(state.info->title),
+                        state.kept ? seconds_text(state.kept->cpu_s) : "not made", state.kept ? state.kept->date : "");
   }
-  return "<section id=\"times\">\n<h2>Time that each part took</h2>\n<p class=\"quiet\">Parts that share a simulated "
-         "drive: the "
-         "first one has its time.</p>\n<div class=\"table\"><table class=\"numbers\"><thead><tr><th "
-         "scope=\"col\">Part</th><th "
-         "scope=\"col\">Shows</th><th scope=\"col\">Time</th><th scope=\"col\">Made</th></tr></thead><tbody>\n" +
+  return "<section id=\"times\">\n<h2>CPU time of each part</h2>\n<p class=\"quiet\">Of parts that share a simulated "
+         "drive the first one has its time.</p>\n<div class=\"table\"><table class=\"numbers\"><thead><tr><th "
+         "scope=\"col\">Part</th><th scope=\"col\">Shows</th><th scope=\"col\">CPU time</th><th "
+         "scope=\"col\">Made</th></tr></thead><tbody>\n" +
          rows + "</tbody></table></div>\n</section>\n";
 }
 
@@ -191,9 +162,8 @@ std::string filled(std::string_view skeleton, std::string_view name, std::string
 std::string html_of(const Result& result, const Store& store) {
   std::string body =
       header_html(result) +
-      "<section id=\"verdicts\">\n<h2>Paper and reproduction</h2>\n<p class=\"quiet\">Within: what the paper claims "
-      "holds here, by the rule in the remark. Outside: it does not. No verdict: the paper gives no number, or "
-      "none that can be held against ours.</p>\n" +
+      fmt::format("<section id=\"verdicts\">\n<h2>Paper and reproduction</h2>\n<p class=\"quiet\">{}</p>\n",
+                  kVerdicts) +
       overview_html(result) + "</section>\n";
   for (const PartState& state : result.parts) body += part_html(state, store);
   body += times_html(result);

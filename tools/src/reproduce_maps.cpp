@@ -90,7 +90,7 @@ void add_real_logs(Part& part, const Workplace& place) {
   for (const RealLog& real : real_logs(place.data)) {
     const TemporaryFolder folder("gdtslam-reproduce");
     const std::string run = folder.path() + "/run";
-    map_whole(real.log, run, place, [&place](double share) { place.progress(0.3 + 0.6 * share); });
+    map_whole(real.log, run, place, [&place](double share) { place.progress(0.1 + 0.8 * share); });
     const RelationReport report = evaluate_relations(read_tum(run + "/trajectory.tum"), read_relations(real.relations));
     add_view(part, place,
              {.inputs = {run}, .view = "map", .size = "1190x820", .options = titled(real.name + " (real)", true)},
@@ -115,7 +115,7 @@ void add_real_logs(Part& part, const Workplace& place) {
 }  // namespace
 
 Part make_local_scan(const Workplace& place) {
-  const Drive drive = place.drives.drive("one-scan", place.progress);
+  const Drive drive = place.drives.drive("one-scan");
   Part part;
   part.source = "One scan of 961 beams over 240\u00b0 at a crossing of the scene office-loop, seed 1.";
   add_view(part, place,
@@ -133,8 +133,7 @@ Part make_local_scan(const Workplace& place) {
 }
 
 Part make_loop(const Workplace& place) {
-  const double share = place.data.empty() ? 0.8 : 0.2;
-  const Drive drive = place.drives.drive("office-loop", [&](double done) { place.progress(share * done); });
+  const Drive drive = place.drives.drive("office-loop");
   Part part;
   part.source =
       "A drive through the scene office-loop, seed 1, an office floor with a loop of corridors like the "

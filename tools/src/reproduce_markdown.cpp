@@ -29,14 +29,38 @@ std::string rule_of(std::size_t columns) {
   return text + "\n";
 }
 
+std::vector<std::string> cells_of(const Row& row) {
+  return {row.quantity, row.paper.empty() ? "not given" : row.paper, row.ours, std::string(name_of(row.verdict)),
+          row.remark};
+}
+
 std::string overview_of(const Result& result) {
-  std::string text = row_of({"", "Quantity", "Paper", "Ours", "Verdict", "Remark"}) + rule_of(6);
+  std::string text = row_of({"Part", "Quantity", "Paper", "Ours", "Verdict", "Remark"}) + rule_of(6);
   for (const PartState& state : result.parts) {
     if (!state.kept) continue;
     for (const Row& row : state.kept->part.rows) {
-      text += row_of({std::string(state.info->label), row.quantity, row.paper, row.ours,
-                      std::string(name_of(row.verdict)), row.remark});
+      std::vector<std::string> cells = cells_of(row);
+      cells.insert(cells.begin(), std::string(state.info->label));
+      text += row_of(cells);
     }
+  }
+  return text;
+}
+
+std::string rows_of(const Part& part) {
+  if (part.rows.empty()) return "";
+  std::string text = "\n" + row_of({"Quantity", "Paper", "Ours", "Verdict", "Remark"}) + rule_of(5);
+  for (const Row& row : part.rows) text += row_of(cells_of(row));
+  return text;
+}
+
+std::string times_of(const Result& result) {
+  std::string text =
+      "\n## CPU time of each part\n\nOf parts that share a simulated drive the first one has its time.\n\n" +
+      row_of({"Part", "Shows", "CPU time", "Made"}) + rule_of(4);
+  for (const PartState& state : result.parts) {
+    text += row_of({std::string(state.info->label), std::string(state.info->title),
+                    state.kept ? seconds_text(state.kept->cpu_s) : "not made", state.kept ? state.kept->date : ""});
   }
   return text;
 }
@@ -57,6 +81,7 @@ std::string part_text(const PartState& state) {
     text += fmt::format("\n![{}]({}/{})\n\n*{}*\n", cell_text(picture.caption), Store::place_of(std::string(info.id)),
                         picture.file, cell_text(picture.caption));
   }
+  text += rows_of(part);
   for (const Table& table : part.tables) {
     text += fmt::format("\n{}\n\n", table.caption) + row_of(table.heads) + rule_of(table.heads.size());
     for (const auto& row : table.rows) text += row_of(row);
@@ -65,7 +90,7 @@ std::string part_text(const PartState& state) {
   for (const std::string& note : part.notes) text += "* " + note + "\n";
   text += "\nThis part alone:\n\n" + commands_text({command_of(info)});
   if (!part.by_hand.empty()) text += "\nStep by step:\n\n" + commands_text(part.by_hand);
-  return text + fmt::format("\nMade {} in {}.\n", state.kept->date, seconds_text(state.kept->seconds));
+  return text + fmt::format("\nMade {}, {} of CPU time.\n", state.kept->date, seconds_text(state.kept->cpu_s));
 }
 
 }  // namespace
@@ -85,9 +110,9 @@ VerdictCounts counts_of(const Result& result) {
 
 std::string command_of(const PartInfo& info) { return fmt::format("gdtslam reproduce -o report --only {}", info.id); }
 
-double seconds_of_parts(const Result& result) {
+double cpu_s_of_parts(const Result& result) {
   double seconds = 0.0;
-  for (const PartState& state : result.parts) seconds += state.kept ? state.kept->seconds : 0.0;
+  for (const PartState& state : result.parts) seconds += state.kept ? state.kept->cpu_s : 0.0;
   return seconds;
 }
 
@@ -106,20 +131,16 @@ std::size_t parts_made(const Result& result) {
 std::string markdown_of(const Result& result) {
   const VerdictCounts counts = counts_of(result);
   std::string text = fmt::format(
-      "# The paper, figure by figure\n\n"
-      "The figures and tables of the paper made anew by gdtslam {}, with the paper's numbers beside ours. Made {} on "
-      "{} "
-      "({} threads), device: {}. {} of {} parts are made; they took {}.\n\n"
-      "The paper's logs are not published. Everything here is simulated or computed from what it prints, unless a part "
-      "says "
-      "that it is real.\n\n"
-      "## Verdicts: {} within, {} outside, {} without\n\n",
-      result.host.version, utc_text(), result.host.processor, result.host.threads, result.host.device,
-      parts_made(result), result.parts.size(), seconds_text(seconds_of_parts(result)), counts.within, counts.outside,
-      counts.open);
+      "# The paper, figure by figure\n\n{}\n\n**{}**\n\n"
+      "* Version: gdtslam {}\n* Report written: {}\n* Processor: {}, {} threads\n* Device: {}\n"
+      "* Parts: {} of {} made, {} of CPU time\n* Verdicts: {} within, {} outside, {} without\n\n"
+      "## Paper and reproduction\n\n{}\n\n",
+      kAbout, kNotPublished, result.host.version, utc_text(), result.host.processor, result.host.threads,
+      result.host.device, parts_made(result), result.parts.size(), seconds_text(cpu_s_of_parts(result)), counts.within,
+      counts.outside, counts.open, kVerdicts);
   text += overview_of(result);
   for (const PartState& state : result.parts) text += part_text(state);
-  return text;
+  return text + times_of(result);
 }
 
 }  // namespace gdtslam::reproduce

@@ -189,11 +189,11 @@ Canvas positions_over_time(const std::vector<OptimizerRun>& runs) {
 }  // namespace
 
 Part make_optimizer_errors(const Workplace& place) {
-  const Drive drive = place.drives.drive("office-loop", [&](double share) { place.progress(0.1 * share); });
+  const Drive drive = place.drives.drive("office-loop");
   const std::unique_ptr<Backend> backend = make_backend(place.device);
   const CompareJob job = compare_job(drive);
   const CompareOutcome outcome = compare(
-      job, *backend, [&](std::uint64_t, double share) { place.progress(0.1 + 0.9 * share); }, place.stop);
+      job, *backend, [&](std::uint64_t, double share) { place.progress(share); }, place.stop);
   const std::vector<MethodFigures> figures = figures_of(job, outcome, 0, ScanKind::kHeld);
   Part part;
   part.source = fmt::format(
@@ -223,10 +223,10 @@ Part make_optimizer_errors(const Workplace& place) {
 }
 
 Part make_optimizer_positions(const Workplace& place) {
-  const Drive drive = place.drives.drive("office-loop", [&](double share) { place.progress(0.05 * share); });
-  constexpr std::array<double, 4> kShares{0.65, 0.15, 0.1, 0.05};  // of the time
+  const Drive drive = place.drives.drive("office-loop");
+  constexpr std::array<double, 4> kShares{0.68, 0.16, 0.1, 0.06};  // of the time
   std::vector<OptimizerRun> runs;
-  double done = 0.05;
+  double done = 0.0;
   for (std::size_t k = 0; k < kPaper.size(); ++k) {
     go_on(place);
     runs.push_back(run_with(kPaper[k], drive, place, done, kShares[k]));

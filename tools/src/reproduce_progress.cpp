@@ -24,9 +24,10 @@ std::string duration_text(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::size_t parts, double total_s, bool quiet)
+Progress::Progress(std::size_t parts, double total_s, unsigned workers, bool quiet)
     : parts_(parts),
       total_s_(total_s),
+      workers_(std::max(1U, workers)),
       quiet_(quiet),
       is_terminal_(::isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
@@ -34,43 +35,51 @@ Progress::Progress(std::size_t parts, double total_s, bool quiet)
 
 Progress::~Progress() { clear(); }
 
-void Progress::begin(const std::string& label, double weight_s) {
-  ++number_;
-  label_ = label;
-  weight_s_ = weight_s;
-  update(0.0);
+void Progress::begin(const std::string& name, double weight_s) {
+  in_hand_[name] = {weight_s, 0.0};
+  draw();
 }
 
-std::string Progress::text(const std::string& label, std::size_t number, std::size_t parts, double share, double left) {
-  return fmt::format("{} ({} of {})  {:.0f} %  {} left", label, number, parts, 100.0 * share, duration_text(left));
+void Progress::update(const std::string& name, double share) {
+  in_hand_[name].share = std::clamp(share, 0.0, 1.0);
+  draw();
 }
 
-double Progress::left_s(double share) const {
-  const double done_s = done_s_ + share * weight_s_;
+std::string Progress::text(const std::map<std::string, InHand>& in_hand, std::size_t made, std::size_t parts,
+                           double left_s) {
+  std::string text;
+  for (const auto& [name, work] : in_hand)
+    text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100.0 * work.share);
+  return fmt::format("{}  ({} of {} parts made, {} left)", text, made, parts, duration_text(left_s));
+}
+
+double Progress::left_s() const {
+  double done_s = done_s_;
+  for (const auto& [name, work] : in_hand_) done_s += work.share * work.weight_s;
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - start_).count();
-  const double pace = done_s > kTelling_s ? elapsed_s / done_s : 1.0;
+  const double pace = done_s > kTelling_s ? elapsed_s / done_s : 1.0 / workers_;
   return pace * std::max(0.0, total_s_ - done_s);
 }
 
-void Progress::update(double share) {
+void Progress::draw() {
   if (quiet_ || !is_terminal_) return;
   const Clock::time_point now = Clock::now();
   if (now - last_ < kRedrawInterval) return;
   last_ = now;
   drawn_ = true;
-  const double known = std::clamp(share, 0.0, 1.0);
-  fmt::print(stderr, "\r\x1b[K{}", text(label_, number_, parts_, known, left_s(known)));
+  fmt::print(stderr, "\r\x1b[K{}", text(in_hand_, made_, parts_, left_s()));
   std::fflush(stderr);
 }
 
-void Progress::finish(double seconds) {
-  done_s_ += weight_s_;
-  weight_s_ = 0.0;
+void Progress::finish(const std::string& name, double cpu_s, bool is_part) {
+  done_s_ += in_hand_[name].weight_s;
+  in_hand_.erase(name);
+  made_ += is_part ? 1U : 0U;
   clear();
   if (quiet_) return;
-  const double left = left_s(0.0);
-  print_remark(fmt::format("{} made in {:.1f} s ({} of {}{})", label_, seconds, number_, parts_,
-                           number_ < parts_ ? fmt::format(", about {} left", duration_text(left)) : ""));
+  const std::string left = made_ < parts_ ? fmt::format(", about {} left", duration_text(left_s())) : "";
+  print_remark(is_part ? fmt::format("{} made, {:.1f} s of CPU time ({} of {}{})", name, cpu_s, made_, parts_, left)
+                       : fmt::format("{} simulated, {:.1f} s of CPU time", name, cpu_s));
 }
 
 void Progress::clear() {

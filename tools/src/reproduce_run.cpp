@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <ctime>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -19,6 +23,7 @@
 #include "reproduce_drives.hpp"
 #include "reproduce_progress.hpp"
 #include "reproduce_report.hpp"
+#include "reproduce_workers.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -42,12 +47,39 @@ std::string key_of(const PartInfo& info, const std::string& program, const Optio
   return key.hex();
 }
 
-Host host_of(const DeviceOptions& device) {
-  const DeviceInfo chosen = make_backend(device)->device();
-  return {GDTSLAM_VERSION,
-          chosen.kind == "cpu" ? fmt::format("CPU, {}", chosen.driver) : chosen.name + ", " + chosen.driver,
-          make_cpu({})->device().name, std::max(1U, std::thread::hardware_concurrency())};
+double process_cpu_s() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
+
+unsigned processors() { return std::max(1U, std::thread::hardware_concurrency()); }
+
+// In a process of its own, as all that may start threads or open a device.
+Host host_of(const DeviceOptions& device) {
+  Workers worker(1);
+  worker.start(0, [&device](const Workers::Tell&) {
+    const DeviceInfo chosen = make_backend(device)->device();
+    const std::string name =
+        chosen.kind == "cpu" ? fmt::format("CPU, {}", chosen.driver) : chosen.name + ", " + chosen.driver;
+    return nlohmann::json{{"device", name}, {"processor", make_cpu({})->device().name}}.dump();
+  });
+  Workers::News news;
+  while (!news.result) news = worker.wait();
+  const auto said = nlohmann::json::parse(*news.result);
+  return {GDTSLAM_VERSION, said.at("device").get<std::string>(), said.at("processor").get<std::string>(), processors()};
+}
+
+/// A drive or a part that is to be made.
+struct Job {
+  std::string name;
+  double weight_s = 0.0;
+  PartState* part = nullptr;        ///< nothing: a drive
+  std::vector<std::size_t> needs;   ///< jobs of drives
+  std::vector<std::size_t> pays{};  ///< of them those whose time counts as this part's
+  double cpu_s = 0.0;
+  enum class State : std::uint8_t { kWaiting, kRunning, kDone } state = State::kWaiting;
+};
 
 class Reproduction {
  public:
@@ -56,29 +88,34 @@ class Reproduction {
         logs_(real_logs(options.data)),
         program_(key_of_program()),
         store_(options.folder),
-        drives_(options.folder + "/work", program_, options.device, [] { return interrupted(); }) {
-    result_.host = host_of(options.device);
+        device_(options.device),
+        workers_(options.device.threads == 0 ? processors() : options.device.threads),
+        drives_(options.folder + "/work", program_, one_thread(options.device), [] { return interrupted(); }) {
+    device_.threads = 1;
+    result_.host = host_of(device_);
     result_.html = options.folder + "/report.html";
     result_.markdown = options.folder + "/report.md";
     for (const PartInfo& info : part_list()) {
-      keys_.push_back(key_of(info, program_, options, logs_));
-      result_.parts.push_back({&info, store_.find(std::string(info.id), keys_.back())});
+      keys_[std::string(info.id)] = key_of(info, program_, options, logs_);
+      result_.parts.push_back({&info, store_.find(std::string(info.id), keys_.at(std::string(info.id)))});
     }
   }
 
   Result run() {
     const Clock::time_point start = Clock::now();
     try {
-      make_parts();
+      plan();
+      make_all();
     } catch (const Error& error) {
-      result_.seconds = seconds_since(start);
+      find_finished();
+      result_.wall_s = seconds_since(start);
       write_report();
       if (error.code() != ExitCode::kInterrupted) throw;
       throw Error(ExitCode::kInterrupted,
                   fmt::format("interrupted; {} of {} parts are made and kept, the same command goes on", made(),
                               result_.parts.size()));
     }
-    result_.seconds = seconds_since(start);
+    result_.wall_s = seconds_since(start);
     write_report();
     std::error_code ignored;  // what stays there is made use of or replaced by the next run
     if (!options_.keep_runs) fs::remove_all(options_.folder + "/work", ignored);
@@ -86,6 +123,10 @@ class Reproduction {
   }
 
  private:
+  static DeviceOptions one_thread(DeviceOptions device) {
+    device.threads = 1;
+    return device;
+  }
   [[nodiscard]] bool is_wanted(const PartState& state) const {
     const auto& only = options_.only;
     const bool is_named = only.empty() || std::find(only.begin(), only.end(), state.info->id) != only.end();
@@ -99,42 +140,117 @@ class Reproduction {
                                                   [](const PartState& state) { return state.kept.has_value(); }));
   }
 
-  void make_parts() {
-    std::size_t count = 0;
-    double total_s = 0.0;
-    for (const PartState& state : result_.parts) {
-      count += is_wanted(state) ? 1U : 0U;
-      total_s += is_wanted(state) ? weight_of(*state.info) : 0.0;
-    }
-    Progress progress(count, total_s, options_.quiet);
-    for (std::size_t k = 0; k < result_.parts.size(); ++k) {
-      if (is_wanted(result_.parts[k])) make(result_.parts[k], keys_[k], progress);
+  // In the order of the report, drives before the first part that needs them.
+  void plan() {
+    for (PartState& state : result_.parts) {
+      if (!is_wanted(state)) continue;
+      Job job{.name = std::string(state.info->id), .weight_s = weight_of(*state.info), .part = &state, .needs = {}};
+      for (const std::string_view drive : state.info->drives) {
+        if (drives_.is_made(drive)) continue;
+        const auto is_drive = [drive](const Job& other) { return other.part == nullptr && other.name == drive; };
+        const auto planned = std::find_if(jobs_.begin(), jobs_.end(), is_drive);
+        job.needs.push_back(static_cast<std::size_t>(planned - jobs_.begin()));
+        if (planned != jobs_.end()) continue;
+        job.pays.push_back(jobs_.size());
+        jobs_.push_back({.name = std::string(drive), .weight_s = recipe_of(drive).weight_s, .needs = {}});
+      }
+      jobs_.push_back(std::move(job));
     }
   }
 
-  void make(PartState& state, const std::string& key, Progress& progress) {
-    const std::string id(state.info->id);
-    const Clock::time_point start = Clock::now();
-    progress.begin(id, weight_of(*state.info));
+  [[nodiscard]] Job* next_job() {
+    const auto is_done = [this](std::size_t need) { return jobs_[need].state == Job::State::kDone; };
+    for (Job& job : jobs_) {
+      const bool is_ready = std::all_of(job.needs.begin(), job.needs.end(), is_done);
+      if (job.state == Job::State::kWaiting && is_ready) return &job;
+    }
+    return nullptr;
+  }
+
+  void make_all() {
+    std::size_t parts = 0;
+    double total_s = 0.0;
+    for (const Job& job : jobs_) {
+      parts += job.part != nullptr ? 1U : 0U;
+      total_s += job.weight_s;
+    }
+    Progress progress(parts, total_s, workers_, options_.quiet);
+    Workers workers(workers_);
+    for (;;) {
+      for (Job* job = nullptr; !workers.is_full() && (job = next_job()) != nullptr;) begin(*job, workers, progress);
+      if (workers.is_idle()) return;
+      const Workers::News news = workers.wait();
+      Job& job = jobs_[news.id];
+      if (news.result) {
+        finish(job, news.cpu_s, progress);
+      } else {
+        progress.update(job.name, news.share);
+      }
+    }
+  }
+
+  void begin(Job& job, Workers& workers, Progress& progress) {
+    double paid_s = 0.0;
+    for (const std::size_t drive : job.pays) paid_s += jobs_[drive].cpu_s;
+    workers.start(static_cast<std::size_t>(&job - jobs_.data()), [&, paid_s](const Workers::Tell& tell) {
+      if (job.part == nullptr) {
+        drives_.make(job.name, tell);
+      } else {
+        make_part(*job.part->info, paid_s, tell);
+      }
+      return std::string();
+    });
+    job.state = Job::State::kRunning;
+    progress.begin(job.name, job.weight_s);
+  }
+
+  // In the worker.
+  void make_part(const PartInfo& info, double paid_s, const Workers::Tell& tell) {
+    const std::string id(info.id);
+    const double start_s = process_cpu_s();
     const Workplace place{.folder = store_.begin(id),
                           .drives = drives_,
-                          .device = options_.device,
+                          .device = device_,
                           .graphics = options_.graphics,
                           .data = options_.data,
-                          .progress = [&progress](double share) { progress.update(share); },
+                          .progress = tell,
                           .stop = [] { return interrupted(); }};
     try {
-      KeptPart kept{state.info->make(place), 0.0, utc_text()};
+      KeptPart kept{info.make(place), 0.0, utc_text()};
       if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");
-      kept.seconds = seconds_since(start);
-      store_.keep(id, key, kept);
-      state.kept = std::move(kept);
-      state.is_new = true;
+      kept.cpu_s = paid_s + process_cpu_s() - start_s;
+      store_.keep(id, keys_.at(id), kept);
     } catch (...) {
       store_.drop(id);
       throw;
     }
-    progress.finish(state.kept->seconds);
+  }
+
+  void finish(Job& job, double cpu_s, Progress& progress) {
+    job.cpu_s = cpu_s;
+    job.state = Job::State::kDone;
+    if (job.part != nullptr) {
+      find(*job.part);
+      job.part->is_new = true;
+      if (!job.part->kept) throw FileError(store_.folder_of(job.name), "was made and cannot be read");
+    }
+    progress.finish(job.name, cpu_s, job.part != nullptr);
+  }
+
+  void find(PartState& state) {
+    const std::string id(state.info->id);
+    const bool was_kept = state.kept.has_value();
+    state.kept = store_.find(id, keys_.at(id));
+    state.is_new = state.kept && !was_kept;
+  }
+
+  // After an error: what workers finished while they were stopped, and nothing of the others.
+  void find_finished() {
+    for (const Job& job : jobs_) {
+      if (job.part == nullptr || job.state != Job::State::kRunning) continue;
+      store_.drop(job.name);
+      find(*job.part);
+    }
   }
 
   void write_report() {
@@ -148,8 +264,11 @@ class Reproduction {
   std::vector<RealLog> logs_;
   std::string program_;
   Store store_;
+  DeviceOptions device_;  ///< of each worker
+  unsigned workers_;
   Drives drives_;
-  std::vector<std::string> keys_;
+  std::map<std::string, std::string> keys_;  ///< of the parts
+  std::vector<Job> jobs_;
   Result result_;
 };
 

@@ -43,7 +43,7 @@ struct Result {
   Host host;
   std::string html;  ///< file
   std::string markdown;
-  double seconds = 0.0;  ///< of this run
+  double wall_s = 0.0;  ///< of this run
 };
 
 /// The ids of parts by these names, "fig8" or "table1". Throws UsageError with the nearest one.

@@ -19,15 +19,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr const char* kMaking = ".making";
 
 Json json_of(const std::string& key, const KeptPart& kept) {
   const Part& part = kept.part;
-  Json json{{"version", kVersion},     {"key", key},
-            {"seconds", kept.seconds}, {"date", kept.date},
-            {"source", part.source},   {"origin", static_cast<int>(part.origin)},
-            {"notes", part.notes},     {"by_hand", part.by_hand}};
+  Json json{{"version", kVersion},   {"key", key},
+            {"cpu_s", kept.cpu_s},   {"date", kept.date},
+            {"source", part.source}, {"origin", static_cast<int>(part.origin)},
+            {"notes", part.notes},   {"by_hand", part.by_hand}};
   for (const Picture& p : part.pictures) {
     json["pictures"].push_back({{"file", p.file}, {"caption", p.caption}, {"across", p.across}});
   }
@@ -60,7 +60,7 @@ Enum value_of(const Json& json, Enum last) {
 KeptPart part_of(const Json& json) {
   KeptPart kept;
   Part& part = kept.part;
-  kept.seconds = json.at("seconds").get<double>();
+  kept.cpu_s = json.at("cpu_s").get<double>();
   kept.date = json.at("date").get<std::string>();
   part.source = json.at("source").get<std::string>();
   part.origin = value_of<Origin>(json.at("origin"), Origin::kSimulatedAndReal);

@@ -1,6 +1,7 @@
 // Where finished parts are kept: DIR/parts/ID with part.json and the pictures. A part counts as finished while its key
 // is the same, which stands for the program and all inputs. A part is made in a folder beside it that takes its place
-// when all is written, so that what is kept is whole. One store belongs to one thread.
+// when all is written, so that what is kept is whole. Processes may use one folder at the same time for different
+// parts.
 #pragma once
 
 #include <optional>
@@ -13,8 +14,8 @@ namespace gdtslam::reproduce {
 /// A part as it is kept.
 struct KeptPart {
   Part part;
-  double seconds = 0.0;
-  std::string date;  ///< when it was made, UTC
+  double cpu_s = 0.0;  ///< that making it took, with the drives that were made for it
+  std::string date;    ///< when it was made, UTC
 };
 
 class Store {

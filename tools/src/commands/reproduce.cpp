@@ -58,7 +58,7 @@ Json json_of(const reproduce::Result& result) {
                      {"label", state.info->label},
                      {"made", state.kept.has_value()},
                      {"new", state.is_new},
-                     {"seconds", state.kept ? Json(state.kept->seconds) : Json()},
+                     {"cpu_s", state.kept ? Json(state.kept->cpu_s) : Json()},
                      {"rows", rows}});
   }
   return {{"html", result.html},
@@ -66,7 +66,7 @@ Json json_of(const reproduce::Result& result) {
           {"version", result.host.version},
           {"device", result.host.device},
           {"processor", result.host.processor},
-          {"seconds", result.seconds},
+          {"wall_s", result.wall_s},
           {"parts", parts}};
 }
 
@@ -74,7 +74,7 @@ std::string text_of(const reproduce::Result& result) {
   std::string text;
   for (const reproduce::PartState& state : result.parts) {
     const std::string status = !state.kept    ? "not made"
-                               : state.is_new ? reproduce::seconds_text(state.kept->seconds)
+                               : state.is_new ? reproduce::seconds_text(state.kept->cpu_s)
                                               : "kept, made " + state.kept->date;
     text += fmt::format("{:<18} {:<46} {}\n", state.info->label, state.info->title, status);
   }
@@ -105,6 +105,7 @@ int run_reproduce(const ReproduceCommand& command) {
 void add_reproduce_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<ReproduceCommand>();
   reproduce::Options& options = chosen->options;
+  options.device.threads = 0;  // as many parts at a time as there are processors
   CLI::App* command = app.add_subcommand("reproduce", "The paper's figures and tables made anew, as one report");
   command->add_option("-o,--output", options.folder, "Folder of the report; made if need be")->type_name("DIR");
   command->add_option("--only", options.only, "Make these parts only (see --list)")->delimiter(',')->type_name("PARTS");
