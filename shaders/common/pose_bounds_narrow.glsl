@@ -1,5 +1,4 @@
-// pose_bounds with an invocation a row of a tile of 16 x 4, or a tile of 2 x 2, which walks through all points: for CPUs as
-// devices. The includer defines POINTS_IN_UNIFORM where they come in a uniform buffer of at most 16 KiB.
+// pose_bounds with an invocation a tile, which walks through all points: for CPUs as devices. The includer defines POINTS_IN_UNIFORM where they come in a uniform buffer of at most 16 KiB.
 
 #ifdef POINTS_IN_UNIFORM
 layout(set = 0, binding = 1, std140) uniform Points { uvec4 points[1024]; };  // four points in three
@@ -14,78 +13,89 @@ layout(set = 0, binding = 1, std430) readonly buffer Points { uint points[]; }; 
 #include "common/launch.glsl"
 #include "common/pose_bounds.glsl"
 
-// What a row of a tile has under the points of a block: 16 bytes, or two of each of the two rows of a small tile.
-struct PairSums {
+// What a row of a tile has under the points of a block: four bytes of it in turn.
+struct RowSums {
   uvec2 a;
   uvec2 b;
   uvec2 c;
   uvec2 d;
 };
+#define NO_SUMS RowSums(uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u))
 
-void add_point(inout PairSums sums, Looking looking, uint row, uint x, uint y, uint dilation) {
+void add_row(inout RowSums sums, uint byte) {
+  uint word = byte >> 2;
+  uint shift = (byte & 3u) << 3;
+  uint w0 = FIELD_WORD(word);
+  uint w1 = FIELD_WORD(word + 1u);
+  uint w2 = FIELD_WORD(word + 2u);
+  uint w3 = FIELD_WORD(word + 3u);
+  uint w4 = FIELD_WORD((byte + 15u) >> 2);
+  sums.a += pairs_of(funnelled(w0, w1, shift));
+  sums.b += pairs_of(funnelled(w1, w2, shift));
+  sums.c += pairs_of(funnelled(w2, w3, shift));
+  sums.d += pairs_of(funnelled(w3, w4, shift));
+}
+
+// A small tile has its rows in the first two members of the first.
+void add_point(inout RowSums rows[4], Looking looking, uint x, uint y, uint dilation) {
   uint byte = first_byte(looking, uintBitsToFloat(uvec2(x, y)), dilation);
   if (kIsWide == 1u) {
-    byte += row * width;
-    uint word = byte >> 2;
-    uint shift = (byte & 3u) << 3;
-    uint w0 = FIELD_WORD(word);
-    uint w1 = FIELD_WORD(word + 1u);
-    uint w2 = FIELD_WORD(word + 2u);
-    uint w3 = FIELD_WORD(word + 3u);
-    uint w4 = FIELD_WORD((byte + 15u) >> 2);
-    sums.a += pairs_of(funnelled(w0, w1, shift));
-    sums.b += pairs_of(funnelled(w1, w2, shift));
-    sums.c += pairs_of(funnelled(w2, w3, shift));
-    sums.d += pairs_of(funnelled(w3, w4, shift));
+    add_row(rows[0], byte);
+    add_row(rows[1], byte + width);
+    add_row(rows[2], byte + 2u * width);
+    add_row(rows[3], byte + 3u * width);
   } else {
-    sums.a += pairs_of(four_bytes(byte, 2u));
-    sums.b += pairs_of(four_bytes(byte + width, 2u));
+    rows[0].a += pairs_of(four_bytes(byte, 2u));
+    rows[0].b += pairs_of(four_bytes(byte + width, 2u));
   }
 }
 
-void add_four(inout PairSums sums, Looking looking, uint row, uint index) {
+void add_four(inout RowSums rows[4], Looking looking, uint index) {
   uvec4 p = POINT_WORDS(index);
   uvec4 q = POINT_WORDS(index + 1u);
   uvec4 r = POINT_WORDS(index + 2u);
-  add_point(sums, looking, row, p.x, p.y, p.z);
-  add_point(sums, looking, row, p.w, q.x, q.y);
-  add_point(sums, looking, row, q.z, q.w, r.x);
-  add_point(sums, looking, row, r.y, r.z, r.w);
+  add_point(rows, looking, p.x, p.y, p.z);
+  add_point(rows, looking, p.w, q.x, q.y);
+  add_point(rows, looking, q.z, q.w, r.x);
+  add_point(rows, looking, r.y, r.z, r.w);
+}
+
+// The sums of points [first, end), a block.
+void sum_block(inout RowSums rows[4], Looking looking, uint first, uint end) {
+  uint fours = (end - first) / 4u;
+  for (uint i = 0u; i < fours; ++i) {
+    add_four(rows, looking, 3u * (first / 4u + i));
+  }
+  for (uint i = first + 4u * fours; i < end; ++i) {
+    add_point(rows, looking, POINT_WORD(3u * i), POINT_WORD(3u * i + 1u), POINT_WORD(3u * i + 2u));
+  }
 }
 
 void main() {
-  uint rows = kIsWide == 1u ? 4u : 1u;
   uint index = linear_invocation();
-  if (index >= count * rows) {
+  if (index >= count) {
     return;
   }
-  Looking looking = looking_from(tiles[index / rows]);
-  uint row = index % rows;
-  uvec4 a = uvec4(0u);
-  uvec4 b = uvec4(0u);
-  uvec4 c = uvec4(0u);
-  uvec4 d = uvec4(0u);
+  Looking looking = looking_from(tiles[index]);
+  uvec4 total[16];
+  for (uint i = 0u; i < 16u; ++i) {
+    total[i] = uvec4(0u);
+  }
   for (uint first = 0u; first < point_count; first += kPairPoints) {
-    uint end = min(first + kPairPoints, point_count);
-    uint fours = (end - first) / 4u;
-    PairSums block = PairSums(uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u));
-    for (uint i = 0u; i < fours; ++i) {
-      add_four(block, looking, row, 3u * (first / 4u + i));
+    RowSums rows[4] = RowSums[](NO_SUMS, NO_SUMS, NO_SUMS, NO_SUMS);
+    sum_block(rows, looking, first, min(first + kPairPoints, point_count));
+    for (uint i = 0u; i < 4u; ++i) {
+      total[4u * i] += bytes_of(rows[i].a);
+      total[4u * i + 1u] += bytes_of(rows[i].b);
+      total[4u * i + 2u] += bytes_of(rows[i].c);
+      total[4u * i + 3u] += bytes_of(rows[i].d);
     }
-    for (uint i = first + 4u * fours; i < end; ++i) {
-      add_point(block, looking, row, POINT_WORD(3u * i), POINT_WORD(3u * i + 1u), POINT_WORD(3u * i + 2u));
-    }
-    a += bytes_of(block.a);
-    b += bytes_of(block.b);
-    c += bytes_of(block.c);
-    d += bytes_of(block.d);
   }
   if (kIsWide == 1u) {
-    sums[4u * index] = a;
-    sums[4u * index + 1u] = b;
-    sums[4u * index + 2u] = c;
-    sums[4u * index + 3u] = d;
+    for (uint i = 0u; i < 16u; ++i) {
+      sums[16u * index + i] = total[i];
+    }
   } else {
-    sums[index] = uvec4(a.xy, b.xy);
+    sums[index] = uvec4(total[0].xy, total[1].xy);
   }
 }

@@ -14,9 +14,6 @@ constexpr std::uint32_t kUniformBoundPoints = 16384 / sizeof(BoundPoint);
 /// Whether tiles are of 16 x 4 boxes, which is a constant of the shaders.
 enum class TileShape : std::uint32_t { kSmall = 0, kWide = 1 };
 
-/// What an invocation of the narrow forms does: a row of a wide tile, or a small tile.
-constexpr std::uint32_t pieces_of(TileShape shape) { return shape == TileShape::kWide ? 4 : 1; }
-
 template <TileShape kShape>
 bool has_shape(const FormContext& context) {
   return (launch_params<PoseBounds>(context.shape).tile_width != 2) == (kShape == TileShape::kWide);
@@ -35,10 +32,7 @@ bool has_few_points(const FormContext& context) {
 GroupCount group_a_tile(const LaunchShape& shape) { return groups_for(shape.threads.x, 1); }
 
 constexpr std::uint32_t kNarrowGroup = 8;
-template <TileShape kShape>
-GroupCount narrow_groups(const LaunchShape& shape) {
-  return groups_for(std::uint64_t{shape.threads.x} * pieces_of(kShape), kNarrowGroup);
-}
+GroupCount narrow_groups(const LaunchShape& shape) { return groups_for(shape.threads.x, kNarrowGroup); }
 
 template <TileShape kShape>
 constexpr ShaderForm form(std::string_view name, std::span<const std::uint32_t> spirv) {
@@ -48,7 +42,7 @@ constexpr ShaderForm form(std::string_view name, std::span<const std::uint32_t> 
           .local_size = {kNarrowGroup, 1, 1},
           .constants = {static_cast<std::uint32_t>(kShape), 0},
           .takes_count = true,
-          .groups = narrow_groups<kShape>,
+          .groups = narrow_groups,
           .suits = has_shape<kShape>};
 }
 
