@@ -5,23 +5,41 @@ Usage: lint.py BUILD_FOLDER [FILE...]
 
 One process per processor. A file whose text, own headers, compile command and .clang-tidy have not changed since it last
 passed is not checked again; the record lies in BUILD_FOLDER/lint. With CI=true the record is ignored.
+
+clang-tidy spends nearly all its time in the headers of the system. So sources that are compiled with the same arguments are
+written one behind the other into one file, a batch, and checked in one go:
+  - Names of anonymous namespaces that would clash in one file get an ending, which makes no wrong name right.
+  - Where a batch does not compile, the sources that the compiler names and the others are two batches.
+  - A batch is one main file, so checks that look at main files only see each of its sources.
+  - misc-unused-using-decls and misc-unused-alias-decls count uses in the whole file. A source that has a declaration of
+    these kinds whose name it does not mention again is checked alone, lest the use in another source hide the finding.
+  - Where a batch has any finding, its sources are checked one by one, and what that says is the result.
 """
 
 import concurrent.futures
 import hashlib
+import itertools
 import json
+import math
 import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("engine", "calib", "viewer", "tools", "tests", "examples")
 # What only GCC knows, and -Werror: clang's own warnings are for the fuzzing build, which is made by clang.
 DROPPED_FLAGS = {"-Werror"}
+# Larger ones gain little more and take more memory (20 sources: 0.6 GB).
+SOURCES_PER_BATCH = 20
+USING = re.compile(r'^\s*using\s+(?:typename\s+)?[\w:]*::(\w+)\s*;|^\s*namespace\s+(\w+)\s*=', re.MULTILINE)
+# What anonymous namespaces define at the beginning of a line, as clang-format leaves it: types, aliases; functions, constants.
+HIDDEN = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
+DEFINED = re.compile(r"^(?:struct|class|enum class) (\w+)|^using (\w+) =|^\w[^(){}=;\n]*\b(\w+)(?:\[\w*\])*(?:\(| = |\{|;$)",
+                     re.MULTILINE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -66,12 +84,114 @@ def fingerprint(path, arguments, version):
     return digest.hexdigest()
 
 
-def tidy(path, folder):
-    started = time.monotonic()
-    done = subprocess.run(
-        ["clang-tidy", "--quiet", "--warnings-as-errors=*", f"-p={folder}", str(path)],
-        capture_output=True, text=True, check=False)
-    return path, done.returncode, done.stdout, done.stderr, time.monotonic() - started
+def tidy(*arguments):
+    """Exit status and the text of a run of clang-tidy."""
+    command = ["clang-tidy", "--quiet", "--warnings-as-errors=*", *(str(a) for a in arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout if done.stdout.strip() else done.stderr
+
+
+def shared_arguments(entry):
+    """The arguments that a source shares with others: all but those that name it and what is made of it."""
+    kept, skipped = [], False
+    for argument in entry["arguments"][1:]:
+        if not skipped and argument not in ("-o", "-c", entry["file"]):
+            kept.append(argument)
+        skipped = argument == "-o"
+    return tuple(kept)
+
+
+def settings_folder(path):
+    return next(parent for parent in path.parents if parent == ROOT or (parent / ".clang-tidy").is_file())
+
+
+def may_share(path):
+    """Whether each name that the source takes over by a using declaration or as an alias stands in it once more."""
+    text = path.read_text(errors="replace")
+    names = [first or second for first, second in USING.findall(text)]
+    return all(len(re.findall(rf"\b{name}\b", text)) > names.count(name) for name in names)
+
+
+def hidden_names(text):
+    """What the anonymous namespaces of a source define; macros such as TEST are in capitals."""
+    found = (name for part in HIDDEN.findall(text) for names in DEFINED.findall(part) for name in names)
+    return {name for name in found if name and not name.isupper()}
+
+
+def joined(sources):
+    """The text of a batch. A name that was hidden in a source before gets an ending in all lines but those of #include."""
+    parts, taken = [], set()
+    for number, path in enumerate(sources):
+        text = path.read_text()
+        hidden = hidden_names(text)
+        if clashing := hidden & taken:
+            letter = chr(ord("a") + number)
+            ending = {True: f"_q{letter}", False: f"Q{letter}"}  # kName_m_qa, a_name_qa; ANameQa
+            word = re.compile(rf'^\s*#\s*include.*|\b(?:{"|".join(sorted(clashing))})\b', re.MULTILINE)
+            text = word.sub(lambda m: m[0] + ending[m[0][0].islower()] if m[0] in clashing else m[0], text)
+        taken |= hidden
+        parts.append(f'#line 1 "{path}"\n{text}\n')
+    return "".join(parts)
+
+
+def have_clashing_headers(folders):
+    names = [header.name for folder in folders for header in folder.glob("*.h*")]
+    return len(names) != len(set(names))
+
+
+class Batches:
+    """Forms batches of sources and checks them. folder: for the batches; it is emptied first."""
+
+    def __init__(self, folder, entries):
+        self.folder = folder
+        self.shared = {pathlib.Path(entry["file"]): shared_arguments(entry) for entry in entries}
+        self.count = itertools.count()
+        shutil.rmtree(folder, ignore_errors=True)
+        # The batches lie in a tree like the project's, so that each has the settings of its sources.
+        for settings in {ROOT, *(settings_folder(path) for path in self.shared)}:
+            self.like(settings).mkdir(parents=True, exist_ok=True)
+            if (settings / ".clang-tidy").is_file():
+                shutil.copy(settings / ".clang-tidy", self.like(settings))
+
+    def like(self, path):
+        return self.folder / path.relative_to(ROOT)
+
+    def form(self, sources):
+        """A list of batches, each a list of sources."""
+        batches, groups = [], {}
+        for path in sorted(sources):
+            if may_share(path):
+                groups.setdefault((self.shared[path], settings_folder(path), path.suffix), []).append(path)
+            else:
+                batches.append([path])
+        for group in groups.values():
+            folders = sorted({path.parent for path in group})
+            # What is included by its name alone must be the same header in the batch.
+            parts = [group] if not have_clashing_headers(folders) else [
+                [path for path in group if path.parent == folder] for folder in folders]
+            for part in parts:
+                count = math.ceil(len(part) / SOURCES_PER_BATCH)
+                batches += [part[len(part) * i // count:len(part) * (i + 1) // count] for i in range(count)]
+        return batches
+
+    def check_together(self, sources):
+        batch = self.like(settings_folder(sources[0])) / f"batch_{next(self.count)}{sources[0].suffix}"
+        batch.write_text(joined(sources))
+        # Files included by their name alone lie beside the source, but not beside the batch.
+        beside = [word for folder in sorted({path.parent for path in sources}) for word in ("-iquote", folder)]
+        return tidy(batch, "--", *self.shared[sources[0]], *beside)
+
+    def check(self, sources):
+        """[(source, status, text)]"""
+        if len(sources) > 1:
+            status, text = self.check_together(sources)
+            if status == 0:
+                return [(path, 0, "") for path in sources]
+            if errors := re.findall(r"^(.+?):\d+:\d+: .*\[clang-diagnostic-error", text, re.MULTILINE):
+                # The first compiles as if it were alone. Where no source is named, the first is parted from the others.
+                named = [path for path in sources[1:] if str(path) in errors] or sources[1:]
+                return self.check([path for path in sources if path not in named]) + self.check(named)
+        return [(path, *tidy(f"-p={self.folder.parent}", path)) for path in sources]
 
 
 def main():
@@ -101,18 +221,19 @@ def main():
     print(f"{len(prints)} sources, {len(prints) - len(changed)} unchanged since they passed", flush=True)
     failures = []
     processes = int(os.environ.get("GDTSLAM_JOBS", os.cpu_count() or 1))
+    batches = Batches(work / "batches", database)
+    # The longest first, so that no process is left with one at the end.
+    formed = sorted(batches.form(changed), key=lambda batch: -sum(path.stat().st_size for path in batch))
+    print(f"{len(changed)} to check, in {len(formed)} batches", flush=True)
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
-        largest_first = sorted(changed, key=lambda path: -path.stat().st_size)
-        for job in concurrent.futures.as_completed([pool.submit(tidy, path, work) for path in largest_first]):
-            path, status, output, errors, seconds = job.result()
-            if status == 0:
-                record[str(path)] = prints[path]
-                record_file.write_text(json.dumps(record, indent=1))
-            else:
-                failures.append(path)
-                print(f"--- {path.relative_to(ROOT)} ({seconds:.1f} s)\n{output}", flush=True)
-                if not output.strip():
-                    print(errors, flush=True)
+        for job in concurrent.futures.as_completed([pool.submit(batches.check, batch) for batch in formed]):
+            for path, status, text in job.result():
+                if status == 0:
+                    record[str(path)] = prints[path]
+                else:
+                    failures.append(path)
+                    print(f"--- {path.relative_to(ROOT)}\n{text}", flush=True)
+            record_file.write_text(json.dumps(record, indent=1))
     print(f"{len(changed) - len(failures)} of {len(changed)} checked sources pass")
     sys.exit(1 if failures else 0)
 
