@@ -2,7 +2,7 @@
 // move it through, and the sum of them. Three steps for a block of points: where, look-up, minorant; plain loops that
 // become vectors.
 
-constexpr std::uint32_t kMinorantBlock = 64;
+constexpr std::uint32_t kMinorantBlock = 256;
 constexpr std::uint32_t kMinorantLanes = 16;
 constexpr std::uint32_t kPatch = 4;  ///< cells read along x and along y
 /// What rounding down of a cost's term, and float32, may take away from a point, 1/256 cell.
@@ -19,7 +19,7 @@ struct MinorantBlock {
   alignas(64) std::int32_t counts[kMinorantBlock];  ///< all bits where the box fits into the patch, else none
   alignas(64) std::int32_t cell_x[kMinorantBlock];
   alignas(64) std::int32_t cell_y[kMinorantBlock];
-  alignas(64) std::uint32_t pairs[kPatch][kPatch / 2][kMinorantBlock];  ///< two neighbours in a row
+  alignas(64) std::uint32_t pairs[kPatch][2 * kMinorantBlock];  ///< two neighbours in a row, then the two behind them
 };
 
 constexpr float absolute(float value) { return value < 0.0F ? -value : value; }
@@ -35,10 +35,23 @@ inline float about_inverse(float value) {
   return guess * (2.0F - value * guess);
 }
 
+/// Of a value within +-2^30.
+inline std::int32_t floor_of(float value) {
+#if GDTSLAM_ISA_LEVEL > 0
+  return static_cast<std::int32_t>(__builtin_floorf(value));  // an instruction
+#else
+  const auto truncated = static_cast<std::int32_t>(value);
+  return truncated - (static_cast<float>(truncated) > value ? 1 : 0);
+#endif
+}
+
 /// The slope over a box from what two of its sides rise by together.
 inline std::int32_t slope_of(float rise, float half) {
-  return clamped(floor_position(rise * about_inverse(4.0F * half) + 0.5F), -PoseMinorant::kMostSlope,
-                 PoseMinorant::kMostSlope);
+  constexpr auto kMost = static_cast<float>(PoseMinorant::kMostSlope);
+  float slope = rise * about_inverse(4.0F * half) + 0.5F;
+  slope = slope > -kMost ? slope : -kMost;
+  slope = slope < kMost ? slope : kMost;
+  return floor_of(slope);
 }
 
 inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate& box, const SinCos<float>& rotation,
@@ -75,14 +88,22 @@ inline void locate_boxes(const PoseMinorant::Params& params, const PoseCandidate
   }
 }
 
-/// Fills a block up to whole vectors with points that do not count: loops without remainders are twice as fast.
+/// Makes a point one that counts nothing.
+inline void make_idle(std::uint32_t i, MinorantBlock& block) {
+  block.low_x[i] = block.low_y[i] = 0.0F;
+  block.high_x[i] = block.high_y[i] = 1.0F;
+  block.from_x[i] = block.from_y[i] = block.slack[i] = 0.0F;
+  block.counts[i] = 0;
+  for (std::uint32_t j = 0; j < kPatch; ++j) {
+    block.pairs[j][2 * i] = block.pairs[j][2 * i + 1] = 0;
+  }
+}
+
+/// Fills a block up to whole vectors with such points: loops without remainders are twice as fast.
 inline std::uint32_t fill_up(std::uint32_t count, MinorantBlock& block) {
   const std::uint32_t whole = (count + kMinorantLanes - 1) / kMinorantLanes * kMinorantLanes;
   for (std::uint32_t i = count; i < whole; ++i) {
-    block.low_x[i] = block.low_y[i] = 0.0F;
-    block.high_x[i] = block.high_y[i] = 1.0F;
-    block.from_x[i] = block.from_y[i] = block.slack[i] = 0.0F;
-    block.counts[i] = 0;
+    make_idle(i, block);
   }
   return whole;
 }
@@ -93,15 +114,17 @@ inline void read_patches(const PoseMinorant::Params& params, const std::uint16_t
   const auto width = static_cast<std::int32_t>(params.width);
   const auto height = static_cast<std::int32_t>(params.height);
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (block.counts[i] == 0) continue;
+    if (block.counts[i] == 0) {
+      make_idle(i, block);
+      continue;
+    }
     const std::int32_t x = block.cell_x[i] + params.anchor_x;
     const std::int32_t y = block.cell_y[i] + params.anchor_y;
     const bool inside = x >= 0 && y >= 0 && x <= width - 4 && y <= height - 4;
     if (inside) {
       const std::uint16_t* cells = field + at(params.stride, static_cast<std::uint32_t>(y)) + x;
       for (std::uint32_t j = 0; j < kPatch; ++j) {
-        __builtin_memcpy(&block.pairs[j][0][i], cells, 4);
-        __builtin_memcpy(&block.pairs[j][1][i], cells + 2, 4);
+        __builtin_memcpy(&block.pairs[j][2 * i], cells, 8);
         cells += params.stride;
       }
       continue;
@@ -113,8 +136,7 @@ inline void read_patches(const PoseMinorant::Params& params, const std::uint16_t
       for (std::uint32_t k = 0; k < kPatch; ++k) {
         four[k] = cells[clamped(x + static_cast<std::int32_t>(k), 0, width - 1)];
       }
-      __builtin_memcpy(&block.pairs[j][0][i], four, 4);
-      __builtin_memcpy(&block.pairs[j][1][i], four + 2, 4);
+      __builtin_memcpy(&block.pairs[j][2 * i], four, 8);
     }
   }
 }
@@ -157,10 +179,10 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
     float left[kPatch];
     float right[kPatch];
     for (std::uint32_t j = 0; j < kPatch; ++j) {
-      const float c0 = cell_of_pair(block.pairs[j][0][i], false, cap);
-      const float c1 = cell_of_pair(block.pairs[j][0][i], true, cap);
-      const float c2 = cell_of_pair(block.pairs[j][1][i], false, cap);
-      const float c3 = cell_of_pair(block.pairs[j][1][i], true, cap);
+      const float c0 = cell_of_pair(block.pairs[j][2 * i], false, cap);
+      const float c1 = cell_of_pair(block.pairs[j][2 * i], true, cap);
+      const float c2 = cell_of_pair(block.pairs[j][2 * i + 1], false, cap);
+      const float c3 = cell_of_pair(block.pairs[j][2 * i + 1], true, cap);
       inner[j][0] = c1;
       inner[j][1] = c2;
       left[j] = c0 + (c1 - c0) * x0;
@@ -195,10 +217,10 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
     const float term = value - ((absolute(gx) + absolute(gy)) * block.slack[i] + kTermSlack);
     const float turn = (gy * block.from_x[i] - gx * block.from_y[i]) * (1.0F / PoseMinorant::kThetaStep);
     const std::int32_t counts = block.counts[i];
-    constant += floor_position(term) & counts;
+    constant += floor_of(term) & counts;
     slope_x += whole_x & counts;
     slope_y += whole_y & counts;
-    slope_theta += floor_position(turn) & counts;
+    slope_theta += floor_of(turn) & counts;
   }
   total.constant += constant;
   total.slope_x += slope_x;
@@ -208,7 +230,7 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
 
 void pose_minorant(const PoseMinorant::Params& params, const std::uint16_t* field, const PointCells* points,
                    const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values) {
-  MinorantBlock block{};
+  MinorantBlock block;
   for (std::uint32_t b = 0; b < count; ++b) {
     const SinCos<float> rotation = sin_cos(boxes[b].theta);
     PoseMinorant::Value total;

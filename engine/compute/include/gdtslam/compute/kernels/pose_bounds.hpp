@@ -107,7 +107,7 @@ struct PoseMinorant {
 
 /// The same from fields of minorants, for boxes that patches are too small for. A point's `field` is where the field
 /// that reaches far enough for it begins. Per point u = ((c*x - s*y) + box.x) - 0.5, column i = floor(u + 0.5), the
-/// minorant is that of cell i, plus anchor and margin and clamped, taken at u - i.
+/// minorant is that of cell i, plus anchor and margin and clamped, taken at u - i. Points lie within kFarthest.
 struct PoseMinorantWide {
   struct Params {
     std::uint32_t width = 0;  ///< of a field of minorants
