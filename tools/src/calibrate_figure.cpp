@@ -12,6 +12,7 @@
 #include "gdtslam/calib/calibration_residual.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
+#include "gdtslam/core/quantile.hpp"
 
 namespace gdtslam {
 namespace {
@@ -146,9 +147,7 @@ double scale_of_residuals(const std::vector<Dot>& dots) {
     if (dot.is_used && std::isfinite(dot.residual_mm)) sizes.push_back(std::fabs(dot.residual_mm));
   }
   if (sizes.empty()) return 1.0;
-  const auto place = static_cast<std::ptrdiff_t>(kWellInside * static_cast<double>(sizes.size() - 1));
-  std::nth_element(sizes.begin(), sizes.begin() + place, sizes.end());
-  return std::max(1.2 * sizes[static_cast<std::size_t>(place)], 0.1);
+  return std::max(1.2 * value_at_share(sizes, kWellInside), 0.1);
 }
 
 std::string residual_remark(const std::vector<Dot>& dots) {

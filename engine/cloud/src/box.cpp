@@ -8,6 +8,7 @@
 #include "box_face.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
+#include "gdtslam/core/quantile.hpp"
 #include "position_of.hpp"
 
 namespace gdtslam {
@@ -34,12 +35,6 @@ struct Face {
   double thickness_m = 0.0;
   std::vector<FaceHit> hits;
 };
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // The line that the patch is in the projection to the floor.
 Point3 level_normal(std::span<const CloudPoint> cloud, const PlanePatch& patch) {
@@ -77,7 +72,8 @@ double sampling_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, c
     if (a.scan == b.scan) steps.push_back((position_of(a) - position_of(b)).norm());
   }
   const double even_m = std::sqrt(across.length_m() * up.length_m() / static_cast<double>(patch.points.size()));
-  return steps.size() > patch.points.size() / 2 ? std::min(quantile(steps, 0.5), 0.1 * across.length_m()) : even_m;
+  return steps.size() > patch.points.size() / 2 ? std::min(value_at_share(steps, 0.5), 0.1 * across.length_m())
+                                                : even_m;
 }
 
 Face face_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const BoxSearch& search) {
@@ -91,8 +87,8 @@ Face face_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const B
     across.push_back(face.frame.across.dot(d));
     up.push_back(face.frame.up.dot(d));
   }
-  face.across = {quantile(across, kOuter), quantile(across, 1.0 - kOuter)};
-  face.up = {quantile(up, kOuter), quantile(up, 1.0 - kOuter)};
+  face.across = {value_at_share(across, kOuter), value_at_share(across, 1.0 - kOuter)};
+  face.up = {value_at_share(up, kOuter), value_at_share(up, 1.0 - kOuter)};
   face.sampling_m = sampling_of(cloud, patch, face.across, face.up);
   face.thickness_m = std::max(kLeastOnFace_m, std::min(kOnFace * patch.rms_m, search.planes.thickness_m * 1.5));
   return face;
@@ -159,7 +155,7 @@ Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const En
       depths.push_back(hit.across_m);
   }
   if (depths.size() < search.min_face_points / 4 + 2) return {0.0, kUnknown, false};
-  EndPlace place{FaceAxis::kAcross, 1.0, quantile(depths, 1.0 - kOuter), 0.0, beside.inner(kInner), {}, 0.0};
+  EndPlace place{FaceAxis::kAcross, 1.0, value_at_share(depths, 1.0 - kOuter), 0.0, beside.inner(kInner), {}, 0.0};
   place.sampling_m = std::max(face.sampling_m, 0.05 * place.rough_m);
   const FaceEnd far = end_of(hits, place, thickness_m);
   // An error of the side's place is stretched by the low angle at which beams meet it.

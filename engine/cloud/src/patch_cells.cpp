@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "gdtslam/core/quantile.hpp"
 #include "position_of.hpp"
 
 namespace gdtslam {
@@ -60,15 +61,10 @@ std::vector<std::uint32_t> usable_points(std::span<const CloudPoint> cloud) {
   Point3 low;
   Point3 high;
   std::vector<double> values(points.size());
-  const auto quantile = [&values](double share) {
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-  };
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < points.size(); ++k) values[k] = position_of(cloud[points[k]])[axis];
-    low[axis] = quantile(kOuter);
-    high[axis] = quantile(1.0 - kOuter);
+    low[axis] = value_at_share(values, kOuter);
+    high[axis] = value_at_share(values, 1.0 - kOuter);
   }
   const double reach_m = kMost * std::max(1.0, (high - low).maxCoeff());
   std::erase_if(points, [&](std::uint32_t k) {

@@ -1,28 +1,17 @@
 #include <algorithm>
 #include <cassert>
 
+#include "gdtslam/core/quantile.hpp"
 #include "gdtslam/drawing/plot.hpp"
 
 namespace gdtslam {
-namespace {
-
-/// Of ascending values, between the two nearest ones.
-double quantile(const std::vector<double>& values, double share) {
-  const double place = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-}
-
-}  // namespace
-
 BoxFigures box_figures(std::vector<double> values) {
   assert(!values.empty());
   std::sort(values.begin(), values.end());
   BoxFigures figures;
-  figures.lower_quartile = quantile(values, 0.25);
-  figures.median = quantile(values, 0.5);
-  figures.upper_quartile = quantile(values, 0.75);
+  figures.lower_quartile = quantile_of_sorted(values, 0.25);
+  figures.median = quantile_of_sorted(values, 0.5);
+  figures.upper_quartile = quantile_of_sorted(values, 0.75);
   const double reach = 1.5 * (figures.upper_quartile - figures.lower_quartile);
   figures.low_whisker = figures.lower_quartile;
   figures.high_whisker = figures.upper_quartile;

@@ -5,37 +5,51 @@
 namespace gdtslam {
 namespace {
 
-std::size_t length_of(std::uint8_t lead) {
-  if (lead < 0x80) return 1;
-  if (lead >= 0xC2 && lead < 0xE0) return 2;
-  if (lead >= 0xE0 && lead < 0xF0) return 3;
-  if (lead >= 0xF0 && lead < 0xF5) return 4;
-  return 0;
+std::uint32_t byte_at(std::string_view text, std::size_t k) { return static_cast<unsigned char>(text[k]); }
+
+/// Length of the sequence that a first byte announces; 0 where none begins so.
+std::size_t announced_length(std::uint32_t first) {
+  if (first < 0x80U) return 1;
+  if (first >= 0xC2U && first < 0xE0U) return 2;
+  if (first >= 0xE0U && first < 0xF0U) return 3;
+  return first >= 0xF0U && first < 0xF5U ? 4U : 0U;
 }
 
-bool is_valid(char32_t code, std::size_t length) {
-  const bool is_overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-  return !is_overlong && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
+/// The second byte's bounds keep out overlong forms, surrogates and what is beyond U+10FFFF (Unicode, table 3-7).
+bool is_second_byte(std::uint32_t first, std::uint32_t second) {
+  const std::uint32_t least = first == 0xE0U ? 0xA0U : first == 0xF0U ? 0x90U : 0x80U;
+  const std::uint32_t most = first == 0xEDU ? 0x9FU : first == 0xF4U ? 0x8FU : 0xBFU;
+  return second >= least && second <= most;
+}
+
+/// Bytes of the character at k that are as they should be, and whether it is whole.
+struct Sequence {
+  std::size_t bytes = 1;
+  bool is_whole = false;
+};
+Sequence sequence_at(std::string_view text, std::size_t k) {
+  const std::uint32_t first = byte_at(text, k);
+  const std::size_t length = announced_length(first);
+  if (length == 0) return {};
+  std::size_t good = 1;
+  while (good < length && k + good < text.size()) {
+    const std::uint32_t next = byte_at(text, k + good);
+    if (good == 1 ? !is_second_byte(first, next) : (next & 0xC0U) != 0x80U) break;
+    ++good;
+  }
+  return {good, good == length};
 }
 
 }  // namespace
 
 Letter next_letter(std::string_view words, std::size_t& at) {
-  const std::size_t begin = at;
-  ++at;  // past one byte where it begins no letter
-  const auto lead = static_cast<std::uint8_t>(words[begin]);
-  const std::size_t length = length_of(lead);
-  const Letter wrong{0xFFFD, words.substr(begin, 1)};
-  if (length == 0 || begin + length > words.size()) return wrong;
-  char32_t code = length == 1 ? lead : lead & (0x7FU >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    const auto next = static_cast<std::uint8_t>(words[begin + i]);
-    if ((next & 0xC0U) != 0x80U) return wrong;
-    code = code << 6U | (next & 0x3FU);
-  }
-  if (!is_valid(code, length)) return wrong;
-  at = begin + length;
-  return {code, words.substr(begin, length)};
+  const Sequence sequence = sequence_at(words, at);
+  const std::string_view bytes = words.substr(at, sequence.bytes);
+  at += sequence.bytes;
+  if (!sequence.is_whole) return {kUnknownLetter, bytes};
+  char32_t code = bytes.size() == 1 ? byte_at(bytes, 0) : byte_at(bytes, 0) & (0x7FU >> bytes.size());
+  for (std::size_t k = 1; k < bytes.size(); ++k) code = code << 6U | (byte_at(bytes, k) & 0x3FU);
+  return {code, bytes};
 }
 
 std::string legible(std::string_view words) {
@@ -44,8 +58,8 @@ std::string legible(std::string_view words) {
     const Letter letter = next_letter(words, at);
     if (letter.code < 0x20 || (letter.code >= 0x7F && letter.code < 0xA0)) {
       result += ' ';
-    } else if (letter.code >= 0xFFFD && letter.code <= 0xFFFF) {  // the last two are no characters
-      result += "\xEF\xBF\xBD";
+    } else if (letter.code >= kUnknownLetter && letter.code <= 0xFFFF) {  // the last two are no characters
+      result += kUnknownLetterBytes;
     } else {
       result += letter.bytes;
     }

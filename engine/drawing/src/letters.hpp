@@ -7,9 +7,12 @@
 
 namespace gdtslam {
 
+inline constexpr char32_t kUnknownLetter = 0xFFFD;
+inline constexpr std::string_view kUnknownLetterBytes = "\xEF\xBF\xBD";
+
 struct Letter {
-  char32_t code = 0xFFFD;  ///< U+FFFD where the bytes are no UTF-8
-  std::string_view bytes;  ///< as they stand in the words
+  char32_t code = kUnknownLetter;  ///< also where the bytes are no UTF-8: one for each longest beginning of a letter
+  std::string_view bytes;          ///< as they stand in the words
 };
 /// The letter that begins at byte `at`, which moves to the next one; `at` < words.size().
 Letter next_letter(std::string_view words, std::size_t& at);

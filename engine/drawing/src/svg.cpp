@@ -5,32 +5,10 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/markup.hpp"
 
 namespace gdtslam {
 namespace {
-
-std::string escaped(std::string_view words) {
-  std::string result;
-  for (const char letter : words) {
-    switch (letter) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += letter;
-    }
-  }
-  return result;
-}
 
 // A pixel to its hundredth; never "-0.00".
 std::string pixels(double value) {
@@ -129,7 +107,7 @@ class SvgWriter {
       svg_ += fmt::format(" stroke=\"{}\" stroke-width=\"4\" paint-order=\"stroke\"", hex_text(lettering.halo));
     }
     if (words.is_upright) svg_ += fmt::format(" transform=\"rotate(-90 {} {})\"", x, y);
-    svg_ += ">" + escaped(words.text) + "</text>\n";
+    svg_ += ">" + markup_text(words.text) + "</text>\n";
   }
   void operator()(const shape::Picture& picture) {
     if (!png_) {
@@ -167,7 +145,7 @@ std::string svg_of(const Canvas& drawing, const PngEncoder& png) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
       "font-family=\"Inter, 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif\" stroke-linecap=\"round\" "
       "stroke-linejoin=\"round\">\n<title>{2}</title>\n",
-      drawing.width(), drawing.height(), escaped(drawing.title()));
+      drawing.width(), drawing.height(), markup_text(drawing.title()));
   SvgWriter writer(svg, png);
   for (const Shape& shape : drawing.shapes()) std::visit(writer, shape);
   writer.close_clips();

@@ -72,7 +72,7 @@ TEST(Svg, IsUtf8WhateverTheWordsAre) {
   const std::string wrong = "\xEF\xBF\xBD";
   EXPECT_THAT(svg, HasSubstr(">\xCE\xB8* 5\xC2\xB0</text>"));
   EXPECT_THAT(svg, HasSubstr(">a" + wrong + "b" + wrong + wrong + "c" + wrong + wrong + wrong + "</text>"));
-  EXPECT_THAT(svg, HasSubstr(">cut" + wrong + wrong + "</text>"));
+  EXPECT_THAT(svg, HasSubstr(">cut" + wrong + "</text>"));  // one for a longest beginning, as browsers count
 }
 
 TEST(Svg, HoldsPicturesAsBase64) {

@@ -13,39 +13,9 @@
 namespace gdtslam::page {
 namespace {
 
-constexpr std::string_view kUnknown = "\xEF\xBF\xBD";
-
-TEST(PageEscape, ValidUtf8StaysAsItIs) {
-  for (const std::string_view text : {"", "plain", "gr\xC3\xBC\xC3\x9F", "\xE2\x82\xAC", "\xF0\x9F\xA4\x96", "a\tb\nc",
-                                      "\xED\x9F\xBF", "\xEE\x80\x80", "\xF4\x8F\xBF\xBF"}) {
-    EXPECT_EQ(clean_utf8(text), text);
-  }
-}
-
-// How many U+FFFD stand for what is no UTF-8: one for each longest beginning of a sequence (Unicode 15, 3.9, D93b and
-// table 3-11).
-TEST(PageEscape, WhatIsNoUtf8IsReplacedAsBrowsersDo) {
-  struct Case {
-    std::string_view text;
-    int replaced;
-  };
-  for (const Case& one : {Case{"\x80", 1}, Case{"\xC0\xAF", 2}, Case{"\xE0\x80\xAF", 3}, Case{"\xED\xA0\x80", 3},
-                          Case{"\xF4\x90\x80\x80", 4}, Case{"\xE2\x82", 1}, Case{"\xF0\x9F\xA4", 1},
-                          Case{"\xFE\xFF", 2}, Case{"\xC3", 1}, Case{"\xF5\x80\x80\x80", 4}}) {
-    std::string expected = "<";
-    for (int k = 0; k < one.replaced; ++k) expected += kUnknown;
-    EXPECT_EQ(clean_utf8("<" + std::string(one.text) + ">"), expected + ">");
-  }
-}
-
-TEST(PageEscape, ControlCharactersAreReplaced) {
-  EXPECT_EQ(clean_utf8(std::string("a\0b\x1B\x7F", 5)),
-            "a" + std::string(kUnknown) + "b" + std::string(kUnknown) + std::string(kUnknown));
-}
-
-TEST(PageEscape, MarkupLosesItsMeaning) {
-  EXPECT_EQ(html_text("<b a=\"1\" c='2'>&"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;");
+TEST(PageEscape, JsonStringsHoldNoMarkupAndNoControls) {
   EXPECT_EQ(json_text("</script>&\"\\\n"), "\"\\u003c/script\\u003e\\u0026\\u0022\\u005c\\u000a\"");
+  EXPECT_EQ(json_text("a\x1B\x80"), "\"a\xEF\xBF\xBD\xEF\xBF\xBD\"");
 }
 
 TEST(PageEscape, NumbersReadBackAsTheSame) {

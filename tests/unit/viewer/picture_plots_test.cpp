@@ -118,15 +118,6 @@ TEST(DistributionPlot, tells_what_has_no_value) {
   EXPECT_TRUE(says(canvas, "b: 0 values"));
 }
 
-/// Quantiles by their definition: the share of values below lies at (n - 1) times the share, straight between two.
-TEST(Quantile, agrees_with_known_vectors) {
-  EXPECT_DOUBLE_EQ(picture::quantile({1, 2, 3, 4}, 0.25), 1.75);  // numpy.percentile and R's type 7
-  EXPECT_DOUBLE_EQ(picture::quantile({1, 2, 3, 4}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(picture::quantile({7}, 0.95), 7.0);
-  EXPECT_DOUBLE_EQ(picture::quantile({0, 10}, 1.0), 10.0);
-  EXPECT_DOUBLE_EQ(picture::quantile({0, 10}, 0.0), 0.0);
-}
-
 /// A hundred thousand noisy values with five spikes of one sample each.
 TEST(TimePlot, loses_no_spike_and_stays_small) {
   const std::vector<std::size_t> spikes{137, 20001, 49999, 77777, 99998};

@@ -6,6 +6,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/drawing/markup.hpp"
 #include "page/page_cloud.hpp"
 #include "page/page_escape.hpp"
 #include "page/page_layers.hpp"
@@ -82,7 +83,7 @@ std::string filled(std::string_view skeleton, const PageInput& input, const Page
     if (open == std::string_view::npos) return out;
     const std::size_t close = skeleton.find("}}", open);
     const std::string_view name = skeleton.substr(open + 2, close - open - 2);
-    if (name == "title") out += page::html_text(input.title);
+    if (name == "title") out += markup_text(input.title);
     if (name == "style") out.append(palette()).append(page_text::style());
     if (name == "data") out += data.description;
     if (name == "elements") out += data.elements;

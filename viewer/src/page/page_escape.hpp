@@ -1,5 +1,5 @@
-// Words and numbers on their way into a page. Names come from logs and files of others, so none is trusted: it may hold
-// markup, control characters or bytes that are no UTF-8. Thread-safe; O(length).
+// Words and numbers on their way into the JSON of a page (into its HTML: drawing/markup.hpp). Names come from logs and
+// files of others, so none is trusted. Thread-safe; O(length).
 #pragma once
 
 #include <string>
@@ -7,11 +7,8 @@
 
 namespace gdtslam::page {
 
-/// Valid UTF-8: what is none becomes U+FFFD, as browsers do it; control characters too, save for line breaks and tabs.
-std::string clean_utf8(std::string_view text);
-/// For HTML's text and quoted attributes.
-std::string html_text(std::string_view text);
-/// A JSON string with its quotes; safe within a script element, as it holds no <, > or &.
+/// A JSON string with its quotes, of text made valid by clean_utf8; safe within a script element, as it holds no <, >
+/// or &.
 std::string json_text(std::string_view text);
 /// The shortest decimal that reads back as the same double; null where it is not finite.
 std::string json_number(double value);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "gdtslam/core/quantile.hpp"
 #include "gdtslam/drawing/plot.hpp"
 #include "gdtslam/viewer/map_picture.hpp"
 #include "picture/plot_sheet.hpp"
@@ -70,7 +71,7 @@ Range distribution_range(const std::vector<SortedGroup>& groups) {
   double most = 0.0;
   for (const SortedGroup& group : groups) {
     if (group.values.empty()) continue;
-    const double mark = quantile(group.values, 0.95);
+    const double mark = quantile_of_sorted(group.values, 0.95);
     least = std::min(least, group.values.front());
     most = std::max(most, mark > 0.0 ? std::min(group.values.back(), 3.0 * mark) : group.values.back());
   }
@@ -82,8 +83,8 @@ void draw_distribution(Plot& plot, const SortedGroup& group, std::size_t number,
     plot.line({}, {.colour = kLightTheme.curve(number), .width = 2.2}, group.name + ": " + count_text(group));
     return;
   }
-  const double median = quantile(group.values, 0.5);
-  const double most = quantile(group.values, 0.95);
+  const double median = quantile_of_sorted(group.values, 0.5);
+  const double most = quantile_of_sorted(group.values, 0.95);
   const std::string name = group.name + (group.name.empty() ? "" : ": ") + "median " + value_text(median, unit) +
                            ", 95 % " + value_text(most, unit) + ", largest " + value_text(group.values.back(), unit) +
                            (group.without_value == 0 ? "" : ", " + std::to_string(group.without_value) + " not finite");

@@ -70,11 +70,4 @@ std::string count_text(const SortedGroup& group) {
   return group.without_value == 0 ? count : fmt::format("{}, {} not finite", count, group.without_value);
 }
 
-double quantile(const std::vector<double>& ascending, double share) {
-  const double place = share * static_cast<double>(ascending.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(place), ascending.size() - 1);
-  const std::size_t above = std::min(below + 1, ascending.size() - 1);
-  return ascending[below] + (place - static_cast<double>(below)) * (ascending[above] - ascending[below]);
-}
-
 }  // namespace gdtslam::picture

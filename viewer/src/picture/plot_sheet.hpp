@@ -33,8 +33,5 @@ struct SortedGroup {
 std::vector<SortedGroup> sorted_groups(const ErrorPlot& plot);
 /// "1,234 values", with what was left out: "1,230 values, 4 not finite".
 std::string count_text(const SortedGroup& group);
-/// Of ascending values, at least one: between the two nearest ones by their distance (definition 7 of [Hyndman1996],
-/// which NumPy and R use by default).
-double quantile(const std::vector<double>& ascending, double share);
 
 }  // namespace gdtslam::picture

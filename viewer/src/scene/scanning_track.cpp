@@ -8,6 +8,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/quantile.hpp"
 
 namespace gdtslam {
 namespace {
@@ -23,12 +24,6 @@ bool is_after(double stamp_s, const CloudPoint& point) { return stamp_s < point.
 double tangent(double angle_rad) {
   const SinCos<double> unit = sin_cos(angle_rad);
   return unit.sin / unit.cos;
-}
-
-double value_at(std::vector<double>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 Pose2 blended(const StampedPose& before, const StampedPose& after, double stamp_s) {
@@ -161,8 +156,8 @@ double ScanningTrack::sensor_forward_m(const NoddingMount& mount) const {
     forward.push_back(at.x() - moved.x() - (above_m - moved.z()) / tangent(tilt_rad));
   }
   if (forward.size() < kLeastSamples) return 0.0;
-  const bool agrees = value_at(forward, 0.75) - value_at(forward, 0.25) < kMostSpread_m;
-  return agrees ? value_at(forward, 0.5) : 0.0;
+  const bool agrees = value_at_share(forward, 0.75) - value_at_share(forward, 0.25) < kMostSpread_m;
+  return agrees ? value_at_share(forward, 0.5) : 0.0;
 }
 
 double ScanningTrack::usual_range_m() const {
@@ -172,7 +167,7 @@ double ScanningTrack::usual_range_m() const {
     const Point2 away = Point2(points_[i].x_m, points_[i].y_m) - T_map_base(points_[i].stamp_s).translation();
     ranges_m.push_back(std::sqrt(away.x() * away.x() + away.y() * away.y()));
   }
-  return value_at(ranges_m, 0.5);
+  return value_at_share(ranges_m, 0.5);
 }
 
 }  // namespace gdtslam
