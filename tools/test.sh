@@ -33,8 +33,8 @@ done
 
 # Tests that need Vulkan fail where there is none. They run on lavapipe, so that the result is the same on every machine.
 export GDTSLAM_REQUIRE_VULKAN=1
-# So do those of the page where there is no browser.
-export GDTSLAM_REQUIRE_BROWSER=1
+# So do those of the page where there is no browser, and those of films and windows without ffmpeg and an X server.
+export GDTSLAM_REQUIRE_BROWSER=1 GDTSLAM_REQUIRE_PROGRAMS=1
 if $quick; then export GDTSLAM_FAULT_SHARE=8; else unset GDTSLAM_FAULT_SHARE; fi
 
 reports=$root/build/reports

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
+#include "support/required_program.hpp"
 
 namespace gdtslam {
 namespace {
@@ -225,11 +226,8 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-// Without ffmpeg installed there is nothing to try.
-bool has_ffmpeg() { return std::system("ffmpeg -version > /dev/null 2>&1 && ffprobe -version > /dev/null 2>&1") == 0; }
-
 TEST_F(FilmWriterTest, RealFilmsHaveTheFramesThatWereGiven) {
-  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  GDTSLAM_NEEDS_PROGRAMS("ffmpeg ffprobe");
   struct Case {
     FilmKind kind;
     const char* name;
@@ -245,7 +243,7 @@ TEST_F(FilmWriterTest, RealFilmsHaveTheFramesThatWereGiven) {
 }
 
 TEST_F(FilmWriterTest, ColoursComeBack) {
-  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  GDTSLAM_NEEDS_PROGRAMS("ffmpeg ffprobe");
   RgbaImage frame(32, 32);
   for (std::size_t k = 0; k < frame.pixels.size(); k += 4) {
     frame.pixels[k] = 200;

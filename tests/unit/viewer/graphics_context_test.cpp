@@ -8,12 +8,14 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <thread>
 
 #include "gdtslam/core/error.hpp"
 #include "support/image_compare.hpp"
+#include "support/required_program.hpp"
 #include "unit/viewer/graphics_scene.hpp"
 
 namespace gdtslam::testing {
@@ -50,12 +52,27 @@ std::size_t resident_pages() {
   return read == 2 ? resident : 0;
 }
 
+std::string this_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+
+/// A folder that every user may read, until the end of the test.
+struct OpenFolder {
+  OpenFolder() {
+    if (mkdtemp(path.data()) == nullptr) ADD_FAILURE() << "no folder " << path;
+    std::filesystem::permissions(path, std::filesystem::perms(0755));
+  }
+  ~OpenFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  OpenFolder(const OpenFolder&) = delete;
+  OpenFolder& operator=(const OpenFolder&) = delete;
+  std::string path = "/tmp/gdtslam-graphics-XXXXXX";
+};
+
 /// What another process of this program prints, which runs GraphicsProcess.Draws only. `before` is set before it in
 /// the shell: assignments for env, or a program that starts it.
-std::string other_process(const std::string& before, const std::string& choice = "auto") {
-  std::array<char, 4096> self{};
-  const ssize_t length = readlink("/proc/self/exe", self.data(), self.size() - 1);
-  const std::string program(self.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
+std::string other_process(const std::string& before, const std::string& choice = "auto",
+                          const std::string& program = this_program()) {
   const std::string command = "GDTSLAM_TEST_GRAPHICS=" + choice + " " + before + " '" + program +
                               "' --gtest_filter=GraphicsProcess.Draws 2>&1 | sed -n 's/^graphics: //p; /arning/p; "
                               "/rror/p; /abort/Ip'";
@@ -179,8 +196,13 @@ TEST(GraphicsContext, DrawsWithoutADisplayOrAHome) {
 TEST(GraphicsContext, DrawsAsAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only the superuser can become another user";
   const std::string usual = other_process("env");
-  const std::string other = other_process("setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/nonexistent");
-  if (other.empty()) GTEST_SKIP() << "the build folder is closed to other users";
+  // The build folder may be closed to others: a copy of this program in a folder that is not.
+  const OpenFolder folder;
+  const std::string copy = folder.path + "/program";
+  ASSERT_TRUE(std::filesystem::copy_file(this_program(), copy));
+  std::filesystem::permissions(copy, std::filesystem::perms(0755));
+  const std::string other =
+      other_process("setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/nonexistent", "auto", copy);
   EXPECT_EQ(other, usual);
 }
 
@@ -209,9 +231,7 @@ TEST(GraphicsContext, NamesWhatEveryDriverFailedAt) {
 
 class GraphicsUnderX : public ::testing::Test {
  protected:
-  void SetUp() override {
-    if (std::system("command -v Xvfb xvfb-run xauth >/dev/null 2>&1") != 0) GTEST_SKIP() << "no Xvfb here";
-  }
+  void SetUp() override { GDTSLAM_NEEDS_PROGRAMS("Xvfb xvfb-run xauth"); }
   static constexpr const char* kNoEgl = "env __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent";
 };
 

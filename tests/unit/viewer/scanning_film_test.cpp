@@ -77,16 +77,26 @@ TEST(ScanningScene, sensor_is_where_it_was_and_looks_along_the_elevation) {
   }
 }
 
+/// The whole drive through the round room.
+struct WholeDrive {
+  [[nodiscard]] std::unique_ptr<Film> film(const std::string& subtitle, const PictureSize& size,
+                                           std::size_t frames) const {
+    const ScanningFilmInput input{
+        .cloud = &cloud, .trajectory = &trajectory, .model = &room.model, .from_s = 0.0, .to_s = room.length_s};
+    CloudCaption caption;
+    caption.title = "round room";
+    caption.subtitle = subtitle;
+    return scanning_film(graphics, input, quick_look(), caption, size, frames);
+  }
+  GraphicsContext graphics;
+  ScanningRoom room;
+  Cloud cloud = room.cloud();
+  Trajectory trajectory = room.trajectory();
+};
+
 TEST(ScanningFilm, runs_through_the_stretch) {
-  const GraphicsContext graphics;
-  const ScanningRoom room;
-  const Cloud cloud = room.cloud();
-  const Trajectory trajectory = room.trajectory();
-  const ScanningFilmInput input{
-      .cloud = &cloud, .trajectory = &trajectory, .model = &room.model, .from_s = 0.0, .to_s = room.length_s};
-  CloudCaption caption;
-  caption.title = "round room";
-  const auto film = scanning_film(graphics, input, quick_look(), caption, {640, 360}, 5);
+  const WholeDrive drive;
+  const auto film = drive.film("", {640, 360}, 5);
   ASSERT_EQ(film->frames(), 5U);
   const Canvas first = film->frame(0);
   const Canvas last = film->frame(4);
@@ -103,17 +113,9 @@ TEST(ScanningFilm, runs_through_the_stretch) {
 }
 
 TEST(ScanningFilm, words_are_legible_and_apart) {
-  const GraphicsContext graphics;
-  const ScanningRoom room;
-  const Cloud cloud = room.cloud();
-  const Trajectory trajectory = room.trajectory();
-  const ScanningFilmInput input{
-      .cloud = &cloud, .trajectory = &trajectory, .model = &room.model, .from_s = 0.0, .to_s = room.length_s};
-  CloudCaption caption;
-  caption.title = "round room";
-  caption.subtitle = "57,920 points";
+  const WholeDrive drive;
   for (const PictureSize& size : {PictureSize{1280, 720}, PictureSize{640, 360}, PictureSize{480, 640}}) {
-    const auto film = scanning_film(graphics, input, quick_look(), caption, size, 3);
+    const auto film = drive.film("57,920 points", size, 3);
     for (const std::size_t k : {0U, 1U, 2U}) expect_legible(film->frame(k), std::to_string(size.width));
   }
 }
