@@ -18,8 +18,8 @@ std::string_view name_of(LocalizeFault fault) {
       return "none";
     case LocalizeFault::kTooFewReturns:
       return "too-few-returns";
-    case LocalizeFault::kNotMapped:
-      return "not-mapped";
+    case LocalizeFault::kNoOverlap:
+      return "no-overlap";
     case LocalizeFault::kNotProven:
       return "not-proven";
     case LocalizeFault::kAsGood:
@@ -36,8 +36,8 @@ std::string_view text_of(LocalizeFault fault) {
       return "right";
     case LocalizeFault::kTooFewReturns:
       return "too few returns";
-    case LocalizeFault::kNotMapped:
-      return "the map does not know the place";
+    case LocalizeFault::kNoOverlap:
+      return "the map has little of what the scan shows at the reference";
     case LocalizeFault::kNotProven:
       return "the search was cut short";
     case LocalizeFault::kAsGood:
@@ -49,10 +49,11 @@ std::string_view text_of(LocalizeFault fault) {
 }
 
 LocalizeFault fault_of(const LocalizedScan& scan, const LocalizeLimits& limits) {
-  if (!scan.best) return LocalizeFault::kTooFewReturns;
+  if (!scan.has_returns) return LocalizeFault::kTooFewReturns;
   const ReferencePose& reference = *scan.reference;
-  if (!reference.nearby) return LocalizeFault::kNone;
-  if (reference.known_share < kLeastKnown) return LocalizeFault::kNotMapped;
+  if (reference.is_within) return LocalizeFault::kNone;
+  if (reference.known_share < kLeastKnown) return LocalizeFault::kNoOverlap;
+  if (!scan.best || !reference.nearby) return LocalizeFault::kNotProven;
   const double lead_m = reference.nearby->mean_cost_m - scan.best->mean_cost_m;
   if (lead_m < 0.0 && !scan.best->certified()) return LocalizeFault::kNotProven;
   return std::fabs(lead_m) <= limits.gap_m ? LocalizeFault::kAsGood : LocalizeFault::kMapPrefers;

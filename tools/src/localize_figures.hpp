@@ -18,12 +18,12 @@ namespace gdtslam {
 enum class LocalizeFault : std::uint8_t {
   kNone,           ///< it was
   kTooFewReturns,  ///< nothing was searched
-  kNotMapped,      ///< less than half of its points lie near anything that the map knows
-  kNotProven,      ///< a pose near the reference costs less, but the search was not allowed to end
+  kNoOverlap,      ///< at the reference less than half of its points lie near any obstacle of the map
+  kNotProven,      ///< a search was cut short before it could tell
   kAsGood,         ///< both poses cost the same, up to the gap of the proof
   kMapPrefers,     ///< any pose near the reference costs more, by more than the gap
 };
-inline constexpr std::array kLocalizeFaults{LocalizeFault::kTooFewReturns, LocalizeFault::kNotMapped,
+inline constexpr std::array kLocalizeFaults{LocalizeFault::kTooFewReturns, LocalizeFault::kNoOverlap,
                                             LocalizeFault::kNotProven, LocalizeFault::kAsGood,
                                             LocalizeFault::kMapPrefers};
 /// For programs: "as-good".

@@ -94,7 +94,11 @@ Json errors_json(const LocalizeJob& job, const LocalizeLimits& limits, const Loc
 Json times_json(const LocalizeJob& job, const Localized& all, const LocalizeTimes& times) {
   Json scans = Json::array();
   for (const LocalizedScan& scan : all.scans) scans.push_back(scan.cpu_s);
-  return {{"threads", job.threads}, {"wall_s", times.wall_s}, {"cpu_s", times.cpu_s}, {"scans_cpu_s", scans}};
+  return {{"device", times.device},
+          {"threads", job.threads},
+          {"wall_s", times.wall_s},
+          {"cpu_s", times.cpu_s},
+          {"scans_cpu_s", scans}};
 }
 
 }  // namespace

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "gdtslam/core/elementary.hpp"
@@ -26,7 +28,7 @@ constexpr double kLeastTall = 260.0;
 constexpr double kAround_m = 1.0;    // of poses
 constexpr double kImageScale = 2.0;  // pixels of the map's image for each of the drawing
 constexpr Colour kWall = colour_of(0x8e949c);
-constexpr double kFullWall = 128.0;  // 1/256 cell: up to here an obstacle is drawn in full, and to nothing at
+constexpr std::uint16_t kFullWall = 128;  // 1/256 cell: up to here an obstacle is drawn in full, and to nothing at
 constexpr double kNoWall = 512.0;
 
 /// How a scan is drawn.
@@ -59,15 +61,49 @@ struct View {
   }
 };
 
-View view_of(const Localizer& localizer, const Localized& all) {
-  const PoseWindow& window = localizer.window();
-  Point2 low = window.centre.translation() - Point2(window.half_x_m, window.half_y_m);
-  Point2 high = window.centre.translation() + Point2(window.half_x_m, window.half_y_m);
+/// Where all but a few of the counts lie: the first and the last that count.
+std::pair<std::size_t, std::size_t> span_of(const std::vector<std::uint64_t>& counts) {
+  constexpr double kStray = 0.002;  // of all obstacles, at either end: single returns far outside stretch no picture
+  const auto total = static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
+  const auto most = static_cast<std::uint64_t>(kStray * total);
+  std::size_t first = 0;
+  for (std::uint64_t sum = counts[first]; sum <= most && first + 1 < counts.size();) sum += counts[++first];
+  std::size_t last = counts.size() - 1;
+  for (std::uint64_t sum = counts[last]; sum <= most && last > first;) sum += counts[--last];
+  return {first, last};
+}
+
+/// The part of the map that is worth a picture, metres.
+void frame_map(const DistanceFieldView& field, Point2& low, Point2& high) {
+  const GridGeometry& grid = field.geometry;
+  std::vector<std::uint64_t> columns(static_cast<std::size_t>(grid.width));
+  std::vector<std::uint64_t> rows(static_cast<std::size_t>(grid.height));
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    for (std::int32_t x = 0; x < grid.width; ++x) {
+      if (field.at({x, y}) > kFullWall) continue;
+      ++columns[static_cast<std::size_t>(x)];
+      ++rows[static_cast<std::size_t>(y)];
+    }
+  }
+  const auto [left, right] = span_of(columns);
+  const auto [bottom, top] = span_of(rows);
   const Point2 around(kAround_m, kAround_m);
+  low = grid.centre_of({static_cast<std::int32_t>(left), static_cast<std::int32_t>(bottom)}) - around;
+  high = grid.centre_of({static_cast<std::int32_t>(right), static_cast<std::int32_t>(top)}) + around;
+}
+
+View view_of(const Localizer& localizer, const Localized& all) {
+  Point2 low = Point2::Zero();
+  Point2 high = Point2::Zero();
+  frame_map(localizer.field().view(), low, high);
+  const auto include = [&low, &high](const Pose2& pose) {
+    const Point2 around(kAround_m, kAround_m);
+    low = low.cwiseMin(pose.translation() - around);
+    high = high.cwiseMax(pose.translation() + around);
+  };
   for (const LocalizedScan& scan : all.scans) {
-    if (!scan.reference) continue;
-    low = low.cwiseMin(scan.reference->T_map_base.translation() - around);
-    high = high.cwiseMax(scan.reference->T_map_base.translation() + around);
+    if (scan.best) include(scan.best->T_map_base);
+    if (scan.reference) include(scan.reference->T_map_base);
   }
   View view;
   view.card = {{kMargin, kMargin + kHeading}, kWidth - 2.0 * kMargin, 0.0};
@@ -143,13 +179,35 @@ void draw_reference(Canvas& canvas, const View& view, const LocalizedScan& scan)
   canvas.polyline(std::move(outline), {.colour = scan.best ? ink::kWarning : ink::kText, .width = 1.4});
 }
 
-void draw_name(Canvas& canvas, const View& view, const LocalizedScan& scan) {
+/// The indices of scans, one after the other where their places are the same.
+struct Name {
+  Point2 at;
+  std::string words;
+  Colour colour;
+  int count = 1;
+};
+
+void add_name(std::vector<Name>& names, const View& view, const LocalizedScan& scan) {
+  constexpr double kNear_px = 20.0;
+  constexpr int kMostNamed = 3;
   const Pose2& T = scan.best ? scan.best->T_map_base : scan.reference->T_map_base;
   const Point2 at = view.at(T.translation());
-  const bool is_right = at.x() > view.card.corner.x() + 0.85 * view.card.width;
-  canvas.text(at + Point2(is_right ? -10.0 : 10.0, -7.0), fmt::format("{}", scan.index),
+  const auto same =
+      std::find_if(names.begin(), names.end(), [&at](const Name& name) { return (name.at - at).norm() < kNear_px; });
+  if (same != names.end()) {
+    if (++same->count <= kMostNamed) same->words += fmt::format(", {}", scan.index);
+    if (same->count == kMostNamed + 1) same->words += ", …";
+  } else {
+    names.push_back({at, fmt::format("{}", scan.index), scan.best ? ink::kWarning : ink::kText});
+  }
+}
+
+void draw_name(Canvas& canvas, const View& view, const Name& name) {
+  const bool is_right = name.at.x() > view.card.corner.x() + 0.85 * view.card.width;
+  const bool is_top = name.at.y() < view.card.corner.y() + 30.0;
+  canvas.text(name.at + Point2(is_right ? -10.0 : 10.0, is_top ? 18.0 : -8.0), name.words,
               {.size = 12.0,
-               .colour = scan.best ? ink::kWarning : ink::kText,
+               .colour = name.colour,
                .anchor = is_right ? Anchor::kEnd : Anchor::kStart,
                .is_bold = true,
                .has_halo = true});
@@ -166,10 +224,12 @@ void draw_scans(Canvas& canvas, const View& view, const Localized& all, const Lo
         draw_arrow(canvas, view.at(scan.best->T_map_base.translation()), scan.best->T_map_base.theta_rad, wanted);
     }
   }
+  std::vector<Name> names;
   for (const LocalizedScan& scan : all.scans) {
     const Mark mark = mark_of(scan, limits);
-    if (mark == Mark::kOff || (mark == Mark::kNone && scan.reference)) draw_name(canvas, view, scan);
+    if (mark == Mark::kOff || (mark == Mark::kNone && scan.reference)) add_name(names, view, scan);
   }
+  for (const Name& name : names) draw_name(canvas, view, name);
 }
 
 class Legend {
@@ -212,7 +272,7 @@ void draw_legend(Canvas& canvas, const Point2& at, const LocalizeJob& job, const
     legend.entry(Mark::kOff, false, fmt::format("{}: {}", has_reference ? "not within them" : "not proven", counts[2]));
     if (has_reference) legend.entry(Mark::kOff, true, "its reference");
   }
-  if (counts[3] > 0) legend.entry(Mark::kNone, true, fmt::format("too few returns: {}", counts[3]));
+  if (counts[3] > 0) legend.entry(Mark::kNone, true, fmt::format("no pose: {}", counts[3]));
 }
 
 std::string caption(const LocalizeJob& job, const Localized& all, const LocalizeLimits& limits) {

@@ -73,20 +73,26 @@ std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfi
   return points;
 }
 
+// A search that is cut short at once has tried no pose.
+std::optional<CertifiedResult> if_any(const CertifiedResult& found) {
+  return std::isfinite(found.mean_cost_m) ? std::optional(found) : std::nullopt;
+}
+
 }  // namespace
 
 bool LocalizedScan::is_ambiguous() const {
   return best && runner_up && runner_up->stop != CertifiedStop::kNothingAllowed && runner_up->bound <= best->cost;
 }
 
-Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Isa isa)
+Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend)
     : config_(config),
       limits_(limits),
       path_(field_file_of(map)),
       file_(read_distance_field(path_)),
       window_(known_window(file_, path_)) {
   try {
-    map_.emplace(view_of(file_, path_), isa);
+    Backend* const device = backend.device().kind == "cpu" ? nullptr : &backend;
+    map_.emplace(view_of(file_, path_), backend.host_isa(), CertifiedMap::kAnyWindows, device);
   } catch (const InputError& error) {
     throw InputError({path_, 0}, error.what());
   }
@@ -107,28 +113,33 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
   found.index = index;
   found.stamp_s = scan.stamp_s;
   found.points = static_cast<std::uint32_t>(points.size());
-  if (!points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points)) {
-    found.best = find_pose(*map_, points, window_, options_with(limits_.gap_m));
-    if (limits_.with_runner_up) found.runner_up = elsewhere(points, *found.best);
-  }
+  found.has_returns = !points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points);
+  if (found.has_returns) found.best = if_any(find_pose(*map_, points, window_, options_with(limits_.gap_m)));
+  if (found.best && limits_.with_runner_up) found.runner_up = elsewhere(points, *found.best);
   if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
   found.cpu_s = thread_cpu_s() - begin_s;
   return found;
 }
 
-// Whether anything elsewhere is as good takes no more of a proof than the lead that the best pose has; how large it is
-// shows when the best pose elsewhere is known.
-CertifiedResult Localizer::elsewhere(std::span<const PointCells> points, const CertifiedResult& best) const {
+// Whether anything elsewhere is as good takes no more of a proof than the lead that the best pose has, which shows when
+// a pose elsewhere is known, and shrinks with each that is better.
+std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> points,
+                                                    const CertifiedResult& best) const {
   constexpr double kShareOfLead = 0.9;
   CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kElsewhereBoxes;
   options.excluded = ExcludedPoses{best.T_map_base, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
-  const CertifiedResult first = find_pose(*map_, points, window_, options);
-  const double lead_m = first.mean_cost_m - best.mean_cost_m;
-  if (!first.certified() || first.bound > best.cost || lead_m <= limits_.gap_m) return first;
-  options.gap_m = kShareOfLead * lead_m;
-  options.starts = {first.T_map_base};
-  return find_pose(*map_, points, window_, options);
+  for (;;) {
+    const CertifiedResult found = find_pose(*map_, points, window_, options);
+    const double lead_m = found.mean_cost_m - best.mean_cost_m;
+    const bool is_open = found.certified() && found.bound <= best.cost && lead_m > limits_.gap_m;
+    // What the search left open is at most its gap, so that the next one's is smaller.
+    if (!is_open || kShareOfLead * lead_m >= options.gap_m) {
+      return found.stop == CertifiedStop::kNothingAllowed ? found : if_any(found);
+    }
+    options.gap_m = kShareOfLead * lead_m;
+    options.starts = {found.T_map_base};
+  }
 }
 
 ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2& T_map_base,
@@ -136,10 +147,12 @@ ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2&
   ReferencePose reference;
   reference.T_map_base = T_map_base;
   reference.known_share = known_share(points, T_map_base);
+  reference.is_within = false;
   if (!best) return reference;
   reference.distance_m = (best->T_map_base.translation() - T_map_base.translation()).norm();
   reference.angle_rad = std::fabs(wrap_angle(best->T_map_base.theta_rad - T_map_base.theta_rad));
-  if (reference.distance_m <= limits_.within_m && reference.angle_rad <= limits_.within_rad) return reference;
+  reference.is_within = reference.distance_m <= limits_.within_m && reference.angle_rad <= limits_.within_rad;
+  if (reference.is_within) return reference;
   const PoseWindow around{.centre = T_map_base,
                           .half_x_m = limits_.within_m,
                           .half_y_m = limits_.within_m,
@@ -147,7 +160,7 @@ ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2&
   CertifiedOptions options = options_with(LocalizeLimits::kNearbyGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kNearbyBoxes;
   options.starts = {T_map_base};
-  reference.nearby = find_pose(*map_, points, around, options);
+  reference.nearby = if_any(find_pose(*map_, points, around, options));
   return reference;
 }
 

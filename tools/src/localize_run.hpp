@@ -1,6 +1,6 @@
 // The pose of scans in the whole of a map that was made before, without odometry; the work of `gdtslam localize`.
-// Frames: robot in the map, metres and radians. One object may serve several threads. Cost: some tenths of a second of
-// CPU time a scan on a map of 50 m.
+// Frames: robot in the map, metres and radians. Without a device one object may serve several threads, with one it
+// belongs to one. Cost: some tenths of a second of CPU time a scan on a map of 50 m.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,10 @@ struct ReferencePose {
   Pose2 T_map_base;
   double distance_m = 0.0;   ///< of the pose found from it; 0 where none was found, as the angle
   double angle_rad = 0.0;    ///< absolute
-  double known_share = 0.0;  ///< of the scan's points: where the reference puts them the map has an obstacle in reach
-  /// The least cost within the limits around the reference, where the pose found is not within them.
+  double known_share = 0.0;  ///< of the scan's points: those that it puts near an obstacle of the map
+  bool is_within = false;    ///< the pose found, of the limits
+  /// The least cost within the limits around the reference, where the pose found is not within them; nothing where the
+  /// search for it was cut short.
   std::optional<CertifiedResult> nearby;
 };
 
@@ -50,7 +52,8 @@ struct LocalizedScan {
   double stamp_s = 0.0;
   std::uint32_t points = 0;
   double cpu_s = 0.0;
-  std::optional<CertifiedResult> best;  ///< nothing where the scan has too few returns
+  bool has_returns = false;             ///< enough to be searched for
+  std::optional<CertifiedResult> best;  ///< nothing without them, or where the search was cut before it had a pose
   std::optional<CertifiedResult> runner_up;
   std::optional<ReferencePose> reference;
   /// Whether a pose elsewhere may be as good, as far as the proof tells.
@@ -59,9 +62,11 @@ struct LocalizedScan {
 
 class Localizer {
  public:
-  /// `map` is a run folder or its gdt.yaml. Throws InputError, FileError.
-  Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Isa isa);
+  /// `map` is a run folder or its gdt.yaml; the backend must outlive this where it is a device. Throws InputError,
+  /// FileError, DeviceError.
+  Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend);
 
+  /// Throws DeviceError.
   [[nodiscard]] LocalizedScan localize(const LaserScan& scan, std::uint64_t index,
                                        const std::optional<Pose2>& T_map_base_reference) const;
   /// The poses that are searched: those over what the map knows, all headings.
@@ -69,10 +74,12 @@ class Localizer {
   [[nodiscard]] const std::string& file() const { return path_; }
   [[nodiscard]] const DistanceFieldFile& field() const { return file_; }
   [[nodiscard]] const LocalizeLimits& limits() const { return limits_; }
+  [[nodiscard]] bool has_device() const { return map_->device() != nullptr; }
 
  private:
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
-  [[nodiscard]] CertifiedResult elsewhere(std::span<const PointCells> points, const CertifiedResult& best) const;
+  [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points,
+                                                         const CertifiedResult& best) const;
   [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,
                                      const std::optional<CertifiedResult>& best) const;
   [[nodiscard]] double known_share(std::span<const PointCells> points, const Pose2& T_map_base) const;

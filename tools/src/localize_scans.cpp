@@ -129,6 +129,7 @@ std::optional<ChosenScan> ScanSource::next() {
 /// Threads that localise what this one reads. A signal comes to the reading thread, which may wait for input.
 class LocalizerThreads {
  public:
+  /// Without threads each scan is localised when it is taken.
   LocalizerThreads(const Localizer& localizer, unsigned threads) : localizer_(localizer), most_waiting_(2U * threads) {
     sigset_t all;
     sigset_t before;
@@ -143,6 +144,10 @@ class LocalizerThreads {
 
   /// Waits while enough scans wait; rethrows what a thread met.
   std::uint64_t take(ChosenScan scan) {
+    if (threads_.empty()) {
+      found_.emplace(scan.number, localizer_.localize(scan.scan, scan.index, scan.T_map_base_reference));
+      return found_.size();
+    }
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return problem_ || waiting_.size() < most_waiting_; });
     if (problem_) std::rethrow_exception(problem_);
@@ -216,6 +221,16 @@ void LocalizerThreads::work() {
   }
 }
 
+// A signal ends the standard input, wherever that leaves the line in hand.
+std::optional<ChosenScan> next_of(ScanSource& source, const std::function<bool()>& stop) {
+  try {
+    return source.next();
+  } catch (const InputError&) {
+    if (!stop()) throw;
+    return std::nullopt;
+  }
+}
+
 [[noreturn]] void complain(const LocalizeJob& job, const Localized& all, std::uint64_t read) {
   const ScanChoice& choice = job.choice;
   if (all.left_out + all.without_reference == 0) {
@@ -239,10 +254,10 @@ Localized localize_scans(const LocalizeJob& job, const Localizer& localizer, con
                          const std::function<bool()>& stop) {
   Localized all;
   ScanSource source(job, all, stop);
-  LocalizerThreads threads(localizer, job.threads);
+  LocalizerThreads threads(localizer, localizer.has_device() ? 0 : job.threads);
   std::uint64_t chosen = 0;
   while (!stop()) {
-    std::optional<ChosenScan> scan = source.next();
+    std::optional<ChosenScan> scan = next_of(source, stop);
     if (!scan) break;
     const std::uint64_t done = threads.take(std::move(*scan));
     ++chosen;

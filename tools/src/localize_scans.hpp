@@ -26,7 +26,7 @@ struct LocalizeJob {
   std::string log;
   ReadOptions read;
   ScanChoice choice;
-  unsigned threads = 1;
+  unsigned threads = 1;               ///< of the CPU; a device takes one scan after the other
   std::optional<MergedScans> merged;  ///< those near them in time do not count
   std::optional<LocalizeTruth> reference;
 };
@@ -43,8 +43,8 @@ struct Localized {
 
 /// Called with the number of scans done and the share (negative when unknown).
 using LocalizeProgress = std::function<void(std::uint64_t, double)>;
-/// Ends early when stop() is true, after the scans in hand. Throws InputError, FileError; UsageError where a log that
-/// cannot be read twice would have to be.
+/// Ends early when stop() is true, after the scans in hand. Throws InputError, FileError, DeviceError; UsageError where
+/// a log that cannot be read twice would have to be.
 Localized localize_scans(const LocalizeJob& job, const Localizer& localizer, const LocalizeProgress& progress,
                          const std::function<bool()>& stop);
 

@@ -30,21 +30,25 @@ std::string reference_text(const LocalizedScan& scan, const LocalizeLimits& limi
   const Pose2& T = reference.T_map_base;
   std::string text =
       fmt::format("  reference: x {:.3f} m, y {:.3f} m, heading {:.2f} deg", T.x_m, T.y_m, deg_from_rad(T.theta_rad));
-  if (!scan.best) return text + "\n";
-  text += fmt::format("; {:.3f} m and {:.2f} deg off", reference.distance_m, deg_from_rad(reference.angle_rad));
-  if (!reference.nearby) return text + "\n";
+  if (scan.best) {
+    text += fmt::format("; {:.3f} m and {:.2f} deg off", reference.distance_m, deg_from_rad(reference.angle_rad));
+  }
+  const LocalizeFault fault = fault_of(scan, limits);
+  if (fault == LocalizeFault::kNone || !scan.has_returns) return text + "\n";
+  text += fmt::format(": {}\n", text_of(fault));
+  if (!reference.nearby) return text;
   return text + fmt::format(
-                    ", because {}\n  within {:g} cm and {:g} deg of it: mean distance {:.1f} mm, nowhere less "
-                    "than {:.1f} mm; the map knows {:.0f} % of what it would see there\n",
-                    text_of(fault_of(scan, limits)), 100.0 * limits.within_m, deg_from_rad(limits.within_rad),
-                    1000.0 * reference.nearby->mean_cost_m, 1000.0 * reference.nearby->mean_bound_m,
-                    100.0 * reference.known_share);
+                    "  within {:g} cm and {:g} deg of it: mean distance {:.1f} mm, nowhere less than {:.1f} mm; "
+                    "{:.0f} % of the points near an obstacle there\n",
+                    100.0 * limits.within_m, deg_from_rad(limits.within_rad), 1000.0 * reference.nearby->mean_cost_m,
+                    1000.0 * reference.nearby->mean_bound_m, 100.0 * reference.known_share);
 }
 
 std::string scan_text(const LocalizedScan& scan, const LocalizeLimits& limits) {
   if (!scan.best) {
-    return fmt::format("scan {} at {:.6f} s: too few returns, {}\n", scan.index, scan.stamp_s, scan.points) +
-           reference_text(scan, limits);
+    const std::string why =
+        scan.has_returns ? "no pose: the search was cut short" : fmt::format("too few returns, {}", scan.points);
+    return fmt::format("scan {} at {:.6f} s: {}\n", scan.index, scan.stamp_s, why) + reference_text(scan, limits);
   }
   const Pose2& T = scan.best->T_map_base;
   return fmt::format("scan {} at {:.6f} s: x {:.3f} m, y {:.3f} m, heading {:.2f} deg\n", scan.index, scan.stamp_s,
@@ -63,8 +67,8 @@ std::string chosen_text(const LocalizeJob& job, const Localized& all, const Loca
   }
   if (all.without_reference > 0) text += fmt::format(", {} without a reference", all.without_reference);
   text += fmt::format(": {} proven, {} ambiguous", figures.certified, figures.ambiguous);
-  const std::uint64_t few = all.scans.size() - figures.found;
-  return text + (few > 0 ? fmt::format(", {} with too few returns\n", few) : "\n");
+  const std::uint64_t lost = all.scans.size() - figures.found;
+  return text + (lost > 0 ? fmt::format(", {} without a pose\n", lost) : "\n");
 }
 
 std::string within_text(const LocalizeLimits& limits, const LocalizeFigures& figures) {

@@ -14,6 +14,7 @@ namespace gdtslam {
 struct LocalizeTimes {
   double wall_s = 0.0;
   double cpu_s = 0.0;  ///< of all threads
+  std::string device{};
 };
 
 /// With a reference only scans that are not where it has them are listed, else all.

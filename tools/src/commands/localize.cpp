@@ -37,8 +37,7 @@ struct LocalizeOptions {
   double gap_mm = 5.0;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;
-  unsigned threads = 1;
-  std::string isa;
+  DeviceOptions device{.device = "cpu"};
   bool lenient = false;
   bool json = false;
   bool quiet = false;
@@ -73,7 +72,7 @@ LocalizeJob job_of(const LocalizeOptions& options) {
   job.log = options.log;
   job.read.lenient = options.lenient;
   job.choice = options.choice;
-  job.threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  job.threads = options.device.threads > 0 ? options.device.threads : std::max(1U, std::thread::hardware_concurrency());
   if (options.leave_out_s >= 0.0) {
     job.merged.emplace(run_of_map(options.map, "--leave-out"), options.leave_out_s);
   }
@@ -135,35 +134,69 @@ void require_reference(const LocalizeJob& job, const Localized& all) {
                                job.reference->count()));
 }
 
+// Threads take scans, so none are left for the kernels of one.
+std::unique_ptr<Backend> backend_of(DeviceOptions options) {
+  options.threads = 1;
+  return make_backend(options);
+}
+
+struct Work {
+  std::unique_ptr<Backend> backend;
+  std::unique_ptr<Localizer> localizer;
+  Localized all;
+};
+
+Work work_with(const LocalizeOptions& options, const LocalizeJob& job, const DeviceOptions& device) {
+  const Settings settings = load_settings(options.settings);
+  Work work;
+  work.backend = backend_of(device);
+  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  ProgressLine progress("scans", options.quiet);
+  work.all = localize_scans(
+      job, *work.localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
+      [] { return interrupted(); });
+  return work;
+}
+
+// The CPU gives the same, so a device that fails costs the time spent and nothing else.
+Work work_of(const LocalizeOptions& options, const LocalizeJob& job) {
+  try {
+    return work_with(options, job, options.device);
+  } catch (const DeviceError& error) {
+    if (options.device.no_fallback) throw;
+    print_remark(fmt::format("warning: {}; beginning again with the CPU", error.what()));
+  } catch (const InputError&) {
+    if (!interrupted()) throw;  // else the signal ended the standard input
+    throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+  }
+  DeviceOptions cpu = options.device;
+  cpu.device = "cpu";
+  return work_with(options, job, cpu);
+}
+
 int localize(const LocalizeOptions& options) {
   check(options);
   Stopwatch watch;
   LocalizeTimes times;
-  const Settings settings = load_settings(options.settings);
-  const LocalizeLimits limits = limits_of(options);
   const LocalizeJob job = job_of(options);
-  const Isa isa = make_cpu({.device = "cpu", .threads = 1, .isa = options.isa})->host_isa();
-  const Localizer localizer(options.map, settings.mapper, limits, isa);
-  Localized all;
-  {
-    ProgressLine progress("scans", options.quiet);
-    all = localize_scans(
-        job, localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
-        [] { return interrupted(); });
-  }
+  const Work work = work_of(options, job);
+  const Localized& all = work.all;
   require_reference(job, all);
   watch.add_to(times.wall_s, times.cpu_s);
-  write_files(options, job, localizer, all);
+  write_files(options, job, *work.localizer, all);
   print_remarks(job, all);
   if (options.json) {
-    print_result(json_of(job, localizer, all, times).dump(2) + "\n");
+    times.device = work.backend->device().name;
+    print_result(json_of(job, *work.localizer, all, times).dump(2) + "\n");
   } else if (!options.quiet) {
-    print_result(text_of(job, localizer, all));
+    print_result(text_of(job, *work.localizer, all));
   }
   if (all.interrupted) return static_cast<int>(ExitCode::kInterrupted);
   const bool is_any =
       std::any_of(all.scans.begin(), all.scans.end(), [](const auto& scan) { return scan.best.has_value(); });
-  if (!is_any) throw InputError({options.log, 0}, "none of the scans has enough returns to be localised");
+  if (!is_any)
+    throw InputError({options.log, 0},
+                     "none of the scans could be localised: too few returns, or --max-time too short");
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -212,17 +245,6 @@ void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
       ->type_name("SECONDS")
       ->check(CLI::PositiveNumber);
   command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
-  constexpr unsigned kMostThreads = 1024;
-  command
-      .add_option("--threads", chosen.threads,
-                  "Scans that are searched at once; 0: one per processor. Results do not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(0U, kMostThreads).description(""))
-      ->capture_default_str();
-  command
-      .add_option("--isa", chosen.isa,
-                  "Force the CPU's instruction set: baseline, avx2 or avx512. Results do not depend on it")
-      ->type_name("NAME");
 }
 
 void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
@@ -244,6 +266,7 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
   add_choices(*command, *options);
   add_reference_options(*command, *options);
   add_search_options(*command, *options);
+  add_device_options(*command, options->device);
   add_output_options(*command, *options);
   add_settings_options(*command, options->settings);
   command->footer(

@@ -1,0 +1,308 @@
+"""Scans found in a map: against the simulator's truth, by symmetry, faults of maps, logs and references, interrupts."""
+
+import json
+import math
+import shutil
+import signal
+import subprocess
+import time
+import xml.etree.ElementTree as ElementTree
+
+import cli_support as cli
+from cli_support import DATA, LOG, PROGRAM, RUN, TRUTH, command, expect, expect_exit, finish, fresh_folder, one_error_line
+
+POSES = RUN / "trajectory.tum"
+
+
+def localized(*arguments, run=RUN, log=LOG, **options):
+    """Localises; returns the JSON report, checked against its schema."""
+    process = command("localize", run, log, "--json", *arguments, **options)
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "localize")
+    return json.loads(process.stdout)
+
+
+def poses_of(path):
+    """(stamp, x, y, theta) of each row."""
+    rows = [list(map(float, line.split())) for line in path.read_text().splitlines() if line[0] != "#"]
+    return [(row[0], row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows]
+
+
+def turned(a, b):
+    return abs((a - b + math.pi) % (2.0 * math.pi) - math.pi)
+
+
+def without_times(report):
+    return {key: value for key, value in report.items() if key != "times"}
+
+
+def wilson(count, of, z=1.959963984540054):
+    """[Wilson1927], from the textbook's form."""
+    share = count / of
+    centre = share + z * z / (2 * of)
+    half = z * math.sqrt(share * (1 - share) / of + z * z / (4 * of * of))
+    return (centre - half) / (1 + z * z / of), (centre + half) / (1 + z * z / of)
+
+
+def localize_finds_the_simulated_poses():
+    """Scans at random lie where the simulator took them; the errors are those of this file's own arithmetic; what the run
+    merged is left out."""
+    folder = fresh_folder("localize")
+    chosen = ("--random", 40, "--seed", 3, "--leave-out", 0, "--reference", TRUTH, "--align")
+    report = localized(*chosen, "-o", folder / "found.tum", "--picture", folder / "found.svg")
+    scans, errors = report["scans"], report["errors"]
+    expect(len(scans) == 40 and report["found"] == 40, f"{len(scans)} scans")
+    expect(report["certified"] == 40, f"only {report['certified']} are proven")
+    # The map's own errors count too, and along a corridor both poses fit alike.
+    expect(errors["aligned"] and errors["within"]["count"] >= 36, f"errors {errors['within']}, {errors['faults']}")
+    expect(errors["distance_m"]["median"] < 0.06 and errors["angle_deg"]["median"] < 0.3, f"errors {errors}")
+    expect(max(scan["reference"]["distance_m"] for scan in scans) < 0.25, f"errors {errors}")
+    # Against the run's own poses, which share the map's frame, without any code of ours.
+    poses = poses_of(POSES)
+    for scan in scans:
+        stamp, x, y, theta = poses[scan["scan"]]
+        found = scan["found"]
+        expect(abs(stamp - scan["stamp_s"]) < 1e-6, f"stamp of scan {scan['scan']}")
+        off = math.hypot(found["x_m"] - x, found["y_m"] - y)
+        expect(off < 0.1 and turned(found["theta_rad"], theta) < math.radians(1.0), f"{off} m off: {scan}")
+    merged = set(json.loads((RUN / "report.json").read_text())["keyframe_scans"])
+    expect(not merged & {scan["scan"] for scan in scans}, "a scan that went into the map was chosen")
+    expect(report["choice"]["left_out"] == len(merged), f"{report['choice']}, {len(merged)} were merged")
+    expect(report["choice"]["candidates"] == len(poses) - len(merged), f"{report['choice']}")
+    expect([scan["scan"] for scan in scans] == sorted({scan["scan"] for scan in scans}), "not in log order, or twice")
+    written = poses_of(folder / "found.tum")
+    expect(len(written) == 40, f"{len(written)} rows")
+    for row, scan in zip(written, scans):
+        expect(abs(row[1] - scan["found"]["x_m"]) < 1e-8 and turned(row[3], scan["found"]["theta_rad"]) < 1e-8, f"{row}")
+    words = "".join(ElementTree.parse(folder / "found.svg").getroot().itertext())
+    expect("within 10 cm and 1° of the reference" in words and f"{100 * errors['within']['share']:.1f} %" in words, words)
+
+
+def localize_errors_are_the_distances():
+    """Limits so narrow that some fail: share, interval and each distance are those computed here."""
+    report = localized("--every", 40, "--reference", POSES, "--within", "1cm/0.1deg")
+    poses = poses_of(POSES)
+    within = 0
+    for scan in report["scans"]:
+        _, x, y, theta = poses[scan["scan"]]
+        off = math.hypot(scan["found"]["x_m"] - x, scan["found"]["y_m"] - y)
+        angle = turned(scan["found"]["theta_rad"], theta)
+        reference = scan["reference"]
+        expect(abs(reference["distance_m"] - off) < 1e-6 and abs(reference["angle_rad"] - angle) < 1e-6, f"{scan}")
+        is_within = off <= 0.01 and angle <= math.radians(0.1)
+        expect(reference["within"] == is_within and (reference["fault"] is None) == is_within, f"{scan}")
+        if not is_within:
+            expect(reference["fault"] in ("as-good", "map-prefers"), f"proven, but {reference}")
+            lead = reference["nearby"]["mean_distance_m"] - scan["found"]["mean_distance_m"]
+            expect((reference["fault"] == "as-good") == (abs(lead) <= report["gap_m"]), f"{lead} m and {reference['fault']}")
+        within += is_within
+    share = report["errors"]["within"]
+    expect(0 < within < len(report["scans"]), f"{within} of {len(report['scans'])}: the limits try nothing")
+    low, high = wilson(within, len(report["scans"]))
+    expect(share["count"] == within and abs(share["low_95"] - low) < 1e-9 and abs(share["high_95"] - high) < 1e-9, f"{share}")
+    expect(sum(report["errors"]["faults"].values()) == share["of"] - within, f"{report['errors']}")
+
+
+def localize_leaves_out_by_time():
+    """No chosen scan lies within the time of a merged one; a seed draws the same scans, another one others."""
+    poses = poses_of(POSES)
+    merged = [poses[k][0] for k in json.loads((RUN / "report.json").read_text())["keyframe_scans"]]
+    arguments = ("--random", 12, "--leave-out", 0.35, "--no-runner-up")
+    report = localized(*arguments)
+    for scan in report["scans"]:
+        expect(min(abs(scan["stamp_s"] - stamp) for stamp in merged) > 0.35, f"scan {scan['scan']} is too near")
+        expect(scan["runner_up"] is None and scan["ambiguous"] is None and scan["reference"] is None, f"{scan}")
+    far = [pose for pose in poses if min(abs(pose[0] - stamp) for stamp in merged) > 0.35]
+    expect(report["choice"]["candidates"] == len(far), f"{report['choice']}, {len(far)} by the files")
+    other = localized(*arguments, "--seed", 2)
+    expect([s["scan"] for s in other["scans"]] != [s["scan"] for s in report["scans"]], "the seed changes nothing")
+    process = command("localize", RUN, LOG, "--random", 3, "--leave-out", 10000)
+    expect_exit(process, 65)
+    one_error_line(process.stderr)
+    expect(f"has no scan left to localise; {len(poses)} lie within 10000 s of one that went into the map" in process.stderr, process.stderr)
+    process = command("localize", RUN, LOG, "--random", 100000, "--leave-out", 0.55, "--no-runner-up", "-q")
+    expect_exit(process, 0)
+    expect("could be drawn, not 100000" in process.stderr, process.stderr)
+
+
+def localize_is_the_same_for_threads():
+    """Text, JSON, poses and picture do not depend on the number of threads or the instruction set."""
+    folder = fresh_folder("localize_threads")
+    results = []
+    for number, how in enumerate((("--threads", 1), ("--threads", 2), ("--threads", 0, "--isa", "baseline"))):
+        files = ("-o", folder / f"{number}.tum", "--picture", folder / f"{number}.svg")
+        chosen = ("--random", 16, "--seed", 5, "--reference", POSES, "--within", "2cm/0.2deg")
+        report = localized(*chosen, *files, *how)
+        text = command("localize", RUN, LOG, *chosen, *how)
+        expect_exit(text, 0)
+        results.append((without_times(report), text.stdout, (folder / f"{number}.tum").read_bytes(),
+                        (folder / f"{number}.svg").read_bytes()))
+    expect(results[0] == results[1], "two threads give something else than one")
+    expect(results[0] == results[2], "another instruction set gives something else")
+
+
+def localize_on_a_device():
+    """A Vulkan device gives the CPU's results."""
+    cli.require_vulkan()
+    chosen = ("--random", 6, "--seed", 7)
+    on_cpu = localized(*chosen, "--device", "cpu")
+    on_device = localized(*chosen, "--device", "vulkan")
+    expect(without_times(on_cpu) == without_times(on_device), "the device finds something else")
+    expect(on_cpu["times"]["device"] != on_device["times"]["device"], "the device was not used")
+
+
+def _mapped_room(folder):
+    """The drive in the empty rectangular room, mapped; and its poses in the room."""
+    drive = [(2.0 + 0.02 * k, 1.5 + 0.01 * k, 2.0 * math.pi * k / 80, 100.0 + 0.2 * k) for k in range(80)]  # once around
+    log = folder / "room.log"
+    log.write_text("".join(cli.room_scan(*pose) for pose in drive))
+    expect_exit(command("map", log, "-o", folder / "room", "-q"), 0)
+    return log, folder / "room", drive
+
+
+def localize_tells_what_is_ambiguous():
+    """An empty rectangular room looks the same from two places, half a turn apart: each scan is found at one of them and the
+    runner-up is the other; where it is not the reference's, both fit alike."""
+    folder = fresh_folder("localize_room")
+    log, run, drive = _mapped_room(folder)
+    report = localized("--every", 10, "--reference", run / "trajectory.tum", "--within", "10cm/1.5deg", run=run, log=log)
+    x0, y0, theta0, _ = drive[0]
+    expect(report["ambiguous"] == len(report["scans"]), f"{report['ambiguous']} of {len(report['scans'])} ambiguous")
+    for scan in report["scans"]:
+        x, y, theta, _ = drive[scan["scan"]]
+        places = []
+        for a, b, c in ((x, y, theta), (6.0 - x, 4.0 - y, theta + math.pi)):
+            dx, dy = a - x0, b - y0
+            places.append((math.cos(theta0) * dx + math.sin(theta0) * dy, -math.sin(theta0) * dx + math.cos(theta0) * dy, c - theta0))
+        near = [[math.hypot(pose["x_m"] - a, pose["y_m"] - b) < 0.12 and turned(pose["theta_rad"], c) < 0.05 for a, b, c in places]
+                for pose in (scan["found"], scan["runner_up"])]
+        expect(near in ([[True, False], [False, True]], [[False, True], [True, False]]), f"{near}: {places}, {scan}")
+        expect(scan["reference"]["fault"] == (None if near[0][0] else "as-good"), f"{scan['reference']}")
+    text = command("localize", run, log, "--scan", 20)
+    expect("AMBIGUOUS: it may be as good" in text.stdout, text.stdout)
+
+
+def _moved(folder, name, dx):
+    """The run's poses, moved along x."""
+    lines = []
+    for line in POSES.read_text().splitlines():
+        if line[0] != "#":
+            words = line.split()
+            words[1] = f"{float(words[1]) + dx:.9f}"
+            line = " ".join(words)
+        lines.append(line + "\n")
+    (folder / name).write_text("".join(lines))
+    return folder / name
+
+
+def localize_explains_failures():
+    """References that are wrong in known ways, a search that is cut short, scans without returns: each has its reason."""
+    folder = fresh_folder("localize_faults")
+    for name, dx, fault in (("far.tum", 500.0, "no-overlap"), ("beside.tum", 0.25, "map-prefers")):
+        report = localized("--every", 100, "--no-runner-up", "--reference", _moved(folder, name, dx))
+        faults = report["errors"]["faults"]
+        expect(faults[fault] == len(report["scans"]) and report["errors"]["within"]["count"] == 0, f"{name}: {faults}")
+        if fault == "map-prefers":
+            expect(all(s["reference"]["nearby"]["mean_distance_m"] > s["found"]["mean_distance_m"] for s in report["scans"]), name)
+    process = command("localize", RUN, LOG, "--every", 100, "--max-time", 1e-6, "--reference", POSES, "--json")
+    expect_exit(process, 65)  # not one pose was tried
+    cli.validate(process.stdout, "localize")
+    short = json.loads(process.stdout)
+    expect(short["certified"] == 0 and all(s["found"] is None and s["runner_up"] is None for s in short["scans"]), "not cut short")
+    expect(short["errors"]["faults"]["not-proven"] == len(short["scans"]), f"{short['errors']}")
+    (folder / "mixed.log").write_text(cli.flaser([81.91] * 180, (0, 0, 0), (0, 0, 0), 99.0) + LOG.read_text())
+    mixed = localized("--every", 200, "-o", folder / "mixed.tum", log=folder / "mixed.log")
+    expect(mixed["scans"][0]["found"] is None and mixed["found"] == len(mixed["scans"]) - 1, "a scan without returns was found")
+    expect(len(poses_of(folder / "mixed.tum")) == mixed["found"], "a pose was written for it")
+    text = command("localize", RUN, folder / "mixed.log", "--scan", 0)
+    expect_exit(text, 65)
+    expect("none of the scans could be localised" in text.stderr, text.stderr)
+
+
+def localize_hostile_maps():
+    """Maps and runs that are none, older or broken: one line that names the file."""
+    folder = fresh_folder("localize_maps")
+    field = (RUN / "gdt.yaml").read_text()
+
+    def refused(name, code, words, *arguments, **files):
+        run = folder / name
+        shutil.copytree(RUN, run)
+        for file, change in files.items():
+            path = run / file.replace("_", ".")
+            path.unlink() if change is None else path.write_bytes(change if isinstance(change, bytes) else change.encode())
+        process = command("localize", run, LOG, *arguments)
+        expect_exit(process, code)
+        one_error_line(process.stderr)
+        expect(words in process.stderr and process.stdout == "", f"{name}: {process.stderr}")
+
+    refused("no_field", 74, "gdt.yaml: cannot be opened", gdt_yaml=None)
+    refused("no_image", 74, "gdt.png", gdt_png=None)
+    refused("no_yaml", 65, "gdt.yaml", gdt_yaml="version: 2\nimage: [gdt.png\n")
+    refused("half", 65, "gdt.yaml", gdt_yaml="".join(field.splitlines(keepends=True)[:3]))
+    refused("other_unit", 65, "gdt.yaml", gdt_yaml=field.replace("resolution: 0.025", "resolution: 0.05"))
+    refused("garbage", 65, "gdt.png", gdt_png=b"no picture")
+    refused("cut", 65, "gdt.png", gdt_png=(RUN / "gdt.png").read_bytes()[:4000])
+    origin = next(line for line in field.splitlines() if line.startswith("origin"))
+    refused("far", 65, "gdt.yaml: the origin lies more than a million cells", gdt_yaml=field.replace(origin, "origin: [1.0e9, 0.0, 0.0]"))
+    report = json.loads((RUN / "report.json").read_text())
+    del report["keyframe_scans"]
+    refused("older", 65, "does not tell which scans went into the map", "--every", 50, "--leave-out", 1, report_json=json.dumps(report))
+    refused("poseless", 65, "trajectory.tum: is missing", "--every", 50, "--leave-out", 1, trajectory_tum=None)
+    alone = folder / "alone"
+    alone.mkdir()
+    for file in ("gdt.yaml", "gdt.png"):
+        shutil.copy(RUN / file, alone)
+    process = command("localize", alone / "gdt.yaml", LOG, "--random", 2, "--leave-out", 1)
+    expect_exit(process, 65)
+    expect("belongs to no folder of a run, which --leave-out needs" in process.stderr, process.stderr)
+    same = [localized("--scan", 7, run=run)["scans"] for run in (RUN, RUN / "gdt.yaml", alone, alone / "gdt.yaml")]
+    expect(all(scans == same[0] for scans in same), "the folder and its gdt.yaml give different poses")
+
+
+def localize_standard_input_and_warnings():
+    """A log from a pipe; malformed lines are counted; a log that nods is said to."""
+    process = command("localize", RUN, "-", "--scan", 3, "--json", input=LOG.read_text())
+    expect_exit(process, 0)
+    expect(json.loads(process.stdout)["scans"] == localized("--scan", 3)["scans"], "the pipe gives something else")
+    folder = fresh_folder("localize_warnings")
+    lines = LOG.read_text().splitlines(keepends=True)
+    (folder / "bad.log").write_text("FLASER many 1.0 2.0\n" + "".join(lines))
+    expect_exit(command("localize", RUN, folder / "bad.log"), 65)
+    process = command("localize", RUN, folder / "bad.log", "--lenient", "--scan", 3, "--json")
+    expect_exit(process, 0)
+    expect(json.loads(process.stdout)["warnings"] == {"malformed line": 1}, process.stdout)
+    expect("warning: malformed line (1 times; first: " in process.stderr, process.stderr)
+    (folder / "nods.log").write_text("ENCODER 5 0.0 robot 0.0\nENCODER 9 0.1 robot 0.1\n" + "".join(lines))
+    process = command("localize", RUN, folder / "nods.log", "--scan", 3)
+    expect_exit(process, 0)
+    expect("the laser of this log nods" in process.stderr, process.stderr)
+
+
+def localize_interrupt():
+    """SIGINT and SIGTERM in the middle: exit 130, what was found is written and said, by one thread and by two."""
+    for number, threads in ((signal.SIGINT, 1), (signal.SIGTERM, 2)):
+        folder = fresh_folder("localize_interrupt")
+        for patience_s in (1.5, 5.0, 15.0):  # until a machine that is busy has done some scans
+            process = subprocess.Popen([PROGRAM, "localize", str(RUN), str(LOG), "--every", "1", "--json", "--threads", str(threads),
+                                        "-o", str(folder / "found.tum")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(patience_s)
+            expect(process.poll() is None, "the command had ended before the signal")
+            process.send_signal(number)
+            done = finish(process)
+            expect_exit(done, 130)
+            if json.loads(done.stdout)["scans"]:
+                break
+        cli.validate(done.stdout, "localize")
+        report = json.loads(done.stdout)
+        total = len(poses_of(POSES))
+        expect(report["interrupted"] and 0 < len(report["scans"]) < total, f"{len(report['scans'])} of {total} scans")
+        expect([scan["scan"] for scan in report["scans"]] == list(range(len(report["scans"]))), "scans are missing in between")
+        expect(len(poses_of(folder / "found.tum")) == report["found"], "poses are missing")
+        expect(f"interrupted after {len(report['scans'])} scans" in done.stderr, done.stderr)
+    process = subprocess.Popen([PROGRAM, "localize", str(RUN), "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    done = finish(process)
+    expect_exit(done, 130)
+    one_error_line(done.stderr)
