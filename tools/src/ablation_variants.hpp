@@ -19,8 +19,8 @@ inline std::vector<AblationVariant> default_variants() {
       {"every scan merged", {"keyframe.every_scan=true"}},
       {"matcher simplex", {"match.matcher=simplex"}},
       {"matcher exhaustive", {"match.matcher=exhaustive"}},
-      {"squared distance, (1) as printed", {"match.cost=squared"}},
-      {"nearest cell instead of bilinear", {"match.interpolation=nearest"}},
+      {"simplex, squared distance, (1) as printed", {"match.matcher=simplex", "match.cost=squared"}},
+      {"simplex, nearest cell instead of bilinear", {"match.matcher=simplex", "match.interpolation=nearest"}},
       {"no window search", {"search.when=never"}},
       {"no prior from odometry", {"prior.weight=0"}},
   };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
@@ -19,6 +20,23 @@ constexpr float kBoxSteps = 4.0F;
 // A proof of the matcher's own, then a simplex: what a user of it would ask for.
 constexpr double kCertifiedGap_m = 0.005;
 
+struct MethodRow {
+  CompareMethod method;
+  std::string_view name;
+  MatcherKind matcher;
+};
+constexpr std::array kMethods{
+    MethodRow{CompareMethod::kSimplex, "simplex", MatcherKind::kSimplex},
+    MethodRow{CompareMethod::kPso, "pso", MatcherKind::kPso},
+    MethodRow{CompareMethod::kSce, "sce", MatcherKind::kSce},
+    MethodRow{CompareMethod::kSimpsa, "simpsa", MatcherKind::kSimpsa},
+    MethodRow{CompareMethod::kGaussNewton, "gauss-newton", MatcherKind::kGaussNewton},
+    MethodRow{CompareMethod::kSimplexNewton, "simplex-newton", MatcherKind::kSimplexNewton},
+    MethodRow{CompareMethod::kExhaustive, "exhaustive", MatcherKind::kExhaustive},
+    MethodRow{CompareMethod::kCertified, "certified", MatcherKind::kCertified},
+};
+const MethodRow& row_of(CompareMethod method) { return kMethods[static_cast<std::size_t>(method)]; }
+
 float cells_of(double length_m, const CompareProblem& problem) {
   return static_cast<float>(length_m / problem.config.map.resolution_m);
 }
@@ -28,6 +46,14 @@ SimplexOptions simplex_of(const CompareProblem& problem, const StartReach& reach
   options.step_cells = cells_of(reach.half_m, problem) / kBoxSteps;
   options.step_rad = static_cast<float>(reach.half_rad) / kBoxSteps;
   return options;
+}
+
+// The end is that of the robust cost, not of (4): it lies where the squares of small distances want it.
+LocalMinimum by_simplex_newton(const CompareProblem& problem, const CellPose& start, const StartReach& reach) {
+  const LocalMinimum near = minimise_simplex(problem.objective, start, simplex_of(problem, reach));
+  LocalMinimum end = minimise_gauss_newton(problem.objective, near.pose, {});
+  end.evaluations += near.evaluations;
+  return end;
 }
 
 LocalMinimum by_population(MatcherKind kind, const CompareProblem& problem, const CellPose& start,
@@ -64,30 +90,14 @@ LocalMinimum by_proof(const CompareProblem& problem, const CellPose& start, cons
 
 }  // namespace
 
-std::string_view name_of(CompareMethod method) {
-  switch (method) {
-    case CompareMethod::kSimplex:
-      return "simplex";
-    case CompareMethod::kPso:
-      return "pso";
-    case CompareMethod::kSce:
-      return "sce";
-    case CompareMethod::kSimpsa:
-      return "simpsa";
-    case CompareMethod::kGaussNewton:
-      return "gauss-newton";
-    case CompareMethod::kExhaustive:
-      return "exhaustive";
-    case CompareMethod::kCertified:
-      return "certified";
-  }
-  return "unknown";
-}
+std::string_view name_of(CompareMethod method) { return row_of(method).name; }
 
 const std::vector<CompareMethod>& compare_methods() {
-  static const std::vector<CompareMethod> all{
-      CompareMethod::kSimplex,     CompareMethod::kPso,        CompareMethod::kSce,      CompareMethod::kSimpsa,
-      CompareMethod::kGaussNewton, CompareMethod::kExhaustive, CompareMethod::kCertified};
+  static const std::vector<CompareMethod> all = [] {
+    std::vector<CompareMethod> methods;
+    for (const MethodRow& row : kMethods) methods.push_back(row.method);
+    return methods;
+  }();
   return all;
 }
 
@@ -113,25 +123,7 @@ std::vector<CompareMethod> compare_methods_of(const std::string& option, const s
   return chosen;
 }
 
-std::optional<MatcherKind> matcher_of(CompareMethod method) {
-  switch (method) {
-    case CompareMethod::kSimplex:
-      return MatcherKind::kSimplex;
-    case CompareMethod::kPso:
-      return MatcherKind::kPso;
-    case CompareMethod::kSce:
-      return MatcherKind::kSce;
-    case CompareMethod::kSimpsa:
-      return MatcherKind::kSimpsa;
-    case CompareMethod::kGaussNewton:
-      return MatcherKind::kGaussNewton;
-    case CompareMethod::kExhaustive:
-      return MatcherKind::kExhaustive;
-    case CompareMethod::kCertified:
-      break;
-  }
-  return std::nullopt;
-}
+MatcherKind matcher_of(CompareMethod method) { return row_of(method).matcher; }
 
 StartReach reach_of_prediction(const MapperConfig& config) {
   const SimplexOptions first;
@@ -146,12 +138,14 @@ LocalMinimum minimise_by(CompareMethod method, const CompareProblem& problem, co
       return minimise_simplex(problem.objective, start, simplex_of(problem, reach));
     case CompareMethod::kGaussNewton:
       return minimise_gauss_newton(problem.objective, start, {});
+    case CompareMethod::kSimplexNewton:
+      return by_simplex_newton(problem, start, reach);
     case CompareMethod::kExhaustive:
       return by_window(problem, start, reach);
     case CompareMethod::kCertified:
       return by_proof(problem, start, reach);
     default:
-      return by_population(*matcher_of(method), problem, start, reach);
+      return by_population(matcher_of(method), problem, start, reach);
   }
 }
 

@@ -16,13 +16,22 @@
 
 namespace gdtslam {
 
-enum class CompareMethod : std::uint8_t { kSimplex, kPso, kSce, kSimpsa, kGaussNewton, kExhaustive, kCertified };
+enum class CompareMethod : std::uint8_t {
+  kSimplex,
+  kPso,
+  kSce,
+  kSimpsa,
+  kGaussNewton,
+  kSimplexNewton,
+  kExhaustive,
+  kCertified
+};
 std::string_view name_of(CompareMethod method);
 const std::vector<CompareMethod>& compare_methods();
 /// From "simplex,pso"; empty: all. The order is kept. Throws UsageError that names the option.
 std::vector<CompareMethod> compare_methods_of(const std::string& option, const std::string& names);
-/// The matcher of `map` that uses the method; nothing where there is none.
-std::optional<MatcherKind> matcher_of(CompareMethod method);
+/// The matcher of `map` that uses the method.
+MatcherKind matcher_of(CompareMethod method);
 
 /// How far from the start the least cost may lie, along x and y each, and in heading.
 struct StartReach {

@@ -49,11 +49,9 @@ std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& trut
   std::vector<WholeRun> runs;
   double simplex_s = 0.0;
   for (const CompareMethod method : job.methods) {
-    const std::optional<MatcherKind> matcher = matcher_of(method);
-    if (!matcher) continue;
     WholeRun run;
     run.method = name_of(method);
-    const MapOutcome outcome = map_with(*matcher, job, backend, progress_of(run.method), stop);
+    const MapOutcome outcome = map_with(matcher_of(method), job, backend, progress_of(run.method), stop);
     evaluate(outcome, truth, job, run);
     run.cpu_s = outcome.mapper_cpu_s;
     run.scans = outcome.statistics.scans;

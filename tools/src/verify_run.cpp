@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kLogsFilter = "logs";
 constexpr unsigned kOtherThreads = 3;  // slices of a launch that end where no slice of one thread does
-constexpr const char* kMatchers[] = {"simplex", "exhaustive"};
+constexpr const char* kMatchers[] = {"simplex-newton", "exhaustive"};
 
 /// A backend to be verified, opened when its turn comes.
 struct Target {

@@ -13,8 +13,8 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::array kMergeRules{"working"sv, "literal"sv};
-constexpr std::array kMatchers{"simplex"sv, "exhaustive"sv, "gauss-newton"sv, "pso"sv,
-                               "sce"sv,     "simpsa"sv,     "certified"sv};
+constexpr std::array kMatchers{"simplex-newton"sv, "simplex"sv,  "exhaustive"sv, "gauss-newton"sv, "pso"sv, "sce"sv,
+                               "simpsa"sv,         "certified"sv};
 constexpr std::array kCostForms{"distance"sv, "squared"sv};
 constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
 constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
@@ -44,8 +44,9 @@ void add_map_options(MapperConfig& c, std::vector<Option>& table) {
 
 void add_match_options(MapperConfig& c, std::vector<Option>& table) {
   table.push_back({"match.matcher",
-                   "optimizer of (4): simplex; pso, sce, simpsa; gauss-newton; exhaustive, a window for each scan, all "
-                   "on the device; certified, simplex with windows whose best pose is proven",
+                   "optimizer of (4): simplex; simplex-newton, its end refined by gauss-newton; pso, sce, simpsa; "
+                   "gauss-newton; exhaustive, a window for each scan, all on the device; certified, simplex with "
+                   "windows whose best pose is proven",
                    Unit::kNone, 0, 0, Choice(c.match.matcher, kMatchers)});
   table.push_back(
       {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});

@@ -89,6 +89,14 @@ LocalMinimum ScanMatcher::minimise(const CellPose& start, const DescentStage& st
   }
 }
 
+// Near the end the points scatter around the walls, and squares average that better than the sum of distances does.
+LocalMinimum ScanMatcher::refine(const CellPose& pose) {
+  const DescentStage& last = rules_.stages().back();
+  keep_points_within(last.gate, pose);
+  return minimise_gauss_newton(objective_, pose,
+                               {.stop_cells = last.simplex.stop_cells, .stop_rad = last.simplex.stop_rad});
+}
+
 // Equations (8) and (4) in turn, the gate narrowing around the best pose so far.
 ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
   CellPose pose = start;
@@ -99,6 +107,11 @@ ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
     const LocalMinimum found = minimise(pose, stage);
     pose = found.pose;
     stop = found.stop;
+  }
+  if (matcher_ == MatcherKind::kSimplexNewton) {
+    const LocalMinimum refined = refine(pose);
+    pose = refined.pose;
+    stop = refined.stop;
   }
   Estimate estimate{pose, judge(pose)};
   estimate.evidence.stop = stop;

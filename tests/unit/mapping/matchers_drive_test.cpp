@@ -77,6 +77,8 @@ std::string name_of_kind(const testing::TestParamInfo<MatcherKind>& kind) {
   switch (kind.param) {
     case MatcherKind::kSimplex:
       return "simplex";
+    case MatcherKind::kSimplexNewton:
+      return "simplex_newton";
     case MatcherKind::kExhaustive:
       return "exhaustive";
     case MatcherKind::kGaussNewton:
@@ -87,14 +89,17 @@ std::string name_of_kind(const testing::TestParamInfo<MatcherKind>& kind) {
       return "sce";
     case MatcherKind::kSimpsa:
       return "simpsa";
+    case MatcherKind::kCertified:
+      return "certified";
     default:
       return "kind" + std::to_string(static_cast<int>(kind.param));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MatcherDrive,
-                         testing::Values(MatcherKind::kSimplex, MatcherKind::kExhaustive, MatcherKind::kGaussNewton,
-                                         MatcherKind::kPso, MatcherKind::kSce, MatcherKind::kSimpsa),
+                         testing::Values(MatcherKind::kSimplex, MatcherKind::kSimplexNewton, MatcherKind::kExhaustive,
+                                         MatcherKind::kGaussNewton, MatcherKind::kPso, MatcherKind::kSce,
+                                         MatcherKind::kSimpsa, MatcherKind::kCertified),
                          name_of_kind);
 
 }  // namespace

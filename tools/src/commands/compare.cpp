@@ -156,7 +156,7 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
   command
       .add_option("--matchers", options.methods,
                   "Methods to compare, separated by commas, in this order: simplex, pso, sce, simpsa, gauss-newton,\n"
-                  "exhaustive, certified (default: all)")
+                  "simplex-newton, exhaustive, certified (default: all)")
       ->type_name("A,B,...");
   command
       .add_option("--starts-at", options.levels,

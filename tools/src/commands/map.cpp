@@ -302,7 +302,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
   add_settings_options(*command, options->settings);
-  command->add_option("--matcher", options->matcher, "simplex or exhaustive; short for --set match.matcher=NAME")
+  command->add_option("--matcher", options->matcher, "simplex-newton, simplex, exhaustive, ...; short for --set match.matcher=NAME")
       ->type_name("NAME");
   add_device_options(*command, options->device);
   command
@@ -322,7 +322,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "\n"
       "Examples:\n"
       "  gdtslam map intel.clf.gz -o intel\n"
-      "  gdtslam map intel.clf.gz -o fast --matcher simplex --set search.when=suspect\n"
+      "  gdtslam map intel.clf.gz -o fast --matcher gauss-newton --set search.when=suspect\n"
       "  gdtslam map office.log -c my.yaml --set map.resolution=\"10 cm\" --json | jq .scans_per_s\n"
       "  gdtslam map office-7f.log -o office --linkage paper-b --set cloud.voxel=\"5 cm\"\n"
       "  zcat drive.log.gz | gdtslam map - -o drive");

@@ -12,7 +12,16 @@
 
 namespace gdtslam {
 
-enum class MatcherKind : std::uint8_t { kSimplex, kExhaustive, kGaussNewton, kPso, kSce, kSimpsa, kCertified };
+enum class MatcherKind : std::uint8_t {
+  kSimplexNewton,
+  kSimplex,
+  kExhaustive,
+  kGaussNewton,
+  kPso,
+  kSce,
+  kSimpsa,
+  kCertified
+};
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
 struct MapConfig {
@@ -41,7 +50,7 @@ struct KeyframeConfig {
 };
 
 struct MatchConfig {
-  MatcherKind matcher = MatcherKind::kSimplex;
+  MatcherKind matcher = MatcherKind::kSimplexNewton;
   CostForm cost = CostForm::kDistance;
   Interpolation interpolation = Interpolation::kBilinear;
 };

@@ -1,7 +1,7 @@
-// The matchers `simplex`, `pso`, `sce`, `simpsa` and `gauss-newton`: steps (6) to (8) and the minimisation of (4) for
-// one scan, from a predicted pose down through narrowing gates, and through a window of poses where that descent may
-// have ended in the wrong valley. Works on the host, on the map's copy there; only samples of a window, generations and
-// complexes go to the device. Frame: map. Not thread-safe.
+// The matchers that work on the host, on the map's copy there: `simplex`, `simplex-newton`, `pso`, `sce`, `simpsa`,
+// `gauss-newton` and `certified`. Steps (6) to (8) and the minimisation of (4) for one scan, from a predicted pose down
+// through narrowing gates, and through a window of poses where that descent may have ended in the wrong valley. Only
+// samples of a window, generations and complexes go to the device. Frame: map. Not thread-safe.
 #pragma once
 
 #include <memory>
@@ -37,6 +37,7 @@ class ScanMatcher final : public Matcher {
 
   Estimate descend(const CellPose& start);
   LocalMinimum minimise(const CellPose& start, const DescentStage& stage);
+  LocalMinimum refine(const CellPose& pose);
   void keep_points_within(std::uint32_t gate, const CellPose& pose);
   [[nodiscard]] Evidence judge(const CellPose& pose);
   Estimate search(const Estimate& local);
