@@ -22,6 +22,7 @@ def reproduced(folder, *arguments):
     """Runs; what it says as JSON, parts by name."""
     process = command("reproduce", "-o", folder, "--json", *arguments, env=WITHOUT_DATA, timeout=250)
     expect_exit(process, 0)
+    cli.validate(process.stdout, "reproduce")
     said = json.loads(process.stdout)
     return {part["part"]: part for part in said["parts"]}, said
 
@@ -111,6 +112,14 @@ def reproduce_cheap_parts():
     markdown = (folder / "report.md").read_text(encoding="utf-8")
     pictures = re.findall(r"!\[[^\]]*\]\(([^)]*)\)", markdown)
     expect(len(pictures) == 7 and all((folder / picture).stat().st_size > 1000 for picture in pictures), f"{pictures}")
+    plain = markdown.replace("\\", "")
+    for word in (said["version"], said["processor"], said["device"], "Not made yet", "CPU time of each part"):
+        expect(word in plain, f"the Markdown does not say {word}")
+    for part in parts.values():
+        for row in part["rows"]:
+            for text in filter(None, row.values()):
+                expect(text in everything.replace("\u00a0", " ") and plain.count(text) >= 2, f"page or Markdown lacks {text!r}")
+
     expect(sorted(p.name for p in folder.iterdir()) == ["parts", "report.html", "report.md"], "something else is left in the folder")
 
 
@@ -153,14 +162,65 @@ def reproduce_interrupted():
     expect(not list(folder.glob("parts/*.making")), "half a part is left")
     text = (folder / "report.html").read_text(encoding="utf-8")
     expect("Not made yet" in text and "88 of 100" in text, "the report lacks what is made, or says that all is")
-    parts, _ = reproduced(folder, "--only", "fig3")
+    parts, _ = reproduced(folder, "--only", "fig3,fig11")
     expect(not parts["fig3"]["new"], "figure 3 was made twice")
+    expect(parts["fig11"]["made"], "the interrupted report does not go on")
+
+
+def workers_of(process):
+    """Ids of the processes that it started."""
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(stat.read_text().rsplit(")", 1)[1].split()[1])
+        except OSError:  # it has ended
+            continue
+        if parent == process.pid:
+            found.append(int(stat.parent.name))
+    return found
+
+
+def started(folder):
+    """A run whose workers are there."""
+    process = subprocess.Popen([PROGRAM, "reproduce", "-q", "-o", str(folder), "--only", "fig8", "--threads", "2"],
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=WITHOUT_DATA, start_new_session=True)
+    deadline = time.time() + 100
+    while not (folder / "work/office-loop").exists() and process.poll() is None and time.time() < deadline:
+        time.sleep(0.02)
+    workers = workers_of(process)
+    if not workers:
+        process.kill()
+    expect(workers, "no process works")
+    return process, workers
+
+
+def reproduce_workers():
+    """Ctrl-C reaches the workers, too: none is left. A worker that is killed is one line, exit 1, and the same command goes on."""
+    folder = cli.fresh_folder("reproduce_workers") / "report"
+    process, workers = started(folder)
+    os.killpg(process.pid, signal.SIGINT)
+    done = finish(process)
+    expect_exit(done, 130)
+    one_error_line(done.stderr)
+    expect(not any(pathlib.Path(f"/proc/{worker}").exists() for worker in workers), "a worker outlives the command")
+
+    folder = cli.fresh_folder("reproduce_workers") / "report"
+    process, workers = started(folder)
+    os.kill(workers[0], signal.SIGKILL)
+    done = finish(process)
+    expect_exit(done, 1)
+    one_error_line(done.stderr)
+    expect("signal 9" in done.stderr and "goes on" in done.stderr, done.stderr)
+    expect(not list(folder.glob("parts/*.making")), "half a part is left")
+    reproduced(folder, "--only", "fig3")
 
 
 def reproduce_mistakes():
     """Parts that there are not, folders that cannot be: one line, the exit code, nothing written."""
     folder = cli.fresh_folder("reproduce_mistakes")
     refused(2, "-o", folder / "a", "--only", "fig33", says="fig3")
+    refused(2, "-o", folder / "a", "--only", "tabel1", says="table1")
+    refused(2, "-o", folder / "a", "--only", "map", says="--list names all")
     refused(2, "--only", "fig3", says="-o DIR")
     refused(2, "-o", folder / "a", "--graphics", "metal", says="metal")
     (folder / "file").write_text("old")
@@ -177,4 +237,8 @@ def reproduce_mistakes():
     process = command("reproduce", "--list", "--json", env=WITHOUT_DATA)
     expect_exit(process, 0)
     names = [name for part in json.loads(process.stdout) for name in (part["part"], part["also"]) if name]
-    expect({"fig3", "fig4", "fig7", "fig11", "fig12", "fig13", "fig14", "fig15", "figA"} <= set(names), f"{names}")
+    expect(names == ["fig3", "fig4", "fig7", "fig8", "table1", "fig9", "table2", "fig11", "fig12", "fig13", "fig14", "fig15", "figA"],
+           f"{names}")
+    process = command("reproduce", "--list", env=WITHOUT_DATA)
+    expect_exit(process, 0)
+    expect(all(re.search(rf"\b{name}\b", process.stdout) for name in names), process.stdout)

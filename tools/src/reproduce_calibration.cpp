@@ -112,6 +112,13 @@ void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepMod
                    deg_from_rad(outcome.result.elevation_sigma_rad))});
 }
 
+// Remarks of the calibration are half sentences, for a terminal.
+std::string sentence(std::string text) {
+  if (text.empty()) return text;
+  if (text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 'a' + 'A');
+  return text.back() == '.' ? text : text + ".";
+}
+
 }  // namespace
 
 Part make_calibration(const Workplace& place) {
@@ -132,12 +139,9 @@ Part make_calibration(const Workplace& place) {
   part.tables.push_back(deltas_table(outcome));
   add_rows(part, outcome, read_linkage(drive.truth.substr(0, drive.truth.rfind(".truth.tum")) + ".linkage.yaml"));
   part.notes.push_back(
-      "One wall tells three ratios of the four bars, the encoder's zero, the elevation's offset and the distance, "
-      "never the "
-      "bars' common scale: the lengths need not be found, the elevation is. (A1) as printed, R_m(0) cos \u03b8, is "
-      "neither the range "
-      "nor the distance over the floor; what is fitted is r cos \u03b8 = d.");
-  for (const std::string& remark : outcome.result.remarks) part.notes.push_back(remark);
+      "The lengths need not be found, the elevation is what counts. (A1) as printed, R_m(0) cos \u03b8, is neither the "
+      "range nor the distance over the floor; what is fitted is r cos \u03b8 = d.");
+  for (const std::string& remark : outcome.result.remarks) part.notes.push_back(sentence(remark));
   part.by_hand = Drives::commands_of("wall");
   part.by_hand.push_back("gdtslam calibrate wall.log -o found.yaml --start paper-b --picture ranges.svg");
   return part;

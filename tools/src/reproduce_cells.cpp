@@ -90,17 +90,19 @@ class GridSheet {
     canvas_.text({kMargin, 46.0}, title, {.size = 22.0, .is_bold = true});
     canvas_.text({kMargin, 72.0}, subtitle, {.size = 15.0, .colour = ink::kQuiet});
   }
-  void cell(int x, int y, std::string_view text, bool is_obstacle, bool is_marked) {
+  struct CellLook {
+    Colour paper = ink::kCard;
+    Colour text = ink::kText;
+    bool is_bold = false;
+  };
+  static constexpr CellLook kObstacle{ink::kText, ink::kCard, false};
+  static constexpr CellLook kMarked{colour_of(0xffdcc4), ink::kWarning, true};
+
+  void cell(int x, int y, std::string_view text, const CellLook& look) {
     const Point2 corner(kMargin + kCell * x, kTop + kCell * (kSide - 1 - y));
-    const Colour paper = is_obstacle ? ink::kText : is_marked ? colour_of(0xffdcc4) : ink::kCard;
-    canvas_.rectangle(corner, kCell, kCell, Fill{paper}, Pen{.colour = ink::kEdge});
+    canvas_.rectangle(corner, kCell, kCell, Fill{look.paper}, Pen{.colour = ink::kEdge});
     canvas_.text(corner + Point2(0.5 * kCell, 0.5 * kCell + 7.0), text,
-                 {.size = 20.0,
-                  .colour = is_obstacle ? ink::kCard
-                            : is_marked ? ink::kWarning
-                                        : ink::kText,
-                  .anchor = Anchor::kMiddle,
-                  .is_bold = is_marked});
+                 {.size = 20.0, .colour = look.text, .anchor = Anchor::kMiddle, .is_bold = look.is_bold});
   }
   [[nodiscard]] const Canvas& canvas() const { return canvas_; }
 
@@ -117,7 +119,7 @@ Canvas before() {
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
       const bool is_obstacle = printed_at(x, y) == 0;
-      sheet.cell(x, y, is_obstacle ? "0" : "\u221e", is_obstacle, false);
+      sheet.cell(x, y, is_obstacle ? "0" : "\u221e", is_obstacle ? GridSheet::kObstacle : GridSheet::CellLook{});
     }
   }
   return sheet.canvas();
@@ -128,7 +130,29 @@ Canvas printed() {
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
       const int value = printed_at(x, y);
-      sheet.cell(x, y, std::to_string(value), value == 0, !is_printed(x, y, euclidean));
+      const bool is_marked = !is_printed(x, y, euclidean);
+      sheet.cell(x, y, std::to_string(value),
+                 value == 0  ? GridSheet::kObstacle
+                 : is_marked ? GridSheet::kMarked
+                             : GridSheet::CellLook{});
+    }
+  }
+  return sheet.canvas();
+}
+
+// Light near the obstacles, so that every number is legible.
+Canvas after(const FieldPicture& field) {
+  GridSheet sheet("After: the exact distance", "Euclidean, in cells, to one decimal");
+  const ColourMap& colours = colour_map("lagoon");
+  constexpr double kFarthest_cells = 5.0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const auto index = static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x);
+      const double distance_cells = field.cells[index] / 256.0;
+      const bool is_obstacle = field.cells[index] == 0;
+      const Colour paper = colours.at(1.0 - 0.5 * distance_cells / kFarthest_cells);
+      sheet.cell(x, y, is_obstacle ? "0" : fmt::format("{:.1f}", distance_cells),
+                 is_obstacle ? GridSheet::kObstacle : GridSheet::CellLook{paper, ink::kText, false});
     }
   }
   return sheet.canvas();
@@ -151,15 +175,12 @@ int wrong_cells(const FieldPicture& field) {
 Part make_cells(const Workplace& place) {
   const std::unique_ptr<Backend> backend = make_backend(place.device);
   const FieldPicture field = field_of(obstacles(), *backend);
-  MapLook look;
-  look.title = "After: the exact distance";
-  look.subtitle = "Euclidean, in cells, with one decimal";
   Part part;
   part.origin = Origin::kComputed;
   part.source =
       "From the obstacles that figure 3(a) prints, by the kernels that make every map; no sensor is involved.";
   add_picture(part, place, before(), {"before.svg", "(a) The obstacles of figure 3(a).", 3});
-  add_picture(part, place, cells_picture(field, {{0, 0}, {kSide, kSide}}, false, look),
+  add_picture(part, place, after(field),
               {"after.svg", "(b) Their distance transform, equation (1) with the root taken: exact to 1/256 cell.", 3});
   add_picture(part, place, printed(),
               {"printed.svg", "(b) of the paper, for comparison. Marked: not the Euclidean distance, rounded.", 3});

@@ -37,17 +37,23 @@ constexpr double kSimulationShare = 0.35;
 const DriveRecipe& recipe_of(std::string_view name) {
   static const std::vector<DriveRecipe> recipes{
       {.name = "office-loop", .scene = "office-loop", .waypoints = "", .sets = {}},
+      {.name = "office-loop-2", .scene = "office-loop", .waypoints = "", .sets = {}, .is_mapped = false, .seed = 2},
+      {.name = "office-loop-3", .scene = "office-loop", .waypoints = "", .sets = {}, .is_mapped = false, .seed = 3},
       {.name = "one-scan",
        .scene = "office-loop",
        .waypoints = kAtCrossing,
        .sets = {"occupancy.min_ends=1"},
        .laser = "hokuyo-961",
        .first = 1},
-      {.name = "three-boxes", .scene = "three-boxes", .waypoints = "", .sets = {"cloud.voxel=0"}},
-      {.name = "at-elevator", .scene = "office-3f", .waypoints = kAtElevator, .sets = {"cloud.voxel=0"}},
-      {.name = "at-plant", .scene = "office-3f", .waypoints = kAtPlant, .sets = {"cloud.voxel=0"}},
-      {.name = "office-3f", .scene = "office-3f", .waypoints = "", .sets = {}},
-      {.name = "office-7f", .scene = "office-7f", .waypoints = "", .sets = {}},
+      {.name = "three-boxes", .scene = "three-boxes", .waypoints = "", .sets = {"cloud.voxel=0"}, .weight_s = 1.2},
+      {.name = "at-elevator",
+       .scene = "office-3f",
+       .waypoints = kAtElevator,
+       .sets = {"cloud.voxel=0"},
+       .weight_s = 1.2},
+      {.name = "at-plant", .scene = "office-3f", .waypoints = kAtPlant, .sets = {"cloud.voxel=0"}, .weight_s = 1.2},
+      {.name = "office-3f", .scene = "office-3f", .waypoints = "", .sets = {}, .weight_s = 7.0},
+      {.name = "office-7f", .scene = "office-7f", .waypoints = "", .sets = {}, .weight_s = 8.5},
       {.name = "wall",
        .scene = "wall",
        .waypoints = "",
@@ -75,7 +81,7 @@ std::string Drives::key_of(std::string_view name) {
   const DriveRecipe& recipe = recipe_of(name);
   Sha256 key;
   key.update(recipe.name).update(text_of_file(find_scene(std::string(recipe.scene), asset_folders("scenes"))));
-  key.update(recipe.waypoints).update(recipe.is_mapped ? "mapped" : "log").update(fmt::format("seed {}", kSeed));
+  key.update(recipe.waypoints).update(recipe.is_mapped ? "mapped" : "log").update(fmt::format("seed {}", recipe.seed));
   key.update(recipe.laser).update(recipe.linkage).update(fmt::format("first {}", recipe.first));
   for (const std::string& set : recipe.sets) key.update(set);
   return key.hex();
@@ -91,6 +97,7 @@ std::vector<std::string> Drives::commands_of(std::string_view name) {
       commands.back().replace(at, 1, "\\n");
     simulation += fmt::format(" --trajectory {}.yaml", name);
   }
+  if (recipe.seed != kSeed) simulation += fmt::format(" --seed {}", recipe.seed);
   if (!recipe.laser.empty()) simulation += fmt::format(" --laser {}", recipe.laser);
   if (!recipe.linkage.empty()) simulation += fmt::format(" --linkage {}", recipe.linkage);
   commands.push_back(simulation);
@@ -136,7 +143,7 @@ void Drives::make(std::string_view name, const std::function<void(double)>& prog
 
 void Drives::simulate_drive(const DriveRecipe& recipe, const Drive& drive, const std::string& folder,
                             const std::function<void(double)>& progress) const {
-  SimulateOptions simulation{.scene = drive.scene, .scene_folders = {}, .output = drive.log, .seed = kSeed};
+  SimulateOptions simulation{.scene = drive.scene, .scene_folders = {}, .output = drive.log, .seed = recipe.seed};
   if (!recipe.waypoints.empty()) {
     simulation.trajectory = folder + "/waypoints.yaml";
     write_file_atomically(*simulation.trajectory, recipe.waypoints);

@@ -23,7 +23,8 @@ struct DriveRecipe {
   std::string_view laser = {};    ///< preset; empty: the scene's
   std::string_view linkage = {};  ///< the mount's; empty: the scene's
   std::uint64_t first = 0;        ///< scans that are mapped; 0: all
-  double weight_s = 1.0;          ///< CPU seconds as measured, for the time left
+  std::uint64_t seed = 1;
+  double weight_s = 1.0;  ///< CPU seconds as measured, for the time left
 };
 const DriveRecipe& recipe_of(std::string_view name);
 

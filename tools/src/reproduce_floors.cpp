@@ -89,12 +89,14 @@ double contour_share(const std::string& run) {
 
 void add_floor_views(Part& part, const Workplace& place, const Drive& drive, const std::string& floor) {
   RenderOptions look;
-  look.title = floor;
+  look.title = floor + ": 2D map";
   add_view(part, place, {.inputs = {drive.run}, .view = "map", .size = "1190x640", .options = look},
            {"map.png", "(a) 2D map of the horizontal scans, with the path."});
   look.no_floor = true;
+  look.title = floor + " from above";
   add_view(part, place, {.inputs = {drive.run}, .view = "top", .size = "1190x640", .options = look},
            {"top.png", "From above, floor and ceiling taken away."});
+  look.title = floor + " in 3D";
   add_view(
       part, place, {.inputs = {drive.run}, .view = "iso", .size = "1800x1000", .options = look},
       {"iso.png", "(b) The 3D map, floor and ceiling taken away as planes that were found in it; colours by height."});

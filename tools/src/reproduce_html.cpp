@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <string>
 #include <string_view>
 
@@ -17,18 +20,43 @@ std::string_view program();
 namespace gdtslam::reproduce {
 namespace {
 
+constexpr std::array<std::string_view, 5> kUnits{" cm", " mm", " m", " s", " %"};
+
+// Of the text of a cell: numbers stay in one line with their units and deviations.
+std::string cell_text(std::string_view text) {
+  constexpr std::string_view kSpace = "\u00a0";
+  constexpr std::string_view kPlusMinus = "\u00b1";
+  std::string out;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const std::string_view rest = text.substr(k);
+    const auto has_unit = [rest](std::string_view unit) {
+      return rest.starts_with(unit) &&
+             (rest.size() == unit.size() || std::ispunct(static_cast<unsigned char>(rest[unit.size()])) != 0 ||
+              rest[unit.size()] == ' ');
+    };
+    const bool follows_digit = k > 0 && std::isdigit(static_cast<unsigned char>(text[k - 1])) != 0;
+    const bool is_bound = (follows_digit && std::any_of(kUnits.begin(), kUnits.end(), has_unit)) ||
+                          rest.substr(1).starts_with(kPlusMinus) || text.substr(0, k).ends_with(kPlusMinus);
+    if (text[k] == ' ' && is_bound) {
+      out += kSpace;
+    } else {
+      out += text[k];
+    }
+  }
+  return markup_text(out);
+}
+
 std::string verdict_html(Verdict verdict) {
   const char* const style = verdict == Verdict::kWithin ? "within" : verdict == Verdict::kOutside ? "outside" : "open";
   return fmt::format("<span class=\"verdict {}\">{}</span>", style, name_of(verdict));
 }
 
 std::string row_html(const Row& row, const std::string& lead) {
-  const std::string paper = row.paper.empty() ? "<span class=\"quiet\">not given</span>" : markup_text(row.paper);
+  const std::string paper = row.paper.empty() ? "<span class=\"quiet\">not given</span>" : cell_text(row.paper);
   return fmt::format(
       "<tr>{}<td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td><td "
       "class=\"remark\">{}</td></tr>\n",
-      lead, markup_text(row.quantity), paper, markup_text(row.ours), verdict_html(row.verdict),
-      markup_text(row.remark));
+      lead, cell_text(row.quantity), paper, cell_text(row.ours), verdict_html(row.verdict), cell_text(row.remark));
 }
 
 std::string rows_table(const std::string& rows, bool has_lead) {

@@ -9,6 +9,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "render_studio.hpp"
 #include "reproduce_data.hpp"
 #include "reproduce_draw.hpp"
 #include "reproduce_drives.hpp"
@@ -86,29 +87,37 @@ void add_loop_rows(Part& part, const Drive& drive) {
        Verdict::kOpen, "best rigid alignment with the true path; the paper had no truth to compare with"});
 }
 
+void add_real_log(Part& part, const Workplace& place, const RealLog& real, double from, double span) {
+  const TemporaryFolder folder("gdtslam-reproduce");
+  const std::string run = folder.path() + "/run";
+  map_whole(real.log, run, place, [&](double share) { place.progress(from + span * share); });
+  const RelationReport report = evaluate_relations(read_tum(run + "/trajectory.tum"), read_relations(real.relations));
+  const RenderOptions look = titled(real.name + " (real)", true);
+  add_view(part, place, {.inputs = {run}, .view = "map", .size = "1190x820", .options = look},
+           {real.stem + "-map.png", fmt::format("Real log, {}: occupancy map and path.", real.name)});
+  if (part.origin != Origin::kSimulatedAndReal) {  // one is enough to see
+    add_view(part, place, {.inputs = {run}, .view = "field", .size = "1190x820", .options = look},
+             {real.stem + "-field.png", fmt::format("Real log, {}: distance transform as intensity.", real.name)});
+  }
+  part.rows.push_back(
+      {real.name + " (real): error of verified relations", "",
+       fmt::format("{} and {:.2f}\u00b0 mean", length_with_unit(report.all.translation_m.mean),
+                   report.all.rotation_deg.mean),
+       Verdict::kOpen,
+       fmt::format("{} relations of [Kuemmerle2009]; loops alone {}. Not a log of the paper\u2019s",
+                   with_commas(report.all.translation_m.count), length_with_unit(report.loops.translation_m.mean))});
+  part.by_hand.push_back(fmt::format("gdtslam map {0}.clf.gz -o {0} && gdtslam render {0} --view map", real.stem));
+  part.by_hand.push_back(fmt::format("gdtslam evaluate {0}/trajectory.tum --relations {0}.relations.gz", real.stem));
+  part.origin = Origin::kSimulatedAndReal;
+}
+
 void add_real_logs(Part& part, const Workplace& place) {
-  for (const RealLog& real : real_logs(place.data)) {
-    const TemporaryFolder folder("gdtslam-reproduce");
-    const std::string run = folder.path() + "/run";
-    map_whole(real.log, run, place, [&place](double share) { place.progress(0.1 + 0.8 * share); });
-    const RelationReport report = evaluate_relations(read_tum(run + "/trajectory.tum"), read_relations(real.relations));
-    add_view(part, place,
-             {.inputs = {run}, .view = "map", .size = "1190x820", .options = titled(real.name + " (real)", true)},
-             {"real-map.png", fmt::format("Real log, {}: occupancy map and path.", real.name)});
-    add_view(part, place,
-             {.inputs = {run}, .view = "field", .size = "1190x820", .options = titled(real.name + " (real)", true)},
-             {"real-field.png", fmt::format("Real log, {}: distance transform as intensity.", real.name)});
-    part.rows.push_back(
-        {real.name + " (real): error of verified relations", "",
-         fmt::format("{} and {:.2f}\u00b0 mean", length_with_unit(report.all.translation_m.mean),
-                     report.all.rotation_deg.mean),
-         Verdict::kOpen,
-         fmt::format("{} relations of [Kuemmerle2009]; loops alone {}. Not a log of the paper's",
-                     report.all.translation_m.count, length_with_unit(report.loops.translation_m.mean))});
-    part.origin = Origin::kSimulatedAndReal;
-    part.source += fmt::format(" Real: the log of the {}.", real.name);
-    part.by_hand.push_back("gdtslam map intel.clf.gz -o intel && gdtslam render intel --view field");
-    part.by_hand.push_back("gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz");
+  const std::vector<RealLog> logs = real_logs(place.data);
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    const double span = 0.9 / static_cast<double>(logs.size());
+    add_real_log(part, place, logs[k], 0.1 + span * static_cast<double>(k), span);
+    part.source +=
+        fmt::format("{}{}{}", k == 0 ? " Real: the logs " : ", ", logs[k].name, k + 1 == logs.size() ? "." : "");
   }
 }
 
