@@ -28,11 +28,13 @@ double error_axis(double distance_m) { return log10_of(std::max(100.0 * distance
 // One colour for each method, whichever are compared; certified in the dark of the words.
 Colour colour_of_method(CompareMethod method) {
   static constexpr std::array kColours{ink::kCoupler, ink::kCrank,  ink::kRocker, ink::kCurve,
-                                       ink::kLaser,   ink::kGround, ink::kText};
-  return kColours[static_cast<std::size_t>(method)];
+                                       ink::kLaser,   ink::kGround, ink::kQuiet,  ink::kText};
+  return kColours.at(static_cast<std::size_t>(method));
 }
 std::string_view dashes_of(CompareMethod method) {
-  return method == CompareMethod::kCertified ? "2 4" : method == CompareMethod::kExhaustive ? "8 4" : "";
+  if (method == CompareMethod::kCertified) return "2 4";
+  if (method == CompareMethod::kExhaustive) return "8 4";
+  return method == CompareMethod::kSimplexNewton ? "10 3 2 3" : "";
 }
 
 void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, const CompareOutcome& outcome) {

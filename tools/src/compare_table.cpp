@@ -26,9 +26,11 @@ std::string share_text(const Share& share) {
 
 std::string ratio_text(double ratio) { return ratio > 0.0 ? fmt::format("{:.2f}", ratio) : "-"; }
 
+std::string name_column(std::string_view method) { return fmt::format("  {:<14}", method); }
+
 std::string error_row(const MethodFigures& f) {
   constexpr double kCm = 100.0;
-  const std::string name = fmt::format("  {:<12}", f.method);
+  const std::string name = name_column(f.method);
   if (f.distance_m.count == 0) return name + "  no scan\n";
   return name + padded(fmt::format("{:.2f}", kCm * f.distance_m.max), 8) + padded(spread(f.distance_m, kCm, 2), 15) +
          padded(fmt::format("{:.2f}", kCm * f.x_m.max), 8) + padded(spread(f.x_m, kCm, 2), 14) +
@@ -37,7 +39,7 @@ std::string error_row(const MethodFigures& f) {
 }
 
 std::string work_row(const MethodFigures& f) {
-  const std::string name = fmt::format("  {:<12}", f.method);
+  const std::string name = name_column(f.method);
   if (f.distance_m.count == 0) return name + "  no scan\n";
   return name + padded(share_text(f.success), 21) + padded(share_text(f.optimal), 21) +
          padded(fmt::format("{:.1f}", f.evaluations.mean), 12) +
@@ -48,26 +50,26 @@ std::string work_row(const MethodFigures& f) {
 
 std::string table_of(const std::vector<MethodFigures>& figures) {
   std::string text =
-      "                distance, cm                 |x|, cm               |y|, cm               |theta|, deg\n"
-      "                   max     mean ± std     max    mean ± std     max    mean ± std     max      mean ± std\n";
+      "                  distance, cm                 |x|, cm               |y|, cm               |theta|, deg\n"
+      "                     max     mean ± std     max    mean ± std     max    mean ± std     max      mean ± std\n";
   for (const MethodFigures& f : figures) text += error_row(f);
   text +=
       "\n"
-      "                        success, %     proven optimal, %  evaluations               time, us           / "
-      "simplex\n"
-      "                        [95 %]               [95 %]           mean   median        mean    median\n";
+      "                          success, %     proven optimal, %  evaluations               time, us         "
+      "  / simplex\n"
+      "                          [95 %]               [95 %]           mean   median        mean    median\n";
   for (const MethodFigures& f : figures) text += work_row(f);
   return text;
 }
 
 std::string basin_of(const CompareJob& job, const CompareOutcome& outcome) {
   std::string text = "  " + padded("start", 14);
-  for (const CompareMethod method : job.methods) text += padded(std::string(name_of(method)), 14);
+  for (const CompareMethod method : job.methods) text += padded(std::string(name_of(method)), 16);
   text += "\n";
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     text += "  " + padded(level_text(job, level), 14);
     for (const MethodFigures& f : figures_of(job, outcome, level, ScanKind::kHeld)) {
-      text += padded(fmt::format("{:.1f}", 100.0 * f.success.value()), 14);
+      text += padded(fmt::format("{:.1f}", 100.0 * f.success.value()), 16);
     }
     text += "\n";
   }
@@ -107,12 +109,12 @@ std::string text_of(const std::vector<WholeRun>& runs, const CompareTruth& truth
   if (runs.empty()) return {};
   std::string text = fmt::format(
       "\nTable 2: whole runs against {}\n\n"
-      "                position, cm                heading, deg            CPU time, s  / simplex  evaluations  "
+      "                  position, cm                heading, deg            CPU time, s  / simplex  evaluations  "
       "doubtful\n"
-      "                   max     mean ± std          max     mean ± std                              a scan\n",
+      "                     max     mean ± std          max     mean ± std                              a scan\n",
       truth.reference ? "the reference (ATE)" : "the verified relations");
   for (const WholeRun& run : runs) {
-    text += fmt::format("  {:<12}", run.method) + padded(fmt::format("{:.2f}", 100.0 * run.position_m.max), 8) +
+    text += name_column(run.method) + padded(fmt::format("{:.2f}", 100.0 * run.position_m.max), 8) +
             padded(spread(run.position_m, 100.0, 2), 15) + padded(fmt::format("{:.3f}", run.heading_deg.max), 13) +
             padded(spread(run.heading_deg, 1.0, 3), 15) + padded(fmt::format("{:.2f}", run.cpu_s), 13) +
             padded(ratio_text(run.time_ratio), 11) + padded(fmt::format("{:.1f}", run.evaluations), 13) +
