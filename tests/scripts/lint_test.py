@@ -91,14 +91,18 @@ class Lint(ScriptTest):
         self.assertIn("1 of 2 checked sources pass", done.stdout)
 
     def test_names_that_clash_are_told_apart(self):
+        # The member of that name is another.
+        (self.work / "engine").mkdir()
+        (self.work / "engine/same.hpp").write_text("#pragma once\nstruct Held {\n  int* same = nullptr;\n};\n")
         for name in ("a", "b", "c", "d"):
             result = "0" if name == "c" else "nullptr"
-            self.source(f"{name}.cpp", f"namespace {{\nint* same() {{ return {result}; }}\nclass Same {{}};\n}}  // namespace\n"
-                                       f"int* {name}(Same /*same*/) {{ return same(); }}\n")
+            self.source(f"{name}.cpp", f'#include "same.hpp"\nnamespace {{\nint* same() {{ return {result}; }}\nclass Same {{}};\n'
+                                       f"}}  // namespace\nint* {name}(Same /*same*/) {{ return same() ? Held().same : same(); }}\n")
         done = self.lint()
         self.assertIn("4 to check, in 1 batches\n", done.stdout)
         self.assertIn("3 of 4 checked sources pass", done.stdout)
-        self.assertRegex(done.stdout, r"--- engine/c.cpp\n.*/engine/c.cpp:2:22: error: use nullptr")
+        self.assertEqual(len(list((self.work / "build/lint/batches").rglob("batch_*"))), 1, "it compiled at once")
+        self.assertRegex(done.stdout, r"--- engine/c.cpp\n.*/engine/c.cpp:3:22: error: use nullptr")
 
     def test_what_clashes_nevertheless_is_parted(self):
         for name in ("a", "b", "c"):

@@ -39,8 +39,8 @@ SOURCES_PER_BATCH = 20
 USING = re.compile(r'^\s*using\s+(?:typename\s+)?[\w:]*::(\w+)\s*;|^\s*namespace\s+(\w+)\s*=', re.MULTILINE)
 # What anonymous namespaces define at the beginning of a line, as clang-format leaves it: types, aliases; functions, constants.
 HIDDEN = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
-DEFINED = re.compile(r"^(?:struct|class|enum class) (\w+)|^using (\w+) =|^\w[^(){}=;\n]*\b(\w+)(?:\[\w*\])*(?:\(| = |\{|;$)",
-                     re.MULTILINE)
+DEFINED = re.compile(r"^(?:struct|class|enum class) (\w+)|^using (\w+) ="
+                     r"|^(?!using )\w[^(){}=;\n]*(?<!::)\b(\w+)(?:\[\w*\])*(?:\(| = |\{|;$)", re.MULTILINE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
@@ -128,7 +128,9 @@ def joined(sources):
         if clashing := hidden & taken:
             letter = chr(ord("a") + number)
             ending = {True: f"_q{letter}", False: f"Q{letter}"}  # kName_m_qa, a_name_qa; ANameQa
-            word = re.compile(rf'^\s*#\s*include.*|\b(?:{"|".join(sorted(clashing))})\b', re.MULTILINE)
+            # Of a.size() and std::size() neither is the hidden one.
+            names = "|".join(sorted(clashing))
+            word = re.compile(rf"^\s*#\s*include.*|(?<!\.)(?<!->)(?<!::)\b(?:{names})\b", re.MULTILINE)
             text = word.sub(lambda m: m[0] + ending[m[0][0].islower()] if m[0] in clashing else m[0], text)
         taken |= hidden
         parts.append(f'#line 1 "{path}"\n{text}\n')
@@ -180,7 +182,7 @@ class Batches:
         batch.write_text(joined(sources))
         # Files included by their name alone lie beside the source, but not beside the batch.
         beside = [word for folder in sorted({path.parent for path in sources}) for word in ("-iquote", folder)]
-        return tidy(batch, "--", *self.shared[sources[0]], *beside)
+        return tidy(batch, "--", "-ferror-limit=0", *self.shared[sources[0]], *beside)
 
     def check(self, sources):
         """[(source, status, text)]"""
