@@ -54,14 +54,15 @@ std::string verdict_html(Verdict verdict) {
 std::string row_html(const Row& row, const std::string& lead) {
   const std::string paper = row.paper.empty() ? "<span class=\"quiet\">not given</span>" : cell_text(row.paper);
   return fmt::format(
-      "<tr>{}<td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td><td "
-      "class=\"remark\">{}</td></tr>\n",
+      "<tr>{}<td class=\"quantity\">{}</td><td class=\"number\" data-head=\"Paper\">{}</td><td class=\"number\" "
+      "data-head=\"Ours\">{}</td><td data-head=\"Verdict\">{}</td><td class=\"remark\">{}</td></tr>\n",
       lead, cell_text(row.quantity), paper, cell_text(row.ours), verdict_html(row.verdict), cell_text(row.remark));
 }
 
 std::string rows_table(const std::string& rows, bool has_lead) {
   return fmt::format(
-      "<div class=\"table\"><table><thead><tr>{}<th scope=\"col\">Quantity</th><th scope=\"col\">Paper</th><th "
+      "<div class=\"table\"><table class=\"rows\"><thead><tr>{}<th scope=\"col\">Quantity</th><th "
+      "scope=\"col\">Paper</th><th "
       "scope=\"col\">Ours</th><th scope=\"col\">Verdict</th><th "
       "scope=\"col\">Remark</th></tr></thead><tbody>\n{}</tbody>"
       "</table></div>\n",
