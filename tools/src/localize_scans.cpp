@@ -66,6 +66,7 @@ class ScanSource {
  private:
   void choose(const std::function<bool()>& stop);
   [[nodiscard]] bool is_wanted(double stamp_s);
+  [[nodiscard]] bool is_chosen(std::uint64_t index, double stamp_s);
   [[nodiscard]] std::optional<Pose2> reference_of(double stamp_s) const {
     return job_.reference ? job_.reference->find(stamp_s) : std::nullopt;
   }
@@ -108,18 +109,19 @@ void ScanSource::choose(const std::function<bool()>& stop) {
   drawn_ = drawn(std::move(candidates), job_.choice.random, job_.choice.seed);
 }
 
+// What was drawn has been asked for before.
+bool ScanSource::is_chosen(std::uint64_t index, double stamp_s) {
+  const ScanChoice& choice = job_.choice;
+  if (choice.random > 0) return index == drawn_[given_];
+  return (choice.every == 0 || (index - choice.first) % choice.every == 0) && is_wanted(stamp_s);
+}
+
 std::optional<ChosenScan> ScanSource::next() {
   const ScanChoice& choice = job_.choice;
   if (choice.random > 0 ? given_ == drawn_.size() : choice.every == 0 && given_ == 1) return std::nullopt;
   for (std::optional<ScanRecord> record = stream_->next(); record; record = stream_->next()) {
     const std::uint64_t index = index_++;
-    if (choice.random > 0) {
-      if (index != drawn_[given_]) continue;
-    } else if (choice.every > 0 && (index - choice.first) % choice.every != 0) {
-      continue;
-    } else if (!is_wanted(record->scan.stamp_s)) {
-      continue;
-    }
+    if (!is_chosen(index, record->scan.stamp_s)) continue;
     const double stamp_s = record->scan.stamp_s;
     return ChosenScan{given_++, index, std::move(record->scan), reference_of(stamp_s)};
   }
@@ -169,7 +171,7 @@ class LocalizerThreads {
     close(at_once);
     if (problem_) std::rethrow_exception(problem_);
     std::vector<LocalizedScan> scans;
-    for (auto& [number, scan] : found_) scans.push_back(std::move(scan));
+    for (const auto& [number, scan] : found_) scans.push_back(scan);
     return scans;
   }
 
@@ -215,7 +217,7 @@ void LocalizerThreads::work() {
     }
     lock.lock();
     --in_hand_;
-    if (found) found_.emplace(chosen.number, std::move(*found));
+    if (found) found_.emplace(chosen.number, *found);
     if (problem && !problem_) problem_ = problem;
     changed_.notify_all();
   }

@@ -1,0 +1,130 @@
+// Why a scan counts as not found, from made-up results whose reason is plain; and what many add up to.
+#include "localize_figures.hpp"
+
+#include <gtest/gtest.h>
+
+#include "poses_by_stamp.hpp"
+
+namespace gdtslam {
+namespace {
+
+CertifiedResult result_of(double mean_cost_m, CertifiedStop stop = CertifiedStop::kGapReached) {
+  CertifiedResult result;
+  result.mean_cost_m = mean_cost_m;
+  result.stop = stop;
+  return result;
+}
+
+// Found at 20 mm mean distance, 2 m from the reference, whose surroundings cost 30 mm.
+LocalizedScan scan_off() {
+  LocalizedScan scan;
+  scan.has_returns = true;
+  scan.points = 180;
+  scan.best = result_of(0.020);
+  ReferencePose reference;
+  reference.distance_m = 2.0;
+  reference.known_share = 1.0;
+  reference.nearby = result_of(0.030);
+  scan.reference = reference;
+  return scan;
+}
+
+constexpr LocalizeLimits kLimits{};
+
+TEST(LocalizeFault, NoneWithinTheLimits) {
+  LocalizedScan scan = scan_off();
+  scan.reference->is_within = true;
+  scan.reference->nearby.reset();
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kNone);
+}
+
+TEST(LocalizeFault, MapPrefersWhereTheReferenceCostsMoreThanTheGap) {
+  LocalizedScan scan = scan_off();
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kMapPrefers);
+  scan.best->stop = CertifiedStop::kTimeLimit;  // a longer search could only have found what costs less still
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kMapPrefers);
+}
+
+TEST(LocalizeFault, AsGoodUpToTheGapOnEitherSide) {
+  LocalizedScan scan = scan_off();
+  for (const double nearby_m : {0.0151, 0.020, 0.0249}) {
+    scan.reference->nearby->mean_cost_m = nearby_m;
+    EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kAsGood) << nearby_m;
+  }
+  scan.reference->nearby->mean_cost_m = 0.0251;
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kMapPrefers);
+}
+
+TEST(LocalizeFault, NotProvenWhereASearchWasCutShort) {
+  LocalizedScan scan = scan_off();
+  scan.best->stop = CertifiedStop::kBoxLimit;
+  scan.reference->nearby->mean_cost_m = 0.010;
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kNotProven);
+  scan.best.reset();
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kNotProven);
+  scan = scan_off();
+  scan.reference->nearby.reset();
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kNotProven);
+}
+
+TEST(LocalizeFault, NoOverlapWhereTheMapHasLittleOfTheScan) {
+  LocalizedScan scan = scan_off();
+  scan.reference->known_share = 0.49;
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kNoOverlap);
+  scan.reference->known_share = 0.51;
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kMapPrefers);
+}
+
+TEST(LocalizeFault, TooFewReturnsComesFirst) {
+  LocalizedScan scan = scan_off();
+  scan.has_returns = false;
+  scan.best.reset();
+  scan.reference->known_share = 0.0;
+  EXPECT_EQ(fault_of(scan, kLimits), LocalizeFault::kTooFewReturns);
+}
+
+TEST(LocalizeFault, EveryOneHasItsNameAndWords) {
+  for (const LocalizeFault fault : kLocalizeFaults) {
+    EXPECT_NE(name_of(fault), "unknown");
+    EXPECT_NE(text_of(fault), "unknown");
+  }
+}
+
+TEST(LocalizeFigures, CountsAddUp) {
+  LocalizedScan right = scan_off();
+  right.reference->is_within = true;
+  right.reference->distance_m = 0.03;
+  LocalizedScan without_reference = scan_off();
+  without_reference.reference.reset();
+  LocalizedScan empty = scan_off();
+  empty.has_returns = false;
+  empty.best.reset();
+  LocalizedScan ambiguous = right;
+  ambiguous.runner_up = result_of(0.021);
+  ambiguous.runner_up->bound = 90;
+  ambiguous.best->cost = 100;
+  const LocalizeFigures figures = figures_of({right, scan_off(), without_reference, empty, ambiguous}, kLimits);
+  EXPECT_EQ(figures.found, 4U);
+  EXPECT_EQ(figures.certified, 4U);
+  EXPECT_EQ(figures.ambiguous, 1U);
+  EXPECT_EQ(figures.within.count, 2U);
+  EXPECT_EQ(figures.within.of, 4U);
+  EXPECT_EQ(figures.faults, (std::array<std::uint64_t, 5>{1, 0, 0, 0, 1}));
+  EXPECT_EQ(figures.distance_m.count, 2U);
+  EXPECT_DOUBLE_EQ(figures.distance_m.mean, 0.03);
+}
+
+TEST(PosesByStamp, NearestWithinTheToleranceWhateverTheOrder) {
+  const auto at = [](double stamp_s, double x_m) { return StampedPose{stamp_s, {x_m, 0.0, 0.0}}; };
+  const PosesByStamp poses({at(3.0, 30.0), at(1.0, 10.0), at(2.0, 20.0), at(1.0, 11.0)});
+  EXPECT_DOUBLE_EQ(poses.find(1.004, 0.01)->x_m, 11.0);  // the last of the log
+  EXPECT_DOUBLE_EQ(poses.find(2.996, 0.01)->x_m, 30.0);
+  EXPECT_DOUBLE_EQ(poses.find(2.4, 1.0)->x_m, 20.0);
+  EXPECT_DOUBLE_EQ(poses.find(0.995, 0.01)->x_m, 11.0);
+  EXPECT_FALSE(poses.find(2.5, 0.01).has_value());
+  EXPECT_FALSE(poses.find(3.02, 0.01).has_value());
+  EXPECT_FALSE(PosesByStamp({}).find(1.0, 1.0).has_value());
+}
+
+}  // namespace
+}  // namespace gdtslam
