@@ -80,11 +80,12 @@ Canvas errors_over_time(const CompareJob& job, const std::vector<Ends>& all) {
   constexpr double kWidth = 1190.0;
   constexpr double kStrip = 148.0;
   constexpr double kHeading = 72.0;
-  constexpr double kLeast = -3.0;  // powers of ten of centimetres
+  constexpr double kTimeTitle = 20.0;  // below the last one
+  constexpr double kLeast = -3.0;      // powers of ten of centimetres
   constexpr double kMost = 2.0;
   constexpr double kLn10 = 2.302585092994046;
   const std::string title = "Figure 8: distance from the proven solution, scan by scan";
-  Canvas canvas(kWidth, kHeading + kStrip * static_cast<double>(all.size()) + 24.0, title);
+  Canvas canvas(kWidth, kHeading + kStrip * static_cast<double>(all.size()) + kTimeTitle + 16.0, title);
   canvas.rectangle({0.0, 0.0}, canvas.width(), canvas.height(), Fill{kLightTheme.page});
   canvas.text({24.0, 38.0}, title, {.size = 20.0, .is_bold = true});
   canvas.text({24.0, 60.0},
@@ -95,9 +96,12 @@ Canvas errors_over_time(const CompareJob& job, const std::vector<Ends>& all) {
     for (const Point2& dot : ends.over_time) last_s = std::max(last_s, dot.x());
   }
   for (std::size_t k = 0; k < all.size(); ++k) {
-    Axis y{.title = "distance, cm", .from = kLeast, .to = kMost};
+    Axis y{.title = "distance, cm", .from = kLeast - 0.3, .to = kMost};
     y.names = {{-3.0, "\u2264 0.001"}, {-2.0, "0.01"}, {-1.0, "0.1"}, {0.0, "1"}, {1.0, "10"}, {2.0, "100"}};
-    Plot plot(canvas, {{24.0, kHeading + kStrip * static_cast<double>(k)}, kWidth - 48.0, kStrip},
+    Plot plot(canvas,
+              {{24.0, kHeading + kStrip * static_cast<double>(k)},
+               kWidth - 48.0,
+               kStrip + (k + 1 == all.size() ? kTimeTitle : 0.0)},
               {.title = k + 1 == all.size() ? "time in s" : "", .from = 0.0, .to = last_s}, y,
               {.title = fmt::format("{}: {} within 1 cm", label_of(job.methods[k]),
                                     share_text(all[k].near, all[k].over_time.size()))});
