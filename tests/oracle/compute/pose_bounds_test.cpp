@@ -18,9 +18,8 @@ constexpr std::int32_t kSide = 120;   // of the field, cells
 constexpr std::int32_t kAnchor = 51;  // cell
 constexpr std::uint32_t kCap = 255;   // so that cells are bytes as they are
 constexpr std::int32_t kMargin = 24;  // columns and rows of planes around the field
-constexpr std::uint32_t kPoints = 23;
 
-/// A scene: noise with patches of zeros, its border at the cap, and points.
+/// A scene: noise with deep holes of a cell, its border at the cap, and points.
 struct Scene {
   std::vector<std::uint16_t> field;
   std::vector<PointCells> points;
@@ -41,17 +40,19 @@ struct Scene {
   }
 };
 
+// Sums hide what goes wrong for one point, so most scenes have one or two.
 Scene make_scene(std::uint64_t seed) {
+  constexpr std::uint32_t kPointCounts[] = {23, 1, 2, 1};
   Random random(seed);
   Scene scene;
   for (std::int32_t y = 0; y < kSide; ++y) {
     for (std::int32_t x = 0; x < kSide; ++x) {
       const bool border = x < 2 || y < 2 || x + 2 >= kSide || y + 2 >= kSide;
-      const std::uint64_t value = (x / 9 + y / 7) % 3 == 0 ? 0 : 100 + random.below(156);
+      const std::uint64_t value = random.below(50) == 0 ? random.below(9) : 200 + random.below(56);
       scene.field.push_back(static_cast<std::uint16_t>(border ? kCap : value));
     }
   }
-  for (std::uint32_t i = 0; i < kPoints; ++i) {
+  for (std::uint32_t i = 0; i < kPointCounts[seed % std::size(kPointCounts)]; ++i) {
     scene.points.push_back(
         {static_cast<float>(random.uniform(-45.0, 45.0)), static_cast<float>(random.uniform(-45.0, 45.0))});
   }
@@ -127,20 +128,24 @@ TEST(PoseBoundsMeaning, SumsLieBelowTheCostOfEveryPoseOfTheirBox) {
   Random random(5);
   double below = 0.0;
   int drawn = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 96; ++seed) {
     const Scene scene = make_scene(seed);
-    Sampling sampling = kSamplings[seed % std::size(kSamplings)];
+    Sampling sampling = kSamplings[seed / 4 % std::size(kSamplings)];
     const double spacing = sampling.spacing_cells();
-    const double far = 45.0 * std::sqrt(2.0) * kHalfAngle;
+    double farthest = 0.0;
+    for (const PointCells& point : scene.points) {
+      farthest = std::max(farthest, static_cast<double>(std::sqrt(point.x * point.x + point.y * point.y)));
+    }
+    const double far = farthest * kHalfAngle;
     const double half_sample = 0.5 * (1 << sampling.sample_bits);
     sampling.half = static_cast<std::int32_t>(std::ceil(0.5 * spacing + half_sample + far + 0.01));
-    const bool wide = seed % 2 == 0;
+    const bool wide = seed / 24 % 2 == 0;
     const std::size_t tile_width = wide ? 16 : 2;
     const PoseCandidate tile = drawn_tile(random);
     const std::vector<std::uint32_t> sums = sums_of(best_isa(), scene, sampling, wide, tile);
     for (std::size_t box = 0; box < sums.size(); ++box, ++drawn) {
       const auto within = [&](double centre, double half) {
-        return static_cast<float>(centre + std::clamp(random.uniform(-1.5, 1.5), -1.0, 1.0) * half);
+        return static_cast<float>(centre + std::clamp(random.uniform(-3.0, 3.0), -1.0, 1.0) * half);
       };
       const PoseCandidate pose{
           within(static_cast<double>(tile.x) + static_cast<double>(box % tile_width) * spacing, 0.5 * spacing),
@@ -161,7 +166,7 @@ TEST(PoseBoundsMeaning, SumsOfSingleCellsAreTheCost) {
   std::size_t compared = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Scene scene = make_scene(seed);
-    const Sampling& sampling = kSamplings[seed % 3];
+    const Sampling& sampling = kSamplings[seed / 4 % 3];
     const PoseCandidate tile = drawn_tile(random);
     // Positions that the cost rounds into the next cell do not count: it quantises to 1/256 cell.
     const auto [s, c] = sin_cos(static_cast<double>(tile.theta));
