@@ -282,7 +282,7 @@ std::string caption(const LocalizeJob& job, const Localized& all, const Localize
     text = fmt::format("{} scans at random, each searched in the whole map without odometry", all.scans.size());
   }
   if (job.merged) {
-    text += fmt::format("; those within {:g} s of one that went into the map left out", job.merged->within_s());
+    text += "; those " + near_text(*job.merged) + " left out";
   }
   if (figures.within.of == 0) return text;
   return text + fmt::format("; right: {:.1f} % (95 %: {:.1f} to {:.1f} %)", 100.0 * figures.within.value(),

@@ -1,5 +1,7 @@
 #include "localize_reference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -25,6 +27,11 @@ MergedScans::MergedScans(const RunReader& run, double within_s) : within_s_(with
 bool MergedScans::are_near(double stamp_s) const {
   const auto after = std::lower_bound(stamps_s_.begin(), stamps_s_.end(), stamp_s - within_s_);
   return after != stamps_s_.end() && *after <= stamp_s + within_s_;
+}
+
+std::string near_text(const MergedScans& merged) {
+  if (merged.within_s() <= 0.0) return "that went into the map";
+  return fmt::format("within {:g} s of one that went into the map", merged.within_s());
 }
 
 LocalizeTruth::LocalizeTruth(const std::string& file) : file_(file), poses_(read_tum(file)), by_stamp_(poses_) {

@@ -26,6 +26,9 @@ class MergedScans {
   std::vector<double> stamps_s_;  // ascending
 };
 
+/// What they are, for people: "that went into the map", "within 0.5 s of one that went into the map".
+std::string near_text(const MergedScans& merged);
+
 /// True poses of scans, in the map's frame.
 class LocalizeTruth {
  public:

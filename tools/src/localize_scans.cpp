@@ -241,7 +241,7 @@ std::optional<ChosenScan> next_of(ScanSource& source, const std::function<bool()
   }
   std::string reasons;
   if (all.left_out > 0) {
-    reasons = fmt::format("; {} lie within {:g} s of one that went into the map", all.left_out, job.merged->within_s());
+    reasons = fmt::format("; left out: {} {}", all.left_out, near_text(*job.merged));
   }
   if (all.without_reference > 0) {
     reasons += fmt::format("; {} have no pose in {}; do both belong to the same log?", all.without_reference,

@@ -62,8 +62,7 @@ std::string chosen_text(const LocalizeJob& job, const Localized& all, const Loca
   std::string text = fmt::format("{} scans", all.scans.size());
   if (job.choice.random > 0) text += fmt::format(" at random of {}", all.candidates);
   if (job.merged) {
-    text +=
-        fmt::format(", {} left out within {:g} s of one that went into the map", all.left_out, job.merged->within_s());
+    text += fmt::format(", {} {} left out", all.left_out, near_text(*job.merged));
   }
   if (all.without_reference > 0) text += fmt::format(", {} without a reference", all.without_reference);
   text += fmt::format(": {} proven, {} ambiguous", figures.certified, figures.ambiguous);
