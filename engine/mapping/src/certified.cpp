@@ -78,7 +78,7 @@ FieldView field_view(const GlobalField& map) {
 }
 
 CertifiedMap::CertifiedMap(const FieldView& field, Isa isa, Windows windows, Backend* device)
-    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field, isa, windows == kSmallWindows)) {
+    : field_(checked(field)), isa_(isa), bounds_(std::make_unique<BoundFields>(field, isa, windows)) {
   if (device != nullptr) device_ = std::make_unique<DeviceBounds>(*device, *bounds_);
 }
 CertifiedMap::~CertifiedMap() = default;

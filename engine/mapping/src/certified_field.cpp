@@ -36,20 +36,32 @@ Bytes bytes_of(const FieldView& field, std::uint32_t unit, std::int32_t room) {
   bytes.width = static_cast<std::size_t>(end.x - bytes.origin.x);
   bytes.height = static_cast<std::size_t>(end.y - bytes.origin.y);
   bytes.cells.assign(bytes.width * bytes.height, static_cast<std::uint8_t>(field.cap / unit));
+  const float per_unit = 1.0F / static_cast<float>(unit);
   const auto shift_x = static_cast<std::size_t>(field.first_cell.x - bytes.origin.x);
   const auto shift_y = static_cast<std::size_t>(field.first_cell.y - bytes.origin.y);
   for (std::size_t y = 0; y < field.height; ++y) {
     std::uint8_t* row = &bytes.cells[(y + shift_y) * bytes.width + shift_x];
     const std::uint16_t* from = field.cells + y * field.stride;
+    // The quotient rounded down, exactly: half a step more than the value is never near a whole number of units.
     for (std::size_t x = 0; x < field.width; ++x) {
-      row[x] = static_cast<std::uint8_t>(std::min(from[x], field.cap) / unit);
+      const auto value = static_cast<float>(std::min(from[x], field.cap));
+      row[x] = static_cast<std::uint8_t>((value + 0.5F) * per_unit);
     }
   }
   return bytes;
 }
 
-void keep_lesser(std::uint8_t* values, const std::uint8_t* others, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) values[i] = std::min(values[i], others[i]);
+// The lesser of each value and the one `shift` behind it, front to back. What is read ahead is set aside first, so that
+// the compiler need not fear that it is written to.
+void keep_lesser(std::uint8_t* values, std::size_t shift, std::size_t count) {
+  constexpr std::size_t kPiece = 256;
+  std::uint8_t ahead[kPiece];
+  std::size_t i = 0;
+  for (; i + kPiece <= count; i += kPiece) {
+    std::memcpy(ahead, values + i + shift, kPiece);
+    for (std::size_t k = 0; k < kPiece; ++k) values[i + k] = std::min(values[i + k], ahead[k]);
+  }
+  for (; i < count; ++i) values[i] = std::min(values[i], values[i + shift]);
 }
 
 // The least of `window` values from each on, in place, by doubling; returns how many are left.
@@ -58,14 +70,15 @@ std::size_t slide(std::uint8_t* values, std::size_t count, std::size_t window, s
   while (covered < window) {
     const std::size_t shift = std::min(covered, window - covered);
     count -= shift * step;
-    keep_lesser(values, values + shift * step, count);
+    keep_lesser(values, shift * step, count);
     covered += shift;
   }
   return count;
 }
 
-// Squares that are `more` cells larger on every side; beyond the edge lies what the edge holds: the cap.
-void dilate(Bytes& bytes, std::int32_t more) {
+// Squares that are `more` cells larger on every side; beyond the edge lies what the edge holds: the cap. `tall` is
+// scratch.
+void dilate(Bytes& bytes, std::int32_t more, std::vector<std::uint8_t>& tall) {
   if (more <= 0) return;
   const auto side = static_cast<std::size_t>(more);
   const std::uint8_t outside = bytes.cells.front();
@@ -77,7 +90,9 @@ void dilate(Bytes& bytes, std::int32_t more) {
     slide(line.data(), line.size(), 2 * side + 1, 1);
     std::memcpy(row, line.data(), bytes.width);
   }
-  std::vector<std::uint8_t> tall((bytes.height + 2 * side) * bytes.width, outside);
+  tall.resize((bytes.height + 2 * side) * bytes.width);
+  std::memset(tall.data(), outside, side * bytes.width);
+  std::memset(tall.data() + tall.size() - side * bytes.width, outside, side * bytes.width);
   std::memcpy(&tall[side * bytes.width], bytes.cells.data(), bytes.cells.size());
   slide(tall.data(), tall.size(), 2 * side + 1, bytes.width);
   std::memcpy(bytes.cells.data(), tall.data(), bytes.cells.size());
@@ -101,6 +116,27 @@ BoundLevel empty_level(const Bytes& bytes, const LevelPlan& plan) {
   return level;
 }
 
+template <std::size_t kSpacing>
+void take_row(const std::uint8_t* from, std::size_t count, std::uint8_t* to) {
+  for (std::size_t x = 0; x < count; ++x) to[x] = from[x * kSpacing];
+}
+
+// Spacings are known so that the compiler finds vectors.
+void take_row(const std::uint8_t* from, std::int32_t spacing_bits, std::size_t count, std::uint8_t* to) {
+  switch (spacing_bits) {
+    case 1:
+      return take_row<2>(from, count, to);
+    case 2:
+      return take_row<4>(from, count, to);
+    case 3:
+      return take_row<8>(from, count, to);
+    case 4:
+      return take_row<16>(from, count, to);
+    default:
+      return take_row<32>(from, count, to);
+  }
+}
+
 // Takes the samples of a dilation out of the field, plane by plane.
 void take_samples(const Bytes& bytes, std::size_t dilation, BoundLevel& level) {
   const std::size_t spacing = std::size_t{1} << static_cast<unsigned>(level.spacing_bits);
@@ -111,7 +147,7 @@ void take_samples(const Bytes& bytes, std::size_t dilation, BoundLevel& level) {
     const std::uint8_t* from = &bytes.cells[(phase / phases) * sample * bytes.width + (phase % phases) * sample];
     for (std::size_t y = 0; y < bytes.height / spacing; ++y) {
       std::uint8_t* row = plane + (y + BoundLevel::kMargin) * level.width + BoundLevel::kMargin;
-      for (std::size_t x = 0; x < bytes.width / spacing; ++x) row[x] = from[y * spacing * bytes.width + x * spacing];
+      take_row(from + y * spacing * bytes.width, level.spacing_bits, bytes.width / spacing, row);
     }
     plane += std::size_t{level.width} * level.height;
   }
@@ -139,15 +175,23 @@ MinorantLevels minorants_of(const FieldView& field, Isa isa) {
   return levels;
 }
 
+std::span<const LevelPlan> plans_for(CertifiedMap::Windows windows) {
+  const std::span<const LevelPlan> all(kPlan);
+  if (windows == CertifiedMap::kNearWindows) return all.first(1);
+  return windows == CertifiedMap::kSmallWindows ? all.first(3) : all;
+}
+
 }  // namespace
 
 std::int32_t aligned_down(std::int32_t cell) { return cell & ~(kBoundAlignment - 1); }
 
-BoundFields::BoundFields(const FieldView& field, Isa isa, bool small_windows)
-    : unit_(std::max(1U, (field.cap + 254U) / 255U)), minorants_(minorants_of(field, isa)) {
-  const std::span<const LevelPlan> plans = std::span(kPlan).first(small_windows ? 3 : kPlan.size());
+BoundFields::BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows)
+    : unit_(std::max(1U, (field.cap + 254U) / 255U)) {
+  if (windows != CertifiedMap::kNearWindows) minorants_ = minorants_of(field, isa);
+  const std::span<const LevelPlan> plans = plans_for(windows);
   const Bytes plain = bytes_of(field, unit_, plans.back().dilation_cells.back() + 1);
   Bytes dilated = plain;
+  std::vector<std::uint8_t> scratch;
   std::int32_t reached = 0;
   for (const LevelPlan& plan : plans) {
     if (plan.dilation_cells.front() < reached) {
@@ -156,7 +200,7 @@ BoundFields::BoundFields(const FieldView& field, Isa isa, bool small_windows)
     }
     BoundLevel level = empty_level(plain, plan);
     for (std::size_t k = 0; k < BoundLevel::kDilations; ++k) {
-      dilate(dilated, plan.dilation_cells[k] - reached);
+      dilate(dilated, plan.dilation_cells[k] - reached, scratch);
       reached = plan.dilation_cells[k];
       take_samples(dilated, k, level);
     }

@@ -47,14 +47,15 @@ struct MinorantLevels {
 
 class BoundFields {
  public:
-  /// With small_windows the widest boxes are 8 cells wide.
-  BoundFields(const FieldView& field, Isa isa, bool small_windows);
+  /// The widest boxes are 32 cells wide, 8 for small windows, 2 for near ones, and these have no minorants.
+  BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows);
 
   /// From wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.
   [[nodiscard]] std::span<const BoundLevel> levels() const { return levels_; }
   /// A sample times this is a lower bound in 1/256 cell.
   [[nodiscard]] std::uint32_t unit() const { return unit_; }
   [[nodiscard]] const MinorantLevels& minorants() const { return minorants_; }
+  [[nodiscard]] bool has_minorants() const { return !minorants_.words.empty(); }
   [[nodiscard]] std::size_t bytes() const;
 
  private:

@@ -315,6 +315,7 @@ std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& b
     }
     if (has_fields(box.level)) return wide;
   }
+  if (has_fields(box.level)) return PoseMinorant::Value{};  // too wide for patches: its parts have to tell
   const PoseMinorant::Value minorant = patch_minorant_of(box);
   const std::uint32_t bound = bound_by(minorant);
   const bool smallest = box.level + 1 == field_levels_ + kParts;
@@ -324,8 +325,10 @@ std::optional<PoseMinorant::Value> CertifiedSearch::minorant_in(const OpenBox& b
   return std::nullopt;
 }
 
-// Boxes of one cell and of half a cell: what the fields of minorants are made for.
-bool CertifiedSearch::has_wide_minorant(std::int32_t level) const { return level < field_levels_ + kWideLevels; }
+// Boxes of two cells to half a cell: what the fields of minorants are made for, where the map has them.
+bool CertifiedSearch::has_wide_minorant(std::int32_t level) const {
+  return map_.bounds().has_minorants() && level < field_levels_ + kWideLevels;
+}
 
 PoseMinorant::Value CertifiedSearch::wide_minorant_of(const OpenBox& box) const {
   const MinorantLevels& fields = map_.bounds().minorants();

@@ -28,7 +28,7 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const Glo
       rules_(config),
       objective_(backend, map, config.match.interpolation, config.match.cost),
       isa_(backend.host_isa()) {
-  if (matcher_ == MatcherKind::kCertified) crop_ = std::make_unique<CertifiedCrop>();
+  if (matcher_ == MatcherKind::kCertified) crop_ = std::make_unique<CertifiedCrop>(rules_.wide_gate());
 }
 
 ScanMatcher::~ScanMatcher() = default;
@@ -160,7 +160,7 @@ ExhaustiveResult ScanMatcher::find_in(const SearchWindow& window) {
   return search_window(objective_, window, static_cast<std::uint32_t>(search_.starts), kCoarsePolish);
 }
 
-// The best pose of a window for all voters, up to the gap. Distances count up to the truncation radius.
+// The best pose of a window for all voters, up to the gap; by the cost that search() compares poses by.
 ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
   const double resolution_m = map_->geometry().resolution_m;
   const double half_m = static_cast<double>(window.half_xy_cells) * resolution_m;

@@ -18,22 +18,17 @@ namespace {
 using test::FieldKind;
 using test::TestField;
 
-struct Scene {
-  TestField field;
+struct Scene : test::FieldScene {
   CellIndex anchor;
-  std::vector<PointCells> points;
   PoseCandidate centre;
 };
 
 // Sums hide what goes wrong for one point, so half of the scenes have a single one.
 Scene make_scene(FieldKind kind, std::uint64_t seed, std::size_t points) {
   Random random(seed);
-  Scene scene;
-  scene.field = test::make_field(kind, random);
+  Scene scene{test::make_field_scene(kind, points, 0.0, random), {}, {}};
   const double r = TestField::kResolution;
-  const Pose2 T{(scene.field.first_cell.x + random.uniform(0.0, 110.0)) * r,
-                (scene.field.first_cell.y + random.uniform(0.0, 90.0)) * r, random.uniform(-3.1, 3.1)};
-  scene.points = test::make_scan(scene.field, T, points, random);
+  const Pose2& T = scene.T_map_base;
   scene.anchor = {static_cast<std::int32_t>(std::floor(T.x_m / r)) - 20,
                   static_cast<std::int32_t>(std::floor(T.y_m / r)) + 9};
   scene.centre = {static_cast<float>(T.x_m / r - scene.anchor.x + random.uniform(-2.0, 2.0)),
@@ -77,8 +72,7 @@ PoseMinorant::Params minorant_params(const Scene& scene, const BoxSize& size) {
 }
 
 class Bounds : public testing::TestWithParam<FieldKind> {};
-INSTANTIATE_TEST_SUITE_P(Fields, Bounds, testing::Values(FieldKind::kExact, FieldKind::kSteps, FieldKind::kNoise),
-                         [](const auto& kind) { return test::name_of(kind.param); });
+INSTANTIATE_TEST_SUITE_P(Fields, Bounds, testing::ValuesIn(test::kFieldKinds), test::kNameOfKind);
 
 // The minorant of a box by fields of minorants, for all points at the widest reach.
 PoseMinorant::Value wide_minorant(const Scene& scene, const BoxSize& size, std::uint32_t reach) {

@@ -115,6 +115,17 @@ std::vector<PointCells> make_scan(const TestField& field, const Pose2& T_map_bas
   return points;
 }
 
+FieldScene make_field_scene(FieldKind kind, std::size_t points, double margin, Random& random) {
+  FieldScene scene;
+  scene.field = make_field(kind, random);
+  const double r = TestField::kResolution;
+  const double x = scene.field.first_cell.x + random.uniform(margin, kWidth - margin);
+  const double y = scene.field.first_cell.y + random.uniform(margin, kHeight - margin);
+  scene.T_map_base = {x * r, y * r, random.uniform(-3.1, 3.1)};
+  scene.points = make_scan(scene.field, scene.T_map_base, points, random);
+  return scene;
+}
+
 std::uint32_t true_cost(const TestField& field, const std::vector<PointCells>& points, CellIndex anchor,
                         const CellPose& pose) {
   return brute_pose_cost(cost_params(field.view(), points.size(), anchor), field.cells, points,

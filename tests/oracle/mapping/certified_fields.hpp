@@ -1,6 +1,7 @@
 // Fields and scans for the tests of certified matching, and what the true cost of a pose is: the oracle of pose_cost.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -28,6 +29,18 @@ TestField make_field(FieldKind kind, Random& random);
 
 /// A scan of a robot that stands in the field: some of its points on low cells, some anywhere, some off the map.
 std::vector<PointCells> make_scan(const TestField& field, const Pose2& T_map_base, std::size_t count, Random& random);
+
+/// A field, a robot in it, at least `margin` cells from its edges, and the scan that it takes there.
+struct FieldScene {
+  TestField field;
+  Pose2 T_map_base;
+  std::vector<PointCells> points;
+};
+FieldScene make_field_scene(FieldKind kind, std::size_t points, double margin, Random& random);
+
+/// The kinds of fields as parameters of a suite, and what a test of them is called.
+inline constexpr std::array kFieldKinds{FieldKind::kExact, FieldKind::kSteps, FieldKind::kNoise};
+inline const auto kNameOfKind = [](const auto& kind) { return name_of(kind.param); };
 
 /// The cost of a pose given in cells from an anchor cell.
 std::uint32_t true_cost(const TestField& field, const std::vector<PointCells>& points, CellIndex anchor,

@@ -16,20 +16,14 @@ namespace {
 using test::FieldKind;
 using test::TestField;
 
-struct Problem {
-  TestField field;
-  std::vector<PointCells> points;
+struct Problem : test::FieldScene {
   PoseWindow window;
 };
 
 Problem make_problem(FieldKind kind, std::uint64_t seed, std::size_t points = 50) {
   Random random(seed);
-  Problem problem;
-  problem.field = test::make_field(kind, random);
-  const double r = TestField::kResolution;
-  const Pose2 T{(problem.field.first_cell.x + random.uniform(10.0, 100.0)) * r,
-                (problem.field.first_cell.y + random.uniform(10.0, 80.0)) * r, random.uniform(-3.1, 3.1)};
-  problem.points = test::make_scan(problem.field, T, points, random);
+  Problem problem{test::make_field_scene(kind, points, 10.0, random), {}};
+  const Pose2& T = problem.T_map_base;
   problem.window = {
       {T.x_m + random.uniform(-0.2, 0.2), T.y_m + random.uniform(-0.2, 0.2), T.theta_rad + random.uniform(-0.1, 0.1)},
       0.4,
@@ -43,13 +37,15 @@ double gap_units(const Problem& problem, double gap_m) {
 }
 
 class Search : public testing::TestWithParam<FieldKind> {};
-INSTANTIATE_TEST_SUITE_P(Fields, Search, testing::Values(FieldKind::kExact, FieldKind::kSteps, FieldKind::kNoise),
-                         [](const auto& kind) { return test::name_of(kind.param); });
+INSTANTIATE_TEST_SUITE_P(Fields, Search, testing::ValuesIn(test::kFieldKinds), test::kNameOfKind);
 
 TEST_P(Search, FindsWhatBruteForceFindsAndProvesIt) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const Problem problem = make_problem(GetParam(), seed);
-    const CertifiedMap map(problem.field.view(), Isa::kBaseline);
+    // However much of the map was prepared.
+    const CertifiedMap::Windows prepared[] = {CertifiedMap::kAnyWindows, CertifiedMap::kSmallWindows,
+                                              CertifiedMap::kNearWindows};
+    const CertifiedMap map(problem.field.view(), Isa::kBaseline, prepared[seed % 3]);
     const CertifiedResult found = find_pose(map, problem.points, problem.window, {.gap_m = 0.005});
     const std::uint32_t optimum = test::searched_optimum(problem.field.view(), problem.points, problem.window, 32, 40);
     EXPECT_LE(found.bound, optimum) << "seed " << seed;
@@ -65,7 +61,8 @@ TEST_P(Search, FindsWhatBruteForceFindsAndProvesIt) {
 TEST_P(Search, NoBoundOnTheWayLiesAboveTheOptimum) {
   for (std::uint64_t seed = 21; seed <= 26; ++seed) {
     const Problem problem = make_problem(GetParam(), seed);
-    const CertifiedMap map(problem.field.view(), Isa::kBaseline);
+    const CertifiedMap map(problem.field.view(), Isa::kBaseline,
+                           seed % 2 == 0 ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
     const std::uint32_t optimum = test::searched_optimum(problem.field.view(), problem.points, problem.window, 32, 40);
     std::uint32_t before = 0;
     for (const std::uint64_t limit : {1U, 100U, 400U, 1000U, 2000U, 4000U}) {

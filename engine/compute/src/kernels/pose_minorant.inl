@@ -150,9 +150,80 @@ inline float cell_of_pair(std::uint32_t pair, bool second, std::uint32_t cap) {
   return static_cast<float>(static_cast<std::int32_t>(lesser(value, cap)));
 }
 
-/// Adds the minorants of a block's points. In a row of the patch the field is piecewise linear: less its slope it is
-/// least at an end of the box or at a cell between them; what is least in each row is interpolated along y, where the
-/// same holds.
+/// How much of each of four neighbours there is at a place from the first of them on, 0 to 3.
+inline void hats_at(float place, float (&hats)[kPatch]) {
+  for (std::uint32_t k = 0; k < kPatch; ++k) {
+    const float off = 1.0F - absolute(place - static_cast<float>(k));
+    hats[k] = off > 0.0F ? off : 0.0F;
+  }
+}
+inline float at_hats(const float (&values)[kPatch], const float (&hats)[kPatch]) {
+  return (values[0] * hats[0] + values[1] * hats[1]) + (values[2] * hats[2] + values[3] * hats[3]);
+}
+
+/// A point's box in its patch: the field in each row at the box's ends and at the cells that may lie between them.
+struct PatchBox {
+  float left[kPatch];
+  float right[kPatch];
+  float inner[2][kPatch];
+  float half_x;
+  float half_y;
+  float hats_y[kPatch];
+};
+
+inline void cut_patch(std::uint32_t cap, const MinorantBlock& block, std::uint32_t i, PatchBox& box) {
+  float hats_x[kPatch];
+  hats_at(block.high_x[i], hats_x);
+  hats_at(block.high_y[i], box.hats_y);
+  box.half_x = 0.5F * (block.high_x[i] - block.low_x[i]);
+  box.half_y = 0.5F * (block.high_y[i] - block.low_y[i]);
+  for (std::uint32_t j = 0; j < kPatch; ++j) {
+    const float cells[kPatch] = {
+        cell_of_pair(block.pairs[j][2 * i], false, cap), cell_of_pair(block.pairs[j][2 * i], true, cap),
+        cell_of_pair(block.pairs[j][2 * i + 1], false, cap), cell_of_pair(block.pairs[j][2 * i + 1], true, cap)};
+    box.inner[0][j] = cells[1];
+    box.inner[1][j] = cells[2];
+    box.left[j] = cells[0] + (cells[1] - cells[0]) * block.low_x[i];
+    box.right[j] = at_hats(cells, hats_x);
+  }
+}
+
+/// Slopes along x and y over the box, from its corners.
+struct WholeSlopes {
+  std::int32_t x;
+  std::int32_t y;
+};
+inline WholeSlopes slopes_over(const PatchBox& box, float y0) {
+  const float low_left = box.left[0] + (box.left[1] - box.left[0]) * y0;
+  const float low_right = box.right[0] + (box.right[1] - box.right[0]) * y0;
+  const float high_left = at_hats(box.left, box.hats_y);
+  const float high_right = at_hats(box.right, box.hats_y);
+  return {slope_of((low_right - low_left) + (high_right - high_left), box.half_x),
+          slope_of((high_left - low_left) + (high_right - low_right), box.half_y)};
+}
+
+/// The least of the field less the slopes' rise from the box's middle. In a row of the patch the field is piecewise
+/// linear: less its slope it is least at an end of the box or at a cell between them; what is least in each row is
+/// interpolated along y, where the same holds.
+inline float least_over(const PatchBox& box, float gx, float gy, float x0, float x1, float y0, float y1) {
+  const float middle_x = x0 + box.half_x;
+  const float middle_y = y0 + box.half_y;
+  float least[kPatch];
+  for (std::uint32_t j = 0; j < kPatch; ++j) {
+    const float ends = lesser(box.left[j] + gx * box.half_x, box.right[j] - gx * box.half_x);
+    const float first = box.inner[0][j] - gx * (1.0F - middle_x);
+    const float second = box.inner[1][j] - gx * (2.0F - middle_x);
+    const float with_first = x1 > 1.0F ? lesser(ends, first) : ends;
+    least[j] = x1 > 2.0F ? lesser(with_first, second) : with_first;
+  }
+  const float at_low = (least[0] + (least[1] - least[0]) * y0) + gy * box.half_y;
+  const float at_high = at_hats(least, box.hats_y) - gy * box.half_y;
+  const float ends = lesser(at_low, at_high);
+  const float with_first = y1 > 1.0F ? lesser(ends, least[1] - gy * (1.0F - middle_y)) : ends;
+  return y1 > 2.0F ? lesser(with_first, least[2] - gy * (2.0F - middle_y)) : with_first;
+}
+
+/// Adds the minorants of a block's points.
 inline void add_minorants(std::uint32_t cap, std::uint32_t count, const MinorantBlock& block,
                           PoseMinorant::Value& total) {
   std::int32_t constant = 0;
@@ -161,65 +232,18 @@ inline void add_minorants(std::uint32_t cap, std::uint32_t count, const Minorant
   std::int32_t slope_theta = 0;
   count = count / kMinorantLanes * kMinorantLanes;  // it is; the compiler may know
   for (std::uint32_t i = 0; i < count; ++i) {
-    const float x0 = block.low_x[i];
-    const float x1 = block.high_x[i];
-    const float y0 = block.low_y[i];
-    const float y1 = block.high_y[i];
-    const float half_x = 0.5F * (x1 - x0);
-    const float half_y = 0.5F * (y1 - y0);
-    float hat_x[kPatch];
-    float hat_y[kPatch];
-    for (std::uint32_t k = 0; k < kPatch; ++k) {
-      const float off_x = 1.0F - absolute(x1 - static_cast<float>(k));
-      const float off_y = 1.0F - absolute(y1 - static_cast<float>(k));
-      hat_x[k] = off_x > 0.0F ? off_x : 0.0F;
-      hat_y[k] = off_y > 0.0F ? off_y : 0.0F;
-    }
-    float inner[kPatch][2];
-    float left[kPatch];
-    float right[kPatch];
-    for (std::uint32_t j = 0; j < kPatch; ++j) {
-      const float c0 = cell_of_pair(block.pairs[j][2 * i], false, cap);
-      const float c1 = cell_of_pair(block.pairs[j][2 * i], true, cap);
-      const float c2 = cell_of_pair(block.pairs[j][2 * i + 1], false, cap);
-      const float c3 = cell_of_pair(block.pairs[j][2 * i + 1], true, cap);
-      inner[j][0] = c1;
-      inner[j][1] = c2;
-      left[j] = c0 + (c1 - c0) * x0;
-      right[j] = (c0 * hat_x[0] + c1 * hat_x[1]) + (c2 * hat_x[2] + c3 * hat_x[3]);
-    }
-    const float low_left = left[0] + (left[1] - left[0]) * y0;
-    const float low_right = right[0] + (right[1] - right[0]) * y0;
-    const float high_left = (left[0] * hat_y[0] + left[1] * hat_y[1]) + (left[2] * hat_y[2] + left[3] * hat_y[3]);
-    const float high_right = (right[0] * hat_y[0] + right[1] * hat_y[1]) + (right[2] * hat_y[2] + right[3] * hat_y[3]);
-    const float rise_x = (low_right - low_left) + (high_right - high_left);
-    const float rise_y = (high_left - low_left) + (high_right - low_right);
-    const std::int32_t whole_x = slope_of(rise_x, half_x);
-    const std::int32_t whole_y = slope_of(rise_y, half_y);
-    const auto gx = static_cast<float>(whole_x);
-    const auto gy = static_cast<float>(whole_y);
-    const float middle_x = x0 + half_x;
-    const float middle_y = y0 + half_y;
-    float least[kPatch];
-    for (std::uint32_t j = 0; j < kPatch; ++j) {
-      const float ends = lesser(left[j] + gx * half_x, right[j] - gx * half_x);
-      const float first = inner[j][0] - gx * (1.0F - middle_x);
-      const float second = inner[j][1] - gx * (2.0F - middle_x);
-      const float with_first = x1 > 1.0F ? lesser(ends, first) : ends;
-      least[j] = x1 > 2.0F ? lesser(with_first, second) : with_first;
-    }
-    const float at_low = (least[0] + (least[1] - least[0]) * y0) + gy * half_y;
-    const float at_high =
-        ((least[0] * hat_y[0] + least[1] * hat_y[1]) + (least[2] * hat_y[2] + least[3] * hat_y[3])) - gy * half_y;
-    const float ends = lesser(at_low, at_high);
-    const float with_first = y1 > 1.0F ? lesser(ends, least[1] - gy * (1.0F - middle_y)) : ends;
-    const float value = y1 > 2.0F ? lesser(with_first, least[2] - gy * (2.0F - middle_y)) : with_first;
+    PatchBox box;
+    cut_patch(cap, block, i, box);
+    const WholeSlopes slopes = slopes_over(box, block.low_y[i]);
+    const auto gx = static_cast<float>(slopes.x);
+    const auto gy = static_cast<float>(slopes.y);
+    const float value = least_over(box, gx, gy, block.low_x[i], block.high_x[i], block.low_y[i], block.high_y[i]);
     const float term = value - ((absolute(gx) + absolute(gy)) * block.slack[i] + kTermSlack);
     const float turn = (gy * block.from_x[i] - gx * block.from_y[i]) * (1.0F / PoseMinorant::kThetaStep);
     const std::int32_t counts = block.counts[i];
     constant += floor_of(term) & counts;
-    slope_x += whole_x & counts;
-    slope_y += whole_y & counts;
+    slope_x += slopes.x & counts;
+    slope_y += slopes.y & counts;
     slope_theta += floor_of(turn) & counts;
   }
   total.constant += constant;

@@ -3,7 +3,7 @@
 // distance), to the bit; docs/numerics.md, "Certified matching", derives the bounds. Frames: the window and the result
 // are poses of the robot in the map, metres and radians; points are in cells in the robot's frame. Same result on every
 // instruction set and with every device; with a time limit it depends on the clock. A prepared map may be shared
-// between threads unless it has a device, to whose thread it then belongs.
+// between threads; they take turns with its device, which nobody else may use meanwhile.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,9 @@ FieldView field_view(const GlobalField& map);
 /// A field with what the bounds need. The field's cells must outlive it and stay as they are.
 class CertifiedMap {
  public:
-  /// What searches begin with: boxes for windows of any size, or of up to some metres, which is less to prepare.
-  enum Windows : std::uint8_t { kAnyWindows, kSmallWindows };
+  /// What is prepared: for windows of any size, of up to some metres, or of up to one, which takes a tenth of the time
+  /// to prepare. Each finds in any window what the others find.
+  enum Windows : std::uint8_t { kAnyWindows, kSmallWindows, kNearWindows };
   /// `isa` runs the kernels, but for the boxes that the search of a large window begins with where there is a `device`,
   /// which must outlive this: those are bounded there, all at once. The result is the same. Throws Error where the
   /// field is smaller than 4 x 4 cells or its edge does not hold the cap.
@@ -124,8 +125,8 @@ struct CertifiedResult {
 inline constexpr std::size_t kMostCertifiedPoints = 4096;
 
 /// Throws Error without points, with too many of them or with a window, prior or start that is not finite, DeviceError
-/// where the map's device fails; then a map without one has the result. Cost: about
-/// 0.3 ms for a window of +-1 m and +-20 degrees, 20 ms for +-5 m and all headings (docs/benchmarks.md).
+/// where the map's device fails; then a map without one has the result. Cost: about 1 ms for a window of +-1 m and +-20
+/// degrees, 5 ms for +-5 m and all headings in the map of an office floor (docs/benchmarks.md, "Certified matching").
 CertifiedResult find_pose(const CertifiedMap& map, std::span<const PointCells> points, const PoseWindow& window,
                           const CertifiedOptions& options = {});
 
