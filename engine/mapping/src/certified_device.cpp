@@ -23,6 +23,7 @@ bool DeviceBounds::takes(const PoseBounds::Params& params, std::size_t level, st
 
 void DeviceBounds::sum(const PoseBounds::Params& params, std::size_t level, std::span<const BoundPoint> points,
                        std::span<const PoseCandidate> tiles, std::span<std::uint32_t> sums) {
+  const std::lock_guard lock(mutex_);
   Buffer& samples = samples_[level];
   if (!samples.valid()) {
     const auto bytes = std::as_bytes(std::span(fields_.levels()[level].samples));

@@ -1,9 +1,12 @@
 // Bounds of many tiles of boxes at once on a device (kernel PoseBounds), for searches that begin with many boxes. The
 // dilated fields of a level go to the device when they are first asked for and stay there. Same sums as on the host.
-// Belongs to the thread of its backend. Throws DeviceError where the device fails.
+// Thread-safe: one thread at a time has the backend, which nobody else may use meanwhile. Throws DeviceError where the
+// device fails.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -34,11 +37,12 @@ class DeviceBounds {
  private:
   Backend& backend_;
   const BoundFields& fields_;
+  std::mutex mutex_;             // of what follows
   std::vector<Buffer> samples_;  // of each level
   Buffer points_;
   Buffer tiles_;
   Buffer sums_;
-  std::uint64_t launches_ = 0;
+  std::atomic<std::uint64_t> launches_ = 0;
 };
 
 }  // namespace gdtslam

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <thread>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
@@ -199,6 +200,27 @@ TEST_F(CertifiedOnDevice, EndsWithTheErrorOfTheDevice) {
 TEST_F(CertifiedOnDevice, ThreadsOfTheCpuGiveTheHostsResult) {
   const auto backend = make_cpu_backend({.threads = 3, .isa = std::nullopt});
   expect_the_hosts_results(*backend);
+}
+
+// Threads that share a map take turns with its device.
+TEST_P(CertifiedOnVulkan, ThreadsMayShareTheMap) {
+  constexpr std::size_t kThreads = 4;
+  constexpr std::uint64_t kSeeds = 8;
+  const auto backend = device();
+  const CertifiedMap map(view, best_isa(), CertifiedMap::kAnyWindows, backend.get());
+  std::vector<CertifiedResult> found(kSeeds);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::uint64_t seed = t; seed < kSeeds; seed += kThreads) {
+        const Problem problem = make_problem(seed);
+        found[seed] = find_pose(map, problem.points, problem.window, problem.options);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) expect_equal(found[seed], on_host(make_problem(seed)), seed);
+  EXPECT_EQ(map.device_launches(), kSeeds);
 }
 
 // What the host does sooner than a device answers stays there.
