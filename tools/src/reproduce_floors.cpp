@@ -43,16 +43,16 @@ Row surface_row(const std::string& what, const SceneErrors& errors) {
 }
 
 void add_standing(Part& part, const Workplace& place, const std::string& name, const std::string& what,
-                  const std::string& camera, double from) {
+                  const std::string& where, const std::string& camera, double from) {
   const Drive drive = place.drives.drive(name);
   RenderOptions look;
   look.title = "From one place: " + what;
   look.camera = camera;
-  add_view(part, place, {.inputs = {drive.run}, .view = "iso", .size = "1600x860", .options = look},
-           {name + ".png",
-            fmt::format("The scanner stands in the corridor, {} ahead; without the ceiling. What hides behind "
-                        "walls stays empty.",
-                        what)});
+  add_view(
+      part, place, {.inputs = {drive.run}, .view = "iso", .size = "1600x860", .options = look},
+      {name + ".png",
+       fmt::format("The scanner stands in the corridor; {}. Without the ceiling; what hides behind walls stays empty.",
+                   where)});
   const SceneErrors errors = surface_errors(drive, place, false, from + 0.3, 0.2);
   part.rows.push_back({fmt::format("points, {} ahead", what), "", with_commas(errors.distances.count()), Verdict::kOpen,
                        "every beam that returned, in 40 s"});
@@ -146,8 +146,10 @@ Part make_standing(const Workplace& place) {
   part.source =
       "The scanner stands at two places of the scene office-3f, seed 1, which has an open elevator and "
       "plants.";
-  add_standing(part, place, "at-elevator", "an open elevator", "-4.2,-2.2,3.6,3.2,0.9,0.7,46", 0.0);
-  add_standing(part, place, "at-plant", "a plant", "-3.6,-0.2,2.6,3,-0.4,0.8,46", 0.5);
+  add_standing(part, place, "at-elevator", "an open elevator",
+               "the open elevator is the recess in the wall on the left", "-4.2,-2.2,3.6,3.2,0.9,0.7,46", 0.0);
+  add_standing(part, place, "at-plant", "a plant", "the plant stands before the wall ahead",
+               "-3.6,-0.2,2.6,3,-0.4,0.8,46", 0.5);
   part.notes.push_back(
       "As in the paper, one place is not enough: walls hide most of the floor. Figures 14 and 15 are the remedy.");
   return part;

@@ -1,0 +1,124 @@
+// The processes that make the parts of the report, and what is said while they work.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+#include "reproduce_paper.hpp"
+#include "reproduce_progress.hpp"
+#include "reproduce_workers.hpp"
+
+namespace gdtslam::reproduce {
+namespace {
+
+std::string result_of(Workers& workers) {
+  for (;;) {
+    const Workers::News news = workers.wait();
+    if (news.result) return *news.result;
+  }
+}
+
+TEST(Workers, BringBackResultsWithTheirTimes) {
+  Workers workers(2);
+  EXPECT_TRUE(workers.is_idle());
+  workers.start(7, [](const Workers::Tell&) { return std::string("line\nand \"share\" \xff"); });
+  const Workers::News news = [&] {
+    for (;;) {
+      const Workers::News heard = workers.wait();
+      if (heard.result) return heard;
+    }
+  }();
+  EXPECT_EQ(news.id, 7U);
+  EXPECT_EQ(*news.result, "line\nand \"share\" \xef\xbf\xbd");  // what is no UTF-8 becomes U+FFFD
+  EXPECT_GE(news.cpu_s, 0.0);
+  EXPECT_LT(news.cpu_s, 1.0);
+  EXPECT_TRUE(workers.is_idle());
+}
+
+TEST(Workers, RunAtTheSameTimeInProcessesOfTheirOwn) {
+  Workers workers(2);
+  const auto pid = [](const Workers::Tell&) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    return std::to_string(::getpid());
+  };
+  workers.start(0, pid);
+  EXPECT_FALSE(workers.is_full());
+  workers.start(1, pid);
+  EXPECT_TRUE(workers.is_full());
+  const std::string first = result_of(workers);
+  const std::string second = result_of(workers);
+  EXPECT_NE(first, second);
+  EXPECT_NE(first, std::to_string(::getpid()));
+}
+
+TEST(Workers, TellHowFarTheyAre) {
+  Workers workers(1);
+  workers.start(0, [](const Workers::Tell& tell) {
+    tell(0.25);
+    return std::string();
+  });
+  const Workers::News news = workers.wait();
+  EXPECT_FALSE(news.result);
+  EXPECT_DOUBLE_EQ(news.share, 0.25);
+  EXPECT_EQ(result_of(workers), "");
+}
+
+TEST(Workers, ThrowWhatTheWorkThrew) {
+  Workers workers(2);
+  workers.start(0, [](const Workers::Tell&) -> std::string { throw FileError("there", "cannot be read"); });
+  try {
+    result_of(workers);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kInputOutput);
+    EXPECT_STREQ(error.what(), "there: cannot be read");
+  }
+  EXPECT_TRUE(workers.is_idle());
+}
+
+TEST(Workers, SayWhichSignalEndedOne) {
+  Workers workers(1);
+  workers.start(0, [](const Workers::Tell&) -> std::string {
+    ::raise(SIGKILL);
+    return "";
+  });
+  try {
+    result_of(workers);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kFailed);
+    EXPECT_NE(std::string(error.what()).find("signal 9"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Workers, AreStoppedWithTheirOwner) {
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    Workers workers(1);
+    workers.start(0, [](const Workers::Tell&) {
+      ::signal(SIGTERM, SIG_DFL);
+      std::this_thread::sleep_for(std::chrono::seconds(60));
+      return std::string();
+    });
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+}
+
+TEST(ReproduceProgress, NamesAllThatIsInHand) {
+  EXPECT_EQ(Progress::text({{"fig8", {35.0, 0.424}}, {"office-3f", {7.0, 0.0}}}, 3, 11, 61.2),
+            "fig8 42 %, office-3f 0 %  (3 of 11 parts made, 1:02 min left)");
+}
+
+TEST(ReproduceTables, NamesByRisingValue) {
+  EXPECT_EQ(ranking({"PSO", "SCE", "SIMPSA", "Simplex"}, {3.0, 1.0, 3.0, 2.0}), "SCE, Simplex, PSO, SIMPSA");
+  EXPECT_EQ(label_of(CompareMethod::kSce), "SCE");
+  EXPECT_EQ(label_of(CompareMethod::kGaussNewton), "gauss-newton");
+}
+
+}  // namespace
+}  // namespace gdtslam::reproduce
