@@ -239,11 +239,11 @@ void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
 void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("--gap", chosen.gap_mm, "Prove that no pose has a mean distance smaller by more than this")
       ->type_name("MM")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber.description(""))
       ->capture_default_str();
   command.add_option("--max-time", chosen.max_seconds, "Give a search up after this long (default: never)")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber.description(""));
   command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
 }
 
@@ -261,8 +261,10 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<LocalizeOptions>();
   CLI::App* command =
       app.add_subcommand("localize", "The pose of scans in a whole map, without odometry, with a proof");
-  command->add_option("map", options->map, "Run folder of `gdtslam map`, or its gdt.yaml")->required();
-  command->add_option("log", options->log, "Log with the scans, plain or gzip")->required();
+  command->add_option("map", options->map, "Run folder of `gdtslam map`, or its gdt.yaml")
+      ->required()
+      ->type_name("RUN");
+  command->add_option("log", options->log, "Log with the scans, plain or gzip")->required()->type_name("LOG");
   add_choices(*command, *options);
   add_reference_options(*command, *options);
   add_search_options(*command, *options);
