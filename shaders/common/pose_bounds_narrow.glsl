@@ -71,30 +71,35 @@ void sum_block(inout RowSums rows[4], Looking looking, uint first, uint end) {
   }
 }
 
+const uvec4 kNone = uvec4(0u);
+#define FOR_EACH_ROW(STEP) STEP(0u) STEP(1u) STEP(2u) STEP(3u)
+
 void main() {
   uint index = linear_invocation();
   if (index >= count) {
     return;
   }
   Looking looking = looking_from(tiles[index]);
-  uvec4 total[16];
-  for (uint i = 0u; i < 16u; ++i) {
-    total[i] = uvec4(0u);
-  }
+  uvec4 total[16] = uvec4[](kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone,  //
+                            kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone);
   for (uint first = 0u; first < point_count; first += kPairPoints) {
     RowSums rows[4] = RowSums[](NO_SUMS, NO_SUMS, NO_SUMS, NO_SUMS);
     sum_block(rows, looking, first, min(first + kPairPoints, point_count));
-    for (uint i = 0u; i < 4u; ++i) {
-      total[4u * i] += bytes_of(rows[i].a);
-      total[4u * i + 1u] += bytes_of(rows[i].b);
-      total[4u * i + 2u] += bytes_of(rows[i].c);
-      total[4u * i + 3u] += bytes_of(rows[i].d);
-    }
+#define ADD_ROW(i)                             \
+  total[4u * i] += bytes_of(rows[i].a);        \
+  total[4u * i + 1u] += bytes_of(rows[i].b);   \
+  total[4u * i + 2u] += bytes_of(rows[i].c);   \
+  total[4u * i + 3u] += bytes_of(rows[i].d);
+    FOR_EACH_ROW(ADD_ROW)
   }
   if (kIsWide == 1u) {
-    for (uint i = 0u; i < 16u; ++i) {
-      sums[16u * index + i] = total[i];
-    }
+    uint to = 16u * index;
+#define STORE_ROW(i)                           \
+  sums[to + 4u * i] = total[4u * i];           \
+  sums[to + 4u * i + 1u] = total[4u * i + 1u]; \
+  sums[to + 4u * i + 2u] = total[4u * i + 2u]; \
+  sums[to + 4u * i + 3u] = total[4u * i + 3u];
+    FOR_EACH_ROW(STORE_ROW)
   } else {
     sums[index] = uvec4(total[0].xy, total[1].xy);
   }
