@@ -30,7 +30,7 @@ std::vector<PartInfo> flat_parts() {
                 "transform behind it.",
        .weight_s = 0.3,
        .drives = {"office-loop"},
-       .data_weight_s = 4.0,
+       .data_weight_s = 6.5,
        .make = make_loop},
       {.id = "fig8",
        .also = "table1",
@@ -38,9 +38,9 @@ std::vector<PartInfo> flat_parts() {
        .title = "Four optimizers against the best solution",
        .paper =
            "how far the poses of PSO, SCE, SIMPSA and simplex are from the global solution, scan by scan and in sum.",
-       .weight_s = 35.0,
+       .weight_s = 36.0,
        .drives = {"office-loop"},
-       .data_weight_s = 25.0,
+       .data_weight_s = 62.0,
        .make = make_optimizer_errors},
       {.id = "fig9",
        .also = "table2",
@@ -48,9 +48,9 @@ std::vector<PartInfo> flat_parts() {
        .title = "Four optimizers against the true position",
        .paper =
            "how far the robot's position is from the ground truth with each optimizer, and the time that each takes.",
-       .weight_s = 68.0,
+       .weight_s = 75.0,
        .drives = {"office-loop", "office-loop-2", "office-loop-3"},
-       .data_weight_s = 20.0,
+       .data_weight_s = 24.0,
        .make = make_optimizer_positions},
   };
 }

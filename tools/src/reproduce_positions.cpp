@@ -151,6 +151,27 @@ void add_time_rows(Part& part, const std::vector<MethodRuns>& all) {
       {"who is fastest", paper, ours, ours == paper ? Verdict::kWithin : Verdict::kOutside, "within: the same order"});
 }
 
+/// How far apart the values of a row are.
+double spread_of(const std::vector<double>& values) {
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  return *most - *least;
+}
+
+// Where it is so: one drive is no ranking.
+void add_spread_note(Part& part, const std::vector<MethodRuns>& all) {
+  double of_drives_m = 0.0;
+  std::vector<double> means;
+  for (std::size_t k = 0; k < kPaper.size(); ++k) {
+    of_drives_m += spread_of(all[k].means_m) / static_cast<double>(kPaper.size());
+    means.push_back(all[k].position_m.mean);
+  }
+  if (of_drives_m < spread_of(means)) return;
+  part.notes.push_back(fmt::format(
+      "From drive to drive one method\u2019s mean differs by {} on average, from method to method the means of all "
+      "drives by {} at most: one drive, as in the paper, ranks no method.",
+      length_with_unit(of_drives_m), length_with_unit(spread_of(means))));
+}
+
 Canvas positions_over_time(const std::vector<MethodRuns>& all) {
   constexpr double kWidth = 1190.0;
   constexpr double kHeight = 560.0;
@@ -239,6 +260,7 @@ Part make_optimizer_positions(const Workplace& place) {
   part.tables.push_back(positions_table(all));
   add_distance_rows(part, all);
   add_time_rows(part, all);
+  add_spread_note(part, all);
   part.notes.push_back(
       "The paper\u2019s print of SCE\u2019s time is damaged in the copy at hand (9.0972 or 8.0873). Times depend on "
       "how each "
