@@ -187,7 +187,7 @@ std::int32_t aligned_down(std::int32_t cell) { return cell & ~(kBoundAlignment -
 
 BoundFields::BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows)
     : unit_(std::max(1U, (field.cap + 254U) / 255U)) {
-  if (windows != CertifiedMap::kNearWindows) minorants_ = minorants_of(field, isa);
+  if (windows == CertifiedMap::kAnyWindows) minorants_ = minorants_of(field, isa);
   const std::span<const LevelPlan> plans = plans_for(windows);
   const Bytes plain = bytes_of(field, unit_, plans.back().dilation_cells.back() + 1);
   Bytes dilated = plain;

@@ -47,7 +47,7 @@ struct MinorantLevels {
 
 class BoundFields {
  public:
-  /// The widest boxes are 32 cells wide, 8 for small windows, 2 for near ones, and these have no minorants.
+  /// The widest boxes are 32 cells wide, 8 for small windows, 2 for near ones; these two have no minorants.
   BoundFields(const FieldView& field, Isa isa, CertifiedMap::Windows windows);
 
   /// From wide boxes to narrow ones, each half as wide as the one before; the narrowest are two cells wide.

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "certified_fields.hpp"
+#include "certified_boxes.hpp"
 #include "gdtslam/compute/host_kernels.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "support/instruction_sets.hpp"
@@ -15,13 +15,15 @@
 namespace gdtslam {
 namespace {
 
+using test::BoxSize;
+using test::checked_margin;
+using test::drawn_pose;
 using test::FieldKind;
+using test::minorant_params;
+using test::patch_minorant;
+using test::Scene;
 using test::TestField;
-
-struct Scene : test::FieldScene {
-  CellIndex anchor;
-  PoseCandidate centre;
-};
+using test::wide_minorant;
 
 // Sums hide what goes wrong for one point, so half of the scenes have a single one.
 Scene make_scene(FieldKind kind, std::uint64_t seed, std::size_t points) {
@@ -37,102 +39,10 @@ Scene make_scene(FieldKind kind, std::uint64_t seed, std::size_t points) {
   return scene;
 }
 
-// A place in [-1, 1], often at an end of it.
-double place(Random& random) {
-  const double draw = random.uniform(-1.5, 1.5);
-  return std::clamp(draw, -1.0, 1.0);
-}
-
-struct BoxSize {
-  float half_width;
-  float half_angle;
-};
 constexpr BoxSize kSizes[] = {{0.5F, 0.004F}, {0.25F, 0.002F},  {0.5F, 0.0F},
                               {0.0F, 0.004F}, {0.03F, 0.0005F}, {0.001F, 1.0e-5F}};
-// A pose of a box of the scene.
-CellPose drawn_pose(const Scene& scene, const BoxSize& size, Random& random) {
-  return {scene.centre.x + static_cast<float>(place(random)) * size.half_width,
-          scene.centre.y + static_cast<float>(place(random)) * size.half_width,
-          scene.centre.theta + static_cast<float>(place(random)) * size.half_angle};
-}
-
-constexpr float kSlack = 0.0025F;  // 1/512 of a cell, and float32 within 300 cells
-
-PoseMinorant::Params minorant_params(const Scene& scene, const BoxSize& size) {
-  return {.width = scene.field.width,
-          .height = scene.field.height,
-          .stride = scene.field.width,
-          .anchor_x = scene.anchor.x - scene.field.first_cell.x,
-          .anchor_y = scene.anchor.y - scene.field.first_cell.y,
-          .point_count = static_cast<std::uint32_t>(scene.points.size()),
-          .cap = scene.field.cap,
-          .half_width = size.half_width,
-          .half_angle = size.half_angle,
-          .slack = kSlack};
-}
-
 class Bounds : public testing::TestWithParam<FieldKind> {};
 INSTANTIATE_TEST_SUITE_P(Fields, Bounds, testing::ValuesIn(test::kFieldKinds), test::kNameOfKind);
-
-// The minorant of a box by fields of minorants, for all points at the widest reach.
-PoseMinorant::Value wide_minorant(const Scene& scene, const BoxSize& size, std::uint32_t reach) {
-  const TestField& field = scene.field;
-  constexpr std::uint32_t kMargins = 2 * FieldMinorant::kMargin;
-  const FieldMinorant::Params make{.width = field.width,
-                                   .height = field.height,
-                                   .stride = field.width,
-                                   .cap = field.cap,
-                                   .reach = reach,
-                                   .constant_unit = FieldMinorant::unit_for(field.cap)};
-  std::vector<std::uint32_t> words(std::size_t{field.width + kMargins} * (field.height + kMargins));
-  field_minorant_host(Isa::kBaseline, make, field.cells.data(), words.data());
-  std::vector<BoundPoint> points;
-  for (const PointCells& point : scene.points) points.push_back({point.x, point.y, 0});
-  constexpr auto kMargin = static_cast<std::int32_t>(FieldMinorant::kMargin);
-  const PoseMinorantWide::Params params{.width = field.width + kMargins,
-                                        .height = field.height + kMargins,
-                                        .anchor_x = scene.anchor.x - field.first_cell.x + kMargin,
-                                        .anchor_y = scene.anchor.y - field.first_cell.y + kMargin,
-                                        .point_count = static_cast<std::uint32_t>(points.size()),
-                                        .constant_unit = make.constant_unit,
-                                        .half_angle = size.half_angle,
-                                        .slack = kSlack};
-  PoseMinorant::Value value;
-  pose_minorant_wide_host(Isa::kBaseline, params, words.data(), points.data(), &scene.centre, 1, &value);
-  return value;
-}
-
-// Draws poses from a scene's boxes; the mean of what the bound lies below the cost by, a point.
-template <class MinorantOf>
-double checked_margin(const Scene& scene, std::uint64_t seed, std::span<const BoxSize> sizes,
-                      const MinorantOf& minorant_of) {
-  Random random(seed + 1000);
-  double below = 0.0;
-  int drawn = 0;
-  const auto points = static_cast<double>(scene.points.size());
-  for (const BoxSize& size : sizes) {
-    const PoseMinorant::Value value = minorant_of(scene, size);
-    for (int draw = 0; draw < 30; ++draw, ++drawn) {
-      const CellPose pose = drawn_pose(scene, size, random);
-      const auto apart = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
-      const double dt = apart(pose.theta, scene.centre.theta);
-      const double bound = value.constant + value.slope_x * apart(pose.x, scene.centre.x) +
-                           value.slope_y * apart(pose.y, scene.centre.y) + value.slope_theta * 16.0 * dt -
-                           16.0 * points * std::fabs(dt);
-      const double cost = test::true_cost(scene.field, scene.points, scene.anchor, pose);
-      EXPECT_LE(bound, cost) << "seed " << seed << ", half width " << size.half_width;
-      below += cost - bound;
-    }
-  }
-  return below / drawn / points;
-}
-
-PoseMinorant::Value patch_minorant(const Scene& scene, const BoxSize& size) {
-  PoseMinorant::Value value;
-  pose_minorant_host(Isa::kBaseline, minorant_params(scene, size), scene.field.cells.data(), scene.points.data(),
-                     &scene.centre, 1, &value);
-  return value;
-}
 
 TEST_P(Bounds, TheMinorantLiesBelowTheCostEverywhereInItsBox) {
   double below = 0.0;

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "certified_fields.hpp"
+#include "certified_boxes.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -66,6 +66,40 @@ void expect_bounds_hold(const CertifiedMap& map, const KnownScan& scan, const Po
   EXPECT_LE(found.cost, optimum + gap) << "scan " << index;
 }
 
+// What lies around a scan's pose in the map, as the tests of made-up fields have it.
+test::Scene scene_around(const GlobalField& map, const KnownScan& scan, Random& random) {
+  constexpr std::int32_t kHalf = 360;  // cells
+  const CellIndex middle = map_cell_of(scan.T_map_base.translation(), map.geometry().resolution_m);
+  test::Scene scene;
+  scene.field = {2 * kHalf, 2 * kHalf, map.cap(), {middle.x - kHalf, middle.y - kHalf}, {}};
+  for (std::int32_t y = 0; y < 2 * kHalf; ++y) {
+    for (std::int32_t x = 0; x < 2 * kHalf; ++x) {
+      const bool edge = x < 2 || y < 2 || x >= 2 * kHalf - 2 || y >= 2 * kHalf - 2;
+      const CellIndex cell{scene.field.first_cell.x + x, scene.field.first_cell.y + y};
+      scene.field.cells.push_back(edge ? map.cap() : map.at(cell));
+    }
+  }
+  scene.T_map_base = scan.T_map_base;
+  scene.points = scan.points;
+  scene.anchor = middle;
+  scene.slack = 0.01F;  // float32 within 5000 cells
+  const double r = map.geometry().resolution_m;
+  scene.centre = {static_cast<float>(scan.T_map_base.x_m / r - middle.x + random.uniform(-0.4, 0.4)),
+                  static_cast<float>(scan.T_map_base.y_m / r - middle.y + random.uniform(-0.4, 0.4)),
+                  static_cast<float>(scan.T_map_base.theta_rad + random.uniform(-0.002, 0.002)), 0};
+  return scene;
+}
+
+void expect_minorants_hold(const GlobalField& map, const KnownScan& scan, std::size_t index, Random& random) {
+  constexpr test::BoxSize kPatches[] = {{0.5F, 0.002F}, {0.25F, 0.001F}, {0.03F, 0.0002F}, {0.001F, 1.0e-5F}};
+  constexpr test::BoxSize kWide[] = {{1.4F, 0.0F}, {0.5F, 0.0F}, {0.0F, 0.0F}};
+  const test::Scene scene = scene_around(map, scan, random);
+  test::checked_margin(scene, index, kPatches, test::patch_minorant);
+  test::checked_margin(scene, index, kWide, [](const test::Scene& at, const test::BoxSize& size) {
+    return test::wide_minorant(at, size, 2);
+  });
+}
+
 TEST(CertifiedIntel, NoBoundLiesAboveWhatBruteForceFinds) {
   const std::string log = intel_log();
   if (!std::filesystem::exists(log)) GTEST_SKIP() << "no " << log << "; set GDTSLAM_DATA";
@@ -82,6 +116,7 @@ TEST(CertifiedIntel, NoBoundLiesAboveWhatBruteForceFinds) {
     const PoseWindow window = window_around(scans[index].T_map_base, random);
     expect_bounds_hold(whole, scans[index], window, index);
     expect_bounds_hold(near, scans[index], window, index);
+    expect_minorants_hold(mapper.field(), scans[index], index, random);
   }
 }
 

@@ -42,8 +42,8 @@ FieldView field_view(const GlobalField& map);
 /// A field with what the bounds need. The field's cells must outlive it and stay as they are.
 class CertifiedMap {
  public:
-  /// What is prepared: for windows of any size, of up to some metres, or of up to one, which takes a tenth of the time
-  /// to prepare. Each finds in any window what the others find.
+  /// What is prepared: for windows of any size, of up to some metres in a fifth of the time, or of up to one in a
+  /// tenth. Each proves in any window what the others prove, but the poses that they find may differ within the gap.
   enum Windows : std::uint8_t { kAnyWindows, kSmallWindows, kNearWindows };
   /// `isa` runs the kernels, but for the boxes that the search of a large window begins with where there is a `device`,
   /// which must outlive this: those are bounded there, all at once. The result is the same. Throws Error where the
