@@ -155,6 +155,11 @@ gdtslam_cli_test(usage.device_number ARGS verify --device vulkan:x EXIT 2 STDERR
 gdtslam_cli_test(bench.json ARGS bench arg_min --samples 1 --json SCHEMA bench)
 gdtslam_cli_test(bench.text ARGS bench arg_min --samples 1 STDOUT "arg_min .*per CPU second|per CPU second.*arg_min")
 gdtslam_cli_test(bench.unknown ARGS bench no_such_kernel EXIT 2 STDERR "no kernel's name contains 'no_such_kernel'")
+gdtslam_cli_test(bench.certified_json ARGS bench certified --scans 3 --lattice 0 --json SCHEMA bench_certified)
+gdtslam_cli_test(bench.certified_text ARGS bench certified --scans 2 --lattice 0 STDOUT "office-start.log.gz: 350 scans mapped, 2 of them.*\n\\+-1 m, \\+-20 deg .* 100 % +100 %\n.*\n\\+-15 m, 360 deg")
+gdtslam_cli_test(bench.certified_no_log ARGS bench certified --log none.log EXIT 74 STDERR "none.log")
+gdtslam_cli_test(bench.certified_log_without_scans ARGS bench certified --log {data}/no_scan.log EXIT 65 STDERR "no_scan.log: none of its 0 scans can be looked for")
+gdtslam_cli_test(bench.log_of_something_else ARGS bench edt --log some.log EXIT 2 STDERR "--log is for 'gdtslam bench certified'")
 gdtslam_cli_test(bench.size ARGS bench --size 1 EXIT 2 STDERR "--size")
 
 if(TARGET gdtslam_sim)
