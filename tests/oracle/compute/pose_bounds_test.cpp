@@ -169,7 +169,7 @@ TEST(PoseBoundsMeaning, SumsOfSingleCellsAreTheCost) {
     const Sampling& sampling = kSamplings[seed / 4 % 3];
     const PoseCandidate tile = drawn_tile(random);
     // Positions that the cost rounds into the next cell do not count: it quantises to 1/256 cell.
-    const auto [s, c] = sin_cos(static_cast<double>(tile.theta));
+    const SinCos<double> rotation = sin_cos(static_cast<double>(tile.theta));
     const auto is_inside = [](double position) {
       const double fraction = position - std::floor(position);
       return fraction > 0.004 && fraction < 0.996;
@@ -177,8 +177,8 @@ TEST(PoseBoundsMeaning, SumsOfSingleCellsAreTheCost) {
     std::erase_if(scene.points, [&](const PointCells& point) {
       const auto x = static_cast<double>(point.x);
       const auto y = static_cast<double>(point.y);
-      return !is_inside(c * x - s * y + static_cast<double>(tile.x)) ||
-             !is_inside(s * x + c * y + static_cast<double>(tile.y));
+      return !is_inside(rotation.cos * x - rotation.sin * y + static_cast<double>(tile.x)) ||
+             !is_inside(rotation.sin * x + rotation.cos * y + static_cast<double>(tile.y));
     });
     for (const bool wide : {false, true}) {
       for (const Isa isa : available_isas()) {
