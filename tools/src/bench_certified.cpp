@@ -102,6 +102,7 @@ class CertifiedBenchRun {
 
 void CertifiedBenchRun::map_log() {
   const std::uint64_t count = count_scans(job_);
+  if (count == 0) throw InputError(FilePosition{log_name(job_.log), 0}, "holds no laser scan");
   const std::uint64_t every = std::max<std::uint64_t>(count / job_.scans, 1);
   ScanStream scans({job_.log}, {}, {});
   while (const std::optional<ScanRecord> record = scans.next()) {

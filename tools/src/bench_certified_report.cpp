@@ -58,7 +58,7 @@ std::string name_of_log(const std::string& path) { return path.substr(path.rfind
 }  // namespace
 
 std::string text_of(const CertifiedBenchJob& job, const CertifiedBench& bench, const Backend& backend) {
-  const DeviceInfo device = backend.device();
+  const DeviceInfo& device = backend.device();
   std::string text = fmt::format("gdtslam {}\ncpu       {}, {}, one thread\n", GDTSLAM_VERSION, device.name,
                                  name_of(backend.host_isa()));
   text += fmt::format(
