@@ -252,6 +252,11 @@ std::uint64_t count_scans(const CompareJob& job, const std::function<bool()>& st
 CompareOutcome compare(const CompareJob& job, Backend& backend, const CompareProgress& progress,
                        const std::function<bool()>& stop) {
   const std::uint64_t count = count_scans(job, stop);
+  if (count == 0) {
+    throw InputError(FilePosition{log_name(job.logs.front()), 0},
+                     job.range.skip > 0 ? fmt::format("holds no laser scan after the {} of --skip", job.range.skip)
+                                        : "holds no laser scan");
+  }
   ScanStream scans(job.logs, job.read, job.range);
   CompareOutcome outcome =
       Comparison(job, backend, std::max<std::uint64_t>(count / job.scans, 1)).run(scans, progress, stop);

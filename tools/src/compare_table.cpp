@@ -89,7 +89,7 @@ std::string text_of(const CompareJob& job, const CompareOutcome& outcome) {
   const std::uint64_t weak = count_of(outcome, ScanKind::kWeak);
   const std::uint64_t uncertain = count_of(outcome, ScanKind::kUncertain);
   std::string text = fmt::format(
-      "{} scans, every {}th measured: {} count below, {} are weak along a corridor, {} have no proof within {:g} mm;\n"
+      "{} scans, one in {} measured: {} count below, {} are weak along a corridor, {} have no proof within {:g} mm;\n"
       "{} were not matched, {} lie beyond the map\n\n",
       outcome.scans_read, outcome.every, held, weak, uncertain, 1000.0 * job.global.gap_m, outcome.refused,
       outcome.too_few);

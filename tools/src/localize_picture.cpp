@@ -189,11 +189,15 @@ struct Name {
 
 void add_name(std::vector<Name>& names, const View& view, const LocalizedScan& scan) {
   constexpr double kNear_px = 20.0;
+  constexpr double kLetters_px = 12.0;
   constexpr int kMostNamed = 3;
   const Pose2& T = scan.best ? scan.best->T_map_base : scan.reference->T_map_base;
   const Point2 at = view.at(T.translation());
-  const auto same =
-      std::find_if(names.begin(), names.end(), [&at](const Name& name) { return (name.at - at).norm() < kNear_px; });
+  // Letters would run into each other.
+  const auto same = std::find_if(names.begin(), names.end(), [&at](const Name& name) {
+    const Point2 off = (at - name.at).cwiseAbs();
+    return off.norm() < kNear_px || (off.y() < kLetters_px && off.x() < text_width(name.words, kLetters_px) + 6.0);
+  });
   if (same != names.end()) {
     if (++same->count <= kMostNamed) same->words += fmt::format(", {}", scan.index);
     if (same->count == kMostNamed + 1) same->words += ", …";

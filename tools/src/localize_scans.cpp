@@ -236,8 +236,9 @@ std::optional<ChosenScan> next_of(ScanSource& source, const std::function<bool()
 [[noreturn]] void complain(const LocalizeJob& job, const Localized& all, std::uint64_t read) {
   const ScanChoice& choice = job.choice;
   if (all.left_out + all.without_reference == 0) {
-    throw InputError({job.log, 0}, choice.random > 0 ? std::string("holds no laser scan")
-                                                     : fmt::format("has no scan {}: {} were read", choice.first, read));
+    throw InputError({job.log, 0}, choice.random > 0 || read == 0
+                                       ? std::string("holds no laser scan")
+                                       : fmt::format("has no scan {}: {} were read", choice.first, read));
   }
   std::string reasons;
   if (all.left_out > 0) {

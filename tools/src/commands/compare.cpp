@@ -23,6 +23,7 @@
 #include "progress.hpp"
 #include "settings.hpp"
 #include "whole_number.hpp"
+#include "written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -61,10 +62,11 @@ std::vector<std::string> split(const std::string& text, char mark) {
   return parts;
 }
 
-double quantity_between(const std::string& option, const std::string& text, Unit unit, double least, double most) {
+double quantity_between(const std::string& option, const std::string& text, Unit unit, double least, double most,
+                        const std::string& limits) {
   const double value = quantity_of(option, text, unit);
   if (value >= least && value <= most) return value;
-  throw UsageError(fmt::format("{}: {} is out of range", option, text));
+  throw UsageError(fmt::format("{}: {} is out of range: {}", option, text, limits));
 }
 
 // "2cm/0.5deg,..."; "none": the prediction alone.
@@ -78,8 +80,8 @@ std::vector<StartLevel> levels_of(const std::string& text) {
     if (parts.size() != 2) {
       throw UsageError("--starts-at: '" + level + "' is not DISTANCE/ANGLE, for example 20cm/5deg");
     }
-    levels.push_back({quantity_between("--starts-at", parts[0], Unit::kMetre, 0.0, kMost_m),
-                      quantity_between("--starts-at", parts[1], Unit::kRadian, 0.0, kMost_rad)});
+    levels.push_back({quantity_between("--starts-at", parts[0], Unit::kMetre, 0.0, kMost_m, "0m to 5m"),
+                      quantity_between("--starts-at", parts[1], Unit::kRadian, 0.0, kMost_rad, "0deg to 180deg")});
   }
   return levels;
 }
@@ -87,6 +89,10 @@ std::vector<StartLevel> levels_of(const std::string& text) {
 CompareJob job_of(const CompareOptions& options) {
   for (const std::string& log : options.logs) {
     if (log == "-") throw UsageError("compare reads the log more than once: give a file, not standard input");
+  }
+  constexpr std::uint64_t kMostStarts = 1000;
+  if (options.starts > kMostStarts) {
+    throw UsageError(fmt::format("--starts: {} is more than {}", options.starts, kMostStarts));
   }
   CompareJob job;
   job.logs = options.logs;
@@ -98,7 +104,7 @@ CompareJob job_of(const CompareOptions& options) {
   job.starts = static_cast<std::uint32_t>(options.starts);
   job.scans = options.scans;
   job.seed = options.seed;
-  job.global.gap_m = quantity_between("--gap", options.gap, Unit::kMetre, 1e-5, 0.1);
+  job.global.gap_m = quantity_between("--gap", options.gap, Unit::kMetre, 1e-5, 0.1, "0.01mm to 10cm");
   return job;
 }
 
@@ -106,8 +112,14 @@ CompareTruth truth_of(const CompareOptions& options) {
   CompareTruth truth;
   truth.reference_file = options.reference;
   truth.relations_file = options.relations;
-  if (!options.reference.empty()) truth.reference = read_tum(options.reference);
-  if (!options.relations.empty()) truth.relations = read_relations(options.relations);
+  if (!options.reference.empty()) {
+    truth.reference = read_tum(options.reference);
+    if (truth.reference->empty()) throw InputError({options.reference, 0}, "holds no pose; give a trajectory, TUM");
+  }
+  if (!options.relations.empty()) {
+    truth.relations = read_relations(options.relations);
+    if (truth.relations.empty()) throw InputError({options.relations, 0}, "holds no relation");
+  }
   return truth;
 }
 
@@ -124,11 +136,19 @@ std::vector<WholeRun> map_wholly(const CompareOptions& options, const CompareJob
       [] { return interrupted(); });
 }
 
+void check_files(const CompareOptions& options) {
+  std::vector<std::string> inputs = options.logs;
+  inputs.insert(inputs.end(), {options.reference, options.relations});
+  check_written_file("--csv", options.csv, inputs);
+  check_written_file("--picture", options.picture, inputs);
+}
+
 std::string name_of_log(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
 int compare(const CompareOptions& options) {
   const CompareJob job = job_of(options);
   if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
+  check_files(options);
   const CompareTruth truth = truth_of(options);
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   CompareOutcome outcome;
@@ -165,7 +185,7 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
       ->capture_default_str();
   command.add_option("--starts", options.starts, "Starts of each distance at each scan")
       ->type_name("N")
-      ->check(whole_number_from(1) & CLI::Range(1, 1000).description(""))
+      ->check(whole_number_from(1))
       ->capture_default_str();
   command.add_option("--scans", options.scans, "Scans to measure, evenly over the log")
       ->type_name("N")

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "commands.hpp"
 #include "console.hpp"
@@ -22,6 +23,7 @@
 #include "settings.hpp"
 #include "stopwatch.hpp"
 #include "whole_number.hpp"
+#include "written_files.hpp"
 
 namespace gdtslam {
 namespace {
@@ -45,6 +47,19 @@ struct LocalizeOptions {
   std::string picture;
   SettingsOptions settings;
 };
+
+// A number that takes part: CLI11's own check lets nan through.
+CLI::Validator number_between(double least, double most) {
+  const auto fault_of = [least, most](const std::string& text) -> std::string {
+    double number = 0.0;
+    if (CLI::detail::lexical_cast(text, number) && number >= least && number <= most) return {};
+    return fmt::format("'{}' is no number from {:g} to {:g}", text, least, most);
+  };
+  return {fault_of, ""};
+}
+
+constexpr double kMostSeconds = 1.0e5;  // 28 hours
+constexpr double kMostGap_mm = 1000.0;
 
 // "10cm/1deg"
 void read_within(const std::string& text, LocalizeLimits& limits) {
@@ -90,6 +105,9 @@ void check(const LocalizeOptions& options) {
     throw UsageError("--leave-out chooses among scans: give --random or --every too");
   }
   if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
+  const std::vector<std::string> inputs{options.log, options.reference, options.map};
+  check_written_file("--output", options.trajectory, inputs);
+  check_written_file("--picture", options.picture, inputs);
 }
 
 void write_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
@@ -219,7 +237,7 @@ void add_choices(CLI::App& command, LocalizeOptions& chosen) {
                   "Do not choose scans that were taken within so many seconds of one that went into the map;\n"
                   "needs the run folder; 0: leave out those that went into it themselves")
       ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(number_between(0.0, kMostSeconds));
 }
 
 void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
@@ -239,11 +257,11 @@ void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
 void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("--gap", chosen.gap_mm, "Prove that no pose has a mean distance smaller by more than this")
       ->type_name("MM")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(number_between(0.0, kMostGap_mm))
       ->capture_default_str();
   command.add_option("--max-time", chosen.max_seconds, "Give a search up after this long (default: never)")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber.description(""));
+      ->check(number_between(1.0e-6, kMostSeconds));
   command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
 }
 
