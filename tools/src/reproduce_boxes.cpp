@@ -70,7 +70,7 @@ Part make_boxes(const Workplace& place) {
   const Measurement projected = measured_in(cloud, true);
   place.progress(0.7);
   Part part;
-  part.source = "The scene three-boxes, seed 1: boxes of the paper's true widths before the standing scanner.";
+  part.source = "The scene three-boxes, seed 1: boxes of the paper\u2019s true widths before the standing scanner.";
   RenderOptions look;
   look.title = "Three boxes";
   look.no_path = true;
@@ -86,7 +86,7 @@ Part make_boxes(const Workplace& place) {
   part.notes.push_back(
       "The simulated laser has 1 cm of noise and none of the biases of a real one (dark surfaces, grazing beams, a "
       "warm-up); "
-      "the paper's errors of 4 to 8 mm contain those.");
+      "the paper\u2019s errors of 4 to 8 mm contain those.");
   part.by_hand = Drives::commands_of("three-boxes");
   part.by_hand.push_back("gdtslam measure three-boxes/cloud.ply --boxes --picture solid.svg");
   part.by_hand.push_back(fmt::format("gdtslam render three-boxes/cloud.ply --view iso --no-path --camera={}", kCamera));

@@ -38,9 +38,10 @@ const calib::CalibratedParameter* parameter_of(const calib::CalibrationResult& r
 }
 
 Table deltas_table(const CalibrateOutcome& outcome) {
-  Table table{"Corrections of the seven lengths, cm. The simulated mount has the paper's, so they are the truth here.",
-              {"length", "bar", "paper = truth", "found", "sigma", "told by the ranges"},
-              {}};
+  Table table{
+      "Corrections of the seven lengths, cm. The simulated mount has the paper\u2019s, so they are the truth here.",
+      {"length", "bar", "paper = truth", "found", "sigma", "told by the ranges"},
+      {}};
   const calib::FourBar nominal = calib::linkage_preset(kNominal).bars;
   const std::vector<calib::PaperBar> bars = calib::paper_bars(kNominal);
   for (std::size_t k = 0; k < bars.size() && k < kPaper_cm.size(); ++k) {
@@ -97,7 +98,7 @@ double miss_rms_m(const CalibrateOutcome& outcome, const calib::SweepModel& mode
 void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepModel& truth) {
   const double before_m = miss_rms_m(outcome, outcome.start, outcome.start_surfaces.front().distance_m);
   const double after_m = miss_rms_m(outcome, outcome.result.model, outcome.result.surfaces.front().distance_m);
-  part.rows.push_back({"wall's distance by the ranges, scatter before", "curves differ (figure A(a))",
+  part.rows.push_back({"wall\u2019s distance by the ranges, scatter before", "curves differ (figure A(a))",
                        length_with_unit(before_m) + " rms", Verdict::kOpen,
                        "with the nominal lengths, up to 60\u00b0; the paper shows curves only"});
   part.rows.push_back({"the same after the calibration", "best fit (figure A(b))", length_with_unit(after_m) + " rms",
@@ -130,7 +131,7 @@ Part make_calibration(const Workplace& place) {
       job, [&](double share) { place.progress(0.9 * share); }, place.stop);
   Part part;
   part.source =
-      "The scene wall, seed 1, with the paper's protocol: the crank stops each 1.8\u00b0 for 250 scans. The "
+      "The scene wall, seed 1, with the paper\u2019s protocol: the crank stops each 1.8\u00b0 for 250 scans. The "
       "mount has the "
       "lengths that the paper found; the calibration starts from the nominal ones.";
   add_picture(part, place, calibration_figure(outcome),

@@ -39,7 +39,7 @@ Row surface_row(const std::string& what, const SceneErrors& errors) {
   return {what, "",
           fmt::format("{} mean, {} for 95 %", length_with_unit(errors.distances.mean_m()),
                       length_with_unit(errors.distances.quantile_m(0.95))),
-          Verdict::kOpen, "of all points to the scene's true surfaces; the paper shows pictures only"};
+          Verdict::kOpen, "of all points to the scene\u2019s true surfaces; the paper shows pictures only"};
 }
 
 void add_standing(Part& part, const Workplace& place, const std::string& name, const std::string& what,
@@ -110,7 +110,7 @@ void add_floor_rows(Part& part, const Workplace& place, const Drive& drive) {
        fmt::format("thinned, from {} scans along {:.0f} m", with_commas(summary.scans), summary.path_m)});
   part.rows.push_back(surface_row("distance to surfaces", surface_errors(drive, place, true, 0.5, 0.5)));
   part.rows.push_back(
-      {"error of the robot's path (ATE)", "",
+      {"error of the robot\u2019s path (ATE)", "",
        fmt::format("{} mean, {} at most", length_with_unit(path.ate_m.mean), length_with_unit(path.ate_m.max)),
        Verdict::kOpen, "best rigid alignment with the true path"});
   const double share = contour_share(drive.run);

@@ -39,7 +39,7 @@ std::vector<std::string> row_of(const std::string& preset) {
 }
 
 Table readings_table() {
-  Table table{"The readings with the paper's lengths, nominal / calibrated; elevations at the two dead points",
+  Table table{"The readings with the paper\u2019s lengths, nominal / calibrated; elevations at the two dead points",
               {"reading", "crank, coupler, rocker, ground", "swing", "from", "to", "slow / quick stroke",
                "least transmission", "most rocker per crank"},
               {}};
@@ -64,12 +64,12 @@ void add_rows(Part& part) {
                        "reading paper-b, nominal lengths"});
   part.rows.push_back({"swing of the laser", "0\u00b0 to 90\u00b0", fmt::format("{:.1f}\u00b0", swing_deg),
                        swing_deg >= 85.0 && swing_deg <= 95.0 ? Verdict::kWithin : Verdict::kOutside,
-                       "within 5\u00b0 of the paper's 90\u00b0; reading paper-b"});
+                       "within 5\u00b0 of the paper\u2019s 90\u00b0; reading paper-b"});
   part.rows.push_back({"lifts slowly, returns quickly", "yes", fmt::format("{:.2f} times as long up as down", ratio),
                        ratio > 1.0 ? Verdict::kWithin : Verdict::kOutside, "reading paper-b"});
   part.rows.push_back({"least transmission angle", "",
                        fmt::format("{:.1f}\u00b0", deg_from_rad(b.report->least_transmission_rad)), Verdict::kOpen,
-                       "below 30\u00b0 a joint transmits poorly: the paper's lengths are mechanically weak"});
+                       "below 30\u00b0 a joint transmits poorly: the paper\u2019s lengths are mechanically weak"});
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ void add_rows(Part& part) {
 Part make_linkages(const Workplace& place) {
   Part part;
   part.origin = Origin::kComputed;
-  part.source = "From the lengths that the paper's appendix prints.";
+  part.source = "From the lengths that the paper\u2019s appendix prints.";
   add_view(part, place, {.inputs = {"paper-b"}, .view = "scene", .size = "1600x900"},
            {"scene.png", "The mount as reading paper-b has it: four bars and the laser on the rocker."});
   double share = 0.25;

@@ -146,10 +146,10 @@ Part make_loop(const Workplace& place) {
   Part part;
   part.source =
       "A drive through the scene office-loop, seed 1, an office floor with a loop of corridors like the "
-      "paper's 7F.";
+      "paper\u2019s 7F.";
   add_view(part, place,
            {.inputs = {drive.run}, .view = "map", .size = "1190x820", .options = titled("2D map and path", true)},
-           {"map.png", "(a) Occupancy map with the robot's path in the colours of time."});
+           {"map.png", "(a) Occupancy map with the robot\u2019s path in the colours of time."});
   add_view(part, place,
            {.inputs = {drive.run}, .view = "field", .size = "1190x820", .options = titled("GDT and path", true)},
            {"field.png", "(b) The global distance transform as intensity, with the path."});

@@ -26,8 +26,9 @@ std::vector<PartInfo> flat_parts() {
       {.id = "fig7",
        .label = "Figure 7",
        .title = "A floor mapped in 2D, with a loop",
-       .paper = "the map of an office floor with the robot's path, which ends where it began, and the global distance "
-                "transform behind it.",
+       .paper =
+           "the map of an office floor with the robot\u2019s path, which ends where it began, and the global distance "
+           "transform behind it.",
        .weight_s = 0.3,
        .drives = {"office-loop"},
        .data_weight_s = 6.5,
@@ -46,8 +47,8 @@ std::vector<PartInfo> flat_parts() {
        .also = "table2",
        .label = "Figure 9, table 2",
        .title = "Four optimizers against the true position",
-       .paper =
-           "how far the robot's position is from the ground truth with each optimizer, and the time that each takes.",
+       .paper = "how far the robot\u2019s position is from the ground truth with each optimizer, and the time that "
+                "each takes.",
        .weight_s = 75.0,
        .drives = {"office-loop", "office-loop-2", "office-loop-3"},
        .data_weight_s = 24.0,
