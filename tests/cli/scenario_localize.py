@@ -283,17 +283,20 @@ def localize_interrupt():
     for number, threads in ((signal.SIGINT, 1), (signal.SIGTERM, 2)):
         folder = fresh_folder("localize_interrupt")
         for patience_s in (1.5, 5.0, 15.0):  # until a machine that is busy has done some scans
-            process = subprocess.Popen([PROGRAM, "localize", str(RUN), str(LOG), "--every", "1", "--json", "--threads", str(threads),
-                                        "-o", str(folder / "found.tum")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            time.sleep(patience_s)
-            expect(process.poll() is None, "the command had ended before the signal")
-            process.send_signal(number)
-            done = finish(process)
+            # Into a file: more than a pipe holds may be printed before anyone reads.
+            with open(folder / "found.json", "w", encoding="utf-8") as file:
+                process = subprocess.Popen([PROGRAM, "localize", str(RUN), str(LOG), "--every", "1", "--json", "--threads", str(threads),
+                                            "-o", str(folder / "found.tum")], stdout=file, stderr=subprocess.PIPE, text=True)
+                time.sleep(patience_s)
+                expect(process.poll() is None, "the command had ended before the signal")
+                process.send_signal(number)
+                done = finish(process)
             expect_exit(done, 130)
-            if json.loads(done.stdout)["scans"]:
+            printed = (folder / "found.json").read_text(encoding="utf-8")
+            if json.loads(printed)["scans"]:
                 break
-        cli.validate(done.stdout, "localize")
-        report = json.loads(done.stdout)
+        cli.validate(printed, "localize")
+        report = json.loads(printed)
         total = len(poses_of(POSES))
         expect(report["interrupted"] and 0 < len(report["scans"]) < total, f"{len(report['scans'])} of {total} scans")
         expect([scan["scan"] for scan in report["scans"]] == list(range(len(report["scans"]))), "scans are missing in between")

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -81,7 +82,8 @@ std::optional<CertifiedResult> if_any(const CertifiedResult& found) {
 }  // namespace
 
 bool LocalizedScan::is_ambiguous() const {
-  return best && runner_up && runner_up->stop != CertifiedStop::kNothingAllowed && runner_up->bound <= best->cost;
+  return best && runner_up && runner_up->stop != CertifiedStop::kNothingAllowed &&
+         runner_up->bound <= best->cost + as_good;
 }
 
 Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend)
@@ -115,31 +117,31 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
   found.points = static_cast<std::uint32_t>(points.size());
   found.has_returns = !points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points);
   if (found.has_returns) found.best = if_any(find_pose(*map_, points, window_, options_with(limits_.gap_m)));
-  if (found.best && limits_.with_runner_up) found.runner_up = elsewhere(points, *found.best);
+  found.as_good = static_cast<std::uint32_t>(limits_.gap_m / file_.geometry.resolution_m * kFieldOne *
+                                             static_cast<double>(points.size()));
+  if (found.best && limits_.with_runner_up)
+    found.runner_up = elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good);
   if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
   found.cpu_s = thread_cpu_s() - begin_s;
   return found;
 }
 
-// Whether anything elsewhere is as good takes no more of a proof than the lead that the best pose has, which shows when
-// a pose elsewhere is known, and shrinks with each that is better.
-std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> points,
-                                                    const CertifiedResult& best) const {
-  constexpr double kShareOfLead = 0.9;
+// A good pose elsewhere, and whether one there may be as good as the best: a short search finds the pose; where it
+// leaves the question open a second one answers it, which needs no proof of how good the poses are that are worse.
+std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
+                                                    std::uint32_t as_good_as) const {
   CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
+  options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
+  options.excluded = ExcludedPoses{T_map_best, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
+  const CertifiedResult first = find_pose(*map_, points, window_, options);
+  if (first.stop == CertifiedStop::kNothingAllowed) return first;
+  const bool has_pose = std::isfinite(first.mean_cost_m);
+  if (first.bound > as_good_as || (has_pose && first.cost <= as_good_as)) return if_any(first);
+  options.gap_m = 0.0;
+  options.wanted_bound = as_good_as + 1;
   options.max_boxes = LocalizeLimits::kElsewhereBoxes;
-  options.excluded = ExcludedPoses{best.T_map_base, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
-  for (;;) {
-    const CertifiedResult found = find_pose(*map_, points, window_, options);
-    const double lead_m = found.mean_cost_m - best.mean_cost_m;
-    const bool is_open = found.certified() && found.bound <= best.cost && lead_m > limits_.gap_m;
-    // What the search left open is at most its gap, so that the next one's is smaller.
-    if (!is_open || kShareOfLead * lead_m >= options.gap_m) {
-      return found.stop == CertifiedStop::kNothingAllowed ? found : if_any(found);
-    }
-    options.gap_m = kShareOfLead * lead_m;
-    options.starts = {found.T_map_base};
-  }
+  if (has_pose) options.starts = {first.T_map_base};
+  return if_any(find_pose(*map_, points, window_, options));
 }
 
 ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2& T_map_base,

@@ -27,7 +27,8 @@ struct LocalizeLimits {
   double within_rad = rad_from_deg(1.0);
   /// Elsewhere less is asked at first: whether anything there is as good. Where that leaves it open, more.
   static constexpr double kElsewhereGaps = 8.0;
-  static constexpr std::uint64_t kElsewhereBoxes = 1000000;
+  static constexpr std::uint64_t kRunnerUpBoxes = 50000;  ///< for a pose there
+  static constexpr std::uint64_t kElsewhereBoxes = 6000000;
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
   static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
   static constexpr double kNearbyGaps = 0.1;                   ///< of the search around the reference
@@ -56,6 +57,7 @@ struct LocalizedScan {
   std::optional<CertifiedResult> best;  ///< nothing without them, or where the search was cut before it had a pose
   std::optional<CertifiedResult> runner_up;
   std::optional<ReferencePose> reference;
+  std::uint32_t as_good = 0;  ///< poses are, whose costs differ by no more: the gap in cost units
   /// Whether a pose elsewhere may be as good, as far as the proof tells.
   [[nodiscard]] bool is_ambiguous() const;
 };
@@ -78,8 +80,8 @@ class Localizer {
 
  private:
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
-  [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points,
-                                                         const CertifiedResult& best) const;
+  [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
+                                                         std::uint32_t as_good_as) const;
   [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,
                                      const std::optional<CertifiedResult>& best) const;
   [[nodiscard]] double known_share(std::span<const PointCells> points, const Pose2& T_map_base) const;

@@ -101,6 +101,8 @@ std::string_view name_of(CertifiedStop stop) {
   switch (stop) {
     case CertifiedStop::kGapReached:
       return "gap-reached";
+    case CertifiedStop::kBoundReached:
+      return "bound-reached";
     case CertifiedStop::kBoxLimit:
       return "box-limit";
     case CertifiedStop::kTimeLimit:

@@ -98,8 +98,8 @@ void CertifiedSearch::try_centres(std::span<const OpenBox> boxes) {
 }
 
 std::uint32_t CertifiedSearch::enough() const {
-  if (best_cost_ == kNoCost) return kNoCost;
-  return best_cost_ > gap_ ? best_cost_ - gap_ : 0;
+  if (best_cost_ == kNoCost) return options_.wanted_bound;
+  return std::min(best_cost_ > gap_ ? best_cost_ - gap_ : 0, options_.wanted_bound);
 }
 
 std::optional<CertifiedStop> CertifiedSearch::limit_reached() const {
@@ -134,7 +134,9 @@ void CertifiedSearch::work_through() {
       }
     }
   }
-  stop_ = at_resolution_ && closed_bound_ < enough() ? CertifiedStop::kResolution : CertifiedStop::kGapReached;
+  const bool is_wanted = closed_bound_ != kNoCost && (best_cost_ == kNoCost || best_cost_ - enough() > gap_);
+  stop_ = is_wanted ? CertifiedStop::kBoundReached : CertifiedStop::kGapReached;
+  if (at_resolution_ && closed_bound_ < enough()) stop_ = CertifiedStop::kResolution;
 }
 
 CertifiedResult CertifiedSearch::run() {

@@ -76,6 +76,26 @@ TEST_P(Search, NoBoundOnTheWayLiesAboveTheOptimum) {
   }
 }
 
+TEST_P(Search, StopsWhereTheWantedBoundIsProven) {
+  for (std::uint64_t seed = 61; seed <= 66; ++seed) {
+    const Problem problem = make_problem(GetParam(), seed);
+    const CertifiedMap map(problem.field.view(), Isa::kBaseline);
+    const std::uint32_t optimum = test::searched_optimum(problem.field.view(), problem.points, problem.window, 32, 40);
+    const CertifiedResult full = find_pose(map, problem.points, problem.window, {.gap_m = 0.002});
+    CertifiedOptions options{.gap_m = 0.0};
+    options.wanted_bound = optimum / 2;
+    const CertifiedResult found = find_pose(map, problem.points, problem.window, options);
+    EXPECT_EQ(found.stop, CertifiedStop::kBoundReached) << "seed " << seed;
+    EXPECT_GE(found.bound, options.wanted_bound) << "seed " << seed;
+    EXPECT_LE(found.bound, optimum) << "seed " << seed;
+    EXPECT_LT(found.boxes, full.boxes) << "seed " << seed;
+    // No proof says that nothing costs less than more than the least cost.
+    options.wanted_bound = optimum + optimum / 8 + 1;
+    options.max_boxes = 200000;
+    EXPECT_LE(find_pose(map, problem.points, problem.window, options).bound, optimum) << "seed " << seed;
+  }
+}
+
 TEST_P(Search, TellsTheCostOfItsPose) {
   for (std::uint64_t seed = 41; seed <= 44; ++seed) {
     const Problem problem = make_problem(GetParam(), seed);

@@ -97,6 +97,8 @@ struct WindowPrior {
 
 struct CertifiedOptions {
   double gap_m = 0.005;  ///< of the mean distance: the proof that is asked for
+  /// Cost units: that no pose costs less than this is proof enough, however near the best pose found is to it.
+  std::uint32_t wanted_bound = std::numeric_limits<std::uint32_t>::max();
   std::uint64_t max_boxes = std::numeric_limits<std::uint64_t>::max();  ///< a batch may pass it
   double max_seconds = std::numeric_limits<double>::infinity();
   std::vector<Pose2> starts{};  ///< poses to begin from, another matcher's result say
@@ -104,8 +106,15 @@ struct CertifiedOptions {
   std::optional<ExcludedPoses> excluded{};
 };
 
-/// Why a search ended. kResolution: boxes became so small that rounding alone fills the gap.
-enum class CertifiedStop : std::uint8_t { kGapReached, kBoxLimit, kTimeLimit, kResolution, kNothingAllowed };
+/// Why a search ended. kBoundReached: the wanted bound is proven, not the gap. kResolution: boxes became so small that rounding alone fills the gap.
+enum class CertifiedStop : std::uint8_t {
+  kGapReached,
+  kBoundReached,
+  kBoxLimit,
+  kTimeLimit,
+  kResolution,
+  kNothingAllowed
+};
 std::string_view name_of(CertifiedStop stop);
 
 struct CertifiedResult {
