@@ -68,3 +68,12 @@ def compare_maps_against_the_truth():
     expect([row[0] for row in rows][:3] == ["simplex", "gauss-newton", "sce"], f"rows {rows}")
     for row in rows:
         expect(float(row[2]) < 5.0, f"a mean error of more than 5 cm: {row}")
+
+
+def compare_needs_a_level_laser():
+    """The scans of a nodding laser cannot be compared as they are: one line that says so."""
+    folder = fresh_folder("compare_nodding")
+    expect_exit(command("simulate", "three-boxes", "-o", folder / "boxes.log", "--rate", 2, "-q"), 0)
+    process = command("compare", folder / "boxes.log")
+    expect_exit(process, 65)
+    expect(process.stderr.count("\n") == 1 and "its laser nods" in process.stderr, process.stderr)

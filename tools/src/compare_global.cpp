@@ -65,16 +65,4 @@ GlobalSolution global_solution(const CompareProblem& problem, const CellPose& pr
   return best;
 }
 
-double hold_of(const Linearisation& at) {
-  const auto& [xx, xy, xt, yy, yt, tt] = at.curvature;
-  if (!(tt > 0.0)) return 0.0;
-  const double a = xx - xt * xt / tt;
-  const double b = xy - xt * yt / tt;
-  const double c = yy - yt * yt / tt;
-  const double middle = 0.5 * (a + c);
-  const double spread = std::sqrt(0.25 * (a - c) * (a - c) + b * b);
-  const double most = middle + spread;
-  return most > 0.0 ? std::max(0.0, middle - spread) / most : 0.0;
-}
-
 }  // namespace gdtslam

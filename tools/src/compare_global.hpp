@@ -30,13 +30,6 @@ struct GlobalSolution {
 GlobalSolution global_solution(const CompareProblem& problem, const CellPose& predicted, const StartReach& reach,
                                const GlobalLimits& limits);
 
-/// How well the scan holds the robot along the worst direction: the ratio of the smaller to the larger curvature of the
-/// cost over x and y with the heading left free (eigenvalues of the Schur complement of the normal equations,
-/// Objective::linearise). 0 in a corridor without an end, 1 where all directions are alike.
-double hold_of(const Linearisation& at);
-/// Below this a scan counts as weak along a corridor.
-inline constexpr double kWeakHold = 0.02;
-
 /// Cost units of a mean cost in metres for so many points.
 std::uint32_t cost_of(double mean_m, std::size_t points, double resolution_m);
 /// And back.

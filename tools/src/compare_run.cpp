@@ -207,7 +207,7 @@ void Comparison::note(const ScanRecord& record, const GlobalSolution& global, co
   scan.mean_cost_m = mean_cost_m(global.cost, points_.size(), resolution_m);
   scan.mean_bound_m = mean_cost_m(global.bound, points_.size(), resolution_m);
   scan.is_certified = global.is_certified;
-  scan.hold = hold_of(objective_.linearise(global.pose, 1.0F));
+  scan.hold = hold_of(line_information(points_, resolution_m));
   scan.boxes = global.boxes;
   scan.seconds = global.seconds;
   outcome_.scans.push_back(scan);
@@ -239,6 +239,10 @@ CompareOutcome Comparison::run(ScanStream& scans, const CompareProgress& progres
 // Scans of the run, so that those that are measured lie evenly over it.
 std::uint64_t count_scans(const CompareJob& job, const std::function<bool()>& stop) {
   ScanStream scans(job.logs, job.read, job.range);
+  if (scans.nod_kind() != NodKind::kNone) {
+    throw InputError(FilePosition{log_name(job.logs.front()), 0},
+                     "its laser nods, and scans that are not level cannot be compared; give the log of a fixed laser");
+  }
   std::uint64_t count = 0;
   while (scans.next()) {
     if (stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");

@@ -13,6 +13,7 @@
 #include "compare_methods.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/mapper.hpp"
+#include "scan_hold.hpp"
 #include "scan_stream.hpp"
 
 namespace gdtslam {

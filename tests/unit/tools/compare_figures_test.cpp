@@ -9,6 +9,7 @@
 #include "compare_table.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "scan_hold.hpp"
 
 namespace gdtslam {
 namespace {
@@ -28,23 +29,39 @@ TEST(CompareFigures, SharesHaveTheIntervalsOfWilson) {
   EXPECT_EQ((Share{0, 0}.high()), 1.0);
 }
 
-// A point sees a wall along its slope only, so the normal equations of a room are sums over directions.
+// A point tells of its wall's normal only, so the normal equations of a room are sums over directions.
 TEST(CompareFigures, ACorridorHoldsInOneDirection) {
-  Linearisation corridor;
-  corridor.curvature = {0.0, 0.0, 0.0, 100.0, 0.0, 5000.0};
+  constexpr std::array<double, 6> corridor{0.0, 0.0, 0.0, 100.0, 0.0, 5000.0};
   EXPECT_EQ(hold_of(corridor), 0.0);
-  Linearisation room;
-  room.curvature = {50.0, 0.0, 0.0, 50.0, 0.0, 5000.0};
+  constexpr std::array<double, 6> room{50.0, 0.0, 0.0, 50.0, 0.0, 5000.0};
   EXPECT_DOUBLE_EQ(hold_of(room), 1.0);
   // A slope along y that turning undoes says nothing of y: xx = 10, yy = 4, yt = 20, tt = 100.
-  Linearisation hinged;
-  hinged.curvature = {10.0, 0.0, 0.0, 4.0, 20.0, 100.0};
+  constexpr std::array<double, 6> hinged{10.0, 0.0, 0.0, 4.0, 20.0, 100.0};
   EXPECT_NEAR(hold_of(hinged), 0.0, 1e-12);
   // Turned by 45 degrees the ratio stays: eigenvalues 8 and 2.
-  Linearisation turned;
-  turned.curvature = {5.0, 3.0, 0.0, 5.0, 0.0, 100.0};
+  constexpr std::array<double, 6> turned{5.0, 3.0, 0.0, 5.0, 0.0, 100.0};
   EXPECT_DOUBLE_EQ(hold_of(turned), 0.25);
-  EXPECT_EQ(hold_of(Linearisation{}), 0.0);
+  EXPECT_EQ(hold_of(std::array<double, 6>{}), 0.0);
+}
+
+// Two walls of 2 x 41 points on either side, then an end of 9 points across: 9 normals along x, 82 along y. The walls
+// lie symmetric around the robot, so turning says nothing of either; the parts are far from each other's neighbours.
+TEST(CompareFigures, AScanHoldsByTheWallsAcross) {
+  constexpr double kResolution_m = 0.05;
+  std::vector<PointCells> points;
+  for (int i = -20; i <= 20; ++i) points.push_back({static_cast<float>(i), -40.0F});
+  for (int i = -20; i <= 20; ++i) points.push_back({static_cast<float>(i), 40.0F});
+  EXPECT_NEAR(hold_of(line_information(points, kResolution_m)), 0.0, 1e-12);
+  for (int i = -4; i <= 4; ++i) points.push_back({60.0F, static_cast<float>(i)});
+  EXPECT_NEAR(hold_of(line_information(points, kResolution_m)), 9.0 / 82.0, 1e-12);
+  // A turned robot sees the same; 3-4-5 keeps the numbers exact but for rounding.
+  for (PointCells& point : points) {
+    point = {0.6F * point.x - 0.8F * point.y, 0.8F * point.x + 0.6F * point.y};
+  }
+  EXPECT_NEAR(hold_of(line_information(points, kResolution_m)), 9.0 / 82.0, 1e-5);
+  // Points by themselves have no line.
+  const std::vector<PointCells> alone{{0.0F, 0.0F}, {100.0F, 0.0F}, {0.0F, 100.0F}};
+  EXPECT_EQ(hold_of(line_information(alone, kResolution_m)), 0.0);
 }
 
 TEST(CompareFigures, CostsAreMeansInMetresAndBack) {
