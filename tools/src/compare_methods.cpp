@@ -95,6 +95,7 @@ std::string_view name_of(CompareMethod method) { return row_of(method).name; }
 const std::vector<CompareMethod>& compare_methods() {
   static const std::vector<CompareMethod> all = [] {
     std::vector<CompareMethod> methods;
+    methods.reserve(kMethods.size());
     for (const MethodRow& row : kMethods) methods.push_back(row.method);
     return methods;
   }();
