@@ -55,6 +55,10 @@ def hostile_log(name, text, code, pattern, *arguments):
 
 def hostile_logs():
     """Damaged and malicious logs: one stated outcome each."""
+    process = command("map", LOG, "--matcher", "")
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    expect("--matcher: names no matcher" in process.stderr, process.stderr)
     if "FULL_DISK" not in os.environ:
         skip("a sanitized program needs more time and memory")
     drive = "".join(cli.room_scan(1 + 0.05 * k, 1.5, 0.01 * k, 10 + 0.2 * k) for k in range(20))

@@ -21,7 +21,6 @@
 #include "interrupt.hpp"
 #include "settings.hpp"
 #include "verify_logs.hpp"
-#include "whole_number.hpp"
 
 namespace gdtslam {
 namespace {
@@ -298,7 +297,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->type_name("LOG");
   command->add_option("--scans", options->scans, "certified: scans that are looked for, evenly over the log")
       ->type_name("N")
-      ->check(whole_number_from(1) & CLI::Range(1, 100000).description(""))
+      ->check(CLI::Range(1, 100000).description(""))
       ->capture_default_str();
   command
       ->add_option("--lattice", options->lattice_s,

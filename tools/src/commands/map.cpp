@@ -302,8 +302,12 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
   add_settings_options(*command, options->settings);
-  command->add_option("--matcher", options->matcher, "simplex-newton, simplex, exhaustive, ...; short for --set match.matcher=NAME")
-      ->type_name("NAME");
+  command
+      ->add_option("--matcher", options->matcher,
+                   "simplex-newton, simplex, exhaustive, ...; short for --set match.matcher=NAME")
+      ->type_name("NAME")
+      ->check([](const std::string& name) { return name.empty() ? std::string("names no matcher") : std::string(); },
+              "");
   add_device_options(*command, options->device);
   command
       ->add_option("--linkage", options->linkage,
