@@ -31,4 +31,8 @@ gdtslam linkage paper-b --picture "$images/linkage-paper-b.svg"
 gdtslam measure three-boxes/cloud.ply --boxes --picture "$images/measured-boxes.svg"
 gdtslam simulate wall -o wall.log --linkage paper-b-calibrated
 gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.png"
+# Of a real log, where there is one: GDTSLAM_DATA names the folder of slam2d/intel.clf.gz.
+if [[ -n ${GDTSLAM_DATA:-} ]]; then
+  gdtslam compare "$GDTSLAM_DATA/slam2d/intel.clf.gz" --picture "$images/matchers-intel.svg" -q
+fi
 ls -l "$images"
