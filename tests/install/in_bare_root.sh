@@ -41,7 +41,7 @@ refused() {
 }
 
 gdtslam 0 --version
-for matcher in simplex exhaustive; do map --device cpu --matcher "$matcher"; done
+for matcher in simplex-newton exhaustive; do map --device cpu --matcher "$matcher"; done
 map --device auto --matcher exhaustive # without a hardware GPU: the processor
 gdtslam 0 devices
 cat out

@@ -14,7 +14,7 @@ struct MapLogJob {
   std::vector<std::string> logs;
   std::string folder;               ///< of the run
   std::string linkage;              ///< preset or file; empty: as `gdtslam map` finds it
-  bool is_temporary = false;        ///< without the pictures that a run has beside it
+  bool is_temporary = false;        ///< for another command: without pictures, and without a word of an interruption
   bool quiet = false;               ///< no progress line, no remarks
   std::vector<std::string> sets{};  ///< as --set has them
   ScanRange range{};

@@ -49,6 +49,7 @@ struct MapOptions {
   bool json = false;
   bool quiet = false;
   bool with_summary = true;   ///< what was done, on standard output
+  bool is_told = true;        ///< an interruption, on standard error
   MapRun::Progress progress;  ///< instead of the line on standard error
 };
 
@@ -127,9 +128,11 @@ void report_result(const MapOptions& options, const MapOutcome& outcome, const s
   }
 }
 
-int status_of(const MapOutcome& outcome, const std::string& folder) {
+// A command that maps on its way to something else tells of its own interruption.
+int status_of(const MapOptions& options, const MapOutcome& outcome, const std::string& folder) {
   if (!outcome.interrupted) return static_cast<int>(ExitCode::kDone);
-  print_remark(fmt::format("interrupted after {} scans; their results are in {}", outcome.trajectory.size(), folder));
+  if (options.is_told)
+    print_remark(fmt::format("interrupted after {} scans; their results are in {}", outcome.trajectory.size(), folder));
   return static_cast<int>(ExitCode::kInterrupted);
 }
 
@@ -147,7 +150,7 @@ int map_flat(const MapOptions& options, const MapJob& job, Backend& backend, Sca
   for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
   const std::string report = write_run(folder, job, outcome, nullptr, run.mapper(), backend.device(), settings);
   report_result(options, outcome, summary_of(outcome, folder.path()), report);
-  return status_of(outcome, folder.path());
+  return status_of(options, outcome, folder.path());
 }
 
 // The cloud as a picture beside it. Where nothing can draw, the run is as good without.
@@ -186,7 +189,7 @@ int map_nodding(const MapOptions& options, const MapJob& job, const NoddingJob& 
   const NoddingReport extra{nodding, run.outcome()};
   const std::string report = write_run(folder, job, outcome, &extra, run.mapper(), backend.device(), settings);
   report_result(options, outcome, text_of(run.outcome(), nodding.linkage) + summary_of(outcome, folder.path()), report);
-  return status_of(outcome, folder.path());
+  return status_of(options, outcome, folder.path());
 }
 
 std::string text_of_default(NodKind kind, const NoddingJob& job) {
@@ -275,6 +278,7 @@ int map_log(const MapLogJob& job) {
   options.folder = job.folder;
   options.linkage = job.linkage;
   options.no_pictures = job.is_temporary;
+  options.is_told = !job.is_temporary;
   options.quiet = job.quiet;
   options.with_summary = false;
   options.settings.sets = job.sets;

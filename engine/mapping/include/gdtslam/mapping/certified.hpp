@@ -106,7 +106,8 @@ struct CertifiedOptions {
   std::optional<ExcludedPoses> excluded{};
 };
 
-/// Why a search ended. kBoundReached: the wanted bound is proven, not the gap. kResolution: boxes became so small that rounding alone fills the gap.
+/// Why a search ended. kBoundReached: the wanted bound is proven, not the gap. kResolution: boxes became so small that
+/// rounding alone fills the gap.
 enum class CertifiedStop : std::uint8_t {
   kGapReached,
   kBoundReached,

@@ -1,7 +1,7 @@
 // The matcher `gauss-newton`, and the end of `simplex-newton`: iteratively reweighted least squares on the bilinear
 // field with a robust cost [Huber1964], damped after [Levenberg1944, Marquardt1963]. Ours, not the paper's: it follows
-// the field's slope, so it needs a tenth of a simplex's evaluations. Additions in a fixed order, so every host gives the
-// same bits. Thread-safe on objectives of their own.
+// the field's slope, so it needs a tenth of a simplex's evaluations. Additions in a fixed order, so every host gives
+// the same bits. Thread-safe on objectives of their own.
 #pragma once
 
 #include <cstdint>
