@@ -38,7 +38,7 @@ double overlap(std::uint32_t pixel, double low, double high) {
 
 }  // namespace
 
-Colour mix(Colour a, Colour b, double share) {
+PixelColour mix(PixelColour a, PixelColour b, double share) {
   return {mixed(a.r, b.r, share), mixed(a.g, b.g, share), mixed(a.b, b.b, share)};
 }
 
@@ -56,7 +56,7 @@ void Layer::clip(Pixel2 min, Pixel2 max) {
 PixelRange Layer::rows(double low, double high) const { return touched(low, high, clip_min_.y, clip_max_.y); }
 PixelRange Layer::columns(double low, double high) const { return touched(low, high, clip_min_.x, clip_max_.x); }
 
-void Layer::cover(std::size_t pixel, double coverage, Colour colour) {
+void Layer::cover(std::size_t pixel, double coverage, PixelColour colour) {
   const auto level = static_cast<std::uint8_t>(std::clamp(coverage, 0.0, 1.0) * kFull + 0.5);
   if (level > 0 && level >= coverage_[pixel]) {
     coverage_[pixel] = level;
@@ -64,7 +64,7 @@ void Layer::cover(std::size_t pixel, double coverage, Colour colour) {
   }
 }
 
-void Layer::stroke(Pixel2 a, Pixel2 b, double radius, Colour colour) {
+void Layer::stroke(Pixel2 a, Pixel2 b, double radius, PixelColour colour) {
   if (!std::isfinite(a.x + a.y + b.x + b.y)) {
     return;
   }
@@ -79,7 +79,7 @@ void Layer::stroke(Pixel2 a, Pixel2 b, double radius, Colour colour) {
   }
 }
 
-void Layer::rectangle(Pixel2 min, Pixel2 max, Colour colour) {
+void Layer::rectangle(Pixel2 min, Pixel2 max, PixelColour colour) {
   const PixelRange y_range = rows(min.y, max.y);
   const PixelRange x_range = columns(min.x, max.x);
   for (std::uint32_t y = y_range.begin; y < y_range.end; ++y) {
@@ -96,7 +96,7 @@ void Layer::blend_onto(RgbImage& image, double opacity) const {
     }
     const double share = opacity * static_cast<double>(coverage_[pixel]) / kFull;
     std::uint8_t* const p = image.pixels.data() + 3 * pixel;
-    const Colour result = mix({p[0], p[1], p[2]}, colours_[pixel], share);
+    const PixelColour result = mix({p[0], p[1], p[2]}, colours_[pixel], share);
     p[0] = result.r;
     p[1] = result.g;
     p[2] = result.b;

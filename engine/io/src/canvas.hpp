@@ -9,13 +9,13 @@
 
 namespace gdtslam {
 
-struct Colour {
+struct PixelColour {
   std::uint8_t r = 0;
   std::uint8_t g = 0;
   std::uint8_t b = 0;
 };
 /// Between two colours, share 0 to 1 of the second.
-Colour mix(Colour a, Colour b, double share);
+PixelColour mix(PixelColour a, PixelColour b, double share);
 
 struct Pixel2 {
   double x = 0.0;
@@ -34,22 +34,22 @@ class Layer {
   /// From now on only pixels whose square lies in the rectangle are drawn.
   void clip(Pixel2 min, Pixel2 max);
   /// A line with round ends; a == b gives a disc.
-  void stroke(Pixel2 a, Pixel2 b, double radius, Colour colour);
-  void disc(Pixel2 centre, double radius, Colour colour) { stroke(centre, centre, radius, colour); }
+  void stroke(Pixel2 a, Pixel2 b, double radius, PixelColour colour);
+  void disc(Pixel2 centre, double radius, PixelColour colour) { stroke(centre, centre, radius, colour); }
   /// Axis-parallel, between two opposite corners.
-  void rectangle(Pixel2 min, Pixel2 max, Colour colour);
+  void rectangle(Pixel2 min, Pixel2 max, PixelColour colour);
   /// Lays the layer over the image.
   void blend_onto(RgbImage& image, double opacity = 1.0) const;
 
  private:
   [[nodiscard]] PixelRange rows(double low, double high) const;
   [[nodiscard]] PixelRange columns(double low, double high) const;
-  void cover(std::size_t pixel, double coverage, Colour colour);
+  void cover(std::size_t pixel, double coverage, PixelColour colour);
   std::uint32_t width_;
   Pixel2 clip_min_{};
   Pixel2 clip_max_;
   std::vector<std::uint8_t> coverage_;
-  std::vector<Colour> colours_;
+  std::vector<PixelColour> colours_;
 };
 
 }  // namespace gdtslam

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "cloud_layout.hpp"
+#include "cloud_file_layout.hpp"
 #include "gdtslam/io/decimal.hpp"
 
 namespace gdtslam {

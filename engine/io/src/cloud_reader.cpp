@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "byte_source.hpp"
+#include "cloud_file_layout.hpp"
 #include "cloud_input.hpp"
-#include "cloud_layout.hpp"
 #include "cloud_numbers.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -24,17 +24,17 @@ constexpr std::size_t kMostExpansion = 88;  // LZF gives at most 264 bytes for t
 constexpr std::size_t kMostReserved = 65536;
 constexpr auto kRoles = static_cast<std::size_t>(CloudRole::kIgnored);
 
-bool is_ascii(const CloudLayout& layout) {
+bool is_ascii(const CloudFileLayout& layout) {
   return layout.header.format == CloudFormat::kPlyAscii || layout.header.format == CloudFormat::kPcdAscii;
 }
 
-bool has(const CloudLayout& layout, CloudRole role) {
+bool has(const CloudFileLayout& layout, CloudRole role) {
   return std::any_of(layout.vertex.columns.begin(), layout.vertex.columns.end(),
                      [role](const CloudColumn& column) { return column.role == role; });
 }
 
 // What every layout must have, whatever its format says it in.
-void check_columns(CloudLayout& layout, const std::string& name) {
+void check_columns(CloudFileLayout& layout, const std::string& name) {
   std::array<int, kRoles> times{};
   for (CloudColumn& column : layout.vertex.columns) {
     if (column.list_count || column.repeat != 1) column.role = CloudRole::kIgnored;
@@ -50,10 +50,10 @@ void check_columns(CloudLayout& layout, const std::string& name) {
   }
 }
 
-CloudLayout read_header(CloudInput& input) {
+CloudFileLayout read_header(CloudInput& input) {
   const std::optional<std::string_view> first = input.line();
   if (!first) throw InputError({input.name(), 0}, "is empty");
-  CloudLayout layout;
+  CloudFileLayout layout;
   if (*first == "ply") {
     layout = read_ply_header(input);
   } else if (first->starts_with("# .PCD") || first->starts_with("VERSION")) {
@@ -78,7 +78,7 @@ struct PlacedColumn {
 };
 
 // The columns that mean something; empty where lists make points differ in length.
-std::vector<PlacedColumn> placed_columns(const CloudLayout& layout) {
+std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
   std::vector<PlacedColumn> placed;
   std::uint64_t offset = 0;
   for (const CloudColumn& column : layout.vertex.columns) {
@@ -93,7 +93,7 @@ std::vector<PlacedColumn> placed_columns(const CloudLayout& layout) {
 }
 
 // Bytes that a point has at least; of lists only their lengths.
-std::uint64_t least_bytes(const CloudLayout& layout) {
+std::uint64_t least_bytes(const CloudFileLayout& layout) {
   std::uint64_t bytes = 0;
   for (const CloudColumn& column : layout.vertex.columns) {
     bytes += column.list_count ? size_of(*column.list_count) : size_of(column.type) * column.repeat;
@@ -131,7 +131,7 @@ struct CloudReader::State {
   [[noreturn]] void fail(const std::string& message) const;
 
   CloudInput input;
-  CloudLayout layout;
+  CloudFileLayout layout;
   std::uint64_t point_bytes = 0;
   std::vector<PlacedColumn> placed;
   std::string unpacked;  // of binary_compressed: column after column

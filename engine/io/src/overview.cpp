@@ -20,15 +20,15 @@ constexpr double kMinWidthPx = 1200.0;  // what the legend needs
 constexpr double kLineRadiusPx = 1.25;
 constexpr double kHaloPx = 1.4;
 
-constexpr Colour kWhite{255, 255, 255};
-constexpr Colour kInk{31, 41, 51};
-constexpr Colour kFaintInk{97, 110, 124};
-constexpr Colour kFrameLine{154, 165, 177};
-constexpr Colour kDoubtful{214, 26, 60};
-constexpr std::array<Colour, 4> kTimeColours = {{{24, 100, 214}, {134, 60, 210}, {214, 51, 132}, {240, 120, 20}}};
+constexpr PixelColour kWhite{255, 255, 255};
+constexpr PixelColour kInk{31, 41, 51};
+constexpr PixelColour kFaintInk{97, 110, 124};
+constexpr PixelColour kFrameLine{154, 165, 177};
+constexpr PixelColour kDoubtful{214, 26, 60};
+constexpr std::array<PixelColour, 4> kTimeColours = {{{24, 100, 214}, {134, 60, 210}, {214, 51, 132}, {240, 120, 20}}};
 
-/// Colour of a share of the run, 0 at its start and 1 at its end.
-Colour time_colour(double share) {
+/// The colour of a share of the run, 0 at its start and 1 at its end.
+PixelColour time_colour(double share) {
   const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(kTimeColours.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(position), kTimeColours.size() - 2);
   return mix(kTimeColours[i], kTimeColours[i + 1], position - static_cast<double>(i));
@@ -66,7 +66,7 @@ void draw_path(RgbImage& image, const OverviewFrame& frame, const Trajectory& tr
 }
 
 /// A disc, ringed in white so that it stands out; white inside when hollow.
-void draw_disc_mark(RgbImage& image, const OverviewFrame& frame, Pixel2 centre, Colour colour, bool is_hollow) {
+void draw_disc_mark(RgbImage& image, const OverviewFrame& frame, Pixel2 centre, PixelColour colour, bool is_hollow) {
   constexpr double kRadiusPx = 8.0;
   Layer ring = map_layer(image, frame);
   ring.disc(centre, kRadiusPx + 2.0, kWhite);
@@ -81,7 +81,7 @@ void draw_disc_mark(RgbImage& image, const OverviewFrame& frame, Pixel2 centre, 
   }
 }
 
-void add_cross(Layer& layer, Pixel2 p, double arm, double radius, Colour colour) {
+void add_cross(Layer& layer, Pixel2 p, double arm, double radius, PixelColour colour) {
   layer.stroke({p.x - arm, p.y - arm}, {p.x + arm, p.y + arm}, radius, colour);
   layer.stroke({p.x - arm, p.y + arm}, {p.x + arm, p.y - arm}, radius, colour);
 }
@@ -99,7 +99,7 @@ void draw_crosses(RgbImage& image, const OverviewFrame& frame, const std::vector
 }
 
 /// A bead on the path, a little wider and darker than it: a white one would cut so thin a line into dashes.
-void add_keyframe(Layer& layer, Pixel2 centre, Colour path_colour) {
+void add_keyframe(Layer& layer, Pixel2 centre, PixelColour path_colour) {
   constexpr double kRadiusPx = 1.9;
   constexpr double kInkShare = 0.3;
   layer.disc(centre, kRadiusPx, mix(path_colour, kInk, kInkShare));
@@ -175,7 +175,7 @@ double draw_time_legend(Layer& layer, Pixel2 left, const TextStyle& style) {
 double draw_keyframe_legend(Layer& path, Layer& dots, Pixel2 left, std::size_t count, const TextStyle& style) {
   constexpr double kPathPx = 36.0;  // a piece of the path with its dots, as on the map
   constexpr int kDots = 3;
-  const Colour colour = time_colour(0.0);
+  const PixelColour colour = time_colour(0.0);
   path.stroke(left, {left.x + kPathPx, left.y}, kLineRadiusPx, colour);
   for (int i = 0; i < kDots; ++i) {
     add_keyframe(dots, {left.x + kPathPx * (i + 0.5) / kDots, left.y}, colour);

@@ -8,9 +8,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr Colour kFree{255, 255, 255};
-constexpr Colour kUnknown{214, 220, 227};
-constexpr Colour kOccupied{23, 32, 42};
+constexpr PixelColour kFree{255, 255, 255};
+constexpr PixelColour kUnknown{214, 220, 227};
+constexpr PixelColour kOccupied{23, 32, 42};
 constexpr double kMarginShare = 0.02;
 constexpr double kStrayShare = 0.004;
 
@@ -127,7 +127,7 @@ Content content_of(const OccupancyMap& map, const CellSpan& columns, const CellS
   return content;
 }
 
-Colour colour_of(const Content& content, double cells_per_pixel) {
+PixelColour colour_of(const Content& content, double cells_per_pixel) {
   const double rest = std::max(0.0, 1.0 - content.occupied);
   const double known = rest > 0.0 ? std::min(1.0, content.free / rest) : 0.0;
   const double weight = std::max(1.0, cells_per_pixel);
@@ -175,7 +175,7 @@ void draw_map(RgbImage& image, const OverviewFrame& frame, const OccupancyMap& m
     const CellSpan rows{row_end - cells_per_pixel, row_end};
     for (std::uint32_t x = 0; x < width; ++x) {
       const double column = first_column + cells_per_pixel * static_cast<double>(x);
-      const Colour colour = colour_of(content_of(map, {column, column + cells_per_pixel}, rows), cells_per_pixel);
+      const PixelColour colour = colour_of(content_of(map, {column, column + cells_per_pixel}, rows), cells_per_pixel);
       std::uint8_t* const p = image.pixels.data() + 3 * (std::size_t{top + y} * image.width + left + x);
       p[0] = colour.r;
       p[1] = colour.g;

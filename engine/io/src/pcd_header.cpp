@@ -84,7 +84,7 @@ CloudColumn column_of(const PcdHeader& header, std::size_t k, const FilePosition
   return {.type = scalar_of(type, size, at), .role = role_of(header.fields[k]), .repeat = *repeat};
 }
 
-CloudLayout layout_of(const PcdHeader& header, const FilePosition& at) {
+CloudFileLayout layout_of(const PcdHeader& header, const FilePosition& at) {
   const std::size_t fields = header.fields.size();
   if (fields == 0 || fields > kMostColumns) throw InputError(at, "FIELDS names no column, or more than 1000");
   for (const Words* words : {&header.sizes, &header.types, &header.counts}) {
@@ -92,7 +92,7 @@ CloudLayout layout_of(const PcdHeader& header, const FilePosition& at) {
       throw InputError(at, "FIELDS, SIZE, TYPE and COUNT have different lengths");
     }
   }
-  CloudLayout layout;
+  CloudFileLayout layout;
   layout.vertex.is_vertex = true;
   layout.vertex.count = points_of(header, at);
   for (std::size_t k = 0; k < fields; ++k) layout.vertex.columns.push_back(column_of(header, k, at));
@@ -107,7 +107,7 @@ CloudLayout layout_of(const PcdHeader& header, const FilePosition& at) {
 
 }  // namespace
 
-CloudLayout read_pcd_header(CloudInput& input, const std::string& first_line) {
+CloudFileLayout read_pcd_header(CloudInput& input, const std::string& first_line) {
   PcdHeader header;
   std::optional<std::string> line = first_line;
   while (line && input.line_number() <= kMostLines) {

@@ -3,12 +3,12 @@
 
 #include <string>
 
+#include "cloud_file_layout.hpp"
 #include "cloud_input.hpp"
-#include "cloud_layout.hpp"
 
 namespace gdtslam {
 
 /// Reads to behind the line DATA; `first_line` has been read already. Throws InputError with the line.
-CloudLayout read_pcd_header(CloudInput& input, const std::string& first_line);
+CloudFileLayout read_pcd_header(CloudInput& input, const std::string& first_line);
 
 }  // namespace gdtslam

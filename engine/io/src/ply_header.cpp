@@ -43,7 +43,7 @@ Scalar scalar_of(std::string_view word, const FilePosition& at) {
   throw InputError(at, fmt::format("{} is no type of PLY", in_quotes(word)));
 }
 
-void set_format(const Words& words, CloudLayout& layout, const FilePosition& at) {
+void set_format(const Words& words, CloudFileLayout& layout, const FilePosition& at) {
   if (words.size() < 2) throw InputError(at, "the format is missing: ascii, binary_little_endian, binary_big_endian");
   layout.header.format = words[1] == "ascii" ? CloudFormat::kPlyAscii : CloudFormat::kPlyBinary;
   layout.is_big_endian = words[1] == "binary_big_endian";
@@ -71,7 +71,7 @@ CloudColumn column_of(const Words& words, const FilePosition& at) {
 }
 
 // Elements before the vertices are read over; those behind do not matter.
-void sort_elements(std::vector<CloudElement> elements, CloudLayout& layout, const std::string& name) {
+void sort_elements(std::vector<CloudElement> elements, CloudFileLayout& layout, const std::string& name) {
   for (CloudElement& element : elements) {
     if (element.is_vertex) {
       layout.has_more = &element != &elements.back();
@@ -87,7 +87,7 @@ void sort_elements(std::vector<CloudElement> elements, CloudLayout& layout, cons
 struct PlyHeader {
   void take(const Words& words, const FilePosition& at);
 
-  CloudLayout layout;
+  CloudFileLayout layout;
   std::vector<CloudElement> elements;
   bool has_format = false;
 };
@@ -110,7 +110,7 @@ void PlyHeader::take(const Words& words, const FilePosition& at) {
 
 }  // namespace
 
-CloudLayout read_ply_header(CloudInput& input) {
+CloudFileLayout read_ply_header(CloudInput& input) {
   PlyHeader header;
   while (const std::optional<std::string_view> line = input.line()) {
     const FilePosition at{input.name(), input.line_number()};

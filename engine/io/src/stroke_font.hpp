@@ -9,7 +9,7 @@ namespace gdtslam {
 
 struct TextStyle {
   double cap_height_px = 16.0;
-  Colour colour{};
+  PixelColour colour{};
 };
 
 /// Width of the text in pixels.

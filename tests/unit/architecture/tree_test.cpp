@@ -1,11 +1,13 @@
 // The rules of source_rules.hpp on every file of the project.
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "unit/architecture/source_rules.hpp"
+#include "unit/architecture/type_definitions.hpp"
 
 namespace gdtslam::architecture {
 namespace {
@@ -106,6 +108,20 @@ TEST(Tree, files_are_well_formed) {
 
 TEST(Tree, headers_open_with_what_they_are) {
   for (const SourceFile& file : code()) report(file, header_violations(file.path, file.text));
+}
+
+// An .inl stands in whatever namespace includes it, one for each instruction set.
+TEST(Tree, no_two_types_of_a_namespace_have_one_name) {
+  std::map<std::string, std::string> places;
+  for (const SourceFile& file : code()) {
+    if (!file.path.ends_with(".cpp") && !file.path.ends_with(".hpp")) continue;
+    for (const TypeDefinition& type : type_definitions(file.text)) {
+      const std::string place = file.path + ":" + std::to_string(type.line);
+      const auto [first, is_new] = places.emplace(type.name, place);
+      EXPECT_TRUE(is_new) << place << ": " << type.name << " is defined at " << first->second << " as well";
+    }
+  }
+  EXPECT_TRUE(places.contains("gdtslam::Pose2"));
 }
 
 TEST(Tree, every_citation_is_in_the_bibliography) {

@@ -23,7 +23,7 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/carmen.hpp"
 
-namespace gdtslam {
+namespace gdtslam::test {
 
 /// A folder that lives as long as the object.
 class TemporaryFolder {
@@ -54,6 +54,12 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
+
+}  // namespace gdtslam::test
+
+namespace gdtslam {
+
+using test::TemporaryFolder;
 
 inline void put_file(const std::string& path, std::string_view text) { std::ofstream(path, std::ios::binary) << text; }
 

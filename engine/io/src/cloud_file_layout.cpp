@@ -1,4 +1,4 @@
-#include "cloud_layout.hpp"
+#include "cloud_file_layout.hpp"
 
 #include <algorithm>
 #include <array>

@@ -38,7 +38,7 @@ struct CloudElement {
   std::vector<CloudColumn> columns;
 };
 
-struct CloudLayout {
+struct CloudFileLayout {
   CloudHeader header;
   bool is_big_endian = false;
   bool is_compressed = false;
