@@ -10,7 +10,7 @@ build_packages=(
   libeigen3-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
   libpng-dev zlib1g-dev libembree-dev libassimp-dev libceres-dev libnanoflann-dev
   libvulkan-dev libglm-dev glslang-tools spirv-tools
-  libvtk9-dev libegl-dev libglew-dev libx11-dev libcairo2-dev ffmpeg
+  libvtk9-dev libegl-dev libglew-dev libcairo2-dev ffmpeg
 )
 # To compute with Vulkan where the GPU's vendor brought no driver: the loader and Mesa's drivers, lavapipe (which computes
 # on the processor) among them.
@@ -19,7 +19,7 @@ vulkan_packages=(libvulkan1 mesa-vulkan-drivers)
 test_packages=(
   git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libgsl-dev libnlopt-cxx-dev libpagmo-dev libopencv-imgproc-dev
   clang libclang-rt-14-dev clang-tidy clang-format shellcheck
-  python3 python3-jsonschema python3-yaml chromium xvfb xauth
+  python3 python3-jsonschema python3-yaml chromium
   "${vulkan_packages[@]}" vulkan-validationlayers
 )
 

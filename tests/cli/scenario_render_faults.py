@@ -46,14 +46,13 @@ def render_without_a_display():
 
 
 def render_without_opengl():
-    """No driver at all: exit 69 and one line from render, also for films and with each --graphics; what needs none is drawn all the
-    same; map warns, counts it and is as good without."""
+    """No driver at all: exit 69 and one line from render, also for films; what needs none is drawn all the same; map
+    warns, counts it and is as good without."""
     require_viewer()
     drive = nodding_run("render_without_opengl")
     run = drive.folder / "run"
-    for name, *arguments in (("a.png",), ("a.png", "--graphics", "egl"), ("a.png", "--view", "scene"), ("a.gif",)):
+    for name, *arguments in (("a.png",), ("a.png", "--view", "scene"), ("a.gif",)):
         refused(69, run, "-o", drive.folder / name, *arguments, env=environment(**NO_GL))
-    refused(69, run, "-o", drive.folder / "a.png", "--graphics", "x11", says="DISPLAY", env=environment(DISPLAY=None))
     expect(not list(drive.folder.glob("a.*")), "something is left")
     rendered(run, "--view", "map", "-o", drive.folder / "map.png", *SMALL, env=environment(**NO_GL))
     process = command("map", drive.log, "-o", drive.folder / "again", "--json", env=environment(**NO_GL))
@@ -242,7 +241,6 @@ def render_mistakes():
         ((RUN, "--range", "1:2", *out), "has no unit"),
         ((RUN, "--range", "3m:2m", *out), "not below"),
         ((RUN, "--camera", "1,2,3", *out), "camera"),
-        ((RUN, "--graphics", "gl", *out), "auto, egl, x11"),
         ((RUN, "--light", "--dark", *out), "exclude each other"),
         ((RUN, "--view", "cells", "--cells", 61, *out), "--cells"),
         ((RUN, "--view", "cells", "--at", "900m,0m", *out), "outside the field"),

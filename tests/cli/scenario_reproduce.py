@@ -222,7 +222,6 @@ def reproduce_mistakes():
     refused(2, "-o", folder / "a", "--only", "tabel1", says="table1")
     refused(2, "-o", folder / "a", "--only", "map", says="--list names all")
     refused(2, "--only", "fig3", says="-o DIR")
-    refused(2, "-o", folder / "a", "--graphics", "metal", says="metal")
     (folder / "file").write_text("old")
     refused(74, "-o", folder / "file", "--only", "fig3", says="file")
     refused(74, "-o", "/proc/report", "--only", "fig3", says="/proc/report")

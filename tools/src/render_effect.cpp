@@ -81,7 +81,6 @@ std::vector<Effect> look_effects(const RenderOptions& o, const RenderView* view,
       {"--no-caption", o.no_caption, view != nullptr && !w.is_sheet, "scenes, maps and fields"},
       {"--title", !o.title.empty(), !w.is_mount && !w.is_drawing && output != OutputKind::kVtp && !w.is_plain_model,
        "pictures of runs and clouds, pages and .gltf"},
-      {"--graphics", o.graphics != "auto", w.is_cloud_view || w.is_mount, "scenes in 3D"},
   };
 }
 

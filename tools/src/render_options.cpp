@@ -100,12 +100,6 @@ Point2 place_of(const std::string& text) {
           quantity_of("--at", text.substr(middle + 1), Unit::kMetre)};
 }
 
-GraphicsChoice graphics_of(const std::string& name) {
-  constexpr std::array<std::pair<std::string_view, GraphicsChoice>, 3> kChoices{
-      {{"auto", GraphicsChoice::kAuto}, {"egl", GraphicsChoice::kEgl}, {"x11", GraphicsChoice::kX11}}};
-  return chosen_of("--graphics", name, kChoices);
-}
-
 double time_of(const std::string& option, const std::string& text) { return quantity_of(option, text, Unit::kSecond); }
 
 std::string colour_map_of(const std::string& name) {

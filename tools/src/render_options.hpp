@@ -11,7 +11,6 @@
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/viewer/camera.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
-#include "gdtslam/viewer/graphics.hpp"
 
 namespace gdtslam {
 
@@ -35,7 +34,6 @@ struct RenderOptions {
   std::string linkage;
   std::string run_folder;
   std::string ffmpeg;
-  std::string graphics = "auto";
   std::size_t cells = 0;
   std::size_t frames = 0;
   std::uint64_t points = 0;
@@ -69,7 +67,6 @@ struct ScaleRange {
 ScaleRange scale_range_of(const std::string& text, CloudColour colour);
 /// "X,Y", lengths.
 Point2 place_of(const std::string& text);
-GraphicsChoice graphics_of(const std::string& name);
 /// Seconds; a bare number counts as such.
 double time_of(const std::string& option, const std::string& text);
 /// The name itself, where a colour map has it; empty stays empty.

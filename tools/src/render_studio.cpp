@@ -70,10 +70,7 @@ RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSourc
 }
 
 GraphicsContext& RenderStudio::graphics() {
-  if (!graphics_) {
-    graphics_ = std::make_unique<GraphicsContext>(graphics_of(options_.graphics));
-    if (graphics_->is_fallback()) tell(graphics_->description_of_fallback());
-  }
+  if (!graphics_) graphics_ = std::make_unique<GraphicsContext>();
   return *graphics_;
 }
 

@@ -40,7 +40,6 @@ void add_view(Part& part, const Workplace& place, const ViewOrder& order, Pictur
   options.inputs = order.inputs;
   options.view = order.view;
   options.size = order.size;
-  options.graphics = place.graphics;
   options.quiet = true;
   std::vector<RenderSource> sources;
   sources.reserve(order.inputs.size());

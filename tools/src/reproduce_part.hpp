@@ -64,7 +64,6 @@ struct Workplace {
   std::string folder;  ///< for its pictures; exists
   Drives& drives;
   DeviceOptions device;
-  std::string graphics;                  ///< as --graphics of render has it
   std::string data;                      ///< folder of the real logs; empty: none
   std::function<void(double)> progress;  ///< share of the part that is done
   std::function<bool()> stop;

@@ -211,7 +211,6 @@ class Reproduction {
     const Workplace place{.folder = store_.begin(id),
                           .drives = drives_,
                           .device = device_,
-                          .graphics = options_.graphics,
                           .data = options_.data,
                           .progress = tell,
                           .stop = [] { return interrupted(); }};

@@ -62,7 +62,6 @@ const std::vector<Library>& libraries() {
       {"vtk", {"viewer"}},
       {"GL/", {"viewer"}},
       {"EGL/", {"viewer"}},
-      {"X11/", {"viewer"}},
       {"cairo", {"viewer"}},
       {"CLI/", {}},
       {"spdlog/", {}},

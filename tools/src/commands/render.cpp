@@ -67,7 +67,6 @@ void check_options(const RenderOptions& options) {
     if (!text->empty()) time_of(name, *text);
   }
   cloud_look_of(options);
-  graphics_of(options.graphics);
 }
 
 // The parts that views may use, those of a log before it is mapped too.
@@ -287,9 +286,6 @@ void add_render_command(CLI::App& app, CommandContext& context) {
   add_look_options(*command, *chosen);
   add_film_options(*command, *chosen);
   add_data_options(*command, *chosen);
-  command->add_option("--graphics", chosen->graphics, "How OpenGL is reached: auto, egl (no display) or x11")
-      ->type_name("WAY")
-      ->capture_default_str();
   command->add_flag("--json", chosen->json, "Print what was written as JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(

@@ -88,7 +88,6 @@ int run_reproduce(const ReproduceCommand& command) {
   reproduce::Options options = command.options;
   if (options.folder.empty()) throw UsageError("say where the report goes: -o DIR");
   options.only = reproduce::checked_ids(options.only);
-  graphics_of(options.graphics);
   if (const char* const data = std::getenv("GDTSLAM_DATA"); options.data.empty() && data != nullptr)
     options.data = data;
   const reproduce::Result result = reproduce::reproduce(options);
@@ -118,9 +117,6 @@ void add_reproduce_command(CLI::App& app, CommandContext& context) {
       ->type_name("DIR");
   command->add_flag("--force", options.force, "Make parts anew that are made already");
   command->add_flag("--keep-runs", options.keep_runs, "Leave the simulated logs and their runs in DIR/work");
-  command->add_option("--graphics", options.graphics, "OpenGL by: auto, egl or x11")
-      ->type_name("NAME")
-      ->capture_default_str();
   add_device_options(*command, options.device);
   command->add_flag("--json", chosen->json, "Print what was made as JSON");
   command->add_flag("-q,--quiet", options.quiet, "Print errors only");

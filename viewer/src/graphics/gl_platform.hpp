@@ -28,7 +28,7 @@ class GlPlatform {
   GlPlatform& operator=(const GlPlatform&) = delete;
   /// A new context, not current yet. Throws DeviceError.
   [[nodiscard]] virtual std::unique_ptr<GlContext> make_context() const = 0;
-  /// "EGL (surfaceless)", "X server :99".
+  /// "EGL (surfaceless)".
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
@@ -40,8 +40,6 @@ struct GlDriver {
 
 /// The first platform of EGL whose context works, or none; what fails is added to `failures`, one phrase each.
 std::shared_ptr<GlPlatform> open_egl(std::vector<std::string>& failures, GlDriver& driver);
-/// The X server at DISPLAY, drawing into buffers of the server without a window; or none.
-std::shared_ptr<GlPlatform> open_x11(std::vector<std::string>& failures, GlDriver& driver);
 
 /// Makes a context of the platform, loads OpenGL's functions in it and asks the driver what it is. Throws DeviceError
 /// where any of that fails or OpenGL is older than 3.2.

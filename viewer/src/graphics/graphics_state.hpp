@@ -9,7 +9,6 @@ namespace gdtslam {
 struct GraphicsContext::State {
   std::shared_ptr<GlPlatform> platform;
   GlDriver driver;
-  std::string fallback;  ///< why the first choice was not used
 };
 
 }  // namespace gdtslam

@@ -1,32 +1,25 @@
-// OpenGL without a display. A GraphicsContext finds a way to draw: a surfaceless EGL context (no X, no GPU needed),
-// else an X server that answers at DISPLAY. VTK is not touched before one of them is known to work, because Debian's
-// VTK ends the process when it is asked for a window without X. One context and what draws with it belong to one
-// thread.
+// OpenGL without a display: a surfaceless EGL context, else EGL on a device or the default display; no X and no GPU
+// needed. VTK is not touched before one of them is known to work, because Debian's VTK ends the process when it is
+// asked for a window without X. One context and what draws with it belong to one thread.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace gdtslam {
 
-enum class GraphicsChoice : std::uint8_t { kAuto, kEgl, kX11 };
-
 class GraphicsContext {
  public:
   /// Throws UnavailableError (exit 69) where nothing can draw: one line with what was tried, why each failed and what
   /// to install or run.
-  explicit GraphicsContext(GraphicsChoice choice = GraphicsChoice::kAuto);
+  GraphicsContext();
   ~GraphicsContext();
   GraphicsContext(const GraphicsContext&) = delete;
   GraphicsContext& operator=(const GraphicsContext&) = delete;
 
   /// "EGL, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5": how, on what.
   [[nodiscard]] std::string description() const;
-  /// True where X was used though EGL was tried first; description_of_fallback() says why in one line.
-  [[nodiscard]] bool is_fallback() const;
-  [[nodiscard]] std::string description_of_fallback() const;
   /// What VTK warned of in this thread since the last call, one line each; its errors are thrown where they come up.
   [[nodiscard]] std::vector<std::string> take_warnings() const;
 
