@@ -155,7 +155,7 @@ def render_unwritable():
     drive = nodding_run("render_unwritable")
     folder, run = drive.folder / "out", drive.folder / "run"
     folder.mkdir()
-    for name in ("a.png", "a.svg", "a.pdf", "a.gltf", "a.vtp", "a.ply", "a.html"):
+    for name in ("a.png", "a.svg", "a.pdf", "a.gltf", "a.ply", "a.html"):
         size = SMALL if name[-3:] in ("png", "svg", "pdf") else ()
         view = ("--view", "iso") if size else ()
         refused(74, run, *view, *size, "-o", folder / "none" / name, says=name)

@@ -1,13 +1,10 @@
 #include "model_export.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -22,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Vector3f = std::array<float, 3>;
 
-static_assert(std::endian::native == std::endian::little, "both formats want little-endian numbers");
+static_assert(std::endian::native == std::endian::little, "the format wants little-endian numbers");
 
 // Element types and modes of glTF 2.0, section 3.6.2.2 and 3.7.2.1.
 constexpr int kUnsignedShort = 5123;
@@ -33,11 +30,6 @@ constexpr int kLineStrip = 3;
 
 constexpr std::size_t kBytesOfPosition = 12;
 constexpr std::size_t kBytesOfColour = 8;
-
-void require_points(const std::string& path, const ModelInput& model) {
-  if (model.cloud.empty()) throw InputError({path, 0}, "is not written: there are no points");
-  assert(model.colours.size() == model.cloud.size());
-}
 
 std::size_t path_size(const ModelInput& model) { return model.trajectory == nullptr ? 0 : model.trajectory->size(); }
 
@@ -149,95 +141,11 @@ void write_gltf_bytes(AtomicFile& file, const ModelInput& model) {
   out.finish();
 }
 
-// One piece of a .vtp: its points are one cell, a bunch of vertices or a line.
-class PieceWriter {
- public:
-  PieceWriter(AtomicFile& file, std::size_t points, bool is_line) : file_(file), points_(points), is_line_(is_line) {
-    file_.write(
-        fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
-                    "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n",
-                    points, is_line ? 0 : 1, is_line ? 1 : 0));
-  }
-  // `value(k)` gives the k-th entry as it lies in memory.
-  template <class Value>
-  void array(const char* type, const char* name, int components, std::size_t count, const Value& value) {
-    file_.write(fmt::format("        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">",
-                            type, name, components));
-    Base64Writer out(file_);
-    out.add_value(static_cast<std::uint64_t>(count * (count > 0 ? sizeof(value(0)) : 0)));
-    for (std::size_t k = 0; k < count; ++k) out.add_value(value(k));
-    out.finish();
-    file_.write("</DataArray>\n");
-  }
-  void finish() {
-    cells("Verts", is_line_ ? 0 : points_);
-    cells("Lines", is_line_ ? points_ : 0);
-    file_.write("    </Piece>\n");
-  }
-
- private:
-  void cells(const char* name, std::size_t count) {
-    file_.write(fmt::format("      <{}>\n", name));
-    array("Int64", "connectivity", 1, count, [](std::size_t k) { return static_cast<std::int64_t>(k); });
-    array("Int64", "offsets", 1, count > 0 ? 1 : 0, [count](std::size_t) { return static_cast<std::int64_t>(count); });
-    file_.write(fmt::format("      </{}>\n", name));
-  }
-
-  AtomicFile& file_;
-  std::size_t points_;
-  bool is_line_;
-};
-
-template <class Attributes>
-void write_attributes(AtomicFile& file, PieceWriter& piece, std::size_t count, const Attributes& at) {
-  file.write("      <PointData Scalars=\"colour\">\n");
-  piece.array("Float32", "elevation", 1, count, [&at](std::size_t k) { return at(k).elevation_rad; });
-  piece.array("Float64", "time", 1, count, [&at](std::size_t k) { return at(k).stamp_s; });
-  piece.array("UInt32", "scan", 1, count, [&at](std::size_t k) { return at(k).scan; });
-}
-
-void write_points(AtomicFile& file, PieceWriter& piece, std::size_t count,
-                  const std::function<Vector3f(std::size_t)>& place, const std::function<Colour(std::size_t)>& colour) {
-  piece.array("UInt8", "colour", 3, count, [&colour](std::size_t k) {
-    const Colour c = colour(k);
-    return std::array<std::uint8_t, 3>{c.red, c.green, c.blue};
-  });
-  file.write("      </PointData>\n      <Points>\n");
-  piece.array("Float32", "Points", 3, count, place);
-  file.write("      </Points>\n");
-  piece.finish();
-}
-
-void write_cloud_piece(AtomicFile& file, const ModelInput& model) {
-  const std::span<const CloudPoint> cloud = model.cloud;
-  PieceWriter piece(file, cloud.size(), false);
-  write_attributes(file, piece, cloud.size(), [cloud](std::size_t k) { return cloud[k]; });
-  write_points(
-      file, piece, cloud.size(),
-      [cloud](std::size_t k) {
-        return Vector3f{cloud[k].x_m, cloud[k].y_m, cloud[k].z_m};
-      },
-      [&model](std::size_t k) { return model.colours[k]; });
-}
-
-void write_path_piece(AtomicFile& file, const ModelInput& model) {
-  const Trajectory& path = *model.trajectory;
-  PieceWriter piece(file, path.size(), true);
-  write_attributes(file, piece, path.size(), [&path](std::size_t k) {
-    return CloudPoint{.stamp_s = path[k].stamp_s, .scan = static_cast<std::uint32_t>(k)};
-  });
-  write_points(
-      file, piece, path.size(),
-      [&path](std::size_t k) {
-        return Vector3f{static_cast<float>(path[k].T_map_base.x_m), static_cast<float>(path[k].T_map_base.y_m), 0.0F};
-      },
-      [&model](std::size_t) { return model.path_colour; });
-}
-
 }  // namespace
 
 void write_gltf(const std::string& path, const ModelInput& model) {
-  require_points(path, model);
+  if (model.cloud.empty()) throw InputError({path, 0}, "is not written: there are no points");
+  assert(model.colours.size() == model.cloud.size());
   const std::size_t poses = path_size(model) > 1 ? path_size(model) : 0;
   const std::size_t bytes = (kBytesOfPosition + kBytesOfColour) * model.cloud.size() + kBytesOfPosition * poses;
   // A buffer of one member, so that its address can follow behind everything else.
@@ -250,18 +158,6 @@ void write_gltf(const std::string& path, const ModelInput& model) {
   file.write("\"");
   file.write(std::string_view(text).substr(end));
   file.write("\n");
-  file.commit();
-}
-
-void write_vtp(const std::string& path, const ModelInput& model) {
-  require_points(path, model);
-  AtomicFile file(path);
-  file.write(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-      "header_type=\"UInt64\">\n  <PolyData>\n");
-  write_cloud_piece(file, model);
-  if (path_size(model) > 1) write_path_piece(file, model);
-  file.write("  </PolyData>\n</VTKFile>\n");
   file.commit();
 }
 

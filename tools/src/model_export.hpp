@@ -1,6 +1,6 @@
-// Clouds for other programs: glTF 2.0 [Khronos2021] for browsers and Blender, VTK's XML PolyData for ParaView. Both are
-// one file that needs nothing else; points with their colours and attributes, the robot's path as a line. Every file is
-// written to a temporary name, synced and renamed; memory does not depend on the number of points. Thread-safe.
+// Clouds for other programs, browsers and Blender among them: glTF 2.0 [Khronos2021], one file that needs nothing else;
+// points with their colours, the robot's path as a line. Not by VTK's exporter, which needs a window with OpenGL. The
+// file is written to a temporary name, synced and renamed; memory does not depend on the number of points. Thread-safe.
 #pragma once
 
 #include <span>
@@ -23,7 +23,5 @@ struct ModelInput {
 /// y up, as glTF has it: the map's (x, y, z) becomes (x, z, -y), metres. Colours are linear, as glTF wants them. Throws
 /// FileError; InputError for a cloud without points.
 void write_gltf(const std::string& path, const ModelInput& model);
-/// The map's own frame, metres; arrays elevation (rad), time (s), scan, colour. Throws as write_gltf().
-void write_vtp(const std::string& path, const ModelInput& model);
 
 }  // namespace gdtslam

@@ -33,7 +33,7 @@ Work work_of(const RenderView* view, OutputKind output) {
   Work work;
   work.is_film = is_film(output);
   work.is_page = output == OutputKind::kPage;
-  work.is_coloured_model = output == OutputKind::kGltf || output == OutputKind::kVtp;
+  work.is_coloured_model = output == OutputKind::kGltf;
   work.is_plain_model = output == OutputKind::kCloud;
   if (view == nullptr) return work;
   const std::string_view name = view->name;
@@ -79,7 +79,7 @@ std::vector<Effect> look_effects(const RenderOptions& o, const RenderView* view,
       {"--no-path", o.no_path, (w.is_cloud_view && !w.is_scan) || w.is_plane || w.is_coloured_model,
        "clouds, maps and fields"},
       {"--no-caption", o.no_caption, view != nullptr && !w.is_sheet, "scenes, maps and fields"},
-      {"--title", !o.title.empty(), !w.is_mount && !w.is_drawing && output != OutputKind::kVtp && !w.is_plain_model,
+      {"--title", !o.title.empty(), !w.is_mount && !w.is_drawing && !w.is_plain_model,
        "pictures of runs and clouds, pages and .gltf"},
   };
 }

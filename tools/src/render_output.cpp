@@ -20,7 +20,7 @@ struct Ending {
   std::string_view extension;
   OutputKind kind;
 };
-constexpr std::array<Ending, 11> kEndings{{{".png", OutputKind::kPng},
+constexpr std::array<Ending, 10> kEndings{{{".png", OutputKind::kPng},
                                            {".svg", OutputKind::kSvg},
                                            {".pdf", OutputKind::kPdf},
                                            {".mp4", OutputKind::kMp4},
@@ -28,7 +28,6 @@ constexpr std::array<Ending, 11> kEndings{{{".png", OutputKind::kPng},
                                            {".html", OutputKind::kPage},
                                            {".htm", OutputKind::kPage},
                                            {".gltf", OutputKind::kGltf},
-                                           {".vtp", OutputKind::kVtp},
                                            {".ply", OutputKind::kCloud},
                                            {".pcd", OutputKind::kCloud}}};
 
@@ -61,9 +60,9 @@ OutputKind output_kind_of(const std::string& path) {
 }
 
 std::string_view name_of(OutputKind kind) {
-  constexpr std::array<std::string_view, 10> kNames{
-      "a still in .png",    "a drawing in .svg", "a page in .pdf",   "a film in .mp4",  "a film in .gif",
-      "frames in a folder", "a page in .html",   "a model in .gltf", "a model in .vtp", "a cloud"};
+  constexpr std::array<std::string_view, 9> kNames{"a still in .png", "a drawing in .svg", "a page in .pdf",
+                                                   "a film in .mp4",  "a film in .gif",    "frames in a folder",
+                                                   "a page in .html", "a model in .gltf",  "a cloud"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -7,7 +7,7 @@
 
 namespace gdtslam {
 
-enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGltf, kVtp, kCloud };
+enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGltf, kCloud };
 
 /// By extension, in small or capital letters; a name that ends in / or is a folder without such an extension, and a
 /// pattern with %04d, take the frames of a film. Throws UsageError with what there is.
@@ -22,8 +22,6 @@ constexpr bool is_still(OutputKind kind) {
   return kind == OutputKind::kPng || kind == OutputKind::kSvg || kind == OutputKind::kPdf;
 }
 /// Points for other programs, which no view belongs to.
-constexpr bool is_model(OutputKind kind) {
-  return kind == OutputKind::kGltf || kind == OutputKind::kVtp || kind == OutputKind::kCloud;
-}
+constexpr bool is_model(OutputKind kind) { return kind == OutputKind::kGltf || kind == OutputKind::kCloud; }
 
 }  // namespace gdtslam

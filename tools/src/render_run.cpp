@@ -271,7 +271,7 @@ void Render::write_model() {
                          .cloud = cloud,
                          .colours = colours,
                          .trajectory = has_path ? &source.trajectory() : nullptr};
-  result_.kind == OutputKind::kGltf ? write_gltf(result_.file, model) : write_vtp(result_.file, model);
+  write_gltf(result_.file, model);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Models for other programs, taken apart by a JSON parser and by hand: counts, bounds, places, colours.
+// Models for other programs, taken apart by a JSON parser: counts, bounds, places, colours.
 #include "model_export.hpp"
 
 #include <gtest/gtest.h>
@@ -145,48 +145,14 @@ TEST_F(ModelExportTest, GltfPartsFitTogether) {
   }
 }
 
-// The text between an array's tags, by its name, the n-th of them.
-std::string array_of(const std::string& xml, const std::string& name, int n) {
-  std::size_t at = 0;
-  for (int k = 0; k <= n; ++k) at = xml.find("Name=\"" + name + "\"", at + 1);
-  const std::size_t begin = xml.find('>', at) + 1;
-  return from_base64(xml.substr(begin, xml.find('<', begin) - begin));
-}
-
-TEST_F(ModelExportTest, VtpHoldsPointsAttributesAndPath) {
-  write_vtp(file("a.vtp"), model());
-  const std::string xml = content(file("a.vtp"));
-  EXPECT_NE(xml.find("NumberOfPoints=\"10\" NumberOfVerts=\"1\" NumberOfLines=\"0\""), std::string::npos);
-  EXPECT_NE(xml.find("NumberOfPoints=\"3\" NumberOfVerts=\"0\" NumberOfLines=\"1\""), std::string::npos);
-  const std::string points = array_of(xml, "Points", 0);
-  ASSERT_EQ(points.size(), 8U + 10 * 12);
-  EXPECT_EQ(value_at<std::uint64_t>(points, 0), 120U);
-  EXPECT_EQ(value_at<float>(points, 8 + 12 * 3), 4.0F);
-  EXPECT_EQ(value_at<float>(points, 8 + 12 * 3 + 4), -6.0F);
-  EXPECT_EQ(value_at<float>(points, 8 + 12 * 3 + 8), 0.75F);
-  EXPECT_EQ(value_at<float>(array_of(xml, "elevation", 0), 8 + 4 * 2), 0.02F);
-  EXPECT_EQ(value_at<double>(array_of(xml, "time", 0), 8 + 8 * 3), 101.5);
-  EXPECT_EQ(value_at<std::uint32_t>(array_of(xml, "scan", 0), 8 + 4 * 4), 11U);
-  EXPECT_EQ(static_cast<unsigned char>(array_of(xml, "colour", 0)[8 + 3 * 2]), 40U);
-  const std::string connectivity = array_of(xml, "connectivity", 0);  // of the vertices
-  EXPECT_EQ(value_at<std::uint64_t>(connectivity, 0), 80U);
-  EXPECT_EQ(value_at<std::int64_t>(connectivity, 8 + 8 * 9), 9);
-  EXPECT_EQ(value_at<std::int64_t>(array_of(xml, "offsets", 0), 8), 10);
-  EXPECT_EQ(array_of(xml, "connectivity", 1).size(), 8U);  // no lines in the first piece
-  EXPECT_EQ(value_at<std::int64_t>(array_of(xml, "offsets", 3), 8), 3);
-  EXPECT_EQ(value_at<double>(array_of(xml, "time", 1), 8 + 8), 2.0);
-}
-
 TEST_F(ModelExportTest, NothingIsWrittenWithoutPointsOrPlace) {
   cloud_.clear();
   colours_.clear();
   EXPECT_THROW(write_gltf(file("a.gltf"), model()), InputError);
-  EXPECT_THROW(write_vtp(file("a.vtp"), model()), InputError);
   EXPECT_TRUE(fs::is_empty(folder_));
   cloud_.push_back({});
   colours_.emplace_back();
   EXPECT_THROW(write_gltf(file("no/a.gltf"), model()), FileError);
-  EXPECT_THROW(write_vtp(file("no/a.vtp"), model()), FileError);
 }
 
 }  // namespace

@@ -279,7 +279,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option("-o,--output", chosen->output,
                    "File, by its ending: .png .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
-                   "cloud .gltf .vtp .ply .pcd [<name>-<view>.png here]")
+                   "cloud .gltf .ply .pcd [<name>-<view>.png here]")
       ->type_name("FILE");
   command->add_option("--view", chosen->view, "What is drawn (see --list-views)")->type_name("NAME");
   command->add_flag("--list-views", chosen->lists_views, "List the views that this input has");
