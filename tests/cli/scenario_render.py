@@ -207,10 +207,10 @@ def render_drawings():
     expect("office" in words and "trajectory" in words and f"{mean['median']:.3g}" in words, f"{mean['median']:.3g} in {words}")
 
 
-def words_of(*arguments):
+def words_of(*arguments, **options):
     """Everything that is written in a picture."""
     svg = arguments[0] if isinstance(arguments[0], pathlib.Path) else pathlib.Path(arguments[0])
-    rendered(*arguments[1:], "-o", svg)
+    rendered(*arguments[1:], "-o", svg, **options)
     return " ".join(xml.fromstring(svg.read_text()).itertext())
 
 
@@ -231,7 +231,6 @@ def render_figures():
         expect(f"{count}, {path} of path" in words, f"{view} {more}: {count!r}, {path!r} is not in {words}")
         text = command("render", run, "--view", view, *more, "-o", svg).stdout
         expect(f" {count}," in text, f"{count!r} is not in {text}")
-    words = words_of(svg, run, "--view", "scan", "--from", "2s", "--to", "6s")
     said = rendered(run, "--view", "scan", "--from", "2s", "--to", "6s", "-o", svg)
     expect(said["points"] <= said["points_of"] < 0.5 * report["cloud_points"], f"{said}")
     page = drive.folder / "a.html"

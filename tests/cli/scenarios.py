@@ -17,6 +17,7 @@ import scenario_nodding_runs
 import scenario_printing
 import scenario_render
 import scenario_render_faults
+import scenario_render_runs
 import scenario_reproduce
 import scenario_results
 import scenario_same_bytes
@@ -25,7 +26,7 @@ import scenario_tilt3d
 
 MODULES = (scenario_bad_input, scenario_calibrate, scenario_compare, scenario_devices, scenario_files, scenario_linkage, scenario_localize, scenario_measure, scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
-           scenario_render_faults, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,
+           scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,
            scenario_tilt3d)
 
 

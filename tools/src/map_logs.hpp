@@ -23,7 +23,7 @@ struct MapLogJob {
 };
 /// Maps the logs as one, without a summary; the exit code of `gdtslam map`. Throws as that does.
 int map_log(const MapLogJob& job);
-/// Whether the log tells, near its beginning, how its laser nods.
-bool log_nods(const std::vector<std::string>& logs);
+/// What the log tells, near its beginning, of how its laser nods.
+NodKind nod_kind_of(const std::vector<std::string>& logs);
 
 }  // namespace gdtslam

@@ -15,7 +15,7 @@
 namespace gdtslam {
 
 std::optional<std::string> cloud_picture_of_run(const std::string& cloud_file, const std::string& log,
-                                                const Trajectory& trajectory, const calib::SweepModel& model) {
+                                                const Trajectory& trajectory, const calib::SweepModel* linkage) {
   constexpr PictureSize kSize{1600, 900};
   const GraphicsContext graphics;
   CloudLook look;
@@ -24,7 +24,7 @@ std::optional<std::string> cloud_picture_of_run(const std::string& cloud_file, c
   const Cloud cloud = read_whole_cloud(cloud_file, {});
   scene.set_cloud(cloud);
   scene.set_trajectory(trajectory);
-  scene.set_robot(trajectory.back().T_map_base, &model);
+  scene.set_robot(trajectory.back().T_map_base, linkage);
   const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
   const CloudCaption caption{.title = std::filesystem::path(beside_log(log, "")).filename().string(),
                              .subtitle = points_text(scene.points_drawn(), cloud.size())};

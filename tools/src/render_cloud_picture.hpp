@@ -9,9 +9,9 @@
 
 namespace gdtslam {
 
-/// The iso view, 1600 by 900 pixels, as the bytes of a PNG file; nothing in a build without the viewer. Throws
-/// UnavailableError where nothing can draw, InputError, FileError.
+/// The iso view, 1600 by 900 pixels, as the bytes of a PNG file; nothing in a build without the viewer. `linkage` may
+/// be null: the laser has none. Throws UnavailableError where nothing can draw, InputError, FileError.
 std::optional<std::string> cloud_picture_of_run(const std::string& cloud_file, const std::string& log,
-                                                const Trajectory& trajectory, const calib::SweepModel& model);
+                                                const Trajectory& trajectory, const calib::SweepModel* linkage);
 
 }  // namespace gdtslam

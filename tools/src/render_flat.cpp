@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "gdtslam/core/angle.hpp"
@@ -63,10 +64,26 @@ PictureSize plot_size(const PictureSize& wanted) {
           static_cast<std::uint32_t>(std::lround(share * wanted.height))};
 }
 
+// For legends: each source's own name, where those differ; else the names of their files or folders, else the paths.
+std::vector<std::string> distinct_names(const std::vector<RenderSource>& sources) {
+  std::vector<std::string> names;
+  const auto are_distinct = [&names] { return std::set(names.begin(), names.end()).size() == names.size(); };
+  for (const RenderSource& source : sources) names.push_back(source.name());
+  if (are_distinct()) return names;
+  names.clear();
+  for (const RenderSource& source : sources) names.push_back(name_of_place(source.input()));
+  if (are_distinct()) return names;
+  names.clear();
+  for (const RenderSource& source : sources) names.push_back(source.input());
+  return names;
+}
+
+// In the order of time, which relations need not be in.
 std::vector<TrajectoryError> errors_of(RenderSource& source, const RenderOptions& options) {
   if (!options.relations.empty()) {
     const std::vector<Relation> relations = read_relations(options.relations);
     std::vector<TrajectoryError> errors = errors_against(source.trajectory(), relations);
+    std::stable_sort(errors.begin(), errors.end(), [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
     if (!errors.empty()) return errors;
     throw InputError({options.relations, 0}, fmt::format("none of its {} relations has stamps of {}; do both belong to "
                                                          "the same log?",
@@ -156,10 +173,11 @@ Canvas RenderStudio::errors(const RenderView& view, const PictureSize& size) {
   const bool is_angle = options_.is_angle;
   ErrorPlot plot{title(), is_angle ? "Heading error" : "Position error", is_angle ? "deg" : "m", {}};
   std::vector<TimeSeries> series;
-  for (RenderSource& source : sources_) {
-    const std::vector<TrajectoryError> errors = errors_of(source, options_);
-    ErrorGroup group{source.name(), {}};
-    TimeSeries line{source.name(), {}};
+  const std::vector<std::string> names = distinct_names(sources_);
+  for (std::size_t k = 0; k < sources_.size(); ++k) {
+    const std::vector<TrajectoryError> errors = errors_of(sources_[k], options_);
+    ErrorGroup group{names[k], {}};
+    TimeSeries line{names[k], {}};
     for (const TrajectoryError& error : errors) {
       group.values.push_back(is_angle ? error.angle_deg : error.position_m);
       line.points.emplace_back(error.stamp_s - errors.front().stamp_s, group.values.back());

@@ -41,13 +41,6 @@ bool has_file(const std::string& folder, const char* name) {
 
 std::string in_folder(const std::string& folder, const char* name) { return (fs::path(folder) / name).string(); }
 
-// The folder's own name, whatever the path to it looks like.
-std::string name_of_folder(const std::string& folder) {
-  std::error_code failed;
-  const fs::path whole = fs::weakly_canonical(folder, failed);
-  return failed || whole.filename().empty() ? "cloud" : whole.filename().string();
-}
-
 std::vector<std::string> preset_names() {
   std::vector<std::string> names;
   for (const calib::LinkagePreset& preset : calib::linkage_presets()) names.emplace_back(preset.name);
@@ -165,7 +158,7 @@ RenderSource::RenderSource(std::string input)
         cloud_file_ = *cloud;
         parts_ |= part::kCloud;
       }
-      if ((linkage_ = run_->linkage())) parts_ |= part::kLinkage;
+      if ((linkage_ = run_->linkage())) parts_ |= part::kMount | (run_->summary().tilts ? 0U : part::kLinkage);
       break;
     case RenderKind::kCloud:
       open_cloud();
@@ -196,7 +189,7 @@ void RenderSource::open_cloud() {
   std::error_code ignored;
   if (!fs::is_directory(input_, ignored)) return;
   cloud_file_ = in_folder(input_, kCloudName);
-  name_ = name_of_folder(input_);
+  name_ = name_of_place(input_);
   if (!has_file(input_, kTrajectoryName)) return;
   trajectory_file_ = in_folder(input_, kTrajectoryName);
   parts_ |= part::kTrajectory;
@@ -204,7 +197,7 @@ void RenderSource::open_cloud() {
 
 void RenderSource::set_linkage(const std::string& linkage) {
   linkage_ = resolve_linkage(linkage);
-  parts_ |= part::kLinkage;
+  parts_ |= part::kLinkage | part::kMount;
 }
 
 const OccupancyMap& RenderSource::map() {
@@ -280,6 +273,12 @@ std::array<double, 3> origin_of_cloud(const std::string& path) {
   reader.make_relative();
   (void)reader.next(1);
   return reader.origin_m();
+}
+
+std::string name_of_place(const std::string& path) {
+  std::error_code failed;
+  const fs::path whole = fs::weakly_canonical(path, failed);
+  return failed || whole.filename().empty() ? "cloud" : whole.filename().string();
 }
 
 double length_m_of(const Trajectory& trajectory) {

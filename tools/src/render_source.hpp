@@ -35,6 +35,7 @@ inline constexpr unsigned kTrajectory = 4U;
 inline constexpr unsigned kCloud = 8U;
 inline constexpr unsigned kLinkage = 16U;
 inline constexpr unsigned kTruth = 32U;  ///< --reference or --relations of a trajectory
+inline constexpr unsigned kMount = 64U;  ///< of a linkage or of a laser that tilts by itself
 }  // namespace part
 
 /// Hears of the points that are read and their share; below 0 where that is not known.
@@ -61,6 +62,7 @@ class RenderSource {
   const OccupancyMap& map();
   const FieldPicture& field();
   const Trajectory& trajectory();
+  /// Of what has kMount alone only the mount counts.
   const calib::SweepModel& linkage();
   /// Read anew at each call, because whoever draws it keeps it; both as of read_whole_cloud().
   [[nodiscard]] Cloud cloud(const CloudProgress& progress = {}, const CloudRemark& remark = {}) const;
@@ -90,6 +92,8 @@ class RenderSource {
 Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark = {});
 /// What was taken off the points of that cloud when it was read (CloudReader::make_relative).
 std::array<double, 3> origin_of_cloud(const std::string& path);
+/// The own name of a file or folder, whatever the path to it looks like.
+std::string name_of_place(const std::string& path);
 /// From pose to pose.
 double length_m_of(const Trajectory& trajectory);
 

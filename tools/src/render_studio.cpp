@@ -162,6 +162,14 @@ CloudCaption RenderStudio::caption() const {
   return {title(), subtitle(points_drawn_), true, true, true};
 }
 
+std::string RenderStudio::scan_subtitle() const {
+  std::string text = path_text();
+  if (!text.empty()) text += " of path";
+  if (points_drawn_ == whole_points_) return text;
+  const double share = 100.0 * static_cast<double>(points_drawn_) / static_cast<double>(whole_points_);
+  return fmt::format("{}{}{:.0f} % of the points drawn", text, text.empty() ? "" : ", ", share);
+}
+
 CloudScene& RenderStudio::cloud_scene(const RenderView& view, std::uint64_t points) {
   look_ = look_of(view, points > 0);
   drawn_ = cloud(points);
@@ -265,9 +273,13 @@ std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size
   const ScanningFilmInput input{.cloud = &drawn_,
                                 .trajectory = &first().trajectory(),
                                 .model = &first().linkage(),
+                                .has_linkage = (first().parts() & part::kLinkage) != 0,
                                 .from_s = time.from_s,
                                 .to_s = time.to_s};
-  return scanning_film(graphics(), input, look_, caption(), size, frames);
+  // The picture counts its points as they appear; their end would be a second number.
+  CloudCaption words = caption();
+  if (!options_.no_caption) words.subtitle = scan_subtitle();
+  return scanning_film(graphics(), input, look_, words, size, frames);
 }
 
 FilmLength RenderStudio::length_of(const RenderView& view) {

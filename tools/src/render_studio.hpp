@@ -77,6 +77,8 @@ class RenderStudio {
   [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
   [[nodiscard]] bool is_huge() const;
   [[nodiscard]] CloudCaption caption() const;
+  /// "62.8 m of path, 48 % of the points drawn".
+  [[nodiscard]] std::string scan_subtitle() const;
   void tell(const std::string& remark) const;
   /// How many points a film of the scan ends with.
   std::uint64_t points_of_scan();

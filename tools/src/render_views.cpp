@@ -36,7 +36,7 @@ const std::vector<RenderView>& render_views() {
       {"side", part::kCloud, kStill, kScene, kPixels, "3D cloud seen along x, in parallel"},
       {"orbit", part::kCloud, kMoves, kScene, kPixels, "once around the 3D cloud"},
       {"follow", part::kCloud | part::kTrajectory, kMoves, kScene, kPixels, "behind the robot along its path"},
-      {"scan", part::kCloud | part::kTrajectory | part::kLinkage, kMoves, kScene, kPixels,
+      {"scan", part::kCloud | part::kTrajectory | part::kMount, kMoves, kScene, kPixels,
        "the robot scanning, points appearing as they are measured (--from, --to)"},
       {"elevation", part::kCloud, kStill, kFlat, kVector, "elevation of the nodding scan plane over time"},
       {"map", part::kMap, kStill, kFlat, kPixels, "occupancy map, with the path where there is one"},
@@ -73,12 +73,13 @@ const RenderView* default_view(RenderKind kind, unsigned parts, bool is_film) {
 }
 
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint) {
-  constexpr std::array<std::pair<unsigned, std::string_view>, 6> kNames{{
+  constexpr std::array<std::pair<unsigned, std::string_view>, 7> kNames{{
       {part::kMap, "map"},
       {part::kField, "distance field"},
       {part::kTrajectory, "trajectory"},
       {part::kCloud, "3D cloud"},
       {part::kLinkage, "linkage (--linkage NAME|FILE)"},
+      {part::kMount, "linkage (--linkage NAME|FILE)"},
       {part::kTruth, "truth (--reference or --relations FILE)"},
   }};
   std::string text;

@@ -63,6 +63,12 @@ class ReportReader {
     return list;
   }
   [[nodiscard]] bool has(const char* key) const { return report_.contains(key); }
+  // Of an object; false where it has no such member.
+  [[nodiscard]] bool has_member(const char* key, const char* member, const char* text) const {
+    const Json& object = at(key);
+    if (!object.is_object()) fail(fmt::format("'{}' is no object", key));
+    return object.contains(member) && object.at(member) == text;
+  }
   // Whole numbers below `end`: entries of a list, or one member of each.
   [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const {
     std::vector<std::size_t> list;
@@ -114,6 +120,7 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   summary_.path_m = report.number("path_m");
   summary_.cloud_points = report.whole("cloud_points");
   summary_.nods = report.has("nodding");
+  summary_.tilts = summary_.nods && report.has_member("nodding", "told_by", "TILT");
   summary_.doubtful = report.indices("doubtful_scans", "index", summary_.scans);
   if (report.has("keyframe_scans")) {
     summary_.keyframes = report.indices("keyframe_scans", nullptr, summary_.scans);

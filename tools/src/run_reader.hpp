@@ -24,6 +24,7 @@ struct RunSummary {
   double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
   std::uint64_t cloud_points = 0;
   bool nods = false;
+  bool tilts = false;                  ///< nods without a linkage: the log told the elevation itself
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
   std::vector<std::size_t> keyframes;  ///< likewise; empty where the report is of an older version
 };
@@ -44,7 +45,8 @@ class RunReader {
   [[nodiscard]] DistanceFieldFile field() const;
   /// The file of the 3D cloud; nothing where the run made none. Throws InputError where it is missing.
   [[nodiscard]] std::optional<std::string> cloud_file() const;
-  /// How the laser nods; nothing where the run did not need it or is of an older version. Throws ConfigError too.
+  /// How the laser nods; nothing where the run did not need it or is of an older version. Where the laser tilts only
+  /// the mount counts. Throws ConfigError too.
   [[nodiscard]] std::optional<calib::SweepModel> linkage() const;
 
   /// True for a folder that holds a report.

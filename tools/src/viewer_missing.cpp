@@ -5,7 +5,8 @@
 namespace gdtslam {
 
 std::optional<std::string> cloud_picture_of_run(const std::string& /*cloud_file*/, const std::string& /*log*/,
-                                                const Trajectory& /*trajectory*/, const calib::SweepModel& /*model*/) {
+                                                const Trajectory& /*trajectory*/,
+                                                const calib::SweepModel* /*linkage*/) {
   return std::nullopt;
 }
 

@@ -91,6 +91,16 @@ TEST_F(RunReaderTest, RunsOfEarlierVersionsDoWithoutKeyframesAndLinkage) {
   EXPECT_FALSE(reader().linkage().has_value());
 }
 
+TEST_F(RunReaderTest, TellsALaserThatTiltsFromALinkage) {
+  EXPECT_FALSE(reader().summary().tilts);  // a report of an older version does not say
+  edit("\"linkage\": \"paper-a\"", "\"told_by\": \"ENCODER\"");
+  EXPECT_FALSE(reader().summary().tilts);
+  edit("\"linkage\": \"paper-a\"", "\"told_by\": \"TILT\"");
+  EXPECT_TRUE(reader().summary().tilts);
+  edit("{\"linkage\": \"paper-a\"}", "[]");
+  expect_refused([this] { reader(); }, path("report.json"), "'nodding' is no object");
+}
+
 TEST_F(RunReaderTest, ARunWithoutACloudHasNone) {
   edit("\"cloud_points\": 1", "\"cloud_points\": 0");
   EXPECT_FALSE(reader().cloud_file().has_value());

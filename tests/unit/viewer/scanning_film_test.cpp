@@ -43,7 +43,7 @@ TEST(ScanningScene, draws_the_points_that_were_measured_until_then) {
   const Cloud cloud = room.cloud();
   const Trajectory trajectory = room.trajectory();
   const ScanningTrack track(cloud, trajectory, 1.0, 6.0);
-  ScanningScene scene(graphics, track, room.model, trajectory, quick_look());
+  ScanningScene scene(graphics, track, room.model, true, trajectory, quick_look());
   for (const double stamp_s : {1.0, 1.5, 3.21, 6.0}) {
     scene.show(stamp_s, room.crank_rad(stamp_s));
     const auto truth = std::count_if(cloud.begin(), cloud.end(), [&](const CloudPoint& point) {
@@ -60,7 +60,7 @@ TEST(ScanningScene, sensor_is_where_it_was_and_looks_along_the_elevation) {
   const Cloud cloud = room.cloud();
   const Trajectory trajectory = room.trajectory();
   const ScanningTrack track(cloud, trajectory, 0.0, room.length_s);
-  ScanningScene scene(graphics, track, room.model, trajectory, quick_look());
+  ScanningScene scene(graphics, track, room.model, true, trajectory, quick_look());
   for (const double stamp_s : {0.5, 2.0, 3.9}) {
     scene.show(stamp_s, room.crank_rad(stamp_s));
     const Pose3 T_map_laser = scene.T_map_laser();
@@ -74,6 +74,27 @@ TEST(ScanningScene, sensor_is_where_it_was_and_looks_along_the_elevation) {
     EXPECT_NEAR(along.x(), ahead.x_m, 2e-3);
     EXPECT_NEAR(along.y(), ahead.y_m, 2e-3);
     EXPECT_NEAR(along.z(), ahead.z_m, 2e-3);
+  }
+}
+
+TEST(ScanningScene, a_laser_without_a_linkage_looks_where_the_points_say) {
+  const GraphicsContext graphics;
+  ScanningRoom room;
+  room.model.mount.lever_forward_m = 0.03;
+  room.model.mount.lever_up_m = 0.02;
+  const Cloud cloud = room.cloud();
+  const Trajectory trajectory = room.trajectory();
+  const ScanningTrack track(cloud, trajectory, 0.0, room.length_s);
+  ScanningScene scene(graphics, track, room.model, false, trajectory, quick_look());
+  for (const double stamp_s : {0.5, 2.0, 3.9}) {
+    scene.show(stamp_s, 0.0);
+    const Pose3 T_map_laser = scene.T_map_laser();
+    const double elevation_rad = *calib::elevation_rad(room.model, room.crank_rad(stamp_s));
+    const Point3 forward = T_map_laser.rotation * Point3::UnitX();
+    EXPECT_NEAR(forward.z(), std::sin(elevation_rad), 2e-3) << stamp_s;
+    EXPECT_NEAR(std::atan2(forward.y(), forward.x()), room.heading_rad, 1e-6) << stamp_s;
+    const double lever_up_m = 0.03 * std::sin(elevation_rad) + 0.02 * (std::cos(elevation_rad) - 1.0);
+    EXPECT_NEAR(T_map_laser.translation_m.z(), room.model.mount.height_m + lever_up_m, 1e-4) << stamp_s;
   }
 }
 

@@ -158,7 +158,8 @@ void add_cloud_picture(const MapOptions& options, const NoddingJob& nodding, con
                        MapOutcome& outcome, RunFolder& folder) {
   if (!options.no_cloud && !options.no_pictures && !outcome.interrupted) {
     try {
-      if (const auto png = cloud_picture_of_run(cloud_file, options.logs.front(), outcome.trajectory, nodding.model)) {
+      if (const auto png = cloud_picture_of_run(cloud_file, options.logs.front(), outcome.trajectory,
+                                                nodding.kind == NodKind::kEncoder ? &nodding.model : nullptr)) {
         write_file_atomically(folder.staged("cloud.png"), *png);
         return;
       }
@@ -288,11 +289,11 @@ int map_log(const MapLogJob& job) {
   return map(options);
 }
 
-bool log_nods(const std::vector<std::string>& logs) {
+NodKind nod_kind_of(const std::vector<std::string>& logs) {
   ScanStream scans(logs, {}, {});
   const NodKind kind = scans.nod_kind(ScanStream::kMostAhead);
   scans.expect_readable();
-  return kind != NodKind::kNone;
+  return kind;
 }
 
 void add_map_command(CLI::App& app, CommandContext& context) {

@@ -70,11 +70,12 @@ void check_options(const RenderOptions& options) {
 }
 
 // The parts that views may use, those of a log before it is mapped too.
-unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sources, bool nods) {
+unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sources, NodKind nods) {
   unsigned parts = has_truth(options) ? part::kTruth : 0U;
   if (!sources.empty()) return parts | sources.front().parts();
   parts |= part::kMap | part::kField | part::kTrajectory;
-  return nods ? parts | part::kCloud | part::kLinkage : parts;
+  if (nods != NodKind::kNone) parts |= part::kCloud | part::kMount;
+  return nods == NodKind::kEncoder ? parts | part::kLinkage : parts;
 }
 
 int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
@@ -157,7 +158,7 @@ int render_inputs(const RenderOptions& options) {
   std::optional<MappedLog> mapped;
   if (kinds.front() == RenderKind::kLog) {
     if (options.lists_views) {
-      return list_views(options, RenderKind::kRun, parts_of(options, sources, log_nods(options.inputs)));
+      return list_views(options, RenderKind::kRun, parts_of(options, sources, nod_kind_of(options.inputs)));
     }
     mapped.emplace(options);
     sources.emplace_back(mapped->folder());
@@ -165,7 +166,7 @@ int render_inputs(const RenderOptions& options) {
     for (const std::string& input : options.inputs) sources.emplace_back(input);
     if (!options.linkage.empty()) sources.front().set_linkage(options.linkage);
   }
-  if (options.lists_views) return list_views(options, kinds.front(), parts_of(options, sources, false));
+  if (options.lists_views) return list_views(options, kinds.front(), parts_of(options, sources, NodKind::kNone));
   const RenderResult result = render(options, sources);
   if (options.json) {
     print_result(json_text(json_of(result)));

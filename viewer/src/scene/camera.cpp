@@ -19,6 +19,10 @@ void Bounds::add(const Point3& point) {
   highest = highest.cwiseMax(point);
 }
 
+bool Bounds::holds(const Point3& point) const {
+  return (lowest.array() <= point.array()).all() && (point.array() <= highest.array()).all();
+}
+
 const std::vector<CameraPresetName>& camera_presets() {
   static const std::vector<CameraPresetName> presets{
       {CameraPreset::kIso, "iso", "from a corner, 38 degrees down"},

@@ -34,15 +34,23 @@ constexpr double kCoverage = 1.7;  // diameters per mean distance of neighbours,
 constexpr double kLeastPoint_px = 1.5;
 constexpr double kLargestPointShare = 1.0 / 16.0;  // of the picture's height
 
+constexpr double kLeastShareFramed = 0.99;  // of the points that are drawn, within the box that a camera shows
+
 // The box of what looks like surfaces: a few beams that went far through a door or a window should not make all else
-// small. Where most of the cloud is sparse, the box of all.
+// small. It has to hold nearly all that is drawn; in an open or sparse cloud, whose far points are no strays, it does
+// not, and the box of all is taken.
 Bounds bounds_of_surfaces(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn,
                           const CloudGaps& gaps, const Bounds& of_all) {
   std::vector<std::uint32_t> dense;
   for (const std::uint32_t k : drawn) {
     if (!gaps.is_alone(cloud[k])) dense.push_back(k);
   }
-  return dense.size() * 2 > drawn.size() ? robust_bounds(cloud, dense) : of_all;
+  if (dense.empty()) return of_all;
+  const Bounds box = robust_bounds(cloud, dense);
+  const auto held = std::count_if(drawn.begin(), drawn.end(), [&](std::uint32_t k) {
+    return box.holds({cloud[k].x_m, cloud[k].y_m, cloud[k].z_m});
+  });
+  return static_cast<double>(held) >= kLeastShareFramed * static_cast<double>(drawn.size()) ? box : of_all;
 }
 
 }  // namespace

@@ -178,6 +178,11 @@ void LinkageParts::build_ground() {
   }
 }
 
+Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad) {
+  const Pose3 T_axis_level{{mount.lever_forward_m, 0.0, mount.lever_up_m}, Eigen::Quaterniond::Identity()};
+  return T_axis_level * T_level_laser(mount, elevation_rad);
+}
+
 Part laser_part(double side) {
   Part laser;
   const auto add_disc = [&](double radius, double from_z, double to_z, Colour colour, Finish finish) {
@@ -275,12 +280,6 @@ void LinkageParts::show(bool is_visible) {
 }
 
 void LinkageParts::show_fan(bool is_visible) { fan_.show(is_visible); }
-
-Pose3 LinkageParts::T_axis_laser(double elevation_rad) const {
-  const Pose3 T_axis_level{{model_.mount.lever_forward_m, 0.0, model_.mount.lever_up_m},
-                           Eigen::Quaterniond::Identity()};
-  return T_axis_level * T_level_laser(model_.mount, elevation_rad);
-}
 
 std::array<Point3, 4> LinkageParts::joints(double crank_rad, const calib::LinkagePose& pose) const {
   const std::array<Point2, 4> at = plane_.joints(crank_rad, pose);

@@ -43,6 +43,9 @@ struct PartSizes {
 /// Sizes that suit the bars.
 PartSizes suitable_sizes(const calib::FourBar& bars);
 
+/// The sensor in the frame of the axis, for any mount.
+Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad);
+
 /// The sensor alone, its centre at the origin, about a cube of this side.
 Part laser_part(double side);
 
@@ -72,8 +75,9 @@ class LinkageParts {
   bool pose(const Pose3& T_world_axis, double crank_rad);
   void show(bool is_visible);
   void show_fan(bool is_visible);
-  /// The sensor in the frame of the axis.
-  [[nodiscard]] Pose3 T_axis_laser(double elevation_rad) const;
+  [[nodiscard]] Pose3 T_axis_laser(double elevation_rad) const {
+    return gdtslam::T_axis_laser(model_.mount, elevation_rad);
+  }
   /// The middle of a joint's cap, in the frame of the axis.
   [[nodiscard]] std::array<Point3, 4> joints(double crank_rad, const calib::LinkagePose& pose) const;
   /// Middle of a layer: 0 ground, 1 rocker, 2 crank, 3 coupler.

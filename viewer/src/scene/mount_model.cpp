@@ -99,18 +99,21 @@ void add_body(Part& part, const Body& body) {
 struct MountModel::State {
   State(const calib::SweepModel* sweep, const MountLook& mount_look) : look(mount_look) {
     if (sweep != nullptr) {
+      mount = sweep->mount;
+    } else {
+      mount.height_m = kLevelHeight_m;
+    }
+    if (sweep != nullptr && look.with_linkage) {
       cycle.emplace(*sweep);
       PartSizes sizes = suitable_sizes(sweep->bars);
       sizes.laser_m = std::min(kLaser_m, sizes.laser_m);
       sizes.fan_m = look.fan_m;
       sizes.with_feet = false;
       sizes.is_fan_cut = false;
-      mount = sweep->mount;
       linkage.emplace(*sweep, sizes);
     } else {
-      mount.height_m = kLevelHeight_m;
+      lone_laser = laser_part(kLaser_m);
     }
-    if (!linkage) level = laser_part(kLaser_m);
     build_robot();
     if (cycle) crank_rad = cycle->shown_crank_rad();
     if (linkage) linkage->show_fan(look.with_fan);
@@ -139,9 +142,11 @@ struct MountModel::State {
     const double axis_z = axis_m();
     const double x = -mount.lever_forward_m;
     if (!linkage) {
+      const double top_z = axis_z - 0.6 * laser_m;
+      if (top_z <= body.top_m) return;
       part.add(
           upright(rectangle_outline({-0.3 * laser_m, -0.3 * laser_m}, {0.3 * laser_m, 0.3 * laser_m}, 0.05 * laser_m),
-                  body.top_m, axis_z - 0.6 * laser_m, 0.0),
+                  body.top_m, top_z, 0.0),
           kFrame);
       return;
     }
@@ -163,7 +168,7 @@ struct MountModel::State {
     robot.move(T_map_robot);
     masts.move(T_map_robot * embed(look.T_base_level));
     if (linkage) linkage->pose(T_map_robot * T_base_axis(), crank_rad);
-    level.move(T_map_robot * T_base_axis());
+    lone_laser.move(T_map_robot * T_base_axis() * T_axis_laser(mount, elevation_rad));
   }
 
   MountLook look;
@@ -172,7 +177,8 @@ struct MountModel::State {
   std::optional<LinkageParts> linkage;
   Part robot;
   Part masts;
-  Part level;  ///< the laser of a robot without a linkage
+  Part lone_laser;             ///< of a robot without a linkage,
+  double elevation_rad = 0.0;  ///< and where it looks
   Pose2 T_map_base;
   double crank_rad = 0.0;
 };
@@ -185,7 +191,7 @@ MountModel::~MountModel() = default;
 void MountModel::add_to(vtkRenderer& renderer) {
   state_->robot.add_to(renderer);
   state_->masts.add_to(renderer);
-  state_->level.add_to(renderer);
+  state_->lone_laser.add_to(renderer);
   if (state_->linkage) state_->linkage->add_to(renderer);
 }
 
@@ -201,14 +207,20 @@ void MountModel::set_crank(double crank_rad) {
 }
 
 void MountModel::set_elevation(double elevation_rad, bool is_rising) {
-  if (!state_->cycle) return;
+  if (!state_->cycle) {
+    state_->elevation_rad = elevation_rad;
+    state_->move();
+    return;
+  }
   set_crank(state_->cycle->crank_of(elevation_rad, is_rising, state_->cycle->model().encoder.direction));
 }
+
+bool MountModel::has_linkage() const { return state_->cycle.has_value(); }
 
 void MountModel::set_visible(bool is_visible) {
   state_->robot.show(is_visible);
   state_->masts.show(is_visible);
-  state_->level.show(is_visible);
+  state_->lone_laser.show(is_visible);
   if (!state_->linkage) return;
   state_->linkage->show(is_visible);
   state_->linkage->show_fan(is_visible && state_->look.with_fan);
@@ -220,10 +232,9 @@ void MountModel::set_fan_visible(bool is_visible) {
 }
 
 Pose3 MountModel::T_map_laser() const {
-  Pose3 T_map_axis = embed(state_->T_map_base) * state_->T_base_axis();
-  if (!state_->cycle) return T_map_axis;
-  const double elevation_rad = calib::elevation_rad(state_->cycle->model(), state_->crank_rad).value_or(0.0);
-  return T_map_axis * state_->linkage->T_axis_laser(elevation_rad);
+  double elevation_rad = state_->elevation_rad;
+  if (state_->cycle) elevation_rad = calib::elevation_rad(state_->cycle->model(), state_->crank_rad).value_or(0.0);
+  return embed(state_->T_map_base) * state_->T_base_axis() * T_axis_laser(state_->mount, elevation_rad);
 }
 
 }  // namespace gdtslam

@@ -14,6 +14,7 @@ class vtkRenderer;
 namespace gdtslam {
 
 struct MountLook {
+  bool with_linkage = true;  ///< false: the laser tilts by itself, and of the model only the mount counts
   bool with_fan = true;
   double fan_m = 0.9;       ///< length of the beams that are shown
   Pose2 T_base_level = {};  ///< of the laser at elevation 0, as the log gives it
@@ -21,7 +22,7 @@ struct MountLook {
 
 class MountModel {
  public:
-  /// Without a linkage: a robot with a level laser. Throws ConfigError where the loop closes nowhere.
+  /// Without a model: a robot with a laser at 0.3 m. Throws ConfigError where the loop closes nowhere.
   explicit MountModel(const calib::SweepModel* model, const MountLook& look = {});
   ~MountModel();
   MountModel(const MountModel&) = delete;
@@ -32,8 +33,10 @@ class MountModel {
   void place(const Pose2& T_map_base);
   /// Where the loop does not close, nothing moves.
   void set_crank(double crank_rad);
-  /// The linkage as it stands at this elevation while that rises or falls; the nearest that it can reach.
+  /// The linkage as it stands at this elevation while that rises or falls; the nearest that it can reach. Without a
+  /// linkage the laser alone.
   void set_elevation(double elevation_rad, bool is_rising = true);
+  [[nodiscard]] bool has_linkage() const;
   void set_visible(bool is_visible);
   void set_fan_visible(bool is_visible);
   /// The sensor's centre and the direction of its forward beam, in the map.

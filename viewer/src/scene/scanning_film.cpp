@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
@@ -47,11 +48,12 @@ class ScanningFilm : public Film {
         size_(size),
         frames_(frames),
         track_(*input.cloud, *input.trajectory, input.from_s, input.to_s),
-        cycle_(model_),
-        scene_(graphics, track_, model_, *input.trajectory, look),
+        scene_(graphics, track_, model_, input.has_linkage, *input.trajectory, look),
         overlay_(track_, look, caption, size),
         distance_m_(std::clamp(kDistanceShare * track_.usual_range_m(), kLeastDistance_m, kMostDistance_m)) {
     if (frames == 0) throw UsageError("a film has at least one frame");
+    if (!input.has_linkage) return;
+    cycle_.emplace(model_);
     if (overlay_.inset().width <= 0.0) return;
     const LinkageLook close{.is_dark = look.is_dark, .is_transparent = true, .with_panel = false, .samples = 2};
     mount_ = std::make_unique<LinkageScene>(graphics, model_, close);
@@ -65,7 +67,9 @@ class ScanningFilm : public Film {
     const double stamp_s =
         k + 1 == frames_ ? track_.to_s() : track_.from_s() + share * (track_.to_s() - track_.from_s());
     ScanningMoment moment{.stamp_s = stamp_s, .elevation_rad = track_.elevation_rad(stamp_s)};
-    moment.crank_rad = cycle_.crank_of(moment.elevation_rad, track_.is_rising(stamp_s), model_.encoder.direction);
+    if (cycle_) {
+      moment.crank_rad = cycle_->crank_of(moment.elevation_rad, track_.is_rising(stamp_s), model_.encoder.direction);
+    }
     scene_.show(stamp_s, moment.crank_rad);
     moment.points = scene_.points_drawn();
     const Camera camera =
@@ -89,7 +93,7 @@ class ScanningFilm : public Film {
   PictureSize size_;
   std::size_t frames_;
   ScanningTrack track_;
-  LinkageCycle cycle_;
+  std::optional<LinkageCycle> cycle_;
   ScanningScene scene_;
   ScanningOverlay overlay_;
   double distance_m_;

@@ -53,14 +53,16 @@ Mesh floor_grid(const Bounds& bounds) {
 
 struct ScanningScene::State {
   State(const GraphicsContext& graphics, const ScanningTrack& with_track, const calib::SweepModel& model,
-        const Trajectory& trajectory, const CloudLook& with_look)
+        bool has_linkage, const Trajectory& trajectory, const CloudLook& with_look)
       : track(with_track),
         look(with_look),
         view(graphics),
         points(view.renderer()),
         path(view.renderer(), with_look.is_dark),
         beams(view.renderer()),
-        robot(&model, {.with_fan = false, .T_base_level = {track.sensor_forward_m(model.mount), 0.0, 0.0}}) {
+        robot(&model, {.with_linkage = has_linkage,
+                       .with_fan = false,
+                       .T_base_level = {track.sensor_forward_m(model.mount), 0.0, 0.0}}) {
     view.set_background(look.is_dark ? ink::kNight : ink::kPage, look.is_transparent);
     view.set_eye_dome(look.with_eye_dome);
     view.set_samples(look.samples);
@@ -104,8 +106,9 @@ struct ScanningScene::State {
 };
 
 ScanningScene::ScanningScene(const GraphicsContext& graphics, const ScanningTrack& track,
-                             const calib::SweepModel& model, const Trajectory& trajectory, const CloudLook& look)
-    : state_(std::make_unique<State>(graphics, track, model, trajectory, look)) {}
+                             const calib::SweepModel& model, bool has_linkage, const Trajectory& trajectory,
+                             const CloudLook& look)
+    : state_(std::make_unique<State>(graphics, track, model, has_linkage, trajectory, look)) {}
 
 ScanningScene::~ScanningScene() = default;
 
@@ -114,7 +117,11 @@ void ScanningScene::show(double stamp_s, double crank_rad) {
   s.points.show_until(stamp_s);
   s.path.show_until(stamp_s);
   s.robot.place(s.track.T_map_base(stamp_s));
-  s.robot.set_crank(crank_rad);
+  if (s.robot.has_linkage()) {
+    s.robot.set_crank(crank_rad);
+  } else {
+    s.robot.set_elevation(s.track.elevation_rad(stamp_s));
+  }
   const Point3 sensor_m = s.robot.T_map_laser().translation_m;
   s.points.keep_in_view(Point3(sensor_m.x(), sensor_m.y(), 0.5 * sensor_m.z()));
   s.beams.set_scan(sensor_m, s.track.last_scan(stamp_s));

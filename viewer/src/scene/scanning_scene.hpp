@@ -13,14 +13,15 @@ namespace gdtslam {
 
 class ScanningScene {
  public:
-  /// All of it must outlive the scene.
+  /// All of it must outlive the scene. Without a linkage the laser tilts by itself, and of the model only the mount
+  /// counts.
   ScanningScene(const GraphicsContext& graphics, const ScanningTrack& track, const calib::SweepModel& model,
-                const Trajectory& trajectory, const CloudLook& look);
+                bool has_linkage, const Trajectory& trajectory, const CloudLook& look);
   ~ScanningScene();
   ScanningScene(const ScanningScene&) = delete;
   ScanningScene& operator=(const ScanningScene&) = delete;
 
-  /// What was there at that moment, the crank as given.
+  /// What was there at that moment, the crank of a linkage as given.
   void show(double stamp_s, double crank_rad);
   [[nodiscard]] std::uint64_t points_drawn() const;
   [[nodiscard]] const ColourScale& scale() const;

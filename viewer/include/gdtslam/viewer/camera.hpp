@@ -25,6 +25,7 @@ struct Bounds {
   [[nodiscard]] bool is_empty() const { return lowest.x() > highest.x(); }
   [[nodiscard]] Point3 centre() const { return 0.5 * (lowest + highest); }
   void add(const Point3& point);
+  [[nodiscard]] bool holds(const Point3& point) const;
 };
 
 struct Camera {

@@ -72,7 +72,9 @@ class CloudScene {
   /// Only points (and path) up to this stamp are drawn; infinity: all. Points need not be in the order of time.
   void show_until(double stamp_s);
 
-  [[nodiscard]] const Bounds& bounds() const;  ///< of what is drawn, without stray points (0.1 % at each end)
+  /// Of what is drawn without stray points: 0.1 % at each end of an axis, and points that lie alone while all of those
+  /// are less than 1 %.
+  [[nodiscard]] const Bounds& bounds() const;
   [[nodiscard]] const ColourScale& scale() const;
   [[nodiscard]] std::uint64_t points_drawn() const;
 

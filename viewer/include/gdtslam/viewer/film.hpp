@@ -37,7 +37,8 @@ struct ScanningFilmInput {
   const Cloud* cloud = nullptr;  ///< with times and elevations
   const Trajectory* trajectory = nullptr;
   const calib::SweepModel* model = nullptr;
-  double from_s = 0.0;  ///< stretch of the log, in its clock
+  bool has_linkage = true;  ///< false: the laser tilts by itself, and of the model only the mount counts
+  double from_s = 0.0;      ///< stretch of the log, in its clock
   double to_s = 0.0;
 };
 /// The mount on the robot scanning: robot, linkage and fan of beams in 3D, points appearing as they are measured, the

@@ -1,0 +1,90 @@
+"""gdtslam render on runs that are alike but for one thing: a mount without a linkage, two runs of one log, an open cloud."""
+
+import math
+import re
+import shutil
+import struct
+
+import cli_support as cli
+from cli_support import RUN, TRUTH, expect
+from nodding_log import Drive, stamp_of, ticks_of
+from scenario_nodding_faults import elevation_of
+from scenario_render import Png, refused, rendered, require_viewer, views_of, words_of
+
+
+def render_tilting_laser():
+    """A log that tells the elevation itself has no linkage: none is offered, drawn or written into the page."""
+    require_viewer()
+    drive = Drive("render_tilting_laser")
+    drive.map("crank", drive.lines)
+    angle = elevation_of(drive.linkage.read_text())
+    drive.map("tilt", drive.edited(lambda line: f"TILT {angle(ticks_of(line)):.9f} {stamp_of(line):.6f} robot 0"))
+    crank, tilt = drive.folder / "crank", drive.folder / "tilt"
+    linkage = {"scene", "drawing"}
+    expect(views_of(tilt)[0] == views_of(crank)[0] - linkage, f"views of a tilting laser: {views_of(tilt)}")
+    expect(views_of(drive.folder / "tilt.log") == views_of(tilt), f"before it is mapped: {views_of(drive.folder / 'tilt.log')}")
+    refused(2, tilt, "--view", "drawing", "-o", drive.folder / "a.svg", says="--linkage NAME|FILE")
+    svg, page, scan = drive.folder / "a.svg", drive.folder / "a.html", ("--view", "scan", "--from", "2s", "--to", "6s")
+    for run, has_linkage in ((crank, True), (tilt, False)):
+        expect(("The mount" in words_of(svg, run, *scan)) == has_linkage, f"{run}: the mount's close view")
+        rendered(run, "-o", page)
+        expect(('"linkage":{' in page.read_text()) == has_linkage, f"{run}: the linkage in the page")
+
+
+def render_scan_counts_points_once():
+    """The picture of a scan has one number of points, those measured until then."""
+    require_viewer()
+    drive = Drive("render_scan_counts_points_once")
+    drive.map("run", drive.lines)
+    svg, scan = drive.folder / "a.svg", ("--view", "scan", "--from", "2s", "--to", "6s")
+    for more in ((), ("--points", 5000)):
+        said = rendered(drive.folder / "run", *scan, *more, "-o", svg)
+        words = words_of(svg, drive.folder / "run", *scan, *more)
+        counts = [int(text.replace(",", "")) for text in re.findall(r"\b\d{1,3}(?:,\d{3})+\b", words)]
+        expect(len(counts) == 1 and 0 < counts[0] < said["points"], f"{counts} points in {words}")
+        share = f"{100 * said['points'] / said['points_of']:.0f} % of the points drawn"
+        expect((share in words) == (said["points"] < said["points_of"]), f"{share!r}, {said}: {words}")
+
+
+def render_errors_of_runs_of_one_log():
+    """Runs of one log have one name; plots of both tell them apart by their folders, and by their paths where those are alike."""
+    require_viewer()
+    folder = cli.fresh_folder("render_errors_of_runs_of_one_log")
+    for name in ("coarse", "fine", "other/fine"):
+        shutil.copytree(RUN, folder / name)
+    for view in ("errors-cdf", "errors-box", "errors-time"):
+        words = words_of(folder / "e.svg", folder / "coarse", folder / "fine", "--reference", TRUTH, "--view", view)
+        expect("coarse" in words and "fine" in words, f"{view}: {words}")
+        words = words_of(folder / "e.svg", "fine", "other/fine", "--reference", TRUTH, "--view", view, cwd=folder)
+        expect("other/fine" in words, f"{view}: {words}")
+
+
+def render_errors_over_time_are_sorted():
+    """Relations may stand in any order; the curve over time is the same."""
+    require_viewer()
+    folder = cli.fresh_folder("render_errors_over_time_are_sorted")
+    rows = [line.split()[0] for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+    lines = [f"{rows[k]} {rows[k + 10]} 0.1 0 0 0 0 0\n" for k in range(0, 100, 10)]
+    pictures = []
+    for name, order in (("sorted", lines), ("mixed", lines[5:] + lines[4::-1])):
+        (folder / f"{name}.relations").write_text("".join(order))
+        rendered(RUN, "--relations", folder / f"{name}.relations", "--view", "errors-time", "-o", folder / f"{name}.svg")
+        pictures.append((folder / f"{name}.svg").read_text())
+    expect(pictures[0] == pictures[1], "the order of the relations shows")
+
+
+def render_open_clouds_whole():
+    """Nine tenths of the points lie on a small dense patch, the rest on an open ring around it: no view cuts the ring."""
+    require_viewer()
+    folder = cli.fresh_folder("render_open_clouds_whole")
+    near = [(0.02 * (k % 60), 0.02 * (k // 60), 1.0) for k in range(3600)]
+    far = [(0.6 + 12 * math.cos(0.015 * k), 0.6 + 9 * math.sin(0.015 * k), 0.03 * (k % 90)) for k in range(420)]
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(near + far)}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    (folder / "open.ply").write_bytes(head.encode() + b"".join(struct.pack("<fff", *place) for place in near + far))
+    for view in ("iso", "top", "front", "side"):
+        rendered(folder / "open.ply", "--view", view, "--no-caption", "--size", "320x200", "--point-size", 3, "-o", folder / "a.png")
+        picture = Png(folder / "a.png")
+        ground = picture.pixel(0, 0)
+        edge = [picture.pixel(x, y) for x in range(320) for y in (0, 1, 198, 199)]
+        edge += [picture.pixel(x, y) for y in range(200) for x in (0, 1, 318, 319)]
+        expect(set(edge) == {ground}, f"{view}: points at the picture's edge")
