@@ -1,14 +1,13 @@
-// Bytes as base64 [Josefsson2006] into a file, piece by piece. One writer belongs to one thread.
+// Bytes as base64 (core/base64.hpp) into a file, piece by piece. One writer belongs to one thread.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <type_traits>
+#include <vector>
 
+#include "gdtslam/core/base64.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 
 namespace gdtslam {
@@ -19,11 +18,8 @@ class Base64Writer {
   explicit Base64Writer(AtomicFile& file) : file_(file) {}
 
   void add(std::span<const std::byte> bytes) {
-    for (const std::byte byte : bytes) {
-      held_ = held_ << 8U | std::to_integer<std::uint32_t>(byte);
-      if (++count_ == 3) put(4);
-    }
-    if (text_.size() > kPiece) write();
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    if (bytes_.size() >= kPiece) write(bytes_.size() / 3 * 3);
   }
   /// The value's bytes as they lie in memory.
   template <class T>
@@ -32,33 +28,20 @@ class Base64Writer {
     add(std::as_bytes(std::span(&value, 1)));
   }
   /// What is left, padded; the next bytes begin a text of their own.
-  void finish() {
-    if (count_ > 0) {
-      const std::size_t letters = count_ + 1;
-      held_ <<= 8U * (3 - count_);
-      put(letters);
-      text_.append(4 - letters, '=');
-    }
-    write();
-  }
+  void finish() { write(bytes_.size()); }
 
  private:
-  static constexpr std::size_t kPiece = 65536;
-  static constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  static constexpr std::size_t kPiece = 49152;  ///< 64 KiB of text
 
-  void put(std::size_t letters) {
-    for (std::size_t k = 0; k < letters; ++k) text_ += kLetters[held_ >> (18U - 6U * k) & 63U];
-    held_ = 0;
-    count_ = 0;
-  }
-  void write() {
-    file_.write(text_);
+  void write(std::size_t count) {
     text_.clear();
+    append_base64(std::span(bytes_).first(count), text_);
+    file_.write(text_);
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(count));
   }
 
   AtomicFile& file_;
-  std::uint32_t held_ = 0;
-  std::size_t count_ = 0;
+  std::vector<std::byte> bytes_;  ///< not written yet
   std::string text_;
 };
 

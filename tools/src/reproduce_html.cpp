@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <span>
 #include <string>
 #include <string_view>
 
-#include "base64_text.hpp"
+#include "gdtslam/core/base64.hpp"
 #include "gdtslam/drawing/markup.hpp"
 #include "reproduce_drives.hpp"
 #include "reproduce_report.hpp"
@@ -102,8 +103,9 @@ std::string picture_html(const Picture& picture, const std::string& folder) {
     const std::size_t begin = bytes.find("<svg");
     image = begin == std::string::npos ? "" : bytes.substr(begin);
   } else {
-    image = fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", markup_text(picture.caption),
-                        base64_text(bytes));
+    image = fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,", markup_text(picture.caption));
+    append_base64(std::as_bytes(std::span(bytes)), image);
+    image += "\">\n";
   }
   return fmt::format("<figure{}><div class=\"sheet\">\n{}</div><figcaption>{}</figcaption></figure>\n",
                      fmt::format(" class=\"across{}\"", picture.across), image, markup_text(picture.caption));

@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
+#include <span>
 
+#include "gdtslam/core/base64.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/markup.hpp"
@@ -47,21 +48,6 @@ std::string edging(const std::optional<Pen>& edge) {
   if (!edge) return "stroke=\"none\"";
   const bool is_usual = edge->width == 1.0 && edge->opacity >= 1.0 && edge->dashes.empty();
   return is_usual ? fmt::format("stroke=\"{}\"", hex_text(edge->colour)) : stroke(*edge);
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
-    std::uint32_t bits = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      bits = bits << 8U | (i < count ? static_cast<std::uint8_t>(bytes[at + i]) : 0U);
-    }
-    for (std::size_t i = 0; i < 4; ++i) text += i <= count ? kDigits[bits >> (18U - 6U * i) & 63U] : '=';
-  }
-  return text;
 }
 
 /// Writes one shape after the other. A clip is a nested <svg>, which hides what leaves it: a clipPath would need a
@@ -116,7 +102,10 @@ class SvgWriter {
     svg_ += fmt::format("<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\"{} href=\"",
                         pixels(picture.corner.x()), pixels(picture.corner.y()), pixels(picture.width),
                         pixels(picture.height), picture.is_smooth ? "" : " style=\"image-rendering:pixelated\"");
-    svg_ += "data:image/png;base64," + base64(png_(*picture.image)) + "\"/>\n";
+    const std::string png = png_(*picture.image);
+    svg_ += "data:image/png;base64,";
+    append_base64(std::as_bytes(std::span(png)), svg_);
+    svg_ += "\"/>\n";
   }
   void operator()(const shape::ClipBegin& clip) {
     svg_ += fmt::format("<svg x=\"{0}\" y=\"{1}\" width=\"{2}\" height=\"{3}\" viewBox=\"{0} {1} {2} {3}\">\n",

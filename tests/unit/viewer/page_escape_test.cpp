@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "page/page_base64.hpp"
+#include "page/page_bytes.hpp"
 
 namespace gdtslam::page {
 namespace {
@@ -33,22 +33,7 @@ TEST(PageEscape, JsonHasCommasWhereTheyBelong) {
   EXPECT_EQ(json.str(), R"({"a":1,"b":[2,"c",{}],"d":[]})");
 }
 
-// The vectors of RFC 4648, section 10.
-TEST(PageBase64, IsThatOfTheStandard) {
-  const std::string_view text = "foobar";
-  const std::string_view expected[] = {"", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"};
-  for (std::size_t length = 0; length <= text.size(); ++length) {
-    const std::vector<std::uint8_t> bytes(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length));
-    std::string out = "=";
-    append_base64(bytes, out);
-    EXPECT_EQ(out, "=" + std::string(expected[length]));
-  }
-  std::string out;
-  append_base64(std::vector<std::uint8_t>{0xFB, 0xEF, 0xFF}, out);
-  EXPECT_EQ(out, "++//");
-}
-
-TEST(PageBase64, BytesAreLittleEndian) {
+TEST(PageBytes, BytesAreLittleEndian) {
   ByteWriter bytes;
   bytes.u16(0x1234);
   bytes.f32(-2.5);  // 0xC0200000

@@ -16,7 +16,7 @@
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/pose3.hpp"
-#include "page/page_base64.hpp"
+#include "page/page_bytes.hpp"
 #include "page/page_escape.hpp"
 
 namespace gdtslam::page {

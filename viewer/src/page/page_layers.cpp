@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/base64.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "page/page_base64.hpp"
+#include "page/page_bytes.hpp"
 #include "scene/cloud_colours.hpp"
 
 namespace gdtslam::page {
@@ -166,7 +168,7 @@ void write_colour_maps(JsonWriter& json) {
     std::vector<std::uint8_t> bytes;
     for (const Colour& colour : map.table()) bytes.insert(bytes.end(), {colour.red, colour.green, colour.blue});
     std::string colours;
-    append_base64(bytes, colours);
+    append_base64(std::as_bytes(std::span(bytes)), colours);
     json.open("", '{').text("name", map.name()).text("doc", map.doc()).text("colours", colours).close();
   }
   json.close();

@@ -1,4 +1,4 @@
-// Bytes as base64 (RFC 4648, with padding) at the end of a text. Thread-safe; O(bytes).
+// Bytes that a page holds. Thread-safe; O(bytes).
 #pragma once
 
 #include <bit>
@@ -9,8 +9,6 @@
 #include <vector>
 
 namespace gdtslam::page {
-
-void append_base64(std::span<const std::uint8_t> bytes, std::string& out);
 
 /// Little-endian values one after the other, whatever the host.
 class ByteWriter {
