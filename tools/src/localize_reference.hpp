@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "poses_by_stamp.hpp"
+#include "gdtslam/mapping/poses_by_stamp.hpp"
 #include "run_reader.hpp"
 
 namespace gdtslam {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "gdtslam/core/angle.hpp"
-#include "poses_by_stamp.hpp"
+#include "gdtslam/mapping/poses_by_stamp.hpp"
 
 namespace gdtslam {
 namespace {

@@ -9,46 +9,12 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/poses_by_stamp.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kShortTermLimit_s = 20.0;
-
-// The poses of a trajectory by stamp. File order need not be time order, so the stamps are sorted here.
-class StampIndex {
- public:
-  explicit StampIndex(const Trajectory& trajectory) : trajectory_(&trajectory) {
-    for (std::size_t k = 0; k < trajectory.size(); ++k) {
-      if (std::isfinite(trajectory[k].stamp_s)) order_.push_back(k);
-    }
-    std::stable_sort(order_.begin(), order_.end(), [&trajectory](std::size_t a, std::size_t b) {
-      return trajectory[a].stamp_s < trajectory[b].stamp_s;
-    });
-  }
-
-  // The pose with the nearest stamp within the tolerance; of several with that stamp the last one in log order.
-  [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const {
-    const auto after = std::upper_bound(order_.begin(), order_.end(), stamp_s,
-                                        [this](double t_s, std::size_t k) { return t_s < (*trajectory_)[k].stamp_s; });
-    const std::size_t* best = nullptr;
-    if (after != order_.begin()) best = &*std::prev(after);  // the last with the greatest stamp up to stamp_s
-    if (after != order_.end()) {
-      const double next_s = (*trajectory_)[*after].stamp_s;
-      if (best == nullptr || next_s - stamp_s < stamp_s - (*trajectory_)[*best].stamp_s) {
-        best = &*std::prev(std::upper_bound(after, order_.end(), next_s, [this](double t_s, std::size_t k) {
-          return t_s < (*trajectory_)[k].stamp_s;
-        }));
-      }
-    }
-    if (best == nullptr || !(std::fabs((*trajectory_)[*best].stamp_s - stamp_s) <= tolerance_s)) return std::nullopt;
-    return (*trajectory_)[*best].T_map_base;
-  }
-
- private:
-  const Trajectory* trajectory_;
-  std::vector<std::size_t> order_;
-};
 
 double yaw_error_deg(double a_rad, double b_rad) { return std::fabs(deg_from_rad(wrap_angle(a_rad - b_rad))); }
 
@@ -151,7 +117,7 @@ ErrorSummary summarise(std::vector<double> errors) {
 
 RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,
                                   double tolerance_s) {
-  const StampIndex index(trajectory);
+  const PosesByStamp index(trajectory);
   Errors all;
   Errors short_term;
   Errors loops;
@@ -183,7 +149,7 @@ RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const 
 
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options) {
-  const StampIndex index(reference);
+  const PosesByStamp index(reference);
   std::vector<MatchedPose> matched;
   matched.reserve(estimate.size());
   for (const StampedPose& pose : estimate) {

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "poses_by_stamp.hpp"
-
 namespace gdtslam {
 namespace {
 
@@ -112,18 +110,6 @@ TEST(LocalizeFigures, CountsAddUp) {
   EXPECT_EQ(figures.faults, (std::array<std::uint64_t, 5>{1, 0, 0, 0, 1}));
   EXPECT_EQ(figures.distance_m.count, 2U);
   EXPECT_DOUBLE_EQ(figures.distance_m.mean, 0.03);
-}
-
-TEST(PosesByStamp, NearestWithinTheToleranceWhateverTheOrder) {
-  const auto at = [](double stamp_s, double x_m) { return StampedPose{stamp_s, {x_m, 0.0, 0.0}}; };
-  const PosesByStamp poses({at(3.0, 30.0), at(1.0, 10.0), at(2.0, 20.0), at(1.0, 11.0)});
-  EXPECT_DOUBLE_EQ(poses.find(1.004, 0.01)->x_m, 11.0);  // the last of the log
-  EXPECT_DOUBLE_EQ(poses.find(2.996, 0.01)->x_m, 30.0);
-  EXPECT_DOUBLE_EQ(poses.find(2.4, 1.0)->x_m, 20.0);
-  EXPECT_DOUBLE_EQ(poses.find(0.995, 0.01)->x_m, 11.0);
-  EXPECT_FALSE(poses.find(2.5, 0.01).has_value());
-  EXPECT_FALSE(poses.find(3.02, 0.01).has_value());
-  EXPECT_FALSE(PosesByStamp({}).find(1.0, 1.0).has_value());
 }
 
 }  // namespace

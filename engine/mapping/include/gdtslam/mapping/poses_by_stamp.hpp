@@ -1,5 +1,5 @@
-// The poses of a trajectory by the time that they belong to. Its order need not be that of time. Thread-safe once made;
-// O(n log n) to make, O(log n) to ask.
+// The poses of a trajectory by the time that they belong to. Its order need not be that of time; poses without a
+// finite stamp are left out. Thread-safe once made; O(n log n) to make, O(log n) to ask.
 #pragma once
 
 #include <optional>
