@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cell_poses.hpp"
 #include "certified_search.hpp"
 #include "gdtslam/compute/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -30,9 +31,7 @@ CellPose CertifiedSearch::to_cells(const Pose2& pose) const {
 }
 
 Pose2 CertifiedSearch::to_metres(const CellPose& pose) const {
-  const double resolution_m = map_.field().resolution_m;
-  return {(static_cast<double>(pose.x) + anchor_.x) * resolution_m,
-          (static_cast<double>(pose.y) + anchor_.y) * resolution_m, wrap_angle(static_cast<double>(pose.theta))};
+  return pose_in_metres(pose, anchor_, map_.field().resolution_m);
 }
 
 bool CertifiedSearch::is_allowed(const CellPose& pose) const {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gdtslam/core/elementary.hpp"
+#include "scan_beams.hpp"
 
 namespace gdtslam {
 namespace {
@@ -43,7 +43,7 @@ Eigen::Vector3d velocity_of(const ScanRecord& record, const std::optional<Odomet
 PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ValidRange& valid,
                        const std::optional<Odometry>& before, const HeightBand& band) {
   const LaserScan& laser = scan.record.scan;
-  const double limit_m = laser.max_range_m > 0.0 ? std::min(valid.max_m, laser.max_range_m) : valid.max_m;
+  const double limit_m = range_limit_m(laser, valid.max_m);
   const BeamTiming timing = scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
   const Eigen::Vector3d velocity = velocity_of(scan.record, before);
   ElevationCourse course(scan, scanner.table);
@@ -52,7 +52,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
     const auto range_m = static_cast<double>(laser.ranges_m[beam]);
     if (!(range_m >= valid.min_m && range_m < limit_m)) continue;  // false for NaN too
     const double offset_s = timing.of_beam_s(beam);
-    const auto bearing = sin_cos(laser.first_bearing_rad + static_cast<double>(beam) * laser.bearing_step_rad);
+    const auto bearing = beam_direction(laser, beam);
     const Pose3 T_level = T_level_laser(scanner.mount, course.at(offset_s));
     const Point3 point = T_level * Point3(range_m * bearing.cos, range_m * bearing.sin, 0.0);
     if (!(point.z() >= band.low_m && point.z() <= band.high_m)) continue;
@@ -66,7 +66,7 @@ LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
   const BeamTiming timing = scanner.timing(level.ranges_m.size(), level.bearing_step_rad);
   ElevationCourse course(scan, scanner.table);
   for (std::size_t beam = 0; beam < level.ranges_m.size(); ++beam) {
-    const auto bearing = sin_cos(level.first_bearing_rad + static_cast<double>(beam) * level.bearing_step_rad);
+    const auto bearing = beam_direction(level, beam);
     const Eigen::Quaterniond turn = T_level_laser(scanner.mount, course.at(timing.of_beam_s(beam))).rotation;
     const Point3 direction = rotation_matrix(turn) * Point3(bearing.cos, bearing.sin, 0.0);
     const double share = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cell_poses.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -66,9 +67,7 @@ void MatchRules::begin(const Prediction& prediction, std::size_t points) {
 }
 
 Pose2 MatchRules::to_metres(const CellPose& pose) const {
-  const double r = config_.map.resolution_m;
-  return {(static_cast<double>(pose.x) + anchor_.x) * r, (static_cast<double>(pose.y) + anchor_.y) * r,
-          wrap_angle(static_cast<double>(pose.theta))};
+  return pose_in_metres(pose, anchor_, config_.map.resolution_m);
 }
 
 SearchWindow MatchRules::window(double scale) const {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "cell_poses.hpp"
 #include "device_memory.hpp"
 #include "gdtslam/compute/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -155,9 +156,7 @@ CellPose Objective::to_cells(const Pose2& T_map_base) const {
 }
 
 Pose2 Objective::to_metres(const CellPose& pose) const {
-  const double resolution_m = map_->geometry().resolution_m;
-  return {(static_cast<double>(pose.x) + anchor_.x) * resolution_m,
-          (static_cast<double>(pose.y) + anchor_.y) * resolution_m, wrap_angle(static_cast<double>(pose.theta))};
+  return pose_in_metres(pose, anchor_, map_->geometry().resolution_m);
 }
 
 }  // namespace gdtslam

@@ -8,6 +8,7 @@
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "growth.hpp"
+#include "scan_beams.hpp"
 
 namespace gdtslam {
 namespace {
@@ -87,13 +88,13 @@ void OccupancyBuilder::update_bearings(const LaserScan& scan) {
   bearings_ = {scan.first_bearing_rad, scan.bearing_step_rad, {}};
   bearings_.directions.reserve(scan.ranges_m.size());
   for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
-    const auto [sine, cosine] = sin_cos(scan.first_bearing_rad + static_cast<double>(k) * scan.bearing_step_rad);
+    const auto [sine, cosine] = beam_direction(scan, k);
     bearings_.directions.emplace_back(cosine, sine);
   }
 }
 
 CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map_laser) {
-  const double limit_m = scan.max_range_m > 0.0 ? std::min(scan.max_range_m, limits_.max_range_m) : limits_.max_range_m;
+  const double limit_m = range_limit_m(scan, limits_.max_range_m);
   const auto [sine, cosine] = sin_cos(T_map_laser.theta_rad);
   CellBox touched;
   rays_.clear();

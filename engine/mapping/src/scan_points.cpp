@@ -6,6 +6,7 @@
 
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
+#include "scan_beams.hpp"
 
 namespace gdtslam {
 namespace {
@@ -25,13 +26,13 @@ ValidRange valid_ranges(const MapperConfig& config) {
 }
 
 std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid) {
-  const double limit = scan.max_range_m > 0.0 ? std::min(valid.max_m, scan.max_range_m) : valid.max_m;
+  const double limit = range_limit_m(scan, valid.max_m);
   std::vector<Point2> points;
   points.reserve(scan.ranges_m.size());
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range = static_cast<double>(scan.ranges_m[beam]);
     if (!(range >= valid.min_m && range < limit)) continue;  // false for NaN too
-    const auto direction = sin_cos(scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad);
+    const auto direction = beam_direction(scan, beam);
     const Point2 point = scan.T_base_laser * Point2(range * direction.cos, range * direction.sin);
     if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthest_m) points.push_back(point);
   }

@@ -8,6 +8,7 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
+#include "scan_beams.hpp"
 #include "sweep_assembler_batch.hpp"
 #include "sweep_assembler_strips.hpp"
 
@@ -82,7 +83,7 @@ struct SweepAssembler::State {
 
   /// Ranges of a strip, 0 where there was no valid return; whether there is any.
   bool take_ranges(const LaserScan& scan, const ScanStrip& strip) {
-    const double limit = scan.max_range_m > 0.0 ? std::min(limits.max_range_m, scan.max_range_m) : limits.max_range_m;
+    const double limit = range_limit_m(scan, limits.max_range_m);
     ranges.clear();
     bool any = false;
     for (std::size_t beam = strip.first; beam < strip.first + strip.count; ++beam) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gdtslam/core/elementary.hpp"
+#include "scan_beams.hpp"
 
 namespace gdtslam {
 
@@ -18,7 +18,7 @@ std::optional<std::uint32_t> BeamDirections::row_of(const LaserScan& scan) {
   const auto row = static_cast<std::uint32_t>(rows_.size());
   layouts_.push_back({scan.first_bearing_rad, scan.bearing_step_rad, beams, row});
   for (std::size_t beam = 0; beam < beams; ++beam) {
-    append(scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad);
+    append(beam_bearing_rad(scan, beam));
   }
   return row;
 }

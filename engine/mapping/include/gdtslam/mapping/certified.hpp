@@ -18,6 +18,7 @@
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
+#include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 
 namespace gdtslam {
@@ -34,7 +35,7 @@ struct FieldView {
   std::uint32_t stride = 0;
   CellIndex first_cell;  ///< lower left cell in map cells
   std::uint16_t cap = 0;
-  double resolution_m = 0.05;
+  double resolution_m = MapConfig{}.resolution_m;
 };
 /// The map as it is now; valid until it grows or takes a keyframe.
 FieldView field_view(const GlobalField& map);

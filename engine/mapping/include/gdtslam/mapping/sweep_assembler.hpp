@@ -18,6 +18,7 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/nodding.hpp"
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 
@@ -43,8 +44,8 @@ struct PoseKnot {
 };
 
 struct AssemblyLimits {
-  double min_range_m = 0.1;
-  double max_range_m = 40.0;
+  double min_range_m = ScanConfig{}.min_range_m;
+  double max_range_m = ScanConfig{}.max_range_m;
   SweepForm form = SweepForm::kWorking;
   std::uint32_t batch_beams = 65536;  ///< of one upload, dispatch and download; at least 1024
 };
