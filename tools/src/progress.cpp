@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -23,19 +24,40 @@ std::string with_thousands(std::uint64_t value) {
   return text;
 }
 
-std::string duration_text(double seconds) {
-  const auto whole = static_cast<std::uint64_t>(std::ceil(seconds));
+}  // namespace
+
+std::string time_left_text(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(std::ceil(std::max(seconds, 0.0)));
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{}:{:02} min", whole / 60, whole % 60);
   return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
 }
 
-}  // namespace
+TerminalLine::TerminalLine(bool quiet)
+    : enabled_(!quiet && ::isatty(STDERR_FILENO) == 1), start_(Clock::now()), last_(start_) {}
 
-ProgressLine::ProgressLine(std::string unit, bool quiet)
-    : unit_(std::move(unit)), enabled_(!quiet && ::isatty(STDERR_FILENO) == 1), start_(Clock::now()), last_(start_) {}
+TerminalLine::~TerminalLine() { clear(); }
 
-ProgressLine::~ProgressLine() { clear(); }
+void TerminalLine::draw(const std::function<std::string(double elapsed_s)>& text) {
+  if (!enabled_) return;
+  const Clock::time_point now = Clock::now();
+  if (now - last_ < kRedrawInterval) return;
+  last_ = now;
+  drawn_ = true;
+  fmt::print(stderr, "\r\x1b[K{}", text(elapsed_s()));
+  std::fflush(stderr);
+}
+
+double TerminalLine::elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+void TerminalLine::clear() {
+  if (!drawn_) return;
+  drawn_ = false;
+  fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
+}
+
+ProgressLine::ProgressLine(std::string unit, bool quiet) : unit_(std::move(unit)), line_(quiet) {}
 
 std::string ProgressLine::text(const std::string& unit, std::uint64_t count, double share, double elapsed_s) {
   std::string line;
@@ -46,27 +68,13 @@ std::string ProgressLine::text(const std::string& unit, std::uint64_t count, dou
   }
   if (share > 0.0 && share <= 1.0) {
     const double left_s = elapsed_s * (1.0 - share) / share;
-    if (left_s < kLongestShown_s) line += fmt::format("  {} left", duration_text(left_s));
+    if (left_s < kLongestShown_s) line += fmt::format("  {} left", time_left_text(left_s));
   }
   return line;
 }
 
 void ProgressLine::update(std::uint64_t count, double share) {
-  if (!enabled_) return;
-  const Clock::time_point now = Clock::now();
-  if (now - last_ < kRedrawInterval) return;
-  last_ = now;
-  drawn_ = true;
-  const double elapsed_s = std::chrono::duration<double>(now - start_).count();
-  fmt::print(stderr, "\r\x1b[K{}", text(unit_, count, share, elapsed_s));
-  std::fflush(stderr);
-}
-
-void ProgressLine::clear() {
-  if (!drawn_) return;
-  drawn_ = false;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  line_.draw([&](double elapsed_s) { return text(unit_, count, share, elapsed_s); });
 }
 
 }  // namespace gdtslam

@@ -1,39 +1,21 @@
 #include "reproduce_progress.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
 
 #include "console.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
 
-constexpr std::chrono::milliseconds kRedrawInterval{200};
 // Of what is done before its speed tells more than the weights do.
 constexpr double kTelling_s = 2.0;
-
-std::string duration_text(double seconds) {
-  const auto whole = static_cast<std::uint64_t>(std::ceil(std::max(seconds, 0.0)));
-  return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{}:{:02} min", whole / 60, whole % 60);
-}
 
 }  // namespace
 
 Progress::Progress(std::size_t parts, double total_s, unsigned workers, bool quiet)
-    : parts_(parts),
-      total_s_(total_s),
-      workers_(std::max(1U, workers)),
-      quiet_(quiet),
-      is_terminal_(::isatty(STDERR_FILENO) == 1),
-      start_(Clock::now()),
-      last_(start_ - kRedrawInterval) {}
-
-Progress::~Progress() { clear(); }
+    : parts_(parts), total_s_(total_s), workers_(std::max(1U, workers)), quiet_(quiet), line_(quiet) {}
 
 void Progress::begin(const std::string& name, double weight_s) {
   in_hand_[name] = {weight_s, 0.0};
@@ -50,43 +32,29 @@ std::string Progress::text(const std::map<std::string, InHand>& in_hand, std::si
   std::string text;
   for (const auto& [name, work] : in_hand)
     text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100.0 * work.share);
-  return fmt::format("{}  ({} of {} parts made, {} left)", text, made, parts, duration_text(left_s));
+  return fmt::format("{}  ({} of {} parts made, {} left)", text, made, parts, time_left_text(left_s));
 }
 
 double Progress::left_s() const {
   double done_s = done_s_;
   for (const auto& [name, work] : in_hand_) done_s += work.share * work.weight_s;
-  const double elapsed_s = std::chrono::duration<double>(Clock::now() - start_).count();
-  const double pace = done_s > kTelling_s ? elapsed_s / done_s : 1.0 / workers_;
+  const double pace = done_s > kTelling_s ? line_.elapsed_s() / done_s : 1.0 / workers_;
   return pace * std::max(0.0, total_s_ - done_s);
 }
 
 void Progress::draw() {
-  if (quiet_ || !is_terminal_) return;
-  const Clock::time_point now = Clock::now();
-  if (now - last_ < kRedrawInterval) return;
-  last_ = now;
-  drawn_ = true;
-  fmt::print(stderr, "\r\x1b[K{}", text(in_hand_, made_, parts_, left_s()));
-  std::fflush(stderr);
+  line_.draw([this](double /*elapsed_s*/) { return text(in_hand_, made_, parts_, left_s()); });
 }
 
 void Progress::finish(const std::string& name, double cpu_s, bool is_part) {
   done_s_ += in_hand_[name].weight_s;
   in_hand_.erase(name);
   made_ += is_part ? 1U : 0U;
-  clear();
+  line_.clear();
   if (quiet_) return;
-  const std::string left = made_ < parts_ ? fmt::format(", about {} left", duration_text(left_s())) : "";
+  const std::string left = made_ < parts_ ? fmt::format(", about {} left", time_left_text(left_s())) : "";
   print_remark(is_part ? fmt::format("{} made, {:.1f} s of CPU time ({} of {}{})", name, cpu_s, made_, parts_, left)
                        : fmt::format("{} simulated, {:.1f} s of CPU time", name, cpu_s));
-}
-
-void Progress::clear() {
-  if (!drawn_) return;
-  drawn_ = false;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
 }
 
 }  // namespace gdtslam::reproduce

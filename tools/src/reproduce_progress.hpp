@@ -3,10 +3,11 @@
 // One thread.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <map>
 #include <string>
+
+#include "progress.hpp"
 
 namespace gdtslam::reproduce {
 
@@ -14,16 +15,13 @@ class Progress {
  public:
   /// `parts`: to be made; `total_s`: weights of all that is to be done; `workers`: that share it.
   Progress(std::size_t parts, double total_s, unsigned workers, bool quiet);
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
 
   void begin(const std::string& name, double weight_s);
   /// Share of what has that name that is done.
   void update(const std::string& name, double share);
   /// It is done, with that CPU time. A drive is no part.
   void finish(const std::string& name, double cpu_s, bool is_part);
-  void clear();
+  void clear() { line_.clear(); }
 
   struct InHand {
     double weight_s = 0.0;
@@ -34,7 +32,6 @@ class Progress {
                           double left_s);
 
  private:
-  using Clock = std::chrono::steady_clock;
   [[nodiscard]] double left_s() const;
   void draw();
 
@@ -45,10 +42,7 @@ class Progress {
   double done_s_ = 0.0;  ///< weight of what is finished
   std::map<std::string, InHand> in_hand_;
   bool quiet_;
-  bool is_terminal_;
-  bool drawn_ = false;
-  Clock::time_point start_;
-  Clock::time_point last_;
+  TerminalLine line_;
 };
 
 }  // namespace gdtslam::reproduce

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "device_json.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/sha256.hpp"
@@ -12,10 +13,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
-
-Json device_json(const DeviceInfo& device) {
-  return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
-}
 
 // No second counts twice: all but "write" add up to wall_s.
 Json stages_json(const MapOutcome& outcome, double written_s) {

@@ -15,6 +15,7 @@
 #include "bench_rows.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "device_json.hpp"
 #include "device_option.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/json_file.hpp"
@@ -65,10 +66,6 @@ const BenchRow* same_row(const Measured& measured, const BenchRow& wanted) {
 /// How many times as fast as the CPU: by CPU time where the device is a CPU itself, else by wall time.
 double times_cpu(const BenchRow& cpu, const BenchRow& row, Basis basis) {
   return basis == Basis::kCpu ? cpu.timing.cpu_s / row.timing.cpu_s : cpu.timing.wall_s / row.timing.wall_s;
-}
-
-Json device_json(const DeviceInfo& device) {
-  return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
 }
 
 template <class T>

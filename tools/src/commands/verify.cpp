@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "device_json.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/json_file.hpp"
 #include "verify_record.hpp"
@@ -79,10 +80,6 @@ std::string text_of(const VerifyReport& report) {
   }
   text += fmt::format("{:.1f} s\n", report.wall_s);
   return text + plural(report.differences(), "difference") + "\n";
-}
-
-Json device_json(const DeviceInfo& device) {
-  return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
 }
 
 Json kernel_json(const KernelVerdict& kernel) {
