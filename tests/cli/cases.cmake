@@ -49,7 +49,7 @@ gdtslam_cli_test(usage.localize_within_unit ARGS localize {run} {log} --within 1
 gdtslam_cli_test(usage.localize_within_range ARGS localize {run} {log} --within 0m/1deg EXIT 2 STDERR "--within: '0m/1deg' is out of range")
 gdtslam_cli_test(usage.localize_picture ARGS localize {run} {log} --picture a.bmp EXIT 2 STDERR "--picture: 'a.bmp' does not say what to write")
 gdtslam_cli_test(usage.isa ARGS map {log} --isa avx3 EXIT 2 STDERR "no instruction set 'avx3'. did you mean 'avx2'")
-gdtslam_cli_test(usage.device ARGS map {log} --device gpu EXIT 2 STDERR "no device 'gpu'")
+gdtslam_cli_test(usage.device ARGS map {log} --device gpu EXIT 2 STDERR "no device 'gpu'. did you mean 'vulkan'")
 gdtslam_cli_test(usage.evaluate_nothing ARGS evaluate {run}/trajectory.tum EXIT 2 STDERR "relations.*reference")
 gdtslam_cli_test(usage.evaluate_both ARGS evaluate {run}/trajectory.tum --relations a --reference b EXIT 2)
 gdtslam_cli_test(usage.evaluate_tolerance ARGS evaluate {run}/trajectory.tum --reference b --tolerance=-1 EXIT 2 STDERR "--tolerance")

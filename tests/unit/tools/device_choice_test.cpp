@@ -69,6 +69,17 @@ TEST(DeviceName, OthersAreRefused) {
   }
 }
 
+TEST(DeviceName, AGpuIsVulkanAndNotTheNearestByItsLetters) {
+  for (const char* name : {"gpu", "GPU", "gpu:0"}) {
+    try {
+      parse_device_name(name);
+      ADD_FAILURE() << name;
+    } catch (const UsageError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("did you mean 'vulkan'?")) << name;
+    }
+  }
+}
+
 TEST(DeviceChoice, AutoTakesTheFirstHardwareGpuThatWorks) {
   EXPECT_EQ(chosen("auto", kMixed), 2U);
   EXPECT_EQ(chosen("auto", kSoftware), std::nullopt) << "lavapipe only when it is named";
