@@ -9,7 +9,12 @@ gdtslam_cli_test(help ARGS --help STDOUT "Usage: gdtslam .*map .*simulate .*eval
 gdtslam_cli_test(version ARGS --version STDOUT "^gdtslam ${PROJECT_VERSION}\n$")
 
 # 2: wrong usage
-gdtslam_cli_test(usage.nothing ARGS EXIT 2 STDERR "A subcommand is required \\(see 'gdtslam --help'\\)")
+gdtslam_cli_test(help.without_a_word ARGS STDOUT "Usage: gdtslam .*map .*Examples:.*Exit codes: 0 done")
+gdtslam_cli_test(help.command ARGS help STDOUT "Usage: gdtslam .*map .*Examples:.*Exit codes: 0 done")
+gdtslam_cli_test(help.of_a_command ARGS help map STDOUT "^[A-Z].*\nUsage: gdtslam map .*Examples:\n  gdtslam map")
+gdtslam_cli_test(help.of_a_nested_command ARGS help config show STDOUT "Usage: gdtslam config show .*Examples:")
+gdtslam_cli_test(help.of_none ARGS help mpa EXIT 2 STDERR "no command 'mpa'. did you mean 'map'\\? \\(see 'gdtslam --help'\\)")
+gdtslam_cli_test(usage.option_alone ARGS --quiet EXIT 2 STDERR "unexpected argument '--quiet' \\(see 'gdtslam --help'\\)|A subcommand is required")
 gdtslam_cli_test(usage.misspelt_command ARGS mpa x EXIT 2 STDERR "no command 'mpa'. did you mean 'map'\\?")
 gdtslam_cli_test(usage.misspelt_nested_command ARGS config shwo EXIT 2 STDERR "no command 'shwo'. did you mean 'show'\\? \\(see 'gdtslam config --help'\\)")
 gdtslam_cli_test(usage.unknown_command ARGS frobnicate EXIT 2 STDERR "no command 'frobnicate' \\(see")

@@ -53,6 +53,47 @@ constexpr const char* kOptionsOfReproduce = "GDTSLAM_BUILD_CALIBRATION";
 constexpr const char* kOptionsOfReproduce = "GDTSLAM_BUILD_VIEWER";
 #endif
 
+std::vector<std::string> names_of(CLI::App* app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const CLI::App* command : app->get_subcommands([](CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+// "gdtslam map": the words that lead to a sub-command.
+std::string path_of(const CLI::App* app) {
+  return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
+}
+
+std::string help_of(const CLI::App* app) {
+  return app->help(app->get_parent() == nullptr ? "" : path_of(app->get_parent()));
+}
+
+int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    const auto named = app->get_subcommands([&word](const CLI::App* command) { return command->get_name() == word; });
+    if (named.empty()) {
+      throw UsageError("there is no command '" + word + "'" + did_you_mean(word, names_of(app)) + " (see '" +
+                       path_of(app) + " --help')");
+    }
+    app = named.front();
+  }
+  print_result(help_of(app));
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_help_command(CLI::App& app, CommandContext& context) {
+  auto words = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = app.add_subcommand("help", "Help on a command, as --help behind it");
+  command->add_option("command", *words, "The command; none: all of them")->type_name("NAME");
+  command->footer("Examples:\n  gdtslam help map\n  gdtslam help config show");
+  command->callback([&app, &context, words] { context.run = [&app, words] { return print_help_on(&app, *words); }; });
+}
+
 std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   auto app = std::make_unique<CLI::App>("2D and 3D mapping with a laser range finder and wheel odometry", "gdtslam");
   app->set_version_flag("--version", "gdtslam " GDTSLAM_VERSION, "Print the version and exit");
@@ -92,6 +133,7 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
   add_devices_command(*app, context);
   add_verify_command(*app, context);
   add_bench_command(*app, context);
+  add_help_command(*app, context);
   return app;
 }
 
@@ -99,22 +141,6 @@ std::unique_ptr<CLI::App> make_app(CommandContext& context) {
 CLI::App* chosen_app(CLI::App* app) {
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
   return app;
-}
-
-std::vector<std::string> names_of(CLI::App* app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app->get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  for (const CLI::App* command : app->get_subcommands([](CLI::App*) { return true; })) {
-    names.push_back(command->get_name());
-  }
-  return names;
-}
-
-// "gdtslam map": the words that lead to a sub-command.
-std::string path_of(const CLI::App* app) {
-  return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
 }
 
 std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
@@ -131,10 +157,6 @@ std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   return message + " (see '" + path_of(app) + " --help')";
 }
 
-std::string help_of(const CLI::App* app) {
-  return app->help(app->get_parent() == nullptr ? "" : path_of(app->get_parent()));
-}
-
 int report(const std::string& message, ExitCode code) {
   std::fprintf(stderr, "gdtslam: error: %s\n", message.c_str());
   return static_cast<int>(code);
@@ -143,6 +165,7 @@ int report(const std::string& message, ExitCode code) {
 int parse_and_run(int argc, char** argv) {
   CommandContext context;
   const std::unique_ptr<CLI::App> app = make_app(context);
+  if (argc <= 1) return print_help_on(app.get(), {});
   try {
     app->parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
