@@ -98,3 +98,4 @@ def reference_pages():
     process = subprocess.run([SOURCE / "tools/scripts/make_reference.sh", "--check", PROGRAM], capture_output=True,
                              text=True, check=False)
     expect(process.returncode == 0, process.stdout + process.stderr)
+    expect("|---|" in process.stdout and table.startswith(process.stdout), f"printed, without its header: {process.stdout}")

@@ -137,6 +137,7 @@ int ablation(const AblationOptions& options) {
       "|---|---|---|---|---|---|---|---|\n",
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
       backend->device().threads, backend->device().threads == 1 ? "" : "s");
+  if (!options.quiet) print_result(table);
   std::size_t unmatched = 0;
   for (const AblationVariant& variant : variants) {
     std::string row;
