@@ -1,6 +1,7 @@
 """Results against the truth, and files against each other."""
 
 import json
+import math
 import subprocess
 
 import cli_support as cli
@@ -72,6 +73,38 @@ def config_round_trip():
     wrong = yaml.safe_load(shown)
     wrong["map"]["resolutoin"] = 1
     expect(not jsonschema.Draft7Validator(schema).is_valid(wrong), "the schema lets an unknown key pass")
+
+
+def stated_laser():
+    """Options state the mount and the bearings of a log that is wrong about both: a laser that hangs upside down and off
+    the axis of a robot that turns on the spot. The truth is the drive's; without the options the robot seems to move."""
+    folder = cli.fresh_folder("stated_laser")
+    headings = [math.radians(2.0 * k) for k in range(40)]
+    text = ""
+    for k, heading in enumerate(headings):
+        ahead, left = 0.3, 0.1
+        x = 3.0 + ahead * math.cos(heading) - left * math.sin(heading)
+        y = 2.0 + ahead * math.sin(heading) + left * math.cos(heading)
+        robot = (3.0, 2.0, heading)
+        text += cli.flaser(cli.room_ranges(x, y, heading)[::-1], robot, robot, 100.0 + 0.2 * k)
+    (folder / "wrong.log").write_text(text)
+    mount = ("log.mount=stated", "log.mount_x=30 cm", "log.mount_y=10 cm")
+    bearings = ("log.bearings=stated", "log.first_bearing=89 deg", "log.bearing_step=-1 deg")
+    strayed = {}
+    for name, sets in (("neither", ()), ("bearings", bearings), ("both", (*mount, *bearings))):
+        mapped(folder / name, *(word for one in sets for word in ("--set", one)), log=folder / "wrong.log")
+        poses = [[float(word) for word in line.split()] for line in (folder / name / "trajectory.tum").read_text().splitlines()
+                 if line[0] != "#"]
+        expect(len(poses) == len(headings), f"{name}: {len(poses)} poses")
+        far_m = max(math.dist(pose[1:3], poses[0][1:3]) for pose in poses)
+        turned = [2.0 * (math.atan2(pose[6], pose[7]) - math.atan2(poses[0][6], poses[0][7])) for pose in poses]
+        strayed[name] = far_m, max(abs(a - b) for a, b in zip(turned, headings))
+    expect(strayed["both"][0] < 0.03 and strayed["both"][1] < math.radians(1.0), f"stated: {strayed}")
+    expect(strayed["bearings"][0] > 0.1, f"without the mount: {strayed}")
+    expect(max(strayed["neither"]) > 0.1, f"without both: {strayed}")
+    process = command("map", folder / "wrong.log", "-o", folder / "none", "--set", "log.mount_x=30 cm")
+    expect_exit(process, 78)
+    expect("count only with log.mount: stated" in process.stderr, process.stderr)
 
 
 def ablation_table():

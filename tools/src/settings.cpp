@@ -25,8 +25,8 @@ std::vector<Option> options_of(calib::NodTrackLimits& limits) {
 // The options that are no concern of the 2D system.
 std::vector<Option> options_besides_mapper(Settings& settings) {
   std::vector<Option> table = options_of(settings.occupancy);
-  for (const std::vector<Option>& part :
-       {options_of(settings.nodding), options_of(settings.nod_limits), options_of(settings.cloud)}) {
+  for (const std::vector<Option>& part : {options_of(settings.nodding), options_of(settings.nod_limits),
+                                          options_of(settings.cloud), options_of(settings.log)}) {
     table.insert(table.end(), part.begin(), part.end());
   }
   return table;
@@ -44,6 +44,7 @@ std::vector<Option> options_of(Settings& settings) {
 void require_valid(Settings& settings) {
   std::vector<std::string> faults = validate(settings.mapper);
   for (std::string& fault : violations(options_besides_mapper(settings))) faults.push_back(std::move(fault));
+  for (std::string& fault : faults_of(settings.log)) faults.push_back(std::move(fault));
   std::string all;
   for (const std::string& fault : faults) all += (all.empty() ? "" : "; ") + fault;
   if (!all.empty()) throw ConfigError(all);

@@ -11,6 +11,7 @@
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
+#include "log_config.hpp"
 
 namespace gdtslam {
 
@@ -28,6 +29,7 @@ struct Settings {
   NoddingConfig nodding;
   calib::NodTrackLimits nod_limits;
   CloudConfig cloud;
+  LogConfig log;
   std::vector<std::string> from_file;  ///< paths that the file set
   std::vector<std::string> from_sets;  ///< paths that --set set
 };

@@ -126,7 +126,8 @@ class CarmenReader final : public LogReader {
     }
     previous_ = {scan.stamp_s, scan.ranges_m.size()};
     if (scan.T_base_laser.translation().norm() > kFarMountM) {
-      warn("laser far from robot", "the laser pose of the line may be corrected, not odometry; state the mount");
+      warn("laser far from robot",
+           "the laser pose of the line may be corrected, not odometry; state the mount (log.mount)");
     }
   }
 

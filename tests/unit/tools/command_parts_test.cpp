@@ -169,6 +169,28 @@ TEST(Settings, RefusesWhatDoesNotFit) {
   EXPECT_THROW(load_settings({.file = {}, .sets = {"map.truncation=50 m"}}), ConfigError);  // more than 255 cells
 }
 
+TEST(Settings, StateTheLaserOfALog) {
+  const ReadOptions unchanged = read_options_of(load_settings({}).log, true);
+  EXPECT_TRUE(unchanged.lenient);
+  EXPECT_FALSE(unchanged.T_base_laser || unchanged.first_bearing_rad || unchanged.bearing_step_rad ||
+               unchanged.max_range_m);
+  const Settings settings = load_settings(
+      {.file = {},
+       .sets = {"log.mount=stated", "log.mount_x=20cm", "log.mount_y=-1cm", "log.mount_angle=0.5 rad",
+                "log.bearings=stated", "log.first_bearing=-2 rad", "log.bearing_step=0.01 rad", "log.max_range=30m"}});
+  const ReadOptions stated = read_options_of(settings.log, false);
+  EXPECT_EQ(stated.T_base_laser, (Pose2{0.2, -0.01, 0.5}));
+  EXPECT_EQ(stated.first_bearing_rad, -2.0);
+  EXPECT_EQ(stated.bearing_step_rad, 0.01);
+  EXPECT_EQ(stated.max_range_m, 30.0);
+}
+
+TEST(Settings, RefuseWhatNothingWouldUseOfALog) {
+  EXPECT_THROW(load_settings({.file = {}, .sets = {"log.mount_y=1cm"}}), ConfigError);
+  EXPECT_THROW(load_settings({.file = {}, .sets = {"log.bearing_step=1deg"}}), ConfigError);
+  EXPECT_THROW(load_settings({.file = {}, .sets = {"log.bearings=stated"}}), ConfigError);  // a step of zero
+}
+
 TEST(AblationVariants, ChangeWhatTheyName) {
   for (const AblationVariant& variant : default_variants()) {
     EXPECT_NO_THROW(load_settings({.file = {}, .sets = variant.sets})) << variant.name;

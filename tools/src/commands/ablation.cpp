@@ -93,7 +93,7 @@ VariantResult run_variant(const AblationVariant& variant, const AblationOptions&
   chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
   const Settings settings = load_settings(chosen);
   MapJob job{.logs = {options.log},
-             .read = {},
+             .read = read_options_of(settings.log, false),
              .range = options.range,
              .mapper = settings.mapper,
              .occupancy = settings.occupancy,

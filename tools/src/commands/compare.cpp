@@ -44,8 +44,8 @@ struct CompareOptions {
   std::string picture;
   SettingsOptions settings;
   DeviceOptions device{.device = "cpu"};
-  ReadOptions read;
   ScanRange range;
+  bool lenient = false;
   bool json = false;
   bool quiet = false;
 };
@@ -96,9 +96,10 @@ CompareJob job_of(const CompareOptions& options) {
   }
   CompareJob job;
   job.logs = options.logs;
-  job.read = options.read;
+  const Settings settings = load_settings(options.settings);
+  job.read = read_options_of(settings.log, options.lenient);
   job.range = options.range;
-  job.mapper = load_settings(options.settings).mapper;
+  job.mapper = settings.mapper;
   job.methods = compare_methods_of("--matchers", options.methods);
   job.levels = levels_of(options.levels);
   job.starts = static_cast<std::uint32_t>(options.starts);
@@ -223,7 +224,7 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
   command->add_option("log", options->logs, "CARMEN logs, plain or gzip, one after the other")
       ->required()
       ->type_name("LOG");
-  command->add_flag("--lenient", options->read.lenient, "Count and skip malformed lines instead of failing");
+  command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
   command->add_option("--skip", options->range.skip, "Leave out the first N scans")
       ->type_name("N")
       ->check(whole_number_from(0));

@@ -82,10 +82,10 @@ LocalizeLimits limits_of(const LocalizeOptions& options) {
   return limits;
 }
 
-LocalizeJob job_of(const LocalizeOptions& options) {
+LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
   LocalizeJob job;
   job.log = options.log;
-  job.read.lenient = options.lenient;
+  job.read = read_options_of(settings.log, options.lenient);
   job.choice = options.choice;
   job.threads = options.device.threads > 0 ? options.device.threads : std::max(1U, std::thread::hardware_concurrency());
   if (options.leave_out_s >= 0.0) {
@@ -164,8 +164,8 @@ struct Work {
   Localized all;
 };
 
-Work work_with(const LocalizeOptions& options, const LocalizeJob& job, const DeviceOptions& device) {
-  const Settings settings = load_settings(options.settings);
+Work work_with(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job,
+               const DeviceOptions& device) {
   Work work;
   work.backend = backend_of(device);
   work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
@@ -177,9 +177,9 @@ Work work_with(const LocalizeOptions& options, const LocalizeJob& job, const Dev
 }
 
 // The CPU gives the same, so a device that fails costs the time spent and nothing else.
-Work work_of(const LocalizeOptions& options, const LocalizeJob& job) {
+Work work_of(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job) {
   try {
-    return work_with(options, job, options.device);
+    return work_with(options, settings, job, options.device);
   } catch (const DeviceError& error) {
     if (options.device.no_fallback) throw;
     print_remark(fmt::format("warning: {}; beginning again with the CPU", error.what()));
@@ -189,15 +189,16 @@ Work work_of(const LocalizeOptions& options, const LocalizeJob& job) {
   }
   DeviceOptions cpu = options.device;
   cpu.device = "cpu";
-  return work_with(options, job, cpu);
+  return work_with(options, settings, job, cpu);
 }
 
 int localize(const LocalizeOptions& options) {
   check(options);
   Stopwatch watch;
   LocalizeTimes times;
-  const LocalizeJob job = job_of(options);
-  const Work work = work_of(options, job);
+  const Settings settings = load_settings(options.settings);
+  const LocalizeJob job = job_of(options, settings);
+  const Work work = work_of(options, settings, job);
   const Localized& all = work.all;
   require_reference(job, all);
   watch.add_to(times.wall_s, times.cpu_s);

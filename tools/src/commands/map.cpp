@@ -41,9 +41,9 @@ struct MapOptions {
   std::string matcher;
   SettingsOptions settings;
   DeviceOptions device;
-  ReadOptions read;
   ScanRange range;
   std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
+  bool lenient = false;
   bool no_cloud = false;
   bool no_pictures = false;
   bool json = false;
@@ -225,7 +225,7 @@ int map_logs(const MapOptions& options) {
   Settings settings = settings_of(options);
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   const MapJob job{.logs = options.logs,
-                   .read = options.read,
+                   .read = read_options_of(settings.log, options.lenient),
                    .range = options.range,
                    .mapper = settings.mapper,
                    .occupancy = settings.occupancy,
@@ -264,7 +264,7 @@ void add_input_options(CLI::App& command, MapOptions& options) {
       .add_option("log", options.logs, "CARMEN logs, plain or gzip, mapped one after the other; - is standard input")
       ->required()
       ->type_name("LOG");
-  command.add_flag("--lenient", options.read.lenient, "Count and skip malformed lines instead of failing");
+  command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
   command.add_option("--skip", options.range.skip, "Leave out the first N scans")
       ->type_name("N")
       ->check(whole_number_from(0));
