@@ -107,7 +107,7 @@ def localize_leaves_out_by_time():
     """No chosen scan lies within the time of a merged one; a seed draws the same scans, another one others."""
     poses = poses_of(POSES)
     merged = [poses[k][0] for k in json.loads((RUN / "report.json").read_text())["keyframe_scans"]]
-    arguments = ("--random", 12, "--leave-out", 0.35, "--no-runner-up")
+    arguments = ("--random", 12, "--leave-out", "0.35s", "--no-runner-up")
     report = localized(*arguments)
     for scan in report["scans"]:
         expect(min(abs(scan["stamp_s"] - stamp) for stamp in merged) > 0.35, f"scan {scan['scan']} is too near")
@@ -116,11 +116,11 @@ def localize_leaves_out_by_time():
     expect(report["choice"]["candidates"] == len(far), f"{report['choice']}, {len(far)} by the files")
     other = localized(*arguments, "--seed", 2)
     expect([s["scan"] for s in other["scans"]] != [s["scan"] for s in report["scans"]], "the seed changes nothing")
-    process = command("localize", RUN, LOG, "--random", 3, "--leave-out", 10000)
+    process = command("localize", RUN, LOG, "--random", 3, "--leave-out", "10000s")
     expect_exit(process, 65)
     one_error_line(process.stderr)
     expect(f"has no scan left to localise; left out: {len(poses)} within 10000 s of one that went into the map" in process.stderr, process.stderr)
-    process = command("localize", RUN, LOG, "--random", 100000, "--leave-out", 0.55, "--no-runner-up", "-q")
+    process = command("localize", RUN, LOG, "--random", 100000, "--leave-out", "550ms", "--no-runner-up", "-q")
     expect_exit(process, 0)
     expect("could be drawn, not 100000" in process.stderr, process.stderr)
 
@@ -204,7 +204,7 @@ def localize_explains_failures():
         expect(faults[fault] == len(report["scans"]) and report["errors"]["within"]["count"] == 0, f"{name}: {faults}")
         if fault == "map-prefers":
             expect(all(s["reference"]["nearby"]["mean_distance_m"] > s["found"]["mean_distance_m"] for s in report["scans"]), name)
-    process = command("localize", RUN, LOG, "--every", 100, "--max-time", 1e-6, "--reference", POSES, "--json")
+    process = command("localize", RUN, LOG, "--every", 100, "--max-time", "1us", "--reference", POSES, "--json")
     expect_exit(process, 65)  # not one pose was tried
     cli.validate(process.stdout, "localize")
     short = json.loads(process.stdout)
@@ -246,13 +246,13 @@ def localize_hostile_maps():
     refused("far", 65, "gdt.yaml: the origin lies more than a million cells", gdt_yaml=field.replace(origin, "origin: [1.0e9, 0.0, 0.0]"))
     report = json.loads((RUN / "report.json").read_text())
     del report["keyframe_scans"]
-    refused("older", 65, "does not tell which scans went into the map", "--every", 50, "--leave-out", 1, report_json=json.dumps(report))
-    refused("poseless", 65, "trajectory.tum: is missing", "--every", 50, "--leave-out", 1, trajectory_tum=None)
+    refused("older", 65, "does not tell which scans went into the map", "--every", 50, "--leave-out", "1s", report_json=json.dumps(report))
+    refused("poseless", 65, "trajectory.tum: is missing", "--every", 50, "--leave-out", "1s", trajectory_tum=None)
     alone = folder / "alone"
     alone.mkdir()
     for file in ("gdt.yaml", "gdt.png"):
         shutil.copy(RUN / file, alone)
-    process = command("localize", alone / "gdt.yaml", LOG, "--random", 2, "--leave-out", 1)
+    process = command("localize", alone / "gdt.yaml", LOG, "--random", 2, "--leave-out", "1s")
     expect_exit(process, 65)
     expect("belongs to no folder of a run, which --leave-out needs" in process.stderr, process.stderr)
     same = [localized("--scan", 7, run=run)["scans"] for run in (RUN, RUN / "gdt.yaml", alone, alone / "gdt.yaml")]

@@ -238,7 +238,7 @@ def render_mistakes():
         ((RUN, "--colour", "hight", *out), "did you mean 'height'"),
         ((RUN, "--colour-map", "virids", *out), "--colour-map"),
         ((RUN, "--range", "2m", *out), "MIN:MAX"),
-        ((RUN, "--range", "1:2", *out), "has no unit"),
+        ((RUN, "--range", "1:2", *out), "needs a unit"),
         ((RUN, "--range", "3m:2m", *out), "not below"),
         ((RUN, "--camera", "1,2,3", *out), "camera"),
         ((RUN, "--light", "--dark", *out), "exclude each other"),

@@ -118,10 +118,11 @@ def ablation_table():
     for words in ("merge.rule=literal", "merge.kappa=1", "keyframe.every_scan=true", "match.matcher=exhaustive", "match.cost=squared"):
         expect(any(f"`{words}`" in row for row in rows), f"no row for {words}")
     expect(all(row.count("|") == 9 for row in rows), "a row has another number of columns")
+    expect("|---|" in process.stdout and table.startswith(process.stdout), f"printed, without its header: {process.stdout}")
     process = command("ablation", LOG, "--relations", DATA / "drive.relations", "-o", folder / "own.md", "--first", 50,
-                      "--variant", "merge.kappa=0.25  merge.threshold=0.1", "-q")
+                      "--variant", "merge.kappa=0.25  merge.threshold=0.1m", "-q")
     expect_exit(process, 0)
-    expect("`merge.kappa=0.25` `merge.threshold=0.1`" in (folder / "own.md").read_text(), "own variant")
+    expect("`merge.kappa=0.25` `merge.threshold=0.1m`" in (folder / "own.md").read_text(), "own variant")
 
 
 def reference_pages():
@@ -131,4 +132,3 @@ def reference_pages():
     process = subprocess.run([SOURCE / "tools/scripts/make_reference.sh", "--check", PROGRAM], capture_output=True,
                              text=True, check=False)
     expect(process.returncode == 0, process.stdout + process.stderr)
-    expect("|---|" in process.stdout and table.startswith(process.stdout), f"printed, without its header: {process.stdout}")

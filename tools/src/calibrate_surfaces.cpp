@@ -9,7 +9,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
-#include "linkage_goal.hpp"
+#include "quantity_option.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,13 +8,13 @@
 #include "console.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/units.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "hit_errors.hpp"
 #include "interrupt.hpp"
 #include "linkage_file.hpp"
 #include "progress.hpp"
+#include "quantity_option.hpp"
 #include "scene_errors.hpp"
 
 namespace gdtslam {
@@ -61,12 +61,9 @@ std::string frame_text(const CloudFrame& frame, bool no_align) {
 }
 
 double resolution_of(const std::string& text) {
-  std::string why;
-  const std::optional<double> length_m = parse_quantity(text, Unit::kMetre, &why);
-  if (!length_m || *length_m < 0.0) {
-    throw UsageError("--resolution: " + (length_m ? "'" + text + "' is below zero" : why));
-  }
-  return *length_m;
+  const double length_m = quantity_of("--resolution", text, Unit::kMetre);
+  if (length_m < 0.0) throw UsageError("--resolution: '" + text + "' is below zero");
+  return length_m;
 }
 
 int finish(const EvaluateCloudOptions& options, const DistanceHistogram& distances, const std::string& text,

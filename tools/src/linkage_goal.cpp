@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "gdtslam/core/error.hpp"
+#include "quantity_option.hpp"
 
 namespace gdtslam {
 namespace {
@@ -38,18 +38,6 @@ void read_crank(const std::string& text, calib::DesignGoal& goal) {
 }
 
 }  // namespace
-
-double quantity_of(const std::string& option, const std::string& text, Unit unit) {
-  std::string why;
-  const std::optional<double> value = parse_quantity(text, unit, &why);
-  if (!value) {
-    throw UsageError(option + ": " + why);
-  }
-  if ((unit == Unit::kRadian || unit == Unit::kMetre) && !has_unit(text)) {
-    throw UsageError(option + ": '" + text + "' has no unit; write " + text + (unit == Unit::kRadian ? "deg" : "cm"));
-  }
-  return *value;
-}
 
 calib::DesignGoal goal_of(const GoalText& text) {
   calib::DesignGoal goal;

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "gdtslam/calib/crank_rocker.hpp"
-#include "gdtslam/core/units.hpp"
 
 namespace gdtslam {
 
@@ -17,9 +16,7 @@ struct GoalText {
   std::string longest;
 };
 
-/// Throws UsageError that names the option. Angles and lengths need a unit: 90 without one would be radians.
+/// Throws UsageError that names the option.
 calib::DesignGoal goal_of(const GoalText& text);
-/// A quantity with its unit, for the option of that name. Throws UsageError.
-double quantity_of(const std::string& option, const std::string& text, Unit unit);
 
 }  // namespace gdtslam

@@ -9,7 +9,7 @@
 
 #include "did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
-#include "linkage_goal.hpp"
+#include "quantity_option.hpp"
 #include "render_source.hpp"
 
 namespace gdtslam {

@@ -67,7 +67,7 @@ struct ScaleRange {
 ScaleRange scale_range_of(const std::string& text, CloudColour colour);
 /// "X,Y", lengths.
 Point2 place_of(const std::string& text);
-/// Seconds; a bare number counts as such.
+/// A time, in seconds.
 double time_of(const std::string& option, const std::string& text);
 /// The name itself, where a colour map has it; empty stays empty.
 std::string colour_map_of(const std::string& name);

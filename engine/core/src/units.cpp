@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/stated_quantity.hpp"
 
 namespace gdtslam {
 namespace {
@@ -173,6 +174,35 @@ std::optional<double> parse_quantity(std::string_view text, Unit unit, std::stri
     return refuse(why, quoted(text) + " is beyond the range of double precision");
   }
   return *value * factor;
+}
+
+namespace {
+
+// "5 cm, 5 m": the number with a small and a large unit, or nothing where there is one unit only.
+std::string examples_with_units(std::string_view number, Unit unit) {
+  const std::string text(number);
+  switch (unit) {
+    case Unit::kMetre:
+      return text + " cm, " + text + " m";
+    case Unit::kRadian:
+      return text + " deg, " + text + " rad";
+    case Unit::kSecond:
+      return text + " ms, " + text + " s";
+    case Unit::kNone:
+    case Unit::kCell:
+    case Unit::kShare:
+      break;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<double> parse_stated_quantity(std::string_view text, Unit unit, std::string* why) {
+  const std::optional<double> value = parse_quantity(text, unit, why);
+  if (!value || *value == 0.0 || !trimmed(cut_number(trimmed(text)).rest).empty()) return value;
+  const std::string examples = examples_with_units(trimmed(text), unit);
+  return examples.empty() ? value : refuse(why, quoted(trimmed(text)) + " needs a unit: " + examples);
 }
 
 namespace {

@@ -100,7 +100,7 @@ class ConfigDocument {
       return;
     }
     try {
-      values_.emplace_back(&option, parse_option_value(option, value.Scalar()));
+      values_.emplace_back(&option, parse_option_value(option, value.Scalar(), BareNumber::kAllowed));
     } catch (const std::invalid_argument& error) {
       add_fault(value, error.what());
     }
@@ -160,7 +160,7 @@ std::string set_option(std::span<const Option> options, std::string_view assignm
   for (const Option& option : options) {
     if (option.path == path) {
       try {
-        store(option, parse_option_value(option, assignment.substr(equals + 1)));
+        store(option, parse_option_value(option, assignment.substr(equals + 1), BareNumber::kRefused));
       } catch (const std::invalid_argument& error) {
         throw ConfigError(error.what());
       }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "gdtslam/core/stated_quantity.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/message_text.hpp"
 #include "gdtslam/io/nearest_name.hpp"
@@ -17,9 +18,10 @@ namespace {
   throw std::invalid_argument(fmt::format("{}: {} {}", option.path, in_quotes(text), reason));
 }
 
-double parse_number(const Option& option, std::string_view text) {
+double parse_number(const Option& option, std::string_view text, BareNumber bare) {
   std::string why;
-  const std::optional<double> value = parse_quantity(text, option.unit, &why);
+  const std::optional<double> value = bare == BareNumber::kRefused ? parse_stated_quantity(text, option.unit, &why)
+                                                                   : parse_quantity(text, option.unit, &why);
   if (!value) {
     refuse(option, text, fmt::format("is no value of it: {}", why));
   }
@@ -32,8 +34,8 @@ double parse_number(const Option& option, std::string_view text) {
   return *value;
 }
 
-std::int32_t parse_whole(const Option& option, std::string_view text) {
-  const double value = parse_number(option, text);
+std::int32_t parse_whole(const Option& option, std::string_view text, BareNumber bare) {
+  const double value = parse_number(option, text, bare);
   if (value != std::floor(value) || std::fabs(value) > 2147483647.0) {
     refuse(option, text, "is no whole number");
   }
@@ -61,12 +63,12 @@ std::string_view parse_choice(const Option& option, const Choice& choice, std::s
 
 }  // namespace
 
-ParsedValue parse_option_value(const Option& option, std::string_view text) {
+ParsedValue parse_option_value(const Option& option, std::string_view text, BareNumber bare) {
   switch (option.value.index()) {
     case 0:
-      return {parse_number(option, text)};
+      return {parse_number(option, text, bare)};
     case 1:
-      return {parse_whole(option, text)};
+      return {parse_whole(option, text, bare)};
     case 2:
       return {parse_bool(option, text)};
     default:

@@ -15,8 +15,11 @@ struct ParsedValue {
       value;  ///< in the order of Option::value; a name of a Choice
 };
 
+/// Whether a length, an angle or a time may be a bare number, in metres, radians or seconds.
+enum class BareNumber { kAllowed, kRefused };
+
 /// Throws std::invalid_argument with "path: value: what is wrong".
-ParsedValue parse_option_value(const Option& option, std::string_view text);
+ParsedValue parse_option_value(const Option& option, std::string_view text, BareNumber bare);
 void store(const Option& option, const ParsedValue& parsed);
 
 }  // namespace gdtslam

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/stated_quantity.hpp"
 
 namespace gdtslam {
 namespace {
@@ -91,6 +92,28 @@ TEST(ParseQuantity, KeepsTheReasonUntouchedWhenAllIsWell) {
   std::string why = "before";
   EXPECT_TRUE(parse_quantity("1 m", Unit::kMetre, &why));
   EXPECT_EQ(why, "before");
+}
+
+TEST(ParseStatedQuantity, RefusesABareNumberWhereUnitsDiffer) {
+  std::string why;
+  EXPECT_EQ(parse_stated_quantity("50", Unit::kMetre, &why), std::nullopt);
+  EXPECT_EQ(why, "'50' needs a unit: 50 cm, 50 m");
+  EXPECT_EQ(parse_stated_quantity(" -9e1 ", Unit::kRadian, &why), std::nullopt);
+  EXPECT_EQ(why, "'-9e1' needs a unit: -9e1 deg, -9e1 rad");
+  EXPECT_EQ(parse_stated_quantity("2.", Unit::kSecond, &why), std::nullopt);
+  EXPECT_EQ(why, "'2.' needs a unit: 2. ms, 2. s");
+  EXPECT_EQ(parse_stated_quantity("50 deg", Unit::kMetre, &why), std::nullopt);
+  EXPECT_THAT(why, HasSubstr("'deg' does not fit here"));
+}
+
+TEST(ParseStatedQuantity, TakesUnitsAndNothingAndWhatHasOneUnitOnly) {
+  EXPECT_EQ(parse_stated_quantity("50cm", Unit::kMetre, nullptr), 0.5);
+  EXPECT_EQ(parse_stated_quantity("250 ms ", Unit::kSecond, nullptr), 0.25);
+  EXPECT_EQ(parse_stated_quantity("0", Unit::kMetre, nullptr), 0.0);
+  EXPECT_EQ(parse_stated_quantity("-0.0", Unit::kRadian, nullptr), 0.0);
+  EXPECT_EQ(parse_stated_quantity("3", Unit::kCell, nullptr), 3.0);
+  EXPECT_EQ(parse_stated_quantity("0.3", Unit::kShare, nullptr), 0.3);
+  EXPECT_EQ(parse_stated_quantity("7", Unit::kNone, nullptr), 7.0);
 }
 
 TEST(FormatQuantity, IsShortAndInTheBaseUnit) {

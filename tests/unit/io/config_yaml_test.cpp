@@ -158,6 +158,9 @@ TEST(ConfigYaml, SetOptionTakesAssignments) {
   EXPECT_THAT(error("map.length"), HasSubstr("write path=value"));
   EXPECT_THAT(error("map.length="), HasSubstr("map.length: \"\""));
   EXPECT_THAT(error("map.length=9 m"), HasSubstr("above its maximum 1 m"));
+  EXPECT_THAT(error("map.length=0.5"), HasSubstr("'0.5' needs a unit: 0.5 cm, 0.5 m"));
+  read_config_text("map: {length: 0.5}", "file", options);  // in a file a bare number is in metres
+  EXPECT_EQ(sample.length_m, 0.5);
 }
 
 TEST(ConfigYaml, WritesDocumentedValues) {

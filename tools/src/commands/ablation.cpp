@@ -185,7 +185,7 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam ablation intel.clf.gz --relations intel.relations.gz -o ablation.md\n"
       "  gdtslam ablation drive.log --relations drive.relations -o kappa.md --variant merge.kappa=0.25 \\\n"
-      "      --variant \"merge.kappa=0.75 merge.threshold=0.1\"");
+      "      --variant \"merge.kappa=0.75 merge.threshold=10cm\"");
   command->callback([options, &context] { context.run = [options] { return ablation(*options); }; });
 }
 

@@ -20,6 +20,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/json_file.hpp"
 #include "interrupt.hpp"
+#include "quantity_option.hpp"
 #include "settings.hpp"
 #include "verify_logs.hpp"
 
@@ -296,12 +297,9 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->type_name("N")
       ->check(CLI::Range(1, 100000).description(""))
       ->capture_default_str();
-  command
-      ->add_option("--lattice", options->lattice_s,
-                   "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
-      ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, 1.0e6).description(""))
-      ->capture_default_str();
+  add_quantity_option(*command, "--lattice", options->lattice_s, Unit::kSecond, {0.0, 1.0e6},
+                      "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
+      ->default_str(format_quantity(options->lattice_s, Unit::kSecond));
   command->add_flag("--flood-errors", options->flood_errors,
                     "Instead of times: the errors of jump flooding from 512 to --size, as a table");
   command->add_flag("--json", options->json, "Print JSON");

@@ -21,8 +21,8 @@
 #include "gdtslam/io/json_file.hpp"
 #include "interrupt.hpp"
 #include "linkage_file.hpp"
-#include "linkage_goal.hpp"
 #include "progress.hpp"
+#include "quantity_option.hpp"
 
 namespace gdtslam {
 namespace {

@@ -12,6 +12,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
+#include "quantity_option.hpp"
 
 namespace gdtslam {
 namespace {
@@ -24,6 +25,10 @@ struct EvaluateOptions {
   double distance_m = ReferenceOptions{}.rpe_distance_m;
   EvaluateCloudOptions cloud;  ///< and what a trajectory's evaluation shares with it
 };
+
+constexpr double kMost_s = 1e9;
+constexpr double kLeastDistance_m = 1e-3;
+constexpr double kMostDistance_m = 1e9;
 
 constexpr const char* kHeading = "                    count      mean       std    median      rmse       max\n";
 
@@ -177,15 +182,11 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
   command->add_option("file", options->file, "Trajectory, TUM: stamp x y z qx qy qz qw; or cloud, PLY or PCD")
       ->required();
   add_truths(*command, *options);
-  command
-      ->add_option("--tolerance", options->cloud.tolerance_s,
-                   "Stamps further apart do not match (default: 0.0001 s for relations, 0.01 s for a reference)")
-      ->type_name("SECONDS")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--distance", options->distance_m, "Path length that the relative pose error is taken over")
-      ->type_name("METRES")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  add_quantity_option(*command, "--tolerance", options->cloud.tolerance_s, Unit::kSecond, {0.0, kMost_s},
+                      "Stamps further apart do not match (default: 0.1 ms for relations, 10 ms for a reference)");
+  add_quantity_option(*command, "--distance", options->distance_m, Unit::kMetre, {kLeastDistance_m, kMostDistance_m},
+                      "Path length that the relative pose error is taken over")
+      ->default_str(format_quantity(options->distance_m, Unit::kMetre));
   command->add_flag("--no-align", options->cloud.no_align,
                     "Against a reference: make the first poses agree instead of the best rigid alignment");
   add_cloud_options(*command, options->cloud);

@@ -18,6 +18,7 @@
 #include "linkage_file.hpp"
 #include "linkage_goal.hpp"
 #include "linkage_table.hpp"
+#include "quantity_option.hpp"
 #include "whole_number.hpp"
 
 namespace gdtslam {
@@ -204,7 +205,7 @@ void add_linkage_command(CLI::App& app, CommandContext& context) {
   }
   command->add_flag("--json", chosen->json, "Print JSON");
   command->footer(
-      "Angles and lengths need their unit: 90deg, 3.6cm. docs/linkage.md explains every figure.\n"
+      "docs/linkage.md explains every figure.\n"
       "\n"
       "Examples:\n"
       "  gdtslam linkage paper-b --picture paper-b.svg\n"

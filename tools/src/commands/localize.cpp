@@ -15,11 +15,11 @@
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "interrupt.hpp"
-#include "linkage_goal.hpp"
 #include "localize_picture.hpp"
 #include "localize_scans.hpp"
 #include "localize_text.hpp"
 #include "progress.hpp"
+#include "quantity_option.hpp"
 #include "settings.hpp"
 #include "stopwatch.hpp"
 #include "whole_number.hpp"
@@ -36,7 +36,7 @@ struct LocalizeOptions {
   std::string reference;
   bool align = false;
   std::string within = "10cm/1deg";
-  double gap_mm = 5.0;
+  double gap_m = 0.005;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;
   DeviceOptions device{.device = "cpu"};
@@ -48,18 +48,8 @@ struct LocalizeOptions {
   SettingsOptions settings;
 };
 
-// A number that takes part: CLI11's own check lets nan through.
-CLI::Validator number_between(double least, double most) {
-  const auto fault_of = [least, most](const std::string& text) -> std::string {
-    double number = 0.0;
-    if (CLI::detail::lexical_cast(text, number) && number >= least && number <= most) return {};
-    return fmt::format("'{}' is no number from {:g} to {:g}", text, least, most);
-  };
-  return {fault_of, ""};
-}
-
 constexpr double kMostSeconds = 1.0e5;  // 28 hours
-constexpr double kMostGap_mm = 1000.0;
+constexpr double kMostGap_m = 1.0;
 
 // "10cm/1deg"
 void read_within(const std::string& text, LocalizeLimits& limits) {
@@ -76,7 +66,7 @@ void read_within(const std::string& text, LocalizeLimits& limits) {
 }
 
 LocalizeLimits limits_of(const LocalizeOptions& options) {
-  LocalizeLimits limits{.gap_m = options.gap_mm / 1000.0, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
+  LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
   if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
   read_within(options.within, limits);
   return limits;
@@ -233,12 +223,9 @@ void add_choices(CLI::App& command, LocalizeOptions& chosen) {
       ->check(whole_number_from(0))
       ->capture_default_str()
       ->needs(random);
-  command
-      .add_option("--leave-out", chosen.leave_out_s,
-                  "Do not choose scans that were taken within so many seconds of one that went into the map;\n"
-                  "needs the run folder; 0: leave out those that went into it themselves")
-      ->type_name("SECONDS")
-      ->check(number_between(0.0, kMostSeconds));
+  add_quantity_option(command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMostSeconds},
+                      "Do not choose scans that were taken this near in time to one that went into the map;\n"
+                      "needs the run folder; 0: leave out those that went into it themselves");
 }
 
 void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
@@ -256,13 +243,11 @@ void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
 }
 
 void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
-  command.add_option("--gap", chosen.gap_mm, "Prove that no pose has a mean distance smaller by more than this")
-      ->type_name("MM")
-      ->check(number_between(0.0, kMostGap_mm))
-      ->capture_default_str();
-  command.add_option("--max-time", chosen.max_seconds, "Give a search up after this long (default: never)")
-      ->type_name("SECONDS")
-      ->check(number_between(1.0e-6, kMostSeconds));
+  add_quantity_option(command, "--gap", chosen.gap_m, Unit::kMetre, {0.0, kMostGap_m},
+                      "Prove that no pose has a mean distance smaller by more than this")
+      ->default_str(format_quantity(chosen.gap_m, Unit::kMetre));
+  add_quantity_option(command, "--max-time", chosen.max_seconds, Unit::kSecond, {1.0e-6, kMostSeconds},
+                      "Give a search up after this long (default: never)");
   command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
 }
 
@@ -302,7 +287,7 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"
       "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json\n"
-      "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5 --reference intel/trajectory.tum\n"
+      "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel/trajectory.tum\n"
       "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");
   command->callback([&context, options] { context.run = [options] { return localize(*options); }; });
 }

@@ -19,10 +19,10 @@
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/json_file.hpp"
-#include "linkage_goal.hpp"
 #include "measure_drawing.hpp"
 #include "measure_run.hpp"
 #include "measure_table.hpp"
+#include "quantity_option.hpp"
 #include "whole_number.hpp"
 
 namespace gdtslam {
@@ -55,7 +55,7 @@ double length_of(const std::string& option, const std::string& text, double leas
   throw UsageError(fmt::format("{}: {} is not between {:g} and {:g} m", option, text, least_m, most_m));
 }
 
-// "x,y,z", each with or without a unit.
+// "x,y,z", each with its unit.
 Point3 viewpoint_of(const std::string& text) {
   std::array<std::string, 3> words;
   std::size_t count = 0;

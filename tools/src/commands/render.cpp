@@ -222,7 +222,7 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
       ->type_name("TIME")
       ->excludes(frames)
       ->group("Film");
-  command.add_option("--from", chosen.from, "Of scan and elevation: begin, in seconds from the first pose")
+  command.add_option("--from", chosen.from, "Of scan and elevation: begin, counted from the first pose")
       ->type_name("TIME")
       ->group("Film");
   command.add_option("--to", chosen.to, "And end")->type_name("TIME")->group("Film");
@@ -297,7 +297,7 @@ void add_render_command(CLI::App& app, CommandContext& context) {
       "  gdtslam render office                                    the run folder 'office': its cloud, or its map\n"
       "  gdtslam render office --view top --no-floor -o top.png --size 3840x2160\n"
       "  gdtslam render office -o office.html                     a page to turn the cloud in, without a network\n"
-      "  gdtslam render office -o orbit.mp4 --seconds 10\n"
+      "  gdtslam render office -o orbit.mp4 --seconds 10s\n"
       "  gdtslam render paper-b -o paper-b.gif                    the linkage through one turn\n"
       "  gdtslam render a b --view errors-cdf --relations intel.relations.gz -o errors.svg\n"
       "  gdtslam render drive.log --run drive                     maps the log first and keeps the run");

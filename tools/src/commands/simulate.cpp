@@ -10,10 +10,10 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/units.hpp"
 #include "gdtslam/io/json_file.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
+#include "quantity_option.hpp"
 #include "simulate_run.hpp"
 #include "whole_number.hpp"
 
@@ -77,15 +77,7 @@ Json report_of(const SimulateResult& result, std::uint64_t seed) {
 }
 
 std::optional<double> length_of(const char* option, const std::string& text) {
-  if (text.empty()) {
-    return std::nullopt;
-  }
-  std::string why;
-  const std::optional<double> length_m = parse_quantity(text, Unit::kMetre, &why);
-  if (!length_m) {
-    throw UsageError(fmt::format("{}: {}", option, why));
-  }
-  return length_m;
+  return text.empty() ? std::nullopt : std::optional(quantity_of(option, text, Unit::kMetre));
 }
 
 int run_simulate(const SimulateCommand& command) {
@@ -142,7 +134,7 @@ void add_error_options(CLI::App& command, SimulateCommand& chosen) {
   command.add_option("--noise", chosen.noise, "Standard deviation of the ranges, instead of the laser's")
       ->type_name("LENGTH")
       ->group("Errors of the sensors");
-  command.add_option("--resolution", chosen.resolution, "What ranges are rounded to; 0 m keeps all digits")
+  command.add_option("--resolution", chosen.resolution, "What ranges are rounded to; 0 keeps all digits")
       ->type_name("LENGTH")
       ->group("Errors of the sensors");
   command
