@@ -129,6 +129,9 @@ def reference_pages():
     """docs/reference is what the command says of itself."""
     if "Not in this build" in command("--help").stdout:
         skip("this build leaves commands out")
+    page = (SOURCE / "docs/matchers.md").read_text()
+    for name in json.loads(command("config", "schema").stdout)["properties"]["match"]["properties"]["matcher"]["enum"]:
+        expect(f"`{name}`" in page, f"docs/matchers.md has no {name}")
     process = subprocess.run([SOURCE / "tools/scripts/make_reference.sh", "--check", PROGRAM], capture_output=True,
                              text=True, check=False)
     expect(process.returncode == 0, process.stdout + process.stderr)

@@ -83,7 +83,7 @@ std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcom
                        .optimal = v.optimal,
                        .evaluations = summarise(v.evaluations),
                        .seconds = summarise(v.seconds)});
-    if (job.methods[k] == CompareMethod::kSimplex) simplex_s = figures.back().seconds.mean;
+    if (job.methods[k] == MatcherKind::kSimplex) simplex_s = figures.back().seconds.mean;
   }
   for (MethodFigures& method : figures) method.time_ratio = simplex_s > 0.0 ? method.seconds.mean / simplex_s : 0.0;
   return figures;

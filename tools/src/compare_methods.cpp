@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/box_search.hpp"
 #include "gdtslam/mapping/exhaustive.hpp"
 #include "gdtslam/mapping/gauss_newton.hpp"
 #include "gdtslam/mapping/simplex.hpp"
@@ -15,27 +13,8 @@
 namespace gdtslam {
 namespace {
 
-// As the mapper's matchers have it (scan_matcher.cpp): half a box in edges of the first simplex.
-constexpr float kBoxSteps = 4.0F;
 // A proof of the matcher's own, then a simplex: what a user of it would ask for.
 constexpr double kCertifiedGap_m = 0.005;
-
-struct MethodRow {
-  CompareMethod method;
-  std::string_view name;
-  MatcherKind matcher;
-};
-constexpr std::array kMethods{
-    MethodRow{CompareMethod::kSimplex, "simplex", MatcherKind::kSimplex},
-    MethodRow{CompareMethod::kPso, "pso", MatcherKind::kPso},
-    MethodRow{CompareMethod::kSce, "sce", MatcherKind::kSce},
-    MethodRow{CompareMethod::kSimpsa, "simpsa", MatcherKind::kSimpsa},
-    MethodRow{CompareMethod::kGaussNewton, "gauss-newton", MatcherKind::kGaussNewton},
-    MethodRow{CompareMethod::kSimplexNewton, "simplex-newton", MatcherKind::kSimplexNewton},
-    MethodRow{CompareMethod::kExhaustive, "exhaustive", MatcherKind::kExhaustive},
-    MethodRow{CompareMethod::kCertified, "certified", MatcherKind::kCertified},
-};
-const MethodRow& row_of(CompareMethod method) { return kMethods[static_cast<std::size_t>(method)]; }
 
 float cells_of(double length_m, const CompareProblem& problem) {
   return static_cast<float>(length_m / problem.config.map.resolution_m);
@@ -48,18 +27,16 @@ SimplexOptions simplex_of(const CompareProblem& problem, const StartReach& reach
   return options;
 }
 
-// The end is that of the robust cost, not of (4): it lies where the squares of small distances want it.
-LocalMinimum by_simplex_newton(const CompareProblem& problem, const CellPose& start, const StartReach& reach) {
-  const LocalMinimum near = minimise_simplex(problem.objective, start, simplex_of(problem, reach));
+// Where the end is refined it is that of the robust cost, not of (4): it lies where the squares of small distances want
+// it.
+LocalMinimum by_walk(const MatcherInfo& matcher, const CompareProblem& problem, const CellPose& start,
+                     const StartReach& reach) {
+  const LocalMinimum near =
+      matcher.descend(problem.objective, start, simplex_of(problem, reach), problem.config.optimizer);
+  if (!matcher.is_refined) return near;
   LocalMinimum end = minimise_gauss_newton(problem.objective, near.pose, {});
   end.evaluations += near.evaluations;
   return end;
-}
-
-LocalMinimum by_population(MatcherKind kind, const CompareProblem& problem, const CellPose& start,
-                           const StartReach& reach) {
-  const PoseBox box{.half_cells = cells_of(reach.half_m, problem), .half_rad = static_cast<float>(reach.half_rad)};
-  return minimise_in_box(problem.objective, start, box, kind, problem.config.optimizer);
 }
 
 // The samples of `map --matcher exhaustive`, each of the best valleys to its end.
@@ -90,23 +67,13 @@ LocalMinimum by_proof(const CompareProblem& problem, const CellPose& start, cons
 
 }  // namespace
 
-std::string_view name_of(CompareMethod method) { return row_of(method).name; }
-
-const std::vector<CompareMethod>& compare_methods() {
-  static const std::vector<CompareMethod> all = [] {
-    std::vector<CompareMethod> methods;
-    methods.reserve(kMethods.size());
-    for (const MethodRow& row : kMethods) methods.push_back(row.method);
-    return methods;
-  }();
-  return all;
-}
-
-std::vector<CompareMethod> compare_methods_of(const std::string& option, const std::string& names) {
-  if (names.empty()) return compare_methods();
-  std::vector<std::string> known;
-  for (const CompareMethod method : compare_methods()) known.emplace_back(name_of(method));
-  std::vector<CompareMethod> chosen;
+std::vector<MatcherKind> compare_methods_of(const std::string& option, const std::string& names) {
+  std::vector<MatcherKind> chosen;
+  if (names.empty()) {
+    for (const MatcherInfo& matcher : matchers()) chosen.push_back(matcher.kind);
+    return chosen;
+  }
+  const std::vector<std::string> known(matcher_names().begin(), matcher_names().end());
   for (std::size_t begin = 0; begin <= names.size();) {
     const std::size_t end = std::min(names.find(',', begin), names.size());
     const std::string name = names.substr(begin, end - begin);
@@ -114,7 +81,7 @@ std::vector<CompareMethod> compare_methods_of(const std::string& option, const s
     if (found == known.end()) {
       throw UsageError(fmt::format("{}: there is no method '{}'{}", option, name, did_you_mean(name, known)));
     }
-    const CompareMethod method = compare_methods()[static_cast<std::size_t>(found - known.begin())];
+    const MatcherKind method = matchers()[static_cast<std::size_t>(found - known.begin())].kind;
     if (std::find(chosen.begin(), chosen.end(), method) != chosen.end()) {
       throw UsageError(fmt::format("{}: '{}' is named twice", option, name));
     }
@@ -124,30 +91,17 @@ std::vector<CompareMethod> compare_methods_of(const std::string& option, const s
   return chosen;
 }
 
-MatcherKind matcher_of(CompareMethod method) { return row_of(method).matcher; }
-
 StartReach reach_of_prediction(const MapperConfig& config) {
   const SimplexOptions first;
   return {.half_m = static_cast<double>(kBoxSteps * first.step_cells) * config.map.resolution_m,
           .half_rad = static_cast<double>(kBoxSteps * first.step_rad)};
 }
 
-LocalMinimum minimise_by(CompareMethod method, const CompareProblem& problem, const CellPose& start,
+LocalMinimum minimise_by(MatcherKind method, const CompareProblem& problem, const CellPose& start,
                          const StartReach& reach) {
-  switch (method) {
-    case CompareMethod::kSimplex:
-      return minimise_simplex(problem.objective, start, simplex_of(problem, reach));
-    case CompareMethod::kGaussNewton:
-      return minimise_gauss_newton(problem.objective, start, {});
-    case CompareMethod::kSimplexNewton:
-      return by_simplex_newton(problem, start, reach);
-    case CompareMethod::kExhaustive:
-      return by_window(problem, start, reach);
-    case CompareMethod::kCertified:
-      return by_proof(problem, start, reach);
-    default:
-      return by_population(matcher_of(method), problem, start, reach);
-  }
+  const MatcherInfo& matcher = matcher_info(method);
+  if (matcher.proves_windows) return by_proof(problem, start, reach);
+  return matcher.descend != nullptr ? by_walk(matcher, problem, start, reach) : by_window(problem, start, reach);
 }
 
 LocalMinimum polished(Objective& objective, const CellPose& start) {

@@ -1,37 +1,21 @@
-// The methods that `gdtslam compare` holds against each other, each as one call that minimises the same cost (4) from a
-// start. All are told how far off the start may be, and take from that what they need to know: the box of a population,
-// the first edge of a simplex, the window of a search. Poses are in cells and radians relative to the objective's
-// anchor. Not thread-safe.
+// The matchers (mapping/matchers.hpp) as `gdtslam compare` holds them against each other, each as one call that
+// minimises the same cost (4) from a start. All are told how far off the start may be, and take from that what they
+// need to know: the box of a population, the first edge of a simplex, the window of a search. Poses are in cells and
+// radians relative to the objective's anchor. Not thread-safe.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "gdtslam/mapping/certified.hpp"
-#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/matchers.hpp"
 #include "gdtslam/mapping/objective.hpp"
 
 namespace gdtslam {
 
-enum class CompareMethod : std::uint8_t {
-  kSimplex,
-  kPso,
-  kSce,
-  kSimpsa,
-  kGaussNewton,
-  kSimplexNewton,
-  kExhaustive,
-  kCertified
-};
-std::string_view name_of(CompareMethod method);
-const std::vector<CompareMethod>& compare_methods();
 /// From "simplex,pso"; empty: all. The order is kept. Throws UsageError that names the option.
-std::vector<CompareMethod> compare_methods_of(const std::string& option, const std::string& names);
-/// The matcher of `map` that uses the method.
-MatcherKind matcher_of(CompareMethod method);
+std::vector<MatcherKind> compare_methods_of(const std::string& option, const std::string& names);
 
 /// How far from the start the least cost may lie, along x and y each, and in heading.
 struct StartReach {
@@ -48,7 +32,7 @@ struct CompareProblem {
   const MapperConfig& config;
 };
 
-LocalMinimum minimise_by(CompareMethod method, const CompareProblem& problem, const CellPose& start,
+LocalMinimum minimise_by(MatcherKind method, const CompareProblem& problem, const CellPose& start,
                          const StartReach& reach);
 
 /// The end of a valley, to a fraction of a micrometre of the mean cost: simplexes anew until none gains.

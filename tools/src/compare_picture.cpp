@@ -25,16 +25,11 @@ constexpr double kLn10 = 2.302585092994046;
 double log10_of(double value) { return log(value) / kLn10; }
 double error_axis(double distance_m) { return log10_of(std::max(100.0 * distance_m, kLeastError_cm)); }
 
-// One colour for each method, whichever are compared; certified in the dark of the words.
-Colour colour_of_method(CompareMethod method) {
-  static constexpr std::array kColours{ink::kCoupler, ink::kCrank,  ink::kRocker, ink::kCurve,
-                                       ink::kLaser,   ink::kGround, ink::kQuiet,  ink::kText};
-  return kColours.at(static_cast<std::size_t>(method));
-}
-std::string_view dashes_of(CompareMethod method) {
-  if (method == CompareMethod::kCertified) return "2 4";
-  if (method == CompareMethod::kExhaustive) return "8 4";
-  return method == CompareMethod::kSimplexNewton ? "10 3 2 3" : "";
+std::string_view dashes_of(MatcherKind method) {
+  const MatcherInfo& matcher = matcher_info(method);
+  if (matcher.proves_windows) return "2 4";
+  if (matcher.place == MatcherPlace::kDevice) return "8 4";
+  return matcher.is_refined ? "10 3 2 3" : "";
 }
 
 void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, const CompareOutcome& outcome) {
@@ -127,6 +122,12 @@ void draw_distribution(Canvas& canvas, const DrawingArea& area, const CompareJob
 }
 
 }  // namespace
+
+Colour colour_of_method(MatcherKind method) {
+  static constexpr std::array kColours{ink::kCoupler, ink::kCrank,  ink::kRocker, ink::kCurve,
+                                       ink::kLaser,   ink::kGround, ink::kQuiet,  ink::kText};
+  return kColours.at(static_cast<std::size_t>(method) % kColours.size());
+}
 
 Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, const std::string& log) {
   const double top = kMargin + kHeading;

@@ -12,4 +12,7 @@ namespace gdtslam {
 
 Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, const std::string& log);
 
+/// One for each method, the same in all figures.
+Colour colour_of_method(MatcherKind method);
+
 }  // namespace gdtslam

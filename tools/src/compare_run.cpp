@@ -82,7 +82,7 @@ class Comparison {
  private:
   bool measure(const ScanRecord& record, const Pose2& predicted);
   bool choose_points(const ScanRecord& record, const Pose2& predicted);
-  End run_method(CompareMethod method, const CompareProblem& problem, const Start& start);
+  End run_method(MatcherKind method, const CompareProblem& problem, const Start& start);
   [[nodiscard]] std::vector<End> run_methods(const CompareProblem& problem, const std::vector<Start>& starts);
   void settle(GlobalSolution& global, const std::vector<End>& ends);
   void note(const ScanRecord& record, const GlobalSolution& global, const std::vector<End>& ends);
@@ -132,7 +132,7 @@ bool Comparison::measure(const ScanRecord& record, const Pose2& predicted) {
   return true;
 }
 
-End Comparison::run_method(CompareMethod method, const CompareProblem& problem, const Start& start) {
+End Comparison::run_method(MatcherKind method, const CompareProblem& problem, const Start& start) {
   End end;
   end.start = start;
   double wall_s = 0.0;
@@ -147,7 +147,7 @@ std::vector<End> Comparison::run_methods(const CompareProblem& problem, const st
   std::vector<End> ends;
   for (const Start& start : starts) {
     // Once unmeasured: the fastest methods would pay for fetching the field, the points, their code and the clock's.
-    run_method(CompareMethod::kSimplexNewton, problem, start);
+    run_method(MatcherKind::kSimplexNewton, problem, start);
     for (std::uint32_t method = 0; method < job_.methods.size(); ++method) {
       End end = run_method(job_.methods[method], problem, start);
       end.method = method;

@@ -29,7 +29,7 @@ struct CompareJob {
   ReadOptions read;
   ScanRange range;
   MapperConfig mapper;
-  std::vector<CompareMethod> methods;
+  std::vector<MatcherKind> methods;
   std::vector<StartLevel> levels;
   std::uint32_t starts = 1;   ///< of each level, at each scan
   std::uint64_t scans = 200;  ///< measured, evenly over the log

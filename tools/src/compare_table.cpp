@@ -64,7 +64,7 @@ std::string table_of(const std::vector<MethodFigures>& figures) {
 
 std::string basin_of(const CompareJob& job, const CompareOutcome& outcome) {
   std::string text = "  " + padded("start", 14);
-  for (const CompareMethod method : job.methods) text += padded(std::string(name_of(method)), 16);
+  for (const MatcherKind method : job.methods) text += padded(std::string(name_of(method)), 16);
   text += "\n";
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
     text += "  " + padded(level_text(job, level), 14);

@@ -48,16 +48,16 @@ std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& trut
                                  const std::function<bool()>& stop) {
   std::vector<WholeRun> runs;
   double simplex_s = 0.0;
-  for (const CompareMethod method : job.methods) {
+  for (const MatcherKind method : job.methods) {
     WholeRun run;
     run.method = name_of(method);
-    const MapOutcome outcome = map_with(matcher_of(method), job, backend, progress_of(run.method), stop);
+    const MapOutcome outcome = map_with(method, job, backend, progress_of(run.method), stop);
     evaluate(outcome, truth, job, run);
     run.cpu_s = outcome.mapper_cpu_s;
     run.scans = outcome.statistics.scans;
     run.evaluations = static_cast<double>(outcome.statistics.evaluations) / static_cast<double>(run.scans);
     run.doubtful = outcome.statistics.doubtful;
-    if (method == CompareMethod::kSimplex) simplex_s = run.cpu_s;
+    if (method == MatcherKind::kSimplex) simplex_s = run.cpu_s;
     runs.push_back(run);
   }
   for (WholeRun& run : runs) run.time_ratio = simplex_s > 0.0 ? run.cpu_s / simplex_s : 0.0;

@@ -35,7 +35,7 @@ CompareJob compare_job(const std::string& log, std::uint64_t scans, bool has_lev
   CompareJob job;
   job.logs = {log};
   for (const PaperColumn& column : kPaper) job.methods.push_back(column.method);
-  job.methods.push_back(CompareMethod::kGaussNewton);
+  job.methods.push_back(MatcherKind::kGaussNewton);
   job.scans = scans;
   job.seed = kSeed;
   if (!has_levels) return job;

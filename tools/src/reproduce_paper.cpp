@@ -8,16 +8,10 @@
 
 namespace gdtslam::reproduce {
 
-std::string label_of(CompareMethod method) {
+std::string label_of(MatcherKind method) {
   const auto* const column =
       std::find_if(kPaper.begin(), kPaper.end(), [method](const PaperColumn& known) { return known.method == method; });
   return std::string(column == kPaper.end() ? gdtslam::name_of(method) : column->name);
-}
-
-Colour colour_of_method(CompareMethod method) {
-  constexpr std::array kColours{ink::kCoupler, ink::kCrank,  ink::kRocker, ink::kCurve,
-                                ink::kLaser,   ink::kGround, ink::kText};
-  return kColours[static_cast<std::size_t>(method)];
 }
 
 std::string cm_text(const ErrorSummary& error_m) {

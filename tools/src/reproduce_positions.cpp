@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "compare_picture.hpp"
 #include "compare_whole.hpp"
 #include "gdtslam/drawing/plot.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -25,8 +26,8 @@ namespace gdtslam::reproduce {
 namespace {
 
 constexpr std::array<const char*, 3> kDrives{"office-loop", "office-loop-2", "office-loop-3"};
-constexpr std::array<CompareMethod, 5> kMethods{CompareMethod::kPso, CompareMethod::kSce, CompareMethod::kSimpsa,
-                                                CompareMethod::kSimplex, CompareMethod::kGaussNewton};
+constexpr std::array<MatcherKind, 5> kMethods{MatcherKind::kPso, MatcherKind::kSce, MatcherKind::kSimpsa,
+                                              MatcherKind::kSimplex, MatcherKind::kGaussNewton};
 constexpr std::size_t kSimplexPlace = 3;
 constexpr std::array<double, 5> kShares{0.69, 0.15, 0.12, 0.02, 0.02};  // of a drive's time
 constexpr const char* kRealLog = "mit-csail";                           // the shortest: PSO takes long
@@ -40,7 +41,7 @@ struct MethodRuns {
 };
 
 /// By the run of `gdtslam map`, without what that writes.
-void add_run(MethodRuns& runs, CompareMethod method, const Drive& drive, const Workplace& place,
+void add_run(MethodRuns& runs, MatcherKind method, const Drive& drive, const Workplace& place,
              const std::function<void(double)>& progress) {
   const std::unique_ptr<Backend> backend = make_backend(place.device);
   MapJob job;

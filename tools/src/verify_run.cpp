@@ -10,6 +10,7 @@
 
 #include "asset_folder.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/matchers.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
 
@@ -18,7 +19,6 @@ namespace {
 
 constexpr std::string_view kLogsFilter = "logs";
 constexpr unsigned kOtherThreads = 3;  // slices of a launch that end where no slice of one thread does
-constexpr const char* kMatchers[] = {"simplex-newton", "exhaustive"};
 
 /// A backend to be verified, opened when its turn comes.
 struct Target {
@@ -83,7 +83,7 @@ std::vector<LogTask> chosen_logs(const VerifyOptions& options) {
   const SampleLog sample = sample_log();
   for (const ExpectedRun& run : sample.runs) tasks.push_back({sample.path, run.matcher, run});
   for (const std::string& log : options.logs) {
-    for (const char* matcher : kMatchers) tasks.push_back({log, matcher, std::nullopt});
+    for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, std::nullopt});
   }
   return tasks;
 }
@@ -142,6 +142,14 @@ class Verification {
 };
 
 }  // namespace
+
+std::vector<std::string> verified_matchers() {
+  std::vector<std::string> names{std::string(name_of(MatchConfig{}.matcher))};
+  for (const MatcherInfo& matcher : matchers()) {
+    if (matcher.place == MatcherPlace::kDevice) names.emplace_back(matcher.name);
+  }
+  return names;
+}
 
 std::uint64_t TargetReport::cases() const {
   std::uint64_t sum = 0;
@@ -206,7 +214,7 @@ void write_expected_results(const VerifyOptions& options, const std::string& pat
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
   const std::string log = sample_log_file();
   std::vector<ExpectedRun> runs;
-  for (const char* matcher : kMatchers) {
+  for (const std::string& matcher : verified_matchers()) {
     const LogRun run = run_log({log, matcher, std::nullopt}, *cpu, [](std::uint64_t, double) {});
     runs.push_back({matcher, run.scans, run.map_sha256, run.trajectory_sha256});
   }

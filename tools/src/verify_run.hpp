@@ -50,6 +50,9 @@ struct VerifyReport {
   [[nodiscard]] std::uint64_t differences() const;
 };
 
+/// The default matcher and those that work on the device as a whole.
+std::vector<std::string> verified_matchers();
+
 /// Compares the device with the CPU, or, for the CPU, its instruction sets and threads with the baseline. Throws
 /// UnavailableError for a device that is not there, DeviceError when it fails before there is anything to verify,
 /// UsageError for a filter that leaves nothing, and Error(kInterrupted).

@@ -5,7 +5,7 @@
 
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/mapping/matcher.hpp"
+#include "gdtslam/mapping/matchers.hpp"
 
 namespace gdtslam {
 namespace {
@@ -13,8 +13,6 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::array kMergeRules{"working"sv, "literal"sv};
-constexpr std::array kMatchers{"simplex-newton"sv, "simplex"sv,  "exhaustive"sv, "gauss-newton"sv, "pso"sv, "sce"sv,
-                               "simpsa"sv,         "certified"sv};
 constexpr std::array kCostForms{"distance"sv, "squared"sv};
 constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
 constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
@@ -42,12 +40,18 @@ void add_map_options(MapperConfig& c, std::vector<Option>& table) {
   table.push_back({"keyframe.every_scan", "merge every scan", Unit::kNone, 0, 1, &c.keyframe.every_scan});
 }
 
+std::string matcher_doc() {
+  std::string text = "optimizer of (4): ";
+  for (const MatcherInfo& matcher : matchers()) {
+    if (&matcher != &matchers().front()) text += "; ";
+    text.append(matcher.name).append(", ").append(matcher.doc);
+  }
+  return text;
+}
+
 void add_match_options(MapperConfig& c, std::vector<Option>& table) {
-  table.push_back({"match.matcher",
-                   "optimizer of (4): simplex; simplex-newton, its end refined by gauss-newton; pso, sce, simpsa; "
-                   "gauss-newton; exhaustive, a window for each scan, all on the device; certified, simplex with "
-                   "windows whose best pose is proven",
-                   Unit::kNone, 0, 0, Choice(c.match.matcher, kMatchers)});
+  static const std::string kMatcherDoc = matcher_doc();
+  table.push_back({"match.matcher", kMatcherDoc, Unit::kNone, 0, 0, Choice(c.match.matcher, matcher_names())});
   table.push_back(
       {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
   table.push_back({"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
@@ -191,8 +195,9 @@ std::vector<std::string> validate(const MapperConfig& config) {
   }
   const bool has_bounds =
       config.match.cost == CostForm::kDistance && config.match.interpolation == Interpolation::kBilinear;
-  if (config.match.matcher == MatcherKind::kCertified && !has_bounds) {
-    found.emplace_back("match.matcher certified needs match.cost distance and match.interpolation bilinear");
+  if (const MatcherInfo& matcher = matcher_info(config.match.matcher); matcher.proves_windows && !has_bounds) {
+    found.push_back("match.matcher " + std::string(matcher.name) +
+                    " needs match.cost distance and match.interpolation bilinear");
   }
   return found;
 }

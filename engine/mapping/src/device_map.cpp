@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "gdtslam/compute/kernels/distance_field.hpp"
-#include "gdtslam/mapping/scan_matcher.hpp"
-#include "gdtslam/mapping/window_matcher.hpp"
+#include "gdtslam/mapping/matchers.hpp"
 #include "stage_timer.hpp"
 
 namespace gdtslam {
@@ -17,11 +16,6 @@ MergeStep merge_step_of(const MapperConfig& config) {
   return {.rule = config.merge.rule,
           .threshold = static_cast<std::uint32_t>(std::lround(threshold)),
           .lift = static_cast<std::uint32_t>(std::lround(threshold * config.merge.kappa))};
-}
-
-std::unique_ptr<Matcher> make_matcher(const MapperConfig& config, Backend& backend, const GlobalField& field) {
-  if (config.match.matcher == MatcherKind::kExhaustive) return std::make_unique<WindowMatcher>(config, backend, field);
-  return std::make_unique<ScanMatcher>(config, backend, field);
 }
 
 }  // namespace
@@ -45,7 +39,7 @@ void DeviceMap::work_on(Backend& backend) {
   earlier_submissions_ -= backend.submit_count();
   matcher_.reset();
   local_.emplace(backend, config_.map.radius_cells());
-  matcher_ = make_matcher(config_, backend, field_);
+  matcher_ = matcher_info(config_.match.matcher).make(config_, backend, field_);
 }
 
 void DeviceMap::require_device() const {

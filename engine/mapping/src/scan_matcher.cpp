@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "certified_crop.hpp"
-#include "gdtslam/mapping/box_search.hpp"
 #include "gdtslam/mapping/gauss_newton.hpp"
+#include "gdtslam/mapping/matchers.hpp"
 #include "thinning.hpp"
 
 namespace gdtslam {
@@ -13,13 +13,10 @@ namespace {
 
 constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .stop_cells = 0.1F, .stop_rad = 0.002F};
 
-// Half the width of the box that pso, sce and simpsa look into, in edges of the stage's first simplex.
-constexpr float kBoxSteps = 4.0F;
-
 }  // namespace
 
 ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
-    : matcher_(config.match.matcher),
+    : matcher_(&matcher_info(config.match.matcher)),
       optimizer_(config.optimizer),
       gate_(config.gate),
       search_(config.search),
@@ -28,7 +25,7 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const Glo
       rules_(config),
       objective_(backend, map, config.match.interpolation, config.match.cost),
       isa_(backend.host_isa()) {
-  if (matcher_ == MatcherKind::kCertified) crop_ = std::make_unique<CertifiedCrop>(rules_.wide_gate());
+  if (matcher_->proves_windows) crop_ = std::make_unique<CertifiedCrop>(rules_.wide_gate());
 }
 
 ScanMatcher::~ScanMatcher() = default;
@@ -71,22 +68,7 @@ void ScanMatcher::keep_points_within(std::uint32_t gate, const CellPose& pose) {
 }
 
 LocalMinimum ScanMatcher::minimise(const CellPose& start, const DescentStage& stage) {
-  const SimplexOptions& steps = stage.simplex;
-  switch (matcher_) {
-    case MatcherKind::kGaussNewton:
-      return minimise_gauss_newton(objective_, start, {.stop_cells = steps.stop_cells, .stop_rad = steps.stop_rad});
-    case MatcherKind::kPso:
-    case MatcherKind::kSce:
-    case MatcherKind::kSimpsa:
-      return minimise_in_box(objective_, start,
-                             {.half_cells = kBoxSteps * steps.step_cells,
-                              .half_rad = kBoxSteps * steps.step_rad,
-                              .stop_cells = steps.stop_cells,
-                              .stop_rad = steps.stop_rad},
-                             matcher_, optimizer_);
-    default:
-      return minimise_simplex(objective_, start, steps);
-  }
+  return matcher_->descend(objective_, start, stage.simplex, optimizer_);
 }
 
 // Near the end the points scatter around the walls, and squares average that better than the sum of distances does.
@@ -108,7 +90,7 @@ ScanMatcher::Estimate ScanMatcher::descend(const CellPose& start) {
     pose = found.pose;
     stop = found.stop;
   }
-  if (matcher_ == MatcherKind::kSimplexNewton) {
+  if (matcher_->is_refined) {
     const LocalMinimum refined = refine(pose);
     pose = refined.pose;
     stop = refined.stop;

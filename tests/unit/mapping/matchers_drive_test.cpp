@@ -1,11 +1,14 @@
 // Every matcher maps a drive through a known room: within a centimetre of the truth, and to the same bits whatever
 // threads and instruction set the backend has.
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/matchers.hpp"
 #include "support/instruction_sets.hpp"
 #include "support/mapper_drive.hpp"
 #include "support/pose_matchers.hpp"
@@ -73,34 +76,30 @@ TEST_P(MatcherDrive, HasTheSameBitsOnEveryInstructionSetAndWithTwoThreads) {
   }
 }
 
-std::string name_of_kind(const testing::TestParamInfo<MatcherKind>& kind) {
-  switch (kind.param) {
-    case MatcherKind::kSimplex:
-      return "simplex";
-    case MatcherKind::kSimplexNewton:
-      return "simplex_newton";
-    case MatcherKind::kExhaustive:
-      return "exhaustive";
-    case MatcherKind::kGaussNewton:
-      return "gauss_newton";
-    case MatcherKind::kPso:
-      return "pso";
-    case MatcherKind::kSce:
-      return "sce";
-    case MatcherKind::kSimpsa:
-      return "simpsa";
-    case MatcherKind::kCertified:
-      return "certified";
-    default:
-      return "kind" + std::to_string(static_cast<int>(kind.param));
-  }
+std::vector<MatcherKind> all_kinds() {
+  std::vector<MatcherKind> kinds;
+  for (const MatcherInfo& matcher : matchers()) kinds.push_back(matcher.kind);
+  return kinds;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, MatcherDrive,
-                         testing::Values(MatcherKind::kSimplex, MatcherKind::kSimplexNewton, MatcherKind::kExhaustive,
-                                         MatcherKind::kGaussNewton, MatcherKind::kPso, MatcherKind::kSce,
-                                         MatcherKind::kSimpsa, MatcherKind::kCertified),
-                         name_of_kind);
+std::string name_of_kind(const testing::TestParamInfo<MatcherKind>& kind) {
+  std::string name(name_of(kind.param));
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MatcherDrive, testing::ValuesIn(all_kinds()), name_of_kind);
+
+// What the page says of it is a row of its own.
+TEST(Matchers, EachHasItsRowAndItsName) {
+  EXPECT_EQ(matchers().size(), matcher_names().size());
+  for (const MatcherInfo& matcher : matchers()) {
+    EXPECT_EQ(&matcher_info(matcher.kind), &matcher);
+    EXPECT_EQ(matcher.name, matcher_names()[static_cast<std::size_t>(matcher.kind)]);
+    EXPECT_FALSE(matcher.doc.empty()) << matcher.name;
+    EXPECT_EQ(matcher.descend == nullptr, matcher.place == MatcherPlace::kDevice) << matcher.name;
+  }
+}
 
 }  // namespace
 }  // namespace gdtslam::test

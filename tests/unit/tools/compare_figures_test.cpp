@@ -87,7 +87,7 @@ CompareTrial trial(std::uint32_t scan, std::uint32_t method, std::uint32_t level
 class Trials : public testing::Test {
  protected:
   void SetUp() override {
-    job_.methods = {CompareMethod::kSimplex, CompareMethod::kPso};
+    job_.methods = {MatcherKind::kSimplex, MatcherKind::kPso};
     job_.levels = {{0.1, rad_from_deg(2.0)}};
     outcome_.scans.resize(4);
     for (CompareScan& scan : outcome_.scans) {
@@ -141,9 +141,9 @@ TEST_F(Trials, TablesNameEveryMethodAndEveryStart) {
 }
 
 TEST(CompareMethods, AreChosenByName) {
-  EXPECT_EQ(compare_methods_of("--matchers", "").size(), compare_methods().size());
+  EXPECT_EQ(compare_methods_of("--matchers", "").size(), matchers().size());
   EXPECT_EQ(compare_methods_of("--matchers", "pso,simplex"),
-            (std::vector<CompareMethod>{CompareMethod::kPso, CompareMethod::kSimplex}));
+            (std::vector<MatcherKind>{MatcherKind::kPso, MatcherKind::kSimplex}));
   for (const char* wrong : {"simplx", "pso,", "pso,pso", ","}) {
     EXPECT_THROW(compare_methods_of("--matchers", wrong), UsageError) << wrong;
   }

@@ -116,8 +116,8 @@ TEST(ReproduceProgress, NamesAllThatIsInHand) {
 
 TEST(ReproduceTables, NamesByRisingValue) {
   EXPECT_EQ(ranking({"PSO", "SCE", "SIMPSA", "Simplex"}, {3.0, 1.0, 3.0, 2.0}), "SCE, Simplex, PSO, SIMPSA");
-  EXPECT_EQ(label_of(CompareMethod::kSce), "SCE");
-  EXPECT_EQ(label_of(CompareMethod::kGaussNewton), "gauss-newton");
+  EXPECT_EQ(label_of(MatcherKind::kSce), "SCE");
+  EXPECT_EQ(label_of(MatcherKind::kGaussNewton), "gauss-newton");
 }
 
 }  // namespace

@@ -176,8 +176,8 @@ int compare(const CompareOptions& options) {
 void add_protocol_options(CLI::App& command, CompareOptions& options) {
   command
       .add_option("--matchers", options.methods,
-                  "Methods to compare, separated by commas, in this order: simplex, pso, sce, simpsa, gauss-newton,\n"
-                  "simplex-newton, exhaustive, certified (default: all)")
+                  fmt::format("Methods to compare, separated by commas, in this order (default: all):\n{}",
+                              fmt::join(matcher_names(), ", ")))
       ->type_name("A,B,...");
   command
       .add_option("--starts-at", options.levels,

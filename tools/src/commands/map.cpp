@@ -16,6 +16,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
+#include "gdtslam/mapping/matchers.hpp"
 #include "interrupt.hpp"
 #include "linkage_beside.hpp"
 #include "linkage_file.hpp"
@@ -309,7 +310,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   add_settings_options(*command, options->settings);
   command
       ->add_option("--matcher", options->matcher,
-                   "simplex-newton, simplex, exhaustive, ...; short for --set match.matcher=NAME")
+                   fmt::format("{};\nshort for --set match.matcher=NAME", fmt::join(matcher_names(), ", ")))
       ->type_name("NAME")
       ->check([](const std::string& name) { return name.empty() ? std::string("names no matcher") : std::string(); },
               "");

@@ -207,9 +207,10 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
   command->add_flag("-q,--quiet", chosen->options.quiet, "Draw no progress");
   command->footer(
       "Every kernel runs on the CPU and on the device, on the cases of the project's tests; then the sample log is\n"
-      "mapped with the matchers simplex-newton and exhaustive on both, and must also give the shipped hashes. That "
-      "the\n"
-      "device did it itself is shown: no CPU kernel runs meanwhile, and each kernel runs once without its CPU\n"
+      "mapped with the matchers " +
+      fmt::format("{}", fmt::join(verified_matchers(), " and ")) +
+      " on both, and must also give the shipped hashes. That\n"
+      "the device did it itself is shown: no CPU kernel runs meanwhile, and each kernel runs once without its CPU\n"
       "functions. --device cpu compares the CPU's instruction sets and threads with the baseline.\n"
       "Exit 0: no difference; 1: differences, or the device failed; 69: there is no such device. 'gdtslam devices'\n"
       "shows the last result of the whole, and differences and failures of a part, with the shaders that the device\n"

@@ -12,14 +12,15 @@
 
 namespace gdtslam {
 
+/// matchers.hpp has their table.
 enum class MatcherKind : std::uint8_t {
-  kSimplexNewton,
   kSimplex,
-  kExhaustive,
-  kGaussNewton,
   kPso,
   kSce,
   kSimpsa,
+  kGaussNewton,
+  kSimplexNewton,
+  kExhaustive,
   kCertified
 };
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };

@@ -1,7 +1,7 @@
-// The matchers that work on the host, on the map's copy there: `simplex`, `simplex-newton`, `pso`, `sce`, `simpsa`,
-// `gauss-newton` and `certified`. Steps (6) to (8) and the minimisation of (4) for one scan, from a predicted pose down
-// through narrowing gates, and through a window of poses where that descent may have ended in the wrong valley. Only
-// samples of a window, generations and complexes go to the device. Frame: map. Not thread-safe.
+// The matchers that work on the host (matchers.hpp), on the map's copy there. Steps (6) to (8) and the minimisation of
+// (4) for one scan, from a predicted pose down through narrowing gates, and through a window of poses where that
+// descent may have ended in the wrong valley. Only samples of a window, generations and complexes go to the device.
+// Frame: map. Not thread-safe.
 #pragma once
 
 #include <memory>
@@ -19,6 +19,7 @@
 namespace gdtslam {
 
 class CertifiedCrop;
+struct MatcherInfo;
 
 class ScanMatcher final : public Matcher {
  public:
@@ -47,7 +48,7 @@ class ScanMatcher final : public Matcher {
   [[nodiscard]] ExhaustiveResult find_in(const SearchWindow& window);
   [[nodiscard]] ExhaustiveResult prove_in(const SearchWindow& window);
 
-  MatcherKind matcher_;
+  const MatcherInfo* matcher_;
   OptimizerConfig optimizer_;
   GateConfig gate_;
   SearchConfig search_;
