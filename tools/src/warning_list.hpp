@@ -1,9 +1,12 @@
 // Warnings of several readers as one list, counted by kind.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <vector>
 
+#include "console.hpp"
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
@@ -18,6 +21,13 @@ inline void merge_warnings(std::vector<LogReader::Warning>& list, const std::vec
     } else {
       same->count += warning.count;
     }
+  }
+}
+
+/// Each on a line of its own, on standard error.
+inline void print_warnings(const std::vector<LogReader::Warning>& warnings) {
+  for (const LogReader::Warning& warning : warnings) {
+    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
   }
 }
 

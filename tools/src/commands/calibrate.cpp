@@ -23,6 +23,7 @@
 #include "linkage_file.hpp"
 #include "progress.hpp"
 #include "quantity_option.hpp"
+#include "warning_list.hpp"
 
 namespace gdtslam {
 namespace {
@@ -71,11 +72,6 @@ CalibrateJob job_of(const CalibrateCommand& command) {
 template <typename Outcome>
 std::vector<ParameterSigma> stated_sigmas(const Outcome& outcome) {
   return outcome.distrust.empty() ? uncertainty_of(outcome.result) : std::vector<ParameterSigma>{};
-}
-
-void print_warnings(const std::vector<LogReader::Warning>& warnings) {
-  for (const LogReader::Warning& warning : warnings)
-    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
 }
 
 void refuse_distrusted(const CalibrateCommand& command, const std::string& distrust, const std::string& advice) {

@@ -22,6 +22,7 @@
 #include "quantity_option.hpp"
 #include "settings.hpp"
 #include "stopwatch.hpp"
+#include "warning_list.hpp"
 #include "whole_number.hpp"
 #include "written_files.hpp"
 
@@ -116,9 +117,7 @@ void write_files(const LocalizeOptions& options, const LocalizeJob& job, const L
 }
 
 void print_remarks(const LocalizeJob& job, const Localized& all) {
-  for (const LogReader::Warning& warning : all.warnings) {
-    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
-  }
+  print_warnings(all.warnings);
   if (all.nods) {
     print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
   }

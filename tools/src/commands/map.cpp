@@ -29,6 +29,7 @@
 #include "run_output.hpp"
 #include "run_report.hpp"
 #include "settings.hpp"
+#include "warning_list.hpp"
 #include "whole_number.hpp"
 
 namespace gdtslam {
@@ -87,9 +88,7 @@ std::string text_of(const DoubtfulScan& scan) {
 }
 
 void print_remarks(const MapOutcome& outcome) {
-  for (const LogReader::Warning& warning : outcome.warnings) {
-    print_remark(fmt::format("warning: {} ({} times; first: {})", warning.kind, warning.count, warning.first));
-  }
+  print_warnings(outcome.warnings);
   for (std::size_t k = 0; k < outcome.doubtful.size() && k < kMostDoubtsShown; ++k) {
     print_remark(text_of(outcome.doubtful[k]));
   }
