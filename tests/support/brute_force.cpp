@@ -144,7 +144,7 @@ std::uint16_t brute_merge(const GdtMerge::Params& params, std::uint16_t global, 
   if (G >= params.cap) return scan;                                              // the map has nothing here
   if (std::abs(d) <= threshold) return static_cast<std::uint16_t>((G + D) / 2);  // (9)
   if (params.rule == MergeRule::kWorking) {
-    return d < 0 ? global : static_cast<std::uint16_t>(lifted);  // (10), (11) as READING corrects them
+    return d < 0 ? global : static_cast<std::uint16_t>(lifted);  // (10), (11) as docs/paper.md has them
   }
   return d > 0 ? global : static_cast<std::uint16_t>(std::min<std::int64_t>(lifted, params.cap));  // as printed
 }

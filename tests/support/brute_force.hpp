@@ -26,7 +26,7 @@ std::vector<std::uint32_t> brute_sq_distances(const std::vector<std::uint8_t>& s
 std::uint32_t brute_sq_distance(const std::vector<std::uint8_t>& seeds, const GridShape& shape, std::uint32_t x,
                                 std::uint32_t y);
 
-/// The merged value of one cell, line by line as READING's table and the paper's equations (9) to (11) have it.
+/// The merged value of one cell, line by line as docs/paper.md has equations (9) to (11).
 std::uint16_t brute_merge(const GdtMerge::Params& params, std::uint16_t global, std::uint16_t scan);
 
 /// Cost of one candidate, in wide integers.

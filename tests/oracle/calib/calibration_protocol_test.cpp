@@ -1,4 +1,4 @@
-// The paper's protocol against theory: READING's Monte Carlo gives an elevation error of 0.012 degrees (RMS over the
+// The paper's protocol against theory: a separate Monte Carlo gives an elevation error of 0.012 degrees (RMS over the
 // sweep up to 60 degrees) with the lever arm known, and 0.084 degrees with it free. GDTSLAM_CALIBRATION_DRAWS sets how
 // many mounts are drawn; docs/calibration.md states the figures of 200.
 #include "calibration_protocol.hpp"
@@ -135,7 +135,7 @@ TEST(CalibrationProtocol, LeverFree) {
   EXPECT_EQ(series.unflagged, 0);
 }
 
-// The other readings of the figure; READING gives 0.011 degrees for A over its 49 degrees.
+// The other readings of the figure; docs/calibration.md has 0.011 degrees for A over its 49 degrees.
 TEST(CalibrationProtocol, OtherReadings) {
   for (const char* preset : {"paper-a", "paper-c"}) {
     const Series series = run({.preset = preset}, {}, draws(10), 3);

@@ -68,7 +68,7 @@ TEST_P(SweepModelOracle, LiftsFromElevationZeroInTheSlowStroke) {
   EXPECT_NEAR(lowest_rad, 0.0, 1e-9);
   EXPECT_NEAR(elevation_at(model_, 0.0), 0.0, 1e-9);
   EXPECT_GT(lifting, kSteps / 2);
-  // READING's table: rocker swing and time ratio, to the digits printed.
+  // The table of presets in docs/linkage.md: rocker swing and time ratio, to the digits printed.
   struct Published {
     std::string name;
     double swing_deg;
@@ -147,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(Presets, SweepModelOracle,
                            return name;
                          });
 
-// READING: in reading B lifting takes 266 deg of the turn, and the beam is beyond 90 deg for 14.6 % of it.
+// docs/linkage.md, preset paper-b: lifting takes 266 deg of the turn, and the beam is beyond 90 deg for 14.6 % of it.
 TEST(SweepModelOracle, ReadingBIsSlowUpAndQuickBack) {
   const SweepModel model = sweep_model_of_preset("paper-b");
   constexpr int kSteps = 100'000;

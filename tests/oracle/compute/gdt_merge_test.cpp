@@ -1,5 +1,5 @@
-// The merge against READING's rows (9) to (11), for every pair of values of a small range and around the limits of 16
-// bits.
+// The merge against rows (9) to (11) of docs/paper.md, for every pair of values of a small range and around the limits
+// of 16 bits.
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST(GdtMerge, EveryPairOfValues) {
   }
 }
 
-// READING: a new obstacle enters, a wall out of sight stays; as printed it is the other way round.
+// docs/paper.md, (10) and (11): a new obstacle enters, a wall out of sight stays; as printed it is the other way round.
 TEST(GdtMerge, WorkingRuleLetsNewObstaclesInAndLiteralDoesNot) {
   const std::uint16_t scan[] = {0, 2560};  // a new obstacle; a wall of the map that the scan does not see
   std::uint16_t working[] = {2560, 0};

@@ -78,8 +78,8 @@ TEST(Nodding, LeverMovesSidewaysBeamsOnACircleAboutTheAxis) {
   EXPECT_THAT(T_level_laser(mount, 0.0), PoseNear(Pose3{}, kTolerance_m, 1e-10));
 }
 
-// Equation (A1) as READING corrects it: r = (d - a cos theta + b sin theta) / (sin alpha cos theta) to a wall at d from
-// the axis.
+// Equation (A1) as docs/paper.md has it: r = (d - a cos theta + b sin theta) / (sin alpha cos theta) to a wall at d
+// from the axis.
 TEST(Nodding, LeverAgreesWithTheRangeToAWall) {
   NoddingMount mount;
   mount.lever_forward_m = 0.031;

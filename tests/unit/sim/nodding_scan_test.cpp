@@ -116,7 +116,7 @@ TEST(NoddingScan, ALeverArmMovesTheForwardBeamAsTheoryHasIt) {
     if (e > rad_from_deg(80.0)) {
       continue;
     }
-    // READING.md, (A1) with a lever arm; the axis lies `a` behind the laser at level, so the wall is 3 + a from it.
+    // docs/paper.md, (A1) with a lever arm; the axis lies `a` behind the laser at level, so the wall is 3 + a from it.
     const double range = (3.0 + a - a * std::cos(e) + b * std::sin(e)) / std::cos(e);
     EXPECT_NEAR(static_cast<double>(log.scans[i].record.scan.ranges_m[0]), range, 2e-6 * range) << i;
     ++checked;

@@ -68,7 +68,7 @@ TEST(NoddingCourse, LiftsSlowlyFromLevelAndReturnsQuickly) {
     lifting += course.elevation_rad(t + 1e-4) > course.elevation_rad(t) ? 1 : 0;
     highest = std::max(highest, course.elevation_rad(t));
   }
-  // READING.md, reading B: 266 of 360 deg of the turn lift, the swing is 93.0 deg.
+  // docs/linkage.md, preset paper-b: 266 of 360 deg of the turn lift, the swing is 93.0 deg.
   EXPECT_NEAR(360.0 * lifting / kSteps, 266.0, 1.0);
   EXPECT_NEAR(deg_from_rad(highest), 93.0, 0.05);
   EXPECT_NEAR(course.elevation_rad(0.0), 0.0, 1e-12);

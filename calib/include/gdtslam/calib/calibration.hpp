@@ -1,5 +1,5 @@
-// Calibration of a nodding mount from ranges to known kinds of surfaces, the paper's appendix: (A1) as READING corrects
-// it, (A2) as bounded robust least squares with a prior on the bars' errors and a guard against loops that do not
+// Calibration of a nodding mount from ranges to known kinds of surfaces, the paper's appendix: docs/paper.md has (A1),
+// and (A2) is bounded robust least squares with a prior on the bars' errors and a guard against loops that do not
 // close. For each parameter: estimate, standard deviation, whether it lies on its bound, whether the data observe it.
 // SI units, radians. Cost: grows with the averages, not the ranges: 0.15 s for 150 averages of one beam, 10 s for 41
 // beams before two surfaces. Thread-safe.

@@ -1,4 +1,4 @@
-// What one range to a known kind of surface says about a nodding mount: equation (A1) of the paper as READING corrects
+// What one range to a known kind of surface says about a nodding mount: equation (A1) of the paper as docs/paper.md has
 // it, for any flat surface and any beam, with every derivative. A forward beam raised by theta meets a wall at the
 // distance d where r cos(theta) + a cos(theta) - b sin(theta) = d, with the lever a forward and b up. The left side
 // minus the right one is the miss: defined through 90 degrees, where the range itself is not. SI units, radians, frame

@@ -38,7 +38,7 @@ std::string inequality_text(const FourBar& bars);
 /// point, a rocker much faster than its crank. Throws as analyse().
 std::vector<std::string> remarks(const FourBar& bars, Assembly assembly);
 
-/// A linkage of the paper under one reading of its figure (READING.md's table), nominal or as the paper calibrated it.
+/// A linkage of the paper under one reading of its figure (docs/linkage.md), nominal or as the paper calibrated it.
 struct LinkagePreset {
   std::string_view name;  ///< paper-a, paper-b, paper-c, and each with -calibrated
   std::string_view doc;

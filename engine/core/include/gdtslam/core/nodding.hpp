@@ -1,7 +1,7 @@
 // A laser that nods: how its beams lie in space for an elevation of the scan plane, equation (12) of the paper with an
 // optional lever arm and misalignment, and the table that turns a crank's phase into the elevation.
 //
-// Frames: `laser` is the sensor's own (x forward, y left, z up; READING's x right and y forward turned by 90 deg);
+// Frames: `laser` is the sensor's own (x forward, y left, z up; the paper's x right and y forward turned by 90 deg);
 // `level` is the laser frame at elevation zero. The nodding axis is parallel to level's y and lies `lever` behind and
 // below the sensor's centre. Elevation: radians, positive lifts the forward beam. With a lever arm of zero the beams
 // at +90 and -90 deg never move. Every product is written out. Thread-safe, constant time.

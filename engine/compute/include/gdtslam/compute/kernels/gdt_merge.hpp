@@ -1,5 +1,5 @@
-// Merge of a scan's distance field D into the global distance transform G, paper equations (9) to (11) as READING has
-// them. All in 1/256 cell, integers. Working rule, in this order, d = G - D:
+// Merge of a scan's distance field D into the global distance transform G, paper equations (9) to (11) as docs/paper.md
+// has them. All in 1/256 cell, integers. Working rule, in this order, d = G - D:
 //   D = cap: unchanged; G = cap: G := D; |d| <= threshold: G := (G + D) >> 1; d < 0: unchanged; d > 0: G := D + lift.
 // A value above the cap counts as the cap in the first two lines. Literal rule: the same first three lines, then d > 0:
 // unchanged; d < 0: G := min(D + lift, cap).
