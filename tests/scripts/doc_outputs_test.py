@@ -85,10 +85,10 @@ class DocOutputs(unittest.TestCase):
         self.fails(console("refuse"), "exit code 2")
         self.fails(console("refuse", "something else"), "exit code 2")
         self.fails(console("figures", "gdtslam: error: no such thing"), "exit code 0")
-        self.fails("```sh\ngdtslam figures  # fine\ngdtslam unknown\n```\n", "exit code 3: gdtslam unknown")
+        self.fails("```sh\ngdtslam figures  # fine\ngdtslam unknown\ngdtslam figures\n```\n", "failed: gdtslam unknown")
 
     def test_the_blocks_of_a_page_share_a_folder_with_the_runs(self):
-        self.passes("```sh\ngdtslam map my.log -o mine\ngdtslam figures \\\n  >four.txt\n```\n" +
+        self.passes("```sh\ngdtslam map my.log -o mine\n\ngdtslam figures \\\n  >four.txt\n```\n" +
                     console("count four.txt", "4") + console("count mine/cloud.ply", "1") +
                     console("count runs/office-7f/cloud.ply", "1"))
 

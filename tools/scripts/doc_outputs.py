@@ -8,7 +8,7 @@ A fenced block says by its language what it holds; a block without a language is
   console   commands after '$ ' and what they print, standard output and standard error together. A line '...' stands for
             any number of lines. Where nothing is shown after a command, its output may be anything. A command that
             shows 'gdtslam: error: ' has to fail, every other one has to end with exit code 0.
-  sh        commands to copy, each of which has to end with exit code 0.
+  sh        commands to copy, run as one script that ends at the first one that fails, which none may.
   others    (text, yaml, cpp, ...) are not run.
 A comment in the line above a block of commands says what is special about it:
   <!-- not run: REASON -->    it is never run, and is listed with its reason.
@@ -90,12 +90,11 @@ def blocks_of(page, text):
 
 def add_line(block, number, line):
     """A line of a block: a command, the rest of one, or what the last command shows."""
-    if block.commands and block.commands[-1][0].endswith("\\"):
-        command, _, shown = block.commands[-1]
-        block.commands[-1] = (command[:-1] + line.strip(), number, shown)
+    last = block.commands[-1][0] if block.commands else ""
+    if last and (block.language == "sh" or last.endswith("\\")):
+        block.commands[-1] = (f"{last}\n{line}", number, block.commands[-1][2])
     elif block.language == "sh":
-        if line.strip() and not line.startswith("#"):
-            block.commands.append((line, number, []))
+        block.commands.append((f"set -e; trap 'echo \"failed: $BASH_COMMAND\"' ERR\n{line}", number, []))
     elif line.startswith("$ "):
         block.commands.append((line[2:], number, []))
     elif block.commands:
@@ -262,7 +261,7 @@ class Pages:
 
     def complain(self, block, command, what, lines):
         self.differences += 1
-        print(f"{block.where()}: {what}: {command}")
+        print(f"{block.where()}: {what}: {command if block.language == 'console' else 'the script'}")
         print("\n".join(f"    {line}" for line in lines[:60]))
 
     def report(self):
