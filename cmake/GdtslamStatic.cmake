@@ -48,6 +48,8 @@ if(GDTSLAM_BUILD_TOOLS)
   set(ZLIB_LIBRARY ${GDTSLAM_ZLIB_ARCHIVE})
   gdtslam_static_archive(GDTSLAM_PNG_ARCHIVE libpng.a)
   set(PNG_LIBRARY ${GDTSLAM_PNG_ARCHIVE})
+  gdtslam_static_archive(GDTSLAM_CRYPTO_ARCHIVE libcrypto.a)
+  set(OPENSSL_CRYPTO_LIBRARY ${GDTSLAM_CRYPTO_ARCHIVE})
 
   gdtslam_static_archive(GDTSLAM_YAML_CPP_ARCHIVE libyaml-cpp.a)
   find_path(GDTSLAM_YAML_CPP_FOLDER yaml-cpp/yaml.h REQUIRED)

@@ -1,15 +1,21 @@
 #include "gdtslam/io/sha256.hpp"
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <cstring>
+#include <vector>
 
-#include "sha256_blocks.hpp"
+#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
+
+void require(int done) {
+  if (done != 1) throw Error(ExitCode::kFailed, "OpenSSL's libcrypto cannot compute a SHA-256");
+}
 
 template <class Integer>
 std::array<std::byte, sizeof(Integer)> little_endian(Integer value) {
@@ -23,30 +29,12 @@ std::array<std::byte, sizeof(Integer)> little_endian(Integer value) {
 
 }  // namespace
 
-void Sha256::process_blocks(const std::uint8_t* blocks, std::size_t count) {
-  static const bool has_instructions = has_sha_instructions();
-  if (has_instructions) return process_with_instructions(state_, blocks, count);
-  process_portably(state_, blocks, count);
-}
+void Sha256::Free::operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+
+Sha256::Sha256() : context_(EVP_MD_CTX_new()) { require(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr)); }
 
 Sha256& Sha256::update(std::span<const std::byte> data) {
-  total_bytes_ += data.size();
-  while (!data.empty()) {
-    if (block_size_ == 0 && data.size() >= block_.size()) {
-      const std::size_t blocks = data.size() / block_.size();
-      process_blocks(reinterpret_cast<const std::uint8_t*>(data.data()), blocks);
-      data = data.subspan(blocks * block_.size());
-      continue;
-    }
-    const std::size_t count = std::min(data.size(), block_.size() - block_size_);
-    std::memcpy(block_.data() + block_size_, data.data(), count);
-    block_size_ += count;
-    data = data.subspan(count);
-    if (block_size_ == block_.size()) {
-      process_blocks(block_.data(), 1);
-      block_size_ = 0;
-    }
-  }
+  require(EVP_DigestUpdate(context_.get(), data.data(), data.size()));
   return *this;
 }
 
@@ -56,23 +44,10 @@ Sha256& Sha256::update(std::int32_t value) { return update(little_endian(std::bi
 Sha256& Sha256::update(std::uint16_t value) { return update(little_endian(value)); }
 
 std::string Sha256::hex() {
-  const std::uint64_t total_bits = total_bytes_ * 8U;
-  constexpr std::size_t kLengthOffset = 56;
-  block_[block_size_++] = 0x80U;
-  if (block_size_ > kLengthOffset) {
-    std::fill(block_.begin() + static_cast<std::ptrdiff_t>(block_size_), block_.end(), std::uint8_t{0});
-    process_blocks(block_.data(), 1);
-    block_size_ = 0;
-  }
-  std::fill(block_.begin() + static_cast<std::ptrdiff_t>(block_size_), block_.end(), std::uint8_t{0});
-  for (std::size_t i = 0; i < 8; ++i) {
-    block_[kLengthOffset + i] = static_cast<std::uint8_t>(total_bits >> (8U * (7U - i)));
-  }
-  process_blocks(block_.data(), 1);
+  std::array<unsigned char, 32> digest{};
+  require(EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr));
   std::string text;
-  for (const std::uint32_t word : state_) {
-    text += fmt::format("{:08x}", word);
-  }
+  for (const unsigned char byte : digest) text += fmt::format("{:02x}", byte);
   return text;
 }
 

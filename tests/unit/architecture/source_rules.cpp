@@ -53,6 +53,7 @@ const std::vector<Library>& libraries() {
       {"fmt/", {"io", "drawing", "viewer"}},
       {"png.h", {"io"}},
       {"zlib.h", {"io"}},
+      {"openssl/", {"io"}},
       {"embree3/", {"sim"}},
       {"assimp/", {"sim"}},
       {"ceres/", {"calib"}},

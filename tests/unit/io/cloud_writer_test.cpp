@@ -8,7 +8,6 @@
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/sha256.hpp"
 #include "io_test_support.hpp"
-#include "sha256_blocks.hpp"
 
 namespace gdtslam {
 namespace {
@@ -118,31 +117,6 @@ TEST(CloudWriter, TheNameTellsTheFormat) {
   EXPECT_EQ(cloud_format_of("B.PCD"), CloudFormat::kPcdBinary);
   EXPECT_THROW(cloud_format_of("ply"), UsageError);
   EXPECT_THROW(cloud_format_of("a.ply.gz"), UsageError);
-}
-
-TEST(Sha256Blocks, TheProcessorsInstructionsGiveTheSame) {
-  if (!has_sha_instructions()) GTEST_SKIP() << "this processor has no instructions for SHA-256";
-  std::vector<std::uint8_t> data(64 * 33);
-  for (std::size_t k = 0; k < data.size(); ++k) data[k] = static_cast<std::uint8_t>(k * 2654435761U >> 13U);
-  Sha256State portable{0x6a09e667U, 0xbb67ae85U, 3U, 4U, 5U, 6U, 7U, 0xffffffffU};
-  Sha256State fast = portable;
-  process_portably(portable, data.data(), 33);
-  process_with_instructions(fast, data.data(), 20);
-  process_with_instructions(fast, data.data() + 64 * 20, 13);
-  EXPECT_EQ(fast, portable);
-}
-
-// FIPS 180-4, the example "abc", in the portable form; the other one is compared with it.
-TEST(Sha256Blocks, GiveThePublishedExample) {
-  std::array<std::uint8_t, 64> block{'a', 'b', 'c', 0x80};
-  block[63] = 24;
-  const Sha256State expected{0xba7816bfU, 0x8f01cfeaU, 0x414140deU, 0x5dae2223U,
-                             0xb00361a3U, 0x96177a9cU, 0xb410ff61U, 0xf20015adU};
-  const Sha256State begin{0x6a09e667U, 0xbb67ae85U, 0x3c6ef372U, 0xa54ff53aU,
-                          0x510e527fU, 0x9b05688cU, 0x1f83d9abU, 0x5be0cd19U};
-  Sha256State state = begin;
-  process_portably(state, block.data(), 1);
-  EXPECT_EQ(state, expected);
 }
 
 }  // namespace
