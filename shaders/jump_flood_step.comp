@@ -1,4 +1,4 @@
-// Jump flooding, one pass, for any step: an invocation looks from one cell at nine.
+// Jump flooding, one pass: an invocation looks from one cell of one or more rows at nine.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/jump_flood.glsl"

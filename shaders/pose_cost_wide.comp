@@ -1,26 +1,32 @@
-// Cost of candidate poses, for large batches on GPUs: an invocation a candidate. The points are in a uniform buffer, for
-// every invocation reads the same one at the same time.
+// Cost of candidate poses, a work group a candidate: few of them keep a GPU busy. The sum is of integers, so how it is
+// shared out does not matter.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "common/launch.glsl"
 #include "common/pose_cost.glsl"
 
-layout(set = 0, binding = 1, std140) uniform Points { vec4 points[1024]; };  // two points an element
+const uint kMostInvocations = 256;
+layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
+shared uint sum_of[kMostInvocations];
 
 void main() {
-  uint index = linear_invocation();
-  if (index >= count) {
-    return;
-  }
-  Candidate candidate = candidates[index];
+  uint own = gl_LocalInvocationID.x;
+  uint index = linear_group();
+  bool is_in_batch = index < count;  // the same for the whole group
+  Candidate candidate = candidates[is_in_batch ? index : 0];
   Context context = context_of(candidate);
   uint sum = 0;
-  for (uint i = 0; i < point_count / 2; ++i) {
-    vec4 two = points[i];
-    sum += term(context, two.xy) + term(context, two.zw);
+  for (uint i = own; i < (is_in_batch ? point_count : 0); i += gl_WorkGroupSize.x) {
+    sum += term(context, points[i]);
   }
-  if ((point_count & 1u) == 1) {
-    sum += term(context, points[point_count / 2].xy);
+  sum_of[own] = sum;
+  for (uint half_size = gl_WorkGroupSize.x / 2; half_size > 0; half_size /= 2) {
+    barrier();
+    if (own < half_size) {
+      sum_of[own] += sum_of[own + half_size];
+    }
   }
-  cost[index] = saturating_sum(sum, candidate.bias);
+  if (own == 0 && is_in_batch) {
+    cost[index] = saturating_sum(sum_of[0], candidate.bias);
+  }
 }

@@ -1,5 +1,4 @@
-// Parameters of the four passes of the exact distance transform (EdtColumns::Params), and the value that stands for "no
-// seed" in the unlimited ones.
+// Parameters of a pass of a truncated distance transform (EdtColumns::Params, JumpFloodDistance::Params).
 #ifndef GDTSLAM_EDT_PARAMS_GLSL
 #define GDTSLAM_EDT_PARAMS_GLSL
 
@@ -9,7 +8,5 @@ layout(push_constant) uniform Params {
   uint stride;
   uint radius;
 };
-
-const uint kNoSeed = 0xFFFFFFFFu;
 
 #endif

@@ -1,4 +1,4 @@
-// What the forms of pose_simplex share. The includer declares FIELD_WORD (field_lookup.glsl).
+// What the variants of pose_simplex share. The includer declares FIELD_WORD (field_lookup.glsl).
 #ifndef GDTSLAM_POSE_SIMPLEX_GLSL
 #define GDTSLAM_POSE_SIMPLEX_GLSL
 

@@ -42,7 +42,7 @@ def everything_works_without(changes, words):
     for device in ("auto", "cpu"):
         report = mapped(folder / device, "--first", 20, "--device", device, env=env)
         expect(report["device"]["kind"] == "cpu", f"--device {device} took {report['device']}")
-    expect_exit(command("verify", "arg_min", "--device", "cpu", env=env), 0)
+    expect_exit(command("verify", "smallest_values", "--device", "cpu", env=env), 0)
 
 
 def no_vulkan_driver():
@@ -146,11 +146,11 @@ def verify_of_a_part_is_not_remembered():
     """A filter verifies kernels; that is no verification of the device."""
     device = require_vulkan()[0]
     env = environment(XDG_CACHE_HOME=str(fresh_folder("part")))
-    process = command("verify", "arg_min", "--device", device["device"], "--random", 30, "--forms", "all", env=env)
+    process = command("verify", "smallest_values", "--device", device["device"], "--random", 30, "--variants", "all", env=env)
     expect_exit(process, 0)
     expect(process.stdout.splitlines()[-1] == "0 differences", process.stdout)
-    for forms in ("", " wide", " narrow", " no-texels"):
-        name = device["device"] + forms
+    for variants in ("", " wide", " narrow"):
+        name = device["device"] + variants
         expect(f"\n{name}: " in "\n" + process.stdout, f"no part for {name}: {process.stdout}")
     expect(vulkan_devices(env=env)[0]["verified"] is None, "a part counts as the whole")
 
@@ -160,15 +160,15 @@ def verify_of_other_shaders_leaves_the_record():
     device = require_vulkan()[0]["device"]
     folder = fresh_folder("other_shaders")
     env = environment(XDG_CACHE_HOME=str(folder))
-    for forms in ("narrow", "wide"):
-        expect_exit(command("verify", "--device", device, "--forms", forms, "-q", env=env, timeout=280), 0)
-        expect(vulkan_devices(env=env)[0]["verified"] is None, f"--forms {forms} counts as a verification")
+    for variants in ("narrow", "wide"):
+        expect_exit(command("verify", "--device", device, "--variants", variants, "-q", env=env, timeout=280), 0)
+        expect(vulkan_devices(env=env)[0]["verified"] is None, f"--variants {variants} counts as a verification")
     # A record that says otherwise, by a verification that the device fails.
-    expect_exit(command("verify", "arg_min", "--device", device, env={**env, "GDTSLAM_VULKAN_FAULT": "100:device-lost"}), 1)
+    expect_exit(command("verify", "smallest_values", "--device", device, env={**env, "GDTSLAM_VULKAN_FAULT": "100:device-lost"}), 1)
     failed = vulkan_devices(env=env)[0]["verified"]
     expect(failed is not None and not failed["passed"], f"{failed}")
-    expect_exit(command("verify", "logs", "--device", device, "--forms", "narrow", env=env), 0)
-    expect(vulkan_devices(env=env)[0]["verified"] == failed, "--forms narrow wiped the record")
+    expect_exit(command("verify", "logs", "--device", device, "--variants", "narrow", env=env), 0)
+    expect(vulkan_devices(env=env)[0]["verified"] == failed, "--variants narrow wiped the record")
 
 
 def verify_remembers_a_device_that_fails():
@@ -304,7 +304,7 @@ def device_that_fails():
         one_error_line(process.stderr)
         expect(call in process.stderr and code in process.stderr, process.stderr)
         expect(not (folder / "no").exists(), "a folder of results without results")
-        process = command("verify", "arg_min", "--device", "vulkan", env=env)
+        process = command("verify", "smallest_values", "--device", "vulkan", env=env)
         if at == 1:
             expect_exit(process, 1)
             one_error_line(process.stderr)
@@ -314,7 +314,7 @@ def device_that_fails():
 def bench_of_a_device():
     """CPU and device side by side."""
     device = require_vulkan()[0]["device"]
-    process = command("bench", "arg_min", "--samples", 2, "--device", device, "--json")
+    process = command("bench", "smallest_values", "--samples", 2, "--device", device, "--json")
     expect_exit(process, 0)
     cli.validate(process.stdout, "bench")
     report = json.loads(process.stdout)
@@ -323,5 +323,5 @@ def bench_of_a_device():
     expect(rows["cpu"] == rows[device] and rows[device], f"{rows}")
     for row in report["rows"]:
         expect((row["times_cpu"] is None) == (row["on"] == "cpu"), f"{row}")
-    text = command("bench", "arg_min", "--samples", 2, "--device", device).stdout
-    expect("x CPU" in text and "arg_min" in text, text)
+    text = command("bench", "smallest_values", "--samples", 2, "--device", device).stdout
+    expect("x CPU" in text and "smallest_values" in text, text)

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/core/elementary.hpp"
 
 namespace gdtslam::test {
@@ -168,8 +167,15 @@ std::uint32_t brute_pose_cost(const PoseCost::Params& params, const std::vector<
   return static_cast<std::uint32_t>(std::min<std::int64_t>(sum, kNone));
 }
 
-std::vector<std::uint32_t> brute_jump_flood(JumpFloodVariant variant, const std::vector<std::uint8_t>& seeds,
-                                            const GridShape& shape) {
+std::vector<std::uint16_t> truncated(const std::vector<std::uint32_t>& sq_distances, std::uint32_t radius) {
+  std::vector<std::uint16_t> result(sq_distances.size());
+  std::transform(sq_distances.begin(), sq_distances.end(), result.begin(),
+                 [radius](std::uint32_t sq) { return static_cast<std::uint16_t>(std::min(sq, radius * radius)); });
+  return result;
+}
+
+std::vector<std::uint32_t> brute_jump_flood(JumpFloodVariant variant, std::uint32_t side,
+                                            const std::vector<std::uint8_t>& seeds, const GridShape& shape) {
   Flood flood(seeds.size());
   for (std::int64_t y = 0; y < shape.height; ++y) {
     for (std::int64_t x = 0; x < shape.width; ++x) {
@@ -178,7 +184,7 @@ std::vector<std::uint32_t> brute_jump_flood(JumpFloodVariant variant, const std:
       }
     }
   }
-  for (const std::int64_t step : steps_of(variant, std::max(shape.width, shape.height))) {
+  for (const std::int64_t step : steps_of(variant, side)) {
     flood = flood_pass(flood, shape, step);
   }
   std::vector<std::uint32_t> result(seeds.size(), kNone);

@@ -1,4 +1,5 @@
 // Oracles of single dispatches: what a case of the list must leave behind.
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -57,10 +58,10 @@ void fill(const KernelCase& kernel_case, CaseOutcome& outcome, std::size_t bindi
   outcome.contents[binding] = bytes_of(values);
 }
 
-/// Distance to the nearest seed of the column, at most `most`.
+/// Distance to the nearest seed of the column, at most the radius.
 std::uint32_t in_column(const std::vector<std::uint8_t>& seeds, const EdtColumns::Params& params, std::uint32_t x,
-                        std::uint32_t y, std::uint32_t most) {
-  std::uint32_t best = most;
+                        std::uint32_t y) {
+  std::uint32_t best = params.radius;
   for (std::uint32_t j = 0; j < params.height; ++j) {
     if (seeds[std::size_t{j} * params.stride + x] != 0) {
       best = std::min(best, j > y ? j - y : y - j);
@@ -69,32 +70,28 @@ std::uint32_t in_column(const std::vector<std::uint8_t>& seeds, const EdtColumns
   return best;
 }
 
-/// Least of (x - i)^2 + g(i)^2 over the row, at most `most`; kNoSeed stands for no g.
-std::uint32_t in_row(const std::uint32_t* g, std::uint32_t width, std::uint32_t x, std::uint64_t most) {
-  std::uint64_t best = most;
-  for (std::uint32_t i = 0; i < width; ++i) {
+/// Least of (x - i)^2 + g(i)^2 over the row, at most the squared radius.
+std::uint64_t in_row(const std::uint8_t* g, const EdtRows::Params& params, std::uint32_t x) {
+  std::uint64_t best = std::uint64_t{params.radius} * params.radius;
+  for (std::uint32_t i = 0; i < params.width; ++i) {
     const std::uint64_t dx = i > x ? i - x : x - i;
-    const std::uint64_t sum = dx * dx + std::uint64_t{g[i]} * g[i];
-    best = g[i] != kNoSeed && sum < best ? sum : best;
+    best = std::min(best, dx * dx + std::uint64_t{g[i]} * g[i]);
   }
-  return static_cast<std::uint32_t>(best);
+  return best;
 }
 
-template <class Out>
-void columns_oracle(const KernelCase& kernel_case, CaseOutcome& outcome, std::uint32_t most) {
+void columns_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const auto params = params_of<EdtColumns::Params>(kernel_case);
   const auto seeds = values_of<std::uint8_t>(outcome.contents[0]);
-  fill<Out>(kernel_case, outcome, 1,
-            [&](std::uint32_t x, std::uint32_t y) { return in_column(seeds, params, x, y, most); });
+  fill<std::uint8_t>(kernel_case, outcome, 1,
+                     [&](std::uint32_t x, std::uint32_t y) { return in_column(seeds, params, x, y); });
 }
 
-template <class In, class Out>
-void rows_oracle(const KernelCase& kernel_case, CaseOutcome& outcome, std::uint64_t most) {
+void rows_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const auto params = params_of<EdtRows::Params>(kernel_case);
-  const auto cells = values_of<In>(outcome.contents[0]);
-  const std::vector<std::uint32_t> g(cells.begin(), cells.end());
-  fill<Out>(kernel_case, outcome, 1, [&](std::uint32_t x, std::uint32_t y) {
-    return in_row(g.data() + std::size_t{y} * params.stride, params.width, x, most);
+  const auto g = values_of<std::uint8_t>(outcome.contents[0]);
+  fill<std::uint16_t>(kernel_case, outcome, 1, [&](std::uint32_t x, std::uint32_t y) {
+    return in_row(g.data() + std::size_t{y} * params.stride, params, x);
   });
 }
 
@@ -137,9 +134,10 @@ void flood_step_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
 void flood_distance_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const auto params = params_of<JumpFloodDistance::Params>(kernel_case);
   const auto nearest = values_of<std::uint32_t>(outcome.contents[0]);
-  fill<std::uint32_t>(kernel_case, outcome, 1, [&](std::int64_t x, std::int64_t y) {
+  const std::int64_t most = std::int64_t{params.radius} * params.radius;
+  fill<std::uint16_t>(kernel_case, outcome, 1, [&](std::int64_t x, std::int64_t y) {
     const std::uint32_t seed = nearest[static_cast<std::size_t>(y * params.stride + x)];
-    return seed == kNoSeed ? std::int64_t{kNoSeed} : sq_to(seed, x, y);
+    return seed == kNoSeed ? most : std::min(sq_to(seed, x, y), most);
   });
 }
 
@@ -160,15 +158,6 @@ void cost_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const auto poses = values_of<PoseCandidate>(outcome.contents[2]);
   fill<std::uint32_t>(kernel_case, outcome, 3,
                       [&](std::uint32_t i, std::uint32_t) { return brute_pose_cost(params, field, points, poses[i]); });
-}
-
-void arg_min_oracle(const KernelCase&, CaseOutcome& outcome) {
-  const auto costs = values_of<std::uint32_t>(outcome.contents[0]);
-  std::map<std::uint32_t, std::uint32_t> first_index;
-  for (std::uint32_t i = 0; i < costs.size(); ++i) {
-    first_index.try_emplace(costs[i], i);
-  }
-  outcome.contents[1] = bytes_of(std::vector{first_index.begin()->first, first_index.begin()->second});
 }
 
 void merge_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
@@ -267,35 +256,25 @@ void bounds_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
 
 using Oracle = std::function<void(const KernelCase&, CaseOutcome&)>;
 
-std::uint32_t radius_of(const KernelCase& kernel_case) { return params_of<EdtColumns::Params>(kernel_case).radius; }
-
 const std::map<std::string_view, Oracle>& oracles() {
-  static const std::map<std::string_view, Oracle> table{
-      {"edt_columns", [](const KernelCase& c, CaseOutcome& o) { columns_oracle<std::uint8_t>(c, o, radius_of(c)); }},
-      {"edt_rows",
-       [](const KernelCase& c, CaseOutcome& o) {
-         rows_oracle<std::uint8_t, std::uint16_t>(c, o, std::uint64_t{radius_of(c)} * radius_of(c));
-       }},
-      {"edt_full_columns", [](const KernelCase& c, CaseOutcome& o) { columns_oracle<std::uint32_t>(c, o, kNoSeed); }},
-      {"edt_full_rows",
-       [](const KernelCase& c, CaseOutcome& o) { rows_oracle<std::uint32_t, std::uint32_t>(c, o, kNoSeed); }},
-      {"jump_flood_init", flood_init_oracle},
-      {"jump_flood_step", flood_step_oracle},
-      {"jump_flood_distance", flood_distance_oracle},
-      {"distance_field", field_oracle},
-      {"pose_cost", cost_oracle},
-      {"arg_min", arg_min_oracle},
-      {"gdt_merge", merge_oracle},
-      {"pose_lattice", lattice_oracle},
-      {"lattice_minima", minima_oracle},
-      {"smallest_values", smallest_oracle},
-      {"seed_scatter", scatter_oracle},
-      {"field_grow", grow_oracle},
-      {"pose_starts", starts_oracle},
-      {"pose_simplex", simplex_oracle},
-      {"choose_pose", choice_oracle},
-      {"sweep_points", sweep_oracle},
-      {"pose_bounds", bounds_oracle}};
+  static const std::map<std::string_view, Oracle> table{{"edt_columns", columns_oracle},
+                                                        {"edt_rows", rows_oracle},
+                                                        {"jump_flood_init", flood_init_oracle},
+                                                        {"jump_flood_step", flood_step_oracle},
+                                                        {"jump_flood_distance", flood_distance_oracle},
+                                                        {"distance_field", field_oracle},
+                                                        {"pose_cost", cost_oracle},
+                                                        {"gdt_merge", merge_oracle},
+                                                        {"pose_lattice", lattice_oracle},
+                                                        {"lattice_minima", minima_oracle},
+                                                        {"smallest_values", smallest_oracle},
+                                                        {"seed_scatter", scatter_oracle},
+                                                        {"field_grow", grow_oracle},
+                                                        {"pose_starts", starts_oracle},
+                                                        {"pose_simplex", simplex_oracle},
+                                                        {"choose_pose", choice_oracle},
+                                                        {"sweep_points", sweep_oracle},
+                                                        {"pose_bounds", bounds_oracle}};
   return table;
 }
 

@@ -34,29 +34,23 @@ class Square {
   [[nodiscard]] std::size_t cells() const { return std::size_t{stride_} * size_; }
   [[nodiscard]] const std::vector<std::uint8_t>& seeds() const { return seeds_; }
 
-  void exact() {
-    const EdtColumns::Params params{size_, size_, stride_, 0};
-    run<EdtFullColumns>(backend_, params, {size_, 1, 1}, seed_buffer_, columns_);
-    run<EdtFullRows>(backend_, params, {1, size_, 1}, columns_, result_);
-  }
-  void truncated(std::uint32_t radius) {
+  void exact(std::uint32_t radius) {
     const EdtColumns::Params params{size_, size_, stride_, radius};
     run<EdtColumns>(backend_, params, {size_, 1, 1}, seed_buffer_, columns_);
     run<EdtRows>(backend_, params, {1, size_, 1}, columns_, result_);
   }
-  void flood(JumpFloodVariant variant) {
+  void flood(std::span<const std::uint32_t> steps, std::uint32_t radius) {
     const Extent all{size_, size_, 1};
     run<JumpFloodInit>(backend_, {size_, size_, stride_}, all, seed_buffer_, columns_);
-    for (const std::uint32_t step : jump_flood_steps(variant, size_, size_)) {
+    for (const std::uint32_t step : steps) {
       run<JumpFloodStep>(backend_, {size_, size_, stride_, step}, all, columns_, result_);
       std::swap(columns_, result_);
     }
-    run<JumpFloodDistance>(backend_, {size_, size_, stride_}, all, columns_, result_);
+    run<JumpFloodDistance>(backend_, {size_, size_, stride_, radius}, all, columns_, result_);
   }
-  /// Squared distances of the last transform, of type T.
-  template <class T>
-  std::vector<T> distances() {
-    std::vector<T> values(cells());
+  /// Squared distances of the last transform.
+  std::vector<std::uint16_t> distances() {
+    std::vector<std::uint16_t> values(cells());
     backend_.download(result_, std::as_writable_bytes(std::span(values)));
     return values;
   }
@@ -86,16 +80,16 @@ BenchRow transform_row(std::string name, const std::string& variant, std::uint32
   return row;
 }
 
-std::uint64_t count_different(const std::vector<std::uint32_t>& exact, const std::vector<std::uint16_t>& found,
+std::uint64_t count_different(const std::vector<std::uint16_t>& exact, const std::vector<std::uint16_t>& found,
                               std::uint32_t radius) {
   std::uint64_t different = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
-    different += found[i] != std::min(exact[i], radius * radius) ? 1U : 0U;
+    different += found[i] != std::min<std::uint32_t>(exact[i], radius * radius) ? 1U : 0U;
   }
   return different;
 }
 
-void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<std::uint32_t>& exact,
+void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<std::uint16_t>& exact,
                 std::uint32_t size, const TimingOptions& options) {
   if (opencv_version().empty() || square.cells() != std::size_t{size} * size) return;
   std::vector<std::uint8_t> input = opencv_input(square.seeds());
@@ -110,7 +104,7 @@ void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<s
     row.group = "peer";
     row.different = 0;
     for (std::size_t i = 0; i < exact.size(); ++i) {
-      const double found = static_cast<double>(distance[i]);
+      const double found = std::min(static_cast<double>(distance[i]), static_cast<double>(kFarRadius));
       *row.different += std::fabs(found * found - static_cast<double>(exact[i])) > 0.5 ? 1U : 0U;
     }
     rows.push_back(std::move(row));
@@ -122,17 +116,23 @@ void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<s
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options) {
   Square square(backend, SeedPattern::kWalls, size);
   std::vector<BenchRow> rows;
-  rows.push_back(transform_row("edt", "R inf", size, square.work([&] { square.exact(); }), options));
-  const std::vector<std::uint32_t> exact = square.distances<std::uint32_t>();
-  for (const std::uint32_t radius : {kNearRadius, kFarRadius}) {
-    rows.push_back(transform_row("edt", "R " + std::to_string(radius), size,
-                                 square.work([&] { square.truncated(radius); }), options));
-    rows.back().different = count_different(exact, square.distances<std::uint16_t>(), radius);
+  std::vector<std::uint16_t> exact;
+  for (const std::uint32_t radius : {kFarRadius, kNearRadius}) {
+    rows.push_back(
+        transform_row("edt", "R " + std::to_string(radius), size, square.work([&] { square.exact(radius); }), options));
+    if (exact.empty()) exact = square.distances();
+    rows.back().different = count_different(exact, square.distances(), radius);
   }
+  // What a map takes with map.transform=jump-flood.
+  const std::vector<std::uint32_t> near_steps = jump_flood_steps_within(kNearRadius);
+  rows.push_back(transform_row("jump_flood", "R " + std::to_string(kNearRadius), size,
+                               square.work([&] { square.flood(near_steps, kNearRadius); }), options));
+  rows.back().different = count_different(exact, square.distances(), kNearRadius);
   for (const JumpFloodVariant variant : kVariants) {
+    const std::vector<std::uint32_t> steps = jump_flood_steps(variant, size, size);
     rows.push_back(transform_row("jump_flood", std::string(name_of(variant)), size,
-                                 square.work([&] { square.flood(variant); }), options));
-    rows.back().different = jump_flood_error(exact, square.distances<std::uint32_t>(), square.shape()).wrong_cells;
+                                 square.work([&] { square.flood(steps, kFarRadius); }), options));
+    rows.back().different = jump_flood_error(exact, square.distances(), square.shape()).wrong_cells;
   }
   if (backend.device().kind == "cpu") add_opencv(rows, square, exact, size, options);
   for (const BenchRow& peer : rows) {
@@ -147,14 +147,15 @@ std::vector<FloodErrorRow> flood_errors(Backend& backend, std::uint32_t size) {
   std::vector<FloodErrorRow> rows;
   for (const SeedPattern pattern : {SeedPattern::kWalls, SeedPattern::kSparse}) {
     Square square(backend, pattern, size);
-    square.exact();
-    const std::vector<std::uint32_t> exact = square.distances<std::uint32_t>();
+    square.exact(kFarRadius);
+    const std::vector<std::uint16_t> exact = square.distances();
     for (const JumpFloodVariant variant : kVariants) {
-      square.flood(variant);
-      const JumpFloodError error = jump_flood_error(exact, square.distances<std::uint32_t>(), square.shape());
-      rows.push_back({size, std::string(name_of(pattern)), std::string(name_of(variant)),
-                      jump_flood_steps(variant, size, size).size(), error.wrong_cells,
-                      static_cast<double>(error.wrong_cells) / static_cast<double>(error.cells), error.largest_cells});
+      const std::vector<std::uint32_t> steps = jump_flood_steps(variant, size, size);
+      square.flood(steps, kFarRadius);
+      const JumpFloodError error = jump_flood_error(exact, square.distances(), square.shape());
+      rows.push_back({size, std::string(name_of(pattern)), std::string(name_of(variant)), steps.size(),
+                      error.wrong_cells, static_cast<double>(error.wrong_cells) / static_cast<double>(error.cells),
+                      error.largest_cells});
     }
   }
   return rows;

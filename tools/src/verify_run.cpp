@@ -24,7 +24,7 @@ constexpr unsigned kOtherThreads = 3;  // slices of a launch that end where no s
 struct Target {
   std::string name;
   Proof proof = Proof::kNone;
-  bool takes_own_forms = false;
+  bool takes_own_variants = false;
   bool with_logs = true;
   std::function<std::unique_ptr<Backend>()> open;
 };
@@ -41,27 +41,23 @@ std::vector<Target> cpu_targets(const DeviceOptions& options) {
   return targets;
 }
 
-std::vector<std::pair<std::string, ShaderForms>> forms_from(const std::string& name) {
-  if (name == "wide") return {{" wide", ShaderForms::kWide}};
-  if (name == "narrow") return {{" narrow", ShaderForms::kNarrow}};
-  if (name == "no-texels") return {{" no-texels", ShaderForms::kNoTexels}};
+std::vector<std::pair<std::string, ShaderVariants>> variants_from(const std::string& name) {
+  if (name == "wide") return {{" wide", ShaderVariants::kWide}};
+  if (name == "narrow") return {{" narrow", ShaderVariants::kNarrow}};
   if (name == "all") {
-    return {{"", ShaderForms::kByDevice},
-            {" wide", ShaderForms::kWide},
-            {" narrow", ShaderForms::kNarrow},
-            {" no-texels", ShaderForms::kNoTexels}};
+    return {{"", ShaderVariants::kByDevice}, {" wide", ShaderVariants::kWide}, {" narrow", ShaderVariants::kNarrow}};
   }
-  return {{"", ShaderForms::kByDevice}};
+  return {{"", ShaderVariants::kByDevice}};
 }
 
 std::vector<Target> vulkan_targets(const VerifyOptions& options, unsigned index) {
   DeviceOptions device = options.device;
   device.device = "vulkan:" + std::to_string(index);
   std::vector<Target> targets;
-  for (const auto& [suffix, forms] : forms_from(options.forms)) {
-    const bool is_own = forms == ShaderForms::kByDevice;
+  for (const auto& [suffix, variants] : variants_from(options.variants)) {
+    const bool is_own = variants == ShaderVariants::kByDevice;
     targets.push_back({device.device + suffix, Proof::kDeviceDidIt, is_own, targets.empty(),
-                       [device, chosen = forms] { return make_vulkan(device, {.forms = chosen}); }});
+                       [device, chosen = variants] { return make_vulkan(device, {.variants = chosen}); }});
   }
   return targets;
 }
@@ -102,7 +98,7 @@ class Verification {
   void verify(const Target& target, Backend& reference, TargetReport& report) {
     report.name = target.name;
     report.is_vulkan = target.proof == Proof::kDeviceDidIt;
-    report.takes_own_forms = target.takes_own_forms;
+    report.takes_own_variants = target.takes_own_variants;
     const std::unique_ptr<Backend> device = target.open();
     report.device = device->device();
     verify_kernels(target, reference, *device, report);
@@ -202,7 +198,7 @@ VerifyReport run_verify(const VerifyOptions& options) {
 std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
                                       const std::string& date) {
   for (const TargetReport& target : report.targets) {
-    if (!target.takes_own_forms) continue;
+    if (!target.takes_own_variants) continue;
     const VerifyRecord record{date, target.cases(), target.logs.size(), target.differences(), target.failure};
     if (record.passed() && !options.filter.empty()) break;
     return record;

@@ -93,8 +93,6 @@ class LaunchCheck {
 
 /// Grids without a limit of their own.
 inline constexpr std::uint32_t kNoLimit = 0x7FFFFFFFU;
-/// Grids whose squared distances must fit 31 bits.
-inline constexpr std::uint32_t kFullLimit = 32767;
 
 /// The functions of an instruction set for a direct call, which is counted; throws UnavailableError where the build has
 /// none.

@@ -30,13 +30,12 @@ std::string_view name_of(Isa isa) {
 }
 
 std::span<const KernelInfo* const> kernel_registry() {
-  static const std::array kernels{
-      &EdtColumns::info(),    &EdtRows::info(),        &EdtFullColumns::info(),    &EdtFullRows::info(),
-      &JumpFloodInit::info(), &JumpFloodStep::info(),  &JumpFloodDistance::info(), &DistanceField::info(),
-      &PoseCost::info(),      &ArgMin::info(),         &GdtMerge::info(),          &PoseLattice::info(),
-      &LatticeMinima::info(), &SmallestValues::info(), &SeedScatter::info(),       &FieldGrow::info(),
-      &PoseStarts::info(),    &PoseSimplex::info(),    &ChoosePose::info(),        &SweepPoints::info(),
-      &PoseBounds::info()};
+  static const std::array kernels{&EdtColumns::info(),    &EdtRows::info(),           &JumpFloodInit::info(),
+                                  &JumpFloodStep::info(), &JumpFloodDistance::info(), &DistanceField::info(),
+                                  &PoseCost::info(),      &GdtMerge::info(),          &PoseLattice::info(),
+                                  &LatticeMinima::info(), &SmallestValues::info(),    &SeedScatter::info(),
+                                  &FieldGrow::info(),     &PoseStarts::info(),        &PoseSimplex::info(),
+                                  &ChoosePose::info(),    &SweepPoints::info(),       &PoseBounds::info()};
   return kernels;
 }
 

@@ -27,15 +27,15 @@ DeviceInfo device_info(const Device& device) {
   return info;
 }
 
-/// The parameters and, where the form asks for it, the launch's extent behind them.
-void push_params(const vk::raii::CommandBuffer& commands, const FormPipeline& pipeline, const ShaderForm& form,
+/// The parameters and, where the variant asks for it, the launch's extent behind them.
+void push_params(const vk::raii::CommandBuffer& commands, const VariantPipeline& pipeline, const ShaderVariant& variant,
                  const LaunchShape& shape) {
   std::array<std::byte, kMaxParamsBytes + sizeof(std::uint32_t)> bytes;
   std::copy(shape.params.begin(), shape.params.end(), bytes.begin());
-  if (form.takes_count) {
+  if (variant.takes_count) {
     std::memcpy(bytes.data() + shape.params.size(), &shape.threads.x, sizeof(shape.threads.x));
   }
-  if (const std::uint32_t count = push_constant_bytes(form, shape.params.size()); count > 0) {
+  if (const std::uint32_t count = push_constant_bytes(variant, shape.params.size()); count > 0) {
     commands.pushConstants<std::byte>(*pipeline.layout, vk::ShaderStageFlagBits::eCompute, 0,
                                       vk::ArrayProxy<const std::byte>(count, bytes.data()));
   }
@@ -228,10 +228,10 @@ VulkanBackendImpl::Bound VulkanBackendImpl::bind(const KernelInfo& kernel, std::
   return bound;
 }
 
-void VulkanBackendImpl::check_groups(const ShaderForm& form, GroupCount groups) const {
+void VulkanBackendImpl::check_groups(const ShaderVariant& variant, GroupCount groups) const {
   const auto& most = engine_->device.properties().limits.maxComputeWorkGroupCount;
   if (groups.x > most[0] || groups.y > most[1] || groups.z > most[2]) {
-    throw DeviceError(device_info_.name, std::string(form.name),
+    throw DeviceError(device_info_.name, std::string(variant.name),
                       "no launch: " + std::to_string(groups.x) + " x " + std::to_string(groups.y) + " x " +
                           std::to_string(groups.z) + " work groups exceed the limits " + std::to_string(most[0]) +
                           " x " + std::to_string(most[1]) + " x " + std::to_string(most[2]));
@@ -244,21 +244,21 @@ void VulkanBackendImpl::dispatch(const KernelInfo& kernel, std::span<const Buffe
   Bound bound = bind(kernel, buffers);
   const LaunchShape shape{{bound.bytes.data(), bound.count}, params, threads};
   check_launch(kernel, shape);
-  const ShaderForm& form = engine_->pipelines.form_for(kernel, shape);
+  const ShaderVariant& variant = engine_->pipelines.variant_for(kernel, shape);
   if (threads.x == 0 || threads.y == 0 || threads.z == 0) {
     ++dispatch_count_;
     return;
   }
-  const GroupCount groups = form.groups(shape);
-  check_groups(form, groups);
-  const FormPipeline& pipeline =
-      guarded([&]() -> const FormPipeline& { return engine_->pipelines.pipeline_of(kernel, form); });
+  const GroupCount groups = variant.groups(shape);
+  check_groups(variant, groups);
+  const VariantPipeline& pipeline =
+      guarded([&]() -> const VariantPipeline& { return engine_->pipelines.pipeline_of(kernel, variant); });
   throw_validation_messages();  // a pipeline that does not fit must not be used
-  guarded([&] { record(kernel, form, pipeline, bound, shape, groups); });
+  guarded([&] { record(kernel, variant, pipeline, bound, shape, groups); });
   ++dispatch_count_;
 }
 
-void VulkanBackendImpl::record(const KernelInfo& kernel, const ShaderForm& form, const FormPipeline& pipeline,
+void VulkanBackendImpl::record(const KernelInfo& kernel, const ShaderVariant& variant, const VariantPipeline& pipeline,
                                const Bound& bound, const LaunchShape& shape, GroupCount groups) {
   const std::span<DeviceBuffer* const> buffers(bound.buffers.data(), bound.count);
   for (DeviceBuffer* buffer : buffers) {
@@ -266,14 +266,15 @@ void VulkanBackendImpl::record(const KernelInfo& kernel, const ShaderForm& form,
   }
   const vk::raii::CommandBuffer& commands = engine_->batches.commands();
   const std::uint64_t batch = engine_->batches.value();
-  const vk::DescriptorSet set = engine_->sets.set_for(form, pipeline, {bound.ids.data(), bound.count}, buffers, batch);
+  const vk::DescriptorSet set =
+      engine_->sets.set_for(variant, pipeline, {bound.ids.data(), bound.count}, buffers, batch);
   for (std::size_t i = 0; i < bound.count; ++i) {
     engine_->barriers.need(buffers[i]->history, kernel.bindings[i] != Access::kRead);
   }
   engine_->barriers.begin(commands);
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.pipeline);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, set, {});
-  push_params(commands, pipeline, form, shape);
+  push_params(commands, pipeline, variant, shape);
   commands.dispatch(groups.x, groups.y, groups.z);
   for (std::size_t i = 0; i < bound.count; ++i) {
     const Access access = kernel.bindings[i];

@@ -52,9 +52,9 @@ class VulkanBackendImpl final : public VulkanBackend {
   DeviceBuffer& memory_of(const Buffer& buffer);
   DeviceBuffer& part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
   Bound bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers);
-  void record(const KernelInfo& kernel, const ShaderForm& form, const FormPipeline& pipeline, const Bound& bound,
-              const LaunchShape& shape, GroupCount groups);
-  void check_groups(const ShaderForm& form, GroupCount groups) const;
+  void record(const KernelInfo& kernel, const ShaderVariant& variant, const VariantPipeline& pipeline,
+              const Bound& bound, const LaunchShape& shape, GroupCount groups);
+  void check_groups(const ShaderVariant& variant, GroupCount groups) const;
   void refuse_when_failed() const;
   void throw_validation_messages();
   void collect(bool ask);

@@ -12,7 +12,7 @@ constexpr std::uint32_t kSetsPerPool = 128;
 }  // namespace
 
 void DescriptorSets::add_pool() {
-  // A form has at most one uniform buffer and one of texels.
+  // A variant has at most one uniform buffer and one of texels.
   const std::array sizes{vk::DescriptorPoolSize(vk::DescriptorType::eStorageBuffer, kSetsPerPool * kMostBindings),
                          vk::DescriptorPoolSize(vk::DescriptorType::eUniformBuffer, kSetsPerPool),
                          vk::DescriptorPoolSize(vk::DescriptorType::eUniformTexelBuffer, kSetsPerPool)};
@@ -20,8 +20,8 @@ void DescriptorSets::add_pool() {
   sets_left_ = kSetsPerPool;
 }
 
-vk::DescriptorSet DescriptorSets::new_set(const ShaderForm& form, const FormPipeline& pipeline) {
-  const auto unused = unused_.find(Key{&form, {}});
+vk::DescriptorSet DescriptorSets::new_set(const ShaderVariant& variant, const VariantPipeline& pipeline) {
+  const auto unused = unused_.find(Key{&variant, {}});
   if (unused != unused_.end()) {
     const vk::DescriptorSet set = unused->second.set;
     unused_.erase(unused);
@@ -41,13 +41,13 @@ vk::DescriptorSet DescriptorSets::new_set(const ShaderForm& form, const FormPipe
   return set;
 }
 
-void DescriptorSets::write(vk::DescriptorSet set, const ShaderForm& form,
+void DescriptorSets::write(vk::DescriptorSet set, const ShaderVariant& variant,
                            std::span<DeviceBuffer* const> buffers) const {
   std::array<vk::DescriptorBufferInfo, kMostBindings> infos;
   std::array<vk::BufferView, kMostBindings> views;
   std::array<vk::WriteDescriptorSet, kMostBindings> writes;
   for (std::size_t i = 0; i < buffers.size(); ++i) {
-    const vk::DescriptorType type = descriptor_type(form, i);
+    const vk::DescriptorType type = descriptor_type(variant, i);
     writes[i] = vk::WriteDescriptorSet(set, static_cast<std::uint32_t>(i), 0, 1, type);
     if (type == vk::DescriptorType::eUniformTexelBuffer) {
       views[i] = texel_view(device_, *buffers[i]);
@@ -63,15 +63,15 @@ void DescriptorSets::write(vk::DescriptorSet set, const ShaderForm& form,
   device_.handle().updateDescriptorSets(vk::ArrayProxy(static_cast<std::uint32_t>(buffers.size()), writes.data()), {});
 }
 
-vk::DescriptorSet DescriptorSets::set_for(const ShaderForm& form, const FormPipeline& pipeline,
+vk::DescriptorSet DescriptorSets::set_for(const ShaderVariant& variant, const VariantPipeline& pipeline,
                                           std::span<const std::uint64_t> ids, std::span<DeviceBuffer* const> buffers,
                                           std::uint64_t batch) {
-  Key key{&form, {}};
+  Key key{&variant, {}};
   std::copy(ids.begin(), ids.end(), key.ids.begin());
   auto found = sets_.find(key);
   if (found == sets_.end()) {
-    const vk::DescriptorSet set = new_set(form, pipeline);
-    write(set, form, buffers);
+    const vk::DescriptorSet set = new_set(variant, pipeline);
+    write(set, variant, buffers);
     found = sets_.emplace(key, Entry{set, batch}).first;
   }
   found->second.last_batch = batch;

@@ -1,4 +1,4 @@
-// The descriptor sets that bind buffers to a form's pipeline.
+// The descriptor sets that bind buffers to a variant's pipeline.
 #pragma once
 
 #include <array>
@@ -16,31 +16,34 @@ namespace gdtslam {
 /// Most buffers of a kernel: what every Vulkan device binds to one stage.
 inline constexpr std::size_t kMostBindings = 4;
 
-/// Descriptor sets, each written once and used again whenever the same form meets the same buffers.
+/// Descriptor sets, each written once and used again whenever the same variant meets the same buffers.
 class DescriptorSets {
  public:
   explicit DescriptorSets(const Device& device) : device_(device) {}
 
-  /// The set for a form and its buffers, given by id and handle.
-  vk::DescriptorSet set_for(const ShaderForm& form, const FormPipeline& pipeline, std::span<const std::uint64_t> ids,
-                            std::span<DeviceBuffer* const> buffers, std::uint64_t batch);
+  /// The set for a variant and its buffers, given by id and handle.
+  vk::DescriptorSet set_for(const ShaderVariant& variant, const VariantPipeline& pipeline,
+                            std::span<const std::uint64_t> ids, std::span<DeviceBuffer* const> buffers,
+                            std::uint64_t batch);
   /// Forgets the sets that bind a buffer; they are written anew when the device is done with them.
   void drop(std::uint64_t buffer_id) noexcept;
   void collect(std::uint64_t done_batch) noexcept;
 
  private:
   struct Key {
-    const ShaderForm* form = nullptr;
+    const ShaderVariant* variant = nullptr;
     std::array<std::uint64_t, kMostBindings> ids{};
-    friend bool operator<(const Key& a, const Key& b) { return std::tie(a.form, a.ids) < std::tie(b.form, b.ids); }
+    friend bool operator<(const Key& a, const Key& b) {
+      return std::tie(a.variant, a.ids) < std::tie(b.variant, b.ids);
+    }
   };
   struct Entry {
     vk::DescriptorSet set;
     std::uint64_t last_batch = 0;
   };
-  vk::DescriptorSet new_set(const ShaderForm& form, const FormPipeline& pipeline);
+  vk::DescriptorSet new_set(const ShaderVariant& variant, const VariantPipeline& pipeline);
   void add_pool();
-  void write(vk::DescriptorSet set, const ShaderForm& form, std::span<DeviceBuffer* const> buffers) const;
+  void write(vk::DescriptorSet set, const ShaderVariant& variant, std::span<DeviceBuffer* const> buffers) const;
 
   const Device& device_;
   std::vector<vk::raii::DescriptorPool> pools_;

@@ -24,14 +24,13 @@ bool fits(const Device& device, const glm::uvec3& local_size) {
   return glm::all(glm::lessThanEqual(local_size, most)) && invocations <= device.info().max_group_invocations;
 }
 
-/// Whether the device takes what the form reads as texels, and they are wanted.
-bool has_texels(const FormContext& context, const ShaderForm& form) {
-  if (form.texel_binding < 0) {
+/// Whether the device takes what the variant reads as texels.
+bool has_texels(const VariantContext& context, const ShaderVariant& variant) {
+  if (variant.texel_binding < 0) {
     return true;
   }
-  const std::size_t bytes = context.shape.buffer_bytes[static_cast<std::size_t>(form.texel_binding)];
-  const std::size_t words = padded_size(bytes) / sizeof(std::uint32_t);
-  return context.preference != ShaderForms::kNoTexels && words <= context.device.max_texel_words;
+  const std::size_t bytes = context.shape.buffer_bytes[static_cast<std::size_t>(variant.texel_binding)];
+  return padded_size(bytes) / sizeof(std::uint32_t) <= context.device.max_texel_words;
 }
 
 /// The values of the specialisation constants and where they stand; a shader takes those that it has.
@@ -39,8 +38,9 @@ struct Specialization {
   std::array<std::uint32_t, 5> values;
   std::array<vk::SpecializationMapEntry, 5> entries;
   vk::SpecializationInfo info;
-  explicit Specialization(const ShaderForm& form)
-      : values{form.local_size[0], form.local_size[1], form.local_size[2], form.constants[0], form.constants[1]} {
+  explicit Specialization(const ShaderVariant& variant)
+      : values{variant.local_size[0], variant.local_size[1], variant.local_size[2], variant.constants[0],
+               variant.constants[1]} {
     constexpr std::array<std::uint32_t, 5> kIds{0, 1, 2, 10, 11};
     for (std::uint32_t i = 0; i < kIds.size(); ++i) {
       entries[i] = vk::SpecializationMapEntry(kIds[i], i * 4, 4);
@@ -55,80 +55,80 @@ struct Specialization {
 
 }  // namespace
 
-vk::DescriptorType descriptor_type(const ShaderForm& form, std::size_t binding) {
-  if (form.uniform_binding == static_cast<int>(binding)) {
+vk::DescriptorType descriptor_type(const ShaderVariant& variant, std::size_t binding) {
+  if (variant.uniform_binding == static_cast<int>(binding)) {
     return vk::DescriptorType::eUniformBuffer;
   }
-  return form.texel_binding == static_cast<int>(binding) ? vk::DescriptorType::eUniformTexelBuffer
-                                                         : vk::DescriptorType::eStorageBuffer;
+  return variant.texel_binding == static_cast<int>(binding) ? vk::DescriptorType::eUniformTexelBuffer
+                                                            : vk::DescriptorType::eStorageBuffer;
 }
 
 Pipelines::Pipelines(const Device& device, const VulkanOptions& options)
     : device_(device),
-      preference_(options.forms),
+      preference_(options.variants),
       edit_shader_(options.edit_shader),
       cache_(device, options.cache_folder) {}
 
-const ShaderForm& Pipelines::form_for(const KernelInfo& kernel, const LaunchShape& shape) {
-  auto found = forms_.find(&kernel);
-  if (found == forms_.end()) {
-    found = forms_.emplace(&kernel, forms_of(kernel.name)).first;
+const ShaderVariant& Pipelines::variant_for(const KernelInfo& kernel, const LaunchShape& shape) {
+  auto found = variants_.find(&kernel);
+  if (found == variants_.end()) {
+    found = variants_.emplace(&kernel, variants_of(kernel.name)).first;
   }
   if (found->second.empty()) {
     throw Error(ExitCode::kFailed, "kernel " + std::string(kernel.name) + ": this build has no shader for it");
   }
-  const FormContext context{device_.info(), preference_, shape};
-  for (const ShaderForm& form : found->second) {
-    const bool suits = form.suits == nullptr || form.suits(context);
-    if (suits && has_texels(context, form) && fits(device_, vector_of(form.local_size))) {
-      return form;
+  const VariantContext context{device_.info(), preference_, shape};
+  for (const ShaderVariant& variant : found->second) {
+    const bool suits = variant.suits == nullptr || variant.suits(context);
+    if (suits && has_texels(context, variant) && fits(device_, vector_of(variant.local_size))) {
+      return variant;
     }
   }
   throw DeviceError(device_.info().name, "kernel " + std::string(kernel.name),
-                    "no form that fits: its smallest group of " + to_text(vector_of(found->second.back().local_size)) +
-                        " invocations exceeds the limits " +
+                    "no variant that fits: its smallest group of " +
+                        to_text(vector_of(found->second.back().local_size)) + " invocations exceeds the limits " +
                         to_text(vector_of(device_.properties().limits.maxComputeWorkGroupSize)) + " or " +
                         std::to_string(device_.info().max_group_invocations) + " in all");
 }
 
-const FormPipeline& Pipelines::pipeline_of(const KernelInfo& kernel, const ShaderForm& form) {
-  auto found = pipelines_.find(&form);
+const VariantPipeline& Pipelines::pipeline_of(const KernelInfo& kernel, const ShaderVariant& variant) {
+  auto found = pipelines_.find(&variant);
   if (found == pipelines_.end()) {
-    found = pipelines_.emplace(&form, make(kernel, form)).first;
+    found = pipelines_.emplace(&variant, make(kernel, variant)).first;
     ++made_;
   }
   return found->second;
 }
 
-vk::raii::ShaderModule Pipelines::make_module(const ShaderForm& form) {
-  std::vector<std::uint32_t> spirv(form.spirv.begin(), form.spirv.end());
+vk::raii::ShaderModule Pipelines::make_module(const ShaderVariant& variant) {
+  std::vector<std::uint32_t> spirv(variant.spirv.begin(), variant.spirv.end());
   if (edit_shader_) {
-    edit_shader_(form.name, spirv);
+    edit_shader_(variant.name, spirv);
   }
   vk::ShaderModuleCreateInfo info;
   info.setCode(spirv);
   return {device_.handle(), info};
 }
 
-FormPipeline Pipelines::make(const KernelInfo& kernel, const ShaderForm& form) {
-  FormPipeline made;
+VariantPipeline Pipelines::make(const KernelInfo& kernel, const ShaderVariant& variant) {
+  VariantPipeline made;
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (std::size_t i = 0; i < kernel.bindings.size(); ++i) {
-    bindings.emplace_back(static_cast<std::uint32_t>(i), descriptor_type(form, i), 1,
+    bindings.emplace_back(static_cast<std::uint32_t>(i), descriptor_type(variant, i), 1,
                           vk::ShaderStageFlagBits::eCompute);
   }
   made.set_layout = vk::raii::DescriptorSetLayout(device_.handle(), vk::DescriptorSetLayoutCreateInfo({}, bindings));
 
   const vk::PushConstantRange params(vk::ShaderStageFlagBits::eCompute, 0,
-                                     push_constant_bytes(form, kernel.params_bytes));
+                                     push_constant_bytes(variant, kernel.params_bytes));
   vk::PipelineLayoutCreateInfo layout({}, *made.set_layout);
   if (params.size > 0) {
     layout.setPushConstantRanges(params);
   }
   made.layout = vk::raii::PipelineLayout(device_.handle(), layout);
 
-  const vk::raii::ShaderModule module = make_module(form);
-  const Specialization specialization(form);
+  const vk::raii::ShaderModule module = make_module(variant);
+  const Specialization specialization(variant);
   const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                 &specialization.info);
   made.pipeline =

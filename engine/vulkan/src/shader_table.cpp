@@ -1,23 +1,23 @@
-// Collects the rows of forms/*.cpp, in the order of the registry.
+// Collects the rows of variants/*.cpp, in the order of the registry.
 #include "shader_table.hpp"
 
 #include <algorithm>
 #include <vector>
 
-#include "form_list.hpp"
+#include "variant_list.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kMostGroups = 65535;  // of one dimension, on every device
 
-std::vector<ShaderForm> collect_forms() {
-  std::vector<ShaderForm> all;
+std::vector<ShaderVariant> collect_variants() {
+  std::vector<ShaderVariant> all;
   for (const KernelInfo* kernel : kernel_registry()) {
-    for (const FormFile& file : kFormFiles) {
+    for (const VariantFile& file : kVariantFiles) {
       if (file.kernel == kernel->name) {
-        const auto forms = file.forms();
-        all.insert(all.end(), forms.begin(), forms.end());
+        const auto variants = file.variants();
+        all.insert(all.end(), variants.begin(), variants.end());
       }
     }
   }
@@ -26,14 +26,14 @@ std::vector<ShaderForm> collect_forms() {
 
 }  // namespace
 
-std::span<const ShaderForm> shader_forms() {
-  static const std::vector<ShaderForm> all = collect_forms();
+std::span<const ShaderVariant> shader_variants() {
+  static const std::vector<ShaderVariant> all = collect_variants();
   return all;
 }
 
-std::span<const ShaderForm> forms_of(std::string_view kernel) {
-  const auto all = shader_forms();
-  const auto is_of = [kernel](const ShaderForm& form) { return form.kernel == kernel; };
+std::span<const ShaderVariant> variants_of(std::string_view kernel) {
+  const auto all = shader_variants();
+  const auto is_of = [kernel](const ShaderVariant& variant) { return variant.kernel == kernel; };
   const auto begin = std::find_if(all.begin(), all.end(), is_of);
   const auto end = std::find_if_not(begin, all.end(), is_of);
   return {begin, end};
@@ -42,15 +42,15 @@ std::span<const ShaderForm> forms_of(std::string_view kernel) {
 std::span<const ShaderModule> shader_modules() {
   static const std::vector<ShaderModule> all = [] {
     std::vector<ShaderModule> modules;
-    for (const ShaderForm& form : shader_forms()) {
-      modules.push_back({.kernel = form.kernel,
-                         .name = form.name,
-                         .spirv = form.spirv,
-                         .local_size = form.local_size,
-                         .uniform_binding = form.uniform_binding,
-                         .texel_binding = form.texel_binding,
-                         .push_constant_bytes = push_constant_bytes(form, find_kernel(form.kernel)->params_bytes),
-                         .is_always_suitable = form.suits == nullptr});
+    for (const ShaderVariant& variant : shader_variants()) {
+      modules.push_back({.kernel = variant.kernel,
+                         .name = variant.name,
+                         .spirv = variant.spirv,
+                         .local_size = variant.local_size,
+                         .uniform_binding = variant.uniform_binding,
+                         .texel_binding = variant.texel_binding,
+                         .push_constant_bytes = push_constant_bytes(variant, find_kernel(variant.kernel)->params_bytes),
+                         .is_always_suitable = variant.suits == nullptr});
     }
     return modules;
   }();

@@ -14,9 +14,9 @@ namespace {
 TEST(ShaderCoverage, EveryShaderIsReachedByAQuickCase) {
   GDTSLAM_NEEDS_VULKAN();
   std::set<std::string> reached;
-  for (const ShaderForms forms : {ShaderForms::kWide, ShaderForms::kNarrow, ShaderForms::kNoTexels}) {
+  for (const ShaderVariants variants : {ShaderVariants::kWide, ShaderVariants::kNarrow}) {
     VulkanOptions options;
-    options.forms = forms;
+    options.variants = variants;
     options.edit_shader = [&reached](std::string_view name, std::vector<std::uint32_t>&) { reached.emplace(name); };
     const std::unique_ptr<VulkanBackend> device = test::test_backend(options);
     for (const KernelCaseSource& source : kernel_cases()) {

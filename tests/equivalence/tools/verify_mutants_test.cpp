@@ -35,10 +35,10 @@ const std::vector<KernelCase>& cases_of(std::string_view kernel) {
 /// How a verification of one kernel with a changed shader ends.
 enum class Outcome : std::uint8_t { kFound, kNotFound, kNotUsed };
 
-Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words, ShaderForms forms) {
+Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words, ShaderVariants variants) {
   bool used = false;
   VulkanOptions options;
-  options.forms = forms;
+  options.variants = variants;
   options.wait_limit_s = 10.0;
   options.edit_shader = [&](std::string_view name, std::vector<std::uint32_t>& spirv) {
     if (name != shader.name) return;
@@ -60,12 +60,11 @@ Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>
 }
 
 Outcome verify_with(const ShaderModule& shader, const std::vector<std::uint32_t>& words) {
-  std::array order{ShaderForms::kWide, ShaderForms::kNarrow, ShaderForms::kNoTexels};
-  const bool is_narrow = shader.name.find("narrow") != std::string_view::npos;
-  std::rotate(order.begin(), order.begin() + (shader.texel_binding >= 0 ? 1 : is_narrow ? 2 : 0), order.end());
+  std::array order{ShaderVariants::kWide, ShaderVariants::kNarrow};
+  if (shader.name.ends_with("_narrow")) std::swap(order[0], order[1]);
   Outcome outcome = Outcome::kNotUsed;
-  for (const ShaderForms forms : order) {  // the likeliest first
-    const Outcome here = verify_with(shader, words, forms);
+  for (const ShaderVariants variants : order) {  // the likeliest first
+    const Outcome here = verify_with(shader, words, variants);
     if (here == Outcome::kFound) return here;
     if (here == Outcome::kNotFound) outcome = here;
   }
@@ -89,30 +88,15 @@ constexpr Equivalent kEquivalents[] = {
     {"", "SGreaterThan 16", 1, "twice a number of bits is even, so more than 16 is more than 17"},
     {"", "FMul 6.07710063e-11", 1, "the last part of a quarter turn: below 1e-8 cells at every angle of a pose"},
     {"", "FSub 1", 1, "what the head of a cosine has too much its tail has too little"},
-    {"arg_min", "IAdd 3", 2, "a quad more, all of whose costs lie beyond the count"},
-    {"arg_min", "IEqual 0", 1, "another invocation writes what this one would"},
     {"choose_pose", "ULessThan 17", 1, "a place that no pose has"},
     {"choose_pose", "IEqual 0", 1, "another invocation decides, on the same sums"},
     {"choose_pose", "FMul 2.44306702e-05", 1,
      "less than the 256th of a cell that a verdict can tell; pose_cost shows it"},
     {"choose_pose", "IMul 65536", 1, "a share that is off by one 65536th of itself"},
     {"choose_pose", "Store 0", 2, "set for the first pose before it is read"},
-    {"edt_full_columns_wide", "Select 0", 1, "invocations beyond the grid look at some column and keep nothing"},
-    {"edt_full_rows_narrow", "SGreaterThan 0", 1, "the lowest parabola may stay below others although it is hidden"},
-    {"edt_full_rows_narrow", "SLessThan 0", 1,
-     "corrects quotients that are wrong beyond 2^24 only, in rows of --large"},
-    {"edt_full_rows_narrow", "Select 4294967295", 1, "the same"},
-    {"edt_full_rows_narrow", "Select 1", 1, "the same"},
-    {"edt_full_rows_wide", "IAdd 32", 1, "a block more, which is empty"},
-    {"edt_full_rows_wide", "IAdd 3", 1, "a quad more, all of whose cells lie beyond the row"},
-    {"edt_full_rows_wide", "Store 32767", 1, "every block has a quad, and no quad has more than this"},
-    {"edt_full_rows_wide", "INotEqual 32767", 1, "looks into blocks without a seed and finds nothing"},
-    {"edt_full_rows_wide", "ULessThan 8", 1, "looks at a quad of the next block too"},
-    {"edt_full_rows_wide", "ULessThan 16", 1, "looks at one cell more before it goes on by blocks"},
     {"edt_rows_narrow", "SGreaterThanEqual 0", 1, "column 0 is read for want of another as well"},
     {"edt_rows_narrow", "Store 0", 1, "what is read for want of another is thrown away"},
     {"field_grow", "Store 0", 1, "what is read for want of another is thrown away"},
-    {"jump_flood_step_narrow", "Select 1", 1, "true is anything but 0"},
     {"lattice_minima", "UGreaterThan 0", 1, "pieces of several samples begin at multiples of their length"},
     {"lattice_minima", "Select 0", 1, "what is read for want of another is thrown away"},
     {"pose_bounds_wide", "Select 0", 1, "groups beyond the launch look at some tile and keep nothing"},
@@ -121,13 +105,13 @@ constexpr Equivalent kEquivalents[] = {
     {"pose_bounds_narrow", "Store 2", 2, "reads a word that may hold none of the bytes that are used"},
     {"pose_bounds_narrow", "IAdd 15", 1, "reads a word that holds none of the bytes that are used"},
     {"pose_bounds_narrow", "UDiv 4", 1, "the points beyond the last four are taken one by one"},
-    {"pose_bounds_narrow_uniform", "IAdd 2", 1, "of the points beyond the last four none ends in the word behind"},
-    {"pose_cost_group", "Select 0", 1, "groups beyond the batch cost some candidate and keep nothing"},
-    {"pose_cost_group", "Store 0", 1, "groups beyond the batch keep nothing"},
-    {"pose_cost_group", "IEqual 0", 1, "another invocation writes what this one would"},
+    {"pose_bounds_narrow", "IAdd 2", 1, "of the points beyond the last four none ends in the word behind"},
+    {"pose_cost_wide", "Select 0", 1, "groups beyond the batch cost some candidate and keep nothing"},
+    {"pose_cost_wide", "Store 0", 1, "groups beyond the batch keep nothing"},
+    {"pose_cost_wide", "IEqual 0", 1, "another invocation writes what this one would"},
     {"pose_simplex_narrow", "Select 3", 1, "what is neither of the other purposes is a contraction"},
     {"pose_simplex_narrow", "UDiv 8", 1, "the points beyond the last eight are taken one by one"},
-    {"pose_simplex_narrow_uniform", "Select 4294967295", 1, "so few points cannot overflow"},
+    {"pose_simplex_narrow", "Select 4294967295", 1, "so few points cannot overflow"},
     {"pose_simplex_wide", "Select 3", 1, "what is neither of the other purposes is a contraction"},
     {"pose_simplex_wide", "ULessThan 3", 1, "makes one word more zero, which nobody reads"},
     {"pose_simplex_wide", "Store 0", 1, "any of the three sums may be the first"},
@@ -199,7 +183,7 @@ TEST_P(VerifyMutants, NoneMeansNoDifference) {
 std::vector<std::string> shader_names() {
   std::vector<std::string> names;
   for (const ShaderModule& shader : shader_modules()) names.emplace_back(shader.name);
-  std::sort(names.begin(), names.end());  // a shader may serve several forms
+  std::sort(names.begin(), names.end());  // a shader may serve several variants
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }

@@ -126,11 +126,11 @@ class CertifiedOnDevice : public testing::Test {
   const CertifiedMap host{view, best_isa()};
 };
 
-class CertifiedOnVulkan : public CertifiedOnDevice, public testing::WithParamInterface<ShaderForms> {
+class CertifiedOnVulkan : public CertifiedOnDevice, public testing::WithParamInterface<ShaderVariants> {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
   static std::unique_ptr<VulkanBackend> device(VulkanOptions options = {}) {
-    options.forms = GetParam();
+    options.variants = GetParam();
     return test_backend(options);
   }
 };
@@ -159,15 +159,14 @@ TEST_P(CertifiedOnVulkan, SeesAConstantThatIsWrong) {
   EXPECT_GT(found.boxes, on_host(problem).boxes);
 }
 
-std::string form_name(const testing::TestParamInfo<ShaderForms>& forms) {
-  constexpr std::array kNames{"ByDevice", "Wide", "Narrow", "NoTexels"};
-  return kNames[static_cast<std::size_t>(forms.param)];
+std::string variant_name(const testing::TestParamInfo<ShaderVariants>& variants) {
+  constexpr std::array kNames{"ByDevice", "Wide", "Narrow"};
+  return kNames[static_cast<std::size_t>(variants.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Forms, CertifiedOnVulkan,
-                         testing::Values(ShaderForms::kByDevice, ShaderForms::kWide, ShaderForms::kNarrow,
-                                         ShaderForms::kNoTexels),
-                         form_name);
+INSTANTIATE_TEST_SUITE_P(Variants, CertifiedOnVulkan,
+                         testing::Values(ShaderVariants::kByDevice, ShaderVariants::kWide, ShaderVariants::kNarrow),
+                         variant_name);
 
 // Every call to the driver may be the one that loses the device: the search ends with its error, or with the result.
 TEST_F(CertifiedOnDevice, EndsWithTheErrorOfTheDevice) {

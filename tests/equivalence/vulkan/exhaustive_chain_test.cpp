@@ -267,12 +267,12 @@ Outcome run_chain(Backend& backend, const Scene& scene) {
   return chain.outcome();
 }
 
-class ExhaustiveChain : public testing::TestWithParam<ShaderForms> {
+class ExhaustiveChain : public testing::TestWithParam<ShaderVariants> {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
   std::unique_ptr<VulkanBackend> device() {
     VulkanOptions options;
-    options.forms = GetParam();
+    options.variants = GetParam();
     return test_backend(options);
   }
   std::unique_ptr<Backend> cpu = make_cpu_backend({});
@@ -327,7 +327,7 @@ TEST_P(ExhaustiveChain, SeesAConstantThatIsWrong) {
   constexpr auto kWrong = std::bit_cast<std::uint32_t>(255.0F);
   std::size_t edits = 0;
   VulkanOptions options;
-  options.forms = GetParam();
+  options.variants = GetParam();
   options.edit_shader = [&](std::string_view shader, std::vector<std::uint32_t>& spirv) {
     if (shader.starts_with("pose_simplex")) {
       edits += static_cast<std::size_t>(std::count(spirv.begin(), spirv.end(), kRight));
@@ -345,15 +345,14 @@ TEST_P(ExhaustiveChain, SeesAConstantThatIsWrong) {
   }
 }
 
-std::string form_name(const testing::TestParamInfo<ShaderForms>& forms) {
-  constexpr std::array kNames{"ByDevice", "Wide", "Narrow", "NoTexels"};
-  return kNames[static_cast<std::size_t>(forms.param)];
+std::string variant_name(const testing::TestParamInfo<ShaderVariants>& variants) {
+  constexpr std::array kNames{"ByDevice", "Wide", "Narrow"};
+  return kNames[static_cast<std::size_t>(variants.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Forms, ExhaustiveChain,
-                         testing::Values(ShaderForms::kByDevice, ShaderForms::kWide, ShaderForms::kNarrow,
-                                         ShaderForms::kNoTexels),
-                         form_name);
+INSTANTIATE_TEST_SUITE_P(Variants, ExhaustiveChain,
+                         testing::Values(ShaderVariants::kByDevice, ShaderVariants::kWide, ShaderVariants::kNarrow),
+                         variant_name);
 
 }  // namespace
 }  // namespace gdtslam::test

@@ -1,4 +1,4 @@
-// Every case of every kernel on the device: the CPU's bytes, guards and inputs untouched, whichever forms are taken.
+// Every case of every kernel on the device: the CPU's bytes, guards and inputs untouched, whichever variants are taken.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -10,26 +10,24 @@
 namespace gdtslam::test {
 namespace {
 
-const char* name_of(ShaderForms forms) {
-  switch (forms) {
-    case ShaderForms::kByDevice:
+const char* name_of(ShaderVariants variants) {
+  switch (variants) {
+    case ShaderVariants::kByDevice:
       return "by_device";
-    case ShaderForms::kWide:
+    case ShaderVariants::kWide:
       return "wide";
-    case ShaderForms::kNoTexels:
-      return "no_texels";
-    case ShaderForms::kNarrow:
+    case ShaderVariants::kNarrow:
       break;
   }
   return "narrow";
 }
 
-class KernelCasesOnDevice : public testing::TestWithParam<std::tuple<std::string, ShaderForms>> {
+class KernelCasesOnDevice : public testing::TestWithParam<std::tuple<std::string, ShaderVariants>> {
  protected:
   void SetUp() override {
     GDTSLAM_NEEDS_VULKAN();
     VulkanOptions options;
-    options.forms = std::get<1>(GetParam());
+    options.variants = std::get<1>(GetParam());
     device = test_backend(options);
   }
   void expect_equal(const KernelCaseSource& source) {
@@ -73,29 +71,14 @@ std::vector<std::string> kernel_names() {
   return names;
 }
 
-/// The kernels with forms that read texels, whose other forms would else not be taken on a device that has them.
-std::vector<std::string> texel_kernel_names() {
-  std::vector<std::string> names;
-  for (const ShaderModule& shader : shader_modules()) {
-    if (shader.texel_binding >= 0 && (names.empty() || names.back() != shader.kernel)) {
-      names.emplace_back(shader.kernel);
-    }
-  }
-  return names;
-}
-
-std::string case_name(const testing::TestParamInfo<std::tuple<std::string, ShaderForms>>& param) {
+std::string case_name(const testing::TestParamInfo<std::tuple<std::string, ShaderVariants>>& param) {
   return std::get<0>(param.param) + "_" + name_of(std::get<1>(param.param));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, KernelCasesOnDevice,
                          testing::Combine(testing::ValuesIn(kernel_names()),
-                                          testing::Values(ShaderForms::kByDevice, ShaderForms::kWide,
-                                                          ShaderForms::kNarrow)),
-                         case_name);
-INSTANTIATE_TEST_SUITE_P(WithoutTexels, KernelCasesOnDevice,
-                         testing::Combine(testing::ValuesIn(texel_kernel_names()),
-                                          testing::Values(ShaderForms::kNoTexels)),
+                                          testing::Values(ShaderVariants::kByDevice, ShaderVariants::kWide,
+                                                          ShaderVariants::kNarrow)),
                          case_name);
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Devices that offer less than the one at hand, rehearsed by VulkanOptions::edit_device: other forms, the same bytes.
+// Devices that offer less than the one at hand, rehearsed by VulkanOptions::edit_device: other variants, the same
+// bytes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,8 +16,6 @@ namespace gdtslam::test {
 namespace {
 
 using testing::Contains;
-using testing::EndsWith;
-using testing::Not;
 
 constexpr std::uint32_t kWidth = 61;
 constexpr std::uint32_t kStride = 64;
@@ -95,10 +94,10 @@ std::vector<std::byte> costs_of_cpu(std::uint32_t fill = 0x00500123) {
 class LesserDevices : public testing::Test {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
-  std::unique_ptr<VulkanBackend> backend(ShaderForms forms, std::size_t texel_words) {
+  std::unique_ptr<VulkanBackend> backend(ShaderVariants variants, std::size_t texel_words) {
     shaders.clear();
     VulkanOptions options;
-    options.forms = forms;
+    options.variants = variants;
     options.edit_shader = [this](std::string_view name, std::vector<std::uint32_t>&) { shaders.emplace(name); };
     options.edit_device = [texel_words](VulkanDeviceInfo& device) { device.max_texel_words = texel_words; };
     return test_backend(options);
@@ -113,23 +112,17 @@ TEST_F(LesserDevices, EveryDeviceReadsSomeTexels) {
 TEST_F(LesserDevices, AFieldIsReadAsTexelsUpToTheDevicesLargest) {
   const std::size_t words = (LookUps::kFieldBytes + 15) / 16 * 4;
   const auto expected = costs_of_cpu();
-  EXPECT_EQ(LookUps(*backend(ShaderForms::kNarrow, words)).run_once(), expected);
-  EXPECT_THAT(shaders, Contains("pose_cost_narrow_uniform_texel"));
+  EXPECT_EQ(LookUps(*backend(ShaderVariants::kNarrow, words)).run_once(), expected);
+  EXPECT_THAT(shaders, Contains("pose_cost_narrow"));
   for (const std::size_t less : {words - 1, std::size_t{0}}) {
-    EXPECT_EQ(LookUps(*backend(ShaderForms::kNarrow, less)).run_once(), expected);
-    EXPECT_THAT(shaders, Contains("pose_cost_narrow_uniform")) << less;
-    EXPECT_THAT(shaders, Not(Contains(EndsWith("_texel")))) << less;
+    EXPECT_EQ(LookUps(*backend(ShaderVariants::kNarrow, less)).run_once(), expected);
+    EXPECT_EQ(shaders, std::set<std::string>{"pose_cost_wide"}) << less;
   }
-}
-
-TEST_F(LesserDevices, TexelsCanBeDeclined) {
-  EXPECT_EQ(LookUps(*backend(ShaderForms::kNoTexels, 1U << 20U)).run_once(), costs_of_cpu());
-  EXPECT_EQ(shaders, std::set<std::string>{"pose_cost_narrow_uniform"});
 }
 
 /// The field as an upload, a kernel's shader and a copy leave it, and again: what is read through a texel buffer waits.
 TEST_F(LesserDevices, TexelsAreWhatWasWrittenLast) {
-  const auto device = backend(ShaderForms::kNarrow, 1U << 20U);
+  const auto device = backend(ShaderVariants::kNarrow, 1U << 20U);
   LookUps look_ups(*device);
   std::vector<PendingDownload> downloads;
   for (const std::uint32_t fill : {3U, 4U, 5U}) {
@@ -147,7 +140,7 @@ TEST_F(LesserDevices, TexelsAreWhatWasWrittenLast) {
 /// A view goes with its buffer, and both only when the device is done with them.
 TEST_F(LesserDevices, AFieldMayBeReleasedWhileItIsRead) {
   VulkanOptions options;
-  options.forms = ShaderForms::kNarrow;
+  options.variants = ShaderVariants::kNarrow;
   const auto device = test_backend(options);
   for (std::uint32_t round = 0; round < 20; ++round) {
     LookUps look_ups(*device, round);
@@ -162,7 +155,7 @@ TEST_F(LesserDevices, AFieldMayBeReleasedWhileItIsRead) {
 
 /// One view a buffer, however often it is read; the call that makes it can fail like every other.
 TEST_F(LesserDevices, AViewIsMadeOnceAndMayFail) {
-  const auto device = backend(ShaderForms::kNarrow, 1U << 20U);
+  const auto device = backend(ShaderVariants::kNarrow, 1U << 20U);
   LookUps first(*device);
   first.run_once();
   LookUps second(*device);
@@ -176,7 +169,7 @@ TEST_F(LesserDevices, AViewIsMadeOnceAndMayFail) {
   std::size_t failed = 0;
   for (std::uint64_t k = 1; k < 200 && failed == 0; ++k) {
     VulkanOptions options;
-    options.forms = ShaderForms::kNarrow;
+    options.variants = ShaderVariants::kNarrow;
     options.fault = {k, VulkanFault::Code::kOutOfDeviceMemory};
     std::unique_ptr<VulkanBackend> faulty;
     try {
@@ -193,35 +186,23 @@ TEST_F(LesserDevices, AViewIsMadeOnceAndMayFail) {
   EXPECT_EQ(failed, 1U);
 }
 
-/// Work groups of no more than every device runs: the wide forms for larger ones give way.
-class SmallGroups : public testing::TestWithParam<std::string> {
- protected:
-  void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
-  static std::unique_ptr<VulkanBackend> backend(std::uint32_t invocations, std::set<std::string>& shaders) {
-    VulkanOptions options;
-    options.forms = ShaderForms::kWide;
-    options.edit_shader = [&shaders](std::string_view name, std::vector<std::uint32_t>&) { shaders.emplace(name); };
-    options.edit_device = [invocations](VulkanDeviceInfo& device) { device.max_group_invocations = invocations; };
-    return test_backend(options);
-  }
-};
-
-TEST_P(SmallGroups, GiveTheSameBytes) {
-  std::set<std::string> shaders;
+/// Work groups of no more than every device runs: the variant of larger ones gives way.
+TEST_F(LesserDevices, SmallGroupsGiveTheSameBytes) {
+  VulkanOptions options;
+  options.variants = ShaderVariants::kWide;
+  options.edit_shader = [this](std::string_view name, std::vector<std::uint32_t>&) { shaders.emplace(name); };
+  options.edit_device = [](VulkanDeviceInfo& device) { device.max_group_invocations = 128; };
   const auto cpu = make_cpu_backend({});
-  const auto device = backend(128, shaders);
+  const auto device = test_backend(options);
   for (const KernelCaseSource& source : kernel_cases()) {
-    if (source.kernel->name != GetParam() || source.large) continue;
+    if (source.kernel->name != "smallest_values" || source.large) continue;
     const KernelCase kernel_case = source.make();
     const CaseOutcome found = run_case(*device, kernel_case);
     ASSERT_FALSE(difference(kernel_case, run_case(*cpu, kernel_case), found)) << source.name;
     ASSERT_TRUE(found.guards_intact && found.inputs_intact) << source.name;
   }
-  EXPECT_THAT(shaders, Contains(GetParam() + "_wide"));
+  EXPECT_EQ(shaders, std::set<std::string>{"smallest_values_wide"});
 }
-
-INSTANTIATE_TEST_SUITE_P(Transforms, SmallGroups, testing::Values("edt_full_columns", "edt_full_rows"),
-                         [](const auto& kernel) { return kernel.param; });
 
 TEST_F(LesserDevices, ThatRunNoGroupOfAKernelAreRefused) {
   VulkanOptions options;

@@ -177,7 +177,7 @@ TEST_F(Options, AChangedShaderChangesTheResult) {
   };
   const auto backend = test_backend(options);
   EXPECT_NE(run_job(*backend, 3), run_job(*make_cpu_backend({}), 3));
-  EXPECT_EQ(names.size(), 4U) << "each form is built once";
+  EXPECT_EQ(names.size(), 4U) << "each variant is built once";
 }
 
 class Validation : public Options {
@@ -219,11 +219,11 @@ TEST_F(Validation, SpeaksUpAboutAShaderThatDoesNotFit) {
   EXPECT_THROW(backend->flush(), DeviceError);
 }
 
-/// Every kernel's smaller cases, all forms: no message of validation or synchronisation validation.
+/// Every kernel's smaller cases, all variants: no message of validation or synchronisation validation.
 TEST_F(Validation, FindsNothingToSayAboutTheKernels) {
   constexpr std::size_t kCasesOfAKernel = 40;
-  for (const ShaderForms forms : {ShaderForms::kNarrow, ShaderForms::kWide}) {
-    options.forms = forms;
+  for (const ShaderVariants variants : {ShaderVariants::kNarrow, ShaderVariants::kWide}) {
+    options.variants = variants;
     const auto backend = test_backend(options);
     std::map<std::string_view, std::size_t> tried;
     for (const KernelCaseSource& source : kernel_cases()) {

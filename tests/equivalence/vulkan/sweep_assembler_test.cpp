@@ -1,4 +1,4 @@
-// The same cloud, byte for byte, on the CPU and on a device, in whichever forms.
+// The same cloud, byte for byte, on the CPU and on a device, in whichever variants.
 #include <gtest/gtest.h>
 
 #include "support/sweep_scans.hpp"
@@ -16,9 +16,9 @@ TEST(SweepAssemblerOnDevice, GivesTheCloudOfTheCpu) {
   for (const SweepForm form : {SweepForm::kWorking, SweepForm::kLiteral}) {
     const Cloud expected = assemble(scanner, {.form = form}, scans, *cpu);
     ASSERT_GT(expected.size(), 40000U);
-    for (const ShaderForms forms : {ShaderForms::kWide, ShaderForms::kNarrow}) {
+    for (const ShaderVariants variants : {ShaderVariants::kWide, ShaderVariants::kNarrow}) {
       VulkanOptions options;
-      options.forms = forms;
+      options.variants = variants;
       const auto device = test_backend(options);
       const AssemblyLimits limits{.form = form, .batch_beams = 8192};
       const Cloud found = assemble(scanner, limits, scans, *device);

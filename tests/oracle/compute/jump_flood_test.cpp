@@ -4,11 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <string>
 #include <utility>
 
-#include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/host_kernels.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 
@@ -18,43 +19,67 @@ namespace {
 constexpr JumpFloodVariant kVariants[] = {JumpFloodVariant::kPlain, JumpFloodVariant::kOnePlus,
                                           JumpFloodVariant::kPlusTwo, JumpFloodVariant::kSquared};
 
-std::vector<std::uint32_t> flooded(Backend& backend, JumpFloodVariant variant, const std::vector<std::uint8_t>& seeds,
-                                   const GridShape& shape) {
+std::vector<std::uint16_t> flooded(Backend& backend, std::span<const std::uint32_t> steps, std::uint32_t radius,
+                                   const std::vector<std::uint8_t>& seeds, const GridShape& shape) {
   const Extent all{shape.width, shape.height, 1};
   Buffer seed_buffer = backend.allocate(seeds.size());
   Buffer nearest = backend.allocate(seeds.size() * 4);
   Buffer next = backend.allocate(seeds.size() * 4);
   backend.upload(seed_buffer, std::as_bytes(std::span(seeds)));
   run<JumpFloodInit>(backend, {shape.width, shape.height, shape.stride}, all, seed_buffer, nearest);
-  for (const std::uint32_t step : jump_flood_steps(variant, shape.width, shape.height)) {
+  for (const std::uint32_t step : steps) {
     run<JumpFloodStep>(backend, {shape.width, shape.height, shape.stride, step}, all, nearest, next);
     std::swap(nearest, next);
   }
-  run<JumpFloodDistance>(backend, {shape.width, shape.height, shape.stride}, all, nearest, next);
-  std::vector<std::uint32_t> result(seeds.size());
+  run<JumpFloodDistance>(backend, {shape.width, shape.height, shape.stride, radius}, all, nearest, next);
+  std::vector<std::uint16_t> result(seeds.size());
   backend.download(next, std::as_writable_bytes(std::span(result)));
   return result;
 }
 
+/// Equal but for the padding.
+void expect_equal(const std::vector<std::uint16_t>& found, const std::vector<std::uint16_t>& expected,
+                  const GridShape& shape, const std::string& what) {
+  for (std::uint32_t y = 0; y < shape.height; ++y) {
+    for (std::uint32_t x = 0; x < shape.width; ++x) {
+      const std::size_t cell = std::size_t{y} * shape.stride + x;
+      ASSERT_EQ(found[cell], expected[cell]) << what << " at " << x << ", " << y;
+    }
+  }
+}
+
+/// Every variant on one grid, with the steps for the whole grid and those for a radius; with dispatches, and on the
+/// host.
+void expect_floods_of(const std::vector<std::uint8_t>& seeds, const GridShape& shape, Isa isa) {
+  const auto backend = make_cpu_backend({.threads = 2, .isa = isa});
+  for (const JumpFloodVariant variant : kVariants) {
+    const std::string what = std::string(name_of(variant)) + " " + std::string(name_of(isa));
+    const auto whole = jump_flood_steps(variant, shape.width, shape.height);
+    const std::uint32_t side = std::max(shape.width, shape.height);
+    expect_equal(flooded(*backend, whole, 255, seeds, shape),
+                 truncated(brute_jump_flood(variant, side, seeds, shape), 255), shape, what);
+  }
+  for (const std::uint32_t radius : {1U, 6U, 20U}) {
+    const auto expected = truncated(brute_jump_flood(JumpFloodVariant::kOnePlus, radius + 1, seeds, shape), radius);
+    const auto steps = jump_flood_steps_within(radius);
+    const std::string what = "R" + std::to_string(radius) + " " + std::string(name_of(isa));
+    expect_equal(flooded(*backend, steps, radius, seeds, shape), expected, shape, what);
+    std::vector<std::uint32_t> nearest(seeds.size());
+    std::vector<std::uint32_t> scratch(seeds.size());
+    std::vector<std::uint16_t> found(seeds.size());
+    jump_flood_host(isa, {shape.width, shape.height, shape.stride, radius}, steps, seeds.data(), nearest.data(),
+                    scratch.data(), found.data());
+    expect_equal(found, expected, shape, what + " on the host");
+  }
+}
+
 TEST(JumpFlood, EveryVariantMatchesTheSlowOne) {
   for (const Isa isa : available_isas()) {
-    const auto backend = make_cpu_backend({.threads = 2, .isa = isa});
     for (const auto& [width, height] : {std::pair{1U, 1U}, {1U, 6U}, {9U, 1U}, {16U, 16U}, {33U, 20U}, {61U, 67U}}) {
       const GridShape shape{width, height, grid_stride(width)};
       for (const SeedPattern pattern : {SeedPattern::kNone, SeedPattern::kOne, SeedPattern::kSparse,
                                         SeedPattern::kChecks, SeedPattern::kWalls, SeedPattern::kAll}) {
-        std::vector<std::uint8_t> seeds = make_seeds(pattern, width, height, shape.stride, 5);
-        for (const JumpFloodVariant variant : kVariants) {
-          const auto expected = brute_jump_flood(variant, seeds, shape);
-          const auto found = flooded(*backend, variant, seeds, shape);
-          for (std::uint32_t y = 0; y < height; ++y) {
-            for (std::uint32_t x = 0; x < width; ++x) {
-              const std::size_t cell = std::size_t{y} * shape.stride + x;
-              ASSERT_EQ(found[cell], expected[cell])
-                  << name_of(variant) << ' ' << name_of(pattern) << " at " << x << ", " << y << ' ' << name_of(isa);
-            }
-          }
-        }
+        expect_floods_of(make_seeds(pattern, width, height, shape.stride, 5), shape, isa);
       }
     }
   }
@@ -70,15 +95,34 @@ TEST(JumpFlood, StepsAreThoseOfTheLiterature) {
   EXPECT_EQ(jump_flood_steps(JumpFloodVariant::kPlain, 1, 1), Steps{});
 }
 
+TEST(JumpFlood, StepsWithinARadiusReachIt) {
+  using Steps = std::vector<std::uint32_t>;
+  EXPECT_EQ(jump_flood_steps_within(1), (Steps{1, 1}));
+  EXPECT_EQ(jump_flood_steps_within(15), (Steps{1, 8, 4, 2, 1}));
+  EXPECT_EQ(jump_flood_steps_within(16), (Steps{1, 16, 8, 4, 2, 1}));
+  EXPECT_EQ(jump_flood_steps_within(255), (Steps{1, 128, 64, 32, 16, 8, 4, 2, 1}));
+  // One seed, which no other hides: every cell within the radius finds it.
+  constexpr GridShape kShape{301, 290, 320};
+  std::vector<std::uint8_t> seeds(std::size_t{kShape.stride} * kShape.height, 0);
+  seeds[std::size_t{140} * kShape.stride + 151] = 1;
+  const std::vector<std::uint32_t> exact = brute_sq_distances(seeds, kShape);
+  const auto backend = make_cpu_backend({});
+  for (const std::uint32_t radius : {1U, 7U, 20U, 31U, 64U, 100U}) {
+    const auto steps = jump_flood_steps_within(radius);
+    expect_equal(flooded(*backend, steps, radius, seeds, kShape), truncated(exact, radius), kShape,
+                 "R" + std::to_string(radius));
+  }
+}
+
 // [Rong2007] reports that 1+JFA and the like leave far fewer errors than plain JFA.
 TEST(JumpFlood, MorePassesLeaveFewerErrorsAndNeverTooSmallADistance) {
   const GridShape shape{256, 256, 256};
   const std::vector<std::uint8_t> seeds = make_seeds(SeedPattern::kSparse, 256, 256, 256, 3);
-  const std::vector<std::uint32_t> exact = brute_sq_distances(seeds, shape);
+  const std::vector<std::uint16_t> exact = truncated(brute_sq_distances(seeds, shape), 255);
   const auto backend = make_cpu_backend({});
   std::vector<JumpFloodError> errors;
   for (const JumpFloodVariant variant : kVariants) {
-    const std::vector<std::uint32_t> found = flooded(*backend, variant, seeds, shape);
+    const auto found = flooded(*backend, jump_flood_steps(variant, 256, 256), 255, seeds, shape);
     for (std::size_t i = 0; i < exact.size(); ++i) {
       ASSERT_GE(found[i], exact[i]);
     }
@@ -94,8 +138,8 @@ TEST(JumpFlood, MorePassesLeaveFewerErrorsAndNeverTooSmallADistance) {
 }
 
 TEST(JumpFloodError, CountsWrongCellsAndTheLargestDistance) {
-  const std::vector<std::uint32_t> exact{0, 4, 9, 77, 25, 99};
-  const std::vector<std::uint32_t> found{0, 9, 9, 78, 16, 99};  // columns 1 of row 0 and 1 of row 1 are wrong
+  const std::vector<std::uint16_t> exact{0, 4, 9, 77, 25, 99};
+  const std::vector<std::uint16_t> found{0, 9, 9, 78, 16, 99};  // columns 1 of row 0 and 1 of row 1 are wrong
   const JumpFloodError error = jump_flood_error(exact, found, {3, 2, 3});
   EXPECT_EQ(error.cells, 6U);
   EXPECT_EQ(error.wrong_cells, 3U);
@@ -103,7 +147,6 @@ TEST(JumpFloodError, CountsWrongCellsAndTheLargestDistance) {
   const JumpFloodError inner = jump_flood_error(exact, found, {1, 2, 3});
   EXPECT_EQ(inner.wrong_cells, 1U);
   EXPECT_NEAR(inner.largest_cells, std::sqrt(78.0) - std::sqrt(77.0), 1e-12);
-  EXPECT_TRUE(std::isinf(jump_flood_error(exact, {{0, 4, kNoSeed, 77, 25, 99}}, {3, 2, 3}).largest_cells));
 }
 
 }  // namespace

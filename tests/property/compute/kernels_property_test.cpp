@@ -36,14 +36,10 @@ SeedGrid random_grid() {
 
 Isa random_isa() { return *rc::gen::elementOf(available_isas()); }
 
-std::vector<std::uint32_t> full(Isa isa, const SeedGrid& grid) {
-  std::vector<std::uint32_t> columns(grid.seeds.size());
-  std::vector<std::uint32_t> squares(grid.seeds.size());
-  edt_full_host(isa, {grid.width, grid.height, grid.width, 0}, grid.seeds.data(), columns.data(), squares.data());
-  return squares;
-}
+/// More than any distance on such grids, so that only "no seed" is cut to it.
+constexpr std::uint32_t kFarRadius = 255;
 
-std::vector<std::uint16_t> near(Isa isa, const SeedGrid& grid, std::uint32_t radius) {
+std::vector<std::uint16_t> transform(Isa isa, const SeedGrid& grid, std::uint32_t radius = kFarRadius) {
   std::vector<std::uint8_t> columns(grid.seeds.size());
   std::vector<std::uint16_t> squares(grid.seeds.size());
   edt_host(isa, {grid.width, grid.height, grid.width, radius}, grid.seeds.data(), columns.data(), squares.data());
@@ -63,8 +59,8 @@ SeedGrid transposed(const SeedGrid& grid) {
 RC_GTEST_PROP(Edt, TransposingTheSeedsTransposesTheDistances, ()) {
   const SeedGrid grid = random_grid();
   const Isa isa = random_isa();
-  const std::vector<std::uint32_t> one = full(isa, grid);
-  const std::vector<std::uint32_t> other = full(isa, transposed(grid));
+  const std::vector<std::uint16_t> one = transform(isa, grid);
+  const std::vector<std::uint16_t> other = transform(isa, transposed(grid));
   for (std::size_t y = 0; y < grid.height; ++y) {
     for (std::size_t x = 0; x < grid.width; ++x) {
       RC_ASSERT(one[y * grid.width + x] == other[x * grid.height + y]);
@@ -77,26 +73,26 @@ RC_GTEST_PROP(Edt, MirroringTheSeedsMirrorsTheDistances, ()) {
   const Isa isa = random_isa();
   SeedGrid mirrored = grid;
   std::reverse(mirrored.seeds.begin(), mirrored.seeds.end());
-  std::vector<std::uint32_t> other = full(isa, mirrored);
+  std::vector<std::uint16_t> other = transform(isa, mirrored);
   std::reverse(other.begin(), other.end());
-  RC_ASSERT(full(isa, grid) == other);
+  RC_ASSERT(transform(isa, grid) == other);
 }
 
 RC_GTEST_PROP(Edt, TruncationOnlyCuts, ()) {
   const SeedGrid grid = random_grid();
   const Isa isa = random_isa();
   const auto radius = *rc::gen::inRange<std::uint32_t>(1, 256);
-  const std::vector<std::uint32_t> exact = full(isa, grid);
-  const std::vector<std::uint16_t> cut = near(isa, grid, radius);
+  const std::vector<std::uint16_t> exact = transform(isa, grid);
+  const std::vector<std::uint16_t> cut = transform(isa, grid, radius);
   for (std::size_t i = 0; i < exact.size(); ++i) {
-    RC_ASSERT(cut[i] == std::min(exact[i], radius * radius));
+    RC_ASSERT(cut[i] == std::min<std::uint32_t>(exact[i], radius * radius));
   }
 }
 
 RC_GTEST_PROP(Edt, NeighboursDifferByAtMostOneCell, ()) {
   const SeedGrid grid = random_grid();
-  const std::vector<std::uint32_t> exact = full(random_isa(), grid);
-  RC_PRE(exact.front() != kNoSeed);
+  const std::vector<std::uint16_t> exact = transform(random_isa(), grid);
+  RC_PRE(exact.front() != kFarRadius * kFarRadius);
   const auto distance = [&](std::size_t i) { return std::sqrt(static_cast<double>(exact[i])); };
   for (std::size_t i = 0; i < exact.size(); ++i) {
     if (i % grid.width != 0) {
@@ -113,8 +109,8 @@ RC_GTEST_PROP(Edt, AnotherSeedNeverMakesADistanceLarger, ()) {
   const Isa isa = random_isa();
   SeedGrid more = grid;
   more.seeds[*rc::gen::inRange<std::size_t>(0, more.seeds.size())] = 255;
-  const std::vector<std::uint32_t> before = full(isa, grid);
-  const std::vector<std::uint32_t> after = full(isa, more);
+  const std::vector<std::uint16_t> before = transform(isa, grid);
+  const std::vector<std::uint16_t> after = transform(isa, more);
   for (std::size_t i = 0; i < before.size(); ++i) {
     RC_ASSERT(after[i] <= before[i]);
     RC_ASSERT((after[i] == 0) == (more.seeds[i] != 0));

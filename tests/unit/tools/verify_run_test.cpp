@@ -11,12 +11,12 @@
 namespace gdtslam {
 namespace {
 
-TargetReport target(bool takes_own_forms, std::uint64_t cases, std::uint64_t different, std::size_t logs) {
+TargetReport target(bool takes_own_variants, std::uint64_t cases, std::uint64_t different, std::size_t logs) {
   TargetReport report;
   report.is_vulkan = true;
-  report.takes_own_forms = takes_own_forms;
+  report.takes_own_variants = takes_own_variants;
   KernelVerdict kernel;
-  kernel.kernel = "arg_min";
+  kernel.kernel = "smallest_values";
   kernel.cases = cases;
   kernel.different = different;
   report.kernels = {kernel};
@@ -46,26 +46,26 @@ TEST(RecordOf, TheWholeOfADevicesOwnShaders) {
 }
 
 TEST(RecordOf, ShadersThatTheDeviceWouldNotTakeSayNothingOfIt) {
-  EXPECT_EQ(kept(report_of({target(false, 10, 0, 2)})), std::nullopt) << "--forms narrow that passed";
-  EXPECT_EQ(kept(report_of({target(false, 10, 3, 2)})), std::nullopt) << "--forms narrow that did not";
+  EXPECT_EQ(kept(report_of({target(false, 10, 0, 2)})), std::nullopt) << "--variants narrow that passed";
+  EXPECT_EQ(kept(report_of({target(false, 10, 3, 2)})), std::nullopt) << "--variants narrow that did not";
   const std::optional<VerifyRecord> all = kept(report_of({target(true, 10, 0, 2), target(false, 7, 5, 0)}));
-  ASSERT_TRUE(all) << "--forms all";
+  ASSERT_TRUE(all) << "--variants all";
   EXPECT_TRUE(all->passed()) << "the differences are of the other shaders";
   EXPECT_EQ(all->cases, 10U);
 }
 
 TEST(RecordOf, APartCountsOnlyWithADifference) {
-  EXPECT_EQ(kept(report_of({target(true, 10, 0, 0)}), "arg_min"), std::nullopt);
-  const std::optional<VerifyRecord> record = kept(report_of({target(true, 10, 3, 0)}), "arg_min");
+  EXPECT_EQ(kept(report_of({target(true, 10, 0, 0)}), "smallest_values"), std::nullopt);
+  const std::optional<VerifyRecord> record = kept(report_of({target(true, 10, 3, 0)}), "smallest_values");
   ASSERT_TRUE(record);
   EXPECT_EQ(record->differences, 3U);
 }
 
 TEST(RecordOf, ADeviceThatFailedIsRemembered) {
   TargetReport failed;
-  failed.takes_own_forms = true;
+  failed.takes_own_variants = true;
   failed.failure = "vulkan:0: vkQueueSubmit gave ErrorDeviceLost";
-  for (const char* filter : {"", "arg_min"}) {
+  for (const char* filter : {"", "smallest_values"}) {
     const std::optional<VerifyRecord> record = kept(report_of({failed}), filter);
     ASSERT_TRUE(record);
     EXPECT_FALSE(record->passed());

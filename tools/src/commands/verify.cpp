@@ -182,11 +182,11 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
       ->type_name("LOG")
       ->allow_extra_args(false);
   command
-      .add_option("--forms", options.forms,
+      .add_option("--variants", options.variants,
                   "Which shaders of a kernel: those that suit the device (by-device), those for GPUs (wide), those\n"
-                  "for CPUs as devices (narrow), these without texel buffers (no-texels), or all")
+                  "for CPUs as devices (narrow), or all")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"by-device", "wide", "narrow", "no-texels", "all"}).description(""))
+      ->check(CLI::IsMember({"by-device", "wide", "narrow", "all"}).description(""))
       ->capture_default_str();
   command
       .add_option("--write-expected", chosen.write_expected,
@@ -219,7 +219,7 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam verify --device vulkan\n"
       "  gdtslam verify --device vulkan:1 --random 10000 --log intel.clf.gz\n"
-      "  gdtslam verify pose_cost --forms all --json");
+      "  gdtslam verify pose_cost --variants all --json");
   command->callback([chosen, &context] { context.run = [chosen] { return verify(*chosen); }; });
 }
 

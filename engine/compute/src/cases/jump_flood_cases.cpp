@@ -5,6 +5,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kSteps[] = {1, 2, 16, 128};
+constexpr std::uint32_t kRadii[] = {1, 20, 255};
 constexpr CaseSize kBenchSize{1024, 1024, 1024};
 
 std::string pattern_name(CaseSize size, SeedPattern pattern) {
@@ -54,10 +55,10 @@ KernelCase step_case(const std::string& name, CaseSize size, SeedPattern pattern
       {grid_buffer(size, half_flooded(pattern, size, name)), grid_buffer(size, noise<std::uint32_t>(size, 6))});
 }
 
-KernelCase distance_case(const std::string& name, CaseSize size, SeedPattern pattern) {
+KernelCase distance_case(const std::string& name, CaseSize size, SeedPattern pattern, std::uint32_t radius) {
   return make_case<JumpFloodDistance>(
-      name, {size.width, size.height, size.stride}, {size.width, size.height, 1},
-      {grid_buffer(size, half_flooded(pattern, size, name)), grid_buffer(size, noise<std::uint32_t>(size, 7))});
+      name, {size.width, size.height, size.stride, radius}, {size.width, size.height, 1},
+      {grid_buffer(size, half_flooded(pattern, size, name)), grid_buffer(size, noise<std::uint16_t>(size, 7))});
 }
 
 std::string step_name(CaseSize size, SeedPattern pattern, std::uint32_t step) {
@@ -77,10 +78,15 @@ void add_step(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pa
       [=](const std::string& name) { return step_case(name, size, pattern, step); }, benchmark);
 }
 
-void add_distance(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pattern, bool benchmark = false) {
+std::string distance_name(CaseSize size, SeedPattern pattern, std::uint32_t radius) {
+  return pattern_name(size, pattern) + " R" + std::to_string(radius);
+}
+
+void add_distance(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pattern, std::uint32_t radius,
+                  bool benchmark = false) {
   add_case<JumpFloodDistance>(
-      list, pattern_name(size, pattern), [=](const std::string& name) { return distance_case(name, size, pattern); },
-      benchmark);
+      list, distance_name(size, pattern, radius),
+      [=](const std::string& name) { return distance_case(name, size, pattern, radius); }, benchmark);
 }
 
 /// add(size, pattern, turn): every size with every pattern, every small size with two patterns.
@@ -109,8 +115,8 @@ void add_large(std::vector<KernelCaseSource>& list, CaseSize size) {
                                 [=](const std::string& name) { return init_case(name, size, kWalls); });
   add_large_case<JumpFloodStep>(list, step_name(size, kWalls, 512),
                                 [=](const std::string& name) { return step_case(name, size, kWalls, 512); });
-  add_large_case<JumpFloodDistance>(list, pattern_name(size, kWalls),
-                                    [=](const std::string& name) { return distance_case(name, size, kWalls); });
+  add_large_case<JumpFloodDistance>(list, distance_name(size, kWalls, 255),
+                                    [=](const std::string& name) { return distance_case(name, size, kWalls, 255); });
 }
 
 KernelCase draw_init(const std::string& name, Random& random) {
@@ -124,7 +130,8 @@ KernelCase draw_step(const std::string& name, Random& random) {
 }
 KernelCase draw_distance(const std::string& name, Random& random) {
   const CaseSize size = draw_size(random);
-  return distance_case(name, size, draw_pattern(random));
+  const SeedPattern pattern = draw_pattern(random);
+  return distance_case(name, size, pattern, 1 + draw_count(random, 254));
 }
 
 }  // namespace
@@ -143,8 +150,16 @@ void add_jump_flood_cases(std::vector<KernelCaseSource>& list) {
   });
   add_step(list, kBenchSize, SeedPattern::kWalls, 1, true);
   add_step(list, kBenchSize, SeedPattern::kWalls, 256, true);
-  for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t) { add_distance(list, size, pattern); });
-  add_distance(list, kBenchSize, SeedPattern::kWalls, true);
+  for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t turn) {
+    if (size.width > kSmallSide || size.height > kSmallSide) {
+      for (const std::uint32_t radius : kRadii) {
+        add_distance(list, size, pattern, radius);
+      }
+    } else {
+      add_distance(list, size, pattern, in_turn(kRadii, turn));
+    }
+  });
+  add_distance(list, kBenchSize, SeedPattern::kWalls, 255, true);
   for (const CaseSize& size : kLargeSizes) {
     add_large(list, size);
   }

@@ -110,27 +110,6 @@ void add_cost(std::vector<KernelCaseSource>& list, const CostCase& shape, bool b
       list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); }, benchmark);
 }
 
-KernelCase arg_min_case(const std::string& name, std::uint32_t count, std::uint32_t range) {
-  Random random(seed_from(name));
-  std::vector<std::uint32_t> costs(count);
-  for (std::uint32_t& cost : costs) {
-    cost = 0xFFFFFFFFU - static_cast<std::uint32_t>(random.below(range));
-  }
-  return make_case<ArgMin>(name, {count}, {1, 1, 1},
-                           {list_buffer(costs), list_buffer(std::vector<std::uint32_t>{7, 7})});
-}
-
-std::string arg_min_name(std::uint32_t count, std::uint32_t range) {
-  return std::to_string(count) + " of " + std::to_string(range);
-}
-
-void add_arg_min(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t range,
-                 bool benchmark = false) {
-  add_case<ArgMin>(
-      list, arg_min_name(count, range), [=](const std::string& name) { return arg_min_case(name, count, range); },
-      benchmark);
-}
-
 constexpr Interpolation kInterpolations[] = {Interpolation::kBilinear, Interpolation::kNearest};
 constexpr CostForm kForms[] = {CostForm::kDistance, CostForm::kSquared};
 constexpr CaseSize kBenchField{1024, 1024, 1024};
@@ -174,11 +153,6 @@ KernelCase draw_cost(const std::string& name, Random& random) {
   return cost_case(name, shape);
 }
 
-KernelCase draw_arg_min(const std::string& name, Random& random) {
-  const std::uint32_t count = 1 + draw_count(random, 100000);
-  return arg_min_case(name, count, 1 + draw_count(random, 1U << 31U));
-}
-
 }  // namespace
 
 void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
@@ -212,20 +186,8 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
   }
   add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, Interpolation::kBilinear, CostForm::kSquared}, true);
   add_cost(list, {kBenchField, 180, 2, 20 * 256, 4.0, Interpolation::kBilinear, CostForm::kDistance}, true);
-  for (const std::uint32_t count : {1U, 2U, 15U, 16U, 17U, 255U, 1000U, 70001U}) {
-    add_arg_min(list, count, 3);
-    add_arg_min(list, count, 1U << 31U);
-  }
-  add_arg_min(list, 1, 1);
-  for (std::uint32_t count = 18; count < 80; ++count) {
-    add_arg_min(list, count, count % 2 == 0 ? 1 : count);
-  }
-  add_arg_min(list, 1U << 17U, 1U << 31U, true);
 }
 
-void add_pose_cost_draws(std::vector<RandomKernel>& list) {
-  list.push_back({&PoseCost::info(), draw_cost});
-  list.push_back({&ArgMin::info(), draw_arg_min});
-}
+void add_pose_cost_draws(std::vector<RandomKernel>& list) { list.push_back({&PoseCost::info(), draw_cost}); }
 
 }  // namespace gdtslam

@@ -34,8 +34,6 @@ struct CellRange {
 /// Cells that the row passes search together, and offsets between two looks whether more can matter.
 constexpr std::uint32_t kEdtTile = 64;
 constexpr std::uint32_t kEdtOffsets = 4;
-/// The offset at which edt_full_rows gives the search up.
-constexpr std::uint32_t kEdtFullReach = 128;
 
 /// A row's width in whole tiles.
 static constexpr std::size_t edt_tiled_width(std::uint32_t width) {
@@ -47,14 +45,6 @@ static constexpr std::uint32_t edt_rows_margin(const EdtRows::Params& params) { 
 static constexpr std::size_t edt_rows_scratch(const EdtRows::Params& params) {
   const std::size_t tiled = edt_tiled_width(params.width);
   return tiled + tiled / kEdtTile + 2 * static_cast<std::size_t>(edt_rows_margin(params));
-}
-/// Squares that edt_full_rows needs: a row with its margins.
-static constexpr std::size_t edt_full_rows_squares(const EdtFullRows::Params& params) {
-  return edt_tiled_width(params.width) + 2 * static_cast<std::size_t>(kEdtFullReach);
-}
-/// Scratch of its envelope: two values a cell.
-static constexpr std::size_t edt_full_rows_envelope(const EdtFullRows::Params& params) {
-  return 2 * static_cast<std::size_t>(params.width);
 }
 
 /// The buffers of sweep_points, in the order of its bindings.
@@ -72,21 +62,15 @@ struct IsaFunctions {
   /// Rows [begin, end).
   void (*edt_rows)(const EdtRows::Params&, const std::uint8_t* distance, std::uint16_t* sq_distance,
                    std::uint32_t begin, std::uint32_t end, std::uint16_t* scratch);
-  void (*edt_full_columns)(const EdtFullColumns::Params&, const std::uint8_t* seeds, std::uint32_t* distance,
-                           std::uint32_t begin, std::uint32_t end);
-  void (*edt_full_rows)(const EdtFullRows::Params&, const std::uint32_t* distance, std::uint32_t* sq_distance,
-                        std::uint32_t begin, std::uint32_t end, std::int32_t* squares, std::uint32_t* envelope);
   void (*distance_field)(const DistanceField::Params&, const std::uint16_t* sq_distance, const std::uint16_t* table,
                          std::uint16_t* field, CellRange);
   void (*pose_cost)(const PoseCost::Params&, const std::uint16_t* field, const PointCells* points,
                     const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost);
-  /// result[0] = cost, result[1] = index; count > 0.
-  void (*arg_min)(const std::uint32_t* cost, std::uint32_t count, std::uint32_t* result);
   void (*gdt_merge)(const GdtMerge::Params&, std::uint16_t* global, const std::uint16_t* scan, CellRange);
   void (*jump_flood_init)(const JumpFloodInit::Params&, const std::uint8_t* seeds, std::uint32_t* nearest, CellRange);
   void (*jump_flood_step)(const JumpFloodStep::Params&, const std::uint32_t* source, std::uint32_t* target, CellRange);
   void (*jump_flood_distance)(const JumpFloodDistance::Params&, const std::uint32_t* nearest,
-                              std::uint32_t* sq_distance, CellRange);
+                              std::uint16_t* sq_distance, CellRange);
   /// Samples [begin, end).
   void (*pose_lattice)(const PoseLattice::Params&, PoseCandidate* candidates, std::uint32_t begin, std::uint32_t end);
   /// Samples [begin, end).

@@ -18,10 +18,8 @@ namespace {
 #include "kernels/lanes_avx2.inl"
 #endif
 #include "kernels/edt.inl"
-#include "kernels/edt_full.inl"
 #include "kernels/distance_field.inl"
 #include "kernels/pose_cost.inl"
-#include "kernels/arg_min.inl"
 #include "kernels/gdt_merge.inl"
 #include "kernels/jump_flood.inl"
 #include "kernels/pose_lattice.inl"
@@ -44,11 +42,8 @@ namespace {
 const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .edt_columns = edt_columns,
     .edt_rows = edt_rows,
-    .edt_full_columns = edt_full_columns,
-    .edt_full_rows = edt_full_rows,
     .distance_field = distance_field,
     .pose_cost = pose_cost,
-    .arg_min = arg_min,
     .gdt_merge = gdt_merge,
     .jump_flood_init = jump_flood_init,
     .jump_flood_step = jump_flood_step,

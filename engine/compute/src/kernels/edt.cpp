@@ -10,15 +10,11 @@ namespace {
 
 std::uint64_t cells(const EdtColumns::Params& params) { return std::uint64_t{params.width} * params.height; }
 
-/// Bindings of `in_bytes` and `out_bytes` a cell.
-void check_pass(const EdtColumns::Params& params, const LaunchCheck& check, std::uint32_t limit, std::size_t in_bytes,
-                std::size_t out_bytes) {
-  check.grid(params.width, params.height, params.stride, limit);
-  check.buffer(0, grid_bytes(params.width, params.height, params.stride, in_bytes));
+/// A pass reads bytes and writes values of `out_bytes`.
+void check_pass(const EdtColumns::Params& params, const LaunchCheck& check, std::size_t out_bytes) {
+  check.grid(params.width, params.height, params.stride, kNoLimit);
+  check.buffer(0, grid_bytes(params.width, params.height, params.stride, 1));
   check.buffer(1, grid_bytes(params.width, params.height, params.stride, out_bytes));
-}
-
-void check_radius(const EdtColumns::Params& params, const LaunchCheck& check) {
   check.require(params.radius >= 1 && params.radius <= 255, "the radius must be 1 to 255 cells");
 }
 
@@ -31,8 +27,7 @@ struct ColumnsAdapter {
                           buffer_of<std::uint8_t>(launch, 1), launch.begin, launch.end);
   }
   static void check(const EdtColumns::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, kNoLimit, 1, 1);
-    check_radius(params, check);
+    check_pass(params, check, 1);
     check.extent({params.width, 1, 1});
   }
   static std::uint64_t work(const EdtColumns::Params& params, Extent) { return cells(params); }
@@ -48,43 +43,10 @@ struct RowsAdapter {
                        launch.end, thread_scratch<std::uint16_t>(edt_rows_scratch(params)));
   }
   static void check(const EdtRows::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, kNoLimit, 1, 2);
-    check_radius(params, check);
+    check_pass(params, check, 2);
     check.extent({1, params.height, 1});
   }
   static std::uint64_t work(const EdtRows::Params& params, Extent) { return cells(params); }
-};
-
-struct FullColumnsAdapter {
-  static constexpr std::string_view kName = "edt_full_columns";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "[Meijster2000], first phase; paper equation (1)";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.edt_full_columns(params_of<EdtFullColumns::Params>(launch.params), buffer_of<std::uint8_t>(launch, 0),
-                               buffer_of<std::uint32_t>(launch, 1), launch.begin, launch.end);
-  }
-  static void check(const EdtFullColumns::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, kFullLimit, 1, 4);
-    check.extent({params.width, 1, 1});
-  }
-  static std::uint64_t work(const EdtFullColumns::Params& params, Extent) { return cells(params); }
-};
-
-struct FullRowsAdapter {
-  static constexpr std::string_view kName = "edt_full_rows";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "[Meijster2000], second phase; paper equation (1)";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    const auto params = params_of<EdtFullRows::Params>(launch.params);
-    functions.edt_full_rows(params, buffer_of<std::uint32_t>(launch, 0), buffer_of<std::uint32_t>(launch, 1),
-                            launch.begin, launch.end, thread_scratch<std::int32_t>(edt_full_rows_squares(params)),
-                            thread_scratch<std::uint32_t>(edt_full_rows_envelope(params)));
-  }
-  static void check(const EdtFullRows::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, kFullLimit, 4, 4);
-    check.extent({1, params.height, 1});
-  }
-  static std::uint64_t work(const EdtFullRows::Params& params, Extent) { return cells(params); }
 };
 
 }  // namespace
@@ -95,14 +57,6 @@ const KernelInfo& EdtColumns::info() {
 }
 const KernelInfo& EdtRows::info() {
   static const KernelInfo row = kernel_info<EdtRows, RowsAdapter>();
-  return row;
-}
-const KernelInfo& EdtFullColumns::info() {
-  static const KernelInfo row = kernel_info<EdtFullColumns, FullColumnsAdapter>();
-  return row;
-}
-const KernelInfo& EdtFullRows::info() {
-  static const KernelInfo row = kernel_info<EdtFullRows, FullRowsAdapter>();
   return row;
 }
 
@@ -116,19 +70,6 @@ void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* see
   functions.edt_columns(params, seeds, column_distance, 0, params.width);
   functions.edt_rows(params, column_distance, sq_distance, 0, params.height,
                      thread_scratch<std::uint16_t>(edt_rows_scratch(params)));
-}
-
-void edt_full_host(Isa isa, const EdtFullColumns::Params& params, const std::uint8_t* seeds,
-                   std::uint32_t* column_distance, std::uint32_t* sq_distance) {
-  assert(params.width <= kFullLimit && params.height <= kFullLimit && params.stride >= params.width);
-  if (params.width == 0 || params.height == 0) {
-    return;
-  }
-  const IsaFunctions& functions = functions_or_throw(isa);
-  functions.edt_full_columns(params, seeds, column_distance, 0, params.width);
-  functions.edt_full_rows(params, column_distance, sq_distance, 0, params.height,
-                          thread_scratch<std::int32_t>(edt_full_rows_squares(params)),
-                          thread_scratch<std::uint32_t>(edt_full_rows_envelope(params)));
 }
 
 }  // namespace gdtslam

@@ -85,12 +85,13 @@ void jump_flood_step(const JumpFloodStep::Params& params, const std::uint32_t* s
 }
 
 void jump_flood_distance(const JumpFloodDistance::Params& params, const std::uint32_t* nearest,
-                         std::uint32_t* sq_distance, CellRange range) {
+                         std::uint16_t* sq_distance, CellRange range) {
+  const std::uint32_t most = params.radius * params.radius;
   for (std::uint32_t y = range.y_begin; y < range.y_end; ++y) {
     const std::uint32_t* __restrict in = nearest + at(params.stride, y);
-    std::uint32_t* __restrict out = sq_distance + at(params.stride, y);
+    std::uint16_t* __restrict out = sq_distance + at(params.stride, y);
     for (std::uint32_t x = range.x_begin; x < range.x_end; ++x) {
-      out[x] = sq_distance_to(in[x], x, y);
+      out[x] = static_cast<std::uint16_t>(lesser(sq_distance_to(in[x], x, y), most));
     }
   }
 }

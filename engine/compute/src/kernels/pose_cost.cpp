@@ -35,23 +35,6 @@ struct CostAdapter {
   }
 };
 
-struct ArgMinAdapter {
-  static constexpr std::string_view kName = "arg_min";
-  static constexpr std::string_view kWorkUnit = "value";
-  static constexpr std::string_view kSource = "arg min of paper equation (4)";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.arg_min(buffer_of<std::uint32_t>(launch, 0), params_of<ArgMin::Params>(launch.params).count,
-                      buffer_of<std::uint32_t>(launch, 1));
-  }
-  static void check(const ArgMin::Params& params, const LaunchCheck& check) {
-    check.require(params.count > 0, "no costs to choose from");
-    check.buffer(0, std::size_t{params.count} * 4);
-    check.buffer(1, 8);
-    check.extent({1, 1, 1});
-  }
-  static std::uint64_t work(const ArgMin::Params& params, Extent) { return params.count; }
-};
-
 }  // namespace
 
 void check_cost(const PoseCost::Params& params, const LaunchCheck& check) {
@@ -69,10 +52,6 @@ void check_cost(const PoseCost::Params& params, const LaunchCheck& check) {
 
 const KernelInfo& PoseCost::info() {
   static const KernelInfo row = kernel_info<PoseCost, CostAdapter>();
-  return row;
-}
-const KernelInfo& ArgMin::info() {
-  static const KernelInfo row = kernel_info<ArgMin, ArgMinAdapter>();
   return row;
 }
 

@@ -5,11 +5,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernels/jump_flood.hpp"
 #include "gdtslam/compute/kernels/pose_bounds.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/compute/kernels/pose_simplex.hpp"
@@ -51,9 +53,10 @@ void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, co
 void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,
               std::uint16_t* sq_distance);
 
-/// Unlimited exact transform, both passes; `column_distance` is scratch of stride * height values.
-void edt_full_host(Isa isa, const EdtFullColumns::Params& params, const std::uint8_t* seeds,
-                   std::uint32_t* column_distance, std::uint32_t* sq_distance);
+/// Truncated transform by jump flooding, all passes; `nearest` and `scratch` are of stride * height values each.
+void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span<const std::uint32_t> steps,
+                     const std::uint8_t* seeds, std::uint32_t* nearest, std::uint32_t* scratch,
+                     std::uint16_t* sq_distance);
 
 /// Field cells from squared distances.
 void distance_field_host(Isa isa, const DistanceField::Params& params, const std::uint16_t* sq_distance,

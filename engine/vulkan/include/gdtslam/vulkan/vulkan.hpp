@@ -59,11 +59,10 @@ struct VulkanFault {
 };
 
 /// Which of several shaders of a kernel to take.
-enum class ShaderForms : std::uint8_t {
+enum class ShaderVariants : std::uint8_t {
   kByDevice,  ///< what suits the device
   kWide,      ///< those for GPUs: much parallelism, shared memory
   kNarrow,    ///< those for CPUs as devices: few long invocations
-  kNoTexels,  ///< the narrow ones without texel buffers: for a device whose texel buffers are smaller than the field
 };
 
 struct VulkanOptions {
@@ -77,14 +76,14 @@ struct VulkanOptions {
   std::function<void(std::string_view message)> on_message = {};
   /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
   std::optional<double> wait_limit_s = std::nullopt;
-  ShaderForms forms = ShaderForms::kByDevice;
+  ShaderVariants variants = ShaderVariants::kByDevice;
   /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
   std::optional<bool> time_submissions = std::nullopt;
   VulkanFault fault = {};
   /// Called with each shader before it is built, to change it: a test's way to show that a wrong shader is found.
   std::function<void(std::string_view shader, std::vector<std::uint32_t>& spirv)> edit_shader = {};
   /// Called with what is known of the chosen device before it is used, to lower its limits: a test's way to a device
-  /// that offers less. Forms are chosen by max_group_invocations and max_texel_words as they then are.
+  /// that offers less. Variants are chosen by max_group_invocations and max_texel_words as they then are.
   std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
 
@@ -123,7 +122,7 @@ struct ShaderModule {
   std::uint32_t push_constant_bytes = 0;
   bool is_always_suitable = false;  ///< serves every launch and every device
 };
-/// In the order of the registry, and for each kernel in the order in which its forms are tried.
+/// In the order of the registry, and for each kernel in the order in which its variants are tried.
 std::span<const ShaderModule> shader_modules();
 
 }  // namespace gdtslam

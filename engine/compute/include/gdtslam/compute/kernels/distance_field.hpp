@@ -12,6 +12,9 @@ namespace gdtslam {
 
 inline constexpr std::uint32_t kFieldOne = 256;  ///< one cell
 
+/// How the squared distances of a field are found: EdtColumns and EdtRows, or jump flooding, which errs now and then.
+enum class DistanceTransform : std::uint8_t { kExact, kJumpFlood };
+
 /// What unknown cells hold, for a truncation radius in cells.
 constexpr std::uint16_t field_cap(std::uint32_t radius) { return static_cast<std::uint16_t>(radius * kFieldOne); }
 

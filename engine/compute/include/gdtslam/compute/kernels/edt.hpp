@@ -39,23 +39,4 @@ struct EdtRows {
   static const KernelInfo& info();
 };
 
-/// Unlimited transform, first pass: distance in the column, u32; kNoSeed where the column has none.
-/// Bindings: seeds (u8, read), column distance (u32, write). The radius is ignored.
-struct EdtFullColumns {
-  using Params = EdtColumns::Params;
-  static constexpr std::array kBindings{Access::kRead, Access::kWrite};
-  static const KernelInfo& info();
-};
-
-/// Unlimited transform, second pass: squared distance, u32; kNoSeed where the grid has no seed. Width and height at
-/// most 32767, so that the sum of the squares stays below 2^31. Bindings: column distance (u32, read), squared distance
-/// (u32, write). Extent: x = 1, y = rows.
-struct EdtFullRows {
-  using Params = EdtColumns::Params;
-  static constexpr std::array kBindings{Access::kRead, Access::kWrite};
-  static const KernelInfo& info();
-};
-
-inline constexpr std::uint32_t kNoSeed = 0xFFFFFFFFU;
-
 }  // namespace gdtslam

@@ -14,6 +14,9 @@
 
 namespace gdtslam {
 
+/// What stands for a cell that knows no seed yet.
+inline constexpr std::uint32_t kNoSeed = 0xFFFFFFFFU;
+
 /// Bindings: seeds (u8, read), nearest (u32, write). A seed is its own nearest. Extent: x = width, y = rows.
 struct JumpFloodInit {
   struct Params {
@@ -38,10 +41,15 @@ struct JumpFloodStep {
   static const KernelInfo& info();
 };
 
-/// Squared distance to the nearest seed, u32; kNoSeed where there is none.
-/// Bindings: nearest (u32, read), squared distance (u32, write). Extent: x = width, y = rows.
+/// Squared distance to the nearest seed, u16, truncated at R*R (which also stands for "no seed"), as EdtRows leaves it.
+/// Bindings: nearest (u32, read), squared distance (u16, write). Extent: x = width, y = rows.
 struct JumpFloodDistance {
-  using Params = JumpFloodInit::Params;
+  struct Params {
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::uint32_t stride = 0;
+    std::uint32_t radius = 0;  ///< R, 1 to 255 cells
+  };
   static constexpr std::array kBindings{Access::kRead, Access::kWrite};
   static const KernelInfo& info();
 };
@@ -52,16 +60,18 @@ std::string_view name_of(JumpFloodVariant variant);
 
 /// The steps of a variant on a grid, first to last; the plain ones halve from the power of two below the larger side.
 std::vector<std::uint32_t> jump_flood_steps(JumpFloodVariant variant, std::uint32_t width, std::uint32_t height);
+/// Those of 1+jfa where distances beyond a radius do not matter: steps that halve to 1 reach what is not farther than
+/// their sum, so they begin at the power of two not above the radius.
+std::vector<std::uint32_t> jump_flood_steps_within(std::uint32_t radius);
 
-/// How far an approximate squared distance transform is from the exact one.
+/// How far an approximate truncated squared distance transform is from the exact one.
 struct JumpFloodError {
   std::uint64_t cells = 0;
   std::uint64_t wrong_cells = 0;
-  double largest_cells =
-      0.0;  ///< largest difference of the distances (not of their squares); infinite where a seed is missed
+  double largest_cells = 0.0;  ///< largest difference of the distances, not of their squares
 };
-/// Compares two squared distance grids (u32, kNoSeed for none) of one shape.
-JumpFloodError jump_flood_error(std::span<const std::uint32_t> exact, std::span<const std::uint32_t> approximate,
+/// Compares two grids of squared distances, truncated at the same radius, of one shape.
+JumpFloodError jump_flood_error(std::span<const std::uint16_t> exact, std::span<const std::uint16_t> approximate,
                                 const JumpFloodInit::Params& shape);
 
 }  // namespace gdtslam

@@ -61,14 +61,4 @@ struct PoseCost {
   static const KernelInfo& info();
 };
 
-/// The index of the smallest cost, the lowest index among equals.
-/// Bindings: cost (u32, read), result (two u32, write: cost, index). Extent: x = 1.
-struct ArgMin {
-  struct Params {
-    std::uint32_t count = 0;
-  };
-  static constexpr std::array kBindings{Access::kRead, Access::kWrite};
-  static const KernelInfo& info();
-};
-
 }  // namespace gdtslam

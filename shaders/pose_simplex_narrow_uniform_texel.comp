@@ -1,8 +1,0 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-// Simplexes (gdtslam/compute/kernels/pose_simplex.hpp, PoseSimplex), points in a uniform buffer of at most 16 KiB, the field
-// in texels.
-
-#define POINTS_IN_UNIFORM
-#define FIELD_IN_TEXELS
-#include "common/pose_simplex_narrow.glsl"
