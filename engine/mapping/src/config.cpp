@@ -12,6 +12,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
+constexpr std::array kTransforms{"exact"sv, "jump-flood"sv};
 constexpr std::array kMergeRules{"working"sv, "literal"sv};
 constexpr std::array kCostForms{"distance"sv, "squared"sv};
 constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
@@ -21,6 +22,8 @@ void add_map_options(MapperConfig& c, std::vector<Option>& table) {
   table.push_back({"map.resolution", "edge of a cell", Unit::kMetre, 0.005, 1.0, &c.map.resolution_m});
   table.push_back({"map.truncation", "distances are kept up to this radius R, at most 255 cells", Unit::kMetre, 0.01,
                    255.0, &c.map.truncation_m});
+  table.push_back({"map.transform", "distances of a keyframe: exact, or jump-flood, which errs now and then",
+                   Unit::kNone, 0, 0, Choice(c.map.transform, kTransforms)});
   table.push_back({"map.max_megacells", "the map may take this many times 2^20 cells", Unit::kNone, 1, 16384,
                    &c.map.max_megacells});
   table.push_back({"scan.min_range", "shorter ranges are no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m});

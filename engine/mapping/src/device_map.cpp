@@ -25,7 +25,7 @@ DeviceMap::DeviceMap(const MapperConfig& config, Backend& backend, MapperOptions
       options_(std::move(options)),
       step_(merge_step_of(config)),
       field_(backend, config.map.resolution_m, config.map.radius_cells(),
-             static_cast<std::uint64_t>(config.map.max_megacells) << 20U) {
+             static_cast<std::uint64_t>(config.map.max_megacells) << 20U, config.map.transform) {
   try {
     work_on(backend);
   } catch (const DeviceError& error) {
@@ -38,7 +38,7 @@ void DeviceMap::work_on(Backend& backend) {
   earlier_dispatches_ -= backend.dispatch_count();
   earlier_submissions_ -= backend.submit_count();
   matcher_.reset();
-  local_.emplace(backend, config_.map.radius_cells());
+  local_.emplace(backend, config_.map.radius_cells(), config_.map.transform);
   matcher_ = matcher_info(config_.match.matcher).make(config_, backend, field_);
 }
 

@@ -36,13 +36,15 @@ void blank_padding(std::vector<std::uint16_t>& cells, const CellBox& box, std::u
 
 }  // namespace
 
-GlobalField::GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells)
+GlobalField::GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells,
+                         DistanceTransform transform)
     : backend_(&backend),
       isa_(backend.host_isa()),
       resolution_m_(resolution_m),
       radius_(radius_cells),
       max_cells_(max_cells),
-      copy_(std::make_unique<HostCopy>(radius_cells)) {}
+      transform_(transform),
+      copy_(std::make_unique<HostCopy>(radius_cells, transform)) {}
 
 GlobalField::~GlobalField() = default;
 
@@ -132,7 +134,7 @@ void GlobalField::look_for_shared_memory() {
   const std::span<const std::byte> view = backend_->host_view(buffer_);
   // The bytes are written as uint16 by the kernels, aligned by the backend.
   shared_ = {reinterpret_cast<const std::uint16_t*>(view.data()), view.size() / sizeof(std::uint16_t)};
-  if (shares_memory()) copy_ = std::make_unique<HostCopy>(radius_);
+  if (shares_memory()) copy_ = std::make_unique<HostCopy>(radius_, transform_);
 }
 
 std::size_t GlobalField::journal_length() const { return copy_->journal_length(); }

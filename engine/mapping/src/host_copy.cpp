@@ -4,13 +4,12 @@
 #include <utility>
 
 #include "gdtslam/compute/host_kernels.hpp"
-#include "gdtslam/compute/kernels/distance_field.hpp"
-#include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/jump_flood.hpp"
 
 namespace gdtslam {
 
-GlobalField::HostCopy::HostCopy(std::uint32_t radius_cells)
-    : radius_(radius_cells), table_(distance_table(radius_cells)) {}
+GlobalField::HostCopy::HostCopy(std::uint32_t radius_cells, DistanceTransform transform)
+    : radius_(radius_cells), transform_(transform), table_(distance_table(radius_cells)) {}
 
 const std::vector<std::uint16_t>& GlobalField::HostCopy::cells(const CellBox& box, Isa isa) {
   grow(box);
@@ -39,6 +38,18 @@ void GlobalField::HostCopy::grow(const CellBox& box) {
   box_ = box;
 }
 
+void GlobalField::HostCopy::transform(const EdtColumns::Params& grid, Isa isa) {
+  if (transform_ == DistanceTransform::kExact) {
+    column_distance_.resize(seeds_.size());
+    edt_host(isa, grid, seeds_.data(), column_distance_.data(), squared_distance_.data());
+    return;
+  }
+  for (std::vector<std::uint32_t>& nearest : nearest_) nearest.resize(seeds_.size());
+  jump_flood_host(isa, {.width = grid.width, .height = grid.height, .stride = grid.stride, .radius = grid.radius},
+                  jump_flood_steps_within(grid.radius), seeds_.data(), nearest_[0].data(), nearest_[1].data(),
+                  squared_distance_.data());
+}
+
 void GlobalField::HostCopy::merge(const Entry& entry, Isa isa) {
   const CellBox& window = entry.keyframe.window;
   const auto width = static_cast<std::uint32_t>(window.width());
@@ -46,14 +57,12 @@ void GlobalField::HostCopy::merge(const Entry& entry, Isa isa) {
   const std::uint32_t stride = grid_stride(width);
   const std::size_t count = std::size_t{stride} * height;
   seeds_.assign(count, 0);
-  column_distance_.resize(count);
   squared_distance_.resize(count);
   field_.resize(count);
   for (const std::uint32_t cell : entry.keyframe.cells) {
     seeds_[std::size_t{cell >> 16U} * stride + (cell & 0xFFFFU)] = 1;
   }
-  edt_host(isa, {.width = width, .height = height, .stride = stride, .radius = radius_}, seeds_.data(),
-           column_distance_.data(), squared_distance_.data());
+  transform({.width = width, .height = height, .stride = stride, .radius = radius_}, isa);
   const auto table_size = static_cast<std::uint32_t>(table_.size());
   distance_field_host(isa, {.width = width, .height = height, .stride = stride, .table_size = table_size},
                       squared_distance_.data(), table_.data(), field_.data());

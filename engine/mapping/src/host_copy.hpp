@@ -7,14 +7,15 @@
 #include <deque>
 #include <vector>
 
-#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 
 namespace gdtslam {
 
 class GlobalField::HostCopy {
  public:
-  explicit HostCopy(std::uint32_t radius_cells);
+  HostCopy(std::uint32_t radius_cells, DistanceTransform transform);
 
   /// Notes a keyframe that is about to be merged.
   void note(const KeyframeCells& keyframe, const MergeStep& step) { journal_.push_back({keyframe, step}); }
@@ -36,8 +37,11 @@ class GlobalField::HostCopy {
 
   void grow(const CellBox& box);
   void merge(const Entry& entry, Isa isa);
+  // From the seeds to the squared distances of a window.
+  void transform(const EdtColumns::Params& grid, Isa isa);
 
   std::uint32_t radius_;
+  DistanceTransform transform_;
   std::vector<std::uint16_t> table_;
   CellBox box_{};
   std::vector<std::uint16_t> cells_;
@@ -45,6 +49,7 @@ class GlobalField::HostCopy {
   std::deque<Entry> journal_;
   std::vector<std::uint8_t> seeds_;
   std::vector<std::uint8_t> column_distance_;
+  std::vector<std::uint32_t> nearest_[2];
   std::vector<std::uint16_t> squared_distance_;
   std::vector<std::uint16_t> field_;
 };

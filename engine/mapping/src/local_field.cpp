@@ -1,16 +1,19 @@
 #include "gdtslam/mapping/local_field.hpp"
 
 #include <cassert>
+#include <utility>
 #include <vector>
 
 #include "device_memory.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/edt.hpp"
+#include "gdtslam/compute/kernels/jump_flood.hpp"
 #include "gdtslam/compute/kernels/seed_scatter.hpp"
 
 namespace gdtslam {
 
-LocalField::LocalField(Backend& backend, std::uint32_t radius_cells) : backend_(&backend), radius_(radius_cells) {
+LocalField::LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTransform transform)
+    : backend_(&backend), radius_(radius_cells), transform_(transform) {
   const std::vector<std::uint16_t> table = distance_table(radius_cells);
   table_size_ = static_cast<std::uint32_t>(table.size());
   table_ = backend_->allocate(table.size() * sizeof(std::uint16_t));
@@ -19,7 +22,11 @@ LocalField::LocalField(Backend& backend, std::uint32_t radius_cells) : backend_(
 
 void LocalField::reserve(std::size_t cells) {
   reserve_on(*backend_, seeds_, cells);
-  reserve_on(*backend_, column_distance_, cells);
+  if (transform_ == DistanceTransform::kExact) {
+    reserve_on(*backend_, column_distance_, cells);
+  } else {
+    for (Buffer& nearest : nearest_) reserve_on(*backend_, nearest, cells * sizeof(std::uint32_t));
+  }
   reserve_on(*backend_, squared_distance_, cells * sizeof(std::uint16_t));
   reserve_on(*backend_, field_, cells * sizeof(std::uint16_t));
 }
@@ -37,11 +44,31 @@ void LocalField::compute(const KeyframeCells& keyframe) {
   const auto count = static_cast<std::uint32_t>(keyframe.cells.size());
   run<SeedScatter>(*backend_, {.count = count, .width = width, .height = height, .stride = stride_}, {count, 1, 1},
                    cells_, seeds_);
+  transform_ == DistanceTransform::kExact ? transform_exactly() : flood();
+  run<DistanceField>(*backend_, {.width = width, .height = height, .stride = stride_, .table_size = table_size_},
+                     {width, height, 1}, squared_distance_, table_, field_);
+}
+
+void LocalField::transform_exactly() {
+  const auto width = static_cast<std::uint32_t>(window_.width());
+  const auto height = static_cast<std::uint32_t>(window_.height());
   const EdtColumns::Params grid{.width = width, .height = height, .stride = stride_, .radius = radius_};
   run<EdtColumns>(*backend_, grid, {width, 1, 1}, seeds_, column_distance_);
   run<EdtRows>(*backend_, grid, {1, height, 1}, column_distance_, squared_distance_);
-  run<DistanceField>(*backend_, {.width = width, .height = height, .stride = stride_, .table_size = table_size_},
-                     {width, height, 1}, squared_distance_, table_, field_);
+}
+
+void LocalField::flood() {
+  const auto width = static_cast<std::uint32_t>(window_.width());
+  const auto height = static_cast<std::uint32_t>(window_.height());
+  const Extent all{width, height, 1};
+  run<JumpFloodInit>(*backend_, {.width = width, .height = height, .stride = stride_}, all, seeds_, nearest_[0]);
+  for (const std::uint32_t step : jump_flood_steps_within(radius_)) {
+    run<JumpFloodStep>(*backend_, {.width = width, .height = height, .stride = stride_, .step = step}, all, nearest_[0],
+                       nearest_[1]);
+    std::swap(nearest_[0], nearest_[1]);
+  }
+  run<JumpFloodDistance>(*backend_, {.width = width, .height = height, .stride = stride_, .radius = radius_}, all,
+                         nearest_[0], squared_distance_);
 }
 
 void LocalField::merge_into(GlobalField& map, const MergeStep& step) {

@@ -12,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kFurthestCell = 1 << 28;
-constexpr std::int32_t kMostWindowCells = 65535;  // along a side: two coordinates share a word
+constexpr std::int32_t kMostWindowCells = 32767;  // along a side: what the kernels of the transforms take
 constexpr double kFurthest_m = 1.0e5;             // from the robot; farther is a mount that is plainly wrong
 
 std::int32_t cell_floor(double cells) {

@@ -12,12 +12,20 @@ namespace {
 class VulkanMapper : public testing::TestWithParam<MatcherKind> {
  protected:
   void SetUp() override { GDTSLAM_NEEDS_VULKAN(); }
+  void expect_the_bits_of_the_cpu();
 
   MapperConfig config_ = quick_config(GetParam());
   std::unique_ptr<Backend> cpu_ = make_cpu_backend({});
 };
 
 TEST_P(VulkanMapper, GivesTheBitsOfTheCpuAndItsCopyIsTheDevicesField) {
+  for (const DistanceTransform transform : {DistanceTransform::kExact, DistanceTransform::kJumpFlood}) {
+    config_.map.transform = transform;
+    expect_the_bits_of_the_cpu();
+  }
+}
+
+void VulkanMapper::expect_the_bits_of_the_cpu() {
   config_.keyframe.every_scan = true;  // more than the journal holds, and growth on the way
   const std::vector<DriveScan> scans = room_scans(80, 2);
   const MappedDrive expected = map_drive(scans, config_, *cpu_);

@@ -1,5 +1,6 @@
 // The map's store: growth keeps what is known, the guard stays at the cap, sizes are refused before they are allocated.
 // And the local field against plain distances.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -59,6 +60,34 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
       ASSERT_NEAR(map_.at({x, y}), exact, 0.5) << x << ' ' << y;
     }
   }
+}
+
+// Jump flooding over the same keyframe: where one seed is nearest by far it is right, and it never says less.
+TEST(LocalFieldByJumpFlooding, IsTheExactOneButForCellsThatAreTooLarge) {
+  std::vector<Point2> points;
+  for (int i = 0; i < 400; ++i) points.emplace_back(0.05 * ((i * 73) % 211), 0.05 * ((i * 131) % 197));
+  const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
+  const auto backend = make_cpu_backend({});
+  const auto mapped = [&](DistanceTransform transform, std::uint64_t kernels) {
+    GlobalField map(*backend, kResolution, kRadius, 1U << 20U, transform);
+    LocalField local(*backend, kRadius, transform);
+    map.admit(keyframe, kStep);
+    const std::uint64_t before = backend->dispatch_count();
+    local.compute(keyframe);
+    EXPECT_EQ(backend->dispatch_count() - before, kernels);
+    local.merge_into(map, kStep);
+    return std::vector<std::uint16_t>(map.cells().begin(), map.cells().end());
+  };
+  const std::vector<std::uint16_t> exact = mapped(DistanceTransform::kExact, 4);        // seeds, columns, rows, field
+  const std::vector<std::uint16_t> flooded = mapped(DistanceTransform::kJumpFlood, 9);  // with steps 1, 8, 4, 2, 1
+  ASSERT_EQ(flooded.size(), exact.size());
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    ASSERT_GE(flooded[i], exact[i]) << i;
+    wrong += flooded[i] != exact[i] ? 1U : 0U;
+  }
+  EXPECT_LT(wrong, exact.size() / 1000);
+  EXPECT_LT(*std::min_element(flooded.begin(), flooded.end()), kFieldOne);
 }
 
 TEST_F(Fields, GrowingKeepsWhatIsKnownAndTheGuard) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 #include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/mapping/option.hpp"
@@ -28,6 +29,7 @@ enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 struct MapConfig {
   double resolution_m = 0.025;
   double truncation_m = 0.5;  ///< R in metres
+  DistanceTransform transform = DistanceTransform::kExact;
   std::int32_t max_megacells = 512;
   [[nodiscard]] std::uint32_t radius_cells() const;
 };

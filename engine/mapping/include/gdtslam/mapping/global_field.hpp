@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/compute/kernels/gdt_merge.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -29,8 +30,10 @@ struct MergeStep {
 
 class GlobalField {
  public:
-  /// Resolution in metres, truncation radius in cells, and the most cells that the map may take.
-  GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells);
+  /// Resolution in metres, truncation radius in cells, the most cells that the map may take, and the transform of the
+  /// keyframes that are merged, for the host's copy.
+  GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells,
+              DistanceTransform transform = DistanceTransform::kExact);
   GlobalField(const GlobalField&) = delete;
   GlobalField& operator=(const GlobalField&) = delete;
   ~GlobalField();
@@ -98,6 +101,7 @@ class GlobalField {
   double resolution_m_;
   std::uint32_t radius_;
   std::uint64_t max_cells_;
+  DistanceTransform transform_;
   CellBox box_{};  // map cells
   std::uint32_t stride_ = 0;
   Buffer buffer_;

@@ -3,13 +3,14 @@
 #pragma once
 
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 
 namespace gdtslam {
 
 class LocalField {
  public:
-  LocalField(Backend& backend, std::uint32_t radius_cells);
+  LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTransform transform = DistanceTransform::kExact);
 
   /// Field of a keyframe's cells on its window.
   void compute(const KeyframeCells& keyframe);
@@ -18,16 +19,21 @@ class LocalField {
 
  private:
   void reserve(std::size_t cells);
+  // From the seeds to the squared distances of the window.
+  void transform_exactly();
+  void flood();
 
   Backend* backend_;
   std::uint32_t radius_;
+  DistanceTransform transform_;
   CellBox window_{};
   std::uint32_t stride_ = 0;
   Buffer table_;
   std::uint32_t table_size_ = 0;
   Buffer cells_;
   Buffer seeds_;
-  Buffer column_distance_;
+  Buffer column_distance_;  // of the exact transform
+  Buffer nearest_[2];       // of jump flooding, which reads one and writes the other
   Buffer squared_distance_;
   Buffer field_;
 };
