@@ -8,7 +8,6 @@
 #include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/core/error.hpp"
 #include "thinning.hpp"
-#include "window_layers.hpp"
 
 namespace gdtslam {
 namespace {
@@ -22,21 +21,15 @@ StopReason stop_of(std::uint32_t stop) {
   return stop == 2 ? StopReason::kEvaluationLimit : StopReason::kNotRun;
 }
 
-// A window is cut at its angles, not within one.
-void require_room_for_a_layer(const MapperConfig& config, const DeviceInfo& device) {
-  const auto cells = [&](double metres) { return static_cast<float>(metres / config.map.resolution_m); };
-  const SearchWindow largest{.centre = {},
-                             .half_xy_cells = cells(config.search.max_half_m),
-                             .half_theta_rad = 0.0F,
-                             .step_cells = cells(config.search.step_m)};
-  const std::size_t side = largest.count_xy();
-  const std::size_t bytes = side * side * sizeof(PoseCandidate);
+// A device that has no room for a window gives the work up, as one that fails: the CPU has room.
+void require_room(std::uint32_t samples, const DeviceInfo& device) {
+  const std::size_t bytes = std::size_t{samples} * sizeof(PoseCandidate);
   if (bytes <= device.max_buffer_bytes) return;
-  const std::string poses = std::to_string(side) + " x " + std::to_string(side) + " poses at one angle";
   throw DeviceError(device.name, "allocate",
-                    "no buffer for the search window: its " + poses + " are " + std::to_string(bytes) +
-                        " bytes, the largest allowed is " + std::to_string(device.max_buffer_bytes) +
-                        "; raise search.step or lower search.max_half_width");
+                    "no buffer for a search window: its " + std::to_string(samples) + " poses are " +
+                        std::to_string(bytes) + " bytes, the largest allowed is " +
+                        std::to_string(device.max_buffer_bytes) +
+                        "; raise search.step and search.step_angle or lower search.max_half_width");
 }
 
 }  // namespace
@@ -50,12 +43,7 @@ WindowMatcher::WindowMatcher(const MapperConfig& config, Backend& backend, const
       rules_(config),
       picks_(backend.allocate(std::size_t{SmallestValues::kMost} * 2 * sizeof(std::uint32_t))),
       poses_(backend.allocate(std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
-      verdict_(backend.allocate(sizeof(MatchVerdict))),
-      layers_(std::make_unique<WindowLayers>(backend)) {
-  require_room_for_a_layer(config, backend.device());
-}
-
-WindowMatcher::~WindowMatcher() = default;
+      verdict_(backend.allocate(sizeof(MatchVerdict))) {}
 
 void WindowMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool /*search*/) {
   by_odometry_ = prediction.by_odometry;
@@ -107,16 +95,12 @@ bool WindowMatcher::launch_wider() {
   return true;
 }
 
-// One submission: from the points to the verdict. A window that no buffer holds is searched in slices instead; what
-// follows from them is launched when they are done.
+// One submission: from the points to the verdict.
 void WindowMatcher::launch(const SearchWindow& window) {
   window_ = window;
   samples_ = window_.count_xy() * window_.count_xy() * window_.count_theta();
   ++attempts_;
-  if (std::size_t{samples_} * sizeof(PoseCandidate) > backend_->device().max_buffer_bytes) {
-    launch_layers();
-    return;
-  }
+  require_room(samples_, backend_->device());
   launch_lattice();
   launch_starts();
   launch_verdict();
@@ -142,26 +126,6 @@ void WindowMatcher::launch_starts() {
   run<PoseStarts>(*backend_,
                   {.x = predicted.x, .y = predicted.y, .theta = predicted.theta, .candidate_count = samples_},
                   {pose_count(), 1, 1}, candidates_, picks_, poses_);
-}
-
-void WindowMatcher::launch_layers() {
-  layers_->start({.lattice = lattice_params(),
-                  .cost = cost_params(thinned_, rules_.wide_gate()),
-                  .wanted = pose_count() - 1,
-                  .map = &map_->buffer(),
-                  .points = &point_buffer_,
-                  .candidates = &candidates_,
-                  .costs = &costs_});
-}
-
-// As PoseStarts makes them: the prediction where there are fewer valleys than wanted.
-void WindowMatcher::upload_starts(const std::vector<CellPose>& valleys) {
-  const auto start_at = [](const CellPose& pose) {
-    return PolishedPose{.x = pose.x, .y = pose.y, .theta = pose.theta};
-  };
-  std::vector<PolishedPose> starts(pose_count(), start_at(rules_.predicted()));
-  std::transform(valleys.begin(), valleys.end(), starts.begin() + 1, start_at);
-  backend_->upload(poses_, std::as_bytes(std::span(starts)));
 }
 
 void WindowMatcher::launch_verdict() {
@@ -204,10 +168,6 @@ void WindowMatcher::launch_choice() {
 }
 
 MatchVerdict WindowMatcher::wait() {
-  if (layers_->is_under_way()) {
-    upload_starts(layers_->finish());
-    launch_verdict();
-  }
   MatchVerdict verdict;
   backend_->finish_download(pending_, std::as_writable_bytes(std::span(&verdict, 1)));
   return verdict;

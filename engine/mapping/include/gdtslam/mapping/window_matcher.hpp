@@ -1,11 +1,9 @@
 // The matcher `exhaustive`: all poses of a window around the prediction, simplexes from the best of them and from the
 // prediction itself, through the narrowing gates, and the choice between their ends; all of it kernels, so that a scan
-// is one upload, one submission and one download of a few words. A window of more poses than the largest buffer of the
-// device holds is searched angle by angle, in more submissions, with the same result. A point beyond a gate counts as
-// the gate, where `simplex` leaves it out. Frame: map. Not thread-safe. Cost: docs/benchmarks.md.
+// is one upload, one submission and one download of a few words. A point beyond a gate counts as the gate, where
+// `simplex` leaves it out. Frame: map. Not thread-safe. Cost: docs/benchmarks.md.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
@@ -17,16 +15,13 @@
 
 namespace gdtslam {
 
-class WindowLayers;
-
 class WindowMatcher final : public Matcher {
  public:
-  /// The map must outlive the matcher and live on the backend. Throws DeviceError where the positions of the largest
-  /// window at one angle, 16 bytes each, are more than the backend's largest buffer holds.
+  /// The map must outlive the matcher and live on the backend.
   WindowMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map);
-  ~WindowMatcher() override;
 
-  /// Sets the device to work and returns at once. A window is always searched.
+  /// Sets the device to work and returns at once. A window is always searched. Throws DeviceError where its poses, 16
+  /// bytes each, are more than the backend's largest buffer holds, as finish() does for the windows that follow.
   void start(std::span<const PointCells> points, const Prediction& prediction, bool search) override;
   /// While the best pose is suspect or lies at the window's edge, further windows follow, each twice as large.
   MatchResult finish() override;
@@ -36,8 +31,6 @@ class WindowMatcher final : public Matcher {
   void launch(const SearchWindow& window);
   void launch_lattice();
   void launch_starts();
-  void launch_layers();
-  void upload_starts(const std::vector<CellPose>& valleys);
   void launch_verdict();
   void launch_descents();
   void launch_choice();
@@ -70,7 +63,6 @@ class WindowMatcher final : public Matcher {
   Buffer picks_;
   Buffer poses_;
   Buffer verdict_;
-  std::unique_ptr<WindowLayers> layers_;  ///< at work on a window that is searched in slices
 };
 
 }  // namespace gdtslam
