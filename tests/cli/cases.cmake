@@ -114,7 +114,7 @@ gdtslam_cli_test(file.ablation_output ARGS ablation {log} --relations {data}/dri
 # 78: bad configuration
 gdtslam_cli_test(config.unknown ARGS map {log} --set map.resolutoin=5 EXIT 78 STDERR "map.resolutoin.*did you mean map.resolution")
 gdtslam_cli_test(config.bounds ARGS map {log} --set "map.resolution=5 km" EXIT 78 STDERR "map.resolution: .5 km. is above its maximum 1 m")
-gdtslam_cli_test(config.choice ARGS map {log} --set map.transform=fast EXIT 78 STDERR "map.transform: .fast. is none of exact, jump-flood")
+gdtslam_cli_test(config.transform ARGS map {log} --set map.transform=fast EXIT 78 STDERR "map.transform: .fast. is none of exact, jump-flood")
 gdtslam_cli_test(map.jump_flood ARGS map {log} -o out --first 10 --set map.transform=jump-flood STDOUT "10 scans")
 gdtslam_cli_test(config.unit ARGS map {log} --set "map.resolution=5 deg" EXIT 78 STDERR "map.resolution")
 gdtslam_cli_test(config.no_unit ARGS map {log} --set keyframe.distance=50 EXIT 78 STDERR "keyframe.distance: .50. is no value of it: '50' needs a unit: 50 cm, 50 m")
