@@ -50,6 +50,16 @@ def command(*arguments, **options):
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
 
 
+def measured(*arguments, **options):
+    """Runs gdtslam; exit code, standard error and the most memory that it held, in MB."""
+    process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True, **options)
+    stderr = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, stderr, usage.ru_maxrss // 1024
+
+
 def fresh_folder(name):
     """An empty folder below the work folder."""
     folder = WORK / name

@@ -1,8 +1,10 @@
 """Damaged logs and scarce memory: one stated outcome each."""
 
+import json
 import os
 import re
 import resource
+import shutil
 
 import cli_support as cli
 from cli_support import LOG, command, expect, expect_exit, one_error_line, skip
@@ -104,3 +106,30 @@ def hostile_logs():
         tail = good[:size].rsplit(b"\n", 1)[-1].split()
         scans += len(tail) == len(words)  # only the end of the last word is missing, which is not used
         hostile_log("cut", good[:size], 0 if scans else 65, f"^{scans} scans" if scans else "no complete CARMEN message")
+
+
+def hostile_report():
+    """report.json of brackets without end, or of values without number: 65 with its name, and little memory."""
+    if "FULL_DISK" not in os.environ:
+        skip("a sanitized program needs more time and memory")
+    run = cli.fresh_folder("hostile_report") / "run"
+    shutil.copytree(cli.RUN, run)
+    sound = json.loads((run / "report.json").read_text())
+    wide = {**sound, "keyframe_scans": []}
+    cases = {
+        "is nested deeper than": "[" * 60_000_000,
+        "holds more than": json.dumps(wide).replace('"keyframe_scans": []', '"keyframe_scans": [' + "{}," * 20_000_000 + "0]"),
+        "is longer than": json.dumps({**sound, "version": "x" * 100_000_000}),
+        "is no JSON text": json.dumps(sound)[:-1],
+    }
+    for fault, text in cases.items():
+        (run / "report.json").write_text(text)
+        code, error, megabytes = cli.measured("localize", run, LOG)
+        print(f"{fault}: exit {code}, {megabytes} MB")
+        expect(code == 65, f"exit {code}: {error}")
+        one_error_line(error)
+        expect(f"{run}/report.json" in error and fault in error and "map the log again: gdtslam map LOG -o" in error, error)
+        expect(megabytes < 320, f"{fault}: {megabytes} MB")
+    (run / "report.json").write_text(json.dumps({**sound, "keyframe_scans": [0] * 1_000_000}))  # a long day
+    code, error, megabytes = cli.measured("localize", run, LOG, "--scan", 1)
+    expect(code == 0, error)

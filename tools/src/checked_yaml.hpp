@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,7 +34,7 @@ YAML::Node load_yaml(const std::string& file);
 YAML::Node parse_yaml(const std::string& text, const std::string& file);
 
 /// The whole file. Throws FileError when it cannot be read or is longer than `most_bytes`.
-std::string read_whole_file(const std::string& file, std::size_t most_bytes);
+std::string read_whole_file(const std::string& file, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
 
 /// A node with its file and its name in it ("walls[2].doors[0]"), for messages.
 class YamlValue {

@@ -8,8 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "checked_yaml.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/json_file.hpp"
 #include "gdtslam/io/message_text.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -21,21 +21,19 @@ namespace gdtslam {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr const char* kReport = "report.json";
 constexpr const char* kCloud = "cloud.ply";
 constexpr const char* kLinkage = "linkage.yaml";
-constexpr std::size_t kMostReportBytes = std::size_t{256} << 20U;
+constexpr std::size_t kMostReportBytes = std::size_t{80} << 20U;  // of a day of scans, all of them doubtful
 constexpr const char* kMapAgain = "; map the log again: gdtslam map LOG -o ";
 
 // A report as text that somebody may have edited: every key is asked for by name and type.
 class ReportReader {
  public:
-  ReportReader(const std::string& file, const std::string& folder) : file_(file), folder_(folder) {
-    const std::string text = read_whole_file(file, kMostReportBytes);
-    report_ = Json::parse(text, nullptr, false);
-    if (report_.is_discarded()) fail("is no JSON text");
+  ReportReader(const std::string& file, const std::string& folder)
+      : file_(file), folder_(folder), report_(read_json(file, kMostReportBytes, kMapAgain + folder)) {
     if (!report_.is_object()) fail("holds no JSON object");
     const std::uint64_t format = whole("format");
     if (format != kReportVersion) {

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "asset_folder.hpp"
+#include "checked_yaml.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/json_file.hpp"
@@ -30,14 +29,7 @@ constexpr int kFormat = 1;
 constexpr const char* kSampleLog = "office-start.log.gz";
 constexpr const char* kSampleExpected = "office-start.json";
 
-std::string bytes_of(const std::string& path) {
-  std::ifstream input(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(input), std::istreambuf_iterator<char>()};
-  if (!input) throw FileError(path, "cannot be read");
-  return bytes;
-}
-
-std::string sha256_of_file(const std::string& path) { return Sha256().update(std::string_view(bytes_of(path))).hex(); }
+std::string sha256_of_file(const std::string& path) { return Sha256().update(read_whole_file(path)).hex(); }
 
 std::string file_name_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
@@ -79,8 +71,10 @@ std::string sample_log_file() { return asset_file("logs", kSampleLog); }
 SampleLog sample_log() {
   const std::string log = sample_log_file();
   const std::string expected = asset_file("expected", kSampleExpected);
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
+  const Json root = read_json(expected, kMostBytes, "; install gdtslam again");
   try {
-    return sample_in(Json::parse(bytes_of(expected)), log);
+    return sample_in(root, log);
   } catch (const Json::exception&) {
     throw InputError({expected, 0}, "is damaged; install gdtslam again");
   } catch (const InputError& error) {

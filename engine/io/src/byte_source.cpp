@@ -92,7 +92,7 @@ std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data) 
   return std::make_unique<MemorySource>(data);
 }
 
-std::string read_all(ByteSource& source, std::size_t limit, const std::string& name) {
+std::string read_all(ByteSource& source, std::size_t limit, const std::string& name, const std::string& advice) {
   constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
   std::string text;
   for (;;) {
@@ -101,7 +101,7 @@ std::string read_all(ByteSource& source, std::size_t limit, const std::string& n
     const std::size_t count = source.read({text.data() + old_size, kChunkBytes});
     text.resize(old_size + count);
     if (text.size() > limit) {
-      throw InputError({name, 0}, fmt::format("is longer than the {} bytes that are read", limit));
+      throw InputError({name, 0}, fmt::format("is longer than the {} bytes that are read{}", limit, advice));
     }
     if (count == 0) {
       return text;

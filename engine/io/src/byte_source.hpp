@@ -29,7 +29,7 @@ std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data);
 /// Unpacks gzip when the first two bytes say so, passes anything else through. `name` stands in messages.
 std::unique_ptr<ByteSource> gunzip_if_packed(std::unique_ptr<ByteSource> packed, const std::string& name);
 
-/// The whole input, at most `limit` bytes; InputError when it is longer.
-std::string read_all(ByteSource& source, std::size_t limit, const std::string& name);
+/// The whole input, at most `limit` bytes; InputError when it is longer, ending with `advice`.
+std::string read_all(ByteSource& source, std::size_t limit, const std::string& name, const std::string& advice = "");
 
 }  // namespace gdtslam

@@ -1,7 +1,8 @@
-// JSON files by nlohmann-json; the one public header of io that names it, so that only who writes JSON needs it.
+// JSON files by nlohmann-json; the one public header of io that names it, so that only who needs JSON includes it.
 // Thread-safe; O(text).
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -12,5 +13,10 @@ namespace gdtslam {
 std::string json_text(const nlohmann::ordered_json& value);
 /// Atomic. Throws FileError.
 void write_json(const std::string& path, const nlohmann::ordered_json& value);
+/// The value of a file that others may have written. A hostile text costs no more memory than a large one of ours:
+/// refused are more than `most_bytes`, brackets nested deeper than 16 and more than 2.5 million values, before any
+/// value is made. Throws FileError where it cannot be read, else InputError with the line of what is no JSON; `advice`
+/// says what to do and ends the message.
+nlohmann::ordered_json read_json(const std::string& path, std::size_t most_bytes, const std::string& advice = "");
 
 }  // namespace gdtslam

@@ -1,0 +1,87 @@
+// JSON files that others wrote: read, or refused with one line before they cost memory.
+#include "gdtslam/io/json_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "gdtslam/core/error.hpp"
+#include "unit/io/io_test_support.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostBytes = std::size_t{64} << 20U;
+
+class JsonFileTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path() const { return (folder_.path() / "a.json").string(); }
+  nlohmann::ordered_json read(const std::string& text, std::size_t most_bytes = kMostBytes) const {
+    std::ofstream(path()) << text;
+    return read_json(path(), most_bytes, "; do that");
+  }
+  void expect_refused(const std::string& text, const std::string& message, std::size_t most_bytes = kMostBytes) const {
+    try {
+      read(text, most_bytes);
+      ADD_FAILURE() << "was read: " << text.substr(0, 40);
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), path() + message + "; do that");
+    }
+  }
+  TemporaryFolder folder_;
+};
+
+std::string times(std::size_t count, const std::string& piece) {
+  std::string text;
+  for (std::size_t k = 0; k < count; ++k) text += piece;
+  return text;
+}
+
+TEST_F(JsonFileTest, ReadsBackWhatIsWritten) {
+  const nlohmann::ordered_json value{{"b", {1, -2.5, nullptr, true}}, {"a", "text, [[[\"{\\ \u00e4"}};
+  write_json(path(), value);
+  EXPECT_EQ(read_json(path(), kMostBytes), value);
+}
+
+TEST_F(JsonFileTest, SaysInWhichLineTheJsonEnds) {
+  expect_refused("", ":1: is no JSON text");
+  expect_refused("{\n\"a\": 1,\n\"b\": x\n}\n", ":3: is no JSON text");
+  expect_refused("[1, 2", ":1: is no JSON text");
+  expect_refused("{} {}", ":1: is no JSON text");
+  expect_refused("[\"\xff\"]", ":1: is no JSON text");
+}
+
+TEST_F(JsonFileTest, NumbersThatNoDoubleHolds) {
+  expect_refused("[1e999]", ": holds a number that no double can hold");
+}
+
+TEST_F(JsonFileTest, BoundsDepth) {
+  EXPECT_EQ(read(times(16, "[") + times(16, "]")).size(), 1U);
+  expect_refused(times(17, "[") + times(17, "]"), ": is nested deeper than the 16 levels that are read");
+  expect_refused(times(17, "{\"a\":"), ": is nested deeper than the 16 levels that are read");
+  expect_refused(times(1U << 20U, "["), ": is nested deeper than the 16 levels that are read");
+  EXPECT_EQ(read("[\"" + times(40, "[{\\\"") + "\"]").size(), 1U);         // brackets in texts nest nothing
+  EXPECT_EQ(read("[\"\\\\\", [" + times(40, "[],") + "[]]]").size(), 2U);  // nor do those that are closed
+}
+
+TEST_F(JsonFileTest, BoundsValues) {
+  EXPECT_EQ(read("[" + times(1'000'000, "0,") + "0]").size(), 1'000'001U);
+  expect_refused("[" + times(2'500'000, "0,") + "0]", ": holds more than the 2500000 values that are read");
+  expect_refused("[" + times(1'300'000, "{},") + "0]", ": holds more than the 2500000 values that are read");
+}
+
+TEST_F(JsonFileTest, BoundsBytes) {
+  EXPECT_EQ(read("[1, 2]", 6).size(), 2U);
+  expect_refused("[1, 2] ", ": is longer than the 6 bytes that are read", 6);
+}
+
+TEST_F(JsonFileTest, WhatCannotBeReadIsAnErrorOfTheFile) {
+  EXPECT_THROW(read_json(path(), kMostBytes), FileError);  // there is none
+  EXPECT_THROW(read_json(folder_.path().string(), kMostBytes), FileError);
+  EXPECT_THROW(read_json("/proc/self/mem", kMostBytes), FileError);  // the first byte cannot be read: EIO
+}
+
+}  // namespace
+}  // namespace gdtslam
