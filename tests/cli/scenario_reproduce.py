@@ -1,5 +1,7 @@
 """gdtslam reproduce from the outside: parts that are made, kept and made again, and a report that needs nothing else."""
 
+import base64
+import hashlib
 import html.parser
 import json
 import os
@@ -7,6 +9,7 @@ import pathlib
 import re
 import signal
 import subprocess
+import threading
 import time
 import xml.etree.ElementTree as xml
 
@@ -18,9 +21,9 @@ CHEAP = ("fig3", "fig11")
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 
 
-def reproduced(folder, *arguments):
+def reproduced(folder, *arguments, **options):
     """Runs; what it says as JSON, parts by name."""
-    process = command("reproduce", "-o", folder, "--json", *arguments, env=WITHOUT_DATA, timeout=250)
+    process = command("reproduce", "-o", folder, "--json", *arguments, env=WITHOUT_DATA, timeout=250, **options)
     expect_exit(process, 0)
     cli.validate(process.stdout, "reproduce")
     said = json.loads(process.stdout)
@@ -213,6 +216,127 @@ def reproduce_workers():
     expect("signal 9" in done.stderr and "goes on" in done.stderr, done.stderr)
     expect(not list(folder.glob("parts/*.making")), "half a part is left")
     reproduced(folder, "--only", "fig3")
+
+
+def reproduce_leaves_others_alone():
+    """Folders that reproduce did not make: never removed, and in the way only where they have a name that it needs."""
+    folder = cli.fresh_folder("reproduce_others")
+    mine = ("work/film/frame.png", "work/notes.txt", "parts/photo/a.jpg", "parts/list.txt")
+    for name in mine:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("precious")
+    before = digests(folder)
+    parts, _ = reproduced(".", "--only", "figA", cwd=folder)  # which needs a simulated drive
+    expect(parts["figA"]["new"], "figure A was not made")
+    after = digests(folder)
+    expect({name: after.get(name) for name in before} == before, f"something of the user's changed: {sorted(after)}")
+    expect({name.split("/")[1] for name in after if name.startswith("work/")} == {"film", "notes.txt"}, f"{sorted(after)}")
+
+    reproduced(folder, "--only", "figA", "--force", "--keep-runs")
+    (folder / "work/wall/drawing.svg").write_text("beside the log, in a folder of the program's")
+    reproduced(folder, "--only", "fig3")
+    expect(not (folder / "work/wall").exists() and (folder / "work/film/frame.png").exists(), "kept runs do not go, or more goes")
+
+    for name, part in (("work/wall", "figA"), ("parts/fig3", "fig3"), ("parts/fig3.making", "fig3")):
+        folder = cli.fresh_folder("reproduce_others")
+        (folder / name).mkdir(parents=True)
+        (folder / name / "precious").write_text("precious")
+        before = digests(folder)
+        refused(74, "-o", folder, "--only", part, "--force", says=f"{folder / name}: was not made by gdtslam reproduce")
+        after = digests(folder)
+        expect({key: after.get(key) for key in before} == before and not (folder / "report.html").exists(), f"{sorted(after)}")
+
+
+def reproduce_keeps_old_until_new():
+    """--force: at every moment there is a part of that name; one that cannot be made anew leaves the old one."""
+    folder = cli.fresh_folder("reproduce_old") / "report"
+    reproduced(folder, "--only", "fig3")
+    before = digests(folder / "parts")
+    if "FULL_DISK" in os.environ:
+        for at in ("1", "3"):
+            full = environment(GDTSLAM_DATA=None, LD_PRELOAD=os.environ["FULL_DISK"], FULL_DISK_AT=at)
+            refused(74, "-o", folder, "--only", "fig3", "--force", says="No space left on device", env=full)
+            expect(digests(folder / "parts") == before, "the old part is not what it was")
+    missing, looks, stop = [], [0], threading.Event()
+
+    def look():
+        while not stop.is_set():
+            looks[0] += 1
+            if not os.path.exists(folder / "parts/fig3/part.json"):
+                missing.append(looks[0])
+
+    watch = threading.Thread(target=look)
+    watch.start()
+    try:
+        for _ in range(8):
+            parts, _ = reproduced(folder, "--only", "fig3", "--force")
+            expect(parts["fig3"]["new"], "--force made nothing")
+    finally:
+        stop.set()
+        watch.join()
+    expect(not missing and looks[0] > 1000, f"no part at {len(missing)} of {looks[0]} looks")
+    expect(sorted(p.name for p in (folder / "parts").iterdir()) == ["fig3"], "something is left beside the part")
+
+
+HOSTILE = '<script>alert(1)</script>"><img src=x onerror=alert(2)>\x1b[31m\n# heading | ![](http://a.b/c.png) `'
+
+
+def hostile(value):
+    """The same with hostile text in place of every text; names of files and what decides whether it is kept stay."""
+    if isinstance(value, dict):
+        return {key: value[key] if key in ("file", "key", "version") else hostile(value[key]) for key in value}
+    if isinstance(value, list):
+        return [hostile(entry) for entry in value]
+    return HOSTILE if isinstance(value, str) else value
+
+
+def reproduce_hostile_parts():
+    """part.json as others may have changed it: texts stay texts; what cannot be read is 74; what is no part is made again."""
+    folder = cli.fresh_folder("reproduce_hostile") / "report"
+    reproduced(folder, "--only", "fig3")
+    kept = folder / "parts/fig3/part.json"
+    kept.write_text(json.dumps(hostile(json.loads(kept.read_text()))))
+    parts, said = reproduced(folder, "--only", "fig3")
+    expect(not parts["fig3"]["new"] and "alert(1)" in parts["fig3"]["rows"][0]["ours"], "the hostile part was not taken")
+    text = pathlib.Path(said["html"]).read_text(encoding="utf-8")
+    page = Page(text)
+    expect(text.count("alert(1)") >= 15, "the texts are not in the page")
+    expect(len(page.words["script"]) == 1 and "alert" not in page.words["script"][0], "a script came in")
+    expect(not page.pictures and "\x1b" not in text, "a picture or a control character came in")
+    policy = re.search(r"script-src 'sha256-([^']*)'", text).group(1)
+    program = re.search(r"<script>(.*?)</script>", text, re.S).group(1)
+    expect(policy == base64.b64encode(hashlib.sha256(program.encode()).digest()).decode(), "the page's own script does not run")
+    markdown = (folder / "report.md").read_text(encoding="utf-8")
+    expect("\x1b" not in markdown and "\n# heading" not in markdown, "text broke out of its line")
+    outside = re.sub(r"```.*?```", "", markdown, flags=re.S)
+    expect(not re.search(r"(?<!\\)(<script|\]\(http)", outside), "markup came into the Markdown")
+    shown = command("reproduce", "-o", folder, "--only", "fig3", env=WITHOUT_DATA)
+    expect_exit(shown, 0)
+    expect("kept, made <script>" in shown.stdout and "\x1b" not in shown.stdout, shown.stdout)
+
+    for picture in ("a b.svg", "x(y).svg", "<b>.svg"):
+        os.link(folder / "parts/fig3/before.svg", folder / "parts/fig3" / picture)
+        part = json.loads(kept.read_text())
+        part["pictures"][0]["file"] = picture
+        kept.write_text(json.dumps(part))
+        parts, _ = reproduced(folder, "--only", "fig3")
+        expect(parts["fig3"]["new"], f"a picture of the name {picture} was taken")
+    for change in ({"cpu_s": -1}, {"cpu_s": 1e300}):
+        kept.write_text(json.dumps({**json.loads(kept.read_text()), **change}))
+        parts, _ = reproduced(folder, "--only", "fig3")
+        expect(parts["fig3"]["new"], f"a part with {change} was kept")
+    for big in ("[" * 60_000_000, "[" + "[]," * 20_000_000 + "0]"):
+        kept.write_text(big)
+        code, error, megabytes = cli.measured("reproduce", "-o", folder, "--only", "fig3", "-q", env=WITHOUT_DATA)
+        expect(code == 0 and error == "", error)
+        expect(megabytes < 300, f"{megabytes} MB")
+        expect(json.loads(kept.read_text())["version"] == 2, "the part was not made again")
+    kept.unlink()
+    kept.symlink_to("/proc/self/mem")  # whose first byte is an EIO
+    refused(74, "-o", folder, "--only", "fig3", says=f"{kept}: cannot be read")
+    kept.unlink()
+    kept.mkdir()
+    refused(74, "-o", folder, "--only", "fig3", says=f"{kept}: is a folder")
 
 
 def reproduce_mistakes():

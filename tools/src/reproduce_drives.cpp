@@ -3,17 +3,17 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
 #include "asset_folder.hpp"
+#include "checked_yaml.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/sha256.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "map_logs.hpp"
+#include "reproduce_folder.hpp"
 #include "scene_file.hpp"
 #include "simulate_run.hpp"
 
@@ -67,20 +67,13 @@ const DriveRecipe& recipe_of(std::string_view name) {
   throw Error(ExitCode::kFailed, fmt::format("there is no drive '{}'", name));
 }
 
-std::string text_of_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file && text.empty()) throw FileError(path, "cannot be read");
-  return text;
-}
-
 Drives::Drives(std::string folder, std::string program, DeviceOptions device, std::function<bool()> stop)
     : folder_(std::move(folder)), program_(std::move(program)), device_(std::move(device)), stop_(std::move(stop)) {}
 
 std::string Drives::key_of(std::string_view name) {
   const DriveRecipe& recipe = recipe_of(name);
   Sha256 key;
-  key.update(recipe.name).update(text_of_file(find_scene(std::string(recipe.scene), asset_folders("scenes"))));
+  key.update(recipe.name).update(read_whole_file(find_scene(std::string(recipe.scene), asset_folders("scenes"))));
   key.update(recipe.waypoints).update(recipe.is_mapped ? "mapped" : "log").update(fmt::format("seed {}", recipe.seed));
   key.update(recipe.laser).update(recipe.linkage).update(fmt::format("first {}", recipe.first));
   for (const std::string& set : recipe.sets) key.update(set);
@@ -116,7 +109,7 @@ std::string Drives::mark_of(std::string_view name) const { return key_of(name) +
 bool Drives::is_made(std::string_view name) const {
   const std::string mark = folder_of(name) + "/key";
   std::error_code failed;
-  return fs::exists(mark, failed) && text_of_file(mark) == mark_of(name);
+  return fs::exists(mark, failed) && read_whole_file(mark) == mark_of(name);
 }
 
 Drive Drives::drive(std::string_view name) const {
@@ -130,13 +123,12 @@ void Drives::make(std::string_view name, const std::function<void(double)>& prog
   const DriveRecipe& recipe = recipe_of(name);
   const Drive made = drive(name);
   const std::string folder = folder_of(name);
-  std::error_code failed;
-  fs::remove_all(folder, failed);
-  make_folder(folder);
+  make_marked_folder(folder);
   const double simulated_share = recipe.is_mapped ? kSimulationShare : 1.0;
   simulate_drive(recipe, made, folder, [&](double share) { progress(simulated_share * share); });
   if (recipe.is_mapped) {
-    map_drive(recipe, made, [&](double share) { progress(simulated_share + (1.0 - simulated_share) * share); });
+    const auto map_progress = [&](double share) { progress(simulated_share + (1.0 - simulated_share) * share); };
+    map_whole(made.log, made.run, device_, map_progress, recipe.sets, recipe.first);
   }
   write_file_atomically(folder + "/key", mark_of(name));
 }
@@ -155,20 +147,29 @@ void Drives::simulate_drive(const DriveRecipe& recipe, const Drive& drive, const
   if (simulate(simulation).interrupted) throw_interrupted();
 }
 
-void Drives::map_drive(const DriveRecipe& recipe, const Drive& drive,
-                       const std::function<void(double)>& progress) const {
-  MapLogJob job{.logs = {drive.log}, .folder = drive.run, .linkage = "", .is_temporary = true, .quiet = true};
-  job.sets = recipe.sets;
-  if (recipe.first > 0) job.range.count = recipe.first;
-  job.device = device_;
-  job.progress = [&](std::uint64_t, double share) { progress(share); };
-  if (map_log(job) != static_cast<int>(ExitCode::kDone)) throw_interrupted();
+void Drives::require_own(std::string_view name) const { require_own_folder(folder_of(name)); }
+
+void Drives::prepare() const {
+  std::error_code failed;
+  if (!fs::exists(folder_, failed)) make_marked_folder(folder_);
 }
 
-void map_whole(const std::string& log, const std::string& run, const Workplace& place,
-               const std::function<void(double)>& progress) {
+void Drives::clear() const {
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder_, failed); !failed && entry != end(entry); entry.increment(failed)) {
+    if (is_marked_folder(entry->path().string())) remove_own_folder(entry->path().string());
+  }
+  if (failed && failed != std::errc::no_such_file_or_directory)
+    throw FileError(folder_, "cannot be listed: " + failed.message());
+  remove_bare_folder(folder_);
+}
+
+void map_whole(const std::string& log, const std::string& run, const DeviceOptions& device,
+               const std::function<void(double)>& progress, const std::vector<std::string>& sets, std::uint64_t first) {
   MapLogJob job{.logs = {log}, .folder = run, .linkage = "", .is_temporary = true, .quiet = true};
-  job.device = place.device;
+  job.sets = sets;
+  if (first > 0) job.range.count = first;
+  job.device = device;
   job.progress = [&](std::uint64_t, double share) { progress(share); };
   if (map_log(job) != static_cast<int>(ExitCode::kDone)) throw_interrupted();
 }

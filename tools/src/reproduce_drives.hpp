@@ -43,6 +43,12 @@ class Drives {
   [[nodiscard]] bool is_made(std::string_view name) const;
   /// Simulates and maps. Throws as simulate() and map_log(), Error(kInterrupted).
   void make(std::string_view name, const std::function<void(double)>& progress) const;
+  /// Throws FileError where a folder of somebody else has the drive's name.
+  void require_own(std::string_view name) const;
+  /// Makes the folder of all drives; before the first make().
+  void prepare() const;
+  /// What make() made goes; what somebody else put beside it stays.
+  void clear() const;
   /// Where a drive is that is made.
   [[nodiscard]] Drive drive(std::string_view name) const;
   /// What stands for all that goes into it: scene, waypoints, options.
@@ -55,7 +61,6 @@ class Drives {
   [[nodiscard]] std::string mark_of(std::string_view name) const;
   void simulate_drive(const DriveRecipe& recipe, const Drive& drive, const std::string& folder,
                       const std::function<void(double)>& progress) const;
-  void map_drive(const DriveRecipe& recipe, const Drive& drive, const std::function<void(double)>& progress) const;
 
   std::string folder_;
   std::string program_;
@@ -68,11 +73,9 @@ inline constexpr std::uint64_t kSeed = 1;
 /// Errors of a run against the truth of its drive: aligned, or with the first poses made to agree.
 ReferenceReport errors_of(const Drive& drive, bool is_aligned = true);
 
-/// A whole log mapped into a folder. Throws as map_log(), Error(kInterrupted).
-void map_whole(const std::string& log, const std::string& run, const Workplace& place,
-               const std::function<void(double)>& progress);
-
-/// Text of a file. Throws FileError.
-std::string text_of_file(const std::string& path);
+/// A log mapped into a folder: all of it, or its first scans. Throws as map_log(), Error(kInterrupted).
+void map_whole(const std::string& log, const std::string& run, const DeviceOptions& device,
+               const std::function<void(double)>& progress, const std::vector<std::string>& sets = {},
+               std::uint64_t first = 0);
 
 }  // namespace gdtslam::reproduce

@@ -7,9 +7,10 @@
 #include <string>
 #include <string_view>
 
+#include "checked_yaml.hpp"
 #include "gdtslam/core/base64.hpp"
 #include "gdtslam/drawing/markup.hpp"
-#include "reproduce_drives.hpp"
+#include "gdtslam/io/sha256.hpp"
 #include "reproduce_report.hpp"
 
 namespace gdtslam::report_text {
@@ -97,7 +98,7 @@ std::string table_html(const Table& table) {
 
 // Drawings stand in the page itself, without the line that says that they are XML.
 std::string picture_html(const Picture& picture, const std::string& folder) {
-  const std::string bytes = text_of_file(folder + "/" + picture.file);
+  const std::string bytes = read_whole_file(folder + "/" + picture.file);
   std::string image;
   if (picture.file.ends_with(".svg")) {
     const std::size_t begin = bytes.find("<svg");
@@ -144,8 +145,8 @@ std::string part_html(const PartState& state, const Store& store) {
     text +=
         "<details><summary>Step by step, with the ordinary commands</summary>\n" + command_html(steps) + "</details>\n";
   }
-  return text + fmt::format("<p class=\"quiet\">Made {}, {} of CPU time.</p>\n</section>\n", state.kept->date,
-                            seconds_text(state.kept->cpu_s));
+  return text + fmt::format("<p class=\"quiet\">Made {}, {} of CPU time.</p>\n</section>\n",
+                            markup_text(state.kept->date), seconds_text(state.kept->cpu_s));
 }
 
 std::string fact(std::string_view name, const std::string& value) {
@@ -172,7 +173,8 @@ std::string times_html(const Result& result) {
   for (const PartState& state : result.parts) {
     rows += fmt::format("<tr><td><a href=\"#{}\">{}</a></td><td>{}</td><td>{}</td><td>{}</td></tr>\n", state.info->id,
                         markup_text(state.info->label), markup_text(state.info->title),
-                        state.kept ? seconds_text(state.kept->cpu_s) : "not made", state.kept ? state.kept->date : "");
+                        state.kept ? seconds_text(state.kept->cpu_s) : "not made",
+                        state.kept ? markup_text(state.kept->date) : "");
   }
   return "<section id=\"times\">\n<h2>CPU time of each part</h2>\n<p class=\"quiet\">Of parts that share a simulated "
          "drive the first one has its time.</p>\n<div class=\"table\"><table class=\"numbers\"><thead><tr><th "
@@ -188,6 +190,18 @@ std::string filled(std::string_view skeleton, std::string_view name, std::string
   return out;
 }
 
+// Drawings stand in the page as they lie in the folder, and may have been changed there: only the page's own script
+// runs, and nothing is fetched.
+std::string policy() {
+  const std::string hex = Sha256().update(std::string_view("\n")).update(report_text::program()).hex();
+  std::string digest;
+  for (std::size_t k = 0; k < hex.size(); k += 2) {
+    digest += static_cast<char>(std::stoi(hex.substr(k, 2), nullptr, 16));
+  }
+  return fmt::format("default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{}'",
+                     base64_text(digest));
+}
+
 }  // namespace
 
 std::string html_of(const Result& result, const Store& store) {
@@ -199,6 +213,7 @@ std::string html_of(const Result& result, const Store& store) {
   for (const PartState& state : result.parts) body += part_html(state, store);
   body += times_html(result);
   std::string page = filled(report_text::skeleton(), "title", "The paper, figure by figure \u2013 gdtslam");
+  page = filled(page, "policy", policy());
   page = filled(page, "style", report_text::style());
   page = filled(page, "script", report_text::program());
   return filled(page, "body", body);

@@ -98,7 +98,7 @@ void add_loop_rows(Part& part, const Drive& drive) {
   const EndError end = end_error(path.front().T_map_base, path.back().T_map_base, truth);
   part.rows.push_back(
       {fmt::format("back at the start after {:.0f} m of path", path_length_m(truth)), "start and end coincide",
-       text_of(end), end.distance_m < kClosedShare * path_length_m(truth) ? Verdict::kWithin : Verdict::kOutside,
+       text_of(end), verdict_of(end.distance_m < kClosedShare * path_length_m(truth)),
        "off the truth, seen from the start; within: at most 0.1 % of the path. No loop closure is done, matching alone "
        "keeps the loop. The drive goes on from there"});
   const WheelPath wheels = wheel_path_of(drive.log, until_s);
@@ -113,7 +113,7 @@ void add_loop_rows(Part& part, const Drive& drive) {
 void add_real_log(Part& part, const Workplace& place, const RealLog& real, double from, double span) {
   const TemporaryFolder folder("gdtslam-reproduce");
   const std::string run = folder.path() + "/run";
-  map_whole(real.log, run, place, [&](double share) { place.progress(from + span * share); });
+  map_whole(real.log, run, place.device, [&](double share) { place.progress(from + span * share); });
   const RelationReport report = evaluate_relations(read_tum(run + "/trajectory.tum"), read_relations(real.relations));
   const RenderOptions look = titled(real.name + " (real)", true);
   add_view(part, place, {.inputs = {run}, .view = "map", .size = "1190x820", .options = look},

@@ -1,18 +1,19 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string_view>
 
 #include "reproduce_report.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
 
-// Within a cell or a line: nothing that would end it.
+// Within a cell or a line: nothing that means something there.
 std::string cell_text(const std::string& text) {
   std::string out;
   for (const char letter : text) {
-    if (letter == '|' || letter == '<' || letter == '*' || letter == '_') out += '\\';
-    out += letter == '\n' ? ' ' : letter;
+    if (std::string_view("|<*_`[]\\").find(letter) != std::string_view::npos) out += '\\';
+    out += letter;
   }
   return out;
 }
@@ -76,21 +77,22 @@ std::string part_text(const PartState& state) {
   std::string text = fmt::format("\n## {}: {}\n\nIn the paper: {}\n\n", info.label, info.title, info.paper);
   if (!state.kept) return text + "Not made yet:\n\n" + commands_text({command_of(info)});
   const Part& part = state.kept->part;
-  text += fmt::format("**{}.** {}\n", name_of(part.origin), part.source);
+  text += fmt::format("**{}.** {}\n", name_of(part.origin), cell_text(part.source));
   for (const Picture& picture : part.pictures) {
     text += fmt::format("\n![{}]({}/{})\n\n*{}*\n", cell_text(picture.caption), Store::place_of(std::string(info.id)),
                         picture.file, cell_text(picture.caption));
   }
   text += rows_of(part);
   for (const Table& table : part.tables) {
-    text += fmt::format("\n{}\n\n", table.caption) + row_of(table.heads) + rule_of(table.heads.size());
+    text += fmt::format("\n{}\n\n", cell_text(table.caption)) + row_of(table.heads) + rule_of(table.heads.size());
     for (const auto& row : table.rows) text += row_of(row);
   }
   if (!part.notes.empty()) text += "\n";
-  for (const std::string& note : part.notes) text += "* " + note + "\n";
+  for (const std::string& note : part.notes) text += "* " + cell_text(note) + "\n";
   text += "\nThis part alone:\n\n" + commands_text({command_of(info)});
   if (!part.by_hand.empty()) text += "\nStep by step:\n\n" + commands_text(part.by_hand);
-  return text + fmt::format("\nMade {}, {} of CPU time.\n", state.kept->date, seconds_text(state.kept->cpu_s));
+  return text +
+         fmt::format("\nMade {}, {} of CPU time.\n", cell_text(state.kept->date), seconds_text(state.kept->cpu_s));
 }
 
 }  // namespace

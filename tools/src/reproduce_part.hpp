@@ -19,6 +19,7 @@ enum class Verdict : std::uint8_t {
   kOutside,  ///< it does not
   kOpen      ///< the paper gives no number, or one that cannot be held against ours
 };
+constexpr Verdict verdict_of(bool holds) { return holds ? Verdict::kWithin : Verdict::kOutside; }
 /// "within", "outside", "no verdict".
 std::string_view name_of(Verdict verdict);
 

@@ -6,14 +6,13 @@
 #include <chrono>
 #include <cstdint>
 #include <ctime>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <thread>
 #include <utility>
 
+#include "checked_yaml.hpp"
 #include "did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
@@ -28,13 +27,12 @@
 namespace gdtslam::reproduce {
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // A program that was built anew may give something else, whatever its version says.
-std::string key_of_program() { return Sha256().update(text_of_file("/proc/self/exe")).hex(); }
+std::string key_of_program() { return Sha256().update(read_whole_file("/proc/self/exe")).hex(); }
 
 std::string key_of(const PartInfo& info, const std::string& program, const Options& options,
                    const std::vector<RealLog>& logs) {
@@ -42,7 +40,7 @@ std::string key_of(const PartInfo& info, const std::string& program, const Optio
   key.update(program).update(info.id).update(options.device.device);
   for (const std::string_view drive : info.drives) key.update(Drives::key_of(drive));
   if (info.data_weight_s > 0.0) {
-    for (const RealLog& log : logs) key.update(text_of_file(log.log)).update(text_of_file(log.relations));
+    for (const RealLog& log : logs) key.update(read_whole_file(log.log)).update(read_whole_file(log.relations));
   }
   return key.hex();
 }
@@ -88,10 +86,9 @@ class Reproduction {
         logs_(real_logs(options.data)),
         program_(key_of_program()),
         store_(options.folder),
-        device_(options.device),
+        device_(one_thread(options.device)),
         workers_(options.device.threads == 0 ? processors() : options.device.threads),
-        drives_(options.folder + "/work", program_, one_thread(options.device), [] { return interrupted(); }) {
-    device_.threads = 1;
+        drives_(options.folder + "/work", program_, device_, [] { return interrupted(); }) {
     result_.host = host_of(device_);
     result_.html = options.folder + "/report.html";
     result_.markdown = options.folder + "/report.md";
@@ -103,8 +100,8 @@ class Reproduction {
 
   Result run() {
     const Clock::time_point start = Clock::now();
+    plan();
     try {
-      plan();
       make_all();
     } catch (const Error& error) {
       find_finished();
@@ -112,13 +109,12 @@ class Reproduction {
       write_report();
       if (error.code() != ExitCode::kInterrupted) throw;
       throw Error(ExitCode::kInterrupted,
-                  fmt::format("interrupted; {} of {} parts are made and kept, the same command goes on", made(),
-                              result_.parts.size()));
+                  fmt::format("interrupted; {} of {} parts are made and kept, the same command goes on",
+                              parts_made(result_), result_.parts.size()));
     }
     result_.wall_s = seconds_since(start);
     write_report();
-    std::error_code ignored;  // what stays there is made use of or replaced by the next run
-    if (!options_.keep_runs) fs::remove_all(options_.folder + "/work", ignored);
+    if (!options_.keep_runs) drives_.clear();
     return std::move(result_);
   }
 
@@ -135,15 +131,12 @@ class Reproduction {
   [[nodiscard]] double weight_of(const PartInfo& info) const {
     return info.weight_s + (logs_.empty() ? 0.0 : info.data_weight_s);
   }
-  [[nodiscard]] std::size_t made() const {
-    return static_cast<std::size_t>(std::count_if(result_.parts.begin(), result_.parts.end(),
-                                                  [](const PartState& state) { return state.kept.has_value(); }));
-  }
 
   // In the order of the report, drives before the first part that needs them.
   void plan() {
     for (PartState& state : result_.parts) {
       if (!is_wanted(state)) continue;
+      store_.require_own(std::string(state.info->id));
       Job job{.name = std::string(state.info->id), .weight_s = weight_of(*state.info), .part = &state, .needs = {}};
       for (const std::string_view drive : state.info->drives) {
         if (drives_.is_made(drive)) continue;
@@ -151,11 +144,13 @@ class Reproduction {
         const auto planned = std::find_if(jobs_.begin(), jobs_.end(), is_drive);
         job.needs.push_back(static_cast<std::size_t>(planned - jobs_.begin()));
         if (planned != jobs_.end()) continue;
+        drives_.require_own(drive);
         job.pays.push_back(jobs_.size());
         jobs_.push_back({.name = std::string(drive), .weight_s = recipe_of(drive).weight_s, .needs = {}});
       }
       jobs_.push_back(std::move(job));
     }
+    if (std::any_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.part == nullptr; })) drives_.prepare();
   }
 
   [[nodiscard]] Job* next_job() {
@@ -208,13 +203,14 @@ class Reproduction {
   void make_part(const PartInfo& info, double paid_s, const Workers::Tell& tell) {
     const std::string id(info.id);
     const double start_s = process_cpu_s();
-    const Workplace place{.folder = store_.begin(id),
-                          .drives = drives_,
-                          .device = device_,
-                          .data = options_.data,
-                          .progress = tell,
-                          .stop = [] { return interrupted(); }};
     try {
+      const Workplace place{.folder = store_.begin(id),
+                            .drives = drives_,
+                            .device = device_,
+                            .graphics = options_.graphics,
+                            .data = options_.data,
+                            .progress = tell,
+                            .stop = [] { return interrupted(); }};
       KeptPart kept{info.make(place), 0.0, utc_text()};
       if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");
       kept.cpu_s = paid_s + process_cpu_s() - start_s;

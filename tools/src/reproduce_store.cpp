@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/markup.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/json_file.hpp"
+#include "reproduce_folder.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -44,15 +47,33 @@ Json json_of(const std::string& key, const KeptPart& kept) {
   return json;
 }
 
+// Texts of the file are printed and stand in the report: one line each, without control characters.
+std::string text_in(const Json& json) {
+  std::string text = clean_utf8(json.get<std::string>());
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::vector<std::string> texts_in(const Json& json) {
+  std::vector<std::string> texts;
+  for (const Json& entry : json) texts.push_back(text_in(entry));
+  return texts;
+}
+
 template <class Action>
 void each(const Json& json, const char* name, Action action) {
   if (!json.contains(name)) return;
   for (const Json& entry : json.at(name)) action(entry);
 }
 
+int whole_in(const Json& json) {
+  if (!json.is_number_integer()) throw InputError("a number that is not whole");
+  return json.get<int>();
+}
+
 template <class Enum>
 Enum value_of(const Json& json, Enum last) {
-  const int value = json.get<int>();
+  const int value = whole_in(json);
   if (value < 0 || value > static_cast<int>(last)) throw InputError("a value that there is not");
   return static_cast<Enum>(value);
 }
@@ -61,32 +82,35 @@ KeptPart part_of(const Json& json) {
   KeptPart kept;
   Part& part = kept.part;
   kept.cpu_s = json.at("cpu_s").get<double>();
-  kept.date = json.at("date").get<std::string>();
-  part.source = json.at("source").get<std::string>();
+  constexpr double kMostCpu_s = 1.0e9;
+  if (!(kept.cpu_s >= 0.0 && kept.cpu_s < kMostCpu_s)) throw InputError("a time that there is not");
+  kept.date = text_in(json.at("date"));
+  part.source = text_in(json.at("source"));
   part.origin = value_of<Origin>(json.at("origin"), Origin::kSimulatedAndReal);
-  part.notes = json.at("notes").get<std::vector<std::string>>();
-  part.by_hand = json.at("by_hand").get<std::vector<std::string>>();
+  part.notes = texts_in(json.at("notes"));
+  part.by_hand = texts_in(json.at("by_hand"));
   each(json, "pictures", [&part](const Json& p) {
-    part.pictures.push_back({p.at("file").get<std::string>(), p.at("caption").get<std::string>(),
-                             std::clamp(p.at("across").get<int>(), 1, 3)});
+    part.pictures.push_back(
+        {text_in(p.at("file")), text_in(p.at("caption")), std::clamp(whole_in(p.at("across")), 1, 3)});
   });
   each(json, "rows", [&part](const Json& r) {
-    part.rows.push_back({r.at("quantity").get<std::string>(), r.at("paper").get<std::string>(),
-                         r.at("ours").get<std::string>(), value_of<Verdict>(r.at("verdict"), Verdict::kOpen),
-                         r.at("remark").get<std::string>()});
+    part.rows.push_back({text_in(r.at("quantity")), text_in(r.at("paper")), text_in(r.at("ours")),
+                         value_of<Verdict>(r.at("verdict"), Verdict::kOpen), text_in(r.at("remark"))});
   });
   each(json, "tables", [&part](const Json& t) {
-    part.tables.push_back({t.at("caption").get<std::string>(), t.at("heads").get<std::vector<std::string>>(),
-                           t.at("rows").get<std::vector<std::vector<std::string>>>()});
+    Table table{text_in(t.at("caption")), texts_in(t.at("heads")), {}};
+    each(t, "rows", [&table](const Json& row) { table.rows.push_back(texts_in(row)); });
+    part.tables.push_back(std::move(table));
   });
   return kept;
 }
 
-// A name of a picture leads to no other folder.
+// A name of a picture leads to no other folder and means nothing in HTML or Markdown.
 bool pictures_are_there(const Part& part, const std::string& folder) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_";
   for (const Picture& picture : part.pictures) {
     std::error_code failed;
-    if (picture.file.find('/') != std::string::npos) return false;
+    if (picture.file.find_first_not_of(kLetters) != std::string::npos) return false;
     if (!fs::is_regular_file(folder + "/" + picture.file, failed) ||
         fs::file_size(folder + "/" + picture.file, failed) == 0)
       return false;
@@ -94,22 +118,18 @@ bool pictures_are_there(const Part& part, const std::string& folder) {
   return true;
 }
 
-void remove(const fs::path& path) {
-  std::error_code failed;
-  fs::remove_all(path, failed);
-  if (failed) throw FileError(path.string(), "cannot be removed: " + failed.message());
-}
-
 }  // namespace
 
 Store::Store(const std::string& folder) : folder_(folder) { make_folder(folder + "/parts"); }
 
 std::optional<KeptPart> Store::find(const std::string& id, const std::string& key) const {
-  std::ifstream file(folder_of(id) + "/part.json");
-  if (!file) return std::nullopt;
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // what parts write has some 10 KB
+  const std::string file = folder_of(id) + "/part.json";
+  std::error_code failed;
+  if (!fs::exists(file, failed)) return std::nullopt;
   try {
-    const Json json = Json::parse(file);
-    if (json.at("version").get<int>() != kVersion || json.at("key").get<std::string>() != key) return std::nullopt;
+    const Json json = read_json(file, kMostBytes);
+    if (whole_in(json.at("version")) != kVersion || json.at("key").get<std::string>() != key) return std::nullopt;
     KeptPart kept = part_of(json);
     if (pictures_are_there(kept.part, folder_of(id))) return kept;
   } catch (const Json::exception&) {  // cut or changed by hand: it is made again
@@ -120,23 +140,26 @@ std::optional<KeptPart> Store::find(const std::string& id, const std::string& ke
 
 std::string Store::begin(const std::string& id) {
   std::string folder = folder_of(id) + kMaking;
-  remove(folder);
-  make_folder(folder);
+  make_marked_folder(folder);
   return folder;
 }
 
 void Store::keep(const std::string& id, const std::string& key, const KeptPart& part) {
   const std::string making = folder_of(id) + kMaking;
   write_json(making + "/part.json", json_of(key, part));
-  remove(folder_of(id));
-  std::error_code failed;
-  fs::rename(making, folder_of(id), failed);
-  if (failed) throw FileError(folder_of(id), "cannot be written: " + failed.message());
+  replace_own_folder(making, folder_of(id));
 }
 
-void Store::drop(const std::string& id) {
-  std::error_code ignored;  // begin() removes it the next time
-  fs::remove_all(folder_of(id) + kMaking, ignored);
+void Store::drop(const std::string& id) noexcept {
+  try {
+    remove_own_folder(folder_of(id) + kMaking);
+  } catch (const Error&) {  // an error is on its way already; begin() removes it the next time, or says what is wrong
+  }
+}
+
+void Store::require_own(const std::string& id) const {
+  require_own_folder(folder_of(id));
+  require_own_folder(folder_of(id) + kMaking);
 }
 
 std::string utc_text() {

@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "gdtslam/core/error.hpp"
@@ -52,6 +53,9 @@ Json outcome_of(const Workers::Work& work, int pipe) {
     return {{"result", work(teller(pipe))}};
   } catch (const Error& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(error.code())}};
+  } catch (const std::bad_alloc&) {
+    return {{"error", "out of memory; fewer parts at a time need less (--threads 1)"},
+            {"code", static_cast<int>(ExitCode::kFailed)}};
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(ExitCode::kFailed)}};
   }

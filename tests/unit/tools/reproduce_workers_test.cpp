@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -79,6 +80,18 @@ TEST(Workers, ThrowWhatTheWorkThrew) {
     EXPECT_STREQ(error.what(), "there: cannot be read");
   }
   EXPECT_TRUE(workers.is_idle());
+}
+
+TEST(Workers, SayThatMemoryIsShort) {
+  Workers workers(1);
+  workers.start(0, [](const Workers::Tell&) -> std::string { throw std::bad_alloc(); });
+  try {
+    result_of(workers);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kFailed);
+    EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos) << error.what();
+  }
 }
 
 TEST(Workers, SayWhichSignalEndedOne) {
