@@ -5,22 +5,25 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "measure_drawing.hpp"
 #include "measure_run.hpp"
 #include "render_source.hpp"
 #include "reproduce_draw.hpp"
 #include "reproduce_drives.hpp"
+#include "reproduce_verdicts.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
 
-/// Widths, the widest first, centimetres.
+/// Widths of the paper, the widest first, and the heights of the scene, for which it has no numbers; centimetres.
 struct BoxOfPaper {
   double true_cm = 0.0;
   double paper_cm = 0.0;
+  double height_cm = 0.0;
 };
-constexpr std::array<BoxOfPaper, 3> kBoxes{{{58.29, 57.5}, {34.35, 34.8}, {25.2, 24.8}}};
+constexpr std::array<BoxOfPaper, 3> kBoxes{{{58.29, 57.5, 80.0}, {34.35, 34.8, 70.0}, {25.2, 24.8, 60.0}}};
 
 // Beside and above the scanner, towards the boxes.
 constexpr const char* kCamera = "-0.5,-0.6,1.35,1.9,0,0.62,48";
@@ -34,21 +37,12 @@ const MeasuredBox* box_near(const Measurement& measured, double width_cm) {
   return nearest == measured.boxes.end() || off(*nearest) > kSame_cm ? nullptr : &*nearest;
 }
 
-std::string width_text(const Dimension& width) {
-  return fmt::format("{:.2f} \u00b1 {:.2f} cm", 100.0 * width.value_m, 100.0 * width.sigma_m);
-}
-
-void add_rows(Part& part, const Measurement& measured, const std::string& how) {
-  for (const BoxOfPaper& box : kBoxes) {
-    const MeasuredBox* const found = box_near(measured, box.true_cm);
-    const double paper_mm = 10.0 * std::abs(box.paper_cm - box.true_cm);
-    const double ours_mm = found == nullptr ? 0.0 : std::abs(1000.0 * found->width.value_m - 10.0 * box.true_cm);
-    part.rows.push_back({fmt::format("width of the box of {} cm, {}", box.true_cm, how),
-                         fmt::format("{} cm", box.paper_cm), found == nullptr ? "not found" : width_text(found->width),
-                         found != nullptr && ours_mm <= paper_mm ? Verdict::kWithin : Verdict::kOutside,
-                         fmt::format("off by {:.1f} mm in the paper, {} here; within: not more than the paper",
-                                     paper_mm, found == nullptr ? "not found" : fmt::format("by {:.2f} mm", ours_mm))});
-  }
+Row size_row(const std::string& quantity, const std::string& paper, const Dimension* found, double true_cm,
+             double paper_mm, const std::string& rule) {
+  if (found == nullptr) return {quantity, paper, "not found", Verdict::kOutside, rule};
+  const double off_mm = std::abs(1000.0 * found->value_m - 10.0 * true_cm);
+  return {quantity, paper, fmt::format("{:.2f} \u00b1 {:.2f} cm", 100.0 * found->value_m, 100.0 * found->sigma_m),
+          verdict_of(off_mm <= paper_mm), fmt::format("off by {:.2f} mm; {}", off_mm, rule)};
 }
 
 Measurement measured_in(const Cloud& cloud, bool is_projection) {
@@ -60,6 +54,24 @@ Measurement measured_in(const Cloud& cloud, bool is_projection) {
 }
 
 }  // namespace
+
+std::vector<Row> box_rows(const Measurement& measured) {
+  std::vector<Row> rows;
+  for (const BoxOfPaper& box : kBoxes) {
+    const MeasuredBox* const found = box_near(measured, box.true_cm);
+    const double paper_mm = 10.0 * std::abs(box.paper_cm - box.true_cm);
+    const std::string name =
+        fmt::format("of the box of {} cm, {}", box.true_cm, measured.is_projection ? "projected" : "3D");
+    const std::string rule = fmt::format("within: not more than the paper\u2019s width, {:.1f} mm", paper_mm);
+    rows.push_back(size_row("width " + name, fmt::format("{} cm", box.paper_cm),
+                            found == nullptr ? nullptr : &found->width, box.true_cm, paper_mm, rule));
+    if (measured.is_projection) continue;
+    rows.push_back(size_row(fmt::format("height ({:.0f} cm) {}", box.height_cm, name),
+                            fmt::format("width off by {:.1f} mm", paper_mm),
+                            found == nullptr ? nullptr : &found->height, box.height_cm, paper_mm, rule));
+  }
+  return rows;
+}
 
 Part make_boxes(const Workplace& place) {
   const Drive drive = place.drives.drive("three-boxes");
@@ -81,8 +93,8 @@ Part make_boxes(const Workplace& place) {
               {"solid.svg", "Measured in the 3D map, seen from above: faces and where they end."});
   add_picture(part, place, drawing_of(projected, cloud),
               {"projection.svg", "(c) Measured in the projection to the floor."});
-  add_rows(part, solid, "3D");
-  add_rows(part, projected, "projected");
+  part.rows = box_rows(solid);
+  for (Row& row : box_rows(projected)) part.rows.push_back(std::move(row));
   part.notes.push_back(
       "The simulated laser has 1 cm of noise and none of the biases of a real one (dark surfaces, grazing beams, a "
       "warm-up); "

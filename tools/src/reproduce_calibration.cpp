@@ -78,21 +78,18 @@ double elevation_error_deg(const calib::SweepModel& model, const calib::SweepMod
   return count > 0 ? std::sqrt(sum / count) : std::numeric_limits<double>::infinity();
 }
 
-// Root mean square of the misses, the wall at the distance that each model has for it.
-double rms_m(const std::vector<double>& misses_m) {
-  double sum = 0.0;
-  for (const double miss_m : misses_m) sum += miss_m * miss_m;
-  return misses_m.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(misses_m.size()));
-}
-
+// Root mean square of the misses, the wall at the distance that the model has for it.
 double miss_rms_m(const CalibrateOutcome& outcome, const calib::SweepModel& model, double distance_m) {
-  std::vector<double> misses_m;
+  double sum = 0.0;
+  int count = 0;
   for (const calib::RangeObservation& range : outcome.observations) {
     const auto elevation = calib::elevation_rad(model, calib::crank_rad(model.encoder, range.ticks));
     if (!elevation || *elevation > outcome.max_elevation_rad) continue;
-    misses_m.push_back(range.range_m * std::cos(*elevation) - distance_m);
+    const double miss_m = range.range_m * std::cos(*elevation) - distance_m;
+    sum += miss_m * miss_m;
+    ++count;
   }
-  return rms_m(misses_m);
+  return count > 0 ? std::sqrt(sum / count) : 0.0;
 }
 
 void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepModel& truth) {
@@ -102,13 +99,13 @@ void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepMod
                        length_with_unit(before_m) + " rms", Verdict::kOpen,
                        "with the nominal lengths, up to 60\u00b0; the paper shows curves only"});
   part.rows.push_back({"the same after the calibration", "best fit (figure A(b))", length_with_unit(after_m) + " rms",
-                       after_m < 0.5 * before_m ? Verdict::kWithin : Verdict::kOutside,
+                       verdict_of(after_m < 0.5 * before_m),
                        "within: at most half of before; what is left is the noise of the averages"});
   const double off_before = elevation_error_deg(outcome.start, truth, outcome.max_elevation_rad);
   const double off_after = elevation_error_deg(outcome.result.model, truth, outcome.max_elevation_rad);
   part.rows.push_back(
       {"elevation, off the truth", "", fmt::format("{:.3f}\u00b0 before, {:.3f}\u00b0 after", off_before, off_after),
-       off_after < 0.1 * off_before ? Verdict::kWithin : Verdict::kOutside,
+       verdict_of(off_after < 0.1 * off_before),
        fmt::format("rms up to 60\u00b0; the calibration itself states {:.3f}\u00b0; within: a tenth of before",
                    deg_from_rad(outcome.result.elevation_sigma_rad))});
 }

@@ -186,8 +186,7 @@ Part make_cells(const Workplace& place) {
               {"printed.svg", "(b) of the paper, for comparison. Marked: not the Euclidean distance, rounded.", 3});
   const int wrong = wrong_cells(field);
   part.rows.push_back(
-      {"cells off the Euclidean distance", "", fmt::format("{} of 100", wrong),
-       wrong == 0 ? Verdict::kWithin : Verdict::kOutside,
+      {"cells off the Euclidean distance", "", fmt::format("{} of 100", wrong), verdict_of(wrong == 0),
        "the paper states the Euclidean distance; held against the minimum over all obstacles, to half of 1/256 cell"});
   part.rows.push_back({"print = Euclidean, rounded", "100 of 100 (claimed)",
                        fmt::format("{} of 100", agreeing_cells(euclidean)), Verdict::kOutside,

@@ -9,6 +9,7 @@
 
 #include "drawing_file.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "render_studio.hpp"
 
@@ -32,6 +33,14 @@ void add_picture(Part& part, const Workplace& place, const Canvas& drawing, Pict
   go_on(place);
   write_file_atomically(place.folder + "/" + picture.file, drawing_bytes(drawing, picture.file, scale));
   part.pictures.push_back(std::move(picture));
+}
+
+Canvas titled_sheet(double width, double height, const std::string& title, const std::string& words) {
+  Canvas canvas(width, height, title);
+  canvas.rectangle({0.0, 0.0}, width, height, Fill{kLightTheme.page});
+  canvas.text({24.0, 38.0}, title, {.size = 20.0, .is_bold = true});
+  canvas.text({24.0, 60.0}, words, {.size = 13.0, .colour = ink::kQuiet});
+  return canvas;
 }
 
 void add_view(Part& part, const Workplace& place, const ViewOrder& order, Picture picture) {

@@ -16,6 +16,9 @@ void go_on(const Workplace& place);
 /// Writes the drawing under that name (.svg, or .png of `scale` pixels for each of the drawing) and adds it.
 void add_picture(Part& part, const Workplace& place, const Canvas& drawing, Picture picture, double scale = 1.0);
 
+/// A white sheet with its title and a line of words above what is to be drawn.
+Canvas titled_sheet(double width, double height, const std::string& title, const std::string& words);
+
 /// A view of `gdtslam render` of these inputs, drawn as that command draws it.
 struct ViewOrder {
   std::vector<std::string> inputs;

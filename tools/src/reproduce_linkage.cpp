@@ -60,13 +60,12 @@ void add_rows(Part& part) {
   const double ratio = b.report->time_ratio;
   const calib::FourBar& bars = b.model.bars;
   part.rows.push_back({"a link turns all the way (Grashof)", "s + l < p + q", sums_text(bars),
-                       b.grashof == calib::GrashofClass::kCrankRocker ? Verdict::kWithin : Verdict::kOutside,
-                       "reading paper-b, nominal lengths"});
+                       verdict_of(b.grashof == calib::GrashofClass::kCrankRocker), "reading paper-b, nominal lengths"});
   part.rows.push_back({"swing of the laser", "0\u00b0 to 90\u00b0", fmt::format("{:.1f}\u00b0", swing_deg),
-                       swing_deg >= 85.0 && swing_deg <= 95.0 ? Verdict::kWithin : Verdict::kOutside,
+                       verdict_of(swing_deg >= 85.0 && swing_deg <= 95.0),
                        "within 5\u00b0 of the paper\u2019s 90\u00b0; reading paper-b"});
   part.rows.push_back({"lifts slowly, returns quickly", "yes", fmt::format("{:.2f} times as long up as down", ratio),
-                       ratio > 1.0 ? Verdict::kWithin : Verdict::kOutside, "reading paper-b"});
+                       verdict_of(ratio > 1.0), "reading paper-b"});
   part.rows.push_back({"least transmission angle", "",
                        fmt::format("{:.1f}\u00b0", deg_from_rad(b.report->least_transmission_rad)), Verdict::kOpen,
                        "below 30\u00b0 a joint transmits poorly: the paper\u2019s lengths are mechanically weak"});

@@ -19,6 +19,7 @@
 #include "reproduce_draw.hpp"
 #include "reproduce_drives.hpp"
 #include "reproduce_paper.hpp"
+#include "reproduce_verdicts.hpp"
 #include "settings.hpp"
 #include "trajectory_errors.hpp"
 
@@ -118,7 +119,7 @@ void add_distance_rows(Part& part, const std::vector<MethodRuns>& all) {
     means.push_back(e.mean);
     part.rows.push_back(
         {fmt::format("{}: distance from the true position", kPaper[k].name), fmt::format("{} cm", kPaper[k].truth),
-         fmt::format("{} cm", cm_text(e)), holds ? Verdict::kWithin : Verdict::kOutside,
+         fmt::format("{} cm", cm_text(e)), verdict_of(holds),
          fmt::format(
              "within: the mean is not above the paper\u2019s, on another floor with another laser. The {} drives: "
              "{} cm",
@@ -126,8 +127,7 @@ void add_distance_rows(Part& part, const std::vector<MethodRuns>& all) {
   }
   const bool holds = std::max(means[0], means[1]) < std::min(means[2], means[3]);
   part.rows.push_back(
-      {"who is nearest to the truth", "PSO, SCE, Simplex, SIMPSA", ranking(names, means),
-       holds ? Verdict::kWithin : Verdict::kOutside,
+      {"who is nearest to the truth", "PSO, SCE, Simplex, SIMPSA", ranking(names, means), verdict_of(holds),
        "within: PSO and SCE before the others. The truth need not be where the cost is least, so a more "
        "thorough search need not end nearer to it"});
 }
@@ -139,17 +139,10 @@ void add_time_rows(Part& part, const std::vector<MethodRuns>& all) {
     names.emplace_back(kPaper[k].name);
     times.push_back(all[k].mapper_s);
   }
-  for (std::size_t k = 0; k < kSimplexPlace; ++k) {
-    const double ratio = ratio_of(all, k);
-    part.rows.push_back(
-        {fmt::format("{}: time relative to simplex", kPaper[k].name), std::string(kPaper[k].time),
-         fmt::format("{:.2f}", ratio), ratio > 1.0 ? Verdict::kWithin : Verdict::kOutside,
-         "within: simplex is faster, as the paper says; CPU time of the whole mapper, so merging counts too"});
-  }
+  for (std::size_t k = 0; k < kSimplexPlace; ++k) part.rows.push_back(time_row(kPaper[k], ratio_of(all, k)));
   const std::string ours = ranking(names, times);
   const std::string paper = "Simplex, SIMPSA, SCE, PSO";
-  part.rows.push_back(
-      {"who is fastest", paper, ours, ours == paper ? Verdict::kWithin : Verdict::kOutside, "within: the same order"});
+  part.rows.push_back({"who is fastest", paper, ours, verdict_of(ours == paper), "within: the same order"});
 }
 
 /// How far apart the values of a row are.
@@ -176,12 +169,8 @@ void add_spread_note(Part& part, const std::vector<MethodRuns>& all) {
 Canvas positions_over_time(const std::vector<MethodRuns>& all) {
   constexpr double kWidth = 1190.0;
   constexpr double kHeight = 560.0;
-  const std::string title = "Figure 9: distance of the robot\u2019s position from the truth";
-  Canvas canvas(kWidth, kHeight, title);
-  canvas.rectangle({0.0, 0.0}, kWidth, kHeight, Fill{kLightTheme.page});
-  canvas.text({24.0, 38.0}, title, {.size = 20.0, .is_bold = true});
-  canvas.text({24.0, 60.0}, "The first drive, mean of each second; after the best rigid alignment",
-              {.size = 13.0, .colour = ink::kQuiet});
+  Canvas canvas = titled_sheet(kWidth, kHeight, "Figure 9: distance of the robot\u2019s position from the truth",
+                               "The first drive, mean of each second; after the best rigid alignment");
   std::vector<std::vector<Point2>> curves;
   double last_s = 1.0;
   double most_cm = 1.0;
