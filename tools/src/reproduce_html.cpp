@@ -198,8 +198,9 @@ std::string policy() {
   for (std::size_t k = 0; k < hex.size(); k += 2) {
     digest += static_cast<char>(std::stoi(hex.substr(k, 2), nullptr, 16));
   }
-  return fmt::format("default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{}'",
-                     base64_text(digest));
+  std::string text;
+  append_base64(std::as_bytes(std::span(digest)), text);
+  return fmt::format("default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{}'", text);
 }
 
 }  // namespace
