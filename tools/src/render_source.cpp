@@ -248,6 +248,7 @@ Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, c
   }
   Cloud cloud;
   for (Cloud piece = reader.next(kPointsAtOnce); !piece.empty(); piece = reader.next(kPointsAtOnce)) {
+    reader.check_kept(cloud.size() + piece.size());
     cloud.insert(cloud.end(), piece.begin(), piece.end());
     if (progress)
       progress(cloud.size(), told > 0 ? static_cast<double>(cloud.size()) / static_cast<double>(told) : -1.0);

@@ -11,6 +11,7 @@
 
 #include "errno_text.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/file_limits.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,7 +19,9 @@ namespace {
 class FileSource final : public ByteSource {
  public:
   explicit FileSource(const std::string& path) : name_(path == "-" ? "standard input" : path) {
-    descriptor_ = path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    do {
+      descriptor_ = path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    } while (descriptor_ < 0 && errno == EINTR);
     if (descriptor_ < 0) {
       throw FileError(name_, fmt::format("cannot be opened: {}", errno_text(errno)));
     }
@@ -49,6 +52,7 @@ class FileSource final : public ByteSource {
   [[nodiscard]] double progress() const override {
     return size_ == 0 ? -1.0 : std::min(1.0, static_cast<double>(position_) / static_cast<double>(size_));
   }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return position_; }
 
  private:
   void close_file() {
@@ -78,6 +82,7 @@ class MemorySource final : public ByteSource {
   [[nodiscard]] double progress() const override {
     return data_.empty() ? 1.0 : static_cast<double>(position_) / static_cast<double>(data_.size());
   }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return position_; }
 
  private:
   std::span<const std::byte> data_;
@@ -103,10 +108,19 @@ std::string read_all(ByteSource& source, std::size_t limit, const std::string& n
     if (text.size() > limit) {
       throw InputError({name, 0}, fmt::format("is longer than the {} bytes that are read{}", limit, advice));
     }
+    check_kept_bytes(text.size(), source.bytes_from_file(), name);
     if (count == 0) {
       return text;
     }
   }
+}
+
+void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name) {
+  if (kept <= kFreeKeptBytes || (kept - kFreeKeptBytes) / kKeptPerFileByte <= from_disk) return;
+  throw InputError({name, 0},
+                   fmt::format("would take {} MiB of memory, but has only {} KiB on the disk, as no measured data do; "
+                               "if that is meant, store the file unpacked",
+                               kept >> 20U, (from_disk >> 10U) + 1));
 }
 
 }  // namespace gdtslam

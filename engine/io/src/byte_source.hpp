@@ -19,6 +19,8 @@ class ByteSource {
   virtual std::size_t read(std::span<char> target) = 0;
   /// Share of the input consumed, 0 to 1; negative when unknown.
   [[nodiscard]] virtual double progress() const = 0;
+  /// Bytes that came from the file so far, before they were unpacked.
+  [[nodiscard]] virtual std::uint64_t bytes_from_file() const = 0;
   /// What is wrong with the end of the input (a gzip stream that stops early), else empty; known once read() gave 0.
   [[nodiscard]] virtual std::string defect() const { return {}; }
 };
@@ -29,7 +31,8 @@ std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data);
 /// Unpacks gzip when the first two bytes say so, passes anything else through. `name` stands in messages.
 std::unique_ptr<ByteSource> gunzip_if_packed(std::unique_ptr<ByteSource> packed, const std::string& name);
 
-/// The whole input, at most `limit` bytes; InputError when it is longer, ending with `advice`.
+/// The whole input, at most `limit` bytes; InputError when it is longer, ending with `advice`, or out of proportion to
+/// the packed file.
 std::string read_all(ByteSource& source, std::size_t limit, const std::string& name, const std::string& advice = "");
 
 }  // namespace gdtslam

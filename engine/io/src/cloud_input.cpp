@@ -31,7 +31,8 @@ bool CloudInput::fill(std::size_t count) {
 
 void CloudInput::check_line(std::size_t bytes) const {
   if (bytes <= kMostLineBytes) return;
-  throw InputError({name_, line_number_ + 1}, "the line is longer than 64 KiB: this is no cloud, or a damaged one");
+  throw InputError({name_, line_number_ + 1},
+                   "the line is longer than 64 KiB: is this the right file, and is it whole?");
 }
 
 std::optional<std::string_view> CloudInput::line() {

@@ -1,4 +1,4 @@
-// Lines and raw bytes of one input, in turn, with a bound on both. One input belongs to one thread.
+// Lines and raw bytes of one input (a cloud or a mesh), in turn, with a bound on both. One input belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,13 @@ class CloudInput {
   std::optional<std::string_view> line();
   /// The next `count` bytes (at most kMostBytes), valid until the next call; nullptr where the input ends before.
   const char* bytes(std::size_t count) {
-    if (end_ - begin_ < count && !fill(count)) return nullptr;
-    const char* const data = buffer_.data() + begin_;
-    begin_ += count;
+    const char* const data = peek(count);
+    if (data != nullptr) begin_ += count;
     return data;
+  }
+  /// The same without going on.
+  const char* peek(std::size_t count) {
+    return end_ - begin_ < count && !fill(count) ? nullptr : buffer_.data() + begin_;
   }
   static constexpr std::size_t kMostBytes = 65536;
   /// Up to `most` bytes that there are; empty at the end.
@@ -34,6 +37,7 @@ class CloudInput {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// What is wrong with the end of the input, known once it has been met.
   [[nodiscard]] std::string defect() const { return source_->defect(); }
+  [[nodiscard]] std::uint64_t bytes_from_file() const { return source_->bytes_from_file(); }
 
  private:
   bool fill(std::size_t count);

@@ -12,6 +12,7 @@
 #include "cloud_numbers.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
+#include "gdtslam/io/file_limits.hpp"
 #include "lzf.hpp"
 #include "pcd_header.hpp"
 #include "ply_header.hpp"
@@ -242,7 +243,9 @@ void CloudReader::State::unpack() {
     const std::string_view piece = input.some(packed_size - packed.size());
     if (piece.empty()) throw InputError({input.name(), 0}, "ends within its compressed data");
     packed.append(piece);
+    check_kept_bytes(packed.size(), input.bytes_from_file(), input.name());
   }
+  check_kept_bytes(packed.size() + size, input.bytes_from_file(), input.name());
   std::optional<std::string> data = unpack_lzf(packed, size);
   if (!data) throw InputError({input.name(), 0}, "its compressed data are damaged");
   unpacked = std::move(*data);
@@ -311,6 +314,10 @@ std::uint64_t CloudReader::skipped() const { return state_->skipped; }
 void CloudReader::make_relative() { state_->is_relative = true; }
 const std::array<double, 3>& CloudReader::origin_m() const { return state_->origin_m; }
 
+void CloudReader::check_kept(std::uint64_t points) const {
+  check_kept_bytes(points * sizeof(CloudPoint), state_->input.bytes_from_file(), state_->input.name());
+}
+
 Cloud CloudReader::next(std::size_t most) {
   State& s = *state_;
   Cloud cloud;
@@ -333,6 +340,7 @@ Cloud read_cloud(const std::string& path, std::uint64_t max_points, std::uint64_
   if (origin_m != nullptr) reader.make_relative();
   Cloud cloud;
   for (Cloud piece = reader.next(); !piece.empty(); piece = reader.next()) {
+    reader.check_kept(cloud.size() + piece.size());
     if (cloud.size() + piece.size() > max_points) {
       throw InputError({path, 0},
                        fmt::format("has more than {} points; thin it first (map --set cloud.voxel=...)", max_points));

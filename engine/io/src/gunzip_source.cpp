@@ -29,6 +29,7 @@ class PeekedSource final : public ByteSource {
     return count;
   }
   [[nodiscard]] double progress() const override { return rest_->progress(); }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return rest_->bytes_from_file(); }
 
  private:
   std::unique_ptr<ByteSource> rest_;
@@ -64,6 +65,7 @@ class GunzipSource final : public ByteSource {
     return 0;
   }
   [[nodiscard]] double progress() const override { return packed_->progress(); }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return packed_->bytes_from_file(); }
   [[nodiscard]] std::string defect() const override { return defect_; }
 
  private:

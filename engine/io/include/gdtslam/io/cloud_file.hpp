@@ -65,6 +65,9 @@ class CloudReader {
   /// The next up to `most` points; empty at the end. Points with a value that is not finite are skipped and counted.
   Cloud next(std::size_t most = 65536);
   [[nodiscard]] std::uint64_t skipped() const;
+  /// For a caller that keeps what it reads: throws InputError when so many points are out of proportion to the packed
+  /// file (io/file_limits.hpp).
+  void check_kept(std::uint64_t points) const;
 
  private:
   struct State;

@@ -1,0 +1,30 @@
+// What reading one file may cost, whatever the file says about itself. docs/formats.md lists these numbers for users.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace gdtslam {
+
+/// The largest configuration, linkage or map description.
+inline constexpr std::size_t kMaxYamlBytes = std::size_t{1} << 20U;
+/// The largest scene or trajectory of waypoints.
+inline constexpr std::size_t kMaxSceneBytes = std::size_t{16} << 20U;
+/// Values, lists and maps of a YAML file, aliases included; each costs some hundred bytes while the file is read.
+inline constexpr std::size_t kMaxYamlNodes = 1'000'000;
+/// Boxes, cylinders, openings and points of walls of a scene, after every repeat, alias and place.
+inline constexpr std::size_t kMaxSceneParts = 200'000;
+/// The largest mesh of a scene.
+inline constexpr std::uint64_t kMaxMeshBytes = std::uint64_t{512} << 20U;
+
+/// Packed data may hold the same byte a thousand times over. What is kept in memory of a file may be this much, and so
+/// many bytes more for each byte that was read from the disk: any file that is not packed, and packed ones of measured
+/// values, stay far below.
+inline constexpr std::uint64_t kFreeKeptBytes = std::uint64_t{256} << 20U;
+inline constexpr std::uint64_t kKeptPerFileByte = 32;
+
+/// Throws InputError when `kept` bytes in memory are too many for a file of which `from_disk` bytes were read.
+void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name);
+
+}  // namespace gdtslam
