@@ -1,27 +1,19 @@
 #include "checked_yaml.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <set>
 #include <utility>
 
 #include "did_you_mean.hpp"
 #include "gdtslam/io/message_text.hpp"
-#include "gdtslam/io/yaml_text.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMaxYamlBytes = std::size_t{16} << 20;
-
-struct Close {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 std::uint64_t line_of(const YAML::Mark& mark) { return mark.is_null() ? 0 : static_cast<std::uint64_t>(mark.line) + 1; }
+
+constexpr std::size_t kMostTextBytes = std::size_t{1} << 16;  // an alias may repeat a text a hundred thousand times
+constexpr std::size_t kMostNumberBytes = 200;
 
 // What a message quotes from a file may hold anything; the message stays one line of readable text.
 constexpr std::size_t kMostShown = 400;
@@ -38,40 +30,6 @@ bool is_bare_number(std::string_view text) {
 }
 
 }  // namespace
-
-std::string read_whole_file(const std::string& file, std::size_t most_bytes) {
-  const std::unique_ptr<std::FILE, Close> stream(std::fopen(file.c_str(), "rb"));
-  if (!stream) {
-    throw FileError(file, std::string("cannot be opened: ") + std::strerror(errno));
-  }
-  std::string content;
-  std::vector<char> block(std::size_t{1} << 16);
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stream.get())) {
-    content.append(block.data(), got);
-    if (content.size() > most_bytes) {
-      throw FileError(file, "is longer than the " + std::to_string(most_bytes) + " bytes that are allowed");
-    }
-  }
-  if (std::ferror(stream.get()) != 0) {
-    throw FileError(file, std::string("cannot be read: ") + std::strerror(errno));
-  }
-  return content;
-}
-
-YAML::Node load_yaml(const std::string& file) { return parse_yaml(read_whole_file(file, kMaxYamlBytes), file); }
-
-YAML::Node parse_yaml(const std::string& text, const std::string& file) {
-  if (is_nested_too_deep(text))
-    throw ConfigError({file, 0}, "is not valid YAML: nested too deeply for a file of this kind");
-  try {
-    if (goes_on_after_its_document(text)) {
-      throw ConfigError({file, 0}, "holds more than one YAML document; one is expected");
-    }
-    return YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw ConfigError({file, line_of(error.mark)}, "is not valid YAML: " + one_line(error.msg, kMostShown));
-  }
-}
 
 YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string name)
     : node_(node), file_(std::move(file)), name_(std::move(name)) {}
@@ -90,11 +48,17 @@ std::string YamlValue::scalar() const {
   if (!node_.IsScalar()) {
     refuse("a single value is expected here");
   }
+  if (node_.Scalar().size() > kMostTextBytes) {
+    refuse("a text of more than " + std::to_string(kMostTextBytes) + " bytes is not accepted");
+  }
   return node_.Scalar();
 }
 
 double YamlValue::number(const Quantity& quantity) const {
   const std::string text = scalar();
+  if (text.size() > kMostNumberBytes) {
+    refuse("a number of more than " + std::to_string(kMostNumberBytes) + " characters is not accepted");
+  }
   std::string why;
   const std::optional<double> value = parse_quantity(without_suffix(text, quantity.suffix), quantity.unit, &why);
   if (!value) {

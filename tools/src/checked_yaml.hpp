@@ -28,14 +28,6 @@ struct Quantity {
 /// Lists of more entries than this are refused.
 inline constexpr std::size_t kMaxYamlEntries = 100'000;
 
-/// The document of a YAML file of at most 16 MiB. Throws FileError, or ConfigError with the line that is not YAML.
-YAML::Node load_yaml(const std::string& file);
-/// The document that a text holds; `file` stands in messages.
-YAML::Node parse_yaml(const std::string& text, const std::string& file);
-
-/// The whole file. Throws FileError when it cannot be read or is longer than `most_bytes`.
-std::string read_whole_file(const std::string& file, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
-
 /// A node with its file and its name in it ("walls[2].doors[0]"), for messages.
 class YamlValue {
  public:

@@ -9,6 +9,8 @@
 #include "did_you_mean.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/io/atomic_file.hpp"
+#include "gdtslam/io/file_limits.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "linkage_parameters.hpp"
 
 namespace gdtslam {
@@ -21,13 +23,12 @@ constexpr Quantity kLength{Unit::kMetre};
 constexpr Quantity kAngle{Unit::kRadian};
 constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 constexpr Quantity kShare{Unit::kShare};
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
 // Reads a linkage and remembers where each value stood, so that a fault of the whole model is reported at its line.
 class LinkageReader {
  public:
   LinkageReader(const std::string& text, const std::string& file)
-      : root_(YamlValue(parse_yaml(text, file), file, "")), file_(file) {}
+      : root_(YamlValue(parse_yaml<ConfigError>(text, file), file, "")), file_(file) {}
 
   LinkageFile read() {
     const YamlValue version = root_.require("gdtslam_linkage");
@@ -261,7 +262,7 @@ LinkageFile read_linkage_text(const std::string& text, const std::string& file) 
 }
 
 LinkageFile read_linkage_file(const std::string& file) {
-  return read_linkage_text(read_whole_file(file, kMostBytes), file);
+  return read_linkage_text(read_text<ConfigError>(file, kMaxYamlBytes), file);
 }
 
 SweepModel read_linkage(const std::string& file) { return read_linkage_file(file).model; }

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "asset_folder.hpp"
-#include "checked_yaml.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/sha256.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "map_logs.hpp"
 #include "reproduce_folder.hpp"
 #include "scene_file.hpp"
@@ -73,7 +73,7 @@ Drives::Drives(std::string folder, std::string program, DeviceOptions device, st
 std::string Drives::key_of(std::string_view name) {
   const DriveRecipe& recipe = recipe_of(name);
   Sha256 key;
-  key.update(recipe.name).update(read_whole_file(find_scene(std::string(recipe.scene), asset_folders("scenes"))));
+  key.update(recipe.name).update(read_text<InputError>(find_scene(std::string(recipe.scene), asset_folders("scenes"))));
   key.update(recipe.waypoints).update(recipe.is_mapped ? "mapped" : "log").update(fmt::format("seed {}", recipe.seed));
   key.update(recipe.laser).update(recipe.linkage).update(fmt::format("first {}", recipe.first));
   for (const std::string& set : recipe.sets) key.update(set);
@@ -109,7 +109,7 @@ std::string Drives::mark_of(std::string_view name) const { return key_of(name) +
 bool Drives::is_made(std::string_view name) const {
   const std::string mark = folder_of(name) + "/key";
   std::error_code failed;
-  return fs::exists(mark, failed) && read_whole_file(mark) == mark_of(name);
+  return fs::exists(mark, failed) && read_text<InputError>(mark) == mark_of(name);
 }
 
 Drive Drives::drive(std::string_view name) const {

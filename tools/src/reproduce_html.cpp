@@ -7,10 +7,11 @@
 #include <string>
 #include <string_view>
 
-#include "checked_yaml.hpp"
 #include "gdtslam/core/base64.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/markup.hpp"
 #include "gdtslam/io/sha256.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "reproduce_report.hpp"
 
 namespace gdtslam::report_text {
@@ -98,7 +99,7 @@ std::string table_html(const Table& table) {
 
 // Drawings stand in the page itself, without the line that says that they are XML.
 std::string picture_html(const Picture& picture, const std::string& folder) {
-  const std::string bytes = read_whole_file(folder + "/" + picture.file);
+  const std::string bytes = read_text<InputError>(folder + "/" + picture.file);
   std::string image;
   if (picture.file.ends_with(".svg")) {
     const std::size_t begin = bytes.find("<svg");

@@ -12,11 +12,11 @@
 #include <thread>
 #include <utility>
 
-#include "checked_yaml.hpp"
 #include "did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/sha256.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "interrupt.hpp"
 #include "reproduce_data.hpp"
 #include "reproduce_drives.hpp"
@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // A program that was built anew may give something else, whatever its version says.
-std::string key_of_program() { return Sha256().update(read_whole_file("/proc/self/exe")).hex(); }
+std::string key_of_program() { return Sha256().update(read_text<InputError>("/proc/self/exe")).hex(); }
 
 std::string key_of(const PartInfo& info, const std::string& program, const Options& options,
                    const std::vector<RealLog>& logs) {
@@ -40,7 +40,8 @@ std::string key_of(const PartInfo& info, const std::string& program, const Optio
   key.update(program).update(info.id).update(options.device.device);
   for (const std::string_view drive : info.drives) key.update(Drives::key_of(drive));
   if (info.data_weight_s > 0.0) {
-    for (const RealLog& log : logs) key.update(read_whole_file(log.log)).update(read_whole_file(log.relations));
+    for (const RealLog& log : logs)
+      key.update(read_text<InputError>(log.log)).update(read_text<InputError>(log.relations));
   }
   return key.hex();
 }

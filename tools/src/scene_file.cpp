@@ -8,6 +8,8 @@
 
 #include "checked_yaml.hpp"
 #include "did_you_mean.hpp"
+#include "gdtslam/io/file_limits.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "scene_nodding.hpp"
 #include "scene_parts.hpp"
 
@@ -161,7 +163,7 @@ void read_robot(const YamlValue& value, SceneFile& scene) {
 
 // Opens the document and checks the key that names its format and version.
 YamlMapping open_document(const std::string& file, const std::string& format) {
-  YamlMapping root(YamlValue(load_yaml(file), file, ""));
+  YamlMapping root(YamlValue(parse_yaml<ConfigError>(read_text<ConfigError>(file, kMaxSceneBytes), file), file, ""));
   const YamlValue version = root.require(format);
   if (version.text() != "1") {
     version.refuse("version '" + version.text() + "' is not known; this program reads version 1");

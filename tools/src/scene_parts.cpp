@@ -4,6 +4,8 @@
 #include <span>
 
 #include "did_you_mean.hpp"
+#include "gdtslam/io/file_limits.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "gdtslam/sim/mesh_import.hpp"
 
 namespace gdtslam {
@@ -14,7 +16,6 @@ constexpr Quantity kAngle{Unit::kRadian};
 constexpr Quantity kNumber{Unit::kNone};
 
 constexpr std::size_t kMaxParts = 200'000;
-constexpr std::size_t kMaxMeshBytes = std::size_t{512} << 20;
 
 /// `repeat: {count: 5, step: [2, 0]}` sets copies of a part, each a step further.
 std::vector<Point2> read_offsets(YamlMapping& part) {
@@ -195,7 +196,7 @@ sim::TriangleMesh read_mesh(const YamlValue& value) {
   }
   mapping.finish();
   const std::filesystem::path path = std::filesystem::path(value.file()).parent_path() / file.text();
-  const std::string content = read_whole_file(path.string(), kMaxMeshBytes);
+  const std::string content = read_text<InputError>(path.string(), kMaxMeshBytes);
   return sim::import_mesh(std::as_bytes(std::span(content)), path.string(), placement);
 }
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "asset_folder.hpp"
-#include "checked_yaml.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/json_file.hpp"
 #include "gdtslam/io/sha256.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "interrupt.hpp"
 #include "log_check.hpp"
@@ -29,7 +29,7 @@ constexpr int kFormat = 1;
 constexpr const char* kSampleLog = "office-start.log.gz";
 constexpr const char* kSampleExpected = "office-start.json";
 
-std::string sha256_of_file(const std::string& path) { return Sha256().update(read_whole_file(path)).hex(); }
+std::string sha256_of_file(const std::string& path) { return Sha256().update(read_text<InputError>(path)).hex(); }
 
 std::string file_name_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 

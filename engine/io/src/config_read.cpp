@@ -6,8 +6,10 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
+#include "gdtslam/io/file_limits.hpp"
 #include "gdtslam/io/message_text.hpp"
 #include "gdtslam/io/nearest_name.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 #include "option_value.hpp"
 #include "yaml_file.hpp"
 
@@ -50,11 +52,7 @@ class ConfigDocument {
 
   std::vector<std::string> apply() {
     if (!faults_.empty()) {
-      if (faults_.size() > kMaxFaults) {
-        const std::size_t more = faults_.size() - kMaxFaults;
-        faults_.resize(kMaxFaults);
-        faults_.push_back(fmt::format("and {} more", more));
-      }
+      if (faults_not_told_ > 0) faults_.push_back(fmt::format("and {} more", faults_not_told_));
       throw ConfigError(fmt::format("{}", fmt::join(faults_, "; ")));
     }
     std::vector<std::string> paths;
@@ -66,7 +64,11 @@ class ConfigDocument {
   }
 
   void add_fault(const YAML::Node& where, const std::string& message) {
-    faults_.push_back(located({name_, line_of(where)}, message));
+    if (has_room()) {
+      faults_.push_back(located({name_, line_of(where)}, message));
+    } else {
+      ++faults_not_told_;
+    }
   }
 
  private:
@@ -90,7 +92,7 @@ class ConfigDocument {
         add_fault(key, fmt::format("{} is a section; write its options indented below it", path));
       }
     } else {
-      add_fault(key, unknown_name(path, options_));
+      add_fault(key, has_room() ? unknown_name(path, options_) : std::string());
     }
   }
 
@@ -106,6 +108,9 @@ class ConfigDocument {
     }
   }
 
+  // A file may hold a hundred thousand faults; beyond those that are told they are only counted.
+  [[nodiscard]] bool has_room() const { return faults_.size() < kMaxFaults; }
+
   [[nodiscard]] const Option* find(std::string_view path) const {
     const auto found =
         std::find_if(options_.begin(), options_.end(), [&](const Option& option) { return option.path == path; });
@@ -120,6 +125,7 @@ class ConfigDocument {
   std::span<const Option> options_;
   std::vector<std::string> seen_;
   std::vector<std::string> faults_;
+  std::size_t faults_not_told_ = 0;
   std::vector<std::pair<const Option*, ParsedValue>> values_;
 };
 
@@ -141,13 +147,7 @@ std::vector<std::string> read_config_text(std::string_view text, const std::stri
 }
 
 std::vector<std::string> read_config(const std::string& path, std::span<const Option> options) {
-  std::string text;
-  try {
-    text = read_yaml_text(path);
-  } catch (const InputError& error) {  // too long: for a configuration that is a bad one
-    throw ConfigError(error.what());
-  }
-  return read_config_text(text, path == "-" ? "standard input" : path, options);
+  return read_config_text(read_text<ConfigError>(path, kMaxYamlBytes), path == "-" ? "standard input" : path, options);
 }
 
 std::string set_option(std::span<const Option> options, std::string_view assignment) {

@@ -46,6 +46,7 @@ std::optional<std::string_view> nearest_name(std::string_view name, std::span<co
   std::optional<std::string_view> nearest;
   std::size_t nearest_distance = 0;
   for (const std::string_view candidate : names) {
+    if (candidate.size() > kMaxLength) continue;
     const bool is_bare = name.find('.') == std::string_view::npos;
     const std::string_view compared = is_bare ? last_part(candidate) : candidate;
     const std::size_t limit = std::max<std::size_t>(1, std::max(name.size(), compared.size()) / 3);

@@ -1,22 +1,20 @@
 #include "yaml_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "byte_source.hpp"
 #include "gdtslam/io/decimal.hpp"
+#include "gdtslam/io/file_limits.hpp"
 #include "gdtslam/io/message_text.hpp"
+#include "gdtslam/io/referenced_file.hpp"
+#include "gdtslam/io/yaml_text.hpp"
 
 namespace gdtslam {
 
-std::string read_yaml_text(const std::string& path) {
-  const std::unique_ptr<ByteSource> source = open_file_source(path);
-  return read_all(*source, kMaxYamlBytes, path);
-}
-
 DescriptionFile::DescriptionFile(const std::string& path) : path_(path) {
-  root_ = parse_yaml<InputError>(read_yaml_text(path), path);
+  root_ = parse_yaml<InputError>(read_text<InputError>(path, kMaxYamlBytes), path);
   if (!root_.IsMap()) {
     throw InputError({path, 0}, "is no YAML map of keys and values");
   }
@@ -82,17 +80,11 @@ double DescriptionFile::resolution_m() const {
 }
 
 std::string DescriptionFile::image_path() const {
-  namespace fs = std::filesystem;
-  const fs::path image = text("image");
-  bool escapes = image.empty() || image.is_absolute();
-  for (const fs::path& part : image) {
-    escapes = escapes || part == "..";
+  const std::string image = text("image");
+  if (const std::string fault = fault_of_reference(path_, image); !fault.empty()) {
+    fail("image", fault);
   }
-  if (escapes) {
-    fail("image", fmt::format("{} leads out of the folder of this file; put the image beside it and give its name",
-                              in_quotes(image.string())));
-  }
-  return (fs::path(path_).parent_path() / image).string();
+  return referenced_path(path_, image);
 }
 
 std::string yaml_number(double value) {

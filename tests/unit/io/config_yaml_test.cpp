@@ -117,8 +117,8 @@ TEST(ConfigYaml, WrongStructureIsNamed) {
   EXPECT_THAT(error_of("just text\n"), HasSubstr("a configuration is a map"));
   EXPECT_THAT(error_of("{[1]: 2}\n"), HasSubstr("a name must be a plain word"));
   EXPECT_THAT(error_of("top: 1\n---\ntop: 2\n"), HasSubstr("more than one YAML document"));
-  EXPECT_THAT(error_of("map: {length: 1"), HasSubstr("is no YAML"));
-  EXPECT_THAT(error_of("top: *nowhere\n"), HasSubstr("is no YAML"));
+  EXPECT_THAT(error_of("map: {length: 1"), HasSubstr("is not valid YAML"));
+  EXPECT_THAT(error_of("top: *nowhere\n"), HasSubstr("is not valid YAML"));
 }
 
 TEST(ConfigYaml, HostileNestingAndAliasesAreBounded) {

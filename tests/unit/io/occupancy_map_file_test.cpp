@@ -111,7 +111,7 @@ TEST(OccupancyMapFile, BadDescriptionsNameLineAndKey) {
   EXPECT_THAT(error_of(with("free_thresh", "free_thresh: 0.7"), image), HasSubstr("above occupied_thresh"));
   EXPECT_THAT(error_of(with("occupied", "occupied_thresh: 1.5"), image), HasSubstr("outside [0, 1]"));
   EXPECT_THAT(error_of(with("negate", "mode: raw"), image), HasSubstr("only trinary and scale"));
-  EXPECT_THAT(error_of("[1, 2", image), HasSubstr("is no YAML"));
+  EXPECT_THAT(error_of("[1, 2", image), HasSubstr("is not valid YAML"));
   EXPECT_THAT(error_of("- 1\n", image), HasSubstr("no YAML map"));
   EXPECT_THAT(error_of(std::string(5000, '['), image), HasSubstr("nested too deeply"));
 }

@@ -262,7 +262,7 @@ TEST_F(LinkageFileOnDisk, SaysWhatIsNeitherPresetNorFile) {
   }
   EXPECT_THROW(static_cast<void>(resolve_linkage(folder_.string())), FileError);  // a folder
   std::ofstream(path("long.yaml")) << std::string((std::size_t{1} << 20) + 1, '#');
-  EXPECT_THROW(static_cast<void>(resolve_linkage(path("long.yaml"))), FileError);
+  EXPECT_THROW(static_cast<void>(resolve_linkage(path("long.yaml"))), ConfigError);
   EXPECT_THROW(write_linkage(path("no/such/folder.yaml"), calib::SweepModel{}), FileError);
 }
 

@@ -1,17 +1,26 @@
-// What has to be known of a YAML text before yaml-cpp may load it. Thread-safe; linear.
+// The one reader of YAML texts: it bounds what yaml-cpp may load, because yaml-cpp descends once per nested bracket or
+// indent, takes some hundred bytes a value and never returns from some faulty texts of several documents. Thread-safe;
+// linear in the text.
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <string>
-#include <string_view>
+
+namespace YAML {
+class Node;
+}
 
 namespace gdtslam {
 
-/// yaml-cpp descends once per nested bracket or indent, so depth is bounded first: no file of ours is nested deeper
-/// than 32 brackets or indented by more than 256 blanks.
-bool is_nested_too_deep(std::string_view text);
+/// The file's text, "-" being standard input. Throws FileError, or `Failure` (InputError or ConfigError) for a file of
+/// more than `most_bytes`.
+template <class Failure>
+std::string read_text(const std::string& path, std::size_t most_bytes = std::numeric_limits<std::size_t>::max());
 
-/// True when something follows the first document. (YAML::LoadAll would tell, but never returns from some faulty
-/// texts.) Throws what yaml-cpp throws for a text that is no YAML.
-bool goes_on_after_its_document(const std::string& text);
+/// The one document of a text; `name` stands in messages. Throws `Failure` with the line for what is no YAML, a second
+/// document, nesting deeper than 32 brackets or 256 blanks, or more than kMaxYamlNodes values (io/file_limits.hpp).
+template <class Failure>
+YAML::Node parse_yaml(const std::string& text, const std::string& name);
 
 }  // namespace gdtslam

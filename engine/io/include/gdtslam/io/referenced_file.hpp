@@ -1,0 +1,17 @@
+// Files that another file names: a map's image, a scene's meshes and linkage. A file from a stranger may have none
+// opened but those beside it. Thread-safe.
+#pragma once
+
+#include <string>
+
+namespace gdtslam {
+
+/// Why `name`, which stands in the file `referrer`, must not be opened: it leads out of the folder of `referrer`, also
+/// by a symbolic link, is no regular file (a pipe would block), or no text to show in a message. Empty when it may be,
+/// or when nothing is there.
+std::string fault_of_reference(const std::string& referrer, const std::string& name);
+
+/// Where that file is: names are relative to the folder of `referrer`.
+std::string referenced_path(const std::string& referrer, const std::string& name);
+
+}  // namespace gdtslam
