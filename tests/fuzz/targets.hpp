@@ -2,6 +2,7 @@
 // other exception is not. tests/unit/io replays the corpus with the same functions under every compiler.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include "gdtslam/io/carmen.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
+#include "gdtslam/io/mesh_file.hpp"
 #include "gdtslam/io/pgm.hpp"
 #include "gdtslam/io/png.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -122,6 +124,24 @@ inline void read_cloud_file(std::span<const std::byte> data) {
     detail::require(points + reader.skipped() == reader.header().points);
   } catch (const InputError& error) {
     detail::require(detail::is_one_line(error.what()));
+  }
+}
+
+/// The same bytes as every format of meshes, because the name tells which it is.
+inline void read_mesh_file(std::span<const std::byte> data) {
+  for (const char* name : {"fuzz.obj", "fuzz.stl", "fuzz.ply"}) {
+    try {
+      const MeshFile mesh = read_mesh(data, name, {.max_triangles = 10'000});
+      detail::require(!mesh.triangles.empty() && mesh.triangles.size() <= 10'000 && mesh.vertices.size() <= 30'000);
+      for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
+        for (const std::uint32_t corner : triangle) detail::require(corner < mesh.vertices.size());
+      }
+      for (const std::array<float, 3>& v : mesh.vertices) {
+        detail::require(std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]));
+      }
+    } catch (const InputError& error) {
+      detail::require(detail::is_one_line(error.what()));
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include "did_you_mean.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/io/referenced_file.hpp"
 #include "linkage_file.hpp"
 
 namespace gdtslam {
@@ -58,9 +59,12 @@ std::int64_t whole(const YamlValue& value, double least, double most) {
 }
 
 calib::SweepModel read_linkage_name(const YamlValue& value) {
-  const std::filesystem::path beside = std::filesystem::path(value.file()).parent_path() / value.text();
-  if (std::filesystem::is_regular_file(beside)) {
-    return read_linkage(beside.string());
+  if (const std::string fault = fault_of_reference(value.file(), value.text()); !fault.empty()) {
+    value.refuse(fault);
+  }
+  const std::string beside = referenced_path(value.file(), value.text());
+  if (std::filesystem::exists(beside)) {
+    return read_linkage(beside);
   }
   try {
     return calib::sweep_model_of_preset(value.text());

@@ -1,12 +1,13 @@
 #include "scene_parts.hpp"
 
-#include <filesystem>
-#include <span>
+#include <map>
 
 #include "did_you_mean.hpp"
 #include "gdtslam/io/file_limits.hpp"
-#include "gdtslam/io/yaml_text.hpp"
-#include "gdtslam/sim/mesh_import.hpp"
+#include "gdtslam/io/mesh_file.hpp"
+#include "gdtslam/io/referenced_file.hpp"
+#include "gdtslam/sim/mesh_placement.hpp"
+#include "interrupt.hpp"
 
 namespace gdtslam {
 namespace {
@@ -15,23 +16,44 @@ constexpr Quantity kLength{Unit::kMetre};
 constexpr Quantity kAngle{Unit::kRadian};
 constexpr Quantity kNumber{Unit::kNone};
 
-constexpr std::size_t kMaxParts = 200'000;
+/// Counts the parts of one scene, because repeats, aliases and places multiply: what is refused one by one may still be
+/// without bound in sum.
+class PartCount {
+ public:
+  /// To be called before anything is made of the parts.
+  void add(const YamlValue& value, std::size_t parts) {
+    if (parts > kMaxSceneParts - parts_) {
+      value.refuse("the scene has more than " + std::to_string(kMaxSceneParts) + " parts");
+    }
+    parts_ += parts;
+  }
+
+ private:
+  std::size_t parts_ = 0;
+};
+
+std::size_t read_repeat_count(YamlMapping& repeat, PartCount& parts) {
+  const YamlValue count = repeat.require("count");
+  if (count.count() < 1 || count.count() > kMaxSceneParts) {
+    count.refuse("must be 1 to " + std::to_string(kMaxSceneParts));
+  }
+  parts.add(count, count.count() - 1);
+  return count.count();
+}
 
 /// `repeat: {count: 5, step: [2, 0]}` sets copies of a part, each a step further.
-std::vector<Point2> read_offsets(YamlMapping& part) {
+std::vector<Point2> read_offsets(YamlMapping& part, PartCount& parts) {
+  parts.add(part.value(), 1);
   const std::optional<YamlValue> repeat = part.find("repeat");
   if (!repeat) {
     return {Point2(0.0, 0.0)};
   }
   YamlMapping mapping(*repeat);
-  const YamlValue count = mapping.require("count");
+  const std::size_t count = read_repeat_count(mapping, parts);
   const Point2 step_m = mapping.require("step").point();
   mapping.finish();
-  if (count.count() < 1 || count.count() > kMaxParts) {
-    count.refuse("must be 1 to " + std::to_string(kMaxParts));
-  }
   std::vector<Point2> offsets_m;
-  for (std::size_t i = 0; i < count.count(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     offsets_m.emplace_back(static_cast<double>(i) * step_m);
   }
   return offsets_m;
@@ -41,9 +63,6 @@ template <class Part>
 void add_copies(const YamlValue& value, const Part& part, const std::vector<Point2>& offsets_m,
                 std::vector<Part>& parts) {
   for (const Point2& offset_m : offsets_m) {
-    if (parts.size() >= kMaxParts) {
-      value.refuse("the scene has more than " + std::to_string(kMaxParts) + " parts of this kind");
-    }
     Part copy = part;
     copy.centre_m += offset_m;
     value.require_none(validate(copy));
@@ -51,7 +70,7 @@ void add_copies(const YamlValue& value, const Part& part, const std::vector<Poin
   }
 }
 
-void read_box(const YamlValue& value, std::vector<sim::Box>& boxes) {
+void read_box(const YamlValue& value, PartCount& parts, std::vector<sim::Box>& boxes) {
   YamlMapping mapping(value);
   sim::Box box;
   box.centre_m = mapping.require("centre").point();
@@ -59,12 +78,12 @@ void read_box(const YamlValue& value, std::vector<sim::Box>& boxes) {
   box.height_m = mapping.require("height").number(kLength);
   mapping.read("base", kLength, box.base_m);
   mapping.read("yaw", kAngle, box.yaw_rad);
-  const std::vector<Point2> offsets_m = read_offsets(mapping);
+  const std::vector<Point2> offsets_m = read_offsets(mapping, parts);
   mapping.finish();
   add_copies(value, box, offsets_m, boxes);
 }
 
-void read_cylinder(const YamlValue& value, std::vector<sim::Cylinder>& cylinders) {
+void read_cylinder(const YamlValue& value, PartCount& parts, std::vector<sim::Cylinder>& cylinders) {
   YamlMapping mapping(value);
   sim::Cylinder cylinder;
   cylinder.centre_m = mapping.require("centre").point();
@@ -74,7 +93,7 @@ void read_cylinder(const YamlValue& value, std::vector<sim::Cylinder>& cylinders
   if (const auto sides = mapping.find("sides")) {
     cylinder.sides = static_cast<int>(sides->count());
   }
-  const std::vector<Point2> offsets_m = read_offsets(mapping);
+  const std::vector<Point2> offsets_m = read_offsets(mapping, parts);
   mapping.finish();
   add_copies(value, cylinder, offsets_m, cylinders);
 }
@@ -111,7 +130,7 @@ sim::Door read_door(const YamlValue& value) {
 }
 
 /// A row of windows is written once: `repeat: {count: 4, step: 2.5}` sets each a step further along the leg.
-void read_windows(const YamlValue& value, sim::Wall& wall) {
+void read_windows(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
   YamlMapping mapping(value);
   sim::Door window{.width_m = 1.2, .sill_m = 0.9};
   if (const auto leg = mapping.find("leg")) {
@@ -123,9 +142,10 @@ void read_windows(const YamlValue& value, sim::Wall& wall) {
   mapping.read("head", kLength, window.height_m);
   std::size_t count = 1;
   double step_m = 0.0;
+  parts.add(value, 1);
   if (const auto repeat = mapping.find("repeat")) {
     YamlMapping row(*repeat);
-    count = row.require("count").count();
+    count = read_repeat_count(row, parts);
     step_m = row.require("step").number(kLength);
     row.finish();
   }
@@ -133,19 +153,17 @@ void read_windows(const YamlValue& value, sim::Wall& wall) {
   if (!(window.sill_m > 0.0)) {
     value.refuse("sill must be above 0: an opening down to the floor is a door");
   }
-  if (count < 1 || count > kMaxParts) {
-    value.refuse("repeat.count must be 1 to " + std::to_string(kMaxParts));
-  }
   for (std::size_t i = 0; i < count; ++i) {
     wall.doors.push_back(window);
     window.from_m += step_m;
   }
 }
 
-sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults) {
+sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults, PartCount& parts) {
   YamlMapping mapping(value);
   sim::Wall wall = defaults;
   for (const YamlValue& point : mapping.require("points").entries()) {
+    parts.add(point, 1);
     wall.points_m.push_back(point.point());
   }
   mapping.read("closed", wall.is_closed);
@@ -153,10 +171,11 @@ sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults) {
   mapping.read("base", kLength, wall.base_m);
   mapping.read("height", kLength, wall.height_m);
   for (const YamlValue& door : mapping.list("doors")) {
+    parts.add(door, 1);
     wall.doors.push_back(read_door(door));
   }
   for (const YamlValue& window : mapping.list("windows")) {
-    read_windows(window, wall);
+    read_windows(window, parts, wall);
   }
   mapping.finish();
   value.require_none(validate(wall));
@@ -171,7 +190,7 @@ double metres_per_unit(const YamlValue& unit) {
   return *metres;
 }
 
-sim::TriangleMesh read_mesh(const YamlValue& value) {
+sim::TriangleMesh read_placed_mesh(const YamlValue& value, std::size_t max_triangles) {
   YamlMapping mapping(value);
   const YamlValue file = mapping.require("file");
   sim::MeshPlacement placement;
@@ -195,9 +214,11 @@ sim::TriangleMesh read_mesh(const YamlValue& value) {
     placement.y_is_up = up->text() == "y";
   }
   mapping.finish();
-  const std::filesystem::path path = std::filesystem::path(value.file()).parent_path() / file.text();
-  const std::string content = read_text<InputError>(path.string(), kMaxMeshBytes);
-  return sim::import_mesh(std::as_bytes(std::span(content)), path.string(), placement);
+  if (const std::string fault = fault_of_reference(value.file(), file.text()); !fault.empty()) {
+    file.refuse(fault);
+  }
+  const MeshFile mesh = read_mesh(referenced_path(value.file(), file.text()), {max_triangles, interrupted});
+  return sim::placed_mesh(mesh.vertices, mesh.triangles, placement);
 }
 
 sim::Wall read_wall_defaults(YamlMapping& root) {
@@ -214,44 +235,48 @@ sim::Wall read_wall_defaults(YamlMapping& root) {
 
 /// Boxes and cylinders that belong together, in a frame of their own.
 struct Object {
-  std::string name;
   std::vector<sim::Box> boxes;
   std::vector<sim::Cylinder> cylinders;
 };
+using Objects = std::map<std::string, Object>;
 
-Object read_object(const YamlValue& value) {
+void read_object(const YamlValue& value, PartCount& parts, Objects& objects) {
   YamlMapping mapping(value);
-  Object object;
-  object.name = mapping.require("name").text();
+  parts.add(value, 1);
+  const YamlValue name = mapping.require("name");
+  const auto [entry, is_new] = objects.try_emplace(name.text());
+  if (!is_new) {
+    name.refuse("there are two objects '" + name.text() + "'");
+  }
   for (const YamlValue& box : mapping.list("boxes")) {
-    read_box(box, object.boxes);
+    read_box(box, parts, entry->second.boxes);
   }
   for (const YamlValue& cylinder : mapping.list("cylinders")) {
-    read_cylinder(cylinder, object.cylinders);
+    read_cylinder(cylinder, parts, entry->second.cylinders);
   }
   mapping.finish();
-  return object;
 }
 
-const Object& object_named(const YamlValue& name, const std::vector<Object>& objects) {
+const Object& object_named(const YamlValue& name, const Objects& objects) {
+  if (const auto found = objects.find(name.text()); found != objects.end()) {
+    return found->second;
+  }
   std::vector<std::string> names;
-  for (const Object& object : objects) {
-    if (object.name == name.text()) {
-      return object;
-    }
-    names.push_back(object.name);
+  for (const auto& [known, object] : objects) {
+    names.push_back(known);
   }
   name.refuse("there is no object '" + name.text() + "'" + did_you_mean(name.text(), names));
 }
 
-void read_place(const YamlValue& value, const std::vector<Object>& objects, sim::Scene& scene) {
+void read_place(const YamlValue& value, const Objects& objects, PartCount& parts, sim::Scene& scene) {
   YamlMapping mapping(value);
   const Object& object = object_named(mapping.require("object"), objects);
   const Point2 at_m = mapping.require("at").point();
   Pose2 T_map_object{at_m.x(), at_m.y(), 0.0};
   mapping.read("yaw", kAngle, T_map_object.theta_rad);
-  const std::vector<Point2> offsets_m = read_offsets(mapping);
+  const std::vector<Point2> offsets_m = read_offsets(mapping, parts);
   mapping.finish();
+  parts.add(value, offsets_m.size() * (object.boxes.size() + object.cylinders.size()));
   for (sim::Box box : object.boxes) {
     box.centre_m = T_map_object * box.centre_m;
     box.yaw_rad += T_map_object.theta_rad;
@@ -263,13 +288,22 @@ void read_place(const YamlValue& value, const std::vector<Object>& objects, sim:
   }
 }
 
-void read_objects(YamlMapping& root, sim::Scene& scene) {
-  std::vector<Object> objects;
+void read_objects(YamlMapping& root, PartCount& parts, sim::Scene& scene) {
+  Objects objects;
   for (const YamlValue& object : root.list("objects")) {
-    objects.push_back(read_object(object));
+    read_object(object, parts, objects);
   }
   for (const YamlValue& place : root.list("place")) {
-    read_place(place, objects, scene);
+    read_place(place, objects, parts, scene);
+  }
+}
+
+void read_meshes(YamlMapping& root, PartCount& parts, sim::Scene& scene) {
+  std::size_t triangles = 0;
+  for (const YamlValue& mesh : root.list("meshes")) {
+    parts.add(mesh, 1);
+    scene.meshes.push_back(read_placed_mesh(mesh, sim::kMaxTriangles - triangles));
+    triangles += scene.meshes.back().triangles.size();
   }
 }
 
@@ -277,20 +311,19 @@ void read_objects(YamlMapping& root, sim::Scene& scene) {
 
 sim::Scene read_scene_parts(YamlMapping& root) {
   sim::Scene scene;
+  PartCount parts;
   const sim::Wall wall_defaults = read_wall_defaults(root);
   for (const YamlValue& wall : root.list("walls")) {
-    scene.walls.push_back(read_wall(wall, wall_defaults));
+    scene.walls.push_back(read_wall(wall, wall_defaults, parts));
   }
   for (const YamlValue& box : root.list("boxes")) {
-    read_box(box, scene.boxes);
+    read_box(box, parts, scene.boxes);
   }
   for (const YamlValue& cylinder : root.list("cylinders")) {
-    read_cylinder(cylinder, scene.cylinders);
+    read_cylinder(cylinder, parts, scene.cylinders);
   }
-  read_objects(root, scene);
-  for (const YamlValue& mesh : root.list("meshes")) {
-    scene.meshes.push_back(read_mesh(mesh));
-  }
+  read_objects(root, parts, scene);
+  read_meshes(root, parts, scene);
   if (const auto floor = root.find("floor")) {
     scene.floor_m = floor->number(kLength);
   }

@@ -29,12 +29,14 @@ struct CloudColumn {
   CloudRole role = CloudRole::kIgnored;
   std::optional<Scalar> list_count{};  ///< a list of PLY: its length stands before its items
   std::uint64_t repeat = 1;            ///< values of a column of PCD
+  bool is_corner_list = false;         ///< the vertices of a face, of PLY
 };
 
-/// A kind of thing that a file holds, with its number; only vertices matter.
+/// A kind of thing that a file holds, with its number; of clouds only vertices matter.
 struct CloudElement {
   std::uint64_t count = 0;
   bool is_vertex = false;
+  bool is_face = false;
   std::vector<CloudColumn> columns;
 };
 

@@ -43,11 +43,11 @@ Scalar scalar_of(std::string_view word, const FilePosition& at) {
   throw InputError(at, fmt::format("{} is no type of PLY", in_quotes(word)));
 }
 
-void set_format(const Words& words, CloudFileLayout& layout, const FilePosition& at) {
+void set_format(const Words& words, PlyHeader& header, const FilePosition& at) {
   if (words.size() < 2) throw InputError(at, "the format is missing: ascii, binary_little_endian, binary_big_endian");
-  layout.header.format = words[1] == "ascii" ? CloudFormat::kPlyAscii : CloudFormat::kPlyBinary;
-  layout.is_big_endian = words[1] == "binary_big_endian";
-  if (words[1] != "ascii" && words[1] != "binary_little_endian" && !layout.is_big_endian) {
+  header.format = words[1] == "ascii" ? CloudFormat::kPlyAscii : CloudFormat::kPlyBinary;
+  header.is_big_endian = words[1] == "binary_big_endian";
+  if (words[1] != "ascii" && words[1] != "binary_little_endian" && !header.is_big_endian) {
     throw InputError(
         at, fmt::format("{} is no format of PLY: ascii, binary_little_endian, binary_big_endian", in_quotes(words[1])));
   }
@@ -56,7 +56,7 @@ void set_format(const Words& words, CloudFileLayout& layout, const FilePosition&
 CloudElement element_of(const Words& words, const FilePosition& at) {
   const std::optional<std::uint64_t> count = words.size() == 3 ? count_of(words[2]) : std::nullopt;
   if (!count) throw InputError(at, "expected 'element NAME COUNT'");
-  return {.count = *count, .is_vertex = words[1] == "vertex", .columns = {}};
+  return {.count = *count, .is_vertex = words[1] == "vertex", .is_face = words[1] == "face", .columns = {}};
 }
 
 CloudColumn column_of(const Words& words, const FilePosition& at) {
@@ -65,7 +65,8 @@ CloudColumn column_of(const Words& words, const FilePosition& at) {
     const Scalar count = scalar_of(words[2], at);
     if (count == Scalar::kFloat || count == Scalar::kDouble)
       throw InputError(at, "the length of a list is a whole number");
-    return {.type = scalar_of(words[3], at), .list_count = count};
+    const bool is_corner_list = words[4] == "vertex_indices" || words[4] == "vertex_index";
+    return {.type = scalar_of(words[3], at), .list_count = count, .is_corner_list = is_corner_list};
   }
   throw InputError(at, "expected 'property TYPE NAME' or 'property list TYPE TYPE NAME'");
 }
@@ -83,19 +84,11 @@ void sort_elements(std::vector<CloudElement> elements, CloudFileLayout& layout, 
   throw InputError({name, 0}, "has no element 'vertex', so it holds no points");
 }
 
-// What the lines between "ply" and "end_header" say.
-struct PlyHeader {
-  void take(const Words& words, const FilePosition& at);
-
-  CloudFileLayout layout;
-  std::vector<CloudElement> elements;
-  bool has_format = false;
-};
-
-void PlyHeader::take(const Words& words, const FilePosition& at) {
+// What a line between "ply" and "end_header" says.
+void take(const Words& words, PlyHeader& header, const FilePosition& at) {
+  std::vector<CloudElement>& elements = header.elements;
   if (words[0] == "format") {
-    set_format(words, layout, at);
-    has_format = true;
+    set_format(words, header, at);
   } else if (words[0] == "element") {
     if (elements.size() == kMostElements) throw InputError(at, "more than 100 elements");
     elements.push_back(element_of(words, at));
@@ -110,22 +103,32 @@ void PlyHeader::take(const Words& words, const FilePosition& at) {
 
 }  // namespace
 
-CloudFileLayout read_ply_header(CloudInput& input) {
+PlyHeader read_ply_elements(CloudInput& input) {
   PlyHeader header;
+  bool has_format = false;
   while (const std::optional<std::string_view> line = input.line()) {
     const FilePosition at{input.name(), input.line_number()};
     if (at.line > kMostLines) throw InputError(at, "the PLY header has more than 100000 lines");
     const Words words = words_of(*line);
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] != "end_header") {
-      header.take(words, at);
+      take(words, header, at);
+      has_format = has_format || words[0] == "format";
       continue;
     }
-    if (!header.has_format) throw InputError(at, "the header has no 'format' line");
-    sort_elements(std::move(header.elements), header.layout, input.name());
-    return header.layout;
+    if (!has_format) throw InputError(at, "the header has no 'format' line");
+    return header;
   }
   throw InputError({input.name(), 0}, "the PLY header has no 'end_header'; is the file whole?");
+}
+
+CloudFileLayout read_ply_header(CloudInput& input) {
+  PlyHeader header = read_ply_elements(input);
+  CloudFileLayout layout;
+  layout.header.format = header.format;
+  layout.is_big_endian = header.is_big_endian;
+  sort_elements(std::move(header.elements), layout, input.name());
+  return layout;
 }
 
 }  // namespace gdtslam

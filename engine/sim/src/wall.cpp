@@ -1,6 +1,7 @@
 // Walls: what may be built, and the boxes that they are built of.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/elementary.hpp"
@@ -11,7 +12,8 @@ namespace {
 
 // Comparisons are written so that a value that is not a number counts as outside.
 void require(std::vector<std::string>& faults, bool holds, const std::string& fault) {
-  if (!holds) {
+  constexpr std::size_t kMostFaults = 100;  // a wall may have a hundred thousand doors
+  if (!holds && faults.size() < kMostFaults) {
     faults.push_back(fault);
   }
 }
@@ -77,18 +79,24 @@ Box leaf_of(const Wall& wall, const Leg& leg, const Door& door, const DoorLeaf& 
   return box;
 }
 
-std::vector<Door> doors_in_order(const Wall& wall, std::size_t leg) {
-  std::vector<Door> doors;
-  std::copy_if(wall.doors.begin(), wall.doors.end(), std::back_inserter(doors),
-               [leg](const Door& door) { return door.leg == leg; });
-  std::stable_sort(doors.begin(), doors.end(), [](const Door& a, const Door& b) { return a.from_m < b.from_m; });
+// The openings of all legs, leg after leg, each leg's along it.
+std::vector<Door> doors_in_order(const Wall& wall) {
+  std::vector<Door> doors = wall.doors;
+  std::stable_sort(doors.begin(), doors.end(),
+                   [](const Door& a, const Door& b) { return a.leg != b.leg ? a.leg < b.leg : a.from_m < b.from_m; });
   return doors;
 }
 
-void add_leg(std::vector<Box>& boxes, const Wall& wall, std::size_t index) {
+std::span<const Door> doors_of_leg(const std::vector<Door>& in_order, std::size_t leg) {
+  const auto [first, last] = std::equal_range(in_order.begin(), in_order.end(), Door{.leg = leg},
+                                              [](const Door& a, const Door& b) { return a.leg < b.leg; });
+  return {first, last};
+}
+
+void add_leg(std::vector<Box>& boxes, const Wall& wall, std::size_t index, std::span<const Door> doors) {
   const Leg leg = leg_of(wall, index);
   double from_m = -leg.lead_in_m;
-  for (const Door& door : doors_in_order(wall, index)) {
+  for (const Door& door : doors) {
     if (door.from_m > from_m) {
       boxes.push_back(piece_of(wall, leg, from_m, door.from_m, wall.base_m, wall.height_m));
     }
@@ -110,10 +118,10 @@ void add_leg(std::vector<Box>& boxes, const Wall& wall, std::size_t index) {
   }
 }
 
-void check_doors(std::vector<std::string>& faults, const Wall& wall, std::size_t leg) {
+void check_doors(std::vector<std::string>& faults, const Wall& wall, std::size_t leg, std::span<const Door> doors) {
   const double length_m = leg_length(wall, leg);
   double free_from_m = 0.0;
-  for (const Door& door : doors_in_order(wall, leg)) {
+  for (const Door& door : doors) {
     const std::string name = (door.sill_m > 0.0 ? "the window at " : "the door at ") + std::to_string(door.from_m) +
                              " m of leg " + std::to_string(leg);
     require(faults, is_inside(door.width_m, 0.01, kMaxCoordinate_m), name + " must be at least 1 cm wide");
@@ -163,9 +171,10 @@ std::vector<std::string> validate(const Wall& wall) {
   if (!faults.empty()) {
     return faults;
   }
-  for (std::size_t leg = 0; leg < wall.leg_count(); ++leg) {
+  const std::vector<Door> doors = doors_in_order(wall);
+  for (std::size_t leg = 0; leg < wall.leg_count() && faults.empty(); ++leg) {
     require(faults, leg_length(wall, leg) >= 1e-3, "leg " + std::to_string(leg) + " is shorter than 1 mm");
-    check_doors(faults, wall, leg);
+    check_doors(faults, wall, leg, doors_of_leg(doors, leg));
   }
   for (const Door& door : wall.doors) {
     require(
@@ -177,8 +186,9 @@ std::vector<std::string> validate(const Wall& wall) {
 
 std::vector<Box> boxes_of(const Wall& wall) {
   std::vector<Box> boxes;
+  const std::vector<Door> doors = doors_in_order(wall);
   for (std::size_t leg = 0; leg < wall.leg_count(); ++leg) {
-    add_leg(boxes, wall, leg);
+    add_leg(boxes, wall, leg, doors_of_leg(doors, leg));
   }
   return boxes;
 }

@@ -55,7 +55,6 @@ const std::vector<Library>& libraries() {
       {"zlib.h", {"io"}},
       {"openssl/", {"io"}},
       {"embree3/", {"sim"}},
-      {"assimp/", {"sim"}},
       {"ceres/", {"calib"}},
       {"nanoflann.hpp", {"cloud"}},
       {"vulkan/", {"vulkan"}},

@@ -27,6 +27,7 @@ TEST(FuzzCorpus, Map) { replay("map", fuzz::read_map_image, 3); }
 TEST(FuzzCorpus, Tum) { replay("tum", fuzz::read_trajectory, 2); }
 TEST(FuzzCorpus, Ply) { replay("ply", fuzz::read_cloud_file, 5); }
 TEST(FuzzCorpus, Pcd) { replay("pcd", fuzz::read_cloud_file, 5); }
+TEST(FuzzCorpus, Mesh) { replay("mesh", fuzz::read_mesh_file, 8); }
 TEST(FuzzCorpus, Png) { replay("png", fuzz::read_distance_image, 2); }
 
 }  // namespace

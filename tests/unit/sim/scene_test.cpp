@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -66,6 +67,35 @@ TEST(Scene, WallWithDoorsLosesTheDoors) {
   wall.doors.push_back({.leg = 0, .from_m = 0.0, .width_m = 0.5, .height_m = 3.0});
   EXPECT_TRUE(validate(wall).empty());
   EXPECT_NEAR(volume_of(boxes_of(wall)), (6.0 * 2.5 - 1.0 * 2.0 - 0.5 * 2.5) * 0.2, 1e-12);
+}
+
+TEST(Scene, DoorsOfAllLegsMayStandInAnyOrder) {
+  Wall wall;
+  wall.points_m = {{0.0, 0.0}, {6.0, 0.0}, {6.0, 6.0}};
+  wall.thickness_m = 0.2;
+  wall.height_m = 2.5;
+  wall.doors = {{.leg = 1, .from_m = 4.0, .width_m = 1.0, .height_m = 2.5},
+                {.leg = 0, .from_m = 3.0, .width_m = 0.5, .height_m = 2.5},
+                {.leg = 1, .from_m = 1.0, .width_m = 0.25, .height_m = 2.5},
+                {.leg = 0, .from_m = 1.0, .width_m = 0.75, .height_m = 2.5}};
+  EXPECT_TRUE(validate(wall).empty());
+  // Each leg is drawn out by half of the thickness at the corner.
+  EXPECT_NEAR(volume_of(boxes_of(wall)), (6.1 - 1.25 + 6.1 - 1.25) * 0.2 * 2.5, 1e-12);
+  wall.doors.push_back({.leg = 1, .from_m = 4.5, .width_m = 1.0});
+  EXPECT_EQ(validate(wall).size(), 1U);
+  wall.doors.assign(100'000, {.leg = 0, .from_m = -1.0});
+  EXPECT_LE(validate(wall).size(), 100U);
+}
+
+// A hundred thousand legs with as many doors: each leg looks at its own doors only.
+TEST(Scene, ManyLegsAndDoorsTakeNoTimeTogether) {
+  Wall wall;
+  for (int k = 0; k < 100'000; ++k) wall.points_m.emplace_back(0.01 * (k % 2), 0.001 * k);
+  for (std::size_t k = 0; k < 99'999; ++k) wall.doors.push_back({.leg = k, .from_m = 0.0, .width_m = 0.01});
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_TRUE(validate(wall).empty());
+  EXPECT_GE(boxes_of(wall).size(), 99'999U);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 TEST(Scene, WallWithWindowsKeepsWhatIsUnderTheirSills) {

@@ -226,9 +226,13 @@ TEST_F(SceneFileTest, SizesAreBounded) {
               HasSubstr("must be 1 to 200000"));
   const std::string many = "{centre: [0, 0], size: [1, 1], height: 1, repeat: {count: 150000, step: [0, 0]}}";
   EXPECT_THAT(refusal("boxes: [" + many + ", " + many + "]\n"), HasSubstr("more than 200000 parts"));
+  const std::string row = "{from: 0, width: 1 mm, repeat: {count: 60000, step: 0.002}}";
+  EXPECT_THAT(
+      refusal("walls: [{points: [[0, 0], [900, 0]], windows: [" + row + ", " + row + ", " + row + ", " + row + "]}]\n"),
+      HasSubstr("more than 200000 parts"));
   std::string deep(100'000, '[');
   EXPECT_THAT(refusal("walls: " + deep + "\n"), HasSubstr("not valid YAML"));
-  EXPECT_THROW(read_scene(write("big.yaml", std::string((16U << 20U) + 1, '#'))), FileError);
+  EXPECT_THROW(read_scene(write("big.yaml", std::string((16U << 20U) + 1, '#'))), ConfigError);
 }
 
 TEST_F(SceneFileTest, RefusesWhatIsNoScene) {
@@ -241,6 +245,19 @@ TEST_F(SceneFileTest, RefusesWhatIsNoScene) {
   EXPECT_THROW(read_scene(write("late.yaml", "gdtslam_scene: 2\n")), ConfigError);
   EXPECT_THAT(refusal("walls: [\n"), HasSubstr("not valid YAML"));
   EXPECT_THROW(read_scene(write("mesh.yaml", "gdtslam_scene: 1\nmeshes: [{file: gone.obj}]\n")), FileError);
+}
+
+// A fan of copies, one name twice, and files outside of the scene's folder: the whole of it in one line each.
+TEST_F(SceneFileTest, PlacesAndReferencesAreBounded) {
+  const std::string many = "{centre: [0, 0], size: [1, 1], height: 1, repeat: {count: 1000, step: [0, 0]}}";
+  const std::string object = "objects: [{name: a, boxes: [" + many + "]}]\n";
+  EXPECT_THAT(refusal(object + "place: [{object: a, at: [0, 0], repeat: {count: 200, step: [0, 0]}}]\n"),
+              HasSubstr("3: place[0]: the scene has more than 200000 parts"));
+  EXPECT_EQ(refusal(object + "place: [{object: a, at: [0, 0], repeat: {count: 190, step: [0, 0]}}]\n"), "accepted");
+  EXPECT_THAT(refusal("objects: [{name: a}, {name: a}]\n"), HasSubstr("there are two objects 'a'"));
+  EXPECT_THAT(refusal("meshes: [{file: ../s.yaml}]\n"), HasSubstr("2: meshes[0].file: \"../s.yaml\" leads out"));
+  EXPECT_THAT(refusal("robot: {nodding: {linkage: /dev/null}}\n"), HasSubstr("leads out of the folder"));
+  EXPECT_THAT(refusal("meshes: [{file: \"a\\nb.obj\"}]\n"), HasSubstr("is no name of a file"));
 }
 
 TEST_F(SceneFileTest, ReadsATrajectory) {
