@@ -1,0 +1,190 @@
+"""Scenes, meshes and clouds that are made to harm: one stated outcome each, in little time and memory."""
+
+import gzip
+import os
+import re
+import signal
+import struct
+import subprocess
+import threading
+import time
+
+import cli_support as cli
+from cli_support import command, expect, expect_exit, one_error_line
+
+HEAD = "gdtslam_scene: 1\n"
+BOX = "{centre: [0, 0], size: [1, 1], height: 1}"
+PLACE = "waypoints: [{at: [0, 0], pause: 1 s}]\n"
+FEW_MB = 256
+# What docs/formats.md allows to be kept, three times over while a list grows.
+PACKED_MB = 1000
+
+
+def refused(name, code, pattern, most_mb, *arguments, most_s=5.0):
+    """One run and its one line; the largest resident size is that of this process alone."""
+    with subprocess.Popen([cli.PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True) as process:
+        timer = threading.Timer(60, process.kill)
+        timer.start()
+        stdout, stderr = process.stdout.read(), process.stderr.read()
+        _, status, usage = os.wait4(process.pid, 0)
+        timer.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+    cpu_s = usage.ru_utime + usage.ru_stime
+    print(f"{name}: exit {process.returncode}, {cpu_s:.2f} s CPU, {usage.ru_maxrss // 1024} MB: {stderr.strip()[:300]}")
+    expect_exit(subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr), code)
+    one_error_line(stderr)
+    expect(re.search(pattern, stderr), f"{name}: {stderr}")
+    if "FULL_DISK" in os.environ:  # a sanitized program needs more time and memory
+        expect(cpu_s < most_s, f"{name}: took {cpu_s:.2f} s of CPU")
+        expect(usage.ru_maxrss < most_mb << 10, f"{name}: took {usage.ru_maxrss // 1024} MB")
+
+
+def scene_refused(name, lines, code, pattern, most_mb=FEW_MB, **options):
+    folder = cli.fresh_folder(f"hostile_scenes/{name}")
+    (folder / "scene.yaml").write_text(HEAD + lines + PLACE)
+    refused(name, code, pattern, most_mb, "simulate", folder / "scene.yaml", "-o", folder / "drive.log", **options)
+    expect(not list(folder.glob("drive*")), f"{name}: something was written")
+
+
+def hostile_scenes():
+    """Small scenes that multiply, and files that are too long."""
+    row = "{from: 0, width: 1 mm, repeat: {count: 200000, step: 0.002}}"
+    wall = f"{{points: [[0, 0], [900, 0]], windows: [{', '.join([row] * 300)}]}}"
+    scene_refused("windows", f"walls: [{wall}]\n", 78, "more than 200000 parts")
+    points = ", ".join(f"[{k % 100}, {k // 100}]" for k in range(5000))
+    aliases = ", ".join(["*w"] * 5000)
+    scene_refused("aliases", f"walls: [&w {{points: [{points}]}}, {aliases}]\n", 78, "more than 200000 parts")
+    many = f"{{centre: [0, 0], size: [1, 1], height: 1, repeat: {{count: 60000, step: [0, 0]}}}}"
+    spread = "repeat: {count: 60000, step: [0, 0]}"
+    scene_refused("places", f"objects: [{{name: a, boxes: [{many}]}}]\nplace: [{{object: a, at: [0, 0], {spread}}}]\n", 78,
+                  "more than 200000 parts")
+    empty = "objects: [{name: a}]\nplace: [&p {object: a, at: [0, 0], repeat: {count: 200000, step: [0, 0]}}, "
+    scene_refused("empty_places", empty + ", ".join(["*p"] * 50_000) + "]\n", 78, "more than 200000 parts")
+    names = "objects: [" + ", ".join(f"{{name: o{k}}}" for k in range(60_000)) + "]\n"
+    places = "place: [" + ", ".join(f"{{object: o{k}, at: [0, 0]}}" for k in range(59_999, -1, -1)) + "]\n"
+    scene_refused("sixty_thousand_objects", names + places, 78, "more than 1000000 values|the scene is empty", 1000,
+                  most_s=20.0)
+    scene_refused("number", f"floor: {'0' * 1_000_000}\n", 78, "scene.yaml:2: floor: a (number|text) of more than")
+    scene_refused("recursion", "walls: &a [*a]\n", 78, "scene.yaml:2: ")
+    scene_refused("values", "walls: [" + "[]," * 5_000_000 + "]\n", 78, "more than 1000000 values")
+    scene_refused("long", "#" * (16 << 20) + "\n", 78, "scene.yaml: is longer than")
+    folder = cli.fresh_folder("hostile_scenes/linkage")
+    (folder / "long.yaml").write_text("#" * ((1 << 20) + 1))
+    refused("long linkage", 78, "long.yaml: is longer than", FEW_MB, "simulate", "three-boxes", "-o", folder / "drive.log",
+            "--linkage", folder / "long.yaml")
+
+
+def hostile_meshes():
+    """Meshes of any bytes end at once in one line; a scene opens nothing but what lies beside it."""
+    folder = cli.fresh_folder("hostile_meshes")
+    ply = b"ply\nformat binary_little_endian 1.0\n"
+    corners = b"element vertex 4000000000\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
+    meshes = {"endless.ply": ply + b"element face 4294967295\nend_header\n",
+              "vertices.ply": ply + corners + b"end_header\n\0\0\0",
+              "list.ply": ply + corners.replace(b"4000000000", b"1") + b"element face 4000000000\n"
+                          b"property list uint uint vertex_indices\nend_header\n\0\0\0\xff\xff\xff\xff",
+              "header.ply": b"ply\nformat ascii 1.0\n" + b"comment\n" * 200_000,
+              "count.stl": b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 50,
+              "cut.stl": b"\0" * 80 + struct.pack("<I", 4) + b"\0" * 66,
+              "corner.obj": b"v 0 0 0\nf 1 1 4000000000\n",
+              "line.obj": b"f" + b" 1" * 1_000_000, "binary.obj": bytes(range(256)) * 1000, "empty.ply": b""}
+    for name, content in meshes.items():
+        (folder / name).write_bytes(content)
+        (folder / "scene.yaml").write_text(f"{HEAD}meshes: [{{file: {name}}}]\n{PLACE}")
+        refused(name, 65, re.escape(name), FEW_MB, "simulate", folder / "scene.yaml", "-o", folder / "drive.log", most_s=1.0)
+
+    outside = cli.fresh_folder("hostile_meshes_outside")
+    (outside / "secret.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (folder / "link.obj").symlink_to(outside / "secret.obj")
+    (folder / "linked").symlink_to(outside)
+    os.mkfifo(folder / "pipe.obj")
+    (folder / "folder.obj").mkdir()
+    for name, pattern in ((outside / "secret.obj", "leads out"), ("../hostile_meshes_outside/secret.obj", "leads out"),
+                          ("link.obj", "leads out"), ("linked/secret.obj", "leads out"), ("pipe.obj", "no regular file"),
+                          ("folder.obj", "no regular file"), ("/dev/zero", "leads out")):
+        scene = f"{HEAD}meshes: [{{file: {name}}}]\n{PLACE}"
+        (folder / "scene.yaml").write_text(scene)
+        refused(name, 78, rf"scene.yaml:2: meshes\[0\].file: .*{pattern}", FEW_MB, "simulate", folder / "scene.yaml", "-o",
+                folder / "drive.log")
+        (folder / "scene.yaml").write_text(f"{HEAD}boxes: [{BOX}]\nrobot: {{nodding: {{linkage: {name}}}}}\n{PLACE}")
+        refused(f"linkage {name}", 78, f"scene.yaml:3: robot.nodding.linkage: .*{pattern}", FEW_MB, "simulate",
+                folder / "scene.yaml", "-o", folder / "drive.log")
+
+    # Half a thousand million elements that mean nothing: no room on the disk, but time.
+    elements = 500_000_000
+    with open(folder / "large.ply", "wb") as large:
+        large.write(ply + f"element dust {elements}\nproperty uchar a\nend_header\n".encode())
+        large.truncate(large.tell() + elements)
+    (folder / "scene.yaml").write_text(f"{HEAD}meshes: [{{file: large.ply}}]\n{PLACE}")
+    with subprocess.Popen([cli.PROGRAM, "simulate", folder / "scene.yaml", "-o", folder / "drive.log"], text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        process = cli.finish(process)
+    expect_exit(process, 130)
+    expect("interrupted while a mesh was read" in process.stderr, process.stderr)
+
+
+def lzf_zeros(triples):
+    """LZF data of 3 + 264 * triples zeros: three literals, then runs of 264 bytes three bytes back."""
+    return b"\x02\0\0\0" + b"\xe0\xff\x02" * triples
+
+
+def hostile_clouds():
+    """Packed files of a few kilobytes that unpack to gigabytes."""
+    folder = cli.fresh_folder("hostile_clouds")
+    packed = lzf_zeros(2_600_000)
+    size = 3 + 264 * 2_600_000
+    header = ("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 1 1 1\nTYPE U U U\nCOUNT 1 1 1\n"
+              f"WIDTH {size // 3}\nHEIGHT 1\nPOINTS {size // 3}\nDATA binary_compressed\n").encode()
+    pcd = header + struct.pack("<II", len(packed), size) + packed
+    points = 30_000_000
+    ply = ("ply\nformat binary_little_endian 1.0\n"
+           f"element vertex {points}\nproperty uchar x\nproperty uchar y\nproperty uchar z\nend_header\n").encode()
+    row = b"0 0 0 0 0 0 0 1\n"
+    with gzip.open(folder / "bomb.pcd.gz", "wb") as file:
+        file.write(pcd)
+    with gzip.open(folder / "bomb.ply.gz", "wb", 1) as file:
+        file.write(ply + bytes(3 * points))
+    with gzip.open(folder / "bomb.tum.gz", "wb", 1) as file:
+        file.write(row * 8_000_000)
+    with gzip.open(folder / "bomb.pgm.gz", "wb", 1) as file:
+        file.write(b"P5\n20000 20000\n255\n" + bytes(400_000_000))
+    (folder / "map.yaml").write_text("image: bomb.pgm.gz\nresolution: 0.05\norigin: [0, 0, 0]\n")
+    for name in ("bomb.pcd.gz", "bomb.ply.gz"):
+        print(f"{name}: {(folder / name).stat().st_size} bytes")
+        refused(name, 65, f"{name}: would take .* store the file unpacked", PACKED_MB, "measure", folder / name, most_s=30.0)
+    refused("bomb.tum.gz", 65, "bomb.tum.gz: would take", PACKED_MB, "evaluate", cli.TRUTH, "--reference",
+            folder / "bomb.tum.gz", most_s=30.0)
+    refused("map of a bomb", 65, "bomb.pgm.gz: would take", PACKED_MB, "localize", folder / "map.yaml", cli.LOG, most_s=30.0)
+
+
+def interrupted_reading_is_tried_again():
+    """A signal while a scene comes from a pipe is no fault of the file (exit 74)."""
+    folder = cli.fresh_folder("interrupted_reading")
+    os.mkfifo(folder / "scene.yaml")
+    with subprocess.Popen([cli.PROGRAM, "simulate", folder / "scene.yaml", "-o", folder / "drive.log"], text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        with open(folder / "scene.yaml", "w", encoding="utf-8") as pipe:
+            pipe.write(HEAD + f"boxes: [{BOX.replace('[0, 0]', '[3, 0]')}]\n")
+            pipe.flush()
+            time.sleep(0.3)
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.3)
+            pipe.write(PLACE)
+        process = cli.finish(process)
+    expect_exit(process, 130)
+
+
+def scenes_of_the_documentation():
+    """Every scene that docs/simulation.md shows can be driven."""
+    folder = cli.fresh_folder("documented_scenes")
+    blocks = re.findall(r"^```yaml\n(.*?)^```", (cli.SOURCE / "docs/simulation.md").read_text(), re.MULTILINE | re.DOTALL)
+    scenes = [block for block in blocks if "gdtslam_scene:" in block]
+    expect(scenes, "docs/simulation.md shows no scene")
+    for number, scene in enumerate(scenes):
+        (folder / f"{number}.yaml").write_text(scene)
+        process = command("simulate", folder / f"{number}.yaml", "-o", folder / f"{number}.log")
+        expect_exit(process, 0)
+        expect((folder / f"{number}.log").read_text().count("FLASER") > 0, "a log without scans")
