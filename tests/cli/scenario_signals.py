@@ -1,8 +1,11 @@
 """Interrupts: the scan in hand is finished and what there is is written."""
 
+import fcntl
 import os
+import pty
 import signal
 import subprocess
+import termios
 import time
 
 import cli_support as cli
@@ -16,14 +19,18 @@ def start_slow_run(folder, **options):
 
 
 def interrupt_writes_what_there_is():
-    """SIGINT or SIGTERM in the middle of a file: the scan in hand is finished, all files are there, exit 130."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    """SIGINT, SIGTERM or SIGHUP in the middle of a file: the scan in hand is finished, all files are there, exit 130. Of a
+    terminal that goes away two SIGHUPs come, from the kernel and from the shell."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         folder = cli.fresh_folder("interrupt") / "run"
         logs = [str(LOG)] * 200
         process = subprocess.Popen([PROGRAM, "map", *logs, "-o", str(folder)], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
         time.sleep(1.0)
         process.send_signal(number)
+        if number == signal.SIGHUP:
+            time.sleep(0.05)
+            process.send_signal(number)
         done = finish(process)
         expect_exit(done, 130)
         report = scans_in(folder)
@@ -32,6 +39,29 @@ def interrupt_writes_what_there_is():
         poses = [line for line in (folder / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
         expect(len(poses) == report["scans"], f"{len(poses)} poses, {report['scans']} scans")
         expect(f"interrupted after {report['scans']} scans" in done.stderr, done.stderr)
+
+
+def lost_terminal():
+    """The terminal of a run goes away: what there is is written. With nohup it goes on."""
+    folder = cli.fresh_folder("lost_terminal") / "run"
+    ours, theirs = pty.openpty()
+
+    def take_terminal():
+        os.setsid()
+        fcntl.ioctl(theirs, termios.TIOCSCTTY, 0)
+
+    process = subprocess.Popen([PROGRAM, "map", *([str(LOG)] * 200), "-o", str(folder)], stdin=theirs, stdout=theirs, stderr=theirs,
+                               preexec_fn=take_terminal)
+    os.close(theirs)
+    time.sleep(1.0)
+    os.close(ours)
+    expect(process.wait(timeout=60) == 130, f"exit {process.returncode}")
+    expect(sorted(digests(folder)) == OUTPUTS and scans_in(folder)["interrupted"] is True, "files are missing")
+    process = start_slow_run(folder, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    time.sleep(0.3)
+    process.send_signal(signal.SIGHUP)
+    stdout, stderr = process.communicate(LOG.read_text(), timeout=60)
+    expect(process.returncode == 0, f"exit {process.returncode}: {stderr}")
 
 
 def interrupt_of_standard_input():
