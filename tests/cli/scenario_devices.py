@@ -13,7 +13,7 @@ import cli_support as cli
 from cli_support import (LOG, PROGRAM, SOURCE, command, environment, expect, expect_exit, fresh_folder, mapped, one_error_line,
                          require_vulkan, results, skip, vulkan_devices)
 
-NO_DRIVER = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent", "VK_ADD_DRIVER_FILES": None}
+NO_DRIVER = {"VK_DRIVER_FILES": "/dev/null/none", "VK_ICD_FILENAMES": "/dev/null/none", "VK_ADD_DRIVER_FILES": None}
 SAMPLE = SOURCE / "assets/logs/office-start.log.gz"
 EXPECTED = SOURCE / "assets/expected/office-start.json"
 

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import resource
 import shutil
 import signal
 import stat
@@ -10,10 +11,11 @@ import subprocess
 import time
 
 import cli_support as cli
-from cli_support import DATA, PROGRAM, RUN, TRUTH, command, digests, environment, expect, expect_exit, finish, one_error_line
+from cli_support import DATA, LOG, PROGRAM, RUN, TRUTH, command, digests, environment, expect, expect_exit, finish, one_error_line
 from scenario_render import Png, nodding_run, refused, rendered, require_ffmpeg, require_viewer
 
-NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent", "DISPLAY": None}
+NOWHERE = "/dev/null/none"  # which nobody can make
+NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": NOWHERE, "DISPLAY": None}
 SMALL = ("--size", "64x48")
 
 
@@ -38,11 +40,45 @@ def render_without_a_display():
     try:
         process = subprocess.run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", str(place / "gdtslam"), "render",
                                   str(place / "run"), "-o", str(place / "b.png"), *SMALL], capture_output=True, text=True, check=False,
-                                 env=environment(DISPLAY=None, HOME="/nonexistent", XDG_CACHE_HOME=None, XDG_RUNTIME_DIR=None), timeout=100)
+                                 env=environment(DISPLAY=None, HOME=NOWHERE, XDG_CACHE_HOME=None, XDG_RUNTIME_DIR=None), timeout=100)
         expect_exit(process, 0)
         expect(process.stderr == "" and (place / "b.png").read_bytes() in pictures, f"another picture: {process.stderr}")
     finally:
         shutil.rmtree(place)
+
+
+def home_is_not_made():
+    """A home folder that is not there is not made, neither by this program nor by the drivers that it loads."""
+    require_viewer()
+    folder = cli.fresh_folder("home_is_not_made")
+    env = environment(HOME=str(folder / "home"), XDG_CACHE_HOME=None)
+    rendered("paper-b", "-o", folder / "a.png", "--view", "scene", *SMALL, env=env)
+    expect_exit(command("devices", env=env), 0)
+    expect_exit(command("map", LOG, "--first", 5, "-o", folder / "run", "-q", env=env), 0)
+    if cli.vulkan_devices():
+        expect_exit(command("verify", "--device", "vulkan:0", "arg_min", "-q", env=env), 0)
+    expect(not (folder / "home").exists(), f"a home: {sorted(digests(folder))}")
+
+
+def render_with_few_descriptors():
+    """However few descriptors there are: 74 where a file cannot be opened, 69 where a helper or a driver cannot start, one line."""
+    require_viewer()
+    require_ffmpeg()
+    folder = cli.fresh_folder("render_with_few_descriptors")
+    codes = set()
+    for count in range(4, 200):
+        limit = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (count, count))  # noqa: B023, run at once
+        process = command("render", "paper-b", "-o", folder / "a.gif", *SMALL, "--frames", 2, preexec_fn=limit)
+        if process.returncode == 0:
+            break
+        if "error while loading shared libraries" in process.stderr and process.returncode == 127:
+            continue
+        expect(process.returncode in (69, 74), f"{count} descriptors: exit {process.returncode}: {process.stderr}")
+        one_error_line(process.stderr)
+        expect(not (folder / "a.gif").exists(), f"{count} descriptors: a film")
+        codes.add(process.returncode)
+    print(f"{count} descriptors are enough; before: {codes}")
+    expect(process.returncode == 0 and 69 in codes, f"{codes}")
 
 
 def render_without_opengl():
@@ -81,8 +117,8 @@ def render_ffmpeg_faults():
     folder = cli.fresh_folder("render_ffmpeg_faults")
     film = folder / "a.mp4"
     says = ("'ffmpeg'", "install the package ffmpeg", "--ffmpeg")
-    refused(69, "paper-b", "-o", film, says=says, env=environment(PATH="/nonexistent"))
-    refused(69, "paper-b", "-o", film, "--ffmpeg", "/nonexistent/ffmpeg", says="/nonexistent/ffmpeg")
+    refused(69, "paper-b", "-o", film, says=says, env=environment(PATH=NOWHERE))
+    refused(69, "paper-b", "-o", film, "--ffmpeg", f"{NOWHERE}/ffmpeg", says=f"{NOWHERE}/ffmpeg")
     short = ("-o", film, *SMALL, "--frames", 3)
     failing = fake_ffmpeg(folder, "cat > /dev/null; echo 'the codec is out of order' >&2; exit 3")
     refused(1, "paper-b", *short, "--ffmpeg", failing, says="ffmpeg failed (exit 3): the codec is out of order")

@@ -23,7 +23,8 @@ fs::path base_folder() {
   fs::path named = absolute_from("XDG_CACHE_HOME");
   if (!named.empty()) return named;
   const fs::path home = absolute_from("HOME");
-  return home.empty() ? home : home / ".cache";
+  std::error_code ignored;  // what cannot be asked about is no home
+  return fs::is_directory(home, ignored) ? home / ".cache" : fs::path();
 }
 
 // An empty text where the folder is there now. Folders above it come with the same access.
@@ -41,7 +42,7 @@ std::string problem_of_making(const fs::path& folder) {
 
 CacheFolder cache_folder() {
   const fs::path base = base_folder();
-  if (base.empty()) return {"", "neither XDG_CACHE_HOME nor HOME names a folder"};
+  if (base.empty()) return {"", "XDG_CACHE_HOME is not set, and HOME names no folder that exists"};
   const fs::path folder = base / "gdtslam";
   std::string problem = problem_of_making(folder);
   if (!problem.empty()) return {"", std::move(problem)};

@@ -10,7 +10,8 @@ struct CacheFolder {
   std::string problem;  ///< why there is none
 };
 
-/// $XDG_CACHE_HOME/gdtslam, else ~/.cache/gdtslam, made with access for this user alone where it is missing.
+/// $XDG_CACHE_HOME/gdtslam, else ~/.cache/gdtslam, made with access for this user alone where it is missing. A home
+/// that does not exist is not made: an account without one shall leave nothing behind.
 CacheFolder cache_folder();
 
 }  // namespace gdtslam

@@ -24,35 +24,47 @@ constexpr int kFilmOfChild = 3;
 constexpr int kPipeBytes = 1 << 20;  // what Linux grants everyone: ffmpeg can compress while a frame is drawn
 constexpr std::size_t kMostComplaint = 300;
 
-[[noreturn]] void fail(const std::string& what, int code) {
-  throw Error(ExitCode::kFailed, fmt::format("ffmpeg: {}: {}", what, std::generic_category().message(code)));
+std::string text_of(int code) { return std::generic_category().message(code); }
+
+[[noreturn]] void fail_to_start(const std::string& program, int code) {
+  const bool is_limit = code == EMFILE || code == ENFILE || code == EAGAIN;
+  throw UnavailableError(
+      fmt::format("{}: cannot be run: {}; {}", program, text_of(code),
+                  is_limit ? "raise the limit ('ulimit -a' shows it)" : "--ffmpeg names another one"));
 }
 
-// A copy beyond the numbers that the child gets, so that giving it one does not overwrite another.
-Descriptor raised(int number) {
-  constexpr int kFirstFree = 10;
-  const int copy = ::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree);
-  if (copy < 0) fail("no descriptor is free", errno);
-  return Descriptor(copy);
-}
-
-void check(int code, const char* what) {
-  if (code != 0) fail(what, code);
-}
-
-struct Actions {
-  Actions() {
-    check(::posix_spawn_file_actions_init(&files), "cannot be started");
-    check(::posix_spawnattr_init(&attributes), "cannot be started");
+// What a child needs, and how its start fails where there is not enough of something.
+class Start {
+ public:
+  explicit Start(const std::string& program) : program_(program) {
+    check(::posix_spawn_file_actions_init(&files));
+    check(::posix_spawnattr_init(&attributes));
   }
-  Actions(const Actions&) = delete;
-  Actions& operator=(const Actions&) = delete;
-  ~Actions() {
+  Start(const Start&) = delete;
+  Start& operator=(const Start&) = delete;
+  ~Start() {
     ::posix_spawn_file_actions_destroy(&files);
     ::posix_spawnattr_destroy(&attributes);
   }
+  void check(int code) const {
+    if (code != 0) fail_to_start(program_, code);
+  }
+  // The child's descriptor `number`, by way of a copy beyond the numbers that the child gets, so that giving it one
+  // does not overwrite another.
+  void give(int descriptor, int number) {
+    constexpr int kFirstFree = 10;
+    const int copy = ::fcntl(descriptor, F_DUPFD_CLOEXEC, kFirstFree);
+    if (copy < 0) fail_to_start(program_, errno);
+    copies_.emplace_back(copy);
+    check(::posix_spawn_file_actions_adddup2(&files, copy, number));
+  }
+
   posix_spawn_file_actions_t files{};
   posix_spawnattr_t attributes{};
+
+ private:
+  const std::string& program_;
+  std::vector<Descriptor> copies_;
 };
 
 }  // namespace
@@ -71,9 +83,9 @@ void Descriptor::close() {
 
 FfmpegProcess::FfmpegProcess(const std::string& program, std::vector<std::string> arguments, int film) {
   errors_ = Descriptor(::memfd_create("ffmpeg", MFD_CLOEXEC));
-  if (errors_.number() < 0) fail("cannot be started", errno);
+  if (errors_.number() < 0) fail_to_start(program, errno);
   int ends[2] = {-1, -1};
-  if (::pipe2(ends, O_CLOEXEC) != 0) fail("cannot be started", errno);
+  if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(program, errno);
   const Descriptor output(ends[0]);
   input_ = Descriptor(ends[1]);
   ::fcntl(input_.number(), F_SETPIPE_SZ, kPipeBytes);  // smaller where the user's share of pipes is used up
@@ -81,33 +93,26 @@ FfmpegProcess::FfmpegProcess(const std::string& program, std::vector<std::string
 }
 
 void FfmpegProcess::spawn(const std::string& program, std::vector<std::string> arguments, int input, int film) {
-  Actions actions;
-  const Descriptor safe_input = raised(input);
-  const Descriptor safe_errors = raised(errors_.number());
-  const Descriptor safe_film = raised(film);
-  check(::posix_spawn_file_actions_adddup2(&actions.files, safe_input.number(), STDIN_FILENO), "cannot be started");
-  check(::posix_spawn_file_actions_addopen(&actions.files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0),
-        "cannot be started");
-  check(::posix_spawn_file_actions_adddup2(&actions.files, safe_errors.number(), STDERR_FILENO), "cannot be started");
-  check(::posix_spawn_file_actions_adddup2(&actions.files, safe_film.number(), kFilmOfChild), "cannot be started");
+  Start start(program);
+  start.give(input, STDIN_FILENO);
+  start.check(::posix_spawn_file_actions_addopen(&start.files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0));
+  start.give(errors_.number(), STDERR_FILENO);
+  start.give(film, kFilmOfChild);
   sigset_t defaults{};
   ::sigemptyset(&defaults);
   ::sigaddset(&defaults, SIGPIPE);
-  check(::posix_spawnattr_setsigdefault(&actions.attributes, &defaults), "cannot be started");
-  check(::posix_spawnattr_setpgroup(&actions.attributes, 0), "cannot be started");
-  check(::posix_spawnattr_setflags(&actions.attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP),
-        "cannot be started");
+  start.check(::posix_spawnattr_setsigdefault(&start.attributes, &defaults));
+  start.check(::posix_spawnattr_setpgroup(&start.attributes, 0));
+  start.check(::posix_spawnattr_setflags(&start.attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP));
   arguments.insert(arguments.begin(), program);
   std::vector<char*> words;
   words.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
-  const int code =
-      ::posix_spawn(&child_, program.c_str(), &actions.files, &actions.attributes, words.data(), ::environ);
+  const int code = ::posix_spawn(&child_, program.c_str(), &start.files, &start.attributes, words.data(), ::environ);
   if (code == 0) return;
   child_ = -1;
-  throw UnavailableError(
-      fmt::format("{}: cannot be run: {}; --ffmpeg names another one", program, std::generic_category().message(code)));
+  fail_to_start(program, code);
 }
 
 FfmpegProcess::~FfmpegProcess() {
@@ -153,7 +158,7 @@ bool FfmpegProcess::write(std::string_view bytes) {
     } else if (errno == EPIPE) {
       return false;
     } else if (errno != EINTR) {
-      fail("cannot be written to", errno);
+      throw FileError("the pipe to ffmpeg", "cannot be written: " + text_of(errno));
     }
     if (!bytes.empty() && interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   }
@@ -164,7 +169,7 @@ std::string FfmpegProcess::wait() {
   input_.close();
   int status = 0;
   while (::waitpid(child_, &status, 0) < 0) {
-    if (errno != EINTR) fail("cannot be waited for", errno);
+    if (errno != EINTR) throw Error(ExitCode::kFailed, "ffmpeg: cannot be waited for: " + text_of(errno));
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   }
   child_ = -1;

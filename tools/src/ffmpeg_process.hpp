@@ -29,14 +29,15 @@ class Descriptor {
 class FfmpegProcess {
  public:
   /// `arguments` follow the program's name; the child finds the film's descriptor as /dev/fd/3. Throws
-  /// UnavailableError where the program cannot be run, Error where the system refuses.
+  /// UnavailableError where the program cannot be run, also for want of descriptors or processes.
   FfmpegProcess(const std::string& program, std::vector<std::string> arguments, int film);
   FfmpegProcess(const FfmpegProcess&) = delete;
   FfmpegProcess& operator=(const FfmpegProcess&) = delete;
   /// Ends the child where it still runs.
   ~FfmpegProcess();
 
-  /// False where the child no longer reads. Throws Error (exit 130) where an interrupt came while it did not.
+  /// False where the child no longer reads. Throws FileError, and Error (exit 130) where an interrupt came while it did
+  /// not.
   bool write(std::string_view bytes);
   /// Ends the input and waits. Empty where the child ended well, else how it ended: "exit 1", "signal 9".
   std::string wait();

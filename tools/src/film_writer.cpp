@@ -132,11 +132,15 @@ class FfmpegFilm : public FilmWriter {
  private:
   [[noreturn]] void fail(const std::string& how) const {
     const std::string complaint = process_.complaint();
-    if (complaint.find("No space left on device") != std::string::npos) {
+    const auto complains_of = [&complaint](const char* text) { return complaint.find(text) != std::string::npos; };
+    if (complains_of("No space left on device") || complains_of("File too large")) {
       throw FileError(target_.path, "cannot be written: ffmpeg says: " + complaint);
     }
-    if (complaint.find("Unknown encoder") != std::string::npos) {
+    if (complains_of("Unknown encoder")) {
       throw UnavailableError("ffmpeg cannot make this film: " + complaint + "; install the package ffmpeg in full");
+    }
+    if (complains_of("Too many open files") || complains_of("error while loading shared libraries")) {
+      throw UnavailableError("ffmpeg cannot run: " + complaint);
     }
     throw Error(ExitCode::kFailed, fmt::format("ffmpeg failed ({}){}{}", how.empty() ? "it stopped reading" : how,
                                                complaint.empty() ? "" : ": ", complaint));

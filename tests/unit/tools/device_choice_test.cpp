@@ -166,7 +166,11 @@ TEST_F(CacheTest, IsMissingWhereItCannotBe) {
   set("XDG_CACHE_HOME", std::nullopt);
   set("HOME", std::nullopt);
   EXPECT_EQ(cache_folder().path, "");
-  EXPECT_THAT(cache_folder().problem, HasSubstr("neither"));
+  EXPECT_THAT(cache_folder().problem, HasSubstr("HOME names no folder"));
+  set("HOME", (work_ / "nobody").string());
+  EXPECT_EQ(cache_folder().path, "");
+  EXPECT_THAT(cache_folder().problem, HasSubstr("HOME names no folder"));
+  EXPECT_FALSE(fs::exists(work_ / "nobody")) << "a home was made";
   std::ofstream(work_ / "file") << "no folder";
   set("XDG_CACHE_HOME", (work_ / "file").string());
   EXPECT_EQ(cache_folder().path, "");

@@ -178,7 +178,7 @@ TEST(GraphicsContext, DrawsWithoutADisplayOrAHome) {
   EXPECT_THAT(usual, HasSubstr("EGL"));
   EXPECT_THAT(usual, HasSubstr("OpenGL"));
   EXPECT_EQ(other_process("env -u HOME -u XDG_CACHE_HOME -u XDG_RUNTIME_DIR"), usual);
-  EXPECT_EQ(other_process("env HOME=/nonexistent XDG_RUNTIME_DIR=/nonexistent"), usual);
+  EXPECT_EQ(other_process("env HOME=/dev/null/none XDG_RUNTIME_DIR=/dev/null/none"), usual);
   EXPECT_EQ(other_process("env DISPLAY=:7777 WAYLAND_DISPLAY=nothing"), usual);
   EXPECT_EQ(other_process("env DISPLAY=nowhere.invalid:0"), usual);
 }
@@ -192,12 +192,12 @@ TEST(GraphicsContext, DrawsAsAnotherUser) {
   ASSERT_TRUE(std::filesystem::copy_file(this_program(), copy));
   std::filesystem::permissions(copy, std::filesystem::perms(0755));
   const std::string other =
-      other_process("setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/nonexistent", copy);
+      other_process("setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/dev/null/none", copy);
   EXPECT_EQ(other, usual);
 }
 
 TEST(GraphicsContext, SaysInOneLineWhyNothingCanDraw) {
-  const std::string no_driver = "env -u DISPLAY __EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent";
+  const std::string no_driver = "env -u DISPLAY __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null/none";
   const std::string text = other_process(no_driver);
   EXPECT_THAT(text, StartsWith("refused 69 nothing here can draw with OpenGL: EGL"));
   EXPECT_THAT(text, EndsWith("(apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri)"));
