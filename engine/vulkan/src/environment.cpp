@@ -1,7 +1,6 @@
 #include "environment.hpp"
 
 #include <charconv>
-#include <cmath>
 #include <cstdlib>
 
 #include "gdtslam/core/error.hpp"
@@ -46,9 +45,11 @@ double parse_wait(std::string_view text) {
   double limit_s = 0.0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, limit_s);
-  if (error != std::errc{} || stop != end || !std::isfinite(limit_s) || limit_s <= 0.0) {
+  constexpr double kMost_s = 86400.0;
+  if (error != std::errc{} || stop != end || !(limit_s > 0.0 && limit_s <= kMost_s)) {
     throw UsageError(std::string(kWaitLimitVariable) + "=" + std::string(text) +
-                     ": write the most seconds that a wait for the device may take, more than 0, as in 120");
+                     ": write the most seconds that a wait for the device may take, more than 0 and at most 86400 (a "
+                     "day), as in 120");
   }
   return limit_s;
 }
