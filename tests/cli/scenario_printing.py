@@ -4,6 +4,8 @@ import json
 import os
 import pty
 import re
+import resource
+import struct
 import subprocess
 
 import cli_support as cli
@@ -55,3 +57,68 @@ def closed_standard_output():
     os.close(read_end)
     process = subprocess.run([PROGRAM, "config", "show"], stdout=write_end, stderr=subprocess.PIPE, text=True, check=False)
     expect(process.returncode == 0 and process.stderr == "", f"exit {process.returncode}: {process.stderr}")
+
+
+def hostile_names():
+    """Escape sequences, line ends and broken UTF-8 in paths, names and values: one line each, nothing that a terminal obeys; letters
+    of other alphabets stay."""
+    folder = cli.fresh_folder("hostile_names")
+    os.chdir(folder)
+    hostile = b"\x1b[31mred\nline\xff\xc2\x9b2J b\xc3\xbcro"
+    shown = "\\x1b[31mred\\nline\\xff\\xc2\\x9b2J b\u00fcro"
+    text = hostile.decode("utf-8", "surrogateescape")
+    (folder / "config.yaml").write_bytes(b'map:\n  resolution: "\\e[31mred\\nline"\n')
+    (folder / "key.yaml").write_bytes(b'"\\e[31mred\\nline": 1\n')
+    (folder / f"{text}.yaml").write_bytes(b"map: [")
+    (folder / "linkage.yaml").write_bytes(b'gdtslam_linkage: 1\nname: "\\e[31mred\\nline"\npreset: paper-b\n')
+
+    def bytes_of(code, *arguments):
+        process = subprocess.run([PROGRAM, *arguments], capture_output=True, check=False, stdin=subprocess.DEVNULL, timeout=100)
+        expect(process.returncode == code, f"{arguments}: exit {process.returncode}: {process.stderr}")
+        return process.stdout, process.stderr
+
+    cases = [(74, "map", hostile), (2, hostile), (2, "map", str(LOG), b"--" + hostile), (78, "map", str(LOG), "--set", hostile),
+             (78, "map", str(LOG), "--set", b"map.resolution=" + hostile), (78, "map", str(LOG), "--matcher", hostile),
+             (78, "map", str(LOG), "-c", "config.yaml"), (78, "map", str(LOG), "-c", "key.yaml"),
+             (78, "map", str(LOG), "-c", hostile + b".yaml"), (74, "map", str(LOG), "-c", hostile), (74, "linkage", hostile),
+             (74, "map", str(LOG), "-o", b"config.yaml/" + hostile), (2, "map", str(LOG), "--device", hostile),
+             (74, "evaluate", hostile, "--reference", hostile), (74, "doctor", hostile)]
+    for code, *arguments in cases:
+        _, stderr = bytes_of(code, *arguments)
+        lines = stderr.decode("utf-8").split("\n")
+        expect(len(lines) == 2 and lines[1] == "" and lines[0].startswith("gdtslam: error: "), f"{arguments}: {stderr!r}")
+        expect(all(letter.isprintable() for letter in lines[0]), f"{arguments}: {stderr!r}")
+    expect(shown in bytes_of(74, "map", hostile)[1].decode("utf-8"), "the name is not shown")
+    stdout, stderr = bytes_of(0, "linkage", "linkage.yaml")
+    expect(b"\x1b" not in stdout + stderr and stderr == b"", f"linkage: {stdout!r}")
+    stdout, stderr = bytes_of(0, "map", str(LOG), "--first", "10", "-o", hostile)
+    expect(b"\x1b" not in stdout + stderr and f"results in {shown}\n" in stdout.decode("utf-8"), f"map: {stdout!r}")
+    expect((folder / text / "report.json").exists(), "the results are elsewhere")
+    (folder / f"{text}.log").symlink_to(LOG)
+    stdout, _ = bytes_of(0, "map", hostile + b".log", "--first", "5", "-o", "run", "--json")
+    expect("\ufffd" in json.loads(stdout)["log"][0], f"no name: {stdout!r}")
+
+
+def out_of_memory_of_a_command():
+    """Where memory ends, the line says what was being done and speaks of no map where none is made."""
+    if "FULL_DISK" not in os.environ:
+        cli.skip("a sanitized program needs all the address space")
+    folder = cli.fresh_folder("memory_of_a_command")
+    points = 4000000
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {points}\n" + "".join(f"property float {a}\n" for a in "xyz")
+    (folder / "large.ply").write_bytes(header.encode() + b"end_header\n" + struct.pack("<3f", 1.0, 2.0, 3.0) * points)
+
+    def limited(megabytes, *arguments):
+        limit = megabytes << 20
+        return command(*arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+
+    megabytes = 8
+    while limited(megabytes, "--version").returncode != 0:  # the loader needs room for the libraries
+        megabytes += 2
+    process = limited(megabytes + 20, "measure", folder / "large.ply", "--planes")
+    expect_exit(process, 1)
+    one_error_line(process.stderr)
+    expect("out of memory in 'gdtslam measure'; " in process.stderr and "map" not in process.stderr, process.stderr)
+    process = limited(megabytes + 4, "map", LOG, "-o", folder / "run")
+    expect_exit(process, 1)
+    expect("out of memory in 'gdtslam map'; a smaller map.max_megacells" in process.stderr, process.stderr)

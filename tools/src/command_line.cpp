@@ -9,6 +9,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commands/commands.hpp"
@@ -157,8 +158,8 @@ std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
   return message + " (see '" + path_of(app) + " --help')";
 }
 
-int report(const std::string& message, ExitCode code) {
-  std::fprintf(stderr, "gdtslam: error: %s\n", message.c_str());
+int report(std::string_view message, ExitCode code) {
+  print_error(message);
   return static_cast<int>(code);
 }
 
@@ -177,7 +178,12 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return report(usage_message(app.get(), error), ExitCode::kUsage);
   }
-  return context.run();
+  const std::string command = path_of(chosen_app(app.get()));
+  try {
+    return context.run();
+  } catch (const std::bad_alloc&) {  // by now what the command had is free again
+    return report("out of memory in '" + command + "'; " + context.when_out_of_memory, ExitCode::kFailed);
+  }
 }
 
 }  // namespace
@@ -188,10 +194,9 @@ int run_command_line(int argc, char** argv) noexcept {
   } catch (const Error& error) {
     return report(error.what(), error.code());
   } catch (const std::bad_alloc&) {
-    std::fputs("gdtslam: error: out of memory; a smaller map.max_megacells or a larger map.resolution needs less\n",
-               stderr);
+    std::fputs("gdtslam: error: out of memory before the command began\n", stderr);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "gdtslam: error: unexpected: %s\n", error.what());
+    return report(std::string("unexpected: ") + error.what(), ExitCode::kFailed);
   }
   return static_cast<int>(ExitCode::kFailed);
 }

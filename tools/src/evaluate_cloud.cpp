@@ -9,6 +9,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
+#include "gdtslam/io/json_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "hit_errors.hpp"
 #include "interrupt.hpp"
@@ -70,7 +71,7 @@ int finish(const EvaluateCloudOptions& options, const DistanceHistogram& distanc
            const Json& json, bool was_interrupted) {
   if (was_interrupted) return static_cast<int>(ExitCode::kInterrupted);
   if (!options.csv.empty()) write_file_atomically(options.csv, distances.csv());
-  print_result(options.json ? json.dump(2) + "\n" : text);
+  print_result(options.json ? json_text(json) : text);
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "console.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -44,7 +46,7 @@ void TerminalLine::draw(const std::function<std::string(double elapsed_s)>& text
   if (now - last_ < kRedrawInterval) return;
   last_ = now;
   drawn_ = true;
-  fmt::print(stderr, "\r\x1b[K{}", text(elapsed_s()));
+  fmt::print(stderr, "\r\x1b[K{}", printable(text(elapsed_s())));
   std::fflush(stderr);
 }
 

@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "letters.hpp"
+#include "gdtslam/drawing/letters.hpp"
 
 namespace gdtslam {
 namespace {

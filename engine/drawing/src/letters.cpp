@@ -1,4 +1,4 @@
-#include "letters.hpp"
+#include "gdtslam/drawing/letters.hpp"
 
 #include <cstdint>
 

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "letters.hpp"
+#include "gdtslam/drawing/letters.hpp"
 
 namespace gdtslam {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "letters.hpp"
+#include "gdtslam/drawing/letters.hpp"
 
 namespace gdtslam {
 namespace {

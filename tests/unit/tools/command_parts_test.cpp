@@ -10,8 +10,10 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 
 #include "ablation_variants.hpp"
+#include "console.hpp"
 #include "device_option.hpp"
 #include "did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
@@ -46,6 +48,16 @@ TEST(Progress, ShowsShareCountRateAndTimeLeft) {
 TEST(Progress, LeavesOutWhatIsNotKnown) {
   EXPECT_EQ(ProgressLine::text("records", 7, -1.0, 2.0), "7 records  3/s");
   EXPECT_EQ(ProgressLine::text("records", 0, 0.0, 0.0), "  0 %  0 records");
+}
+
+TEST(Printable, NothingThatATerminalObeysGetsThrough) {
+  EXPECT_EQ(printable("b\u00fcro \u6f22 \U0001f600 \ufffd \\"), "b\u00fcro \u6f22 \U0001f600 \ufffd \\");
+  EXPECT_EQ(printable("a\nb\r\tc\x1b[2J\x7f"), "a\\nb\\x0d\\x09c\\x1b[2J\\x7f");
+  EXPECT_EQ(printable(std::string_view("\0", 1)), "\\x00");
+  EXPECT_EQ(printable("\u009b2J\u2028"), "\\xc2\\x9b2J\\xe2\\x80\\xa8") << "C1 and the line separator";
+  EXPECT_EQ(printable("\xff\xc3(\xe2\x82"), "\\xff\\xc3(\\xe2\\x82") << "no UTF-8";
+  EXPECT_EQ(printable("a\n\tb\r", "\n\t"), "a\n\tb\\x0d");
+  EXPECT_EQ(printable(""), "");
 }
 
 class RunFolderTest : public testing::Test {

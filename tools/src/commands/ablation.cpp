@@ -186,7 +186,10 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
       "  gdtslam ablation intel.clf.gz --relations intel.relations.gz -o ablation.md\n"
       "  gdtslam ablation drive.log --relations drive.relations -o kappa.md --variant merge.kappa=0.25 \\\n"
       "      --variant \"merge.kappa=0.75 merge.threshold=10cm\"");
-  command->callback([options, &context] { context.run = [options] { return ablation(*options); }; });
+  command->callback([options, &context] {
+    context.run = [options] { return ablation(*options); };
+    context.when_out_of_memory = kSmallerMap;
+  });
 }
 
 }  // namespace gdtslam

@@ -11,7 +11,12 @@ namespace gdtslam {
 /// What the command line asked for.
 struct CommandContext {
   std::function<int()> run;  ///< the chosen sub-command; returns the exit code
+  const char* when_out_of_memory = "it needs less data at a time or more memory";  ///< what to do then
 };
+
+/// Of the commands that make maps.
+inline constexpr const char* kSmallerMap =
+    "a smaller map.max_megacells or cloud.max_megavoxels, or a larger map.resolution needs less";
 
 void add_map_command(CLI::App& app, CommandContext& context);
 void add_simulate_command(CLI::App& app, CommandContext& context);

@@ -244,7 +244,10 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
       "  gdtslam compare intel.clf.gz\n"
       "  gdtslam compare intel.clf.gz --matchers simplex,gauss-newton --picture basins.svg --csv trials.csv\n"
       "  gdtslam compare office.log --reference office.truth.tum --json");
-  command->callback([options, &context] { context.run = [options] { return compare(*options); }; });
+  command->callback([options, &context] {
+    context.run = [options] { return compare(*options); };
+    context.when_out_of_memory = kSmallerMap;
+  });
 }
 
 }  // namespace gdtslam

@@ -335,7 +335,10 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "  gdtslam map office.log -c my.yaml --set map.resolution=\"10 cm\" --json | jq .scans_per_s\n"
       "  gdtslam map office-7f.log -o office --linkage paper-b --set cloud.voxel=\"5 cm\"\n"
       "  zcat drive.log.gz | gdtslam map - -o drive");
-  command->callback([options, &context] { context.run = [options] { return map(*options); }; });
+  command->callback([options, &context] {
+    context.run = [options] { return map(*options); };
+    context.when_out_of_memory = kSmallerMap;
+  });
 }
 
 }  // namespace gdtslam

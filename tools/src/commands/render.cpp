@@ -301,7 +301,10 @@ void add_render_command(CLI::App& app, CommandContext& context) {
       "  gdtslam render paper-b -o paper-b.gif                    the linkage through one turn\n"
       "  gdtslam render a b --view errors-cdf --relations intel.relations.gz -o errors.svg\n"
       "  gdtslam render drive.log --run drive                     maps the log first and keeps the run");
-  command->callback([chosen, &context] { context.run = [chosen] { return render_inputs(*chosen); }; });
+  command->callback([chosen, &context] {
+    context.run = [chosen] { return render_inputs(*chosen); };
+    context.when_out_of_memory = "a smaller --size or fewer --points need less";
+  });
 }
 
 }  // namespace gdtslam
