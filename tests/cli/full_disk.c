@@ -1,8 +1,10 @@
 /* Preloaded to make the disk full: of the writes and syncs of regular files, the one that the environment variable
  * FULL_DISK_AT names (from 1) and all later ones fail with ENOSPC. Where the number is 0 they are only counted: at the
- * end the count goes into the file FULL_DISK_COUNT. */
+ * end the count goes into the file FULL_DISK_COUNT. KILLED_AT_RENAME names the rename (from 1) before which the process
+ * is killed. */
 #include <dlfcn.h>
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -43,6 +45,15 @@ int fdatasync(int descriptor) {
   static int (*real)(int) = NULL;
   if (real == NULL) real = (int (*)(int))dlsym(RTLD_NEXT, "fdatasync");
   return disk_is_full(descriptor) ? -1 : real(descriptor);
+}
+
+int rename(const char* from, const char* to) {
+  static int (*real)(const char*, const char*) = NULL;
+  static long renames = 0;
+  if (real == NULL) real = (int (*)(const char*, const char*))dlsym(RTLD_NEXT, "rename");
+  const char* const at = getenv("KILLED_AT_RENAME");
+  if (at != NULL && ++renames == atol(at)) raise(SIGKILL);
+  return real(from, to);
 }
 
 __attribute__((destructor)) static void report(void) {

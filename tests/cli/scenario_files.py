@@ -52,17 +52,74 @@ def every_write_fails():
 
 
 def file_size_limit():
-    """A limit of the file size (as of a quota): exit 74, the old files byte for byte."""
+    """A limit of the file size (ulimit -f): exit 74, the old files byte for byte. SIGXFSZ must not end the process first."""
     folder, before = old_run("file_size_limit")
 
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
 
     process = command("map", LOG, "-o", folder, "--first", 50, "-q", preexec_fn=limit)
     expect_exit(process, 74)
     one_error_line(process.stderr)
+    expect("File too large" in process.stderr, process.stderr)
     expect(digests(folder) == before, "the folder changed")
+
+
+def killed_at_a_rename():
+    """Killed before whichever rename: the folder holds the old run or the new one, or no report and so no run; never files of
+    both. Nobody has to say --force to map into it again."""
+    if "FULL_DISK" not in os.environ:
+        skip("the library that kills the process is not preloaded into a sanitized program")
+    coarse = ("--first", 40, "--set", "map.resolution=10 cm")
+    without_report = lambda files: {name: digest for name, digest in files.items() if name != "report.json"}
+    new = cli.fresh_folder("killed_new") / "run"
+    mapped(new, *coarse)
+    new_files = without_report(digests(new))
+    seen = {"old": 0, "none": 0, "new": 0}
+    for number in range(1, 1000):
+        folder, old = old_run("killed_at_a_rename")
+        env = {**os.environ, "LD_PRELOAD": os.environ["FULL_DISK"], "KILLED_AT_RENAME": str(number)}
+        process = command("map", LOG, "-o", folder, "-q", *coarse, env=env)
+        if process.returncode == 0:
+            break
+        expect(process.returncode == -signal.SIGKILL, f"exit {process.returncode}: {process.stderr}")
+        files = {name: digest for name, digest in digests(folder).items() if not name.startswith(".gdtslam-staging-")}
+        if "report.json" in files:
+            state = "old" if files == old else "new"
+            expect(files == old or without_report(files) == new_files, f"files of two runs after rename {number}: {sorted(files)}")
+        else:
+            state = "none"
+            mixed = [name for name in files if files[name] not in (old[name], new_files[name])]
+            expect(not mixed, f"after rename {number}: {mixed}")
+            is_old, is_new = (all(files[name] == of[name] for name in files) for of in (old, new_files))
+            expect(is_old or is_new, f"files of two runs after rename {number}: {sorted(files)}")
+            if os.environ.get("GDTSLAM_VIEWER") == "1":
+                process = command("render", folder, "--view", "map", "-o", folder.parent / "map.png")
+                expect_exit(process, 65)
+                one_error_line(process.stderr)
+        seen[state] += 1
+        if state == "none":
+            mapped(folder, *coarse)
+            expect(sorted(digests(folder)) == OUTPUTS, f"after rename {number}: {sorted(digests(folder))}")
+    print(f"killed {seen}")
+    expect(seen["old"] > 0 and seen["none"] >= 2 * len(OUTPUTS) - 2, f"killed {seen}")
+
+
+def foreign_files_are_kept():
+    """Files of a run's names that no run wrote: exit 2 and nothing is touched, before the log is mapped; --force replaces them."""
+    for name in ("map.yaml", "map.pgm", "report.json", "linkage.yaml", "config.yaml"):
+        folder = cli.fresh_folder("foreign_files")
+        (folder / name).write_text("{}")
+        before = digests(folder)
+        process = command("map", LOG, "-o", folder, "--first", 10)
+        expect_exit(process, 2)
+        one_error_line(process.stderr)
+        expect(name in process.stderr and "--force" in process.stderr, process.stderr)
+        expect(digests(folder) == before, f"{name}: the folder changed")
+        mapped(folder, "--first", 10, "--force")
+        expect(sorted(digests(folder)) == OUTPUTS, f"{name}: {sorted(digests(folder))}")
+        mapped(folder, "--first", 12)
 
 
 def unwritable_output():

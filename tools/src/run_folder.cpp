@@ -1,9 +1,10 @@
 #include "run_folder.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
@@ -12,6 +13,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/atomic_file.hpp"
+#include "run_reader.hpp"
 
 namespace gdtslam {
 namespace {
@@ -19,12 +21,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
+constexpr std::array kRunFiles{"trajectory.tum", "map.yaml",     "map.pgm",   "gdt.yaml",  "gdt.png",    "overview.png",
+                               "config.yaml",    "linkage.yaml", "cloud.ply", "cloud.png", "report.json"};
 
 std::string text_of(int code) { return std::generic_category().message(code); }
 
+// Where the old files are while a commit lasts.
+fs::path kept_in(const fs::path& staging) { return staging / "old"; }
+
 // Staging folders of processes that were killed.
-void remove_leftovers(const fs::path& folder) {
-  std::error_code ignored;  // what cannot be listed or removed is not in the way
+std::vector<fs::path> leftovers_in(const fs::path& folder) {
+  std::vector<fs::path> leftovers;
+  std::error_code ignored;  // what cannot be listed is not in the way
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kStagingPrefix)) continue;
@@ -32,16 +40,15 @@ void remove_leftovers(const fs::path& folder) {
     const char* const digits = name.data() + kStagingPrefix.size();
     const auto parsed = std::from_chars(digits, name.data() + name.size(), process);
     const bool is_dead = parsed.ec == std::errc{} && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
-    if (is_dead) fs::remove_all(entry.path(), ignored);
+    if (is_dead) leftovers.push_back(entry.path());
   }
+  return leftovers;
 }
 
-void sync_folder(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) throw FileError(folder.string(), "cannot be opened: " + text_of(errno));
-  const int failed = ::fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno;  // EINVAL: no such thing there
-  ::close(descriptor);
-  if (failed != 0) throw FileError(folder.string(), "cannot be synced: " + text_of(failed));
+// What is left of a process that was killed within its commit is the only sign that the files beside it are of a run.
+bool is_of_a_commit(const fs::path& leftover) {
+  std::error_code ignored;
+  return fs::exists(kept_in(leftover), ignored);
 }
 
 // "intel" from "../data/intel.clf.gz".
@@ -66,9 +73,11 @@ RunFolder::RunFolder(const std::string& path) : folder_(path) {
   std::error_code ignored;
   is_new_ = !fs::exists(folder_, ignored);
   make_folder(path);
-  remove_leftovers(folder_);
-  staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
   std::error_code failed;
+  for (const fs::path& leftover : leftovers_in(folder_)) {
+    if (!is_of_a_commit(leftover)) fs::remove_all(leftover, ignored);
+  }
+  staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
   fs::remove_all(staging_, failed);
   if (!fs::create_directory(staging_, failed)) {
     throw FileError(path, "cannot be written to: " + failed.message());
@@ -77,7 +86,7 @@ RunFolder::RunFolder(const std::string& path) : folder_(path) {
 
 RunFolder::~RunFolder() {
   std::error_code ignored;
-  fs::remove_all(staging_, ignored);
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);
   if (is_new_) fs::remove(folder_, ignored);  // succeeds only when it is empty
 }
 
@@ -86,62 +95,72 @@ std::string RunFolder::staged(std::string_view name) {
   return (staging_ / name).string();
 }
 
-// The old files get second names until every new one has its own, so that a failure half-way can be undone; copies
-// where the file system offers no hard links.
-std::vector<bool> RunFolder::keep_old(const fs::path& kept, const std::vector<std::string>& names) const {
+void RunFolder::move(const fs::path& from, const fs::path& to, const std::string& name) const {
   std::error_code failed;
-  fs::create_directory(kept, failed);
-  if (failed) throw FileError(folder_.string(), "cannot be written to: " + failed.message());
-  std::vector<bool> existed;
-  for (const std::string& name : names) {
-    const fs::file_status status = fs::symlink_status(folder_ / name, failed);
-    existed.push_back(fs::exists(status));
-    if (!existed.back()) continue;
-    if (fs::is_directory(status)) throw FileError(file(name), "cannot be replaced: " + text_of(EISDIR));
-    fs::create_hard_link(folder_ / name, kept / name, failed);
-    if (failed) fs::copy(folder_ / name, kept / name, fs::copy_options::copy_symlinks, failed);
-    if (failed) throw FileError(file(name), "cannot be kept while it is replaced: " + failed.message());
+  fs::rename(from / name, to / name, failed);
+  if (failed) throw FileError(file(name), "cannot be replaced: " + failed.message());
+}
+
+void RunFolder::replace(const std::vector<std::string>& old_names) {
+  for (auto name = old_names.rbegin(); name != old_names.rend(); ++name) {
+    std::error_code ignored;  // what cannot be asked about cannot be replaced either
+    const fs::file_status status = fs::symlink_status(folder_ / *name, ignored);
+    if (fs::is_directory(status)) throw FileError(file(*name), "cannot be replaced: " + text_of(EISDIR));
+    if (fs::exists(status)) move(folder_, kept_in(staging_), *name);
   }
-  return existed;
+  sync_folder(folder_.string());  // no new file on the disk before the old ones are gone from it
+  for (given_ = 0; given_ < names_.size(); ++given_) move(staging_, folder_, names_[given_]);
+  sync_folder(folder_.string());
 }
 
 // Undoes a commit that failed; says what cannot be undone.
-std::string RunFolder::put_back(const fs::path& kept, const std::vector<std::string>& names,
-                                const std::vector<bool>& existed) const {
+std::string RunFolder::put_back(const std::vector<std::string>& old_names) const {
   std::string problems;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    std::error_code failed;
-    if (existed[k]) {
-      fs::rename(kept / names[k], folder_ / names[k], failed);
-    } else {
-      fs::remove(folder_ / names[k], failed);
-    }
-    if (failed) problems += "; nor can " + names[k] + " be put back: " + failed.message();
+  std::error_code failed;
+  for (std::size_t k = 0; k < given_; ++k) {
+    fs::remove(folder_ / names_[k], failed);
+    if (failed) problems += "; nor can " + file(names_[k]) + " be removed again: " + failed.message();
+  }
+  for (const std::string& name : old_names) {
+    const fs::path kept = kept_in(staging_) / name;
+    if (!fs::exists(fs::symlink_status(kept, failed))) continue;
+    fs::rename(kept, folder_ / name, failed);
+    if (failed) problems += "; nor can " + kept.string() + " be put back: " + failed.message();
   }
   return problems;
 }
 
 void RunFolder::commit() {
-  const fs::path kept = staging_ / "old";
-  std::vector<std::string> names = names_;
-  names.insert(names.end(), gone_.begin(), gone_.end());
-  const std::vector<bool> existed = keep_old(kept, names);
-  sync_folder(staging_);
+  std::vector<std::string> old_names = gone_;
+  old_names.insert(old_names.end(), names_.begin(), names_.end());
+  sync_folder(staging_.string());
   std::error_code failed;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    if (k < names_.size()) {
-      fs::rename(staging_ / names[k], folder_ / names[k], failed);
-    } else {
-      fs::remove(folder_ / names[k], failed);
-    }
-    if (!failed) continue;
-    const std::string reason = failed.message();
-    const std::vector<std::string> done(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(k));
-    throw FileError(file(names[k]), "cannot be replaced: " + reason + put_back(kept, done, existed));
+  fs::create_directory(kept_in(staging_), failed);
+  if (failed) throw FileError(folder_.string(), "cannot be written to: " + failed.message());
+  try {
+    replace(old_names);
+  } catch (const FileError& error) {
+    const std::string problems = put_back(old_names);
+    if (problems.empty()) throw;
+    staging_.clear();  // what it holds is the only copy
+    throw Error(error.code(), error.what() + problems);
   }
   names_.clear();
   gone_.clear();
-  sync_folder(folder_);
+  std::error_code ignored;  // they are in nobody's way
+  for (const fs::path& leftover : leftovers_in(folder_)) fs::remove_all(leftover, ignored);
+}
+
+void require_no_foreign_files(const std::string& folder) {
+  if (RunReader::is_gdtslam_run(folder)) return;
+  const std::vector<fs::path> leftovers = leftovers_in(folder);
+  if (std::any_of(leftovers.begin(), leftovers.end(), is_of_a_commit)) return;
+  for (const char* name : kRunFiles) {
+    std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
+    if (!fs::exists(fs::symlink_status(fs::path(folder) / name, ignored))) continue;
+    throw UsageError(fmt::format(
+        "--output: '{}' holds a {} that no run wrote; give another folder, or --force to replace it", folder, name));
+  }
 }
 
 std::string default_run_folder(const std::string& log) {

@@ -1,8 +1,11 @@
-// The folder that a run writes to. All files are written and synced in a staging folder inside it first and then
-// renamed to their names in the order in which they were asked for, so that a run that fails, whatever the reason,
-// leaves the folder's old files as they were, byte for byte. One object belongs to one thread.
+// The folder that a run writes to. All files are written and synced in a staging folder inside it first. The commit
+// takes the old files away, the last of the list first, and then gives the new ones their names in the order in which
+// they were asked for. So a run that fails, whatever the reason, leaves the old files as they were, byte for byte; and
+// where the process is killed in the middle of the commit, old and new files never lie beside each other and the last
+// file of the list, which tells of the others, is missing. One object belongs to one thread.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -32,18 +35,21 @@ class RunFolder {
   [[nodiscard]] std::string file(std::string_view name) const { return (folder_ / name).string(); }
 
  private:
-  /// Tells which files of these names there were.
-  [[nodiscard]] std::vector<bool> keep_old(const std::filesystem::path& kept,
-                                           const std::vector<std::string>& names) const;
-  [[nodiscard]] std::string put_back(const std::filesystem::path& kept, const std::vector<std::string>& names,
-                                     const std::vector<bool>& existed) const;
+  void move(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& name) const;
+  void replace(const std::vector<std::string>& old_names);
+  [[nodiscard]] std::string put_back(const std::vector<std::string>& old_names) const;
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
   std::vector<std::string> names_;
   std::vector<std::string> gone_;
+  std::size_t given_ = 0;  ///< of names_, in the commit
   bool is_new_ = false;
 };
+
+/// Nothing where the folder holds no file that a run would replace or remove, or where a run of this program wrote
+/// them. Throws UsageError else, so that nobody loses a map.yaml or a linkage.yaml of another origin; FileError.
+void require_no_foreign_files(const std::string& folder);
 
 /// runs/<name of the log>-<UTC time>, made unique with a number where it exists.
 std::string default_run_folder(const std::string& log);

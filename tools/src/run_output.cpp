@@ -34,19 +34,20 @@ OverviewInput overview_of(const MapJob& job, const MapOutcome& outcome) {
 std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding,
                       const Mapper& mapper, const DeviceInfo& device, Settings settings) {
   const auto start = std::chrono::steady_clock::now();
-  // The order in which the files take their names: what others refer to first, the YAML that refers to them last.
+  // The order in which the files take their names: what others refer to first, then the YAML that refers to them, and
+  // last the report, without which a folder is no run.
   const std::string trajectory = folder.staged("trajectory.tum");
   if (job.with_pictures) {
     write_overview(folder.staged("overview.png"), overview_of(job, outcome));
   } else {
     folder.without("overview.png");
   }
-  const std::string report_file = folder.staged("report.json");
   const std::string config = folder.staged("config.yaml");
   folder.staged("map.pgm");
   folder.staged("gdt.png");
   const std::string map = folder.staged("map.yaml");
   const std::string field = folder.staged("gdt.yaml");
+  const std::string report_file = folder.staged("report.json");
   write_tum(trajectory, outcome.trajectory);
   write_occupancy_map(map, outcome.occupancy);
   write_distance_field(field, view_of(mapper.field()));

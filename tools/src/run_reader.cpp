@@ -12,6 +12,7 @@
 #include "gdtslam/io/json_file.hpp"
 #include "gdtslam/io/message_text.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/sha256.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "linkage_beside.hpp"
 #include "linkage_file.hpp"
@@ -50,6 +51,24 @@ class ReportReader {
     const Json& value = at(key);
     if (!value.is_number()) fail(fmt::format("'{}' is no number", key));
     return value.get<double>();
+  }
+  [[nodiscard]] std::string text(const char* key) const {
+    const Json& value = at(key);
+    if (!value.is_string()) fail(fmt::format("'{}' is no text", key));
+    return value.get<std::string>();
+  }
+  [[nodiscard]] GridGeometry geometry(const char* key) const {
+    try {
+      const Json& value = at(key);
+      const Json& origin = value.at("origin_m");
+      return {.resolution_m = value.at("resolution_m").get<double>(),
+              .origin_x_m = origin.at(0).get<double>(),
+              .origin_y_m = origin.at(1).get<double>(),
+              .width = value.at("width").get<std::int32_t>(),
+              .height = value.at("height").get<std::int32_t>()};
+    } catch (const Json::exception&) {
+      fail(fmt::format("'{}' is no geometry of a grid", key));
+    }
   }
   [[nodiscard]] std::vector<std::string> texts(const char* key) const {
     std::vector<std::string> list;
@@ -106,6 +125,13 @@ bool RunReader::is_run(const std::string& path) {
   return fs::is_directory(path, ignored) && fs::is_regular_file(fs::path(path) / kReport, ignored);
 }
 
+bool RunReader::is_gdtslam_run(const std::string& path) {
+  if (!is_run(path)) return false;
+  const std::string text = read_whole_file((fs::path(path) / kReport).string(), kMostReportBytes);
+  const Json report = Json::parse(text, nullptr, false);
+  return report.is_object() && report.contains("format") && report.contains("map_sha256");
+}
+
 RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   if (!is_run(folder_)) {
     throw InputError({folder_, 0}, fmt::format("is no folder of a run: it has no {}{}{}", kReport, kMapAgain, folder_));
@@ -117,6 +143,8 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   summary_.keyframe_count = report.whole("keyframes");
   summary_.path_m = report.number("path_m");
   summary_.cloud_points = report.whole("cloud_points");
+  summary_.map = report.geometry("map");
+  summary_.map_sha256 = report.text("map_sha256");
   summary_.nods = report.has("nodding");
   summary_.tilts = summary_.nods && report.has_member("nodding", "told_by", "TILT");
   summary_.doubtful = report.indices("doubtful_scans", "index", summary_.scans);
@@ -143,25 +171,43 @@ bool RunReader::has_trajectory() const {
   return fs::exists(file("trajectory.tum"), ignored);
 }
 
+void RunReader::refuse(const char* name, const std::string& fault) const {
+  throw InputError({file(name), 0}, fmt::format("{}: not of one run{}{}", fault, kMapAgain, folder_));
+}
+
 Trajectory RunReader::trajectory() const {
   require("trajectory.tum");
   Trajectory trajectory = read_tum(file("trajectory.tum"));
-  if (trajectory.size() == summary_.scans) return trajectory;
-  throw InputError({file("trajectory.tum"), 0},
-                   fmt::format("has {} poses, but {} tells of {} scans: not of one run{}{}", trajectory.size(), kReport,
-                               summary_.scans, kMapAgain, folder_));
+  if (trajectory.size() != summary_.scans) {
+    refuse("trajectory.tum",
+           fmt::format("has {} poses, but {} tells of {} scans", trajectory.size(), kReport, summary_.scans));
+  }
+  return trajectory;
 }
 
 OccupancyMap RunReader::map() const {
   require("map.yaml");
   require("map.pgm");
-  return read_occupancy_map(file("map.yaml"));
+  OccupancyMap map = read_occupancy_map(file("map.yaml"));
+  const auto text_of = [](const GridGeometry& grid) {
+    return fmt::format("{} x {} cells of {} m from ({}, {})", grid.width, grid.height, grid.resolution_m,
+                       grid.origin_x_m, grid.origin_y_m);
+  };
+  if (map.geometry != summary_.map) {
+    refuse("map.yaml",
+           fmt::format("has {}, but {} tells of {}", text_of(map.geometry), kReport, text_of(summary_.map)));
+  }
+  return map;
 }
 
 DistanceFieldFile RunReader::field() const {
   require("gdt.yaml");
   require("gdt.png");
-  return read_distance_field(file("gdt.yaml"));
+  DistanceFieldFile field = read_distance_field(file("gdt.yaml"));
+  if (sha256_of(field.view()) != summary_.map_sha256) {
+    refuse("gdt.png", fmt::format("is not the distance field that {} tells of", kReport));
+  }
+  return field;
 }
 
 std::optional<std::string> RunReader::cloud_file() const {

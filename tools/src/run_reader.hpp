@@ -23,6 +23,8 @@ struct RunSummary {
   std::uint64_t keyframe_count = 0;
   double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
   std::uint64_t cloud_points = 0;
+  GridGeometry map;        ///< of map.pgm
+  std::string map_sha256;  ///< of the distance field
   bool nods = false;
   bool tilts = false;                  ///< nods without a linkage: the log told the elevation itself
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
@@ -51,10 +53,13 @@ class RunReader {
 
   /// True for a folder that holds a report.
   static bool is_run(const std::string& path);
+  /// True where that report is one of `gdtslam map`, of whatever version. Throws FileError.
+  static bool is_gdtslam_run(const std::string& path);
 
  private:
   [[nodiscard]] std::string file(const char* name) const;
   void require(const char* name) const;
+  [[noreturn]] void refuse(const char* name, const std::string& fault) const;
 
   std::string folder_;
   RunSummary summary_;

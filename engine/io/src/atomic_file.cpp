@@ -199,17 +199,7 @@ void AtomicFile::commit() {
   if (::close(descriptor) != 0 && errno != EINTR) {
     fail("cannot be closed", errno);
   }
-  if (was_renamed) {
-    const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    const bool synced = folder >= 0 && (::fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP);
-    const int code = errno;
-    if (folder >= 0) {
-      ::close(folder);
-    }
-    if (!synced && code != EACCES) {  // a folder may allow writing but not reading; the file itself is on the disk
-      fail("is written, but its folder cannot be synced", code);
-    }
-  }
+  if (was_renamed) sync_folder(folder_of(target_));
 }
 
 AtomicFile& AtomicFileSet::add(const std::string& path) {
@@ -231,6 +221,15 @@ void write_file_atomically(const std::string& path, std::string_view text) {
   AtomicFile file(path);
   file.write(text);
   file.commit();
+}
+
+void sync_folder(const std::string& path) {
+  const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool is_synced = folder >= 0 && (::fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP);
+  const int code = errno;
+  if (folder >= 0) ::close(folder);
+  if (is_synced || code == EACCES) return;  // a folder may allow writing but not reading; the files are on the disk
+  throw FileError(path, "cannot be synced: " + errno_text(code));
 }
 
 void make_folder(const std::string& path) {

@@ -1,10 +1,8 @@
 // The parts of the command that have no test of their own: progress, run folder, settings, variants of the ablation.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -20,17 +18,6 @@
 #include "progress.hpp"
 #include "run_folder.hpp"
 #include "settings.hpp"
-
-namespace {
-bool g_has_hard_links = true;
-}
-
-// Stands before the C library's, so that a test can have a file system without hard links.
-extern "C" int link(const char* from, const char* to) noexcept {
-  if (g_has_hard_links) return ::linkat(AT_FDCWD, from, AT_FDCWD, to, 0);
-  errno = EPERM;
-  return -1;
-}
 
 namespace gdtslam {
 namespace {
@@ -115,31 +102,40 @@ TEST_F(RunFolderTest, AFailureHalfWayIsUndone) {
   EXPECT_TRUE(fs::is_directory(work_ / "three"));
 }
 
-TEST_F(RunFolderTest, AFailureHalfWayIsUndoneWithoutHardLinks) {
+TEST_F(RunFolderTest, ANameThatCannotBeGivenUndoesTheOthers) {
   write(work_ / "one", "old");
   write(work_ / "target", "linked");
   fs::create_symlink("target", work_ / "two");
+  write(work_ / "gone", "old");
   RunFolder run(work_);
   write(run.staged("one"), "new");
   write(run.staged("two"), "new");
   write(run.staged("three"), "new");
   run.staged("four");  // never written: its rename fails
-  g_has_hard_links = false;
+  run.without("gone");
   EXPECT_THROW(run.commit(), FileError);
-  g_has_hard_links = true;
   EXPECT_EQ(read(work_ / "one"), "old");
   EXPECT_EQ(fs::read_symlink(work_ / "two"), "target");
   EXPECT_FALSE(fs::exists(work_ / "three"));
+  EXPECT_EQ(read(work_ / "gone"), "old");
 }
 
-TEST_F(RunFolderTest, FilesAreReplacedWithoutHardLinks) {
-  write(work_ / "one", "old");
-  RunFolder run(work_);
-  write(run.staged("one"), "new");
-  g_has_hard_links = false;
-  run.commit();
-  g_has_hard_links = true;
-  EXPECT_EQ(read(work_ / "one"), "new");
+TEST_F(RunFolderTest, FilesOfAnotherOriginAreRefused) {
+  const fs::path folder = work_ / "run";
+  EXPECT_NO_THROW(require_no_foreign_files(folder));
+  fs::create_directory(folder);
+  write(folder / "notes.txt", "mine");
+  EXPECT_NO_THROW(require_no_foreign_files(folder));
+  for (const char* name : {"trajectory.tum", "map.yaml", "map.pgm", "gdt.yaml", "gdt.png", "overview.png",
+                           "config.yaml", "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
+    write(folder / name, "{}");
+    EXPECT_THROW(require_no_foreign_files(folder), UsageError) << name;
+    fs::remove(folder / name);
+  }
+  fs::create_symlink("nowhere", folder / "map.yaml");
+  EXPECT_THROW(require_no_foreign_files(folder), UsageError) << "a link";
+  write(folder / "report.json", R"({"format": 1, "map_sha256": ""})");
+  EXPECT_NO_THROW(require_no_foreign_files(folder)) << "an earlier run";
 }
 
 TEST_F(RunFolderTest, LatestPointsToTheRunButReplacesNothingElse) {

@@ -24,8 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// map_sha256: of struct.pack("<dddii", 0.05, 1.0, 2.0, 2, 1) + struct.pack("<HH", 0, 256) in Python.
 constexpr const char* kReport = R"({"format": 1, "log": ["../data/drive.log.gz"], "scans": 3, "matched": 2,
  "keyframes": 1, "path_m": 1.5, "cloud_points": 1, "nodding": {"linkage": "paper-a"},
+ "map": {"resolution_m": 0.05, "origin_m": [1.0, 2.0], "width": 2, "height": 1},
+ "map_sha256": "e0dbc83f4a79fc9df21ae78b2afaf4ae6a040da636b1cc438c0c9d95e61b6dff",
  "doubtful_scans": [{"index": 2, "reason": "contradiction"}], "keyframe_scans": [0]})";
 
 class RunReaderTest : public testing::Test {
@@ -118,6 +121,8 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
                                                     {"\"path_m\": 1.5", "'path_m'"},
                                                     {"\"log\": [", "'log'"},
                                                     {"\"doubtful_scans\": [", "'doubtful_scans'"},
+                                                    {"\"map\": {", "'map'"},
+                                                    {"\"map_sha256\": ", "'map_sha256'"},
                                                     {"\"cloud_points\": 1", "'cloud_points'"}};
   for (const auto& [member, name] : edits) {
     edit(member, "\"x" + std::string(member).substr(1));
@@ -137,6 +142,10 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
   refused("'doubtful_scans' names a scan that is none of its 3");
   edit("\"keyframe_scans\": [0]", "\"keyframe_scans\": [99999999999999999999]");
   refused("'keyframe_scans' names a scan");
+  edit("\"origin_m\": [1.0, 2.0]", "\"origin_m\": [1.0]");
+  refused("'map' is no geometry of a grid");
+  edit("\"map_sha256\": \"", "\"map_sha256\": 7, \"x\": \"");
+  refused("'map_sha256' is no text");
   edit("\"format\": 1", "\"format\": 2");
   refused("has format 2, and this program reads format 1");
   write("report.json", std::string(kReport).substr(0, 60));
@@ -147,6 +156,18 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
   refused("holds no JSON object");
   fs::remove(path("report.json"));
   expect_refused([this] { reader(); }, folder_.string(), "it has no report.json; map the log again");
+}
+
+TEST_F(RunReaderTest, ARunIsToldByItsReport) {
+  EXPECT_TRUE(RunReader::is_gdtslam_run(folder_.string()));
+  edit("\"format\": 1", "\"format\": 2");
+  EXPECT_TRUE(RunReader::is_gdtslam_run(folder_.string())) << "of another version";
+  for (const char* foreign : {"", "[1, 2]", "{\"format\": 1}", "{\"map_sha256\": \"\"}"}) {
+    write("report.json", foreign);
+    EXPECT_FALSE(RunReader::is_gdtslam_run(folder_.string())) << foreign;
+  }
+  fs::remove(path("report.json"));
+  EXPECT_FALSE(RunReader::is_gdtslam_run(folder_.string()));
 }
 
 TEST_F(RunReaderTest, FilesThatAreMissing) {
@@ -170,6 +191,14 @@ TEST_F(RunReaderTest, FilesThatAreDamagedOrOfAnotherRun) {
                  "has 1 poses, but report.json tells of 3 scans");
   write("trajectory.tum", "1 0 0 zero 0 0 0 1\n");
   expect_refused([this] { static_cast<void>(reader().trajectory()); }, path("trajectory.tum") + ":1", "");
+  write_occupancy_map(path("map.yaml"), {{0.1, 1.0, 2.0, 2, 1}, {CellState::kFree, CellState::kOccupied}});
+  expect_refused(
+      [this] { static_cast<void>(reader().map()); }, path("map.yaml"),
+      "has 2 x 1 cells of 0.1 m from (1, 2), but report.json tells of 2 x 1 cells of 0.05 m from (1, 2): not of "
+      "one run; map the log again");
+  write_distance_field(path("gdt.yaml"), {{0.05, 1.0, 2.0, 2, 1}, 2, std::vector<std::uint16_t>{0, 512}, 5120});
+  expect_refused([this] { static_cast<void>(reader().field()); }, path("gdt.png"),
+                 "is not the distance field that report.json tells of: not of one run; map the log again");
   write("map.pgm", "P5\n2 1\n255\n");
   expect_refused([this] { static_cast<void>(reader().map()); }, path("map.pgm"), "");
   write("gdt.png", "no picture");

@@ -46,6 +46,7 @@ struct MapOptions {
   ScanRange range;
   std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
   bool lenient = false;
+  bool force = false;   ///< replace files of other origin in the folder
   bool no_cloud = false;
   bool no_pictures = false;
   bool json = false;
@@ -223,6 +224,7 @@ NoddingJob nodding_job_of(const MapOptions& options, const Settings& settings, N
 
 int map_logs(const MapOptions& options) {
   Settings settings = settings_of(options);
+  if (!options.force && !options.folder.empty()) require_no_foreign_files(options.folder);
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   const MapJob job{.logs = options.logs,
                    .read = read_options_of(settings.log, options.lenient),
@@ -306,6 +308,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "Folder of the results; made if need be, old results are replaced when all is done\n"
                    "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
+  command->add_flag("--force", options->force, "Replace files of a run's names in DIR that no run wrote");
   add_settings_options(*command, options->settings);
   command
       ->add_option("--matcher", options->matcher,
@@ -327,7 +330,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
       "trajectory.tum, overview.png, config.yaml and report.json; where the log tells how the laser nods also\n"
       "cloud.ply, cloud.png and linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages.\n"
-      "An interrupt (Ctrl-C) finishes the scan in hand and writes what there is, exit 130.\n"
+      "An interrupt (Ctrl-C, SIGTERM, a lost terminal) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"
       "  gdtslam map intel.clf.gz -o intel\n"

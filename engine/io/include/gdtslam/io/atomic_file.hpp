@@ -62,6 +62,9 @@ class AtomicFileSet {
 /// A whole file at once.
 void write_file_atomically(const std::string& path, std::string_view text);
 
+/// The names in the folder to the disk, where its file system knows of such a thing. Throws FileError.
+void sync_folder(const std::string& path);
+
 /// Makes the folder and those above it; FileError when that fails or something else has its name.
 void make_folder(const std::string& path);
 
