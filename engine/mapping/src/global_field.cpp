@@ -85,17 +85,20 @@ void GlobalField::resize_to_hold(const CellBox& map_box) {
   assert(!map_box.empty());
   const CellBox guarded{map_box.min - CellOffset{kGuardCells, kGuardCells},
                         map_box.end + CellOffset{kGuardCells, kGuardCells}};
-  const CellBox needed = hull_of(box_, guarded);
-  if (needed == box_) return;
-  if (std::min(needed.min.x, needed.min.y) < -kFurthestCell || std::max(needed.end.x, needed.end.y) > kFurthestCell ||
-      cells_of(needed) > max_cells_) {
-    throw InputError("the map would need " + std::to_string(needed.width()) + " x " + std::to_string(needed.height()) +
-                     " cells, more than map.max_megacells allows (" + std::to_string(max_cells_ >> 20U) +
+  const CellBox content = hull_of(content_, guarded);
+  const auto fits = [this](const CellBox& box) {
+    return std::min(box.min.x, box.min.y) >= -kFurthestCell && std::max(box.end.x, box.end.y) <= kFurthestCell &&
+           cells_of(box) <= max_cells_;
+  };
+  const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, guarded, fits);
+  if (!grown) {
+    throw InputError("the map would need " + std::to_string(content.width()) + " x " +
+                     std::to_string(content.height()) + " cells, more than map.max_megacells allows (" +
+                     std::to_string(max_cells_ >> 20U) +
                      " x 2^20); check the log with 'gdtslam doctor' or raise the limit");
   }
-  CellBox grown = with_margin(box_, needed);
-  if (cells_of(grown) > max_cells_) grown = needed;
-  box_ = grown;
+  content_ = grown->content;
+  box_ = grown->stored;
   stride_ = stride_of(box_);
 }
 
@@ -104,8 +107,12 @@ void GlobalField::resize_buffer() {
   Buffer buffer = backend_->allocate(cells_of(box_) * sizeof(std::uint16_t));
   if (buffer_box_.empty()) {
     backend_->fill(buffer, std::uint32_t{cap()} << 16U | cap());
-  } else {
+  } else if (hull_of(box_, buffer_box_) == box_) {
     copy_field(buffer);
+  } else {
+    // A margin was given up, which happens a few times at most: by way of the host.
+    const std::vector<std::uint16_t> cells = moved_cells(download_device_cells(), buffer_box_, box_, cap());
+    backend_->upload(buffer, std::as_bytes(std::span(cells)));
   }
   buffer_ = std::move(buffer);
   buffer_box_ = box_;

@@ -1,15 +1,29 @@
 // How the grids of this part grow: by boxes of cells, with room to spare.
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include "gdtslam/core/grid_geometry.hpp"
 
 namespace gdtslam {
 
 /// The smallest box that holds both; an empty one adds nothing.
 CellBox hull_of(const CellBox& a, const CellBox& b);
+/// What both have in common; may be empty.
+CellBox common_part(const CellBox& a, const CellBox& b);
 
-/// `needed`, which holds `stored`, with a margin at each side that moved: a quarter of the extent, so that a long drive
-/// copies the grid a few times only.
-CellBox with_margin(const CellBox& stored, const CellBox& needed);
+/// What a grid has to hold and what is stored for it; map cells.
+struct GridBoxes {
+  CellBox content;
+  CellBox stored;
+};
+
+/// The boxes of a grid that holds `box` too; nothing where its content alone would be too much. Each side that moves
+/// gets a margin of a quarter of the extent, or the largest part of it that fits, so that a long drive copies the grid
+/// a few times only. Where earlier margins are in the way they are given up, so that `stored` does not hold all of what
+/// it held, but all of the content.
+std::optional<GridBoxes> grown_to_hold(const GridBoxes& now, const CellBox& box,
+                                       const std::function<bool(const CellBox&)>& fits);
 
 }  // namespace gdtslam

@@ -4,7 +4,10 @@
 #include <utility>
 
 #include "gdtslam/compute/host_kernels.hpp"
+#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "gdtslam/compute/kernels/edt.hpp"
 #include "gdtslam/compute/kernels/jump_flood.hpp"
+#include "growth.hpp"
 
 namespace gdtslam {
 
@@ -12,7 +15,8 @@ GlobalField::HostCopy::HostCopy(std::uint32_t radius_cells, DistanceTransform tr
     : radius_(radius_cells), transform_(transform), table_(distance_table(radius_cells)) {}
 
 const std::vector<std::uint16_t>& GlobalField::HostCopy::cells(const CellBox& box, Isa isa) {
-  grow(box);
+  if (box != box_) cells_ = moved_cells(cells_, box_, box, field_cap(radius_));
+  box_ = box;
   for (; !journal_.empty(); journal_.pop_front(), ++held_) merge(journal_.front(), isa);
   return cells_;
 }
@@ -24,18 +28,20 @@ void GlobalField::HostCopy::adopt(const CellBox& box, std::vector<std::uint16_t>
   cells_ = std::move(cells);
 }
 
-void GlobalField::HostCopy::grow(const CellBox& box) {
-  if (box == box_) return;
-  const std::uint32_t stride = grid_stride(static_cast<std::uint32_t>(box.width()));
-  std::vector<std::uint16_t> fresh(std::size_t{stride} * static_cast<std::size_t>(box.height()), field_cap(radius_));
-  const std::size_t old_stride = grid_stride(static_cast<std::uint32_t>(box_.width()));
-  const CellOffset shift = box_.min - box.min;
-  for (std::int32_t row = 0; row < box_.height(); ++row) {
-    const std::size_t to = static_cast<std::size_t>(shift.dy + row) * stride + static_cast<std::size_t>(shift.dx);
-    std::copy_n(cells_.data() + static_cast<std::size_t>(row) * old_stride, box_.width(), fresh.data() + to);
+std::vector<std::uint16_t> moved_cells(const std::vector<std::uint16_t>& cells, const CellBox& from, const CellBox& to,
+                                       std::uint16_t cap) {
+  const std::size_t from_stride = grid_stride(static_cast<std::uint32_t>(from.width()));
+  const std::size_t to_stride = grid_stride(static_cast<std::uint32_t>(to.width()));
+  std::vector<std::uint16_t> moved(to_stride * static_cast<std::size_t>(to.height()), cap);
+  const CellBox kept = common_part(from, to);
+  if (kept.empty()) return moved;
+  const auto place = [&kept](const CellBox& box, std::size_t stride, std::int32_t y) {
+    return static_cast<std::size_t>(y - box.min.y) * stride + static_cast<std::size_t>(kept.min.x - box.min.x);
+  };
+  for (std::int32_t y = kept.min.y; y < kept.end.y; ++y) {
+    std::copy_n(cells.data() + place(from, from_stride, y), kept.width(), moved.data() + place(to, to_stride, y));
   }
-  cells_ = std::move(fresh);
-  box_ = box;
+  return moved;
 }
 
 void GlobalField::HostCopy::transform(const EdtColumns::Params& grid, Isa isa) {

@@ -13,6 +13,10 @@
 
 namespace gdtslam {
 
+/// The cells of a field (rows of grid_stride()) of one box as the field of another; the cap where the first has none.
+std::vector<std::uint16_t> moved_cells(const std::vector<std::uint16_t>& cells, const CellBox& from, const CellBox& to,
+                                       std::uint16_t cap);
+
 class GlobalField::HostCopy {
  public:
   HostCopy(std::uint32_t radius_cells, DistanceTransform transform);
@@ -35,7 +39,6 @@ class GlobalField::HostCopy {
     MergeStep step;
   };
 
-  void grow(const CellBox& box);
   void merge(const Entry& entry, Isa isa);
   // From the seeds to the squared distances of a window.
   void transform(const EdtColumns::Params& grid, Isa isa);

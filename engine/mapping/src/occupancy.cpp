@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
@@ -120,25 +121,32 @@ std::size_t OccupancyBuilder::index_of(CellIndex map_cell) const {
 }
 
 void OccupancyBuilder::grow_to_hold(const CellBox& needed) {
-  const CellBox hull = hull_of(box_, needed);
-  if (hull == box_) return;
-  if (std::min(hull.min.x, hull.min.y) <= -kFurthestCell || std::max(hull.end.x, hull.end.y) >= kFurthestCell ||
-      cells_of(hull) > limits_.max_cells) {
-    throw InputError("the occupancy map would need " + std::to_string(std::int64_t{hull.end.x} - hull.min.x) + " x " +
-                     std::to_string(std::int64_t{hull.end.y} - hull.min.y) + " cells, " +
+  const CellBox content = hull_of(content_, needed);
+  const auto fits = [this](const CellBox& box) {
+    return std::min(box.min.x, box.min.y) > -kFurthestCell && std::max(box.end.x, box.end.y) < kFurthestCell &&
+           cells_of(box) <= limits_.max_cells;
+  };
+  const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, needed, fits);
+  if (!grown) {
+    throw InputError("the occupancy map would need " + std::to_string(std::int64_t{content.end.x} - content.min.x) +
+                     " x " + std::to_string(std::int64_t{content.end.y} - content.min.y) + " cells, " +
                      std::to_string(limits_.max_cells) +
                      " are allowed; check the log with 'gdtslam doctor' or raise map.max_megacells");
   }
-  CellBox grown = with_margin(box_, hull);
-  if (cells_of(grown) > limits_.max_cells) grown = hull;
-  std::vector<Cell> cells(cells_of(grown));
-  for (std::int32_t y = box_.min.y; y < box_.end.y; ++y) {
-    const auto row = cells_.begin() + static_cast<std::ptrdiff_t>(index_of({box_.min.x, y}));
-    const auto target = static_cast<std::ptrdiff_t>(y - grown.min.y) * grown.width() + (box_.min.x - grown.min.x);
-    std::copy(row, row + box_.width(), cells.begin() + target);
+  content_ = grown->content;
+  if (grown->stored != box_) move_to(grown->stored);
+}
+
+void OccupancyBuilder::move_to(const CellBox& box) {
+  std::vector<Cell> cells(cells_of(box));
+  const CellBox kept = common_part(box_, box);
+  for (std::int32_t y = kept.min.y; y < kept.end.y; ++y) {
+    const auto row = cells_.begin() + static_cast<std::ptrdiff_t>(index_of({kept.min.x, y}));
+    const auto target = static_cast<std::ptrdiff_t>(y - box.min.y) * box.width() + (kept.min.x - box.min.x);
+    std::copy(row, row + kept.width(), cells.begin() + target);
   }
   cells_ = std::move(cells);
-  box_ = grown;
+  box_ = box;
 }
 
 // Marks the cells from the start up to the end; the cell of a return was marked before.

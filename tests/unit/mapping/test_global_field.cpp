@@ -111,6 +111,52 @@ TEST_F(Fields, GrowingKeepsWhatIsKnownAndTheGuard) {
   }
 }
 
+// Drives through a corridor up to the bound, half a metre a keyframe, and back and forth in steps to the side; the
+// stored grid changes when the map is copied, which without a margin is at every one.
+TEST_F(Fields, GrowingUpToTheBoundCopiesTheMapAFewTimes) {
+  constexpr std::int32_t kKeyframes = 1500;
+  constexpr std::int32_t kEnd = 10 * kKeyframes;
+  const auto cells = [](std::int64_t width, std::int64_t height) { return static_cast<std::uint64_t>(width * height); };
+  // Rows are padded to 32 cells.
+  GlobalField map{*backend_, kResolution, kRadius, cells(kEnd + 100, 204 + kKeyframes / 10)};
+  int copies = 0;
+  GridGeometry before = map.geometry();
+  for (std::int32_t k = 0; k < kKeyframes; ++k) {
+    const std::int32_t x = 10 * k;
+    const std::int32_t side = k / 10;
+    map.grow_to_hold(k % 2 == 0 ? CellBox{{x, 0}, {x + 10, 200}} : CellBox{{x, side}, {x + 10, side + 200}});
+    const GridGeometry after = map.geometry();
+    copies += after == before ? 0 : 1;
+    before = after;
+    ASSERT_LE(cells(map.stride(), after.height), cells(kEnd + 100, 204 + kKeyframes / 10));
+  }
+  EXPECT_LE(copies, 60);
+  EXPECT_GE(before.width, kEnd + 4);
+}
+
+// A margin is room to spare: what it takes may not keep the map from growing elsewhere.
+TEST_F(Fields, AMarginIsGivenUpWhereItIsInTheWay) {
+  GlobalField map{*backend_, kResolution, kRadius, 416U * 420U};
+  LocalField local{*backend_, kRadius};
+  GlobalField large{*backend_, kResolution, kRadius, 1U << 24U};
+  for (const Point2& point :
+       {Point2{0.525, 0.525}, Point2{19.025, 0.525}, Point2{0.525, 19.025}, Point2{19.025, 19.025}}) {
+    const KeyframeCells keyframe = keyframe_of({point}, kResolution, kRadius);
+    for (GlobalField* field : {&map, &large}) {
+      field->admit(keyframe, kStep);
+      local.compute(keyframe);
+      local.merge_into(*field, kStep);
+    }
+  }
+  for (std::int32_t y = -100; y < 500; ++y) {
+    for (std::int32_t x = -100; x < 500; ++x) ASSERT_EQ(map.at({x, y}), large.at({x, y})) << x << ' ' << y;
+  }
+  EXPECT_EQ(map.at({380, 380}), 0);
+  EXPECT_LE(map.geometry().width, 416);
+  EXPECT_LE(map.geometry().height, 420);
+  EXPECT_THROW(map.grow_to_hold({{0, 0}, {450, 450}}), InputError);
+}
+
 TEST_F(Fields, AMapThatWouldBeTooLargeIsRefusedWithBothSizesAndStaysAsItWas) {
   map_.grow_to_hold({{0, 0}, {30, 30}});
   const GridGeometry before = map_.geometry();

@@ -164,6 +164,20 @@ TEST(Occupancy, RefusesToGrowBeyondTheLimitAndStaysAsItWas) {
   EXPECT_EQ(picture(builder.build()), before);
 }
 
+// Margins are smaller near the limit, and given up where they are in the way.
+TEST(Occupancy, UpToTheLimitTheMapIsWhatItIsWithoutOne) {
+  OccupancyBuilder tight(kOneEnd,
+                         {.resolution_m = 1.0, .min_range_m = 0.1, .max_range_m = 40.0, .max_cells = 303U * 201U});
+  OccupancyBuilder free(kOneEnd, kUnitCells);
+  for (const Pose2& pose : {Pose2{0.5, 0.5, 0.0}, Pose2{150.5, 0.5, 0.0}, Pose2{0.5, 150.5, 0.0},
+                            Pose2{300.5, 100.5, 0.0}, Pose2{200.5, 200.5, 0.0}}) {
+    tight.add(scan_of({2.0F}), pose);
+    free.add(scan_of({2.0F}), pose);
+    EXPECT_EQ(picture(tight.build()), picture(free.build()));
+  }
+  EXPECT_THROW(tight.add(scan_of({2.0F}), {301.5, 0.5, 0.0}), InputError);
+}
+
 // Whether the open segment runs through the inside of a cell, all in units of 1/512 cell, by the signs of its corners.
 bool crosses(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, std::int64_t cx, std::int64_t cy) {
   const std::int64_t left = cx * 512;

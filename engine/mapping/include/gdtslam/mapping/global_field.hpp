@@ -102,7 +102,8 @@ class GlobalField {
   std::uint32_t radius_;
   std::uint64_t max_cells_;
   DistanceTransform transform_;
-  CellBox box_{};  // map cells
+  CellBox content_{};  // map cells that have been asked for, their guard included
+  CellBox box_{};      // map cells that are stored
   std::uint32_t stride_ = 0;
   Buffer buffer_;
   CellBox buffer_box_{};  // what the buffer holds; box_ but for the moment of growing

@@ -82,13 +82,15 @@ class OccupancyBuilder {
   [[nodiscard]] SubCell sub_cell_of(const Point2& point_m) const;
   CellBox collect_rays(const LaserScan& scan, const Pose2& T_map_laser);
   void grow_to_hold(const CellBox& needed);
+  void move_to(const CellBox& box);
   void cast(const SubCell& start, const Ray& ray);
   [[nodiscard]] std::size_t index_of(CellIndex map_cell) const;
   [[nodiscard]] CellState state_of(const Cell& cell) const;
 
   OccupancyConfig config_;
   Limits limits_;
-  CellBox box_{};  ///< map cells that are stored
+  CellBox content_{};  ///< map cells that rays have reached
+  CellBox box_{};      ///< map cells that are stored
   std::vector<Cell> cells_;
   std::uint32_t scan_ = 0;
   std::vector<Ray> rays_;
