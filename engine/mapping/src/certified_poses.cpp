@@ -30,8 +30,34 @@ CellPose CertifiedSearch::to_cells(const Pose2& pose) const {
           static_cast<float>(middle + wrap_angle(pose.theta_rad - middle))};
 }
 
+// The nearest value of the pose's in a narrow window, up to float32.
+CellPose CertifiedSearch::in_narrow_window(CellPose pose) const {
+  const double resolution_m = map_.field().resolution_m;
+  const CellPose middle = to_cells(window_.centre);
+  const auto moved = [](float value, float centre, double half) {
+    return std::clamp(value, centre - static_cast<float>(half), centre + static_cast<float>(half));
+  };
+  if (is_narrow_x_) pose.x = moved(pose.x, middle.x, window_.half_x_m / resolution_m);
+  if (is_narrow_y_) pose.y = moved(pose.y, middle.y, window_.half_y_m / resolution_m);
+  if (is_narrow_theta_) pose.theta = moved(pose.theta, middle.theta, window_.half_theta_rad);
+  return pose;
+}
+
+// What float32 lacks to be in a narrow window is made up for.
 Pose2 CertifiedSearch::to_metres(const CellPose& pose) const {
-  return pose_in_metres(pose, anchor_, map_.field().resolution_m);
+  const Pose2& centre = window_.centre;
+  const auto within = [](double off, double middle, double half) {
+    const double most = std::max(0.0, half - 1.0e-15 * (std::fabs(middle) + 8.0));  // rounding on either side
+    return middle + std::clamp(off, -most, most);
+  };
+  Pose2 T = pose_in_metres(pose, anchor_, map_.field().resolution_m);
+  if (is_narrow_x_) T.x_m = within(T.x_m - centre.x_m, centre.x_m, window_.half_x_m);
+  if (is_narrow_y_) T.y_m = within(T.y_m - centre.y_m, centre.y_m, window_.half_y_m);
+  if (is_narrow_theta_) {
+    T.theta_rad = within(wrap_angle(T.theta_rad - centre.theta_rad), centre.theta_rad, window_.half_theta_rad);
+    T.theta_rad = wrap_angle(T.theta_rad);
+  }
+  return T;
 }
 
 bool CertifiedSearch::is_allowed(const CellPose& pose) const {
@@ -69,12 +95,14 @@ void CertifiedSearch::polish(const CellPose& start, float step_cells) {
   PolishedPose pose{start.x, start.y, start.theta};
   pose_simplex_host(map_.isa(), walk, map_.field().cells, points_.data(), &pose, 1);
   evaluations_ += pose.evaluations;
-  offer({pose.x, pose.y, pose.theta}, pose.cost);
+  const bool is_narrow = is_narrow_x_ || is_narrow_y_ || is_narrow_theta_;
+  const CellPose end = in_narrow_window({pose.x, pose.y, pose.theta});
+  offer(end, is_narrow ? cost_of(end) : pose.cost);
 }
 
 void CertifiedSearch::try_starts() {
   for (const Pose2& start : options_.starts) {
-    const CellPose pose = to_cells(start);
+    const CellPose pose = in_narrow_window(to_cells(start));
     offer(pose, cost_of(pose));
     polish(pose, 1.0F);
   }
@@ -85,8 +113,9 @@ void CertifiedSearch::try_centres(std::span<const OpenBox> boxes) {
   for (const OpenBox& box : boxes) {
     const float w = half_width(box.level);
     if (w > kTriedHalfWidth) continue;
-    const CellPose pose{std::clamp(box.centre.x, centre_.x - half_x_, centre_.x + half_x_),
-                        std::clamp(box.centre.y, centre_.y - half_y_, centre_.y + half_y_), box.centre.theta};
+    const CellPose pose =
+        in_narrow_window({std::clamp(box.centre.x, centre_.x - half_x_, centre_.x + half_x_),
+                          std::clamp(box.centre.y, centre_.y - half_y_, centre_.y + half_y_), box.centre.theta});
     const std::uint32_t cost = cost_of(pose);
     const bool worth =
         cost < best_cost_ || (w > kPolishedHalfWidth && cost - best_cost_ < best_cost_ / kWorthPolishing);

@@ -28,6 +28,10 @@ constexpr float kReferenceShare = 1.4F;
 // Float32 in the poses of boxes and their angles.
 constexpr float kAngleSlack = 1.0e-6F;
 constexpr double kFloatUnit = 1.0 / 16777216.0;  // 2^-24
+// Half widths of a window below which it counts as narrow: twice that of the smallest boxes and their grid, cells, and
+// some units of float32, radians.
+constexpr double kNarrow_cells = 1.0 / 16.0;
+constexpr double kNarrow_rad = 1.0e-5;
 
 std::uint32_t divided_up(std::uint32_t value, std::uint32_t by) { return (value + by - 1) / by; }
 
@@ -40,6 +44,10 @@ CertifiedSearch::CertifiedSearch(const CertifiedMap& map, std::span<const PointC
     : map_(map), points_(points.begin(), points.end()), window_(window), options_(options) {
   const FieldView& field = map.field();
   const double resolution_m = field.resolution_m;
+  is_narrow_x_ = window.half_x_m < kNarrow_cells * resolution_m;
+  is_narrow_y_ = window.half_y_m < kNarrow_cells * resolution_m;
+  is_narrow_theta_ = window.half_theta_rad < kNarrow_rad;
+  if (is_narrow_theta_) window_.centre.theta_rad = wrap_angle(window.centre.theta_rad);
   const CellIndex cell = map_cell_of(window.centre.translation(), resolution_m);
   anchor_ = {aligned_down(cell.x), aligned_down(cell.y)};
   // On a grid of 1/64 cell, so that the corners of all boxes are exact in float32.
@@ -106,7 +114,7 @@ void CertifiedSearch::choose_levels() {
   for (std::int32_t level = 0; level <= field_levels_ + kParts; ++level) {
     half_widths_.push_back(has_fields(level) ? std::ldexp(0.5F, fields(level).spacing_bits)
                                              : std::ldexp(0.5F, field_levels_ - level));
-    half_angles_.push_back(std::ldexp(top_angle_, -level));
+    half_angles_.push_back(is_narrow_theta_ ? top_angle_ : std::ldexp(top_angle_, -level));
   }
   bound_points_.resize(static_cast<std::size_t>(field_levels_));
   for (std::int32_t level = 0; level < field_levels_; ++level) {
@@ -268,8 +276,8 @@ std::uint32_t CertifiedSearch::least_prior(const OpenBox& box) const {
   return static_cast<std::uint32_t>(std::max(0.0, cost * (1.0 - 1.0e-6) - 2.0));
 }
 
-// Children of a box of the fields' levels are bounded as tiles. Smaller boxes get their bound when their turn comes,
-// from a minorant that bounds their halves as well.
+// Children of a box of the fields' levels are bounded as tiles; all have the angle of a narrow window. Smaller boxes
+// get their bound when their turn comes, from a minorant that bounds their halves as well.
 void CertifiedSearch::expand(const OpenBox& box) {
   const std::int32_t level = box.level + 1;
   if (!has_fields(level)) {
@@ -278,17 +286,18 @@ void CertifiedSearch::expand(const OpenBox& box) {
   }
   const float w = half_width(level);
   const float a = half_angle(level);
-  const PoseCandidate corners[] = {{box.centre.x - w, box.centre.y - w, box.centre.theta - a, 0},
+  const float first = is_narrow_theta_ ? box.centre.theta : box.centre.theta - a;
+  const PoseCandidate corners[] = {{box.centre.x - w, box.centre.y - w, first, 0},
                                    {box.centre.x - w, box.centre.y - w, box.centre.theta + a, 0}};
-  bound_tiles(level, corners, 2, 2, box.terms);
+  bound_tiles(level, std::span(corners).first(is_narrow_theta_ ? 1 : 2), 2, 2, box.terms);
 }
 
 void CertifiedSearch::halve(const OpenBox& box) {
   const std::optional<PoseMinorant::Value> minorant = minorant_in(box);
   if (!minorant) return;
   const float w = half_width(box.level + 1);
-  const float a = half_angle(box.level + 1);
-  for (unsigned part = 0; part < 8; ++part) {
+  const float a = is_narrow_theta_ ? 0.0F : half_angle(box.level + 1);
+  for (unsigned part = 0; part < (is_narrow_theta_ ? 4 : 8); ++part) {
     const auto side = [part](unsigned bit, float half) { return (part & bit) != 0 ? half : -half; };
     OpenBox child{.terms = box.terms,
                   .level = box.level + 1,

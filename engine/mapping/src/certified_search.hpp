@@ -65,6 +65,7 @@ class CertifiedSearch {
   [[nodiscard]] std::uint32_t cost_of(const CellPose& pose);
   [[nodiscard]] CellPose to_cells(const Pose2& pose) const;
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
+  [[nodiscard]] CellPose in_narrow_window(CellPose pose) const;
   [[nodiscard]] bool is_allowed(const CellPose& pose) const;
 
   // Proof.
@@ -83,6 +84,10 @@ class CertifiedSearch {
   float half_x_ = 0.0F;
   float half_y_ = 0.0F;
   float half_theta_ = 0.0F;
+  // A window that is too narrow in a direction for boxes to have their centres in it: poses are moved into it.
+  bool is_narrow_x_ = false;
+  bool is_narrow_y_ = false;
+  bool is_narrow_theta_ = false;
   float slack_ = 0.0F;      // cells
   float reference_ = 0.0F;  // range at which a box's angle moves a point as far as its width does, cells
   PriorParams prior_;

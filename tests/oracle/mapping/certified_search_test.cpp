@@ -128,6 +128,34 @@ TEST(Search, ProvesTightGapsUpToRounding) {
   }
 }
 
+// Both ends of a window are included, so one without width has one value. What the oracle finds on the grid is no less
+// than the optimum; a window around one value costs few boxes.
+TEST_P(Search, WindowsWithoutWidthAreSearchedToo) {
+  constexpr double kWidths_m[] = {0.0, 1.0e-9, 2.0e-4};
+  constexpr double kWidths_rad[] = {0.0, 1.0e-12, 2.0e-6};
+  for (std::uint64_t seed = 1; seed <= 21; ++seed) {
+    Problem problem = make_problem(GetParam(), 200 + seed);
+    const std::uint64_t narrow = 1 + seed % 7;  // in x, y, theta
+    if ((narrow & 1U) != 0) problem.window.half_x_m = kWidths_m[seed % 3];
+    if ((narrow & 2U) != 0) problem.window.half_y_m = kWidths_m[seed % 3];
+    if ((narrow & 4U) != 0) problem.window.half_theta_rad = kWidths_rad[seed % 3];
+    if (seed % 4 == 0) problem.window.centre.theta_rad += 3.0 * kTwoPi;
+    const CertifiedMap map(problem.field.view(), Isa::kBaseline,
+                           seed % 2 == 0 ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
+    CertifiedOptions options{.gap_m = 0.005};
+    options.max_boxes = 200000;
+    if (seed % 5 == 0) options.starts = {problem.T_map_base};  // beside the window
+    const CertifiedResult found = find_pose(map, problem.points, problem.window, options);
+    const std::uint32_t optimum = test::searched_optimum(problem.field.view(), problem.points, problem.window, 24, 40);
+    EXPECT_TRUE(problem.window.holds(found.T_map_base)) << "seed " << seed;
+    EXPECT_LE(found.bound, optimum) << "seed " << seed;
+    if (GetParam() == FieldKind::kNoise && found.stop == CertifiedStop::kResolution) continue;
+    EXPECT_EQ(found.stop, CertifiedStop::kGapReached) << "seed " << seed;
+    EXPECT_LE(found.cost, optimum + gap_units(problem, 0.005)) << "seed " << seed;
+    if (narrow == 7) EXPECT_LE(found.boxes, 200U) << "seed " << seed;
+  }
+}
+
 TEST(Search, IsTheSameOnEveryInstructionSet) {
   for (std::uint64_t seed = 71; seed <= 73; ++seed) {
     const Problem problem = make_problem(FieldKind::kSteps, seed);

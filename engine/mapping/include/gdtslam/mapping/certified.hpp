@@ -71,7 +71,7 @@ class CertifiedMap {
   std::unique_ptr<DeviceBounds> device_;
 };
 
-/// A box of poses; both ends included. A half angle of pi or more means every heading.
+/// A box of poses; both ends included, so that a half width of 0 means one value. A half angle of pi or more means every heading.
 struct PoseWindow {
   Pose2 centre;
   double half_x_m = 1.0;
