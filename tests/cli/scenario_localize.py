@@ -51,8 +51,16 @@ def localize_finds_the_simulated_poses():
     chosen = ("--random", 40, "--seed", 3, "--leave-out", 0, "--reference", TRUTH, "--align")
     report = localized(*chosen, "-o", folder / "found.tum", "--picture", folder / "found.svg")
     scans, errors = report["scans"], report["errors"]
-    expect(len(scans) == 40 and report["found"] == 40, f"{len(scans)} scans")
+    expect(len(scans) == 40 and report["verdicts"]["no-pose"] == 0, f"{report['verdicts']}")
     expect(report["certified"] == 40, f"only {report['certified']} are proven")
+    run_report = json.loads((RUN / "report.json").read_text())
+    expect(report["good_fit"] == {"distance_m": run_report["match_p99_m"], "from": "run"}, f"{report['good_fit']}")
+    expect(report["verdicts"]["poor-fit"] <= 2, f"of the mapped building: {report['verdicts']}")
+    for scan in scans:
+        is_poor = scan["best"]["mean_distance_m"] > run_report["match_p99_m"]
+        expect(scan["verdict"] == ("poor-fit" if is_poor else "ambiguous" if scan["ambiguous"] else "found"), f"{scan}")
+    counts = [sum(scan["verdict"] == verdict for scan in scans) for verdict in report["verdicts"]]
+    expect(counts == list(report["verdicts"].values()), f"{counts}, {report['verdicts']}")
     # The map's own errors count too, and along a corridor both poses fit alike.
     expect(errors["aligned"] and errors["within"]["count"] >= 36, f"errors {errors['within']}, {errors['faults']}")
     expect(errors["distance_m"]["median"] < 0.06 and errors["angle_deg"]["median"] < 0.3, f"errors {errors}")
@@ -61,11 +69,11 @@ def localize_finds_the_simulated_poses():
     poses = poses_of(POSES)
     for scan in scans:
         stamp, x, y, theta = poses[scan["scan"]]
-        found = scan["found"]
+        found = scan["best"]
         expect(abs(stamp - scan["stamp_s"]) < 1e-6, f"stamp of scan {scan['scan']}")
         off = math.hypot(found["x_m"] - x, found["y_m"] - y)
         expect(off < 0.1 and turned(found["theta_rad"], theta) < math.radians(1.0), f"{off} m off: {scan}")
-    merged = set(json.loads((RUN / "report.json").read_text())["keyframe_scans"])
+    merged = set(run_report["keyframe_scans"])
     expect(not merged & {scan["scan"] for scan in scans}, "a scan that went into the map was chosen")
     expect(report["choice"]["left_out"] == len(merged), f"{report['choice']}, {len(merged)} were merged")
     expect(report["choice"]["candidates"] == len(poses) - len(merged), f"{report['choice']}")
@@ -73,7 +81,7 @@ def localize_finds_the_simulated_poses():
     written = poses_of(folder / "found.tum")
     expect(len(written) == 40, f"{len(written)} rows")
     for row, scan in zip(written, scans):
-        expect(abs(row[1] - scan["found"]["x_m"]) < 1e-8 and turned(row[3], scan["found"]["theta_rad"]) < 1e-8, f"{row}")
+        expect(abs(row[1] - scan["best"]["x_m"]) < 1e-8 and turned(row[3], scan["best"]["theta_rad"]) < 1e-8, f"{row}")
     words = "".join(ElementTree.parse(folder / "found.svg").getroot().itertext())
     expect("within 10 cm and 1° of the reference" in words and f"{100 * errors['within']['share']:.1f} %" in words, words)
 
@@ -85,15 +93,15 @@ def localize_errors_are_the_distances():
     within = 0
     for scan in report["scans"]:
         _, x, y, theta = poses[scan["scan"]]
-        off = math.hypot(scan["found"]["x_m"] - x, scan["found"]["y_m"] - y)
-        angle = turned(scan["found"]["theta_rad"], theta)
+        off = math.hypot(scan["best"]["x_m"] - x, scan["best"]["y_m"] - y)
+        angle = turned(scan["best"]["theta_rad"], theta)
         reference = scan["reference"]
         expect(abs(reference["distance_m"] - off) < 1e-6 and abs(reference["angle_rad"] - angle) < 1e-6, f"{scan}")
         is_within = off <= 0.01 and angle <= math.radians(0.1)
         expect(reference["within"] == is_within and (reference["fault"] is None) == is_within, f"{scan}")
         if not is_within:
             expect(reference["fault"] in ("as-good", "map-prefers"), f"proven, but {reference}")
-            lead = reference["nearby"]["mean_distance_m"] - scan["found"]["mean_distance_m"]
+            lead = reference["nearby"]["mean_distance_m"] - scan["best"]["mean_distance_m"]
             expect((reference["fault"] == "as-good") == (abs(lead) <= report["gap_m"]), f"{lead} m and {reference['fault']}")
         within += is_within
     share = report["errors"]["within"]
@@ -167,7 +175,7 @@ def localize_tells_what_is_ambiguous():
     log, run, drive = _mapped_room(folder)
     report = localized("--every", 10, "--reference", run / "trajectory.tum", "--within", "10cm/1.5deg", run=run, log=log)
     x0, y0, theta0, _ = drive[0]
-    expect(report["ambiguous"] == len(report["scans"]), f"{report['ambiguous']} of {len(report['scans'])} ambiguous")
+    expect(report["verdicts"]["ambiguous"] == len(report["scans"]), f"{report['verdicts']}")
     for scan in report["scans"]:
         x, y, theta, _ = drive[scan["scan"]]
         places = []
@@ -175,11 +183,70 @@ def localize_tells_what_is_ambiguous():
             dx, dy = a - x0, b - y0
             places.append((math.cos(theta0) * dx + math.sin(theta0) * dy, -math.sin(theta0) * dx + math.cos(theta0) * dy, c - theta0))
         near = [[math.hypot(pose["x_m"] - a, pose["y_m"] - b) < 0.12 and turned(pose["theta_rad"], c) < 0.05 for a, b, c in places]
-                for pose in (scan["found"], scan["runner_up"])]
+                for pose in (scan["best"], scan["runner_up"])]
         expect(near in ([[True, False], [False, True]], [[False, True], [True, False]]), f"{near}: {places}, {scan}")
         expect(scan["reference"]["fault"] == (None if near[0][0] else "as-good"), f"{scan['reference']}")
     text = command("localize", run, log, "--scan", 20)
-    expect("AMBIGUOUS: it may be as good" in text.stdout, text.stdout)
+    expect(" s: ambiguous: x " in text.stdout and "; it may be as good\n" in text.stdout, text.stdout)
+
+
+def _hall_scan(x, y, theta, stamp):
+    """In a round hall of 5 m radius with pillars, which looks like no office."""
+    ranges = []
+    for k in range(180):
+        dx, dy = math.cos(theta - math.pi / 2 + math.pi * k / 180), math.sin(theta - math.pi / 2 + math.pi * k / 180)
+        hits = []
+        for cx, cy, radius in ((0.0, 0.0, 5.0), (2.5, 1.5, 0.4), (-3.0, 0.5, 0.7), (-0.5, 3.2, 0.3), (0.4, -3.4, 0.5)):
+            along = dx * (cx - x) + dy * (cy - y)
+            under_root = along * along + radius * radius - (cx - x) ** 2 - (cy - y) ** 2
+            hits += [along + sign * math.sqrt(under_root) for sign in (-1, 1) if under_root >= 0.0]
+        ranges.append(min(hit for hit in hits if hit > 0.0))
+    return cli.flaser(ranges, (x, y, theta), (x, y, theta), stamp)
+
+
+def localize_tells_another_building():
+    """Scans of another building are a poor fit whatever is proven of them, and --strict says so; a map without a run has a
+    limit of two cells, and --poor-fit sets another one."""
+    folder = fresh_folder("localize_elsewhere")
+    hall_log, hall = folder / "hall.log", folder / "hall"
+    drive = [(1.5 * math.cos(0.08 * k), 1.5 * math.sin(0.08 * k), 0.08 * k + math.pi / 2, 100.0 + 0.2 * k) for k in range(80)]
+    hall_log.write_text("".join(_hall_scan(*pose) for pose in drive))
+    expect_exit(command("map", hall_log, "-o", hall, "-q"), 0)
+    own = localized("--every", 8, "--strict", run=hall, log=hall_log)
+    expect(own["verdicts"] == {"found": 10, "ambiguous": 0, "poor-fit": 0, "no-pose": 0}, f"{own['verdicts']}")
+    for run, log, every in ((RUN, hall_log, 8), (hall, LOG, 300)):
+        other = localized("--every", every, run=run, log=log)
+        expect(other["certified"] == len(other["scans"]) > 5, f"{other['certified']} proven")
+        expect(other["verdicts"]["poor-fit"] == len(other["scans"]), f"{other['good_fit']}: {[s['best'] for s in other['scans']]}")
+    strict = command("localize", RUN, hall_log, "--every", 8, "--strict")
+    expect_exit(strict, 1)
+    one_error_line(strict.stderr)
+    expect("--strict: not every scan was found: 0 found, 0 ambiguous, 10 poor fit" in strict.stderr, strict.stderr)
+    limit_mm = 1000.0 * json.loads((RUN / "report.json").read_text())["match_p99_m"]
+    summary = "10 scans: 0 found, 0 ambiguous, 10 poor fit; 10 proven\n"
+    expect(strict.stdout.endswith(f"{summary}a mean distance of more than {limit_mm:.1f} mm is a poor fit: 99 of 100 matches of the run left no more\n"),
+           strict.stdout)
+    for name in ("gdt.yaml", "gdt.png"):
+        shutil.copy(hall / name, folder)
+    alone = localized("--every", 8, run=folder / "gdt.yaml", log=hall_log)
+    expect(alone["good_fit"] == {"distance_m": 0.05, "from": "resolution"}, f"{alone['good_fit']}")
+    expect([scan["best"] for scan in alone["scans"]] == [scan["best"] for scan in own["scans"]], "other poses")
+    asked = localized("--every", 8, "--poor-fit", 2000, run=RUN, log=hall_log)
+    expect(asked["good_fit"] == {"distance_m": 2.0, "from": "option"} and asked["verdicts"]["poor-fit"] == 0, f"{asked['verdicts']}")
+
+
+def localize_the_wrong_way_round():
+    """A log where the map should be, and an occupancy map: what was given and what to do."""
+    for arguments, code, words in (
+            ((LOG, RUN), 2, f"'{RUN}' is a map and '{LOG}' is none; the map comes first: gdtslam localize {RUN} {LOG}"),
+            ((LOG, RUN / "gdt.yaml"), 2, "the map comes first"),
+            ((LOG, LOG), 65, "office.log: is no map; give the folder that 'gdtslam map -o' wrote, or its gdt.yaml"),
+            ((RUN / "map.yaml", LOG), 65, "map.yaml: is an occupancy map, whose distances to obstacles are not known; give the folder"),
+            ((RUN, RUN), 65, "is a folder")):
+        process = command("localize", *arguments)
+        expect_exit(process, code)
+        one_error_line(process.stderr)
+        expect(words in process.stderr, process.stderr)
 
 
 def _moved(folder, name, dx):
@@ -203,17 +270,17 @@ def localize_explains_failures():
         faults = report["errors"]["faults"]
         expect(faults[fault] == len(report["scans"]) and report["errors"]["within"]["count"] == 0, f"{name}: {faults}")
         if fault == "map-prefers":
-            expect(all(s["reference"]["nearby"]["mean_distance_m"] > s["found"]["mean_distance_m"] for s in report["scans"]), name)
+            expect(all(s["reference"]["nearby"]["mean_distance_m"] > s["best"]["mean_distance_m"] for s in report["scans"]), name)
     process = command("localize", RUN, LOG, "--every", 100, "--max-time", "1us", "--reference", POSES, "--json")
     expect_exit(process, 65)  # not one pose was tried
     cli.validate(process.stdout, "localize")
     short = json.loads(process.stdout)
-    expect(short["certified"] == 0 and all(s["found"] is None and s["runner_up"] is None for s in short["scans"]), "not cut short")
+    expect(short["certified"] == 0 and all(s["best"] is None and s["runner_up"] is None for s in short["scans"]), "not cut short")
     expect(short["errors"]["faults"]["not-proven"] == len(short["scans"]), f"{short['errors']}")
     (folder / "mixed.log").write_text(cli.flaser([81.91] * 180, (0, 0, 0), (0, 0, 0), 99.0) + LOG.read_text())
     mixed = localized("--every", 200, "-o", folder / "mixed.tum", log=folder / "mixed.log")
-    expect(mixed["scans"][0]["found"] is None and mixed["found"] == len(mixed["scans"]) - 1, "a scan without returns was found")
-    expect(len(poses_of(folder / "mixed.tum")) == mixed["found"], "a pose was written for it")
+    expect(mixed["scans"][0]["best"] is None and mixed["verdicts"]["no-pose"] == 1, "a scan without returns was found")
+    expect(len(poses_of(folder / "mixed.tum")) == len(mixed["scans"]) - 1, "a pose was written for it")
     text = command("localize", RUN, folder / "mixed.log", "--scan", 0)
     expect_exit(text, 65)
     expect("none of the scans could be localised" in text.stderr, text.stderr)
@@ -300,7 +367,7 @@ def localize_interrupt():
         total = len(poses_of(POSES))
         expect(report["interrupted"] and 0 < len(report["scans"]) < total, f"{len(report['scans'])} of {total} scans")
         expect([scan["scan"] for scan in report["scans"]] == list(range(len(report["scans"]))), "scans are missing in between")
-        expect(len(poses_of(folder / "found.tum")) == report["found"], "poses are missing")
+        expect(len(poses_of(folder / "found.tum")) == sum(scan["best"] is not None for scan in report["scans"]), "poses are missing")
         expect(f"interrupted after {len(report['scans'])} scans" in done.stderr, done.stderr)
     process = subprocess.Popen([PROGRAM, "localize", str(RUN), "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)

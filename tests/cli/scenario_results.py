@@ -33,6 +33,8 @@ def report_adds_up():
     expect(len(poses) == report["scans"], "scans and poses")
     expect(report["matched"] + report["doubtful"] >= report["scans"], "matched and doubtful scans")
     expect(len(report["doubtful_scans"]) == report["doubtful"], "doubtful scans are listed")
+    # Well above the cells' rounding (25 mm a cell) and well below the 300 mm at which a match is refused.
+    expect(0.001 < report["match_median_m"] < report["match_p99_m"] < 0.2, f"{report['match_median_m']}, {report['match_p99_m']}")
     path_m = 0.0
     last = None
     for line in poses:

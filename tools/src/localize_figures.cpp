@@ -1,5 +1,7 @@
 #include "localize_figures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -59,14 +61,23 @@ LocalizeFault fault_of(const LocalizedScan& scan, const LocalizeLimits& limits) 
   return std::fabs(lead_m) <= limits.gap_m ? LocalizeFault::kAsGood : LocalizeFault::kMapPrefers;
 }
 
+std::string text_of(const decltype(LocalizeFigures::verdicts)& verdicts) {
+  std::string text;
+  for (const Verdict verdict : kVerdicts) {
+    const std::uint64_t count = verdicts[static_cast<std::size_t>(verdict)];
+    if (verdict == Verdict::kNoPose && count == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name_of(verdict));
+  }
+  return text;
+}
+
 LocalizeFigures figures_of(const std::vector<LocalizedScan>& scans, const LocalizeLimits& limits) {
   LocalizeFigures figures;
   std::vector<double> distances_m;
   std::vector<double> angles_deg;
   for (const LocalizedScan& scan : scans) {
-    figures.found += scan.best ? 1U : 0U;
+    ++figures.verdicts[static_cast<std::size_t>(scan.verdict)];
     figures.certified += scan.best && scan.best->certified() ? 1U : 0U;
-    figures.ambiguous += scan.is_ambiguous() ? 1U : 0U;
     if (!scan.reference) continue;
     ++figures.within.of;
     const LocalizeFault fault = fault_of(scan, limits);

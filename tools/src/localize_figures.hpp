@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -35,14 +36,16 @@ std::string_view text_of(LocalizeFault fault);
 LocalizeFault fault_of(const LocalizedScan& scan, const LocalizeLimits& limits);
 
 struct LocalizeFigures {
-  std::uint64_t found = 0;
+  std::array<std::uint64_t, kVerdicts.size()> verdicts{};  ///< in the order of kVerdicts
   std::uint64_t certified = 0;
-  std::uint64_t ambiguous = 0;
   Share within;  ///< of the scans with a reference, those without enough returns among them
   std::array<std::uint64_t, kLocalizeFaults.size()> faults{};  ///< in the order of kLocalizeFaults
   ErrorSummary distance_m;                                     ///< of those within the limits
   ErrorSummary angle_deg;
 };
 LocalizeFigures figures_of(const std::vector<LocalizedScan>& scans, const LocalizeLimits& limits);
+
+/// "196 found, 4 ambiguous, 0 poor fit"; scans without a pose where there are any.
+std::string text_of(const decltype(LocalizeFigures::verdicts)& verdicts);
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-#include "localize_picture.hpp"
+#include "localize_output.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/drawing/bars.hpp"
 #include "gdtslam/drawing/theme.hpp"
-#include "localize_figures.hpp"
 
 namespace gdtslam {
 namespace {
@@ -41,7 +40,8 @@ Colour colour_of_mark(Mark mark) {
 
 Mark mark_of(const LocalizedScan& scan, const LocalizeLimits& limits) {
   if (!scan.best) return Mark::kNone;
-  const bool is_off = scan.reference ? fault_of(scan, limits) != LocalizeFault::kNone : !scan.best->certified();
+  const bool is_off = scan.reference ? fault_of(scan, limits) != LocalizeFault::kNone
+                                     : !scan.best->certified() || scan.verdict == Verdict::kPoorFit;
   if (is_off) return Mark::kOff;
   return scan.is_ambiguous() ? Mark::kAmbiguous : Mark::kRight;
 }
@@ -266,14 +266,15 @@ void draw_legend(Canvas& canvas, const Point2& at, const LocalizeJob& job, const
   Legend legend(canvas, at);
   legend.entry(Mark::kRight, false,
                has_reference ? fmt::format("within {} of the reference: {}", limit, counts[0])
-                             : fmt::format("proven: {}", counts[0]));
+                             : fmt::format("found: {}", counts[0]));
   if (counts[1] > 0) {
     legend.entry(
         Mark::kAmbiguous, false,
-        fmt::format("{}, but a pose elsewhere may be as good: {}", has_reference ? "likewise" : "proven", counts[1]));
+        fmt::format("{}, but a pose elsewhere may be as good: {}", has_reference ? "likewise" : "found", counts[1]));
   }
   if (counts[2] > 0) {
-    legend.entry(Mark::kOff, false, fmt::format("{}: {}", has_reference ? "not within them" : "not proven", counts[2]));
+    legend.entry(Mark::kOff, false,
+                 fmt::format("{}: {}", has_reference ? "not within them" : "a poor fit, or not proven", counts[2]));
     if (has_reference) legend.entry(Mark::kOff, true, "its reference");
   }
   if (counts[3] > 0) legend.entry(Mark::kNone, true, fmt::format("no pose: {}", counts[3]));

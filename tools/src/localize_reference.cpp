@@ -50,13 +50,30 @@ std::optional<Pose2> LocalizeTruth::find(double stamp_s) const {
   return by_stamp_.find(stamp_s, ReferenceOptions{}.tolerance_s);
 }
 
-RunReader run_of_map(const std::string& map, const std::string& purpose) {
+namespace {
+
+// The folder of the run that a map belongs to, if there is one.
+std::optional<std::string> run_folder_of(const std::string& map) {
   namespace fs = std::filesystem;
-  if (RunReader::is_run(map)) return RunReader(map);
-  const std::string beside = fs::path(map).has_parent_path() ? fs::path(map).parent_path().string() : ".";
-  if (RunReader::is_run(beside)) return RunReader(beside);
+  if (RunReader::is_run(map)) return map;
+  const std::string parent = fs::path(map).has_parent_path() ? fs::path(map).parent_path().string() : ".";
+  return RunReader::is_run(parent) ? std::optional(parent) : std::nullopt;
+}
+
+}  // namespace
+
+RunReader run_of_map(const std::string& map, const std::string& purpose) {
+  if (const std::optional<std::string> folder = run_folder_of(map)) return RunReader(*folder);
   throw InputError({map, 0},
                    "belongs to no folder of a run, which " + purpose + " needs: give what 'gdtslam map -o' wrote");
+}
+
+FitLimit fit_limit_of(const std::string& map, double resolution_m) {
+  constexpr double kCells = 2.0;
+  const std::optional<std::string> folder = run_folder_of(map);
+  const std::optional<double> by_run = folder ? RunReader(*folder).summary().match_p99_m : std::nullopt;
+  if (by_run) return {*by_run, FitLimit::Source::kRun};
+  return {kCells * resolution_m, FitLimit::Source::kResolution};
 }
 
 }  // namespace gdtslam

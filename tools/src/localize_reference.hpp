@@ -2,6 +2,7 @@
 // Thread-safe once made; O(log n) a scan.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,5 +55,16 @@ class LocalizeTruth {
 /// The run folder that a map belongs to: itself, or the folder of its gdt.yaml. Throws InputError, with what it was
 /// needed for, where it is none.
 RunReader run_of_map(const std::string& map, const std::string& purpose);
+
+/// The largest mean distance of a scan's points to the map's obstacles that is a good fit.
+struct FitLimit {
+  /// Where it comes from: 99 of 100 matches of the run left no more, or the map's cells are so coarse.
+  enum class Source : std::uint8_t { kOption, kRun, kResolution };
+  double distance_m = 0.0;
+  Source source = Source::kOption;
+};
+/// For a map without a run, or a run of a version that did not tell: two cells, which is what rounding to cells in the
+/// scan and in the map may take away, and 50 mm by default.
+FitLimit fit_limit_of(const std::string& map, double resolution_m);
 
 }  // namespace gdtslam

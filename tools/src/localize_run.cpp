@@ -5,6 +5,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "checked_yaml.hpp"
 #include "gdtslam/compute/kernels/distance_field.hpp"
 #include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
@@ -13,9 +14,20 @@
 namespace gdtslam {
 namespace {
 
+// The file with the distances of a map: the map itself, or in its folder.
 std::string field_file_of(const std::string& map) {
-  std::error_code error;
-  return std::filesystem::is_directory(map, error) ? (std::filesystem::path(map) / "gdt.yaml").string() : map;
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_directory(map, ignored)) return (fs::path(map) / "gdt.yaml").string();
+  if (!fs::is_regular_file(map, ignored)) return map;  // reading it says what is wrong
+  constexpr const char* kWanted = "give the folder that 'gdtslam map -o' wrote, or its gdt.yaml";
+  if (!looks_like_map(map)) throw InputError({map, 0}, std::string("is no map; ") + kWanted);
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
+  if (read_whole_file(map, kMostBytes).find("occupied_thresh") != std::string::npos) {
+    throw InputError({map, 0},
+                     std::string("is an occupancy map, whose distances to obstacles are not known; ") + kWanted);
+  }
+  return map;
 }
 
 // The kernels count in cells of the map's grid, whose origin must lie on it.
@@ -81,6 +93,33 @@ std::optional<CertifiedResult> if_any(const CertifiedResult& found) {
 
 }  // namespace
 
+bool looks_like_map(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const std::string ending = fs::path(path).extension().string();
+  return ending == ".yaml" || ending == ".yml" || fs::exists(fs::path(path) / "gdt.yaml", ignored);
+}
+
+std::string_view name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kFound:
+      return "found";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kPoorFit:
+      return "poor fit";
+    case Verdict::kNoPose:
+      return "no pose";
+  }
+  return "unknown";
+}
+
+Verdict verdict_of(const LocalizedScan& scan, double good_fit_m) {
+  if (!scan.best) return Verdict::kNoPose;
+  if (scan.best->mean_cost_m > good_fit_m) return Verdict::kPoorFit;
+  return scan.is_ambiguous() ? Verdict::kAmbiguous : Verdict::kFound;
+}
+
 bool LocalizedScan::is_ambiguous() const {
   return best && runner_up && runner_up->stop != CertifiedStop::kNothingAllowed &&
          runner_up->bound <= best->cost + as_good;
@@ -91,7 +130,9 @@ Localizer::Localizer(const std::string& map, const MapperConfig& config, const L
       limits_(limits),
       path_(field_file_of(map)),
       file_(read_distance_field(path_)),
-      window_(known_window(file_, path_)) {
+      window_(known_window(file_, path_)),
+      good_fit_(limits.good_fit_m ? FitLimit{*limits.good_fit_m, FitLimit::Source::kOption}
+                                  : fit_limit_of(path_, file_.geometry.resolution_m)) {
   try {
     Backend* const device = backend.device().kind == "cpu" ? nullptr : &backend;
     map_.emplace(view_of(file_, path_), backend.host_isa(), CertifiedMap::kAnyWindows, device);
@@ -121,6 +162,7 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
                                              static_cast<double>(points.size()));
   if (found.best && limits_.with_runner_up)
     found.runner_up = elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good);
+  found.verdict = verdict_of(found, good_fit_.distance_m);
   if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
   found.cpu_s = thread_cpu_s() - begin_s;
   return found;

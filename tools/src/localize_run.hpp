@@ -3,10 +3,12 @@
 // belongs to one. Cost: some tenths of a second of CPU time a scan on a map of 50 m.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
@@ -15,6 +17,7 @@
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "localize_reference.hpp"
 
 namespace gdtslam {
 
@@ -23,6 +26,7 @@ struct LocalizeLimits {
   double gap_m = 0.005;                 ///< of the mean distance
   std::optional<double> max_seconds{};  ///< for a pose; none: until it is proven
   bool with_runner_up = true;           ///< the best pose elsewhere
+  std::optional<double> good_fit_m{};   ///< the largest mean distance that is one; none: what the map tells
   double within_m = 0.10;               ///< a pose so near to the reference is right
   double within_rad = rad_from_deg(1.0);
   /// Elsewhere less is asked at first: whether anything there is as good. Where that leaves it open, more.
@@ -47,6 +51,17 @@ struct ReferencePose {
   std::optional<CertifiedResult> nearby;
 };
 
+/// What the search for a scan came to, the proof aside.
+enum class Verdict : std::uint8_t {
+  kFound,
+  kAmbiguous,  ///< a pose elsewhere may be as good, as far as the proof tells
+  kPoorFit,    ///< the best pose leaves a larger mean distance than scans of the mapped place do
+  kNoPose,     ///< too few returns, or the search was cut short before it had one
+};
+inline constexpr std::array kVerdicts{Verdict::kFound, Verdict::kAmbiguous, Verdict::kPoorFit, Verdict::kNoPose};
+/// "poor fit"
+std::string_view name_of(Verdict verdict);
+
 /// A scan and what was found.
 struct LocalizedScan {
   std::uint64_t index = 0;  ///< in the log
@@ -58,9 +73,16 @@ struct LocalizedScan {
   std::optional<CertifiedResult> runner_up;
   std::optional<ReferencePose> reference;
   std::uint32_t as_good = 0;  ///< poses are, whose costs differ by no more: the gap in cost units
+  Verdict verdict = Verdict::kNoPose;
   /// Whether a pose elsewhere may be as good, as far as the proof tells.
   [[nodiscard]] bool is_ambiguous() const;
 };
+
+/// Of a scan whose poses are known.
+Verdict verdict_of(const LocalizedScan& scan, double good_fit_m);
+
+/// Whether that is a folder with a gdt.yaml, or a file that may be one by its name.
+bool looks_like_map(const std::string& path);
 
 class Localizer {
  public:
@@ -76,6 +98,7 @@ class Localizer {
   [[nodiscard]] const std::string& file() const { return path_; }
   [[nodiscard]] const DistanceFieldFile& field() const { return file_; }
   [[nodiscard]] const LocalizeLimits& limits() const { return limits_; }
+  [[nodiscard]] const FitLimit& good_fit() const { return good_fit_; }
   [[nodiscard]] bool has_device() const { return map_->device() != nullptr; }
 
  private:
@@ -92,6 +115,7 @@ class Localizer {
   DistanceFieldFile file_;
   std::optional<CertifiedMap> map_;
   PoseWindow window_;
+  FitLimit good_fit_;
 };
 
 }  // namespace gdtslam

@@ -45,6 +45,7 @@ void note_match(const MatchResult& result, const Pose2& T_map_base, MapOutcome& 
     outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
                                 off.translation().norm(), std::fabs(off.theta_rad)});
   }
+  if (result.accepted && result.evaluations > 0) outcome.match_distances_m.push_back(result.mean_cost_m);
   if (result.merged) outcome.keyframes.push_back(outcome.trajectory.size());
   outcome.trajectory.push_back({result.stamp_s, T_map_base});
 }

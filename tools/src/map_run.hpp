@@ -45,6 +45,8 @@ struct MapOutcome {
   Trajectory trajectory;
   std::vector<DoubtfulScan> doubtful;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
+  /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
+  std::vector<double> match_distances_m;
   OccupancyMap occupancy;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
@@ -61,7 +63,7 @@ struct MapOutcome {
 
 /// Scans that got a pose, matched or not.
 inline std::uint64_t scans_of(const MapOutcome& outcome) { return outcome.trajectory.size(); }
-/// Adds a matched scan to the trajectory, the keyframes and the doubtful scans.
+/// Adds a matched scan to the trajectory, the keyframes, the doubtful scans and the matches.
 /// Its pose is the one given, which may be better than the match.
 void note_match(const MatchResult& result, const Pose2& T_map_base, MapOutcome& outcome);
 /// Without one merged scan there is no map to write: throws InputError that says why.

@@ -147,6 +147,7 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   summary_.map_sha256 = report.text("map_sha256");
   summary_.nods = report.has("nodding");
   summary_.tilts = summary_.nods && report.has_member("nodding", "told_by", "TILT");
+  if (report.has("match_p99_m")) summary_.match_p99_m = report.number("match_p99_m");
   summary_.doubtful = report.indices("doubtful_scans", "index", summary_.scans);
   if (report.has("keyframe_scans")) {
     summary_.keyframes = report.indices("keyframe_scans", nullptr, summary_.scans);

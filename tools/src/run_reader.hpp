@@ -27,6 +27,8 @@ struct RunSummary {
   std::string map_sha256;  ///< of the distance field
   bool nods = false;
   bool tilts = false;                  ///< nods without a linkage: the log told the elevation itself
+  /// 99 of 100 matches left no larger mean distance to the map; nothing without one, or of an older version.
+  std::optional<double> match_p99_m;
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
   std::vector<std::size_t> keyframes;  ///< likewise; empty where the report is of an older version
 };

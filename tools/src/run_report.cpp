@@ -4,6 +4,7 @@
 
 #include "device_json.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/quantile.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/sha256.hpp"
 
@@ -96,6 +97,14 @@ Json nodding_json(const NoddingReport& nodding) {
   return json;
 }
 
+// How well scans fit the map, which tells `localize` what a good fit is; nothing where none was matched.
+void add_match_distances(Json& report, std::vector<double> distances_m) {
+  if (distances_m.empty()) return;
+  std::sort(distances_m.begin(), distances_m.end());
+  report["match_median_m"] = quantile_of_sorted(distances_m, 0.5);
+  report["match_p99_m"] = quantile_of_sorted(distances_m, 0.99);
+}
+
 }  // namespace
 
 Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding, const Mapper& mapper,
@@ -111,6 +120,7 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport
   report["interrupted"] = outcome.interrupted;
   report["scans"] = scans_of(outcome);
   report["matched"] = statistics.matched;
+  add_match_distances(report, outcome.match_distances_m);
   report["doubtful"] = statistics.doubtful;
   report["keyframes"] = statistics.keyframes;
   report["searches"] = statistics.searches;

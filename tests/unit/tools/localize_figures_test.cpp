@@ -88,6 +88,28 @@ TEST(LocalizeFault, EveryOneHasItsNameAndWords) {
   }
 }
 
+TEST(LocalizeVerdict, IsOfTheFitAndThePosesElsewhere) {
+  LocalizedScan scan = scan_off();  // 20 mm
+  EXPECT_EQ(verdict_of(scan, 0.02), Verdict::kFound);
+  EXPECT_EQ(verdict_of(scan, 0.0199), Verdict::kPoorFit);
+  scan.best->stop = CertifiedStop::kTimeLimit;  // the proof is another matter
+  EXPECT_EQ(verdict_of(scan, 0.02), Verdict::kFound);
+  scan.best->cost = 100;
+  scan.runner_up = result_of(0.021);
+  scan.runner_up->bound = 101;
+  EXPECT_EQ(verdict_of(scan, 0.02), Verdict::kFound);
+  scan.as_good = 1;
+  EXPECT_EQ(verdict_of(scan, 0.02), Verdict::kAmbiguous);
+  EXPECT_EQ(verdict_of(scan, 0.01), Verdict::kPoorFit) << "wherever else it may fit as poorly";
+  scan.best.reset();
+  EXPECT_EQ(verdict_of(scan, 1.0), Verdict::kNoPose);
+}
+
+TEST(LocalizeVerdict, WordsLeaveOutOnlyWhatIsRare) {
+  EXPECT_EQ(text_of({196, 4, 0, 0}), "196 found, 4 ambiguous, 0 poor fit");
+  EXPECT_EQ(text_of({0, 0, 2, 1}), "0 found, 0 ambiguous, 2 poor fit, 1 no pose");
+}
+
 TEST(LocalizeFigures, CountsAddUp) {
   LocalizedScan right = scan_off();
   right.reference->is_within = true;
@@ -101,10 +123,12 @@ TEST(LocalizeFigures, CountsAddUp) {
   ambiguous.runner_up = result_of(0.021);
   ambiguous.runner_up->bound = 90;
   ambiguous.best->cost = 100;
+  right.verdict = Verdict::kFound;
+  ambiguous.verdict = Verdict::kAmbiguous;
+  without_reference.verdict = Verdict::kPoorFit;
   const LocalizeFigures figures = figures_of({right, scan_off(), without_reference, empty, ambiguous}, kLimits);
-  EXPECT_EQ(figures.found, 4U);
   EXPECT_EQ(figures.certified, 4U);
-  EXPECT_EQ(figures.ambiguous, 1U);
+  EXPECT_EQ(figures.verdicts, (std::array<std::uint64_t, 4>{1, 1, 1, 2}));
   EXPECT_EQ(figures.within.count, 2U);
   EXPECT_EQ(figures.within.of, 4U);
   EXPECT_EQ(figures.faults, (std::array<std::uint64_t, 5>{1, 0, 0, 0, 1}));

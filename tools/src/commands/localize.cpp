@@ -15,9 +15,7 @@
 #include "gdtslam/io/atomic_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "interrupt.hpp"
-#include "localize_picture.hpp"
-#include "localize_scans.hpp"
-#include "localize_text.hpp"
+#include "localize_output.hpp"
 #include "progress.hpp"
 #include "quantity_option.hpp"
 #include "settings.hpp"
@@ -40,6 +38,8 @@ struct LocalizeOptions {
   double gap_m = 0.005;
   double max_seconds = 0.0;  ///< 0: no limit
   bool no_runner_up = false;
+  double poor_fit_m = -1.0;  ///< negative: what the map tells
+  bool strict = false;
   DeviceOptions device{.device = "cpu"};
   bool lenient = false;
   bool json = false;
@@ -51,6 +51,7 @@ struct LocalizeOptions {
 
 constexpr double kMostSeconds = 1.0e5;  // 28 hours
 constexpr double kMostGap_m = 1.0;
+constexpr double kMostFit_m = 10.0;
 
 // "10cm/1deg"
 void read_within(const std::string& text, LocalizeLimits& limits) {
@@ -68,6 +69,7 @@ void read_within(const std::string& text, LocalizeLimits& limits) {
 
 LocalizeLimits limits_of(const LocalizeOptions& options) {
   LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
+  if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
   if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
   read_within(options.within, limits);
   return limits;
@@ -91,6 +93,10 @@ LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
 
 // One scan alone has nothing to be chosen from.
 void check(const LocalizeOptions& options) {
+  if (looks_like_map(options.log) && !looks_like_map(options.map)) {
+    throw UsageError(fmt::format("'{0}' is a map and '{1}' is none; the map comes first: gdtslam localize {0} {1}",
+                                 options.log, options.map));
+  }
   const ScanChoice& choice = options.choice;
   if (options.leave_out_s >= 0.0 && choice.random == 0 && choice.every == 0) {
     throw UsageError("--leave-out chooses among scans: give --random or --every too");
@@ -139,6 +145,13 @@ void require_reference(const LocalizeJob& job, const Localized& all) {
                    fmt::format("none of its {} poses has the stamp of a scan that was localised; do both belong to the "
                                "same log?",
                                job.reference->count()));
+}
+
+void require_found(const Localized& all, const LocalizeLimits& limits) {
+  const LocalizeFigures figures = figures_of(all.scans, limits);
+  const std::uint64_t found = figures.verdicts[static_cast<std::size_t>(Verdict::kFound)];
+  if (found == all.scans.size()) return;
+  throw Error(ExitCode::kFailed, "--strict: not every scan was found: " + text_of(figures.verdicts));
 }
 
 // Threads take scans, so none are left for the kernels of one.
@@ -205,6 +218,7 @@ int localize(const LocalizeOptions& options) {
   if (!is_any)
     throw InputError({options.log, 0},
                      "none of the scans could be localised: too few returns, or --max-time too short");
+  if (options.strict) require_found(all, work.localizer->limits());
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -247,6 +261,10 @@ void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
       ->default_str(format_quantity(chosen.gap_m, Unit::kMetre));
   add_quantity_option(command, "--max-time", chosen.max_seconds, Unit::kSecond, {1.0e-6, kMostSeconds},
                       "Give a search up after this long (default: never)");
+  add_quantity_option(command, "--poor-fit", chosen.poor_fit_m, Unit::kMetre, {0.0, kMostFit_m},
+                      "A larger mean distance is a poor fit (default: of the run's own matches 99 of 100 left no more;\n"
+                      "two cells of a map without a run)");
+  command.add_flag("--strict", chosen.strict, "Exit 1 where a scan is not found: ambiguous, a poor fit, or no pose");
   command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
 }
 
@@ -277,11 +295,12 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
   command->footer(
       "All poses over the known part of the map are searched, in every heading, by branch and bound: the result is\n"
       "the pose of least mean distance between the scan's points and the map's obstacles, up to the gap. Elsewhere\n"
-      "means 1 m or 20 degrees away; a scan is ambiguous when a pose elsewhere may be as good.\n"
+      "means 1 m or 20 degrees away; a scan is ambiguous when a pose elsewhere may be as good, and a poor fit when\n"
+      "even the best pose leaves a larger mean distance than scans of the mapped place do: it was taken elsewhere.\n"
       "\n"
-      "JSON: map, log, gap_m, window, choice (of the scans), interrupted, found, certified, ambiguous (counts),\n"
-      "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, found,\n"
-      "runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
+      "JSON: map, log, gap_m, window, choice (of the scans), interrupted, good_fit, verdicts, certified (counts),\n"
+      "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, verdict,\n"
+      "best, runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
       "\n"
       "Examples:\n"
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"

@@ -1,10 +1,11 @@
-// What `gdtslam localize` prints: text for people, JSON for programs. Everything but the JSON's "times" depends on the
-// input alone. Thread-safe.
+// What `gdtslam localize` tells: text and a picture for people, JSON for programs. Everything but the JSON's "times"
+// depends on the input alone. Thread-safe; the picture takes O(cells).
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "gdtslam/drawing/canvas.hpp"
 #include "localize_figures.hpp"
 #include "localize_run.hpp"
 #include "localize_scans.hpp"
@@ -21,5 +22,9 @@ struct LocalizeTimes {
 std::string text_of(const LocalizeJob& job, const Localizer& localizer, const Localized& all);
 nlohmann::ordered_json json_of(const LocalizeJob& job, const Localizer& localizer, const Localized& all,
                                const LocalizeTimes& times);
+
+/// Localised scans on their map: the obstacles in grey, each pose found as an arrow, those that are not where the
+/// reference has them in red with a line to it. Pixels, x of the map right, y up.
+Canvas localize_picture(const LocalizeJob& job, const Localizer& localizer, const Localized& all);
 
 }  // namespace gdtslam
