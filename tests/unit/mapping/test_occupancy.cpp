@@ -168,12 +168,12 @@ TEST(Occupancy, RefusesToGrowBeyondTheLimitAndStaysAsItWas) {
 TEST(Occupancy, UpToTheLimitTheMapIsWhatItIsWithoutOne) {
   OccupancyBuilder tight(kOneEnd,
                          {.resolution_m = 1.0, .min_range_m = 0.1, .max_range_m = 40.0, .max_cells = 303U * 201U});
-  OccupancyBuilder free(kOneEnd, kUnitCells);
+  OccupancyBuilder unbounded(kOneEnd, kUnitCells);
   for (const Pose2& pose : {Pose2{0.5, 0.5, 0.0}, Pose2{150.5, 0.5, 0.0}, Pose2{0.5, 150.5, 0.0},
                             Pose2{300.5, 100.5, 0.0}, Pose2{200.5, 200.5, 0.0}}) {
     tight.add(scan_of({2.0F}), pose);
-    free.add(scan_of({2.0F}), pose);
-    EXPECT_EQ(picture(tight.build()), picture(free.build()));
+    unbounded.add(scan_of({2.0F}), pose);
+    EXPECT_EQ(picture(tight.build()), picture(unbounded.build()));
   }
   EXPECT_THROW(tight.add(scan_of({2.0F}), {301.5, 0.5, 0.0}), InputError);
 }
