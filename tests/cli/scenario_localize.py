@@ -232,7 +232,7 @@ def localize_tells_another_building():
     alone = localized("--every", 8, run=folder / "gdt.yaml", log=hall_log)
     expect(alone["good_fit"] == {"distance_m": 0.05, "from": "resolution"}, f"{alone['good_fit']}")
     expect([scan["best"] for scan in alone["scans"]] == [scan["best"] for scan in own["scans"]], "other poses")
-    asked = localized(*few, "--poor-fit", 2000, run=RUN, log=hall_log)
+    asked = localized(*few, "--poor-fit", "2m", run=RUN, log=hall_log)
     expect(asked["good_fit"] == {"distance_m": 2.0, "from": "option"} and asked["verdicts"]["poor-fit"] == 0, f"{asked['verdicts']}")
 
 
