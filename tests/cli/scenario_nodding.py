@@ -35,6 +35,18 @@ def errors_of(run, log, *arguments):
     return json.loads(process.stdout)
 
 
+def nodding_wrong_linkage():
+    """A linkage that is not the log's is told by its sweeps, which do not agree; the log's own is not doubted."""
+    folder = cli.fresh_folder("nodding_wrong_linkage")
+    log = simulated(folder, "three-boxes", "--linkage", "paper-b-calibrated", "--rate", 8)
+    doubt = "sweeps that do not agree"
+    for linkage, expected in ((log.with_suffix(".linkage.yaml"), {}), ("paper-b", {doubt: 1}), ("paper-a", {doubt: 1})):
+        process = command("map", log, "-o", folder / "run", "--json", "--no-pictures", "--linkage", linkage)
+        expect_exit(process, 0)
+        expect(json.loads(process.stdout)["warnings"] == expected, f"{linkage}: {process.stderr}")
+        expect((f"warning: {doubt} (" in process.stderr) == bool(expected), f"{linkage}: {process.stderr}")
+
+
 def cloud_of_a_standing_scanner():
     """Without noise and rounding every point is within 1 mm of its true hit; with 20,000 ticks a turn and millimetres it is
     within the bound that the tool computes for them."""

@@ -97,6 +97,9 @@ void NoddingRun::finish(MapOutcome& outcome) {
   watch.add_to(outcome.occupancy_s);
   nodding_outcome_.statistics = nodding_.statistics();
   nodding_outcome_.check = sampler_.finish();
+  if (std::string doubt = nodding_outcome_.check.doubt(); !doubt.empty()) {
+    outcome.warnings.push_back({"sweeps that do not agree", 1, std::move(doubt)});
+  }
   if (cloud_) {
     nodding_outcome_.cloud = cloud_->finish();
     if (const double voxel_m = nodding_outcome_.cloud.voxel_m; voxel_m > cloud_->config().voxel_m) {

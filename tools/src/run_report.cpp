@@ -59,6 +59,7 @@ Json surface_json(const std::optional<PlanePatch>& surface) {
 Json check_json(const SweepCheck& check) {
   return {{"pairs", check.pairs},
           {"not_held", check.not_held},
+          {"apart", check.apart},
           {"mean_shift_m", check.mean_shift_m},
           {"max_shift_m", check.max_shift_m},
           {"mean_turn_deg", deg_from_rad(check.mean_turn_rad)},
@@ -66,6 +67,7 @@ Json check_json(const SweepCheck& check) {
           {"drift_m", check.drift_m},
           {"drift_deg", deg_from_rad(check.drift_rad)},
           {"mean_rms_m", check.mean_rms_m},
+          {"mean_moved_m", check.mean_moved_m},
           {"wall_s", check.wall_s}};
 }
 

@@ -1,5 +1,7 @@
 #include "sweep_check.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,6 +15,7 @@ constexpr float kTurnedBack_rad = 0.05F;  // a stroke has ended when the elevati
 constexpr double kLeastWeakest = 1.0e-2;  // smallest over largest singular value for a correction to be believed
 constexpr double kCell_m = 0.08;          // sweeps are compared by the means of their points in such cubes
 constexpr std::uint32_t kMostPoints = 1500;
+constexpr double kMostNoise = 3.0;  // standard deviations of the surfaces' noise that sweeps may be apart
 
 Point3 centre_of(const Cloud& cloud) {
   Point3 sum = Point3::Zero();
@@ -20,6 +23,16 @@ Point3 centre_of(const Cloud& cloud) {
     sum += Point3(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
   }
   return sum / static_cast<double>(cloud.size());
+}
+
+// Root mean square over the points.
+double moved_m(const Pose3& T, const Cloud& cloud) {
+  double sq_sum = 0.0;
+  for (const CloudPoint& point : cloud) {
+    const Point3 place(static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m));
+    sq_sum += (T * place - place).squaredNorm();
+  }
+  return std::sqrt(sq_sum / static_cast<double>(cloud.size()));
 }
 
 }  // namespace
@@ -75,12 +88,14 @@ void SweepSampler::close_sweep() {
       outcome_.mean_shift_m += shift_m;
       outcome_.mean_turn_rad += turn_rad;
       outcome_.mean_rms_m += found.rms_m;
+      outcome_.mean_moved_m += moved_m(found.T_target_source, current_);
       outcome_.max_shift_m = std::max(outcome_.max_shift_m, shift_m);
       outcome_.max_turn_rad = std::max(outcome_.max_turn_rad, turn_rad);
       drift_m_ += shift;
       drift_rad_ += turn;
     } else {
       ++outcome_.not_held;
+      if (!found.converged && found.weakest_share >= kLeastWeakest) ++outcome_.apart;
     }
   }
   previous_ = std::exchange(current_, {});
@@ -96,10 +111,23 @@ SweepCheck SweepSampler::finish() {
     outcome_.mean_shift_m /= pairs;
     outcome_.mean_turn_rad /= pairs;
     outcome_.mean_rms_m /= pairs;
+    outcome_.mean_moved_m /= pairs;
     outcome_.drift_m = drift_m_.norm();
     outcome_.drift_rad = drift_rad_.norm();
   }
   return outcome_;
+}
+
+std::string SweepCheck::doubt() const {
+  const std::string advice = "check --linkage, or calibrate the mount (gdtslam calibrate)";
+  if (2 * apart > pairs + not_held) {
+    return fmt::format("{} of {} sweeps fit the one before with no correction; {}", apart, pairs + not_held, advice);
+  }
+  if (pairs == 0 || mean_moved_m <= kMostNoise * mean_rms_m) return {};
+  return fmt::format(
+      "points of one sweep lie {:.0f} mm from those of the sweep before, {:.1f} times the noise of its "
+      "surfaces; {}",
+      1000.0 * mean_moved_m, mean_moved_m / mean_rms_m, advice);
 }
 
 }  // namespace gdtslam

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gdtslam/cloud/registration.hpp"
@@ -21,15 +22,21 @@ struct SweepCheckConfig {
 /// Residual correction between consecutive sweeps.
 struct SweepCheck {
   std::uint64_t pairs = 0;     ///< that could be compared
-  std::uint64_t not_held = 0;  ///< too little overlap or structure
+  std::uint64_t not_held = 0;  ///< too little overlap or structure,
+  std::uint64_t apart = 0;     ///< of these: well held, and yet no correction makes them agree
   double mean_shift_m = 0.0;   ///< of the centres of the sweeps
   double max_shift_m = 0.0;
   double mean_turn_rad = 0.0;
   double max_turn_rad = 0.0;
   double drift_m = 0.0;  ///< length of the sum of all corrections
   double drift_rad = 0.0;
-  double mean_rms_m = 0.0;  ///< point to plane after registration
+  double mean_rms_m = 0.0;    ///< point to plane after registration: the surfaces' own noise
+  double mean_moved_m = 0.0;  ///< how far the corrections move the points of a sweep, root of the mean square
   double wall_s = 0.0;
+
+  /// Why linkage, mount or poses are doubted, with what to do; empty where the sweeps agree within three times the
+  /// noise of their own surfaces.
+  [[nodiscard]] std::string doubt() const;
 };
 
 /// Collects a sample of each sweep from the points in log order; a sweep ends where the elevation turns.

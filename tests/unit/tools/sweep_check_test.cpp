@@ -73,6 +73,31 @@ TEST(SweepCheck, AnErrorOfTheLinkageIsSeenAsTheTurnBetweenTheStrokes) {
   EXPECT_NEAR(check.drift_rad, 2.0 * error_rad, 0.005);
 }
 
+TEST(SweepCheck, AnErrorOfTheLinkageIsDoubtedAndNoiseIsNot) {
+  EXPECT_EQ(check_of(strokes(4, 0.0), 1'000).doubt(), "");
+  EXPECT_NE(check_of(strokes(4, 0.04), 1'000).doubt().find("times the noise of its surfaces"), std::string::npos);
+}
+
+TEST(SweepCheck, SweepsThatNothingHoldsAreNotDoubted) {
+  SweepCheck check;
+  check.not_held = 3;  // as along a corridor
+  EXPECT_EQ(check.doubt(), "");
+  check.apart = 2;
+  EXPECT_EQ(check.doubt().find("2 of 3 sweeps fit the one before with no correction"), 0U);
+  check.pairs = 1;
+  EXPECT_EQ(check.doubt(), "");
+}
+
+TEST(SweepCheck, ThreeTimesTheNoiseIsTheBound) {
+  SweepCheck check;
+  check.pairs = 5;
+  check.mean_rms_m = 0.01;
+  check.mean_moved_m = 0.03;
+  EXPECT_EQ(check.doubt(), "");
+  check.mean_moved_m = 0.0301;
+  EXPECT_EQ(check.doubt().find("points of one sweep lie 30 mm from those of the sweep before, 3.0 times"), 0U);
+}
+
 TEST(SweepCheck, ThePiecesDoNotMatter) {
   const Cloud cloud = strokes(2, 0.002);
   const SweepCheck once = check_of(cloud, cloud.size());
