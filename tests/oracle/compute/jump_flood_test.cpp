@@ -102,12 +102,12 @@ TEST(JumpFlood, StepsWithinARadiusReachIt) {
   EXPECT_EQ(jump_flood_steps_within(16), (Steps{1, 16, 8, 4, 2, 1}));
   EXPECT_EQ(jump_flood_steps_within(255), (Steps{1, 128, 64, 32, 16, 8, 4, 2, 1}));
   // One seed, which no other hides: every cell within the radius finds it.
-  constexpr GridShape kShape{301, 290, 320};
+  constexpr GridShape kShape{131, 121, 160};
   std::vector<std::uint8_t> seeds(std::size_t{kShape.stride} * kShape.height, 0);
-  seeds[std::size_t{140} * kShape.stride + 151] = 1;
+  seeds[std::size_t{60} * kShape.stride + 65] = 1;
   const std::vector<std::uint32_t> exact = brute_sq_distances(seeds, kShape);
   const auto backend = make_cpu_backend({});
-  for (const std::uint32_t radius : {1U, 7U, 20U, 31U, 64U, 100U}) {
+  for (const std::uint32_t radius : {1U, 7U, 20U, 31U, 60U}) {
     const auto steps = jump_flood_steps_within(radius);
     expect_equal(flooded(*backend, steps, radius, seeds, kShape), truncated(exact, radius), kShape,
                  "R" + std::to_string(radius));
