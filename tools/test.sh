@@ -40,7 +40,6 @@ if $quick; then export GDTSLAM_FAULT_SHARE=8; else unset GDTSLAM_FAULT_SHARE; fi
 reports=$root/build/reports
 build=$root/build/test
 sanitized=$root/build/asan-ubsan
-fuzzed=$root/build/fuzz
 
 passed=0 failed=0 skipped=0
 problems=()
@@ -135,36 +134,6 @@ run_sanitized() {
   done
 }
 
-# fuzz_target NAME: from its corpus; new inputs go into the build tree, and so does one that breaks something.
-fuzz_target() {
-  local runs=$fuzzed/runs/$1
-  mkdir -p "$runs/found"
-  "$fuzzed/bin/gdtslam_fuzz_$1" -max_total_time="${GDTSLAM_FUZZ_S:-30}" -max_len=4096 -timeout=5 -rss_limit_mb=1024 \
-    -malloc_limit_mb=256 -print_final_stats=1 -artifact_prefix="$runs/" "$runs/found" "$root/tests/fuzz/corpus/$1" \
-    >"$runs/log" 2>&1 || {
-    tail -n 40 "$runs/log"
-    return 1
-  }
-  echo "$1: $(sed -n 's/^stat::number_of_executed_units: *//p' "$runs/log") executions, no finding"
-}
-
-# One fuzzer per processor at a time.
-run_fuzzers() {
-  local names=() name folder next=0 waiting=0
-  local -A process
-  for folder in "$root"/tests/fuzz/corpus/*/; do names+=("$(basename "$folder")"); done
-  cmake --build "$fuzzed" --parallel "$(build_jobs)" --target "${names[@]/#/gdtslam_fuzz_}"
-  for name in "${names[@]}"; do
-    while ((next < ${#names[@]} && next - waiting < $(nproc))); do
-      fuzz_target "${names[next]}" &
-      process[${names[next]}]=$!
-      next=$((next + 1))
-    done
-    check "fuzzing $name" wait "${process[$name]}"
-    waiting=$((waiting + 1))
-  done
-}
-
 begin "Packages"
 "$root/tools/install-packages.sh" all
 mkdir -p "$reports"
@@ -198,7 +167,9 @@ check "shellcheck" shellcheck -x -P "$root" "$root"/tools/*.sh "$root"/tools/scr
 check "shaders" "$root/tools/scripts/check_shaders.sh"
 
 begin "clang-tidy"
-check "clang-tidy" python3 "$root/tools/scripts/lint.py" "$build"
+# What changed in the last week; tools/soak.sh checks every source.
+since=$(git -C "$root" rev-list -1 --before='7 days ago' HEAD)
+check "clang-tidy" python3 "$root/tools/scripts/lint.py" ${since:+--since "$since"} "$build"
 
 begin "Sanitizers"
 if $quick; then
@@ -213,8 +184,6 @@ begin "Fuzzing"
 if $quick; then
   skip "fuzzing (--quick)"
 else
-  CC=clang CXX=clang++ configure "$fuzzed" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DGDTSLAM_BUILD_FUZZERS=ON \
-    -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLAM_BUILD_EXAMPLES=OFF -DGDTSLAM_BUILD_SIM=OFF -DGDTSLAM_WERROR=OFF
-  run_fuzzers
+  check "fuzzing" "$root/tools/scripts/fuzz.sh"
 fi
 complete=true

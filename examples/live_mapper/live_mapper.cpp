@@ -24,7 +24,7 @@ namespace {
 
 void print_pose(const gdtslam::MatchResult& result) {
   const gdtslam::Pose2& T = result.T_map_base;
-  const std::string doubt(gdtslam::name_of(result.doubt));
+  const std::string doubt(gdtslam::to_string(result.doubt));
   std::printf("%.9f %.9f %.9f %.9f %s %s\n", result.stamp_s, T.x_m, T.y_m, T.theta_rad,
               result.accepted ? "accepted" : "predicted", doubt.c_str());
   std::fflush(stdout);  // whoever steers by the pose needs it now

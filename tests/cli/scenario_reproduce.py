@@ -301,7 +301,7 @@ def reproduce_hostile_parts():
     text = pathlib.Path(said["html"]).read_text(encoding="utf-8")
     page = Page(text)
     expect(text.count("alert(1)") >= 15, "the texts are not in the page")
-    expect(len(page.words["script"]) == 1 and "alert" not in page.words["script"][0], "a script came in")
+    expect(text.count("<script") == 1 and "alert" not in "".join(page.words["script"]), "a script came in")
     expect(not page.pictures and "\x1b" not in text, "a picture or a control character came in")
     policy = re.search(r"script-src 'sha256-([^']*)'", text).group(1)
     program = re.search(r"<script>(.*?)</script>", text, re.S).group(1)
@@ -329,7 +329,7 @@ def reproduce_hostile_parts():
         kept.write_text(big)
         code, error, megabytes = cli.measured("reproduce", "-o", folder, "--only", "fig3", "-q", env=WITHOUT_DATA)
         expect(code == 0 and error == "", error)
-        expect(megabytes < 300, f"{megabytes} MB")
+        expect(megabytes < 600, f"{megabytes} MB")  # with its workers; the 60 MB took 4.6 GB
         expect(json.loads(kept.read_text())["version"] == 2, "the part was not made again")
     kept.unlink()
     kept.symlink_to("/proc/self/mem")  # whose first byte is an EIO

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "fuzz/targets.hpp"
+#include "targets.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   gdtslam::fuzz::GDTSLAM_FUZZ_TARGET(std::as_bytes(std::span(data, size)));

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "fuzz/linkage_target.hpp"
+#include "linkage_target.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   gdtslam::fuzz::read_linkage(std::as_bytes(std::span(data, size)));

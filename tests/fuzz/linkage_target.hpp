@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "linkage_file.hpp"
 
 namespace gdtslam::fuzz {
 

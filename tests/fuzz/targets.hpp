@@ -9,13 +9,13 @@
 #include <span>
 #include <string_view>
 
+#include "engine/io/logs/carmen.hpp"
+#include "engine/io/maps/pgm.hpp"
+#include "engine/io/maps/png.hpp"
+#include "engine/io/meshes/mesh_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/carmen.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
-#include "gdtslam/io/mesh_file.hpp"
-#include "gdtslam/io/pgm.hpp"
-#include "gdtslam/io/png.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/config.hpp"
 
@@ -67,12 +67,12 @@ inline void read_carmen(std::span<const std::byte> data) {
 inline void read_config(std::span<const std::byte> data) {
   const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
   MapperConfig config;
-  const std::vector<Option> options = options_of(config);
+  const std::vector<Option> options = option_table(config);
   try {
     read_config_text(text, "fuzz", options);
     detail::require(violations(options).empty());
     MapperConfig again;
-    const std::vector<Option> options_again = options_of(again);
+    const std::vector<Option> options_again = option_table(again);
     const std::string written = config_text(options);
     read_config_text(written, "written", options_again);
     detail::require(config_text(options_again) == written);

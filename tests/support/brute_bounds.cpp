@@ -1,9 +1,9 @@
-#include "support/brute_bounds.hpp"
+#include "brute_bounds.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "gdtslam/core/elementary.hpp"
+#include "engine/core/elementary.hpp"
 
 namespace gdtslam::test {
 namespace {

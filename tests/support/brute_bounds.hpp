@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/kernels/pose_bounds.hpp"
+#include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 
 namespace gdtslam::test {
 

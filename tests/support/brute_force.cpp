@@ -1,11 +1,11 @@
-#include "support/brute_force.hpp"
+#include "brute_force.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "gdtslam/core/elementary.hpp"
+#include "engine/core/elementary.hpp"
 
 namespace gdtslam::test {
 namespace {

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/kernel_cases.hpp"
-#include "gdtslam/compute/kernels/gdt_merge.hpp"
-#include "gdtslam/compute/kernels/jump_flood.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 
 namespace gdtslam::test {
 

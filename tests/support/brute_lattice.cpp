@@ -1,4 +1,4 @@
-#include "support/brute_lattice.hpp"
+#include "brute_lattice.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/kernels/pose_cost.hpp"
-#include "gdtslam/compute/kernels/pose_lattice.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 
 namespace gdtslam::test {
 

@@ -7,15 +7,15 @@
 #include <stdexcept>
 #include <string>
 
-#include "gdtslam/compute/kernels/distance_field.hpp"
-#include "gdtslam/compute/kernels/edt.hpp"
-#include "gdtslam/compute/kernels/field_grow.hpp"
-#include "gdtslam/compute/kernels/seed_scatter.hpp"
-#include "support/brute_bounds.hpp"
-#include "support/brute_force.hpp"
-#include "support/brute_lattice.hpp"
-#include "support/brute_polish.hpp"
-#include "support/brute_sweep.hpp"
+#include "brute_bounds.hpp"
+#include "brute_force.hpp"
+#include "brute_lattice.hpp"
+#include "brute_polish.hpp"
+#include "brute_sweep.hpp"
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/field_grow/field_grow.hpp"
+#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
 
 namespace gdtslam::test {
 namespace {

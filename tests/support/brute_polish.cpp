@@ -1,12 +1,12 @@
-#include "support/brute_polish.hpp"
+#include "brute_polish.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
-#include "support/brute_force.hpp"
-#include "support/brute_lattice.hpp"
+#include "brute_force.hpp"
+#include "brute_lattice.hpp"
 
 namespace gdtslam::test {
 namespace {

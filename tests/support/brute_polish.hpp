@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/kernels/pose_simplex.hpp"
+#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
 
 namespace gdtslam::test {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/kernels/sweep_points.hpp"
+#include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 
 namespace gdtslam::test {
 

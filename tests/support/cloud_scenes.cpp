@@ -1,4 +1,4 @@
-#include "support/cloud_scenes.hpp"
+#include "cloud_scenes.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "support/image_compare.hpp"
+#include "image_compare.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "support/lzf_packer.hpp"
+#include "lzf_packer.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,8 +1,8 @@
-#include "support/mapper_drive.hpp"
+#include "mapper_drive.hpp"
 
 #include <gtest/gtest.h>
 
-#include "support/room.hpp"
+#include "room.hpp"
 
 namespace gdtslam::test {
 

@@ -1,4 +1,4 @@
-#include "support/pose_matchers.hpp"
+#include "pose_matchers.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -28,8 +28,8 @@ Apart apart(const Pose3& a, const Pose3& b) {
           2.0 * std::atan2(turn.vec().norm(), std::fabs(turn.w())) * kDegPerRad};
 }
 
-std::string text_of(const Pose2& pose) { return testing::PrintToString(pose); }
-std::string text_of(const Pose3& pose) { return testing::PrintToString(pose); }
+std::string as_text(const Pose2& pose) { return testing::PrintToString(pose); }
+std::string as_text(const Pose3& pose) { return testing::PrintToString(pose); }
 
 template <class Pose>
 class PoseNearMatcher : public testing::MatcherInterface<const Pose&> {
@@ -46,7 +46,7 @@ class PoseNearMatcher : public testing::MatcherInterface<const Pose&> {
 
  private:
   void describe(std::ostream* out, const char* verb) const {
-    *out << verb << " within " << allowed_.metres << " m and " << allowed_.degrees << " deg of " << text_of(expected_);
+    *out << verb << " within " << allowed_.metres << " m and " << allowed_.degrees << " deg of " << as_text(expected_);
   }
 
   Pose expected_;

@@ -1,4 +1,4 @@
-#include "support/queued_backend.hpp"
+#include "queued_backend.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "support/room.hpp"
+#include "room.hpp"
 
 #include <cmath>
 

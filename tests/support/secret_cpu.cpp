@@ -1,4 +1,4 @@
-#include "support/secret_cpu.hpp"
+#include "secret_cpu.hpp"
 
 #include <algorithm>
 

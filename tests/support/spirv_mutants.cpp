@@ -1,4 +1,4 @@
-#include "support/spirv_mutants.hpp"
+#include "spirv_mutants.hpp"
 
 #include <fmt/format.h>
 
@@ -65,7 +65,7 @@ struct Constant {
   std::uint32_t bits = 0;
 };
 
-std::string text_of(const Constant& constant) {
+std::string as_text(const Constant& constant) {
   return constant.is_float ? fmt::format("{:.9g}", std::bit_cast<float>(constant.bits)) : std::to_string(constant.bits);
 }
 
@@ -117,7 +117,7 @@ std::vector<ConstantUse> constant_uses(std::span<const std::uint32_t> words) {
     for (std::size_t k = opcode == kStore ? 2 : 3; k < (opcode == kStore ? 3 : length); ++k) {
       const auto constant = constants.find(words[at + k]);
       if (constant == constants.end()) continue;
-      uses.push_back({at, k, words[at + k], std::string(name) + " " + text_of(constant->second)});
+      uses.push_back({at, k, words[at + k], std::string(name) + " " + as_text(constant->second)});
     }
   });
   return uses;

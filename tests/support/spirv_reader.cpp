@@ -1,4 +1,4 @@
-#include "support/spirv_reader.hpp"
+#include "spirv_reader.hpp"
 
 #include <array>
 #include <optional>
@@ -81,7 +81,7 @@ struct Type {
   std::vector<std::uint32_t> parts;
 };
 
-std::string text_of(Words words) {
+std::string as_text(Words words) {
   std::string text;
   for (const std::uint32_t word : words) {
     for (std::uint32_t shift = 0; shift < 32; shift += 8) {
@@ -128,7 +128,7 @@ class Reader {
         module_.capabilities.insert(ops[0]);
         break;
       case kExtension:
-        module_.extensions.insert(text_of(ops));
+        module_.extensions.insert(as_text(ops));
         break;
       case kExtInst:
         module_.library_functions.insert(ops[3]);

@@ -1,4 +1,4 @@
-#include "support/sweep_scans.hpp"
+#include "sweep_scans.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/mapping/nodding/sweep_assembler.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/mapping/sweep_assembler.hpp"
 
 namespace gdtslam::test {
 

@@ -1,4 +1,4 @@
-#include "support/vulkan_device.hpp"
+#include "vulkan_device.hpp"
 
 #include <gtest/gtest.h>
 

@@ -32,6 +32,7 @@ configure() {
     rm -rf "$folder"
   fi
   if command -v ccache >/dev/null; then
+    export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}
     launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
   cmake -S "$root" -B "$folder" -G Ninja --log-level=WARNING "${launcher[@]}" "$@" >"$folder.configure.log" 2>&1 || {

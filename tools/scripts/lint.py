@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Runs clang-tidy with warnings as errors over every C++ source of the project.
 
-Usage: lint.py BUILD_FOLDER [FILE...]
+Usage: lint.py [--since REVISION] BUILD_FOLDER [FILE...]
 
 One process per processor. A file whose text, own headers, compile command and .clang-tidy have not changed since it last
-passed is not checked again; the record lies in BUILD_FOLDER/lint. With CI=true the record is ignored.
+passed is not checked again; the record lies in BUILD_FOLDER/lint. With CI=true the record is ignored. With --since only
+sources are checked that changed since that revision, or include a header of ours that did, or all where .clang-tidy or
+this script changed.
 
 clang-tidy spends nearly all its time in the headers of the system. So sources that are compiled with the same arguments are
 written one behind the other into one file, a batch, and checked in one go:
@@ -33,7 +35,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("engine", "calib", "viewer", "tools", "tests", "examples")
 # What only GCC knows, and -Werror: clang's own warnings are for the fuzzing build, which is made by clang.
-DROPPED_FLAGS = {"-Werror"}
+DROPPED_FLAGS = {"-Werror", "-Winvalid-pch", "-fpch-preprocess"}
 # Larger ones gain little more and take more memory (20 sources: up to 1 GB).
 SOURCES_PER_BATCH = 20
 USING = re.compile(r'^\s*using\s+(?:typename\s+)?[\w:]*::(\w+)\s*;|^\s*namespace\s+(\w+)\s*=', re.MULTILINE)
@@ -55,7 +57,8 @@ def arguments_of(command):
     arguments = shlex.split(command["command"])
     if pathlib.Path(arguments[0]).name == "ccache":
         arguments = arguments[1:]
-    return [a for a in arguments if a not in DROPPED_FLAGS]
+    # A precompiled header of GCC is none of clang's, and it would hide what a source forgets to include.
+    return [a for a in arguments if a not in DROPPED_FLAGS and a != "-include" and not a.endswith("cmake_pch.hxx")]
 
 
 def include_folders(arguments):
@@ -71,6 +74,21 @@ def own_headers(path, folders, seen):
                 seen.add(header)
                 own_headers(header, folders, seen)
                 break
+
+
+def changed_files(revision):
+    """What the working tree has other than the revision."""
+    listed = subprocess.run(["git", "-C", str(ROOT), "diff", "--name-only", revision], capture_output=True, text=True,
+                            check=True).stdout
+    return {ROOT / name for name in listed.splitlines()}
+
+
+def is_touched(path, arguments, changed):
+    if {ROOT / ".clang-tidy", pathlib.Path(__file__).resolve()} & changed:
+        return True
+    headers = {path}
+    own_headers(path, include_folders(arguments), headers)
+    return bool(headers & changed)
 
 
 def fingerprint(path, arguments, version):
@@ -202,10 +220,15 @@ class Batches:
 
 
 def main():
-    if len(sys.argv) < 2:
+    words = sys.argv[1:]
+    touched_since = None
+    if words[:1] == ["--since"] and len(words) > 2:
+        touched_since = changed_files(words[1])
+        words = words[2:]
+    if not words or words[0].startswith("-"):
         sys.exit(__doc__)
-    build = pathlib.Path(sys.argv[1]).resolve()
-    wanted = {pathlib.Path(name).resolve() for name in sys.argv[2:]}
+    build = pathlib.Path(words[0]).resolve()
+    wanted = {pathlib.Path(name).resolve() for name in words[1:]}
     work = build / "lint"
     work.mkdir(exist_ok=True)
     record_file = work / "passed.json"
@@ -219,6 +242,8 @@ def main():
         arguments = arguments_of(command)
         # One source compiled several times (once per instruction set) is checked once, as it is compiled first.
         if path in prints or (wanted and path not in wanted):
+            continue
+        if touched_since is not None and not is_touched(path, arguments, touched_since):
             continue
         prints[path] = fingerprint(path, arguments, version)
         database.append({"directory": command["directory"], "file": str(path), "arguments": arguments})

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes engine/core/src/elementary_tables.hpp: split constants, tables and polynomials of the elementary functions.
+"""Makes engine/core/elementary_tables.hpp: split constants, tables and polynomials of the elementary functions.
 
 Every number comes from mpmath at 450 digits. A polynomial is the minimax fit of Remez' exchange on its interval; its
 coefficients are rounded one after the other, lowest first, and the rest is fitted again to what is left, so that the

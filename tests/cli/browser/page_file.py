@@ -1,4 +1,4 @@
-# Reads a page as page_of writes it, without any of its code; the layout is that of viewer/src/page/page_cloud.hpp and
+# Reads a page as page_of writes it, without any of its code; the layout is that of viewer/page/page_cloud.hpp and
 # page_layers.hpp.
 import base64
 import json

@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "device_option.hpp"
 #include "gdtslam/core/error.hpp"
 #include "support/vulkan_device.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
 
 namespace gdtslam {
 namespace {

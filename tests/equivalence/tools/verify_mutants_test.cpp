@@ -13,7 +13,7 @@
 #include "gdtslam/core/error.hpp"
 #include "support/spirv_mutants.hpp"
 #include "support/vulkan_device.hpp"
-#include "verify_kernels.hpp"
+#include "tools/gdtslam/verify/kernels.hpp"
 
 namespace gdtslam {
 namespace {

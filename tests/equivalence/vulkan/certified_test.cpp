@@ -6,8 +6,8 @@
 #include <memory>
 #include <thread>
 
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/certified.hpp"

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "gdtslam/compute/kernels/pose_cost.hpp"
-#include "gdtslam/compute/kernels/pose_lattice.hpp"
-#include "gdtslam/compute/kernels/pose_simplex.hpp"
-#include "gdtslam/core/elementary.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
+#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/vulkan_device.hpp"
 

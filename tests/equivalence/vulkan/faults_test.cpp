@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "equivalence/vulkan/small_job.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "gdtslam/core/error.hpp"
+#include "small_job.hpp"
 #include "support/vulkan_device.hpp"
 
 namespace gdtslam::test {

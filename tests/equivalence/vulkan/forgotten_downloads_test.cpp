@@ -126,7 +126,7 @@ class DroppedCheckpoints : public testing::Test {
     auto map = std::make_unique<GlobalField>(backend, 0.025, 20, std::uint64_t{1} << 24U);
     const KeyframeCells keyframe{.window = {{0, 0}, {40, 40}}, .cells = {20U * 65536U + 20U}};
     for (int i = 0; i < 200; ++i) {
-      map->admit(keyframe, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 200});
+      map->add_keyframe(keyframe, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 200});
     }
     map->continue_checkpoint();
     return map;

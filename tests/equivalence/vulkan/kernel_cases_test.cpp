@@ -4,13 +4,13 @@
 #include <memory>
 #include <tuple>
 
-#include "gdtslam/compute/kernel_cases.hpp"
+#include "engine/compute/kernel_cases.hpp"
 #include "support/vulkan_device.hpp"
 
 namespace gdtslam::test {
 namespace {
 
-const char* name_of(ShaderVariants variants) {
+const char* to_string(ShaderVariants variants) {
   switch (variants) {
     case ShaderVariants::kByDevice:
       return "by_device";
@@ -72,7 +72,7 @@ std::vector<std::string> kernel_names() {
 }
 
 std::string case_name(const testing::TestParamInfo<std::tuple<std::string, ShaderVariants>>& param) {
-  return std::get<0>(param.param) + "_" + name_of(std::get<1>(param.param));
+  return std::get<0>(param.param) + "_" + to_string(std::get<1>(param.param));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, KernelCasesOnDevice,

@@ -7,8 +7,8 @@
 #include <set>
 #include <string>
 
-#include "gdtslam/compute/kernel_cases.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "gdtslam/core/error.hpp"
 #include "support/vulkan_device.hpp"
 

@@ -11,8 +11,8 @@
 #include <map>
 #include <optional>
 
-#include "equivalence/vulkan/small_job.hpp"
 #include "gdtslam/core/error.hpp"
+#include "small_job.hpp"
 #include "support/vulkan_device.hpp"
 
 namespace gdtslam::test {

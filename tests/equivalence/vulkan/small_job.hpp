@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernel_cases.hpp"
-#include "gdtslam/compute/kernels/distance_field.hpp"
-#include "gdtslam/compute/kernels/edt.hpp"
-#include "gdtslam/compute/kernels/gdt_merge.hpp"
 
 namespace gdtslam::test {
 

@@ -8,12 +8,12 @@
 #include <thread>
 #include <vector>
 
-#include "driver_calls.hpp"
-#include "engine.hpp"
-#include "equivalence/vulkan/small_job.hpp"
-#include "errors.hpp"
+#include "engine/vulkan/device/driver_calls.hpp"
+#include "engine/vulkan/device/errors.hpp"
+#include "engine/vulkan/device/loader.hpp"
+#include "engine/vulkan/engine.hpp"
 #include "gdtslam/core/error.hpp"
-#include "loader.hpp"
+#include "small_job.hpp"
 #include "support/vulkan_device.hpp"
 
 namespace gdtslam::test {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "equivalence/vulkan/small_job.hpp"
+#include "engine/vulkan/device/validation_log.hpp"
+#include "small_job.hpp"
 #include "support/vulkan_device.hpp"
-#include "validation_log.hpp"
 
 namespace gdtslam::test {
 namespace {

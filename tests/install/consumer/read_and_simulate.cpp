@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "gdtslam/io/carmen.hpp"
+#include "engine/io/logs/carmen.hpp"
 #include "gdtslam/sim/ray_caster.hpp"
 #include "gdtslam/sim/scene.hpp"
 

@@ -11,7 +11,7 @@
 #include <map>
 #include <string>
 
-#include "gdtslam/calib/calibration_residual.hpp"
+#include "calib/calibration/calibration_residual.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam::calib {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/cloud/position_of.hpp"
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
-#include "position_of.hpp"
 
 namespace gdtslam {
 namespace {

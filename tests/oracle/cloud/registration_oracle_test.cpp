@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "gdtslam/cloud/registration.hpp"
+#include "engine/cloud/registration.hpp"
 #include "support/cloud_scenes.hpp"
 
 namespace gdtslam {

@@ -8,11 +8,11 @@
 #include <set>
 #include <tuple>
 
+#include "engine/cloud/neighbours.hpp"
+#include "engine/cloud/position_of.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
-#include "neighbours.hpp"
-#include "position_of.hpp"
 
 namespace gdtslam {
 namespace {

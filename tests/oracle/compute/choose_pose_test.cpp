@@ -9,8 +9,8 @@
 #include <numeric>
 #include <vector>
 
+#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam::test {
@@ -52,7 +52,7 @@ MatchVerdict choose(ChoosePose::Params params, const std::vector<int>& columns,
     run<ChoosePose>(*backend, params, {}, uploaded(field), uploaded(points), uploaded(poses), verdict);
     backend->download(verdict, std::as_writable_bytes(std::span(&verdicts.emplace_back(), 1)));
     using Words = std::array<std::uint32_t, sizeof(MatchVerdict) / sizeof(std::uint32_t)>;
-    EXPECT_EQ(std::bit_cast<Words>(verdicts.back()), std::bit_cast<Words>(verdicts.front())) << name_of(isa);
+    EXPECT_EQ(std::bit_cast<Words>(verdicts.back()), std::bit_cast<Words>(verdicts.front())) << to_string(isa);
   }
   return verdicts.front();
 }

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
 
 namespace gdtslam::test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "gdtslam/compute/host_kernels.hpp"
+#include "engine/compute/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
@@ -27,7 +27,7 @@ void expect_exact(const std::vector<std::uint8_t>& seeds, const GridShape& shape
   for (const Isa isa : available_isas()) {
     for (const std::uint32_t radius : {1U, 2U, 7U, 255U}) {
       EXPECT_EQ(transformed(isa, seeds, shape, radius), truncated(exact, radius))
-          << what << ' ' << shape.width << 'x' << shape.height << " R" << radius << ' ' << name_of(isa);
+          << what << ' ' << shape.width << 'x' << shape.height << " R" << radius << ' ' << to_string(isa);
     }
   }
 }
@@ -37,7 +37,7 @@ TEST(Edt, EverySizeUpToFifteenIsExact) {
     for (std::uint32_t width = 0; width <= 15; ++width) {
       const GridShape shape{width, height, width};  // no padding: rows follow each other
       for (const SeedPattern pattern : kPatterns) {
-        expect_exact(make_seeds(pattern, width, height, width, width * 16 + height), shape, name_of(pattern));
+        expect_exact(make_seeds(pattern, width, height, width, width * 16 + height), shape, to_string(pattern));
       }
     }
     if (HasFailure()) {
@@ -80,8 +80,8 @@ void expect_exact_sample(const std::vector<std::uint8_t>& seeds, const GridShape
     const std::vector<std::uint16_t> near = transformed(isa, seeds, shape, 20);
     const std::vector<std::uint16_t> far = transformed(isa, seeds, shape, 255);
     for (const auto& [cell, exact] : samples) {
-      ASSERT_EQ(near[cell], std::min(exact, 400U)) << what << " at " << cell << ' ' << name_of(isa);
-      ASSERT_EQ(far[cell], std::min(exact, 65025U)) << what << " at " << cell << ' ' << name_of(isa);
+      ASSERT_EQ(near[cell], std::min(exact, 400U)) << what << " at " << cell << ' ' << to_string(isa);
+      ASSERT_EQ(far[cell], std::min(exact, 65025U)) << what << " at " << cell << ' ' << to_string(isa);
     }
   }
 }
@@ -90,7 +90,7 @@ TEST(Edt, LargeGridsAreExactWhereSampled) {
   for (const GridShape& shape : {GridShape{64, 64, 64}, GridShape{509, 251, 512}, GridShape{1024, 1024, 1024}}) {
     for (const SeedPattern pattern : {SeedPattern::kNone, SeedPattern::kOne, SeedPattern::kSparse, SeedPattern::kHalf,
                                       SeedPattern::kAll, SeedPattern::kCorners, SeedPattern::kWalls}) {
-      expect_exact_sample(make_seeds(pattern, shape.width, shape.height, shape.stride, 11), shape, name_of(pattern));
+      expect_exact_sample(make_seeds(pattern, shape.width, shape.height, shape.stride, 11), shape, to_string(pattern));
     }
   }
 }

@@ -1,10 +1,10 @@
 // The merge against rows (9) to (11) of docs/paper.md, for every pair of values of a small range and around the limits
 // of 16 bits.
-#include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 
 #include <gtest/gtest.h>
 
-#include "gdtslam/compute/host_kernels.hpp"
+#include "engine/compute/host_kernels.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 
@@ -30,7 +30,7 @@ void expect_all_pairs(const std::vector<std::uint16_t>& values, GdtMerge::Params
     gdt_merge_host(isa, params, after.data(), scan.data());
     for (std::size_t i = 0; i < after.size(); ++i) {
       ASSERT_EQ(after[i], expected[i]) << "G " << before[i] << " D " << scan[i] << " threshold " << params.threshold
-                                       << " lift " << params.lift << ' ' << name_of(isa);
+                                       << " lift " << params.lift << ' ' << to_string(isa);
     }
   }
 }

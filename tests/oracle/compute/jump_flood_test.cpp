@@ -1,6 +1,6 @@
 // Jump flooding, all passes, against an implementation with coordinates and sorted candidates; and its distance from
 // the truth.
-#include "gdtslam/compute/kernels/jump_flood.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "gdtslam/compute/host_kernels.hpp"
+#include "engine/compute/host_kernels.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 
@@ -53,7 +53,7 @@ void expect_equal(const std::vector<std::uint16_t>& found, const std::vector<std
 void expect_floods_of(const std::vector<std::uint8_t>& seeds, const GridShape& shape, Isa isa) {
   const auto backend = make_cpu_backend({.threads = 2, .isa = isa});
   for (const JumpFloodVariant variant : kVariants) {
-    const std::string what = std::string(name_of(variant)) + " " + std::string(name_of(isa));
+    const std::string what = std::string(to_string(variant)) + " " + std::string(to_string(isa));
     const auto whole = jump_flood_steps(variant, shape.width, shape.height);
     const std::uint32_t side = std::max(shape.width, shape.height);
     expect_equal(flooded(*backend, whole, 255, seeds, shape),
@@ -62,7 +62,7 @@ void expect_floods_of(const std::vector<std::uint8_t>& seeds, const GridShape& s
   for (const std::uint32_t radius : {1U, 6U, 20U}) {
     const auto expected = truncated(brute_jump_flood(JumpFloodVariant::kOnePlus, radius + 1, seeds, shape), radius);
     const auto steps = jump_flood_steps_within(radius);
-    const std::string what = "R" + std::to_string(radius) + " " + std::string(name_of(isa));
+    const std::string what = "R" + std::to_string(radius) + " " + std::string(to_string(isa));
     expect_equal(flooded(*backend, steps, radius, seeds, shape), expected, shape, what);
     std::vector<std::uint32_t> nearest(seeds.size());
     std::vector<std::uint32_t> scratch(seeds.size());
@@ -128,8 +128,8 @@ TEST(JumpFlood, MorePassesLeaveFewerErrorsAndNeverTooSmallADistance) {
     }
     errors.push_back(jump_flood_error(exact, found, {256, 256, 256}));
     EXPECT_EQ(errors.back().cells, 65536U);
-    EXPECT_LT(errors.back().wrong_cells, 656U) << name_of(variant);  // under 1 %
-    EXPECT_LT(errors.back().largest_cells, 4.0) << name_of(variant);
+    EXPECT_LT(errors.back().wrong_cells, 656U) << to_string(variant);  // under 1 %
+    EXPECT_LT(errors.back().largest_cells, 4.0) << to_string(variant);
   }
   EXPECT_GT(errors[0].wrong_cells, 0U);
   EXPECT_LE(errors[1].wrong_cells, errors[0].wrong_cells);

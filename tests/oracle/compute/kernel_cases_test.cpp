@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "gdtslam/compute/kernel_cases.hpp"
+#include "engine/compute/kernel_cases.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 
@@ -27,7 +27,7 @@ struct Device {
 std::vector<Device> devices() {
   std::vector<Device> list;
   for (const Isa isa : available_isas()) {
-    list.push_back({std::string(name_of(isa)), make_cpu_backend({.threads = 1, .isa = isa})});
+    list.push_back({std::string(to_string(isa)), make_cpu_backend({.threads = 1, .isa = isa})});
   }
   list.push_back({"three threads", make_cpu_backend({.threads = 3, .isa = std::nullopt})});
   return list;

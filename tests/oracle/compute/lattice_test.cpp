@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
-#include "gdtslam/compute/kernels/pose_lattice.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam::test {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gdtslam/compute/host_kernels.hpp"
-#include "gdtslam/core/elementary.hpp"
+#include "engine/compute/host_kernels.hpp"
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"

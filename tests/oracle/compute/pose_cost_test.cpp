@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "gdtslam/compute/host_kernels.hpp"
+#include "engine/compute/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
@@ -67,7 +67,7 @@ TEST(PoseCost, OddPositionsLandWhereTheHeaderSays) {
         for (const Isa isa : available_isas()) {
           std::uint32_t cost = 0;
           pose_cost_host(isa, params, field.data(), &point, &pose, 1, &cost);
-          ASSERT_EQ(cost, expected) << point.x << ", " << point.y << " theta " << theta << ' ' << name_of(isa);
+          ASSERT_EQ(cost, expected) << point.x << ", " << point.y << " theta " << theta << ' ' << to_string(isa);
         }
       }
     }

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <limits>
 
-#include "gdtslam/compute/host_kernels.hpp"
-#include "gdtslam/compute/kernel_cases.hpp"
+#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernel_cases.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"
 #include "support/brute_polish.hpp"

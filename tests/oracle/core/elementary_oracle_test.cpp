@@ -1,6 +1,6 @@
 // The elementary functions against MPFR [Fousse2007], which rounds correctly: random arguments over every scale, and
 // the hard ones. Bounds are what docs/numerics.md promises; the figures found are printed as test properties.
-#include "gdtslam/core/elementary.hpp"
+#include "engine/core/elementary.hpp"
 
 #include <bit>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "oracle/core/mpfr_oracle.hpp"
+#include "mpfr_oracle.hpp"
 
 namespace gdtslam {
 namespace {

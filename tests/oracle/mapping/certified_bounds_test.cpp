@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "certified_boxes.hpp"
-#include "gdtslam/compute/host_kernels.hpp"
-#include "gdtslam/core/elementary.hpp"
+#include "engine/compute/host_kernels.hpp"
+#include "engine/core/elementary.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gdtslam/compute/host_kernels.hpp"
+#include "engine/compute/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 #include "support/brute_force.hpp"
@@ -74,7 +74,7 @@ void hold_cap_at_edge(TestField& field) {
 
 }  // namespace
 
-const char* name_of(FieldKind kind) {
+const char* to_string(FieldKind kind) {
   switch (kind) {
     case FieldKind::kExact:
       return "exact";

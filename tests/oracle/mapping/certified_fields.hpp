@@ -5,16 +5,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/mapping/cost/objective.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/certified.hpp"
-#include "gdtslam/mapping/objective.hpp"
 
 namespace gdtslam::test {
 
 /// kExact: distances to walls. kSteps: what merging leaves behind, made worse: patches of any height side by side,
 /// walls (0) next to the unknown (the cap). kNoise: every cell by itself.
 enum class FieldKind : std::uint8_t { kExact, kSteps, kNoise };
-const char* name_of(FieldKind kind);
+const char* to_string(FieldKind kind);
 
 struct TestField {
   std::uint32_t width = 0;
@@ -40,7 +40,7 @@ FieldScene make_field_scene(FieldKind kind, std::size_t points, double margin, R
 
 /// The kinds of fields as parameters of a suite, and what a test of them is called.
 inline constexpr std::array kFieldKinds{FieldKind::kExact, FieldKind::kSteps, FieldKind::kNoise};
-inline const auto kNameOfKind = [](const auto& kind) { return name_of(kind.param); };
+inline const auto kNameOfKind = [](const auto& kind) { return to_string(kind.param); };
 
 /// The cost of a pose given in cells from an anchor cell.
 std::uint32_t true_cost(const TestField& field, const std::vector<PointCells>& points, CellIndex anchor,

@@ -1,7 +1,5 @@
-// Certified matching on a real merged map, that of the Intel Research Lab: no bound above what brute force finds, and
-// no pose worse. Skipped, visibly, where the log is not there.
-#include <cstdlib>
-#include <filesystem>
+// Certified matching on whole merged maps, that of the sample log and that of the Intel Research Lab: no bound above
+// what brute force finds, and no pose worse. Intel is skipped, visibly, where the log is not there.
 #include <string>
 
 #include <gtest/gtest.h>
@@ -10,11 +8,11 @@
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
+#include "support/real_data.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kEvery = 1100;  // scans, of 13631
 constexpr double kGap_m = 0.005;
 
 struct KnownScan {
@@ -22,14 +20,8 @@ struct KnownScan {
   Pose2 T_map_base;
 };
 
-std::string intel_log() {
-  const char* const folder = std::getenv("GDTSLAM_DATA");
-  const std::filesystem::path root =
-      folder != nullptr ? std::filesystem::path(folder) : std::filesystem::path(GDTSLAM_SOURCE_DIR) / "../shared/data";
-  return (root / "slam2d" / "intel.clf.gz").string();
-}
-
-std::vector<KnownScan> map_log(const std::string& log, const MapperConfig& config, Mapper& mapper) {
+// Every `step`-th scan, with its pose.
+std::vector<KnownScan> map_log(const std::string& log, std::size_t step, const MapperConfig& config, Mapper& mapper) {
   std::vector<KnownScan> known;
   const auto reader = open_log(log, {});
   std::size_t scans = 0;
@@ -37,7 +29,7 @@ std::vector<KnownScan> map_log(const std::string& log, const MapperConfig& confi
     const auto* const scan = std::get_if<ScanRecord>(&*record);
     if (scan == nullptr) continue;
     const MatchResult match = mapper.process(scan->scan, scan->T_odom_base);
-    if (++scans % kEvery != 0 || !match.accepted) continue;
+    if (++scans % step != 0 || !match.accepted) continue;
     known.push_back({in_cells(points_of(scan->scan, valid_ranges(config)), config.map.resolution_m), match.T_map_base});
   }
   return known;
@@ -100,13 +92,11 @@ void expect_minorants_hold(const GlobalField& map, const KnownScan& scan, std::s
   });
 }
 
-TEST(CertifiedIntel, NoBoundLiesAboveWhatBruteForceFinds) {
-  const std::string log = intel_log();
-  if (!std::filesystem::exists(log)) GTEST_SKIP() << "no " << log << "; set GDTSLAM_DATA";
+void expect_bounds_hold_on_map_of(const std::string& log, std::size_t step) {
   const MapperConfig config;
   const auto backend = make_cpu_backend({});
   Mapper mapper(config, *backend);
-  const std::vector<KnownScan> scans = map_log(log, config, mapper);
+  const std::vector<KnownScan> scans = map_log(log, step, config, mapper);
   ASSERT_GE(scans.size(), 10U);
   const FieldView field = field_view(mapper.field());
   const CertifiedMap whole(field, backend->host_isa());
@@ -118,6 +108,15 @@ TEST(CertifiedIntel, NoBoundLiesAboveWhatBruteForceFinds) {
     expect_bounds_hold(near, scans[index], window, index);
     expect_minorants_hold(mapper.field(), scans[index], index, random);
   }
+}
+
+TEST(CertifiedSample, NoBoundLiesAboveWhatBruteForceFinds) {
+  expect_bounds_hold_on_map_of(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", 30);  // of 350 scans
+}
+
+TEST(CertifiedIntel, NoBoundLiesAboveWhatBruteForceFinds) {
+  GDTSLAM_REAL_DATA(log, "slam2d/intel.clf.gz");
+  expect_bounds_hold_on_map_of(log, 1100);  // of 13,631 scans
 }
 
 }  // namespace

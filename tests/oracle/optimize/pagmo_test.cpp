@@ -9,7 +9,7 @@
 #include <pagmo/problem.hpp>
 #include <utility>
 
-#include "oracle/optimize/standard_functions.hpp"
+#include "standard_functions.hpp"
 
 namespace gdtslam::optimize {
 namespace {

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "gdtslam/core/random.hpp"
-#include "oracle/optimize/standard_functions.hpp"
+#include "standard_functions.hpp"
 
 namespace gdtslam::optimize {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine/sim/clearance.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/sim/clearance.hpp"
 #include "gdtslam/sim/ray_caster.hpp"
 
 namespace gdtslam::sim {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/sim/surface_distance.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/sim/surface_distance.hpp"
 
 namespace gdtslam::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "gdtslam/compute/host_kernels.hpp"
+#include "engine/compute/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/instruction_sets.hpp"
 

@@ -9,7 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "gdtslam/core/pose.hpp"
-#include "property/core/generators.hpp"
+#include "generators.hpp"
 #include "support/pose_matchers.hpp"
 
 namespace gdtslam {

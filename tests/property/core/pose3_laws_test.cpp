@@ -8,7 +8,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "gdtslam/core/pose3.hpp"
-#include "property/core/generators.hpp"
+#include "generators.hpp"
 #include "support/pose_matchers.hpp"
 
 namespace gdtslam {

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "engine/io/decimal.hpp"
+#include "engine/io/logs/carmen.hpp"
+#include "engine/io/maps/pgm.hpp"
+#include "engine/io/maps/png.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/units.hpp"
-#include "gdtslam/io/carmen.hpp"
-#include "gdtslam/io/decimal.hpp"
-#include "gdtslam/io/pgm.hpp"
-#include "gdtslam/io/png.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 
 namespace gdtslam {

@@ -3,7 +3,7 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
-#include "gdtslam/mapping/pose_interpolation.hpp"
+#include "engine/mapping/nodding/pose_interpolation.hpp"
 #include "property/core/generators.hpp"
 
 namespace gdtslam {

@@ -1,79 +1,28 @@
 // The rules of source_rules.hpp on every file of the project.
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "unit/architecture/source_rules.hpp"
-#include "unit/architecture/type_definitions.hpp"
+#include "source_rules.hpp"
+#include "tree.hpp"
+#include "type_definitions.hpp"
 
 namespace gdtslam::architecture {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path& root() {
-  static const fs::path path = GDTSLAM_SOURCE_DIR;
-  return path;
-}
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-struct SourceFile {
-  std::string path;  ///< relative to the project
-  std::string text;
-};
-
-bool is_hidden_or_built(const std::string& name) {
-  return name.starts_with('.') || name == "build" || name == "runs" || name == "corpus" || name == "__pycache__";
-}
-
-/// Every file of the folders with one of the extensions, in the order of the paths.
-std::vector<SourceFile> files_with(const std::vector<std::string>& folders, const std::set<std::string>& extensions) {
-  std::vector<SourceFile> files;
-  for (const std::string& folder : folders) {
-    if (!fs::exists(root() / folder)) continue;
-    for (auto at = fs::recursive_directory_iterator(root() / folder); at != fs::end(at); ++at) {
-      if (at->is_directory() && is_hidden_or_built(at->path().filename().string())) {
-        at.disable_recursion_pending();
-      } else if (at->is_regular_file() && extensions.contains(at->path().extension().string())) {
-        files.push_back({fs::relative(at->path(), root()).generic_string(), text_of(at->path())});
-      }
-    }
-  }
-  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
-  return files;
-}
-
-const std::vector<SourceFile>& code() {
-  static const std::vector<SourceFile> files =
-      files_with({"engine", "calib", "viewer", "shaders", "tools", "examples", "tests"},
-                 {".cpp", ".hpp", ".inl", ".comp", ".glsl"});
-  return files;
-}
-
 const std::vector<SourceFile>& documents() {
   static const std::vector<SourceFile> files = [] {
     std::vector<SourceFile> all = files_with({"docs", "shaders", "calib", "viewer", "assets", "tests"}, {".md"});
     for (const auto& entry : fs::directory_iterator(root())) {
-      if (entry.path().extension() == ".md") all.push_back({entry.path().filename().string(), text_of(entry.path())});
+      if (entry.path().extension() == ".md") all.push_back({entry.path().filename().string(), as_text(entry.path())});
     }
     return all;
   }();
   return files;
-}
-
-void report(const SourceFile& file, const std::vector<Violation>& violations) {
-  for (const Violation& violation : violations) {
-    ADD_FAILURE() << file.path << ":" << violation.line << ": " << violation.message;
-  }
 }
 
 TEST(Tree, is_found) {
@@ -125,7 +74,7 @@ TEST(Tree, no_two_types_of_a_namespace_have_one_name) {
 }
 
 TEST(Tree, every_citation_is_in_the_bibliography) {
-  const std::set<std::string> keys = bibliography_keys(text_of(root() / "docs/references.bib"));
+  const std::set<std::string> keys = bibliography_keys(as_text(root() / "docs/references.bib"));
   ASSERT_FALSE(keys.empty());
   for (const std::vector<SourceFile>& files : {code(), documents()}) {
     for (const SourceFile& file : files) {
@@ -146,7 +95,7 @@ TEST(Tree, every_relative_link_of_the_documents_leads_somewhere) {
 TEST(Tree, names_behind_links_stand_in_the_linked_file) {
   for (const SourceFile& file : documents()) {
     for (const NameInFile& named : names_behind_links(file.text)) {
-      const std::string text = text_of(root() / fs::path(file.path).parent_path() / named.link);
+      const std::string text = as_text(root() / fs::path(file.path).parent_path() / named.link);
       EXPECT_TRUE(text.find(named.name) != std::string::npos)
           << file.path << ": " << named.link << " has no " << named.name;
     }

@@ -1,10 +1,10 @@
-#include "unit/architecture/type_definitions.hpp"
+#include "type_definitions.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <regex>
 
-#include "unit/architecture/source_rules.hpp"
+#include "source_rules.hpp"
 
 namespace gdtslam::architecture {
 namespace {

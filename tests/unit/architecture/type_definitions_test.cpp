@@ -1,4 +1,4 @@
-#include "unit/architecture/type_definitions.hpp"
+#include "type_definitions.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

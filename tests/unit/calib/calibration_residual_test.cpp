@@ -1,5 +1,5 @@
 // What a range says of the mount, against the motion of core/nodding and against differences of itself.
-#include "gdtslam/calib/calibration_residual.hpp"
+#include "calib/calibration/calibration_residual.hpp"
 
 #include <gtest/gtest.h>
 

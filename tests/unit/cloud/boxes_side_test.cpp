@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "box_ends.hpp"
+#include "engine/cloud/box_ends.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {

@@ -1,5 +1,5 @@
 // register_clouds: motions that are known, scenes that do not hold all of a motion.
-#include "gdtslam/cloud/registration.hpp"
+#include "engine/cloud/registration.hpp"
 
 #include <gtest/gtest.h>
 

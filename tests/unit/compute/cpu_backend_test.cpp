@@ -5,11 +5,11 @@
 #include <array>
 #include <utility>
 
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernels/distance_field.hpp"
-#include "gdtslam/compute/kernels/edt.hpp"
-#include "gdtslam/compute/kernels/gdt_merge.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::test {
@@ -76,7 +76,7 @@ TEST(CpuBackend, SaysWhatItIs) {
 TEST(CpuBackend, AnInstructionSetThatIsMissingIsRefused) {
   for (const Isa isa : {Isa::kBaseline, Isa::kAvx2, Isa::kAvx512}) {
     if (isa_available(isa)) {
-      EXPECT_EQ(make_cpu_backend({.threads = 1, .isa = isa})->device().driver, name_of(isa));
+      EXPECT_EQ(make_cpu_backend({.threads = 1, .isa = isa})->device().driver, to_string(isa));
     } else {
       EXPECT_THROW(make_cpu_backend({.threads = 1, .isa = isa}), UnavailableError);
     }

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "gdtslam/compute/kernel_cases.hpp"
+#include "engine/compute/kernel_cases.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam::test {
@@ -84,7 +84,7 @@ TEST(GuardPages, NoKernelTouchesWhatIsNotItsOwn) {
     for (const Isa isa : available_isas()) {
       for (const bool at_end : {false, true}) {
         ASSERT_TRUE(run_fenced(kernel_case, isa, at_end) == expected)
-            << source.kernel->name << ' ' << source.name << ' ' << name_of(isa);
+            << source.kernel->name << ' ' << source.name << ' ' << to_string(isa);
       }
     }
   }

@@ -4,11 +4,11 @@
 
 #include <limits>
 
+#include "engine/compute/kernels/field_grow/field_grow.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
+#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernels/field_grow.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
-#include "gdtslam/compute/kernels/pose_lattice.hpp"
-#include "gdtslam/compute/kernels/seed_scatter.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::test {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernels/pose_simplex.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::test {

@@ -7,9 +7,9 @@
 #include <set>
 #include <string>
 
+#include "engine/compute/kernel_cases.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernel_cases.hpp"
 #include "support/brute_force.hpp"
 
 namespace gdtslam::test {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "gdtslam/compute/kernel_cases.hpp"
+#include "engine/compute/kernel_cases.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -57,7 +57,7 @@ TEST_P(Subnormals, MayBeTakenForZero) {
         found = run_case(*cpu, made);
       }
       const auto differs = difference(made, expected, found);
-      EXPECT_FALSE(differs.has_value()) << name_of(isa) << " " << source.name << ": " << differs->values << " values";
+      EXPECT_FALSE(differs.has_value()) << to_string(isa) << " " << source.name << ": " << differs->values << " values";
       ++tried;
     }
   }

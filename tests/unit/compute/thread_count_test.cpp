@@ -1,7 +1,7 @@
 // The same bytes whatever the number of threads, and whatever slices a kernel is cut into.
 #include <gtest/gtest.h>
 
-#include "gdtslam/compute/kernel_cases.hpp"
+#include "engine/compute/kernel_cases.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/instruction_sets.hpp"
 
@@ -63,7 +63,7 @@ TEST(Slices, OfAnySizeGiveTheSameBytes) {
     const CaseOutcome expected = run_case(*backend, kernel_case);
     for (const Isa isa : available_isas()) {
       ASSERT_TRUE(run_sliced(kernel_case, isa, random) == expected.contents)
-          << source.kernel->name << ' ' << source.name << ' ' << name_of(isa);
+          << source.kernel->name << ' ' << source.name << ' ' << to_string(isa);
     }
   }
 }

@@ -6,9 +6,9 @@
 #include <thread>
 #include <vector>
 
+#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/field_grow/field_grow.hpp"
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/host_kernels.hpp"
-#include "gdtslam/compute/kernels/field_grow.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::test {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gdtslam/core/elementary.hpp"
+#include "engine/core/elementary.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,5 +1,5 @@
 // Special values after IEEE 754-2019, section 9.2.1; accuracy is tested against MPFR in tests/oracle/core.
-#include "gdtslam/core/elementary.hpp"
+#include "engine/core/elementary.hpp"
 
 #include <cmath>
 #include <limits>

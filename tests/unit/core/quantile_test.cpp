@@ -1,5 +1,5 @@
 // Against the definitions, worked by hand; the quarters of four values are those of numpy.percentile and of R (type 7).
-#include "gdtslam/core/quantile.hpp"
+#include "engine/core/quantile.hpp"
 
 #include <gtest/gtest.h>
 

@@ -63,7 +63,7 @@ const std::vector<std::string> kSequential{"lagoon", "ember", "tide", "grey", "g
 const std::vector<std::string> kDiverging{"blue-red", "green-purple"};
 
 TEST(ColourMaps, TheOracleKnowsRed) {  // a published value
-  const Triple red = lab(linear(colour_of(0xff0000)));
+  const Triple red = lab(linear(colour_for(0xff0000)));
   EXPECT_NEAR(red[0], 53.24, 0.01);
   EXPECT_NEAR(red[1], 80.09, 0.01);
   EXPECT_NEAR(red[2], 67.20, 0.01);
@@ -174,8 +174,8 @@ TEST(ColourMaps, TheCyclicMapClosesWithAStepLikeAllOthers) {
 }
 
 TEST(Colour, IsWrittenAsTheWebWritesIt) {
-  EXPECT_EQ(hex_text(colour_of(0x0a1fe0)), "#0a1fe0");
-  EXPECT_EQ(colour_of(0x123456), (Colour{0x12, 0x34, 0x56}));
+  EXPECT_EQ(hex_text(colour_for(0x0a1fe0)), "#0a1fe0");
+  EXPECT_EQ(colour_for(0x123456), (Colour{0x12, 0x34, 0x56}));
 }
 
 }  // namespace

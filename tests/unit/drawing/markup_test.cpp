@@ -1,5 +1,5 @@
 // Words that come from others, on their way into HTML and SVG: what a browser makes of them is what was given.
-#include "gdtslam/drawing/markup.hpp"
+#include "engine/drawing/markup.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "gdtslam/drawing/bars.hpp"
+#include "engine/drawing/plots/bars.hpp"
 
 namespace gdtslam {
 namespace {

@@ -30,12 +30,13 @@ TEST(Svg, HasItsSizeAndTitleAndNoPage) {
 
 TEST(Svg, DrawsEachShape) {
   Canvas canvas(100, 100, "shapes");
-  canvas.rectangle({1, 2}, 30, 40, Fill{colour_of(0xff0000), 0.5}, Pen{.colour = colour_of(0x00ff00), .width = 2.0}, 3);
-  canvas.line({0, 0}, {10.005, -0.001}, {.colour = colour_of(0x0000ff), .opacity = 0.25, .dashes = "4 3"});
+  canvas.rectangle({1, 2}, 30, 40, Fill{colour_for(0xff0000), 0.5}, Pen{.colour = colour_for(0x00ff00), .width = 2.0},
+                   3);
+  canvas.line({0, 0}, {10.005, -0.001}, {.colour = colour_for(0x0000ff), .opacity = 0.25, .dashes = "4 3"});
   canvas.polyline({{0, 0}, {1, 1}, {2, 0}}, {});
-  canvas.polygon({{0, 0}, {1, 1}, {2, 0}}, Fill{colour_of(0x123456)});
-  canvas.circle({5, 6}, 7, std::nullopt, Pen{.colour = colour_of(0xabcdef)});
-  canvas.circle({5, 6}, 8, Fill{colour_of(0xabcdef)});
+  canvas.polygon({{0, 0}, {1, 1}, {2, 0}}, Fill{colour_for(0x123456)});
+  canvas.circle({5, 6}, 7, std::nullopt, Pen{.colour = colour_for(0xabcdef)});
+  canvas.circle({5, 6}, 8, Fill{colour_for(0xabcdef)});
   const std::string svg = svg_of(canvas);
   EXPECT_THAT(svg,
               HasSubstr("<rect x=\"1.00\" y=\"2.00\" width=\"30.00\" height=\"40.00\" rx=\"3.00\" fill=\"#ff0000\" "
@@ -51,7 +52,7 @@ TEST(Svg, DrawsEachShape) {
 TEST(Svg, WritesWords) {
   Canvas canvas(100, 100, "words");
   canvas.text({1, 2}, "crank 3 < 4\n\x01", {.size = 20, .anchor = Anchor::kEnd, .is_bold = true});
-  canvas.upright_text({3, 4}, "up", {.anchor = Anchor::kMiddle, .has_halo = true, .halo = colour_of(0x010203)});
+  canvas.upright_text({3, 4}, "up", {.anchor = Anchor::kMiddle, .has_halo = true, .halo = colour_for(0x010203)});
   const std::string svg = svg_of(canvas);
   EXPECT_THAT(svg,
               HasSubstr("font-size=\"20.00\" fill=\"#22262b\" text-anchor=\"end\" font-weight=\"600\">crank 3 &lt; "

@@ -1,5 +1,5 @@
 // Files that appear whole or not at all, also when the disk is full, the folder is closed or the writer is killed.
-#include "gdtslam/io/atomic_file.hpp"
+#include "engine/io/atomic_file.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

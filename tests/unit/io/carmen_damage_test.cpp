@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/io/logs/carmen.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/carmen.hpp"
 #include "io_test_support.hpp"
 
 namespace gdtslam {
@@ -23,7 +23,7 @@ constexpr std::string_view kSmallLog =
     "FLASER 3 1.5 2.75 3.5 0.16 0.2 0.3 0.2 0.2 0.3 1072.0 merci 1071.9\n";
 
 /// A record as text, to compare records of two logs.
-std::string text_of(const LogRecord& record) {
+std::string as_text(const LogRecord& record) {
   std::string text = std::to_string(record.index());
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     text += " " + std::to_string(scan->scan.stamp_s) + " " + std::to_string(scan->T_odom_base->x_m);
@@ -74,7 +74,7 @@ TEST(CarmenDamage, CutAtEveryByteKeepsWholeRecordsOnly) {
     ASSERT_GE(log.records.size(), complete) << size;
     ASSERT_LE(log.records.size(), complete + 1) << size;
     for (std::size_t i = 0; i < log.records.size(); ++i) {
-      ASSERT_EQ(text_of(log.records[i]), text_of(whole.records[i])) << size;
+      ASSERT_EQ(as_text(log.records[i]), as_text(whole.records[i])) << size;
     }
     const bool ends_inside_a_line = size > 0 && cut.back() != '\n';
     const std::uint64_t dropped = ends_inside_a_line && log.records.size() == complete ? 1 : 0;
@@ -93,7 +93,7 @@ TEST(CarmenDamage, GzipCutAtEveryByteKeepsWhatWasComplete) {
       EXPECT_EQ(log.warned("gzip stream"), 1U) << size;
       ASSERT_LE(log.records.size(), whole.records.size());
       for (std::size_t i = 0; i < log.records.size(); ++i) {
-        ASSERT_EQ(text_of(log.records[i]), text_of(whole.records[i])) << size;
+        ASSERT_EQ(as_text(log.records[i]), as_text(whole.records[i])) << size;
       }
       EXPECT_GE(log.records.size(), most) << size;
       most = log.records.size();
@@ -184,7 +184,7 @@ TEST(CarmenDamage, NotANumberAndNegativeRangesAreNoReturns) {
   EXPECT_EQ(log.warned("range not a number"), 2U);
   EXPECT_EQ(log.warned("negative range"), 3U);
   const WholeLog clean = read_text(scan_line("1.5 inf inf inf inf inf 2.5 inf", 8));
-  EXPECT_EQ(text_of(log.records[0]), text_of(clean.records[0]));
+  EXPECT_EQ(as_text(log.records[0]), as_text(clean.records[0]));
   EXPECT_TRUE(clean.warnings.empty());
 }
 

@@ -1,5 +1,5 @@
 // The CARMEN reader on lines whose meaning is written in the format's description.
-#include "gdtslam/io/carmen.hpp"
+#include "engine/io/logs/carmen.hpp"
 
 #include <gmock/gmock.h>
 
@@ -216,6 +216,39 @@ TEST(Carmen, LivePipeGivesEachLineWhenItCame) {
   ::close(ends[1]);
   EXPECT_FALSE(reader->next().has_value());
   ::close(ends[0]);
+}
+
+// The sample log, counted with zcat and awk: 350 FLASER of 180 beams, 584 ODOM; PARAM robot_frontlaser_offset is 0.1.
+const std::string kSample = GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz";
+
+TEST(CarmenSample, HasItsKnownCounts) {
+  const WholeLog log = drain(*open_carmen(kSample, {}));
+  const auto scans = log.of<ScanRecord>();
+  EXPECT_EQ(scans.size(), 350U);
+  EXPECT_EQ(log.of<Odometry>().size(), 584U);
+  EXPECT_TRUE(log.warnings.empty());
+  for (const ScanRecord& record : scans) {
+    ASSERT_EQ(record.scan.ranges_m.size(), 180U);
+    ASSERT_NEAR(record.scan.T_base_laser.x_m, 0.1, 3e-6);
+    ASSERT_NEAR(record.scan.T_base_laser.y_m, 0.0, 3e-6);
+    ASSERT_TRUE(record.T_odom_base.has_value());
+  }
+  EXPECT_EQ(scans.back().scan.max_range_m, 80.0);
+}
+
+// As many scans as Intel has: the sample forty times, so that the stamps go back 39 times.
+TEST(CarmenSample, FortyOfItAreReadInAFractionOfASecond) {
+  const TemporaryFolder folder;
+  const std::string once = get_file(kSample);
+  std::string forty;
+  for (int i = 0; i < 40; ++i) forty += once;
+  put_file(folder / "forty.log.gz", forty);
+  const BoundedRun run = run_alone([&] {
+    const WholeLog log = drain(*open_carmen(folder / "forty.log.gz", {}));
+    return log.of<ScanRecord>().size() == 40 * 350 && log.warned("backward stamp") == 39 ? 0 : 1;
+  });
+  EXPECT_EQ(run.code, 0);
+  expect_bounded(run);
 }
 
 TEST(CarmenRealData, IntelHasItsKnownCounts) {

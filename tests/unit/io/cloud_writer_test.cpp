@@ -4,9 +4,9 @@
 
 #include <csignal>
 
+#include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
-#include "gdtslam/io/sha256.hpp"
 #include "io_test_support.hpp"
 
 namespace gdtslam {

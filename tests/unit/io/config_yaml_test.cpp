@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/io/nearest_name.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/nearest_name.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "io_test_support.hpp"
 
@@ -195,15 +195,15 @@ TEST(ConfigYaml, WhatIsWrittenReadsBackAsTheSameBits) {
 TEST(ConfigYaml, TheMappersOwnOptionsReadBack) {
   MapperConfig written;
   MapperConfig read;
-  std::vector<Option> options = options_of(written);
+  std::vector<Option> options = option_table(written);
   for (const Option& option : options) {
     if (auto* const* value = std::get_if<double*>(&option.value)) {
       **value = 0.5 * (**value + option.max);  // away from the defaults, within the bounds
     }
   }
   const std::string text = config_text(options);
-  EXPECT_EQ(read_config_text(text, "c", options_of(read)).size(), options.size());
-  EXPECT_EQ(config_text(options_of(read)), text);
+  EXPECT_EQ(read_config_text(text, "c", option_table(read)).size(), options.size());
+  EXPECT_EQ(config_text(option_table(read)), text);
 }
 
 TEST(ConfigYaml, MissingFileIsAFileError) {

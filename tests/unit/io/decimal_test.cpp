@@ -1,5 +1,5 @@
 // Decimal numbers against the C library, which rounds correctly, and against what IEEE 754 says.
-#include "gdtslam/io/decimal.hpp"
+#include "engine/io/decimal.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the tests of io share: folders of their own, files, packed bytes, real data, bounded runs.
+// What the tests of io share: folders of their own, files, packed bytes, bounded runs.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,8 +20,9 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/io/logs/carmen.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/carmen.hpp"
+#include "support/real_data.hpp"
 
 namespace gdtslam::test {
 
@@ -125,21 +126,6 @@ inline WholeLog drain(LogReader& reader) {
 inline WholeLog read_text(std::string_view text, const ReadOptions& options = {}) {
   return drain(*open_carmen(bytes_of(text), "test.log", options));
 }
-
-/// A file of the real data, or nothing where there is none.
-inline std::optional<std::string> real_data(const std::string& name) {
-  const char* const folder = std::getenv("GDTSLAM_DATA");
-  const std::filesystem::path root =
-      folder != nullptr ? std::filesystem::path(folder) : std::filesystem::path(GDTSLAM_SOURCE_DIR) / "../shared/data";
-  const std::filesystem::path file = root / name;
-  return std::filesystem::exists(file) ? std::optional(file.string()) : std::nullopt;
-}
-
-/// Skips the test in a way that shows when a real file is missing.
-#define GDTSLAM_REAL_DATA(variable, name)                                             \
-  const std::optional<std::string> variable##_found = ::gdtslam::real_data(name);     \
-  if (!variable##_found) GTEST_SKIP() << (name) << " is not there; set GDTSLAM_DATA"; \
-  const std::string variable = *variable##_found
 
 /// What a call in a process of its own took.
 struct BoundedRun {

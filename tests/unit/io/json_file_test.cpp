@@ -1,5 +1,5 @@
 // JSON files that others wrote: read, or refused with one line before they cost memory.
-#include "gdtslam/io/json_file.hpp"
+#include "engine/io/json_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "gdtslam/core/error.hpp"
-#include "unit/io/io_test_support.hpp"
+#include "io_test_support.hpp"
 
 namespace gdtslam {
 namespace {

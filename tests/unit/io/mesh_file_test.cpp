@@ -1,5 +1,5 @@
 // Meshes: the same solids in every format, polygons, and one clear line for bytes that are none.
-#include "gdtslam/io/mesh_file.hpp"
+#include "engine/io/meshes/mesh_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

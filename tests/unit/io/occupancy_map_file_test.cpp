@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include "engine/io/maps/pgm.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/pgm.hpp"
 #include "io_test_support.hpp"
 
 namespace gdtslam {

@@ -1,13 +1,13 @@
 // The overview: what must be where in the picture, by its colours.
-#include "gdtslam/io/overview.hpp"
+#include "engine/io/maps/overview.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
 
+#include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/json_file.hpp"
 #include "io_test_support.hpp"
 #include "nlohmann/json.hpp"
 

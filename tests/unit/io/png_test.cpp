@@ -1,5 +1,5 @@
 // PNG files, checked with libpng's other interface, and the files of the distance field.
-#include "gdtslam/io/png.hpp"
+#include "engine/io/maps/png.hpp"
 
 #include <gmock/gmock.h>
 #include <png.h>

@@ -1,5 +1,5 @@
 // SHA-256 on the published vectors, and what the hashes of results cover.
-#include "gdtslam/io/sha256.hpp"
+#include "engine/io/sha256.hpp"
 
 #include <gtest/gtest.h>
 

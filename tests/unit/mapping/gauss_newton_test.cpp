@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/mapping/map/local_field.hpp"
+#include "engine/mapping/match/gauss_newton.hpp"
+#include "engine/mapping/match/simplex.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/mapping/gauss_newton.hpp"
-#include "gdtslam/mapping/local_field.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
-#include "gdtslam/mapping/simplex.hpp"
 #include "support/instruction_sets.hpp"
 #include "support/room.hpp"
 
@@ -27,7 +27,7 @@ struct MappedRoom {
       const KeyframeCells keyframe = keyframe_of(in_map(points_of(test::scan_of(walls, pose, 0.0), {0.1, 40.0}), pose),
                                                  kResolution_m, map.radius_cells());
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
-      map.admit(keyframe, step);
+      map.add_keyframe(keyframe, step);
       local.compute(keyframe);
       local.merge_into(map, step);
     }
@@ -130,9 +130,9 @@ TEST(PoseSlope, HasTheSameBitsOnEveryInstructionSet) {
                             static_cast<float>(random.uniform(-3.0, 3.0))};
         const Linearisation a = expected.objective.linearise(pose, 1.0F);
         const Linearisation b = room.objective.linearise(pose, 1.0F);
-        ASSERT_EQ(a.cost, b.cost) << name_of(isa) << " " << count;
-        ASSERT_EQ(a.gradient, b.gradient) << name_of(isa) << " " << count;
-        ASSERT_EQ(a.curvature, b.curvature) << name_of(isa) << " " << count;
+        ASSERT_EQ(a.cost, b.cost) << to_string(isa) << " " << count;
+        ASSERT_EQ(a.gradient, b.gradient) << to_string(isa) << " " << count;
+        ASSERT_EQ(a.curvature, b.curvature) << to_string(isa) << " " << count;
       }
     }
   }

@@ -1,5 +1,5 @@
 // Scans of a nodding laser near horizontal, in the plane.
-#include "gdtslam/mapping/level_scan.hpp"
+#include "engine/mapping/nodding/level_scan.hpp"
 
 #include <gtest/gtest.h>
 

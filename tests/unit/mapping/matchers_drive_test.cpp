@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/mapping/match/matchers.hpp"
 #include "gdtslam/mapping/mapper.hpp"
-#include "gdtslam/mapping/matchers.hpp"
 #include "support/instruction_sets.hpp"
 #include "support/mapper_drive.hpp"
 #include "support/pose_matchers.hpp"
@@ -70,7 +70,7 @@ TEST_P(MatcherDrive, HasTheSameBitsOnEveryInstructionSetAndWithTwoThreads) {
   for (const Isa isa : available_isas()) {
     for (const unsigned threads : {1U, 2U}) {
       const auto backend = make_cpu_backend({.threads = threads, .isa = isa});
-      SCOPED_TRACE(std::string(name_of(isa)) + ", " + std::to_string(threads));
+      SCOPED_TRACE(std::string(to_string(isa)) + ", " + std::to_string(threads));
       expect_same(map_drive(scans, config, *backend), expected);
     }
   }
@@ -83,7 +83,7 @@ std::vector<MatcherKind> all_kinds() {
 }
 
 std::string name_of_kind(const testing::TestParamInfo<MatcherKind>& kind) {
-  std::string name(name_of(kind.param));
+  std::string name(to_string(kind.param));
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }

@@ -1,6 +1,6 @@
 // The path between two fixes: against the true path in a room that is known, and against a cost that is written down
 // here on its own.
-#include "gdtslam/mapping/path_smoother.hpp"
+#include "engine/mapping/nodding/path_smoother.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "engine/mapping/map/local_field.hpp"
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/mapping/local_field.hpp"
 
 namespace gdtslam {
 namespace {
@@ -45,7 +45,7 @@ class Map {
       for (int k = 0; k <= steps; ++k) points.push_back(wall.from + way * (static_cast<double>(k) / steps));
     }
     const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
-    field_.admit(keyframe, kStep);
+    field_.add_keyframe(keyframe, kStep);
     LocalField local(*backend_, kRadius);
     local.compute(keyframe);
     local.merge_into(field_, kStep);

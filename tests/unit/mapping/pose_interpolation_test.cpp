@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "engine/mapping/nodding/pose_interpolation.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/mapping/pose_interpolation.hpp"
 #include "support/pose_matchers.hpp"
 
 namespace gdtslam {

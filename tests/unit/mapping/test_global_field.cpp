@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/mapping/map/local_field.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/global_field.hpp"
-#include "gdtslam/mapping/local_field.hpp"
 
 namespace gdtslam {
 namespace {
@@ -28,7 +28,7 @@ class Fields : public testing::Test {
   // Merges a keyframe and returns it.
   KeyframeCells merge(const std::vector<Point2>& points) {
     const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
-    map_.admit(keyframe, kStep);
+    map_.add_keyframe(keyframe, kStep);
     local_.compute(keyframe);
     local_.merge_into(map_, kStep);
     return keyframe;
@@ -71,7 +71,7 @@ TEST(LocalFieldByJumpFlooding, IsTheExactOneButForCellsThatAreTooLarge) {
   const auto mapped = [&](DistanceTransform transform, std::uint64_t kernels) {
     GlobalField map(*backend, kResolution, kRadius, 1U << 20U, transform);
     LocalField local(*backend, kRadius, transform);
-    map.admit(keyframe, kStep);
+    map.add_keyframe(keyframe, kStep);
     const std::uint64_t before = backend->dispatch_count();
     local.compute(keyframe);
     EXPECT_EQ(backend->dispatch_count() - before, kernels);
@@ -143,7 +143,7 @@ TEST_F(Fields, AMarginIsGivenUpWhereItIsInTheWay) {
        {Point2{0.525, 0.525}, Point2{19.025, 0.525}, Point2{0.525, 19.025}, Point2{19.025, 19.025}}) {
     const KeyframeCells keyframe = keyframe_of({point}, kResolution, kRadius);
     for (GlobalField* field : {&map, &large}) {
-      field->admit(keyframe, kStep);
+      field->add_keyframe(keyframe, kStep);
       local.compute(keyframe);
       local.merge_into(*field, kStep);
     }

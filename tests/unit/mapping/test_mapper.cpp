@@ -115,7 +115,7 @@ TEST_F(MapperTest, TheSameBitsInEveryInstructionSetAndWithThreads) {
     for (std::size_t isa = 0; isa <= static_cast<std::size_t>(best_isa()); ++isa) {
       for (const unsigned threads : {1U, 2U, 3U}) {
         const auto results = map(good, {.threads = threads, .isa = static_cast<Isa>(isa)}, config);
-        EXPECT_EQ(cells_, cells) << name_of(static_cast<Isa>(isa)) << ' ' << threads;
+        EXPECT_EQ(cells_, cells) << to_string(static_cast<Isa>(isa)) << ' ' << threads;
         for (std::size_t i = 0; i < results.size(); ++i) {
           // Equality of doubles that are no NaN and no zero of either sign is equality of bits.
           ASSERT_EQ(results[i].T_map_base, reference[i].T_map_base) << i;

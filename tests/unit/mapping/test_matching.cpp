@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "gdtslam/compute/kernels/distance_field.hpp"
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/mapping/map/local_field.hpp"
+#include "engine/mapping/match/exhaustive.hpp"
+#include "engine/mapping/match/scan_matcher.hpp"
+#include "engine/mapping/match/window_matcher.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/mapping/exhaustive.hpp"
-#include "gdtslam/mapping/local_field.hpp"
-#include "gdtslam/mapping/scan_matcher.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
-#include "gdtslam/mapping/window_matcher.hpp"
 #include "support/pose_matchers.hpp"
 #include "support/room.hpp"
 
@@ -28,7 +28,7 @@ class Matching : public testing::Test {
       const auto points = in_map(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), pose);
       const KeyframeCells keyframe = keyframe_of(points, resolution_m_, radius_);
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
-      map_.admit(keyframe, step);
+      map_.add_keyframe(keyframe, step);
       local_.compute(keyframe);
       local_.merge_into(map_, step);
     }

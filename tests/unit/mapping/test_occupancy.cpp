@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
 
@@ -230,7 +230,7 @@ TEST(Occupancy, TraversalAgreesWithBruteForce) {
 
 TEST(OccupancyOptions, PointIntoTheConfiguration) {
   OccupancyConfig config;
-  const std::vector<Option> table = options_of(config);
+  const std::vector<Option> table = option_table(config);
   ASSERT_EQ(table.size(), 3u);
   *std::get<double*>(table[0].value) = 0.5;
   *std::get<std::int32_t*>(table[1].value) = 7;

@@ -76,8 +76,8 @@ TEST(Violations, WhatIsNoNumberViolates) {
 TEST(OptionTables, AreSound) {
   MapperConfig mapper;
   OccupancyConfig occupancy;
-  std::vector<Option> table = options_of(mapper);
-  for (const Option& option : options_of(occupancy)) table.push_back(option);
+  std::vector<Option> table = option_table(mapper);
+  for (const Option& option : option_table(occupancy)) table.push_back(option);
   EXPECT_THAT(violations(table), IsEmpty());
   std::set<std::string_view> paths;
   for (const Option& option : table) {

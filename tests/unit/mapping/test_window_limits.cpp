@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/mapping/map/local_field.hpp"
+#include "engine/mapping/match/window_matcher.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/local_field.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
-#include "gdtslam/mapping/window_matcher.hpp"
 #include "support/mapper_drive.hpp"
 #include "support/queued_backend.hpp"
 #include "support/room.hpp"
@@ -47,7 +47,7 @@ Outcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
   const auto seen = in_map(points_of(test::scan_of(walls, seen_from, 0.0), {0.1, 40.0}), seen_from);
   const KeyframeCells keyframe = keyframe_of(seen, map_config.resolution_m, map_config.radius_cells());
   const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
-  map.admit(keyframe, step);
+  map.add_keyframe(keyframe, step);
   local.compute(keyframe);
   local.merge_into(map, step);
   if (max_buffer_bytes != 0) device.set_max_buffer_bytes(max_buffer_bytes);

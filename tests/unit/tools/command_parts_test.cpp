@@ -10,14 +10,14 @@
 #include <string>
 #include <string_view>
 
-#include "ablation_variants.hpp"
-#include "console.hpp"
-#include "device_option.hpp"
-#include "did_you_mean.hpp"
+#include "engine/io/did_you_mean.hpp"
+#include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/error.hpp"
-#include "progress.hpp"
-#include "run_folder.hpp"
-#include "settings.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/lab/ablation/variants.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,15 +1,15 @@
 // What a comparison adds up to, against published intervals and hand-made trials.
-#include "compare_figures.hpp"
+#include "tools/lab/matchers/figures.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "compare_global.hpp"
-#include "compare_table.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "scan_hold.hpp"
+#include "tools/lab/matchers/global.hpp"
+#include "tools/lab/matchers/scan_constraint.hpp"
+#include "tools/lab/matchers/table.hpp"
 
 namespace gdtslam {
 namespace {
@@ -32,16 +32,16 @@ TEST(CompareFigures, SharesHaveTheIntervalsOfWilson) {
 // A point tells of its wall's normal only, so the normal equations of a room are sums over directions.
 TEST(CompareFigures, ACorridorHoldsInOneDirection) {
   constexpr std::array<double, 6> corridor{0.0, 0.0, 0.0, 100.0, 0.0, 5000.0};
-  EXPECT_EQ(hold_of(corridor), 0.0);
+  EXPECT_EQ(constraint_strength(corridor), 0.0);
   constexpr std::array<double, 6> room{50.0, 0.0, 0.0, 50.0, 0.0, 5000.0};
-  EXPECT_DOUBLE_EQ(hold_of(room), 1.0);
+  EXPECT_DOUBLE_EQ(constraint_strength(room), 1.0);
   // A slope along y that turning undoes says nothing of y: xx = 10, yy = 4, yt = 20, tt = 100.
   constexpr std::array<double, 6> hinged{10.0, 0.0, 0.0, 4.0, 20.0, 100.0};
-  EXPECT_NEAR(hold_of(hinged), 0.0, 1e-12);
+  EXPECT_NEAR(constraint_strength(hinged), 0.0, 1e-12);
   // Turned by 45 degrees the ratio stays: eigenvalues 8 and 2.
   constexpr std::array<double, 6> turned{5.0, 3.0, 0.0, 5.0, 0.0, 100.0};
-  EXPECT_DOUBLE_EQ(hold_of(turned), 0.25);
-  EXPECT_EQ(hold_of(std::array<double, 6>{}), 0.0);
+  EXPECT_DOUBLE_EQ(constraint_strength(turned), 0.25);
+  EXPECT_EQ(constraint_strength(std::array<double, 6>{}), 0.0);
 }
 
 // Two walls of 2 x 41 points on either side, then an end of 9 points across: 9 normals along x, 82 along y. The walls
@@ -51,17 +51,17 @@ TEST(CompareFigures, AScanHoldsByTheWallsAcross) {
   std::vector<PointCells> points;
   for (int i = -20; i <= 20; ++i) points.push_back({static_cast<float>(i), -40.0F});
   for (int i = -20; i <= 20; ++i) points.push_back({static_cast<float>(i), 40.0F});
-  EXPECT_NEAR(hold_of(line_information(points, kResolution_m)), 0.0, 1e-12);
+  EXPECT_NEAR(constraint_strength(line_information(points, kResolution_m)), 0.0, 1e-12);
   for (int i = -4; i <= 4; ++i) points.push_back({60.0F, static_cast<float>(i)});
-  EXPECT_NEAR(hold_of(line_information(points, kResolution_m)), 9.0 / 82.0, 1e-12);
+  EXPECT_NEAR(constraint_strength(line_information(points, kResolution_m)), 9.0 / 82.0, 1e-12);
   // A turned robot sees the same; 3-4-5 keeps the numbers exact but for rounding.
   for (PointCells& point : points) {
     point = {0.6F * point.x - 0.8F * point.y, 0.8F * point.x + 0.6F * point.y};
   }
-  EXPECT_NEAR(hold_of(line_information(points, kResolution_m)), 9.0 / 82.0, 1e-5);
+  EXPECT_NEAR(constraint_strength(line_information(points, kResolution_m)), 9.0 / 82.0, 1e-5);
   // Points by themselves have no line.
   const std::vector<PointCells> alone{{0.0F, 0.0F}, {100.0F, 0.0F}, {0.0F, 100.0F}};
-  EXPECT_EQ(hold_of(line_information(alone, kResolution_m)), 0.0);
+  EXPECT_EQ(constraint_strength(line_information(alone, kResolution_m)), 0.0);
 }
 
 TEST(CompareFigures, CostsAreMeansInMetresAndBack) {
@@ -127,16 +127,16 @@ TEST_F(Trials, CountByKindOfScan) {
 }
 
 TEST_F(Trials, TablesNameEveryMethodAndEveryStart) {
-  const std::string text = text_of(job_, outcome_);
+  const std::string text = as_text(job_, outcome_);
   for (const char* part :
        {"simplex", "pso", "prediction", "10 cm, 2°", "1 are weak along a corridor", "1 have no proof"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
-  const auto json = json_of(job_, outcome_, {}, {});
+  const auto json = as_json(job_, outcome_, {}, {});
   EXPECT_EQ(json["levels"].size(), 2U);
   EXPECT_EQ(json["levels"][0]["held"][0]["success"]["count"], 1);
   EXPECT_EQ(json["scans"]["weak"], 1);
-  const std::string csv = csv_of(job_, outcome_);
+  const std::string csv = as_csv(job_, outcome_);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 16);
 }
 

@@ -1,5 +1,5 @@
 // Which device a name stands for, the folder of the caches and the results of earlier verifications.
-#include "device_choice.hpp"
+#include "tools/gdtslam/shell/device/device_choice.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <fstream>
 #include <string>
 
-#include "cache_folder.hpp"
 #include "gdtslam/core/error.hpp"
-#include "verify_record.hpp"
+#include "tools/gdtslam/shell/device/cache_folder.hpp"
+#include "tools/gdtslam/shell/device/verify_record.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,5 +1,5 @@
 // Summaries of many distances against sorting them.
-#include "distance_histogram.hpp"
+#include "engine/runs/evaluation/distance_histogram.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Films: what reaches ffmpeg, seen by a program of our own in its place, what ffprobe says of real ones, and what is
 // left when something fails.
-#include "film_writer.hpp"
+#include "tools/gdtslam/render/film_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

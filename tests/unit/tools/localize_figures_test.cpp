@@ -1,5 +1,5 @@
 // Why a scan counts as not found, from made-up results whose reason is plain; and what many add up to.
-#include "localize_figures.hpp"
+#include "engine/runs/localizer/figures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -83,8 +83,8 @@ TEST(LocalizeFault, TooFewReturnsComesFirst) {
 
 TEST(LocalizeFault, EveryOneHasItsNameAndWords) {
   for (const LocalizeFault fault : kLocalizeFaults) {
-    EXPECT_NE(name_of(fault), "unknown");
-    EXPECT_NE(text_of(fault), "unknown");
+    EXPECT_NE(to_string(fault), "unknown");
+    EXPECT_NE(as_text(fault), "unknown");
   }
 }
 
@@ -106,8 +106,8 @@ TEST(LocalizeVerdict, IsOfTheFitAndThePosesElsewhere) {
 }
 
 TEST(LocalizeVerdict, WordsLeaveOutOnlyWhatIsRare) {
-  EXPECT_EQ(text_of({196, 4, 0, 0}), "196 found, 4 ambiguous, 0 poor fit");
-  EXPECT_EQ(text_of({0, 0, 2, 1}), "0 found, 0 ambiguous, 2 poor fit, 1 no pose");
+  EXPECT_EQ(as_text({196, 4, 0, 0}), "196 found, 4 ambiguous, 0 poor fit");
+  EXPECT_EQ(as_text({0, 0, 2, 1}), "0 found, 0 ambiguous, 2 poor fit, 1 no pose");
 }
 
 TEST(LocalizeFigures, CountsAddUp) {

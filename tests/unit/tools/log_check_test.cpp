@@ -1,5 +1,5 @@
 // Logs are made record by record, with faults whose number and size are known.
-#include "log_check.hpp"
+#include "engine/runs/streams/log_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

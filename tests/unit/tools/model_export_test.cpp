@@ -1,5 +1,5 @@
 // Models for other programs, taken apart by a JSON parser: counts, bounds, places, colours.
-#include "model_export.hpp"
+#include "tools/gdtslam/render/model_export.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/sha256.hpp"
-#include "scene_file.hpp"
-#include "unit/tools/simulate_nodding_fixture.hpp"
+#include "simulate_nodding_fixture.hpp"
+#include "tools/gdtslam/scenes/scene_file.hpp"
 
 namespace gdtslam {
 namespace {

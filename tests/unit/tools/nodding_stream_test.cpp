@@ -1,5 +1,5 @@
 // Scans wait for what tells where the crank was, no longer than they must, and come in log order.
-#include "nodding_stream.hpp"
+#include "engine/runs/streams/nodding_stream.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Folders of `gdtslam reproduce` beside those of its user: which go and which stay.
-#include "reproduce_folder.hpp"
+#include "tools/lab/reproduce/folder.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -37,7 +37,7 @@ TEST_F(ReproduceFolders, OfOthersStay) {
   fs::create_directory_symlink(base_ / "theirs", base_ / "link");
   write("plain", "precious");
   make_marked_folder(in("ours"));
-  for (const std::string name : {"theirs", "link", "plain"}) {
+  for (const char* const name : {"theirs", "link", "plain"}) {
     EXPECT_THROW(require_own_folder(in(name)), FileError) << name;
     EXPECT_THROW(remove_own_folder(in(name)), FileError) << name;
     EXPECT_THROW(make_marked_folder(in(name)), FileError) << name;

@@ -10,16 +10,16 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
-#include "reproduce_paper.hpp"
-#include "reproduce_progress.hpp"
-#include "reproduce_workers.hpp"
+#include "tools/lab/reproduce/paper.hpp"
+#include "tools/lab/reproduce/progress.hpp"
+#include "tools/lab/reproduce/workers.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
 
 std::string result_of(Workers& workers) {
   for (;;) {
-    const Workers::News news = workers.wait();
+    const Workers::Event news = workers.wait();
     if (news.result) return *news.result;
   }
 }
@@ -28,9 +28,9 @@ TEST(Workers, BringBackResultsWithTheirTimes) {
   Workers workers(2);
   EXPECT_TRUE(workers.is_idle());
   workers.start(7, [](const Workers::Tell&) { return std::string("line\nand \"share\" \xff"); });
-  const Workers::News news = [&] {
+  const Workers::Event news = [&] {
     for (;;) {
-      const Workers::News heard = workers.wait();
+      const Workers::Event heard = workers.wait();
       if (heard.result) return heard;
     }
   }();
@@ -63,7 +63,7 @@ TEST(Workers, TellHowFarTheyAre) {
     tell(0.25);
     return std::string();
   });
-  const Workers::News news = workers.wait();
+  const Workers::Event news = workers.wait();
   EXPECT_FALSE(news.result);
   EXPECT_DOUBLE_EQ(news.share, 0.25);
   EXPECT_EQ(result_of(workers), "");

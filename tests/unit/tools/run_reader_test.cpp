@@ -1,6 +1,6 @@
 // Run folders as people leave them: files missing, cut, edited, of another run. Every message names the file and what
 // to do, and nothing ends the process.
-#include "run_reader.hpp"
+#include "engine/runs/folder/run_reader.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "linkage_file.hpp"
 
 namespace gdtslam {
 namespace {

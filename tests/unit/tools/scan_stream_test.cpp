@@ -1,4 +1,4 @@
-#include "scan_stream.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Scene files: what is read, and one clear line for what cannot be.
 #if __has_include("gdtslam/sim/scene.hpp")  // the simulator may be left out of a build
 
-#include "scene_file.hpp"
+#include "tools/gdtslam/scenes/scene_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "gdtslam/io/carmen.hpp"
-#include "simulate_run.hpp"
+#include "engine/io/logs/carmen.hpp"
+#include "tools/gdtslam/scenes/simulate_run.hpp"
 
 namespace gdtslam {
 

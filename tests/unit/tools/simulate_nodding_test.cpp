@@ -9,10 +9,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "linkage_file.hpp"
-#include "unit/tools/simulate_nodding_fixture.hpp"
+#include "simulate_nodding_fixture.hpp"
 
 namespace gdtslam {
 namespace {

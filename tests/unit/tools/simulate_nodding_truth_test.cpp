@@ -5,10 +5,10 @@
 
 #include <cmath>
 
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/core/nodding.hpp"
-#include "linkage_file.hpp"
-#include "unit/tools/simulate_nodding_fixture.hpp"
+#include "simulate_nodding_fixture.hpp"
 
 namespace gdtslam {
 namespace {

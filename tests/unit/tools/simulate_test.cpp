@@ -1,7 +1,7 @@
 // The whole way from a scene file to a log: the bytes, what a reader makes of them, and the sample scenes.
 #if __has_include("gdtslam/sim/scene.hpp")  // the simulator may be left out of a build
 
-#include "simulate_run.hpp"
+#include "tools/gdtslam/scenes/simulate_run.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,13 +11,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "carmen_writer.hpp"
+#include "engine/io/logs/carmen.hpp"
+#include "engine/io/logs/carmen_writer.hpp"
+#include "engine/io/sha256.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/carmen.hpp"
-#include "gdtslam/io/sha256.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "scene_file.hpp"
+#include "tools/gdtslam/scenes/scene_file.hpp"
 
 namespace gdtslam {
 namespace {

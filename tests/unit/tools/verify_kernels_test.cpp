@@ -1,5 +1,5 @@
 // The core of `gdtslam verify` must find out a backend that computes wrongly, and one that has the CPU do its work.
-#include "verify_kernels.hpp"
+#include "tools/gdtslam/verify/kernels.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

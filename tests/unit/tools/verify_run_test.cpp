@@ -1,5 +1,5 @@
 // What of a verification is kept as the device's: by hand-made reports, each with what it must leave behind.
-#include "verify_run.hpp"
+#include "tools/gdtslam/verify/run.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "cloud_room.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/film.hpp"
 #include "support/image_compare.hpp"
-#include "unit/viewer/cloud_room.hpp"
 
 namespace gdtslam::testing {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "cloud_room.hpp"
 #include "support/image_compare.hpp"
-#include "unit/viewer/cloud_room.hpp"
 
 namespace gdtslam::testing {
 namespace {

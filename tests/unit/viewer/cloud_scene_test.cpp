@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cloud_room.hpp"
 #include "gdtslam/core/error.hpp"
-#include "unit/viewer/cloud_room.hpp"
 
 namespace gdtslam::testing {
 namespace {
@@ -243,8 +243,8 @@ TEST_F(CloudSceneTest, MarksOfThePathAreSmallAndAStandingRobotHasNone) {
     }
     return right > left ? static_cast<double>(right - left) : 0.0;
   };
-  const Colour green = colour_of(0x00ff00);
-  const Colour orange = colour_of(0xff8000);
+  const Colour green = colour_for(0x00ff00);
+  const Colour orange = colour_for(0xff8000);
   EXPECT_EQ(extent_px(0.19, green), 0.0);
   EXPECT_EQ(extent_px(0.19, orange), 0.0);
   const double most_px = 2.0 * 0.12 * pixels_per_metre(camera, kSize, Point3::Zero());

@@ -11,9 +11,9 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
-#include "scene/cloud_colours.hpp"
-#include "scene/cloud_density.hpp"
 #include "support/cloud_scenes.hpp"
+#include "viewer/scene/cloud/cloud_colours.hpp"
+#include "viewer/scene/cloud/cloud_density.hpp"
 
 namespace gdtslam::testing {
 namespace {

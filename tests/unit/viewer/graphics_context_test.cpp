@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "gdtslam/core/error.hpp"
-#include "unit/viewer/graphics_scene.hpp"
+#include "graphics_scene.hpp"
 
 namespace gdtslam::testing {
 namespace {

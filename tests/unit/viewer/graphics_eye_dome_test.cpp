@@ -1,7 +1,7 @@
 // Eye-dome lighting darkens what lies behind an edge of depth, and nothing else.
 #include <gtest/gtest.h>
 
-#include "unit/viewer/graphics_scene.hpp"
+#include "graphics_scene.hpp"
 
 namespace gdtslam::testing {
 namespace {

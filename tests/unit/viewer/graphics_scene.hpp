@@ -15,8 +15,8 @@
 #include <cmath>
 #include <vector>
 
-#include "gdtslam/core/elementary.hpp"
-#include "graphics/offscreen_view.hpp"
+#include "engine/core/elementary.hpp"
+#include "viewer/graphics/offscreen_view.hpp"
 
 namespace gdtslam::testing {
 

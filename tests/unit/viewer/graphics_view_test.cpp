@@ -5,7 +5,7 @@
 #include <string>
 
 #include "gdtslam/core/error.hpp"
-#include "unit/viewer/graphics_scene.hpp"
+#include "graphics_scene.hpp"
 
 namespace gdtslam::testing {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "scene/linkage_cycle.hpp"
+#include "viewer/scene/linkage/linkage_cycle.hpp"
 
 namespace gdtslam {
 namespace {

@@ -7,7 +7,7 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"
-#include "unit/viewer/linkage_words.hpp"
+#include "linkage_words.hpp"
 
 namespace gdtslam {
 namespace {

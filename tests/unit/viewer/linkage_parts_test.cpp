@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "gdtslam/calib/crank_rocker.hpp"
-#include "graphics/offscreen_view.hpp"
-#include "scene/linkage_surroundings.hpp"
-#include "unit/viewer/linkage_drawn.hpp"
+#include "linkage_drawn.hpp"
+#include "viewer/graphics/offscreen_view.hpp"
+#include "viewer/scene/linkage/linkage_surroundings.hpp"
 
 namespace gdtslam {
 namespace {
@@ -183,7 +183,7 @@ TEST(LinkageParts, dead_points_are_marked_where_the_rocker_turns_back) {
   for (const char* preset : {"paper-a", "paper-b", "paper-c"}) {
     Drawn drawn(calib::sweep_model_of_preset(preset));
     const LinkageCycle cycle(drawn.model);
-    const LinkageSurroundings surroundings(cycle, drawn.parts, colour_of(0xffffff));
+    const LinkageSurroundings surroundings(cycle, drawn.parts, colour_for(0xffffff));
     surroundings.add_to(drawn.view.renderer());
     const RgbaImage image = drawn.view.render(side_camera(drawn.height_m), kSize);
     const calib::CrankRockerReport report = calib::analyse(drawn.model.bars, drawn.model.assembly);

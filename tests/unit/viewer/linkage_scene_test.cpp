@@ -6,10 +6,10 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"
-#include "gdtslam/viewer/raster.hpp"
+#include "linkage_drawn.hpp"
 #include "support/image_compare.hpp"
-#include "unit/viewer/linkage_drawn.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,5 +1,5 @@
 // Words that come from others, on their way into a page.
-#include "page/page_escape.hpp"
+#include "viewer/page/page_escape.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "page/page_bytes.hpp"
+#include "viewer/page/page_bytes.hpp"
 
 namespace gdtslam::page {
 namespace {

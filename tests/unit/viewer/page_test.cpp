@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "gdtslam/core/elementary.hpp"
+#include "engine/core/elementary.hpp"
+#include "engine/drawing/maps/cell_number.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/viewer/map_picture.hpp"
-#include "picture/cell_number.hpp"
-#include "unit/viewer/picture_scene.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "picture_scene.hpp"
 
 namespace gdtslam {
 namespace {

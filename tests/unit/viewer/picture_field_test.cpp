@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/drawing/maps/path_layer.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/viewer/map_picture.hpp"
-#include "gdtslam/viewer/raster.hpp"
-#include "picture/path_layer.hpp"
-#include "unit/viewer/picture_scene.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/raster.hpp"
+#include "picture_scene.hpp"
 
 namespace gdtslam {
 namespace {

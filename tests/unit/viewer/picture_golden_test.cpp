@@ -1,10 +1,10 @@
 // Pictures of a map and its field against goldens without words, and faults that must not pass for them.
 #include <gtest/gtest.h>
 
-#include "gdtslam/viewer/map_picture.hpp"
-#include "gdtslam/viewer/raster.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/raster.hpp"
+#include "picture_scene.hpp"
 #include "support/image_compare.hpp"
-#include "unit/viewer/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {

@@ -3,19 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/drawing/maps/path_layer.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/viewer/map_picture.hpp"
-#include "gdtslam/viewer/raster.hpp"
-#include "picture/path_layer.hpp"
-#include "unit/viewer/picture_scene.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/raster.hpp"
+#include "picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
 using namespace testing;
 
-constexpr Colour kStart = colour_of(0x0a42d4);
-constexpr Colour kEnd = colour_of(0xf5970f);
+constexpr Colour kStart = colour_for(0x0a42d4);
+constexpr Colour kEnd = colour_for(0xf5970f);
 /// So small that the picture is the map alone, without words in the colour of walls.
 constexpr PictureSize kBare{190, 150};
 

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/drawing/plots/plot_sheet.hpp"
 #include "gdtslam/core/random.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/drawing/theme.hpp"
-#include "gdtslam/viewer/map_picture.hpp"
-#include "gdtslam/viewer/raster.hpp"
-#include "picture/plot_sheet.hpp"
-#include "unit/viewer/picture_scene.hpp"
+#include "picture_scene.hpp"
 
 namespace gdtslam {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/viewer/map_picture.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
 
 namespace gdtslam::testing {
 

@@ -1,8 +1,8 @@
 // Words of pictures on sheets of any size: within the sheet, none over another.
 #include <gtest/gtest.h>
 
-#include "gdtslam/viewer/map_picture.hpp"
-#include "unit/viewer/picture_scene.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "picture_scene.hpp"
 
 namespace gdtslam {
 namespace {

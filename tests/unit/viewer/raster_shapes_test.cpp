@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/viewer/raster.hpp"
+#include "gdtslam/drawing/raster.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,8 +18,8 @@ using Pixel = std::array<int, 4>;
 constexpr Pixel kNothing{0, 0, 0, 0};
 constexpr Pixel kRed{255, 0, 0, 255};
 constexpr Pixel kBlue{0, 0, 255, 255};
-const Fill kRedFill{colour_of(0xff0000)};
-const Fill kBlueFill{colour_of(0x0000ff)};
+const Fill kRedFill{colour_for(0xff0000)};
+const Fill kBlueFill{colour_for(0x0000ff)};
 
 Pixel at(const RgbaImage& image, std::uint32_t x, std::uint32_t y) {
   const std::uint8_t* pixel = image.at(x, y);
@@ -78,7 +78,7 @@ TEST(Raster, FillsWhatIsInsideAndLeavesTheRestTransparent) {
 
 TEST(Raster, ColoursAreNotMultipliedByAlpha) {
   Canvas canvas(4, 4, "");
-  canvas.rectangle({0, 0}, 4, 4, Fill{colour_of(0xff8040), 0.5});
+  canvas.rectangle({0, 0}, 4, 4, Fill{colour_for(0xff8040), 0.5});
   const Pixel pixel = at(raster_of(canvas), 1, 1);
   EXPECT_NEAR(pixel[0], 255, 1);
   EXPECT_NEAR(pixel[1], 128, 1);
@@ -88,10 +88,10 @@ TEST(Raster, ColoursAreNotMultipliedByAlpha) {
 
 TEST(Raster, EdgesLinesPolygonsAndCirclesAreWhereTheyShouldBe) {
   Canvas canvas(100, 100, "");
-  canvas.rectangle({10, 10}, 20, 20, std::nullopt, Pen{.colour = colour_of(0xff0000), .width = 2});
-  canvas.line({50, 10}, {90, 10}, {.colour = colour_of(0x0000ff), .width = 4});
+  canvas.rectangle({10, 10}, 20, 20, std::nullopt, Pen{.colour = colour_for(0xff0000), .width = 2});
+  canvas.line({50, 10}, {90, 10}, {.colour = colour_for(0x0000ff), .width = 4});
   canvas.polygon({{10, 50}, {40, 50}, {10, 90}}, kBlueFill);
-  canvas.circle({70, 70}, 15, kRedFill, Pen{.colour = colour_of(0x0000ff), .width = 4});
+  canvas.circle({70, 70}, 15, kRedFill, Pen{.colour = colour_for(0x0000ff), .width = 4});
   const RgbaImage image = raster_of(canvas);
   EXPECT_EQ(at(image, 20, 10), kRed);
   EXPECT_EQ(at(image, 20, 9), kRed);
@@ -109,7 +109,7 @@ TEST(Raster, EdgesLinesPolygonsAndCirclesAreWhereTheyShouldBe) {
 
 TEST(Raster, DashesLeaveGaps) {
   Canvas canvas(60, 9, "");
-  canvas.line({0, 4.5}, {60, 4.5}, {.colour = colour_of(0xff0000), .width = 1, .dashes = "10 10"});
+  canvas.line({0, 4.5}, {60, 4.5}, {.colour = colour_for(0xff0000), .width = 1, .dashes = "10 10"});
   const RgbaImage image = raster_of(canvas);
   EXPECT_EQ(at(image, 5, 4), kRed);
   EXPECT_EQ(at(image, 15, 4), kNothing);
@@ -211,7 +211,7 @@ TEST(Raster, UprightWordsReadFromBelow) {
 TEST(Raster, AHaloSurroundsTheLetters) {
   Canvas canvas(60, 60, "");
   canvas.text({20, 40}, "I",
-              {.size = 30, .colour = colour_of(0xff0000), .has_halo = true, .halo = colour_of(0x0000ff)});
+              {.size = 30, .colour = colour_for(0xff0000), .has_halo = true, .halo = colour_for(0x0000ff)});
   const RgbaImage image = raster_of(canvas);
   int red = 0;
   int blue = 0;

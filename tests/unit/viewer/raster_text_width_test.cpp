@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "gdtslam/viewer/raster.hpp"
+#include "gdtslam/drawing/raster.hpp"
 
 namespace gdtslam {
 namespace {

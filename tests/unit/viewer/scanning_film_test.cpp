@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/viewer/film.hpp"
-#include "gdtslam/viewer/raster.hpp"
-#include "scene/linkage_cycle.hpp"
-#include "scene/scanning_scene.hpp"
+#include "linkage_words.hpp"
+#include "scanning_room.hpp"
 #include "support/image_compare.hpp"
-#include "unit/viewer/linkage_words.hpp"
-#include "unit/viewer/scanning_room.hpp"
+#include "viewer/scene/linkage/linkage_cycle.hpp"
+#include "viewer/scene/scan/scanning_scene.hpp"
 
 namespace gdtslam {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "scene/linkage_cycle.hpp"
-#include "scene/scanning_track.hpp"
-#include "unit/viewer/scanning_room.hpp"
+#include "scanning_room.hpp"
+#include "viewer/scene/linkage/linkage_cycle.hpp"
+#include "viewer/scene/scan/scanning_track.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,15 +8,9 @@
 #include <vector>
 
 #include "gdtslam/core/pose3.hpp"
+#include "gdtslam/drawing/image.hpp"
 
 namespace gdtslam {
-
-/// Width and height of a picture, pixels.
-struct PictureSize {
-  std::uint32_t width = 1280;
-  std::uint32_t height = 720;
-  [[nodiscard]] double aspect() const { return static_cast<double>(width) / static_cast<double>(height); }
-};
 
 /// An axis-parallel box; empty while lowest is beyond highest.
 struct Bounds {

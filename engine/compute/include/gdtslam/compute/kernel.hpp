@@ -25,7 +25,7 @@ struct Extent {
 /// Instruction sets that the CPU kernels are compiled for, from the weakest to the strongest.
 enum class Isa : std::uint8_t { kBaseline, kAvx2, kAvx512 };
 inline constexpr std::size_t kIsaCount = 3;
-std::string_view name_of(Isa isa);
+std::string_view to_string(Isa isa);
 
 /// What a CPU function gets: the buffers in the order of the bindings, the parameters, and its slice of the outermost
 /// non-trivial dimension of the extent (y when y > 1, else x). Slices never write the same byte.

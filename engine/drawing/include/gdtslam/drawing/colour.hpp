@@ -17,7 +17,7 @@ struct Colour {
   friend bool operator==(const Colour&, const Colour&) = default;
 };
 /// From 0xRRGGBB.
-constexpr Colour colour_of(std::uint32_t rgb) {
+constexpr Colour colour_for(std::uint32_t rgb) {
   return {static_cast<std::uint8_t>(rgb >> 16U), static_cast<std::uint8_t>(rgb >> 8U & 0xFFU),
           static_cast<std::uint8_t>(rgb & 0xFFU)};
 }
@@ -26,21 +26,21 @@ std::string hex_text(Colour colour);
 
 /// Legible on white and on kCard; every line that has one of the bars' colours also carries its name.
 namespace ink {
-inline constexpr Colour kPage = colour_of(0xf6f5f1);
-inline constexpr Colour kCard = colour_of(0xffffff);
-inline constexpr Colour kEdge = colour_of(0xdedbd2);
-inline constexpr Colour kText = colour_of(0x22262b);
-inline constexpr Colour kQuiet = colour_of(0x68707a);
-inline constexpr Colour kGrid = colour_of(0xe9e7e1);
-inline constexpr Colour kCrank = colour_of(0xc8471d);
-inline constexpr Colour kCoupler = colour_of(0x0069a8);
-inline constexpr Colour kRocker = colour_of(0x00795a);
-inline constexpr Colour kGround = colour_of(0x4a4f57);
-inline constexpr Colour kCurve = colour_of(0xa2559c);
-inline constexpr Colour kLaser = colour_of(0xd98b00);
-inline constexpr Colour kLaserText = colour_of(0x8a5800);
-inline constexpr Colour kWarning = colour_of(0xb3261e);
-inline constexpr Colour kNight = colour_of(0x14171c);  ///< background of 3D scenes
+inline constexpr Colour kPage = colour_for(0xf6f5f1);
+inline constexpr Colour kCard = colour_for(0xffffff);
+inline constexpr Colour kEdge = colour_for(0xdedbd2);
+inline constexpr Colour kText = colour_for(0x22262b);
+inline constexpr Colour kQuiet = colour_for(0x68707a);
+inline constexpr Colour kGrid = colour_for(0xe9e7e1);
+inline constexpr Colour kCrank = colour_for(0xc8471d);
+inline constexpr Colour kCoupler = colour_for(0x0069a8);
+inline constexpr Colour kRocker = colour_for(0x00795a);
+inline constexpr Colour kGround = colour_for(0x4a4f57);
+inline constexpr Colour kCurve = colour_for(0xa2559c);
+inline constexpr Colour kLaser = colour_for(0xd98b00);
+inline constexpr Colour kLaserText = colour_for(0x8a5800);
+inline constexpr Colour kWarning = colour_for(0xb3261e);
+inline constexpr Colour kNight = colour_for(0x14171c);  ///< background of 3D scenes
 }  // namespace ink
 
 /// 256 colours from the least to the largest value.

@@ -7,6 +7,13 @@
 
 namespace gdtslam {
 
+/// Width and height of a picture, pixels.
+struct PictureSize {
+  std::uint32_t width = 1280;
+  std::uint32_t height = 720;
+  [[nodiscard]] double aspect() const { return static_cast<double>(width) / static_cast<double>(height); }
+};
+
 struct RgbaImage {
   std::uint32_t width = 0;
   std::uint32_t height = 0;

@@ -34,13 +34,13 @@ inline constexpr Theme kLightTheme{
     ink::kQuiet,   ink::kGrid,
     ink::kWarning, {ink::kCoupler, ink::kCrank, ink::kRocker, ink::kCurve, ink::kLaser, ink::kGround}};
 inline constexpr Theme kDarkTheme{ink::kNight,
-                                  colour_of(0x1d2128),
-                                  colour_of(0x363c46),
-                                  colour_of(0xe9e7e1),
-                                  colour_of(0xa3abb6),
-                                  colour_of(0x2c313a),
-                                  colour_of(0xff8f86),
-                                  {colour_of(0x62b4f0), colour_of(0xff8b5c), colour_of(0x4fcb9d), colour_of(0xdb9dd6),
-                                   colour_of(0xffc455), colour_of(0xb2bac5)}};
+                                  colour_for(0x1d2128),
+                                  colour_for(0x363c46),
+                                  colour_for(0xe9e7e1),
+                                  colour_for(0xa3abb6),
+                                  colour_for(0x2c313a),
+                                  colour_for(0xff8f86),
+                                  {colour_for(0x62b4f0), colour_for(0xff8b5c), colour_for(0x4fcb9d),
+                                   colour_for(0xdb9dd6), colour_for(0xffc455), colour_for(0xb2bac5)}};
 
 }  // namespace gdtslam

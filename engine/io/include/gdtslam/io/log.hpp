@@ -2,13 +2,31 @@
 // carmen.hpp.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/read_options.hpp"
 
 namespace gdtslam {
+
+/// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
+struct ReadOptions {
+  bool lenient = false;                       ///< count and skip malformed lines instead of throwing
+  std::optional<double> first_bearing_rad{};  ///< of beam 0; by the number of beams or by the line when empty
+  std::optional<double> bearing_step_rad{};   ///< between beams; likewise
+  std::optional<double> max_range_m{};        ///< the sensor's limit; what the log says when empty
+  std::optional<Pose2> T_base_laser{};        ///< the mount; from the two poses of each scan line when empty
+};
+
+/// Which part of the logs is wanted.
+struct ScanRange {
+  std::uint64_t skip = 0;  ///< scans to leave out at the start
+  std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
+};
 
 /// A CARMEN text log, plain or gzip; "-" is standard input. Throws InputError that names what is supported for a bag,
 /// an MCAP file or a folder, FileError for what cannot be read.

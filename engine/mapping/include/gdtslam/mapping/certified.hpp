@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "gdtslam/compute/kernel.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/config.hpp"
@@ -71,7 +71,8 @@ class CertifiedMap {
   std::unique_ptr<DeviceBounds> device_;
 };
 
-/// A box of poses; both ends included, so that a half width of 0 means one value. A half angle of pi or more means every heading.
+/// A box of poses; both ends included, so that a half width of 0 means one value. A half angle of pi or more means
+/// every heading.
 struct PoseWindow {
   Pose2 centre;
   double half_x_m = 1.0;
@@ -117,7 +118,7 @@ enum class CertifiedStop : std::uint8_t {
   kResolution,
   kNothingAllowed
 };
-std::string_view name_of(CertifiedStop stop);
+std::string_view to_string(CertifiedStop stop);
 
 struct CertifiedResult {
   Pose2 T_map_base;          ///< the best pose found

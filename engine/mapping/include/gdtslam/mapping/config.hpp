@@ -6,9 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gdtslam/compute/kernels/distance_field.hpp"
-#include "gdtslam/compute/kernels/gdt_merge.hpp"
-#include "gdtslam/compute/kernels/pose_cost.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/mapping/option.hpp"
 
 namespace gdtslam {
@@ -135,7 +133,7 @@ struct MapperConfig {
 };
 
 /// The table of all options of a configuration; its rows point into it.
-std::vector<Option> options_of(MapperConfig& config);
+std::vector<Option> option_table(MapperConfig& config);
 /// Every violation, with path, value and bound; empty when the configuration can be used.
 std::vector<std::string> validate(const MapperConfig& config);
 

@@ -14,8 +14,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/kernels/distance_field.hpp"
-#include "gdtslam/compute/kernels/gdt_merge.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
@@ -60,7 +59,7 @@ class GlobalField {
   /// Makes room for a keyframe and notes it for the host's copy; the caller then merges it on the device
   /// (LocalField::merge_into). Throws InputError as grow_to_hold() does, and then nothing has changed; a DeviceError
   /// leaves the keyframe in the journal.
-  void admit(const KeyframeCells& keyframe, const MergeStep& step);
+  void add_keyframe(const KeyframeCells& keyframe, const MergeStep& step);
 
   /// Where the journal has become long: copies the field on the device, and asks for one piece of the copy after the
   /// other, behind the work in line; each is small, so that it needs no submission of its own.

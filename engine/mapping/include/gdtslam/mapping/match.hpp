@@ -18,11 +18,11 @@ enum class Doubt : std::uint8_t {
   kWeakEvidence,       ///< accepted, but overlap or contradiction are those of few good matches
   kFarFromPrediction,  ///< accepted, but farther from the odometry than it should ever be wrong
 };
-std::string_view name_of(Doubt doubt);
+std::string_view to_string(Doubt doubt);
 
 /// Why a matcher stopped.
 enum class StopReason : std::uint8_t { kNotRun, kConverged, kEvaluationLimit };
-std::string_view name_of(StopReason reason);
+std::string_view to_string(StopReason reason);
 
 struct MatchResult {
   double stamp_s = 0.0;

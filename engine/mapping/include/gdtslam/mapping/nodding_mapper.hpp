@@ -10,13 +10,35 @@
 #include <string>
 #include <vector>
 
+#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/nodding.hpp"
+#include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/option.hpp"
-#include "gdtslam/mapping/path_smoother.hpp"
-#include "gdtslam/mapping/pose_interpolation.hpp"
-#include "gdtslam/mapping/sweep_assembler.hpp"
 
 namespace gdtslam {
+
+/// linear scales (x, y, theta), the evident intention of (13); geodesic goes along one circle (exp of a share of the
+/// log); odometry follows the wheels' path between the fixes and spreads what is left over it: a share of it is that
+/// share of the motion of the map, about the same centre.
+enum class PoseInterpolation : std::uint8_t { kLinear, kGeodesic, kOdometry };
+
+struct SmootherConfig {
+  bool is_on = true;
+  double band_up_m = 1.5;       ///< points up to this much above the map's height count as walls
+  double above_floor_m = 0.15;  ///< and down to this much above the floor
+  double spacing_m = 0.1;       ///< of the poses that are estimated; those between lie on circles
+  double spacing_rad = 0.05;
+  double odometry_m_per_sqrt_m = 0.02;  ///< standard deviations of the odometry, a random walk
+  double odometry_rad_per_sqrt_m = 0.03;
+  double odometry_rad_per_sqrt_rad = 0.05;
+  double point_sigma_m = 0.03;  ///< of a point's distance to the map
+  double gate_m = 0.2;          ///< points farther from the map do not count
+  std::int32_t max_points = 240;
+  std::int32_t independent_points = 40;  ///< the points of a scan weigh no more than so many
+  std::int32_t iterations = 4;
+};
 
 struct NoddingConfig {
   double horizontal_rad = 0.017453292519943295;  ///< scans whose elevations all lie within fix the pose
@@ -28,7 +50,22 @@ struct NoddingConfig {
 };
 
 /// The table of the options, under "nod."; its rows point into `config`.
-std::vector<Option> options_of(NoddingConfig& config);
+std::vector<Option> option_table(NoddingConfig& config);
+
+/// A scan whose beams have elevations: knots cover all its beams; none where the elevation is not known.
+struct NoddingScan {
+  ScanRecord record;
+  std::vector<PhaseKnot> knots;
+};
+
+/// The scanner as the assembler has to know it.
+struct NoddingScanner {
+  NoddingMount mount;
+  ElevationTable table;
+  double mirror_rate_hz = 0.0;
+  double stamp_share = 0.5;
+  [[nodiscard]] BeamTiming timing(std::size_t beams, double bearing_step_rad) const;
+};
 
 struct NoddingStatistics {
   std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system took

@@ -37,7 +37,7 @@ struct OccupancyConfig {
 };
 
 /// The table of the options, under "occupancy."; its rows point into `config`.
-std::vector<Option> options_of(OccupancyConfig& config);
+std::vector<Option> option_table(OccupancyConfig& config);
 
 class OccupancyBuilder {
  public:

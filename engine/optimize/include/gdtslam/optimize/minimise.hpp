@@ -99,6 +99,6 @@ struct SimplexAnnealing {
 Minimum minimise(Function& function, const Box& box, std::span<const double> start, const SimplexAnnealing& method,
                  const Limits& limits);
 
-std::string_view name_of(Stop stop);
+std::string_view to_string(Stop stop);
 
 }  // namespace gdtslam::optimize

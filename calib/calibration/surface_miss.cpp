@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cmath>
+
+#include "calibration_residual.hpp"
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam::calib {
+namespace {
+
+// A beam that meets a surface flatter than this never ends on it in practice.
+constexpr double kLeastIncidence = 1e-9;
+
+// The normal of a surface, pointing from the scanner to it, and its derivatives.
+struct Normal {
+  Point3 along;
+  Point3 by_heading = Point3::Zero();
+  Point3 by_tilt = Point3::Zero();
+};
+
+Normal normal_of(const CalibrationSurface& surface) {
+  switch (surface.kind) {
+    case SurfaceKind::kFloor:
+      return {.along = {0.0, 0.0, -1.0}, .by_tilt = {1.0, 0.0, 0.0}};
+    case SurfaceKind::kCeiling:
+      return {.along = {0.0, 0.0, 1.0}, .by_tilt = {-1.0, 0.0, 0.0}};
+    case SurfaceKind::kWall:
+      break;
+  }
+  const auto [sin, cos] = sin_cos(surface.heading_rad);
+  return {.along = {cos, sin, 0.0}, .by_heading = {-sin, cos, 0.0}, .by_tilt = {0.0, 0.0, -1.0}};
+}
+
+// A beam's direction in the nodding frame and its derivatives by the sensor's roll and yaw.
+struct Beam {
+  Point3 along;
+  Point3 by_roll;
+  Point3 by_yaw;
+};
+
+Beam beam_of(const NoddingMount& mount, double bearing_rad) {
+  const auto [sin_bearing, cos_bearing] = sin_cos(bearing_rad);
+  const auto [sin_roll, cos_roll] = sin_cos(mount.sensor_roll_rad);
+  const auto [sin_yaw, cos_yaw] = sin_cos(mount.sensor_yaw_rad);
+  const double left = sin_bearing * cos_roll;
+  const double up = sin_bearing * sin_roll;
+  const Point3 along{cos_bearing * cos_yaw - left * sin_yaw, cos_bearing * sin_yaw + left * cos_yaw, up};
+  return {.along = along, .by_roll = {up * sin_yaw, -up * cos_yaw, left}, .by_yaw = {-along.y(), along.x(), 0.0}};
+}
+
+double dot(const Point3& a, const Point3& b) { return a.x() * b.x() + a.y() * b.y() + a.z() * b.z(); }
+
+Point3 lever_of(const NoddingMount& mount) { return {mount.lever_forward_m, 0.0, mount.lever_up_m}; }
+
+// A vector of the level frame in the nodding frame, which the elevation turns about the lateral axis.
+Point3 in_nodding_frame(const Point3& v, const SinCos<double>& elevation) {
+  return {v.x() * elevation.cos + v.z() * elevation.sin, v.y(), v.z() * elevation.cos - v.x() * elevation.sin};
+}
+Point3 by_elevation(const Point3& v, const SinCos<double>& elevation) {
+  return {v.z() * elevation.cos - v.x() * elevation.sin, 0.0, -v.z() * elevation.sin - v.x() * elevation.cos};
+}
+
+SurfaceMiss elevation_part(double elevation_rad, int sign, const RockerSensitivity& by_bar, double rate) {
+  return {.elevation_rad = elevation_rad,
+          .elevation_by_crank = sign * by_bar.crank,
+          .elevation_by_coupler = sign * by_bar.coupler,
+          .elevation_by_rocker = sign * by_bar.rocker,
+          .elevation_by_ground = sign * by_bar.ground,
+          .elevation_by_zero = rate};
+}
+
+}  // namespace
+
+std::optional<SurfaceMiss> surface_miss(const SweepModel& model, const CalibrationSurface& surface,
+                                        const RangeObservation& observation) {
+  const double crank = crank_rad(model.encoder, observation.ticks);
+  const std::optional<double> elevation = elevation_rad(model, crank);
+  const std::optional<RockerSensitivity> by_bar = sensitivity(model.bars, model.assembly, crank);
+  const std::optional<double> rate = elevation_rate(model, crank);
+  if (!elevation || !by_bar || !rate) return std::nullopt;
+
+  const SinCos<double> turn = sin_cos(*elevation);
+  const Normal normal = normal_of(surface);
+  const Beam beam = beam_of(model.mount, observation.bearing_rad);
+  const Point3 seen_normal = in_nodding_frame(normal.along, turn);
+  const Point3 point = observation.range_m * beam.along + lever_of(model.mount);
+
+  SurfaceMiss result = elevation_part(*elevation, model.elevation_sign, *by_bar, *rate);
+  result.miss_m = dot(seen_normal, point) - surface.distance_m;
+  result.incidence = dot(seen_normal, beam.along);
+  result.by_elevation = dot(by_elevation(normal.along, turn), point);
+  result.by_lever_forward = seen_normal.x();
+  result.by_lever_up = seen_normal.z();
+  result.by_roll = observation.range_m * dot(seen_normal, beam.by_roll);
+  result.by_yaw = observation.range_m * dot(seen_normal, beam.by_yaw);
+  result.by_distance = -1.0;
+  result.by_heading = dot(in_nodding_frame(normal.by_heading, turn), point);
+  result.by_tilt = dot(in_nodding_frame(normal.by_tilt, turn), point);
+  return result;
+}
+
+std::optional<double> surface_range_m(const NoddingMount& mount, const CalibrationSurface& surface,
+                                      double elevation_rad, double bearing_rad) {
+  const Point3 normal = in_nodding_frame(normal_of(surface).along, sin_cos(elevation_rad));
+  const double incidence = dot(normal, beam_of(mount, bearing_rad).along);
+  const double gap_m = surface.distance_m - dot(normal, lever_of(mount));
+  if (incidence < kLeastIncidence || gap_m <= 0.0) return std::nullopt;
+  return gap_m / incidence;
+}
+
+double surface_incidence(const NoddingMount& mount, const CalibrationSurface& surface, double elevation_rad,
+                         double bearing_rad) {
+  return dot(in_nodding_frame(normal_of(surface).along, sin_cos(elevation_rad)), beam_of(mount, bearing_rad).along);
+}
+
+// The miss is A cos(theta) + B sin(theta) + C - d, which is 0 at atan2(B, A) plus or minus an arc cosine.
+double measured_elevation_rad(const NoddingMount& mount, const CalibrationSurface& surface,
+                              const RangeObservation& observation, double near_rad) {
+  const Point3 normal = normal_of(surface).along;
+  const Point3 point = observation.range_m * beam_of(mount, observation.bearing_rad).along + lever_of(mount);
+  const double a = normal.x() * point.x() + normal.z() * point.z();
+  const double b = normal.z() * point.x() - normal.x() * point.z();
+  const double c = surface.distance_m - normal.y() * point.y();
+  const double middle = atan2(b, a);
+  const double aside = atan2(std::sqrt(std::max(0.0, a * a + b * b - c * c)), c);
+  const double above = wrap_angle(middle + aside);
+  const double below = wrap_angle(middle - aside);
+  return std::fabs(wrap_angle(above - near_rad)) <= std::fabs(wrap_angle(below - near_rad)) ? above : below;
+}
+
+}  // namespace gdtslam::calib

@@ -1,0 +1,271 @@
+#include "gdtslam/cloud/box.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "box_ends.hpp"
+#include "box_face.hpp"
+#include "engine/core/elementary.hpp"
+#include "engine/core/quantile.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "position_of.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+constexpr double kOuter = 0.005;   // share of a face's points that lie beyond its rough ends
+constexpr double kInner = 0.1;     // share of a face at its ends that tells nothing about the ends of the other axis
+constexpr double kAround_m = 0.3;  // seen around a face
+constexpr double kOnFace = 3.5;    // standard deviations of a point on the face
+constexpr double kLeastOnFace_m = 5.0e-3;
+constexpr double kStep_m = 0.03;  // outwards, where a face goes on beyond its patch
+constexpr int kSteps = 6;
+constexpr double kOnFloor_m = 0.05;  // the lowest points of a face that is seen down to the floor
+constexpr double kInBox_m = 0.05;    // another face whose centre is this close to a box is one of its own
+
+/// A face on its way to being a box.
+struct Face {
+  FaceFrame frame;
+  const PlanePatch* patch = nullptr;
+  Span across;  ///< rough
+  Span up;
+  double sampling_m = 0.0;
+  double thickness_m = 0.0;
+  std::vector<FaceHit> hits;
+};
+
+// The line that the patch is in the projection to the floor.
+Point3 level_normal(std::span<const CloudPoint> cloud, const PlanePatch& patch) {
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (const std::uint32_t k : patch.points) {
+    const Point3 d = position_of(cloud[k]) - patch.centre;
+    xx += d.x() * d.x();
+    xy += d.x() * d.y();
+    yy += d.y() * d.y();
+  }
+  const SinCos<double> along = sin_cos(0.5 * atan2(2.0 * xy, xx - yy));
+  return {-along.sin, along.cos, 0.0};
+}
+
+FaceFrame frame_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const BoxSearch& search) {
+  FaceFrame frame;
+  frame.origin = patch.centre;
+  frame.normal = search.is_projection ? level_normal(cloud, patch) : patch.plane.normal;
+  const Point3 eye = search.viewpoint.value_or(Point3(0.0, 0.0, patch.centre.z()));
+  if (frame.normal.dot(eye - patch.centre) < 0.0) frame.normal = -frame.normal;
+  frame.across = Point3::UnitZ().cross(frame.normal).normalized();
+  frame.up = frame.normal.cross(frame.across);
+  return frame;
+}
+
+// From beam to beam: between points that follow each other in one scan, else as if the points were spread evenly.
+double sampling_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const Span& across, const Span& up) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < patch.points.size(); ++k) {
+    if (patch.points[k] != patch.points[k - 1] + 1) continue;
+    const CloudPoint& a = cloud[patch.points[k - 1]];
+    const CloudPoint& b = cloud[patch.points[k]];
+    if (a.scan == b.scan) steps.push_back((position_of(a) - position_of(b)).norm());
+  }
+  const double even_m = std::sqrt(across.length_m() * up.length_m() / static_cast<double>(patch.points.size()));
+  return steps.size() > patch.points.size() / 2 ? std::min(value_at_share(steps, 0.5), 0.1 * across.length_m())
+                                                : even_m;
+}
+
+Face face_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const BoxSearch& search) {
+  Face face;
+  face.patch = &patch;
+  face.frame = frame_of(cloud, patch, search);
+  std::vector<double> across;
+  std::vector<double> up;
+  for (const std::uint32_t k : patch.points) {
+    const Point3 d = position_of(cloud[k]) - face.frame.origin;
+    across.push_back(face.frame.across.dot(d));
+    up.push_back(face.frame.up.dot(d));
+  }
+  face.across = {value_at_share(across, kOuter), value_at_share(across, 1.0 - kOuter)};
+  face.up = {value_at_share(up, kOuter), value_at_share(up, 1.0 - kOuter)};
+  face.sampling_m = sampling_of(cloud, patch, face.across, face.up);
+  face.thickness_m = std::max(kLeastOnFace_m, std::min(kOnFace * patch.rms_m, search.planes.thickness_m * 1.5));
+  return face;
+}
+
+bool can_be_face(const PlanePatch& patch, const BoxSearch& search) {
+  return std::fabs(patch.plane.normal.z()) <= search.max_tilt_rad && patch.points.size() >= search.min_face_points;
+}
+
+EndPlace place_of(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
+  const Span& along = axis == FaceAxis::kAcross ? face.across : face.up;
+  const Span& beside = axis == FaceAxis::kAcross ? face.up : face.across;
+  EndPlace place{axis, sign, sign > 0.0 ? along.high_m : along.low_m, face.sampling_m, beside.inner(kInner), {}, 0.0};
+  if (search.viewpoint) {
+    const Point3 eye = *search.viewpoint - face.frame.origin;
+    place.eye_along_m = (axis == FaceAxis::kAcross ? face.frame.across : face.frame.up).dot(eye);
+    place.eye_before_m = face.frame.normal.dot(eye);
+  }
+  return place;
+}
+
+/// One end of the face and the face of the box that begins there, if it is seen.
+struct End {
+  EndPlace place;
+  FaceEnd end;
+  std::optional<SideFace> side;
+  [[nodiscard]] bool is_seen() const { return end.kind == EndKind::kJump || end.kind == EndKind::kCrease; }
+  [[nodiscard]] bool can_be_box() const { return is_seen() || end.kind == EndKind::kStops; }
+};
+
+End end_at(const Face& face, FaceAxis axis, double sign, const BoxSearch& search) {
+  End found{place_of(face, axis, sign, search), {}, {}};
+  found.end = end_of(face.hits, found.place, face.thickness_m);
+  // The patch may have stopped short of the face's end.
+  for (int k = 0; k < kSteps && found.end.kind == EndKind::kContinues; ++k) {
+    found.place.rough_m += sign * kStep_m;
+    found.end = end_of(face.hits, found.place, face.thickness_m);
+  }
+  if (found.end.kind == EndKind::kContinues) return found;
+  found.place.rough_m = found.end.at_m;
+  found.side = side_at(face.hits, found.place, face.thickness_m, search.max_size_m);
+  if (found.side) found.end = found.side->crease;
+  return found;
+}
+
+// How far back a side goes: where beams along it pass its far end.
+Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const End& end, const BoxSearch& search) {
+  const SideFace& side = *end.side;
+  const bool is_up = end.place.axis == FaceAxis::kUp;
+  const Point3 along = is_up ? face.frame.up : face.frame.across;
+  FaceFrame frame;
+  frame.origin = face.frame.origin + side.crease.at_m * along;
+  frame.across = (-face.frame.normal + side.slope * along).normalized();  // back, along the side
+  frame.up = is_up ? face.frame.across : face.frame.up;
+  frame.normal = end.place.sign * (along + side.slope * face.frame.normal).normalized();
+  const Span& beside = is_up ? face.across : face.up;
+  const Span reach{-0.05, side.deepest_m + kAround_m};
+  const double thickness_m = std::max(kLeastOnFace_m, kOnFace * side.rms_m);
+  const std::vector<FaceHit> hits = hits_of(cloud, frame, reach, beside, search.viewpoint,
+                                            search.viewpoint ? thickness_m : search.planes.thickness_m);
+  std::vector<double> depths;
+  for (const FaceHit& hit : hits) {
+    if (hit.across_m > 0.0 && hit.across_m <= side.deepest_m + 0.05 && std::fabs(hit.depth_m) <= thickness_m)
+      depths.push_back(hit.across_m);
+  }
+  if (depths.size() < search.min_face_points / 4 + 2) return {0.0, kUnknown, false};
+  EndPlace place{FaceAxis::kAcross, 1.0, value_at_share(depths, 1.0 - kOuter), 0.0, beside.inner(kInner), {}, 0.0};
+  place.sampling_m = std::max(face.sampling_m, 0.05 * place.rough_m);
+  const FaceEnd far = end_of(hits, place, thickness_m);
+  // An error of the side's place is stretched by the low angle at which beams meet it.
+  double stretch = 0.0;
+  if (search.viewpoint) {
+    const Point3 beam = frame.origin + far.at_m * frame.across - *search.viewpoint;
+    stretch = std::fabs(frame.across.dot(beam) / frame.normal.dot(beam));
+  }
+  const double side_m = stretch * (side.crease.sigma_m + side.sigma_slope * far.at_m);
+  const double face_m = face.patch->sigma_offset_m;
+  const double sigma_m = std::sqrt(far.sigma_m * far.sigma_m + face_m * face_m + side_m * side_m);
+  return {far.at_m, sigma_m, far.kind == EndKind::kJump || far.kind == EndKind::kCrease};
+}
+
+Dimension between(const End& low, const End& high) {
+  const double sigma_m = std::sqrt(low.end.sigma_m * low.end.sigma_m + high.end.sigma_m * high.end.sigma_m);
+  return {high.end.at_m - low.end.at_m, sigma_m, low.is_seen() && high.is_seen()};
+}
+
+// The lowest level plane below the face.
+const PlanePatch* floor_below(const std::vector<PlanePatch>& planes, const Face& face, double max_tilt_rad) {
+  const PlanePatch* floor = nullptr;
+  for (const PlanePatch& patch : planes) {
+    const double level = std::fabs(patch.plane.normal.z());
+    if (level * level < 1.0 - max_tilt_rad * max_tilt_rad) continue;
+    if (patch.centre.z() >= face.frame.origin.z()) continue;
+    if (floor == nullptr || patch.centre.z() < floor->centre.z()) floor = &patch;
+  }
+  return floor;
+}
+
+// Down to the floor, where there is one: a box stands on it, whether the scanner saw so far down or not.
+End lower_end(const Face& face, const std::vector<PlanePatch>& planes, const BoxSearch& search) {
+  End low{place_of(face, FaceAxis::kUp, -1.0, search), {}, {}};
+  if (const PlanePatch* floor = floor_below(planes, face, search.max_tilt_rad)) {
+    const Plane& plane = floor->plane;
+    const double at_m = -plane.distance_m(face.frame.origin) / plane.normal.dot(face.frame.up);
+    const bool is_seen = face.up.low_m - at_m <= kOnFloor_m;
+    low.end = {at_m, floor->sigma_offset_m, is_seen ? EndKind::kCrease : EndKind::kHidden};
+    return low;
+  }
+  low.end = {face.up.low_m, face.sampling_m, EndKind::kHidden};
+  return low;
+}
+
+void set_place(MeasuredBox& box, const Face& face, const End& left, const End& right, const End& low, const End& high) {
+  const Point3& along = face.frame.across;
+  box.centre = face.frame.origin + 0.5 * (left.end.at_m + right.end.at_m) * along +
+               0.5 * (low.end.at_m + high.end.at_m) * face.frame.up - 0.5 * box.depth.value_m * face.frame.normal;
+  const double sign = along.x() < 0.0 || (along.x() == 0.0 && along.y() < 0.0) ? -1.0 : 1.0;
+  box.yaw_rad = atan2(sign * along.y(), sign * along.x());
+  box.face_normal = face.frame.normal;
+  box.points = static_cast<std::uint32_t>(face.patch->points.size());
+  box.face_rms_m = face.patch->rms_m;
+}
+
+std::optional<MeasuredBox> box_of(std::span<const CloudPoint> cloud, Face face, const std::vector<PlanePatch>& planes,
+                                  const BoxSearch& search) {
+  face.hits = hits_of(cloud, face.frame, face.across.grown(kAround_m), face.up.grown(kAround_m), search.viewpoint,
+                      face.thickness_m);
+  const End left = end_at(face, FaceAxis::kAcross, -1.0, search);
+  const End right = end_at(face, FaceAxis::kAcross, 1.0, search);
+  const End high = end_at(face, FaceAxis::kUp, 1.0, search);
+  const bool is_free = (left.is_seen() && right.end.kind != EndKind::kContinues) ||
+                       (right.is_seen() && left.end.kind != EndKind::kContinues);
+  if (search.viewpoint && (!is_free || !high.can_be_box())) return std::nullopt;
+  const End low = lower_end(face, planes, search);
+  MeasuredBox box;
+  box.width = between(left, right);
+  box.height = between(low, high);
+  box.depth = {0.0, kUnknown, false};
+  for (const End* end : {&left, &right, &high}) {
+    if (!end->side) continue;
+    const Dimension depth = depth_of(cloud, face, *end, search);
+    if (depth.sigma_m < box.depth.sigma_m) box.depth = depth;
+  }
+  const auto is_of_size = [&](double size_m) { return size_m >= search.min_size_m && size_m <= search.max_size_m; };
+  if (!is_of_size(box.width.value_m) || !is_of_size(box.height.value_m)) return std::nullopt;
+  set_place(box, face, left, right, low, high);
+  return box;
+}
+
+// Whether a face belongs to a box that was found by another of its faces.
+bool is_of_box(const MeasuredBox& box, const Face& face) {
+  const Point3 d = face.frame.origin - box.centre;
+  const Point3 across = Point3::UnitZ().cross(box.face_normal).normalized();
+  const double half_depth_m = std::max(0.5 * box.depth.value_m, 0.1);
+  return std::fabs(d.dot(across)) <= 0.5 * box.width.value_m + kInBox_m &&
+         std::fabs(d.dot(box.face_normal)) <= half_depth_m + kInBox_m &&
+         std::fabs(d.z()) <= 0.5 * box.height.value_m + kInBox_m;
+}
+
+}  // namespace
+
+std::vector<MeasuredBox> find_boxes(std::span<const CloudPoint> cloud, const BoxSearch& search) {
+  const std::vector<PlanePatch> planes = find_planes(cloud, search.planes);
+  std::vector<MeasuredBox> boxes;
+  for (const PlanePatch& patch : planes) {
+    if (!can_be_face(patch, search)) continue;
+    Face face = face_of(cloud, patch, search);
+    const auto is_known = [&face](const MeasuredBox& box) { return is_of_box(box, face); };
+    if (face.across.length_m() > search.max_size_m || face.across.length_m() < 0.5 * search.min_size_m ||
+        std::any_of(boxes.begin(), boxes.end(), is_known)) {
+      continue;
+    }
+    if (const auto box = box_of(cloud, std::move(face), planes, search)) boxes.push_back(*box);
+  }
+  std::stable_sort(boxes.begin(), boxes.end(),
+                   [](const MeasuredBox& a, const MeasuredBox& b) { return a.width.value_m > b.width.value_m; });
+  return boxes;
+}
+
+}  // namespace gdtslam

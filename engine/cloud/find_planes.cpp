@@ -1,0 +1,227 @@
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "engine/core/elementary.hpp"
+#include "gdtslam/cloud/plane.hpp"
+#include "gdtslam/core/random.hpp"
+#include "neighbours.hpp"
+#include "patch_cells.hpp"
+#include "position_of.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint32_t kMostCells = 60'000;
+constexpr double kGrowth = 1.3;           // of the cells, until they are few enough
+constexpr std::uint32_t kNearCells = 24;  // whose points give a normal
+constexpr double kFlat = 0.5;             // thickness over extent of a neighbourhood that has a normal
+constexpr double kAlike = 0.9;            // cosine of a point's normal to that of its plane
+constexpr double kMiss = 0.001;           // probability to miss a plane larger than the one that was found
+constexpr std::uint32_t kLeastCells = 8;
+constexpr int kRefinements = 3;
+constexpr std::uint32_t kMostFailures = 20;  // planes in turn that come to nothing before the search ends
+
+/// The thinned copy: a point for each cube, the mean of its points, and its normal.
+struct ThinnedCloud {
+  PatchCells cells;
+  Cloud means;
+  std::vector<Point3> normals;  ///< zero where there is none
+  std::vector<bool> is_free;    ///< belongs to no plane yet
+  PatchCells groups;            ///< larger cubes: what touches hangs together
+};
+
+PatchCells few_cells(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points, double edge_m) {
+  PatchCells cells(cloud, points, edge_m);
+  while (cells.size() > kMostCells) {
+    edge_m = cells.edge_m() * kGrowth;
+    cells = PatchCells(cloud, points, edge_m);
+  }
+  return cells;
+}
+
+Point3 normal_at(const Neighbours& neighbours, std::uint32_t k) {
+  const std::vector<std::uint32_t> near = neighbours.closest(neighbours.point(k), kNearCells);
+  if (near.size() < 5) return Point3::Zero();
+  Point3 mean = Point3::Zero();
+  for (const std::uint32_t other : near) mean += neighbours.point(other);
+  mean /= static_cast<double>(near.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const std::uint32_t other : near) {
+    const Point3 d = neighbours.point(other) - mean;
+    scatter += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+  const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);
+  return extents[0] < kFlat * kFlat * extents[1] ? Point3(solver.eigenvectors().col(0)) : Point3(Point3::Zero());
+}
+
+ThinnedCloud thinned(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points,
+                     const PlaneSearch& search) {
+  PatchCells cells = few_cells(cloud, points, search.thickness_m);
+  Cloud means = cells.means_of(cloud);
+  std::vector<std::uint32_t> all(means.size());
+  std::iota(all.begin(), all.end(), 0U);
+  PatchCells groups(means, all, std::max(0.5 * search.gap_m, 1.5 * cells.edge_m()));
+  groups.link();
+  ThinnedCloud result{std::move(cells), std::move(means), {}, std::vector<bool>(all.size(), true), std::move(groups)};
+  if (all.empty()) return result;
+  const Neighbours neighbours(result.means);
+  for (const std::uint32_t k : all) result.normals.push_back(normal_at(neighbours, k));
+  return result;
+}
+
+bool is_alike(const ThinnedCloud& thin, std::uint32_t cell, const Plane& plane) {
+  return std::fabs(thin.normals[cell].dot(plane.normal)) >= kAlike;
+}
+
+// Free cells within the thickness whose normal agrees.
+std::vector<std::uint32_t> supporters_of(const ThinnedCloud& thin, const Plane& plane, double thickness_m) {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t k = 0; k < thin.means.size(); ++k) {
+    if (!thin.is_free[k] || std::fabs(plane.distance_m(position_of(thin.means[k]))) > thickness_m) continue;
+    if (is_alike(thin, k, plane)) found.push_back(k);
+  }
+  return found;
+}
+
+// Those of the cells that hang together and are most, ascending.
+std::vector<std::uint32_t> connected(const ThinnedCloud& thin, const std::vector<std::uint32_t>& cells) {
+  const std::vector<std::uint32_t>& group_of = thin.groups.cell_of();
+  std::vector<bool> is_marked(thin.groups.size(), false);
+  for (const std::uint32_t k : cells) is_marked[group_of[k]] = true;
+  std::vector<bool> is_kept(thin.groups.size(), false);
+  for (const std::uint32_t group : thin.groups.largest_group(is_marked)) is_kept[group] = true;
+  std::vector<std::uint32_t> kept;
+  for (const std::uint32_t k : cells) {
+    if (is_kept[group_of[k]]) kept.push_back(k);
+  }
+  return kept;
+}
+
+bool spans_a_plane(const ThinnedCloud& thin, const std::vector<std::uint32_t>& cells) {
+  const Point3 first = position_of(thin.means[cells.front()]);
+  Point3 longest = Point3::Zero();
+  for (const std::uint32_t k : cells) {
+    const Point3 d = position_of(thin.means[k]) - first;
+    if (d.squaredNorm() > longest.squaredNorm()) longest = d;
+  }
+  return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t k) {
+    return (position_of(thin.means[k]) - first).cross(longest).norm() > 1.0e-6 * longest.norm();
+  });
+}
+
+struct Candidate {
+  Plane plane;
+  std::vector<std::uint32_t> cells;
+};
+
+// Grown and refitted: from the normal of one point to the plane of all cells that hang together on it.
+Candidate grown(const ThinnedCloud& thin, Plane plane, const std::vector<std::uint32_t>& supporters,
+                double thickness_m) {
+  Candidate best{plane, connected(thin, supporters)};
+  for (int k = 0; k < kRefinements; ++k) {
+    if (best.cells.size() < kLeastCells || !spans_a_plane(thin, best.cells)) return best;
+    plane = fit_plane(thin.means, best.cells).plane;
+    Candidate next{plane, connected(thin, supporters_of(thin, plane, thickness_m))};
+    if (next.cells.size() < best.cells.size()) return best;
+    best = std::move(next);
+  }
+  return best;
+}
+
+// Trials after which a plane with this share of the free cells has been met, but for the chance kMiss.
+double enough_trials(std::size_t cells, std::size_t free) {
+  const double share = static_cast<double>(cells) / static_cast<double>(free);
+  return share >= 1.0 ? 1.0 : log(kMiss) / log(1.0 - share);
+}
+
+std::optional<Candidate> best_candidate(const ThinnedCloud& thin, const PlaneSearch& search, Random& random) {
+  std::vector<std::uint32_t> seeds;
+  for (std::uint32_t k = 0; k < thin.means.size(); ++k) {
+    if (thin.is_free[k] && !thin.normals[k].isZero(0.0)) seeds.push_back(k);
+  }
+  Candidate best;
+  double most = seeds.empty() ? 0.0 : search.trials;
+  for (double trial = 0.0; trial < most; trial += 1.0) {
+    const std::uint32_t seed = seeds[random.below(seeds.size())];
+    const Plane plane{thin.normals[seed], thin.normals[seed].dot(position_of(thin.means[seed]))};
+    const std::vector<std::uint32_t> supporters = supporters_of(thin, plane, search.thickness_m);
+    if (supporters.size() <= best.cells.size() / 2) continue;  // growing rarely doubles a plane
+    Candidate next = grown(thin, plane, supporters, search.thickness_m);
+    if (next.cells.size() <= best.cells.size()) continue;
+    best = std::move(next);
+    most = std::min<double>(search.trials, enough_trials(best.cells.size(), seeds.size()));
+  }
+  if (best.cells.size() < kLeastCells || !spans_a_plane(thin, best.cells)) return std::nullopt;
+  return best;
+}
+
+/// The points of a patch, and those of them that its plane is fitted to.
+struct PatchPoints {
+  std::vector<std::uint32_t> all;
+  std::vector<std::uint32_t> core;  ///< away from edges
+};
+
+// All points near the plane in the cubes of the patch and beside them.
+PatchPoints points_of(std::span<const CloudPoint> cloud, const ThinnedCloud& thin, const Plane& plane,
+                      const std::vector<bool>& is_taken, const std::vector<bool>& is_of_patch, double thickness_m) {
+  PatchPoints found;
+  for (std::uint32_t k = 0; k < thin.means.size(); ++k) {
+    if (!is_of_patch[thin.groups.cell_of()[k]]) continue;
+    const bool is_core = is_alike(thin, k, plane);
+    for (const std::uint32_t point : thin.cells.points_of(k)) {
+      if (is_taken[point] || std::fabs(plane.distance_m(position_of(cloud[point]))) > thickness_m) continue;
+      found.all.push_back(point);
+      if (is_core) found.core.push_back(point);
+    }
+  }
+  std::sort(found.all.begin(), found.all.end());
+  std::sort(found.core.begin(), found.core.end());
+  return found;
+}
+
+// The plane refined on all points; nothing when too few are left.
+std::optional<PlanePatch> patch_of(std::span<const CloudPoint> cloud, const ThinnedCloud& thin,
+                                   const Candidate& candidate, const std::vector<bool>& is_taken,
+                                   const PlaneSearch& search) {
+  std::vector<bool> is_of_patch(thin.groups.size(), false);
+  for (const std::uint32_t k : candidate.cells) is_of_patch[thin.groups.cell_of()[k]] = true;
+  is_of_patch = thin.groups.grown(is_of_patch);
+  Plane plane = candidate.plane;
+  PlanePatch patch;
+  for (int k = 0; k < kRefinements; ++k) {
+    PatchPoints points = points_of(cloud, thin, plane, is_taken, is_of_patch, search.thickness_m);
+    if (points.all.size() < std::max<std::size_t>(3, search.min_points)) return std::nullopt;
+    patch = fit_plane(cloud, points.core.size() >= 3 * kLeastCells ? points.core : points.all);
+    plane = patch.plane;
+    patch.points = std::move(points.all);
+  }
+  return patch;
+}
+
+}  // namespace
+
+std::vector<PlanePatch> find_planes(std::span<const CloudPoint> cloud, const PlaneSearch& search) {
+  ThinnedCloud thin = thinned(cloud, usable_points(cloud), search);
+  std::vector<bool> is_taken(cloud.size(), false);
+  Random random(search.seed);
+  std::vector<PlanePatch> patches;
+  std::uint32_t failures = 0;
+  while (patches.size() < search.max_planes && failures < kMostFailures) {
+    const std::optional<Candidate> candidate = best_candidate(thin, search, random);
+    if (!candidate) break;
+    for (const std::uint32_t k : candidate->cells) thin.is_free[k] = false;
+    std::optional<PlanePatch> patch = patch_of(cloud, thin, *candidate, is_taken, search);
+    failures = patch ? 0 : failures + 1;
+    if (!patch) continue;
+    for (const std::uint32_t point : patch->points) is_taken[point] = true;
+    patches.push_back(std::move(*patch));
+  }
+  return patches;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,168 @@
+#include "registration.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "neighbours.hpp"
+#include "patch_cells.hpp"
+#include "position_of.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kShrink = 0.7;          // of the largest distance of a pair, from one iteration to the next
+constexpr double kLeastDistance = 0.34;  // of the first one
+constexpr double kFlat = 0.3;            // thickness over extent of a neighbourhood that has a normal
+constexpr double kStill_m = 1.0e-4;
+constexpr double kStill_rad = 2.0e-5;
+constexpr std::size_t kLeastPairs = 20;
+
+struct Normal {
+  Point3 direction = Point3::Zero();
+  bool is_flat = false;
+};
+
+/// A cloud that others are registered to: its points, a search tree, and normals where they have been asked for.
+class Target {
+ public:
+  Target(std::span<const CloudPoint> cloud, std::uint32_t neighbours)
+      : neighbours_(cloud), normals_(cloud.size()), is_known_(cloud.size(), false), count_(neighbours) {}
+  [[nodiscard]] std::optional<std::uint32_t> nearest(const Point3& point, double within_m) const {
+    return neighbours_.nearest(point, within_m);
+  }
+  [[nodiscard]] Point3 point(std::uint32_t k) const { return neighbours_.point(k); }
+  const Normal& normal(std::uint32_t k) {
+    if (!is_known_[k]) {
+      normals_[k] = fit(k);
+      is_known_[k] = true;
+    }
+    return normals_[k];
+  }
+
+ private:
+  [[nodiscard]] Normal fit(std::uint32_t k) const {
+    const std::vector<std::uint32_t> near = neighbours_.closest(point(k), count_);
+    Point3 mean = Point3::Zero();
+    for (const std::uint32_t other : near) mean += point(other);
+    mean /= static_cast<double>(near.size());
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (const std::uint32_t other : near) scatter += (point(other) - mean) * (point(other) - mean).transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+    const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);
+    return {solver.eigenvectors().col(0), near.size() >= 5 && extents[0] < kFlat * kFlat * extents[1]};
+  }
+
+  Neighbours neighbours_;
+  std::vector<Normal> normals_;
+  std::vector<bool> is_known_;
+  std::uint32_t count_;
+};
+
+/// The normal equations of one iteration.
+struct Equations {
+  Matrix6 information = Matrix6::Zero();
+  Tangent3 right = Tangent3::Zero();
+  double sum_squares = 0.0;
+  std::uint32_t pairs = 0;
+  [[nodiscard]] double rms_m() const { return pairs > 0 ? std::sqrt(sum_squares / pairs) : 0.0; }
+};
+
+// Residual n . (T p - q); a motion exp(v) on the left of T changes it by n . (v_t + v_r x (T p)). Centred, so that
+// rotation and translation are told apart as well as the points allow.
+Equations equations_at(const Pose3& T, const std::vector<Point3>& source, Target& target, const Point3& centre,
+                       double within_m) {
+  Equations sums;
+  for (const Point3& p : source) {
+    const Point3 moved = T * p;
+    const std::optional<std::uint32_t> k = target.nearest(moved, within_m);
+    if (!k) continue;
+    const Normal& normal = target.normal(*k);
+    if (!normal.is_flat) continue;
+    const double residual = normal.direction.dot(moved - target.point(*k));
+    Tangent3 row;
+    row << normal.direction, (moved - centre).cross(normal.direction);
+    sums.information += row * row.transpose();
+    sums.right -= row * residual;
+    sums.sum_squares += residual * residual;
+    ++sums.pairs;
+  }
+  return sums;
+}
+
+std::vector<Point3> spread(std::span<const CloudPoint> cloud, std::uint32_t most) {
+  const std::size_t every = std::max<std::size_t>(1, (cloud.size() + most - 1) / most);
+  std::vector<Point3> points;
+  for (std::size_t k = 0; k < cloud.size(); k += every) points.push_back(position_of(cloud[k]));
+  return points;
+}
+
+Point3 centre_of(const std::vector<Point3>& points) {
+  Point3 sum = Point3::Zero();
+  for (const Point3& point : points) sum += point;
+  return points.empty() ? sum : Point3(sum / static_cast<double>(points.size()));
+}
+
+// The means of cubes, so that neighbours lie around a point and not along one scan.
+Cloud thinned(std::span<const CloudPoint> cloud, double cell_m) {
+  if (!(cell_m > 0.0)) return {cloud.begin(), cloud.end()};
+  const PatchCells cells(cloud, usable_points(cloud), cell_m);
+  return cells.means_of(cloud);
+}
+
+double radius_of(const std::vector<Point3>& points, const Point3& centre) {
+  double sum = 0.0;
+  for (const Point3& point : points) sum += (point - centre).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+double weakest_share(const Matrix6& information, double radius_m) {
+  Tangent3 scale;
+  scale << Point3::Ones(), Point3::Constant(1.0 / radius_m);
+  const Matrix6 alike = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(alike, Eigen::EigenvaluesOnly);
+  return std::max(0.0, solver.eigenvalues()[0]) / solver.eigenvalues()[5];
+}
+
+// The motion about the centre as one of the frame's origin.
+Pose3 about(const Point3& centre, const Tangent3& step) {
+  const Pose3 to_centre{centre, Eigen::Quaterniond::Identity()};
+  const Pose3 rotation{step.head<3>(), exp_so3(step.tail<3>())};
+  return to_centre * rotation * inverse(to_centre);
+}
+
+}  // namespace
+
+RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span<const CloudPoint> target,
+                                   const RegistrationOptions& options) {
+  RegistrationResult result;
+  if (source.empty() || target.empty()) return result;
+  Target map(thinned(target, options.cell_m), options.neighbours);
+  const std::vector<Point3> points = spread(thinned(source, options.cell_m), options.max_points);
+  const Point3 centre = centre_of(points);
+  const double radius_m = std::max(1.0e-3, radius_of(points, centre));
+  double within_m = options.max_distance_m;
+  for (; result.iterations < options.max_iterations; ++result.iterations) {
+    const Equations sums = equations_at(result.T_target_source, points, map, centre, within_m);
+    if (result.iterations == 0) result.rms_before_m = sums.rms_m();
+    result.pairs = sums.pairs;
+    result.rms_m = sums.rms_m();
+    result.information = sums.information;
+    if (sums.pairs < kLeastPairs) return result;
+    result.weakest_share = weakest_share(sums.information, radius_m);
+    if (result.converged) return result;
+    const Tangent3 step = sums.information.ldlt().solve(sums.right);
+    if (!step.allFinite()) return result;
+    result.T_target_source = about(centre, step) * result.T_target_source;
+    const bool is_narrow = within_m <= kLeastDistance * options.max_distance_m;
+    result.converged = is_narrow && step.head<3>().norm() < kStill_m && step.tail<3>().norm() < kStill_rad;
+    within_m = std::max(kShrink * within_m, kLeastDistance * options.max_distance_m);
+  }
+  return result;
+}
+
+}  // namespace gdtslam

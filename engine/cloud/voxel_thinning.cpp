@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "gdtslam/cloud/thinning.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kBitsPerAxis = 21;
+constexpr double kMostCells = 1 << (kBitsPerAxis - 1);  // on either side of the origin
+constexpr std::uint64_t kFree = ~std::uint64_t{0};
+constexpr std::size_t kFirstSlots = 1 << 12;
+constexpr std::size_t kAhead = 64;  // points whose slots are fetched from memory together
+
+std::string as_text(double value) {
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return {digits.data(), end};
+}
+
+[[noreturn]] void fail_far(float coordinate_m, double voxel_m) {
+  const double most_m = kMostCells * voxel_m;
+  throw InputError("a coordinate of the cloud is " + as_text(static_cast<double>(coordinate_m)) + " m; with cubes of " +
+                   as_text(voxel_m) + " m it must lie within " + as_text(most_m) + " m; raise cloud.voxel");
+}
+
+[[noreturn]] void fail_full(std::uint64_t max_voxels, double voxel_m) {
+  throw InputError("the cloud fills more than " + std::to_string(max_voxels) + " cubes of " + as_text(voxel_m) +
+                   " m; raise cloud.voxel, to " + as_text(2.0 * voxel_m) + " for example, or cloud.max_megavoxels");
+}
+
+// The cube of a coordinate, counted from the lower end of the range: std::floor without a call of the library.
+std::uint64_t cell_of(float coordinate_m, double voxel_m) {
+  const double cell = static_cast<double>(coordinate_m) / voxel_m;
+  if (!(cell >= -kMostCells && cell < kMostCells)) fail_far(coordinate_m, voxel_m);  // so does what is no number
+  const auto towards_zero = static_cast<std::int64_t>(cell);
+  const std::int64_t below = static_cast<double>(towards_zero) > cell ? 1 : 0;
+  return static_cast<std::uint64_t>(towards_zero - below + static_cast<std::int64_t>(kMostCells));
+}
+
+std::uint64_t key_of(const CloudPoint& p, double voxel_m) {
+  return cell_of(p.x_m, voxel_m) << (2 * kBitsPerAxis) | cell_of(p.y_m, voxel_m) << kBitsPerAxis |
+         cell_of(p.z_m, voxel_m);
+}
+
+// splitmix64's last steps [Steele2014]: neighbouring cubes go to slots far apart.
+std::uint64_t mixed(std::uint64_t key) {
+  key = (key ^ (key >> 30U)) * 0xbf58476d1ce4e5b9U;
+  key = (key ^ (key >> 27U)) * 0x94d049bb133111ebU;
+  return key ^ (key >> 31U);
+}
+
+}  // namespace
+
+struct VoxelThinning::State {
+  void take(std::span<const CloudPoint> points);
+  bool insert(std::uint64_t key, std::uint64_t hash);
+  void grow();
+
+  double voxel_m = 0.0;
+  std::uint64_t max_voxels = 0;
+  CloudSink& next;
+  std::vector<std::uint64_t> slots = std::vector<std::uint64_t>(kFirstSlots, kFree);  // open addressing
+  std::uint64_t count = 0;
+  std::vector<CloudPoint> kept;
+};
+
+void VoxelThinning::State::grow() {
+  std::vector<std::uint64_t> old(slots.size() * 2, kFree);
+  old.swap(slots);
+  const std::uint64_t mask = slots.size() - 1;
+  for (const std::uint64_t key : old) {
+    if (key == kFree) continue;
+    std::uint64_t slot = mixed(key) & mask;
+    while (slots[slot] != kFree) slot = (slot + 1) & mask;
+    slots[slot] = key;
+  }
+}
+
+// False when the cube has a point already. At most half of the slots are taken.
+bool VoxelThinning::State::insert(std::uint64_t key, std::uint64_t hash) {
+  const std::uint64_t mask = slots.size() - 1;
+  std::uint64_t slot = hash & mask;
+  for (; slots[slot] != kFree; slot = (slot + 1) & mask) {
+    if (slots[slot] == key) return false;
+  }
+  if (count == max_voxels) fail_full(max_voxels, voxel_m);
+  slots[slot] = key;
+  if (++count * 2 > slots.size()) grow();
+  return true;
+}
+
+// Slots lie all over the memory, so each is asked for before the first of them is needed.
+void VoxelThinning::State::take(std::span<const CloudPoint> points) {
+  std::array<std::uint64_t, kAhead> keys{};
+  std::array<std::uint64_t, kAhead> hashes{};
+  const std::uint64_t mask = slots.size() - 1;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    keys[k] = key_of(points[k], voxel_m);
+    hashes[k] = mixed(keys[k]);
+    __builtin_prefetch(&slots[hashes[k] & mask], 1);
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (insert(keys[k], hashes[k])) kept.push_back(points[k]);
+  }
+}
+
+VoxelThinning::VoxelThinning(double voxel_m, std::uint64_t max_voxels, CloudSink& next)
+    : state_(new State{.voxel_m = voxel_m, .max_voxels = max_voxels, .next = next, .kept = {}}) {
+  if (!(voxel_m > 0.0)) throw ConfigError("the edge of a voxel must be greater than 0");
+}
+VoxelThinning::~VoxelThinning() = default;
+std::uint64_t VoxelThinning::kept() const { return state_->count; }
+
+void VoxelThinning::add(std::span<const CloudPoint> points) {
+  State& s = *state_;
+  s.kept.clear();
+  for (; !points.empty(); points = points.subspan(std::min(kAhead, points.size()))) {
+    s.take(points.first(std::min(kAhead, points.size())));
+  }
+  if (!s.kept.empty()) s.next.add(s.kept);
+}
+
+}  // namespace gdtslam

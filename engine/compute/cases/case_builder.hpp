@@ -1,0 +1,165 @@
+// Helpers that the case lists of the kernels share.
+#pragma once
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/kernels/edt/edt.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+
+/// A size of grid that cases are made for.
+struct CaseSize {
+  std::uint32_t width;
+  std::uint32_t height;
+  std::uint32_t stride;
+};
+
+/// Empty, single, one wide, one high, below, at and beyond vector and tile sizes, primes; strides with and without
+/// padding. These are combined with every parameter; the sides up to 15 are tried in all pairs besides.
+inline constexpr CaseSize kCaseSizes[] = {{0, 0, 0},    {1, 1, 4},      {1, 9, 32},      {9, 1, 12},
+                                          {2, 2, 4},    {7, 8, 8},      {8, 7, 32},      {15, 16, 16},
+                                          {31, 33, 32}, {63, 65, 64},   {64, 64, 64},    {128, 3, 128},
+                                          {3, 127, 32}, {211, 97, 224}, {257, 131, 288}, {101, 103, 104}};
+/// Long and thin ones, and one as of a scan's window: tried with few parameters.
+inline constexpr CaseSize kLongSizes[] = {
+    {1021, 3, 1024}, {2, 1019, 4}, {4096, 1, 4096}, {1, 4096, 4}, {333, 250, 336}};
+/// As large as maps become, and primes.
+inline constexpr CaseSize kLargeSizes[] = {{4096, 4096, 4096}, {2039, 1021, 2052}};
+/// Largest side of the sizes that are tried in all pairs.
+inline constexpr std::uint32_t kSmallSide = 15;
+
+inline std::string size_name(CaseSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
+/// Calls add(size, turn) for all pairs of sides from 0 to kSmallSide. Strides and `turn` change from size to size, the
+/// latter to take another parameter from a list each time.
+template <class Add>
+void for_each_small_size(Add add) {
+  for (std::uint32_t height = 0; height <= kSmallSide; ++height) {
+    for (std::uint32_t width = 0; width <= kSmallSide; ++width) {
+      const std::uint32_t turn = height * 7 + width;  // 7 has no factor in common with the lengths of the lists
+      const std::uint32_t padding = 4 * (turn % 3);
+      add(CaseSize{width, height, (width + 3) / 4 * 4 + padding}, turn);
+    }
+  }
+}
+
+/// The element of a list whose turn it is.
+template <class T, std::size_t kCount>
+T in_turn(const T (&list)[kCount], std::uint32_t turn) {
+  return list[turn % kCount];
+}
+
+/// A number that a device may take for 0 (below 2^-126): no result may depend on whether it does.
+inline constexpr float kSubnormal = 1.0e-40F;
+
+/// The patterns of seeds that sizes are combined with.
+inline constexpr SeedPattern kCasePatterns[] = {SeedPattern::kNone, SeedPattern::kOne, SeedPattern::kSparse,
+                                                SeedPattern::kHalf, SeedPattern::kAll, SeedPattern::kChecks};
+
+/// A seed for the generator from what a case is called, so that adding a case changes no other (FNV-1a).
+inline std::uint64_t seed_from(std::string_view text) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : text) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  }
+  return hash;
+}
+
+/// The values of a grid as a buffer.
+template <class T>
+CaseBuffer grid_buffer(CaseSize size, const std::vector<T>& values) {
+  CaseBuffer buffer{{sizeof(T), size.width, size.height, size.stride},
+                    std::vector<std::byte>(values.size() * sizeof(T))};
+  if (!values.empty()) {
+    std::memcpy(buffer.content.data(), values.data(), buffer.content.size());
+  }
+  return buffer;
+}
+
+/// A list of values as a buffer.
+template <class T>
+CaseBuffer list_buffer(const std::vector<T>& values) {
+  const auto count = static_cast<std::uint32_t>(values.size());
+  return grid_buffer(CaseSize{count, 1, count}, values);
+}
+
+/// A grid of noise: what a kernel must overwrite, or must be able to read whatever it is.
+template <class T>
+std::vector<T> noise(CaseSize size, std::uint64_t random_seed) {
+  Random random(random_seed);
+  std::vector<T> values(std::size_t{size.stride} * size.height);
+  for (T& value : values) {
+    value = static_cast<T>(random.bits() >> 40U);
+  }
+  return values;
+}
+
+template <class K>
+KernelCase make_case(std::string name, const typename K::Params& params, Extent threads,
+                     std::vector<CaseBuffer> buffers) {
+  KernelCase result;
+  result.kernel = &K::info();
+  result.name = std::move(name);
+  result.params.resize(sizeof(params));
+  std::memcpy(result.params.data(), &params, sizeof(params));
+  result.threads = threads;
+  result.buffers = std::move(buffers);
+  return result;
+}
+
+/// Appends a row whose contents `make(name)` builds when they are asked for.
+template <class K, class Make>
+void add_case(std::vector<KernelCaseSource>& list, std::string name, Make make, bool benchmark = false) {
+  list.push_back({&K::info(), name, benchmark, false, [name, make] { return make(name); }});
+}
+/// The same for a case that quick runs leave out.
+template <class K, class Make>
+void add_large_case(std::vector<KernelCaseSource>& list, std::string name, Make make) {
+  list.push_back({&K::info(), name, false, true, [name, make] { return make(name); }});
+}
+
+/// A kernel and how a case of it is drawn at random.
+struct RandomKernel {
+  const KernelInfo* kernel = nullptr;
+  KernelCase (*draw)(const std::string& name, Random& random) = nullptr;
+};
+
+/// A number of 0 to `most`, small ones as likely as large ones.
+std::uint32_t draw_count(Random& random, std::uint32_t most);
+/// A size: mostly up to 80 cells a side, seldom up to 300, seldom long and thin; sides of at least `least`.
+CaseSize draw_size(Random& random, std::uint32_t least = 0);
+SeedPattern draw_pattern(Random& random);
+template <class T, std::size_t kCount>
+T draw_from(Random& random, const T (&list)[kCount]) {
+  return list[random.below(kCount)];
+}
+
+void add_edt_cases(std::vector<KernelCaseSource>& list);
+void add_jump_flood_cases(std::vector<KernelCaseSource>& list);
+void add_field_cases(std::vector<KernelCaseSource>& list);
+void add_pose_cost_cases(std::vector<KernelCaseSource>& list);
+void add_merge_cases(std::vector<KernelCaseSource>& list);
+void add_lattice_cases(std::vector<KernelCaseSource>& list);
+void add_map_cases(std::vector<KernelCaseSource>& list);
+
+void add_edt_draws(std::vector<RandomKernel>& list);
+void add_jump_flood_draws(std::vector<RandomKernel>& list);
+void add_field_draws(std::vector<RandomKernel>& list);
+void add_pose_cost_draws(std::vector<RandomKernel>& list);
+void add_merge_draws(std::vector<RandomKernel>& list);
+void add_lattice_draws(std::vector<RandomKernel>& list);
+void add_map_draws(std::vector<RandomKernel>& list);
+void add_pose_simplex_draws(std::vector<RandomKernel>& list);
+void add_choose_pose_draws(std::vector<RandomKernel>& list);
+void add_pose_simplex_cases(std::vector<KernelCaseSource>& list);
+void add_choose_pose_cases(std::vector<KernelCaseSource>& list);
+void add_sweep_points_cases(std::vector<KernelCaseSource>& list);
+void add_sweep_points_draws(std::vector<RandomKernel>& list);
+void add_pose_bounds_cases(std::vector<KernelCaseSource>& list);
+void add_pose_bounds_draws(std::vector<RandomKernel>& list);
+
+}  // namespace gdtslam

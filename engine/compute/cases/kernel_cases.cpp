@@ -1,0 +1,117 @@
+#include "engine/compute/kernel_cases.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "case_builder.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kGuardBytes = 256;
+constexpr std::byte kGuard{0xA5};
+
+/// A part of a value, as an unsigned integer.
+std::uint64_t part_at(const std::vector<std::byte>& content, std::size_t first, std::size_t bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = bytes; i-- > 0;) {
+    value = value << 8U | std::to_integer<std::uint64_t>(content[first + i]);
+  }
+  return value;
+}
+
+/// How far two values are apart: structs are compared word by word, and the largest difference counts.
+std::uint64_t value_difference(const ValueLayout& layout, std::size_t index, const std::vector<std::byte>& expected,
+                               const std::vector<std::byte>& found) {
+  const std::size_t bytes = layout.value_bytes;
+  const std::size_t step = bytes <= 8 ? bytes : 4;
+  std::uint64_t largest = 0;
+  for (std::size_t offset = 0; offset < bytes; offset += step) {
+    const std::size_t part = std::min(step, bytes - offset);
+    const std::uint64_t a = part_at(expected, index * bytes + offset, part);
+    const std::uint64_t b = part_at(found, index * bytes + offset, part);
+    largest = std::max(largest, a > b ? a - b : b - a);
+  }
+  return largest;
+}
+
+void compare_buffer(const ValueLayout& layout, std::size_t binding, const std::vector<std::byte>& expected,
+                    const std::vector<std::byte>& found, CaseDifference& result) {
+  if (expected == found) {
+    return;
+  }
+  for (std::uint32_t y = 0; y < layout.height; ++y) {
+    for (std::uint32_t x = 0; x < layout.width; ++x) {
+      const std::uint64_t apart = value_difference(layout, std::size_t{y} * layout.stride + x, expected, found);
+      if (apart == 0) {
+        continue;
+      }
+      if (result.values++ == 0) {
+        result.binding = binding;
+        result.x = x;
+        result.y = y;
+      }
+      result.largest = std::max(result.largest, apart);
+    }
+  }
+}
+
+Buffer guarded_buffer(Backend& backend, const std::vector<std::byte>& content) {
+  Buffer buffer = backend.allocate(content.size() + kGuardBytes);
+  const std::vector<std::byte> guard(kGuardBytes, kGuard);
+  backend.upload(buffer, content);
+  backend.upload(buffer, guard, content.size());
+  return buffer;
+}
+
+}  // namespace
+
+std::vector<KernelCaseSource> kernel_cases() {
+  std::vector<KernelCaseSource> list;
+  add_edt_cases(list);
+  add_jump_flood_cases(list);
+  add_field_cases(list);
+  add_pose_cost_cases(list);
+  add_merge_cases(list);
+  add_lattice_cases(list);
+  add_map_cases(list);
+  add_pose_simplex_cases(list);
+  add_choose_pose_cases(list);
+  add_sweep_points_cases(list);
+  add_pose_bounds_cases(list);
+  return list;
+}
+
+CaseOutcome run_case(Backend& backend, const KernelCase& kernel_case) {
+  std::vector<Buffer> buffers;
+  std::vector<const Buffer*> bound;
+  buffers.reserve(kernel_case.buffers.size());
+  for (const CaseBuffer& buffer : kernel_case.buffers) {
+    buffers.push_back(guarded_buffer(backend, buffer.content));
+    bound.push_back(&buffers.back());
+  }
+  backend.dispatch(*kernel_case.kernel, bound, kernel_case.params, kernel_case.threads);
+  CaseOutcome outcome;
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    const std::vector<std::byte>& before = kernel_case.buffers[i].content;
+    std::vector<std::byte> after(buffers[i].bytes());
+    backend.download(buffers[i], after);
+    const auto guard = after.begin() + static_cast<std::ptrdiff_t>(before.size());
+    outcome.guards_intact &= std::all_of(guard, after.end(), [](std::byte b) { return b == kGuard; });
+    after.resize(before.size());
+    outcome.inputs_intact &= kernel_case.kernel->bindings[i] != Access::kRead || after == before;
+    outcome.contents.push_back(std::move(after));
+  }
+  return outcome;
+}
+
+std::optional<CaseDifference> difference(const KernelCase& kernel_case, const CaseOutcome& expected,
+                                         const CaseOutcome& found) {
+  CaseDifference result;
+  for (std::size_t i = 0; i < kernel_case.buffers.size(); ++i) {
+    compare_buffer(kernel_case.buffers[i].layout, i, expected.contents[i], found.contents[i], result);
+  }
+  return result.values == 0 ? std::nullopt : std::optional(result);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,56 @@
+// Fields, scans and poses that the cases of several kernels share.
+#pragma once
+
+#include <vector>
+
+#include "case_builder.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+
+namespace gdtslam {
+
+/// Structs as the 32-bit words that they are made of: so a comparison sees every member.
+template <class T>
+CaseBuffer words_buffer(const std::vector<T>& values) {
+  std::vector<std::uint32_t> words(values.size() * sizeof(T) / 4);
+  if (!words.empty()) {
+    std::memcpy(words.data(), values.data(), words.size() * 4);
+  }
+  return list_buffer(words);
+}
+
+/// A cell near the field's middle: what poses are relative to.
+inline std::int32_t anchor_of(std::uint32_t side) { return static_cast<std::int32_t>(side / 2) - 7; }
+
+/// A field whose values change slowly, as those of distances do, with the border of caps that kernels rely on.
+std::vector<std::uint16_t> slow_field(CaseSize size, std::uint32_t cap, Random& random);
+
+/// Points as of a scan: within a circle of a third of the field, the first at the sensor itself.
+std::vector<PointCells> scattered_points(CaseSize size, std::uint32_t count, Random& random);
+
+/// Distances to the walls of a room with a pillar and a partition, 1/256 cell, at most the cap, which the border holds.
+std::vector<std::uint16_t> room_field(CaseSize size, std::uint32_t cap, Random& random);
+
+/// Points on those walls as they are seen from a pose (PoseCandidate's coordinates, around anchor_of).
+std::vector<PointCells> room_points(CaseSize size, std::uint32_t count, const PoseCandidate& pose, Random& random);
+
+/// The pose that scans of the room are taken from.
+inline constexpr PoseCandidate kTruePose{2.5F, -1.25F, 0.3F, 0};
+
+/// A field, of the room or slow, and the points of a scan in it, in the room from kTruePose.
+std::vector<CaseBuffer> scene_buffers(CaseSize size, bool room, std::uint32_t cap, std::uint32_t count, Random& random);
+
+/// Parameters of the cost in such a scene.
+inline PoseCost::Params cost_params(CaseSize field, std::uint32_t points, std::uint32_t cap,
+                                    Interpolation interpolation, CostForm form) {
+  return {.width = field.width,
+          .height = field.height,
+          .stride = field.stride,
+          .anchor_x = anchor_of(field.width),
+          .anchor_y = anchor_of(field.height),
+          .point_count = points,
+          .cap = cap,
+          .interpolation = interpolation,
+          .form = form};
+}
+
+}  // namespace gdtslam

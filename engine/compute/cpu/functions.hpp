@@ -1,0 +1,114 @@
+// What a translation unit of one instruction set exports: the kernels as plain functions of pointers. No library
+// templates and no inline functions cross this line: the linker keeps one copy of those for the whole program, and a
+// copy compiled for AVX-512 must not end up in code that runs elsewhere (a test looks at the objects' symbols). The
+// small functions below are static for that reason.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/field_grow/field_grow.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
+#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
+#include "engine/compute/kernels/pose_slope/pose_slope.hpp"
+#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
+#include "engine/compute/kernels/sweep_points/sweep_points.hpp"
+#include "engine/core/elementary.hpp"
+
+namespace gdtslam {
+
+/// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
+struct CellRange {
+  std::uint32_t x_begin;
+  std::uint32_t x_end;
+  std::uint32_t y_begin;
+  std::uint32_t y_end;
+};
+
+/// Cells that the row passes search together, and offsets between two looks whether more can matter.
+constexpr std::uint32_t kEdtTile = 64;
+constexpr std::uint32_t kEdtOffsets = 4;
+
+/// A row's width in whole tiles.
+static constexpr std::size_t edt_tiled_width(std::uint32_t width) {
+  return (static_cast<std::size_t>(width) + kEdtTile - 1) / kEdtTile * kEdtTile;
+}
+/// Cells on either side of a row that edt_rows reads: the radius, rounded up to what it searches at once.
+static constexpr std::uint32_t edt_rows_margin(const EdtRows::Params& params) { return params.radius + kEdtOffsets; }
+/// u16 cells of scratch that edt_rows needs: a row with its margins, and one value a tile.
+static constexpr std::size_t edt_rows_scratch(const EdtRows::Params& params) {
+  const std::size_t tiled = edt_tiled_width(params.width);
+  return tiled + tiled / kEdtTile + 2 * static_cast<std::size_t>(edt_rows_margin(params));
+}
+
+/// The buffers of sweep_points, in the order of its bindings.
+struct SweepBuffers {
+  const BeamRange* beams;
+  const BeamStrip* strips;
+  const float* tables;
+  float* points;
+};
+
+struct IsaFunctions {
+  /// Columns [begin, end).
+  void (*edt_columns)(const EdtColumns::Params&, const std::uint8_t* seeds, std::uint8_t* distance, std::uint32_t begin,
+                      std::uint32_t end);
+  /// Rows [begin, end).
+  void (*edt_rows)(const EdtRows::Params&, const std::uint8_t* distance, std::uint16_t* sq_distance,
+                   std::uint32_t begin, std::uint32_t end, std::uint16_t* scratch);
+  void (*distance_field)(const DistanceField::Params&, const std::uint16_t* sq_distance, const std::uint16_t* table,
+                         std::uint16_t* field, CellRange);
+  void (*pose_cost)(const PoseCost::Params&, const std::uint16_t* field, const PointCells* points,
+                    const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost);
+  void (*gdt_merge)(const GdtMerge::Params&, std::uint16_t* global, const std::uint16_t* scan, CellRange);
+  void (*jump_flood_init)(const JumpFloodInit::Params&, const std::uint8_t* seeds, std::uint32_t* nearest, CellRange);
+  void (*jump_flood_step)(const JumpFloodStep::Params&, const std::uint32_t* source, std::uint32_t* target, CellRange);
+  void (*jump_flood_distance)(const JumpFloodDistance::Params&, const std::uint32_t* nearest,
+                              std::uint16_t* sq_distance, CellRange);
+  /// Samples [begin, end).
+  void (*pose_lattice)(const PoseLattice::Params&, PoseCandidate* candidates, std::uint32_t begin, std::uint32_t end);
+  /// Samples [begin, end).
+  void (*lattice_minima)(const LatticeMinima::Params&, const std::uint32_t* cost, std::uint32_t* minima,
+                         std::uint32_t begin, std::uint32_t end);
+  void (*smallest_values)(const SmallestValues::Params&, const std::uint32_t* values, std::uint32_t* picks);
+  /// Entries [begin, end) of the list.
+  void (*seed_scatter)(const SeedScatter::Params&, const std::uint32_t* cells, std::uint8_t* seeds, std::uint32_t begin,
+                       std::uint32_t end);
+  void (*field_grow)(const FieldGrow::Params&, const std::uint16_t* old_field, std::uint16_t* field, CellRange);
+  /// Starts [begin, end).
+  void (*pose_starts)(const PoseStarts::Params&, const PoseCandidate* candidates, const std::uint32_t* picks,
+                      PolishedPose* poses, std::uint32_t begin, std::uint32_t end);
+  void (*pose_simplex)(const PoseSimplex::Params&, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint32_t count);
+  /// `values` and `voters` are scratch, one of each a point.
+  void (*choose_pose)(const ChoosePose::Params&, const std::uint16_t* field, const PointCells* points,
+                      const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters);
+  void (*pose_bounds)(const PoseBounds::Params&, const std::uint8_t* field, const BoundPoint* points,
+                      const PoseCandidate* tiles, std::uint32_t count, std::uint32_t* sums);
+  void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
+                        const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
+  /// Rows [begin, end) of the minorants.
+  void (*field_minorant)(const FieldMinorant::Params&, const std::uint16_t* field, std::uint32_t* minorants,
+                         std::uint32_t begin, std::uint32_t end);
+  void (*pose_minorant_wide)(const PoseMinorantWide::Params&, const std::uint32_t* minorants, const BoundPoint* points,
+                             const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
+  /// totals: PoseSlope::kSums of them.
+  void (*pose_slope)(const PoseSlope::Params&, const std::uint16_t* field, const PointCells* points,
+                     const PoseSlope::Pose&, double* totals);
+  /// Beams [begin, end).
+  void (*sweep_points)(const SweepPoints::Params&, const SweepBuffers&, std::uint32_t begin, std::uint32_t end);
+};
+
+extern const IsaFunctions kBaselineFunctions;
+#ifdef GDTSLAM_X86_KERNELS
+extern const IsaFunctions kAvx2Functions;
+extern const IsaFunctions kAvx512Functions;
+#endif
+
+}  // namespace gdtslam

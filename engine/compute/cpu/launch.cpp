@@ -1,0 +1,87 @@
+#include "launch.hpp"
+
+#include <cmath>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+std::string to_text(Extent extent) {
+  return std::to_string(extent.x) + " x " + std::to_string(extent.y) + " x " + std::to_string(extent.z);
+}
+
+}  // namespace
+
+void refuse_launch(std::string_view kernel, const std::string& message) {
+  throw Error(ExitCode::kFailed, "kernel " + std::string(kernel) + ": " + message);
+}
+
+const IsaFunctions& functions_or_throw(Isa isa) {
+  if (!is_compiled(isa)) {
+    throw UnavailableError("this build has no kernels for the instruction set " + std::string(to_string(isa)));
+  }
+  count_kernel_call();
+  return functions_of(isa);
+}
+
+std::size_t grid_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::size_t cell_bytes) {
+  if (width == 0 || height == 0) {
+    return 0;
+  }
+  return (static_cast<std::size_t>(stride) * (height - 1) + width) * cell_bytes;
+}
+
+void LaunchCheck::grid(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::uint32_t limit) const {
+  if (width > limit || height > limit) {
+    refuse_launch(kernel_, "a grid of " + std::to_string(width) + " x " + std::to_string(height) +
+                               " cells exceeds its limit of " + std::to_string(limit) + " a side");
+  }
+  if (stride < width || stride % 4 != 0) {
+    refuse_launch(kernel_, "stride " + std::to_string(stride) + " must be a multiple of 4 and at least the width, " +
+                               std::to_string(width));
+  }
+}
+
+void LaunchCheck::buffer(std::size_t binding, std::size_t bytes) const {
+  const std::size_t has = shape_.buffer_bytes[binding];
+  if (has < bytes) {
+    refuse_launch(kernel_, "buffer " + std::to_string(binding) + " has " + std::to_string(has) + " bytes, needs " +
+                               std::to_string(bytes));
+  }
+}
+
+void LaunchCheck::extent(Extent wanted) const {
+  if (!(shape_.threads == wanted)) {
+    refuse_launch(kernel_, "extent " + to_text(shape_.threads) + ", expected " + to_text(wanted));
+  }
+}
+
+void LaunchCheck::prior(const PriorParams& prior) const {
+  const auto is_weight = [](float weight) { return std::isfinite(weight) && weight >= 0.0F; };
+  require(std::isfinite(prior.mean_x) && std::isfinite(prior.mean_y) && std::isfinite(prior.mean_theta),
+          "the prior's mean is not finite");
+  require(is_weight(prior.weight_xy) && is_weight(prior.weight_theta),
+          "a weight of the prior is negative or not finite");
+  require(prior.limit >= 0.0F && prior.limit <= 1.0e9F, "the prior's limit is not within 0 to 1e9");
+}
+
+void LaunchCheck::require(bool condition, const char* message) const {
+  if (!condition) {
+    refuse_launch(kernel_, message);
+  }
+}
+
+void check_launch(const KernelInfo& kernel, const LaunchShape& shape) {
+  if (shape.buffer_bytes.size() != kernel.bindings.size()) {
+    refuse_launch(kernel.name, std::to_string(shape.buffer_bytes.size()) + " buffers given, " +
+                                   std::to_string(kernel.bindings.size()) + " bound");
+  }
+  if (shape.params.size() != kernel.params_bytes) {
+    refuse_launch(kernel.name, std::to_string(shape.params.size()) + " bytes of parameters given, " +
+                                   std::to_string(kernel.params_bytes) + " expected");
+  }
+  kernel.check(shape);
+}
+
+}  // namespace gdtslam

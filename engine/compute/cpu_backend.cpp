@@ -1,0 +1,217 @@
+// The CPU as a device: buffers are host memory, a dispatch runs before the call returns.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <unordered_map>
+
+#include "engine/compute/cpu/functions.hpp"
+#include "engine/compute/cpu/launch.hpp"
+#include "engine/compute/cpu/thread_pool.hpp"
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kAlignment = 64;  // a cache line, and the widest vector
+/// Fewer elementary steps than this are done before a sleeping thread has woken.
+constexpr std::uint64_t kStepsWorthThreads = 32768;
+constexpr unsigned kMostThreads = 1024;
+
+std::size_t physical_memory_bytes() {
+  const long pages = sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page_bytes <= 0) {
+    return std::size_t{1} << 30U;
+  }
+  return static_cast<std::size_t>(pages) * static_cast<std::size_t>(page_bytes);
+}
+
+std::string processor_name() {
+  std::ifstream info("/proc/cpuinfo");
+  std::string line;
+  while (std::getline(info, line)) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) {
+      return line.substr(colon + 2);
+    }
+  }
+  return "unnamed processor";
+}
+
+struct FreeDeleter {
+  void operator()(std::byte* memory) const { std::free(memory); }
+};
+
+/// Zeroed memory that starts on a cache line.
+struct Allocation {
+  std::unique_ptr<std::byte, FreeDeleter> block;
+  std::span<std::byte> bytes;
+};
+
+Allocation allocate_zeroed(std::size_t bytes) {
+  Allocation allocation;
+  allocation.block.reset(static_cast<std::byte*>(std::calloc(bytes + kAlignment, 1)));
+  if (allocation.block == nullptr) {
+    throw Error(ExitCode::kFailed, "cannot allocate a buffer of " + std::to_string(bytes) + " bytes: out of memory");
+  }
+  const auto address = reinterpret_cast<std::uintptr_t>(allocation.block.get());
+  const std::size_t lead = (kAlignment - address % kAlignment) % kAlignment;
+  allocation.bytes = {allocation.block.get() + lead, bytes};
+  return allocation;
+}
+
+class CpuBackend final : public Backend {
+ public:
+  CpuBackend(Isa isa, unsigned threads) : isa_(isa), pool_(threads) {
+    device_.name = processor_name();
+    device_.kind = "cpu";
+    device_.driver = to_string(isa);
+    device_.max_buffer_bytes = physical_memory_bytes() / 2;
+    device_.threads = threads;
+  }
+
+  [[nodiscard]] const DeviceInfo& device() const override { return device_; }
+  Buffer allocate(std::size_t bytes) override;
+  void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) override;
+  void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> params,
+                Extent threads) override;
+  void fill(const Buffer& target, std::uint32_t word) override;
+  PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset) override;
+  void finish_download(PendingDownload download, std::span<std::byte> data) override;
+  void flush() override {}
+  [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override { return memory_of(buffer); }
+  [[nodiscard]] Isa host_isa() const override { return isa_; }
+  [[nodiscard]] std::uint64_t dispatch_count() const override { return dispatch_count_; }
+  [[nodiscard]] std::uint64_t submit_count() const override { return 0; }
+  [[nodiscard]] std::size_t pending_downloads() const override { return downloads_.size(); }
+
+ private:
+  void release(std::uint64_t id) noexcept override { allocations_.erase(id); }
+  void forget_download(std::uint64_t id) noexcept override { downloads_.erase(id); }
+  std::span<std::byte> memory_of(const Buffer& buffer);
+  /// The part of a buffer that a transfer touches.
+  std::span<std::byte> part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset, const char* verb);
+  void bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers);
+
+  Isa isa_;
+  ThreadPool pool_;
+  DeviceInfo device_;
+  std::unordered_map<std::uint64_t, Allocation> allocations_;
+  std::uint64_t next_id_ = 1;
+  std::uint64_t dispatch_count_ = 0;
+  std::unordered_map<std::uint64_t, std::vector<std::byte>> downloads_;  // started, not finished
+  std::vector<std::span<std::byte>> bound_;
+  std::vector<std::size_t> bound_bytes_;
+};
+
+Buffer CpuBackend::allocate(std::size_t bytes) {
+  if (bytes > device_.max_buffer_bytes) {
+    throw Error(ExitCode::kFailed, "a buffer of " + std::to_string(bytes) +
+                                       " bytes was asked for, the largest allowed is " +
+                                       std::to_string(device_.max_buffer_bytes));
+  }
+  const std::uint64_t id = next_id_++;
+  allocations_.emplace(id, allocate_zeroed(bytes));
+  return {*this, id, bytes};
+}
+
+std::span<std::byte> CpuBackend::memory_of(const Buffer& buffer) {
+  if (!buffer.belongs_to(*this)) {
+    throw Error(ExitCode::kFailed, "a buffer was used that is empty, or of another backend, or outlived its own");
+  }
+  return allocations_.at(buffer.id()).bytes;
+}
+
+std::span<std::byte> CpuBackend::part_of(const Buffer& buffer, std::size_t bytes, std::size_t offset,
+                                         const char* verb) {
+  const std::span<std::byte> memory = memory_of(buffer);
+  if (offset > memory.size() || bytes > memory.size() - offset) {
+    throw Error(ExitCode::kFailed, std::string(verb) + " of " + std::to_string(bytes) + " bytes at offset " +
+                                       std::to_string(offset) + " exceeds the buffer's " +
+                                       std::to_string(memory.size()) + " bytes");
+  }
+  return memory.subspan(offset, bytes);
+}
+
+void CpuBackend::upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) {
+  const std::span<std::byte> part = part_of(target, data.size(), offset, "upload");
+  std::copy(data.begin(), data.end(), part.begin());
+}
+
+void CpuBackend::fill(const Buffer& target, std::uint32_t word) {
+  const std::span<std::byte> memory = memory_of(target);
+  const std::size_t whole = memory.size() / sizeof(word) * sizeof(word);
+  for (std::size_t i = 0; i < whole; i += sizeof(word)) std::memcpy(memory.data() + i, &word, sizeof(word));
+  std::memcpy(memory.data() + whole, &word, memory.size() - whole);
+}
+
+// The copy is made here: what is dispatched later must not be seen.
+PendingDownload CpuBackend::start_download(const Buffer& source, std::size_t bytes, std::size_t offset) {
+  const std::span<std::byte> part = part_of(source, bytes, offset, "download");
+  const std::uint64_t id = next_id_++;
+  downloads_.emplace(id, std::vector<std::byte>(part.begin(), part.end()));
+  return pending_download(id, bytes);
+}
+
+void CpuBackend::finish_download(PendingDownload download, std::span<std::byte> data) {
+  const auto found = downloads_.find(download.id);
+  if (found == downloads_.end() || data.size() != found->second.size()) {
+    throw Error(ExitCode::kFailed, "a download was asked for that is not under way, or with another size");
+  }
+  std::copy(found->second.begin(), found->second.end(), data.begin());
+  downloads_.erase(found);
+}
+
+void CpuBackend::bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers) {
+  bound_.clear();
+  bound_bytes_.clear();
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    bound_.push_back(memory_of(*buffers[i]));
+    bound_bytes_.push_back(bound_.back().size());
+    for (std::size_t j = 0; j < i && i < kernel.bindings.size(); ++j) {
+      const bool written = kernel.bindings[i] != Access::kRead || kernel.bindings[j] != Access::kRead;
+      if (written && buffers[i]->id() == buffers[j]->id()) {
+        refuse_launch(kernel.name, "a buffer that is written is bound twice");
+      }
+    }
+  }
+}
+
+void CpuBackend::dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers,
+                          std::span<const std::byte> params, Extent threads) {
+  bind(kernel, buffers);
+  const LaunchShape shape{bound_bytes_, params, threads};
+  check_launch(kernel, shape);
+  const CpuFunction function = kernel.cpu[static_cast<std::size_t>(isa_)];
+  ++dispatch_count_;
+  if (threads.x == 0 || threads.y == 0 || threads.z == 0) {
+    return;
+  }
+  const std::uint32_t count = threads.y > 1 ? threads.y : threads.x;
+  CpuLaunch launch{bound_, params, threads, 0, count};
+  if (pool_.threads() == 1 || count == 1 || kernel.work(shape) < kStepsWorthThreads) {
+    function(launch);
+    return;
+  }
+  // Slices along x end at cache lines even for bytes, so that two threads do not write into one line.
+  const bool wide = threads.y <= 1 && count >= 2 * kAlignment * pool_.threads();
+  pool_.run(function, launch, count, wide ? kAlignment : 1);
+}
+
+}  // namespace
+
+std::unique_ptr<Backend> make_cpu_backend(const CpuOptions& options) {
+  const Isa isa = options.isa.value_or(best_isa());
+  if (!isa_available(isa)) {
+    throw UnavailableError("instruction set " + std::string(to_string(isa)) +
+                           " is not available on this processor; the best is " + std::string(to_string(best_isa())));
+  }
+  const unsigned wanted = options.threads == 0 ? std::thread::hardware_concurrency() : options.threads;
+  return std::make_unique<CpuBackend>(isa, std::clamp(wanted, 1U, kMostThreads));
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,68 @@
+// Direct calls of the CPU kernels, for host code that works sequentially on a mirror of the field and cannot afford a
+// dispatch: the same functions that the CPU backend runs, on the caller's thread, without checks of sizes (asserts
+// only). Parameters, layouts and arithmetic are those of kernels/*.hpp. Grids need no padding: nothing outside [0,
+// width) of a row is read or written. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
+#include "engine/compute/kernels/pose_slope/pose_slope.hpp"
+#include "gdtslam/compute/kernel.hpp"
+
+namespace gdtslam {
+
+/// Costs of `count` candidates; field height and width at least 2, at most 65,537 points.
+void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
+                    const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost);
+
+/// A descent from each of `count` poses, in place; field height and width at least 2, at most 65,537 points.
+void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
+                       PolishedPose* poses, std::uint32_t count);
+
+/// Cost of a pose with its slope; field height and width at least 2, at most 65,537 points.
+PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const std::uint16_t* field,
+                                const PointCells* points, const PoseSlope::Pose& pose);
+
+/// Sums of `count` tiles of boxes, tile_width * tile_height each.
+void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,
+                      const PoseCandidate* tiles, std::uint32_t count, std::uint32_t* sums);
+
+/// Minorants of `count` boxes; field height and width at least 4.
+void pose_minorant_host(Isa isa, const PoseMinorant::Params& params, const std::uint16_t* field,
+                        const PointCells* points, const PoseCandidate* boxes, std::uint32_t count,
+                        PoseMinorant::Value* values);
+
+/// Minorants of a field, (width + 2 * kMargin) * (height + 2 * kMargin) words; reach 1 to 3.
+void field_minorant_host(Isa isa, const FieldMinorant::Params& params, const std::uint16_t* field,
+                         std::uint32_t* minorants);
+
+/// Minorants of `count` boxes from such fields.
+void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, const std::uint32_t* minorants,
+                             const BoundPoint* points, const PoseCandidate* boxes, std::uint32_t count,
+                             PoseMinorant::Value* values);
+
+/// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
+void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,
+              std::uint16_t* sq_distance);
+
+/// Truncated transform by jump flooding, all passes; `nearest` and `scratch` are of stride * height values each.
+void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span<const std::uint32_t> steps,
+                     const std::uint8_t* seeds, std::uint32_t* nearest, std::uint32_t* scratch,
+                     std::uint16_t* sq_distance);
+
+/// Field cells from squared distances.
+void distance_field_host(Isa isa, const DistanceField::Params& params, const std::uint16_t* sq_distance,
+                         const std::uint16_t* table, std::uint16_t* field);
+
+/// Merges a scan's field into the global one.
+void gdt_merge_host(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan);
+
+}  // namespace gdtslam

@@ -1,0 +1,67 @@
+// All kernels, compiled once per instruction set: the including file defines GDTSLAM_ISA_LEVEL (0 baseline, 1 AVX2,
+// 2 AVX-512) and GDTSLAM_ISA_FUNCTIONS, the name of the table it exports. Everything else stays in an anonymous
+// namespace.
+#include "engine/compute/cpu/functions.hpp"
+
+#if GDTSLAM_ISA_LEVEL > 0
+#include <immintrin.h>
+#endif
+
+namespace gdtslam {
+namespace {
+
+// clang-format off
+#include "common.inl"
+#if GDTSLAM_ISA_LEVEL == 2
+#include "lanes_avx512.inl"
+#elif GDTSLAM_ISA_LEVEL == 1
+#include "lanes_avx2.inl"
+#endif
+#include "engine/compute/kernels/edt/edt.inl"
+#include "engine/compute/kernels/distance_field/distance_field.inl"
+#include "engine/compute/kernels/pose_cost/pose_cost.inl"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.inl"
+#include "engine/compute/kernels/jump_flood/jump_flood.inl"
+#include "engine/compute/kernels/pose_lattice/pose_lattice.inl"
+#include "engine/compute/kernels/smallest_values/smallest_values.inl"
+#include "engine/compute/kernels/seed_scatter/seed_scatter.inl"
+#include "engine/compute/kernels/field_grow/field_grow.inl"
+#include "engine/compute/kernels/pose_starts/pose_starts.inl"
+#include "engine/compute/kernels/pose_simplex/pose_simplex.inl"
+#include "engine/compute/kernels/choose_pose/choose_pose.inl"
+#include "engine/compute/kernels/pose_bounds/pose_bounds.inl"
+#include "engine/compute/kernels/pose_bounds/pose_minorant.inl"
+#include "engine/compute/kernels/pose_bounds/pose_minorant_wide.inl"
+#include "engine/compute/kernels/pose_bounds/field_minorant.inl"
+#include "engine/compute/kernels/pose_slope/pose_slope.inl"
+#include "engine/compute/kernels/sweep_points/sweep_points.inl"
+// clang-format on
+
+}  // namespace
+
+const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
+    .edt_columns = edt_columns,
+    .edt_rows = edt_rows,
+    .distance_field = distance_field,
+    .pose_cost = pose_cost,
+    .gdt_merge = gdt_merge,
+    .jump_flood_init = jump_flood_init,
+    .jump_flood_step = jump_flood_step,
+    .jump_flood_distance = jump_flood_distance,
+    .pose_lattice = pose_lattice,
+    .lattice_minima = lattice_minima,
+    .smallest_values = smallest_values,
+    .seed_scatter = seed_scatter,
+    .field_grow = field_grow,
+    .pose_starts = pose_starts,
+    .pose_simplex = pose_simplex,
+    .choose_pose = choose_pose,
+    .pose_bounds = pose_bounds,
+    .pose_minorant = pose_minorant,
+    .field_minorant = field_minorant,
+    .pose_minorant_wide = pose_minorant_wide,
+    .pose_slope = pose_slope,
+    .sweep_points = sweep_points,
+};
+
+}  // namespace gdtslam

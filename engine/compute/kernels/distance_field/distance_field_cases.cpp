@@ -1,0 +1,60 @@
+#include "distance_field.hpp"
+#include "engine/compute/cases/case_builder.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint32_t kRadii[] = {1, 20, 255};
+
+std::string field_name(CaseSize size, std::uint32_t radius) { return size_name(size) + " R" + std::to_string(radius); }
+
+/// Squares of which half lie within the table and half are anything.
+KernelCase table_case(const std::string& name, CaseSize size, const std::vector<std::uint16_t>& table) {
+  std::vector<std::uint16_t> squares = noise<std::uint16_t>(size, seed_from(name));
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const std::size_t within = squares[i] % table.size();
+    squares[i] = i % 2 == 0 ? static_cast<std::uint16_t>(within) : squares[i];
+  }
+  return make_case<DistanceField>(
+      name, {size.width, size.height, size.stride, static_cast<std::uint32_t>(table.size())},
+      {size.width, size.height, 1},
+      {grid_buffer(size, squares), list_buffer(table), grid_buffer(size, noise<std::uint16_t>(size, 8))});
+}
+
+void add_field(std::vector<KernelCaseSource>& list, CaseSize size, std::uint32_t radius, bool benchmark = false) {
+  add_case<DistanceField>(
+      list, field_name(size, radius),
+      [=](const std::string& name) { return table_case(name, size, distance_table(radius)); }, benchmark);
+}
+
+/// Any table: its entries are not those of distances.
+KernelCase draw_field(const std::string& name, Random& random) {
+  const CaseSize size = draw_size(random);
+  const std::uint32_t entries = 1 + draw_count(random, 65535);
+  return table_case(name, size, noise<std::uint16_t>({entries, 1, entries}, random.bits()));
+}
+
+}  // namespace
+
+void add_field_cases(std::vector<KernelCaseSource>& list) {
+  for (const std::uint32_t radius : kRadii) {
+    for (const CaseSize& size : kCaseSizes) {
+      if (size.width > kSmallSide || size.height > kSmallSide) {
+        add_field(list, size, radius);
+      }
+    }
+  }
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) { add_field(list, size, in_turn(kRadii, turn)); });
+  for (const CaseSize& size : kLongSizes) {
+    add_field(list, size, 20);
+  }
+  for (const CaseSize& size : kLargeSizes) {
+    add_large_case<DistanceField>(list, field_name(size, 20),
+                                  [=](const std::string& name) { return table_case(name, size, distance_table(20)); });
+  }
+  add_field(list, {1024, 1024, 1024}, 20, true);
+}
+
+void add_field_draws(std::vector<RandomKernel>& list) { list.push_back({&DistanceField::info(), draw_field}); }
+
+}  // namespace gdtslam

@@ -1,0 +1,35 @@
+// Merge of a scan's distance field D into the global distance transform G, paper equations (9) to (11) as docs/paper.md
+// has them. All in 1/256 cell, integers. Working rule, in this order, d = G - D:
+//   D = cap: unchanged; G = cap: G := D; |d| <= threshold: G := (G + D) >> 1; d < 0: unchanged; d > 0: G := D + lift.
+// A value above the cap counts as the cap in the first two lines. Literal rule: the same first three lines, then d > 0:
+// unchanged; d < 0: G := min(D + lift, cap).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
+
+namespace gdtslam {
+
+/// Bindings: global field (u16, read and write), scan field (u16, read). The scan field's cell (0, 0) lies at cell
+/// (offset_x, offset_y) of the global one and must lie inside as a whole. Extent: x = scan width, y = scan rows.
+struct GdtMerge {
+  struct Params {
+    std::uint32_t scan_width = 0;
+    std::uint32_t scan_height = 0;
+    std::uint32_t scan_stride = 0;
+    std::uint32_t global_stride = 0;
+    std::uint32_t offset_x = 0;
+    std::uint32_t offset_y = 0;
+    std::uint32_t threshold = 0;  ///< 1/256 cell
+    std::uint32_t lift = 0;       ///< kappa * threshold, 1/256 cell; at most threshold
+    std::uint32_t cap = 0;
+    MergeRule rule = MergeRule::kWorking;
+  };
+  static constexpr std::array kBindings{Access::kReadWrite, Access::kRead};
+  static const KernelInfo& info();
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,101 @@
+#include "engine/compute/cases/case_builder.hpp"
+#include "gdt_merge.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint32_t kCap = 20 * 256;
+
+/// Where the scan's field lies in the global one, and the rule.
+struct MergeCase {
+  CaseSize scan;
+  std::uint32_t offset_x = 0;
+  std::uint32_t offset_y = 0;
+  MergeRule rule = MergeRule::kWorking;
+  std::uint32_t threshold = 256;
+  std::uint32_t lift = 128;
+  std::uint32_t cap = kCap;
+
+  [[nodiscard]] std::string name() const {
+    return size_name(scan) + " at " + std::to_string(offset_x) + "," + std::to_string(offset_y) +
+           (rule == MergeRule::kWorking ? " working" : " literal") + " T" + std::to_string(threshold) + " L" +
+           std::to_string(lift) + (cap == kCap ? "" : " cap " + std::to_string(cap));
+  }
+};
+
+/// A field of which a quarter is unknown; values crowd around the thresholds' differences.
+std::vector<std::uint16_t> field_values(CaseSize size, std::uint32_t cap, std::uint64_t random_seed) {
+  std::vector<std::uint16_t> values = noise<std::uint16_t>(size, random_seed);
+  Random random(random_seed + 1);
+  for (std::uint16_t& value : values) {
+    const std::uint64_t kind = random.below(8);
+    const std::uint64_t near = 1000 + random.below(600);
+    value = static_cast<std::uint16_t>(kind < 2 ? cap : kind < 6 ? near : value % (cap + 1));
+  }
+  return values;
+}
+
+KernelCase merge_case(const std::string& name, const MergeCase& merge) {
+  const CaseSize scan = merge.scan;
+  constexpr std::uint32_t kBeyond =
+      3;  // cells of the global field behind the window and above it, which must not change
+  const std::uint32_t width = merge.offset_x + scan.width + kBeyond;
+  const CaseSize global{width, merge.offset_y + scan.height + kBeyond, grid_stride(width)};
+  const std::uint64_t random_seed = seed_from(name);
+  const GdtMerge::Params params{scan.width,     scan.height,     scan.stride, global.stride, merge.offset_x,
+                                merge.offset_y, merge.threshold, merge.lift,  merge.cap,     merge.rule};
+  return make_case<GdtMerge>(name, params, {scan.width, scan.height, 1},
+                             {grid_buffer(global, field_values(global, merge.cap, random_seed)),
+                              grid_buffer(scan, field_values(scan, merge.cap, random_seed + 2))});
+}
+
+void add_merge(std::vector<KernelCaseSource>& list, const MergeCase& merge, bool benchmark = false) {
+  add_case<GdtMerge>(
+      list, merge.name(), [merge](const std::string& name) { return merge_case(name, merge); }, benchmark);
+}
+
+KernelCase draw_merge(const std::string& name, Random& random) {
+  MergeCase merge{draw_size(random)};
+  merge.offset_x = draw_count(random, 100);
+  merge.offset_y = draw_count(random, 100);
+  merge.rule = random.below(2) == 0 ? MergeRule::kWorking : MergeRule::kLiteral;
+  merge.threshold = draw_count(random, 70000);
+  merge.lift = draw_count(random, merge.threshold);
+  merge.cap = random.below(4) == 0 ? draw_count(random, 65535) : kCap;
+  return merge_case(name, merge);
+}
+
+}  // namespace
+
+void add_merge_cases(std::vector<KernelCaseSource>& list) {
+  for (const MergeRule rule : {MergeRule::kWorking, MergeRule::kLiteral}) {
+    for (const CaseSize& size : kCaseSizes) {
+      if (size.width > kSmallSide || size.height > kSmallSide) {
+        add_merge(list, {size, 0, 0, rule});
+        add_merge(list, {size, 5, 3, rule, 256, 256});
+        add_merge(list, {size, 2, 1, rule, 0, 0});
+      }
+    }
+    for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+      const std::uint32_t threshold = turn % 5 == 0 ? 0 : 256;
+      add_merge(list, {size, turn % 3, turn / 3 % 4, rule, threshold, threshold / (1 + turn % 2)});
+    });
+    for (const CaseSize& size : kLongSizes) {
+      add_merge(list, {size, 1, 1, rule});
+    }
+  }
+  add_merge(list, {{17, 16, 32}, 3, 0, MergeRule::kWorking, 70000, 70000});
+  add_merge(list, {{31, 5, 32}, 4001, 2});  // far from the left edge, in groups of any size
+  add_merge(list, {{33, 16, 36}, 1, 2, MergeRule::kLiteral, 300, 200, 65535});
+  add_merge(list, {{33, 16, 36}, 1, 2, MergeRule::kWorking, 300, 200, 0});
+  for (const CaseSize& size : kLargeSizes) {
+    const MergeCase merge{size, 3, 1};
+    add_large_case<GdtMerge>(list, merge.name(), [merge](const std::string& name) { return merge_case(name, merge); });
+  }
+  add_merge(list, {{512, 512, 512}, 37, 41, MergeRule::kWorking}, true);
+  add_merge(list, {{512, 512, 512}, 37, 41, MergeRule::kLiteral}, true);
+}
+
+void add_merge_draws(std::vector<RandomKernel>& list) { list.push_back({&GdtMerge::info(), draw_merge}); }
+
+}  // namespace gdtslam

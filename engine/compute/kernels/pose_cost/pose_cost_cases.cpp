@@ -1,0 +1,193 @@
+#include <limits>
+
+#include "engine/compute/cases/case_builder.hpp"
+#include "engine/compute/cases/scan_data.hpp"
+#include "pose_cost.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// What a case of pose_cost varies.
+struct CostCase {
+  CaseSize field;
+  std::uint32_t points = 0;
+  std::uint32_t candidates = 0;
+  std::uint32_t cap = 0;
+  double spread_cells = 0.0;  ///< how far from the field's middle candidates lie
+  Interpolation interpolation = Interpolation::kBilinear;
+  CostForm form = CostForm::kDistance;
+  std::int32_t anchor_shift = 0;  ///< of the anchor, out of the field's middle
+  bool odd_points = false;        ///< some are no numbers, or far off
+  std::uint32_t field_cap = 0;    ///< what unknown cells hold; 0: the cap
+  bool is_subnormal = false;      ///< coordinates of many points and poses are
+
+  [[nodiscard]] std::string name() const {
+    return size_name(field) + " " + std::to_string(candidates) + " poses " + std::to_string(points) + " points cap " +
+           std::to_string(cap) + (interpolation == Interpolation::kBilinear ? " bilinear" : " nearest") +
+           (form == CostForm::kSquared ? " squared" : "") + (field_cap != 0 ? " of " + std::to_string(field_cap) : "") +
+           (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "") +
+           (is_subnormal ? " subnormal" : "");
+  }
+};
+
+/// Puts what is no number, infinite, huge and at the limits of the clamp among the points.
+void spoil(std::vector<PointCells>& points) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  constexpr PointCells kOdd[] = {{kNaN, 0.0F},       {1.0F, kNaN},        {kInfinity, 2.0F},
+                                 {0.0F, -kInfinity}, {3.0e38F, 1.0F},     {1.0F, -3.0e38F},
+                                 {4194304.0F, 0.0F}, {0.0F, -4194304.0F}, {4194303.5F, 9.0F}};
+  for (std::size_t i = 1; i < points.size(); i += 2) {
+    points[i] = kOdd[i / 2 % std::size(kOdd)];
+  }
+}
+
+/// Makes coordinates of two points of three subnormal.
+void make_subnormal(std::vector<PointCells>& points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i % 3 > 0) {
+      points[i].x = i % 2 == 0 ? kSubnormal : -kSubnormal;
+    }
+    if (i % 3 > 1) {
+      points[i].y = i % 4 < 2 ? kSubnormal : -3.0F * kSubnormal;
+    }
+  }
+}
+
+/// Makes coordinates of each pose subnormal, in all combinations and with both signs.
+void make_subnormal(std::vector<PoseCandidate>& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const float value = i % 2 == 0 ? kSubnormal : -kSubnormal;
+    poses[i].x = i % 7 % 4 == 0 ? value : poses[i].x;
+    poses[i].y = i % 7 % 4 < 2 ? -value : poses[i].y;
+    poses[i].theta = i % 7 < 4 ? value : poses[i].theta;
+  }
+}
+
+/// Poses around the anchor; one lies on whole cells without rotation, one far off, one has a bias that saturates.
+std::vector<PoseCandidate> make_candidates(const CostCase& shape, Random& random) {
+  std::vector<PoseCandidate> poses(shape.candidates);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].x = static_cast<float>(shape.spread_cells * random.uniform(-1.0, 1.0));
+    poses[i].y = static_cast<float>(shape.spread_cells * random.uniform(-1.0, 1.0));
+    poses[i].theta = static_cast<float>(random.uniform(-3.2, 3.2));
+    poses[i].bias = static_cast<std::uint32_t>(random.below(1000));
+    if (i % 16 == 3) {
+      poses[i] = {2.0F, -1.0F, 0.0F, 0};
+    } else if (i % 16 == 5) {
+      poses[i] = {-1.0e9F, 3.0e30F, 60.0F, 1};
+    } else if (i % 16 == 7) {
+      poses[i].bias = 0xFFFFFFFFU;
+    }
+  }
+  return poses;
+}
+
+KernelCase cost_case(const std::string& name, const CostCase& shape) {
+  Random random(seed_from(name));
+  PoseCost::Params params = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form);
+  params.anchor_x += shape.anchor_shift;
+  params.anchor_y -= shape.anchor_shift;
+  const std::vector<std::uint16_t> field =
+      slow_field(shape.field, shape.field_cap != 0 ? shape.field_cap : shape.cap, random);
+  std::vector<PointCells> points = scattered_points(shape.field, shape.points, random);
+  if (shape.odd_points) {
+    spoil(points);
+  }
+  std::vector<PoseCandidate> poses = make_candidates(shape, random);
+  if (shape.is_subnormal) {
+    make_subnormal(points);
+    make_subnormal(poses);
+  }
+  return make_case<PoseCost>(
+      name, params, {shape.candidates, 1, 1},
+      {grid_buffer(shape.field, field), list_buffer(points), list_buffer(poses),
+       list_buffer(noise<std::uint32_t>({shape.candidates, 1, shape.candidates}, random.bits()))});
+}
+
+void add_cost(std::vector<KernelCaseSource>& list, const CostCase& shape, bool benchmark = false) {
+  add_case<PoseCost>(
+      list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); }, benchmark);
+}
+
+constexpr Interpolation kInterpolations[] = {Interpolation::kBilinear, Interpolation::kNearest};
+constexpr CostForm kForms[] = {CostForm::kDistance, CostForm::kSquared};
+constexpr CaseSize kBenchField{1024, 1024, 1024};
+
+void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
+  constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 3},  {1, 1},   {7, 4},   {15, 8},  {16, 1},
+                                                                 {17, 5}, {33, 17}, {180, 3}, {361, 70}};
+  for (const auto& [points, candidates] : kCounts) {
+    add_cost(list, {{97, 83, 100}, points, candidates, 20 * 256, 60.0, interpolation, form});
+    add_cost(list, {{256, 200, 256}, points, candidates, 65535, 20.0, interpolation, form});
+  }
+  add_cost(list, {{2, 2, 4}, 9, 6, 1000, 3.0, interpolation, form});
+  add_cost(list, {{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form});
+  add_cost(list, {{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form});
+  add_cost(list, {{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
+  add_cost(list, {{97, 83, 100}, 33, 17, 700, 60.0, interpolation, form, 0, false, 5120});
+  add_cost(list, {{97, 83, 100}, 2101, 40, 5120, 60.0, interpolation, form});  // more than a uniform buffer takes
+  add_cost(list, {.field = {97, 83, 100},
+                  .points = 40,
+                  .candidates = 70,
+                  .cap = 5120,
+                  .spread_cells = 30.0,
+                  .interpolation = interpolation,
+                  .form = form,
+                  .is_subnormal = true});
+  for (const std::int32_t shift : {-(1 << 20), 1 << 20}) {
+    add_cost(list, {{97, 83, 100}, 9, 5, 5120, 60.0, interpolation, form, shift});
+  }
+}
+
+KernelCase draw_cost(const std::string& name, Random& random) {
+  CostCase shape{draw_size(random, 2)};
+  shape.points = draw_count(random, 500);
+  shape.candidates = draw_count(random, 60);
+  shape.cap = random.below(2) == 0 ? 5120 : draw_count(random, 65535);
+  shape.spread_cells = random.uniform(0.0, 100.0);
+  shape.interpolation = draw_from(random, kInterpolations);
+  shape.form = draw_from(random, kForms);
+  shape.anchor_shift = static_cast<std::int32_t>(draw_count(random, 1000)) - 20;
+  shape.odd_points = random.below(8) == 0;
+  return cost_case(name, shape);
+}
+
+}  // namespace
+
+void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
+  for (const Interpolation interpolation : kInterpolations) {
+    for (const CostForm form : kForms) {
+      add_costs(list, interpolation, form);
+    }
+  }
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+    if (size.width >= 2 && size.height >= 2) {
+      const std::uint32_t cap = turn % 5 == 0 ? 65535 : 5120;
+      add_cost(list, {size, turn % 41, turn % 6, cap, 9.0, in_turn(kInterpolations, turn), in_turn(kForms, turn / 2)});
+    }
+  });
+  for (const CaseSize& size : kLargeSizes) {
+    const CostCase shape{size, 361, 20000, 5120, 900.0, Interpolation::kBilinear, CostForm::kDistance};
+    add_large_case<PoseCost>(list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); });
+  }
+  // As many candidates as fill a GPU with an invocation each.
+  for (const Interpolation interpolation : kInterpolations) {
+    for (const std::uint32_t points : {9U, 2053U}) {
+      add_cost(list, {{97, 83, 100}, points, 16387, 5120, 60.0, interpolation, CostForm::kDistance});
+    }
+    add_cost(list, {{97, 83, 100}, 9, 16387, 5120, 60.0, interpolation, CostForm::kSquared});
+    for (const auto& [points, candidates] : {std::pair{9U, 16387U}, std::pair{2101U, 40U}, std::pair{9U, 40U}}) {
+      add_cost(list, {{97, 83, 100}, points, candidates, 200, 60.0, interpolation, CostForm::kSquared});  // 16 bits
+    }
+  }
+  for (const Interpolation interpolation : kInterpolations) {
+    add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, interpolation, CostForm::kDistance}, true);
+  }
+  add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, Interpolation::kBilinear, CostForm::kSquared}, true);
+  add_cost(list, {kBenchField, 180, 2, 20 * 256, 4.0, Interpolation::kBilinear, CostForm::kDistance}, true);
+}
+
+void add_pose_cost_draws(std::vector<RandomKernel>& list) { list.push_back({&PoseCost::info(), draw_cost}); }
+
+}  // namespace gdtslam

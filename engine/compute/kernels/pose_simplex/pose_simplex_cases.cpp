@@ -1,0 +1,276 @@
+#include "pose_simplex.hpp"
+
+#include "engine/compute/cases/case_builder.hpp"
+#include "engine/compute/cases/scan_data.hpp"
+
+namespace gdtslam {
+namespace {
+
+std::uint32_t any_word(Random& random) { return static_cast<std::uint32_t>(random.bits() >> 32U); }
+float around(float middle, double spread, Random& random) {
+  return middle + static_cast<float>(random.uniform(-spread, spread));
+}
+
+KernelCase starts_case(const std::string& name, std::uint32_t starts, std::uint32_t candidates) {
+  Random random(seed_from(name));
+  std::vector<PoseCandidate> poses(candidates);
+  for (PoseCandidate& pose : poses) {
+    pose = {around(0, 9, random), around(0, 9, random), around(0, 3, random), any_word(random)};
+  }
+  std::vector<std::uint32_t> picks;
+  for (std::uint32_t i = 0; i + 1 < starts; ++i) {
+    const std::uint32_t odd[] = {kNoCost, candidates, candidates - 1, 0, 0x80000000U};
+    const auto any = static_cast<std::uint32_t>(random.below(std::uint64_t{candidates} + 1));
+    picks.insert(picks.end(), {any_word(random), i % 2 == 0 ? any : odd[i / 2 % 5]});
+  }
+  return make_case<PoseStarts>(name, {.x = 1.5F, .y = -0.0F, .theta = -3.0F, .candidate_count = candidates},
+                               {starts, 1, 1},
+                               {list_buffer(poses), list_buffer(picks),
+                                list_buffer(noise<std::uint32_t>({8 * starts, 1, 8 * starts}, random.bits()))});
+}
+
+void add_starts(std::vector<KernelCaseSource>& list, std::uint32_t starts, std::uint32_t candidates, bool benchmark) {
+  add_case<PoseStarts>(
+      list, std::to_string(starts) + " starts of " + std::to_string(candidates),
+      [=](const std::string& name) { return starts_case(name, starts, candidates); }, benchmark);
+}
+
+/// Priors: none, one that weighs about as much as the points, one at its limit everywhere but near the mean.
+enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep };
+
+/// What a case of pose_simplex varies.
+struct DescentCase {
+  CaseSize field{256, 200, 256};
+  bool room = true;  ///< else a field without any shape
+  std::uint32_t points = 180;
+  std::uint32_t poses = 3;
+  std::uint32_t cap = 20 * 256;
+  Interpolation interpolation = Interpolation::kBilinear;
+  CostForm form = CostForm::kDistance;
+  PriorKind prior = PriorKind::kNone;
+  std::uint32_t max_evaluations = 200;
+  float step_cells = 2.0F;
+  float step_rad = 0.03F;
+  float stop_cells = 0.01F;
+  float stop_rad = 0.0002F;
+  bool odd_poses = true;  ///< some of them far off
+  float turned = 0.0F;    ///< of all poses, out of the truth
+};
+
+std::string to_string(const DescentCase& shape) {
+  std::string name = size_name(shape.field) + (shape.room ? " room " : " slow ") + std::to_string(shape.poses) +
+                     " poses " + std::to_string(shape.points) + " points cap " + std::to_string(shape.cap);
+  name += shape.interpolation == Interpolation::kNearest ? " nearest" : " bilinear";
+  name += shape.form == CostForm::kSquared ? " squared" : "";
+  name += shape.prior == PriorKind::kWeak ? " weak prior" : shape.prior == PriorKind::kSteep ? " steep prior" : "";
+  return name + " limit " + std::to_string(shape.max_evaluations);
+}
+
+PriorParams make_prior(PriorKind kind, std::uint32_t points) {
+  PriorParams prior{.mean_x = 2.0F, .mean_y = -1.0F, .mean_theta = 0.28F};
+  if (kind == PriorKind::kWeak) {
+    prior.weight_xy = 20.0F * static_cast<float>(points);
+    prior.weight_theta = 80000.0F * static_cast<float>(points);
+  } else if (kind == PriorKind::kSteep) {
+    prior.weight_xy = 3.0e7F;
+    prior.weight_theta = 3.0e38F;
+  }
+  return prior;
+}
+
+/// Poses near the truth; one lies on whole cells without rotation, one off the map, one farther off than any map.
+std::vector<PolishedPose> make_poses(std::uint32_t count, bool odd, float turned, Random& random) {
+  std::vector<PolishedPose> poses(count);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i] = {around(kTruePose.x, 4.0, random), around(kTruePose.y, 4.0, random),
+                around(kTruePose.theta + turned, 0.1, random)};
+    if (odd && i % 8 == 3) {
+      poses[i] = {2.0F, -1.0F, 0.0F};
+    } else if (odd && i % 8 == 5) {
+      poses[i] = {-1.0e9F, 3.0e30F, 60.0F};
+    } else if (odd && i % 8 == 6) {
+      poses[i] = {4000.0F, -500.0F, -3.0F};
+    }
+    poses[i].cost = any_word(random);
+    poses[i].evaluations = i % 4 == 1 ? 0xFFFFFFF0U : static_cast<std::uint32_t>(random.below(1000));
+    poses[i].stop = static_cast<std::uint32_t>(random.below(3));
+    poses[i].reserved[0] = any_word(random);
+    poses[i].reserved[1] = any_word(random);
+  }
+  return poses;
+}
+
+KernelCase descent_case(const std::string& name, const DescentCase& shape) {
+  Random random(seed_from(name));
+  const PoseSimplex::Params params{
+      .cost = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form),
+      .prior = make_prior(shape.prior, shape.points),
+      .step_cells = shape.step_cells,
+      .step_rad = shape.step_rad,
+      .stop_cells = shape.stop_cells,
+      .stop_rad = shape.stop_rad,
+      .max_evaluations = shape.max_evaluations};
+  auto buffers = scene_buffers(shape.field, shape.room, shape.cap, shape.points, random);
+  buffers.push_back(words_buffer(make_poses(shape.poses, shape.odd_poses, shape.turned, random)));
+  return make_case<PoseSimplex>(name, params, {shape.poses, 1, 1}, std::move(buffers));
+}
+
+void add_descent(std::vector<KernelCaseSource>& list, const DescentCase& shape, const std::string& what = {},
+                 bool benchmark = false) {
+  add_case<PoseSimplex>(
+      list, to_string(shape) + what, [shape](const std::string& name) { return descent_case(name, shape); }, benchmark);
+}
+
+// Numbers of points and poses around the sizes of work groups, with and without a shape to find.
+void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpolation, CostForm form) {
+  constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 2},  {1, 1},   {7, 9},   {16, 1},
+                                                                 {17, 5}, {180, 8}, {361, 17}};
+  for (const auto& [points, poses] : kCounts) {
+    const DescentCase shape{
+        .points = points, .poses = poses, .interpolation = interpolation, .form = form, .prior = PriorKind::kWeak};
+    add_descent(list, shape);
+    DescentCase slow = shape;
+    slow.field = {97, 83, 100};
+    slow.room = false;
+    slow.prior = PriorKind::kNone;
+    add_descent(list, slow);
+  }
+  // More points than a uniform buffer takes, and few enough evaluations for an invocation a pose.
+  add_descent(list, {.points = 2101,
+                     .poses = 3,
+                     .interpolation = interpolation,
+                     .form = form,
+                     .prior = PriorKind::kWeak,
+                     .max_evaluations = 60});
+  add_descent(list, {.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
+  add_descent(list, {.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
+}
+
+// At angles of every quarter turn, and at ones that no wrapping brought near zero; few points and more than a uniform
+// buffer takes.
+void add_turned_descents(std::vector<KernelCaseSource>& list) {
+  std::uint32_t turn = 0;
+  for (const float turned : {1.1F, 2.7F, -1.6F, -2.9F, 9.7F, -40.3F}) {
+    for (const std::uint32_t points : {61U, 2099U}) {
+      add_descent(list,
+                  {.room = false,
+                   .points = points,
+                   .poses = 2,
+                   .interpolation = turn++ % 2 == 0 ? Interpolation::kBilinear : Interpolation::kNearest,
+                   .max_evaluations = 60,
+                   .odd_poses = false,
+                   .turned = turned},
+                  ", turned " + std::to_string(turned));
+    }
+    ++turn;  // so that either number of points meets either interpolation
+  }
+  for (const std::uint32_t points : {61U, 2099U}) {
+    add_descent(list, {.room = false, .points = points, .cap = 200, .form = CostForm::kSquared, .max_evaluations = 60},
+                ", squares of 16 bits");
+  }
+}
+
+// Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
+void add_longest_descents(std::vector<KernelCaseSource>& list) {
+  add_descent(list, {.points = 17, .poses = 5, .max_evaluations = PoseSimplex::kMostEvaluations});
+  add_descent(list, {.poses = 2, .max_evaluations = 4000, .stop_cells = 0.0F, .stop_rad = 0.0F, .odd_poses = false},
+              ", to the limit");
+  add_descent(list,
+              {.points = 65537,
+               .poses = 2,
+               .cap = 65535,
+               .max_evaluations = 150,
+               .stop_cells = 0.0F,
+               .stop_rad = 0.0F,
+               .odd_poses = false},
+              ", to the limit");
+}
+
+void add_descents_with_odd_sizes(std::vector<KernelCaseSource>& list) {
+  // The fourth start lies on whole cells: its edges are halved without rounding and get just as long as these sizes.
+  add_descent(list, {.points = 0, .poses = 4, .stop_cells = 0x1p-7F, .stop_rad = 1.0F}, ", size in x and y met");
+  add_descent(list, {.points = 0, .poses = 4, .stop_cells = 9.0F, .stop_rad = 0.03F * 0x1p-8F}, ", size in theta met");
+  add_descent(list, {.step_cells = 0.0F, .step_rad = 0.0F}, ", no steps");
+  add_descent(list, {.step_cells = -3.0F, .step_rad = -0.1F}, ", steps backwards");
+  add_descent(list, {.stop_cells = 3.0e38F, .stop_rad = 3.0e38F}, ", any size is small");
+  add_descent(list, {.max_evaluations = 90, .stop_cells = 0.0F}, ", no size in x and y is small");
+  add_descent(list, {.max_evaluations = 90, .stop_rad = 0.0F}, ", no size in theta is small");
+}
+
+// Without a size to stop at, each goes to its limit, and rates are of look-ups that were made.
+void add_benchmark_descents(std::vector<KernelCaseSource>& list) {
+  for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
+    add_descent(list,
+                {.field = {1024, 1024, 1024},
+                 .points = 361,
+                 .poses = 8,
+                 .interpolation = interpolation,
+                 .prior = PriorKind::kWeak,
+                 .max_evaluations = 100,
+                 .stop_cells = 0.0F,
+                 .stop_rad = 0.0F,
+                 .odd_poses = false},
+                ", to the limit", true);
+  }
+}
+
+void add_descents(std::vector<KernelCaseSource>& list) {
+  for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
+    for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents_of(list, interpolation, form);
+  }
+  add_turned_descents(list);
+  add_descent(list, {.poses = 0});
+  add_descent(list, {.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
+  add_descent(list, {.points = 361, .poses = 7});
+  add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 9});
+  add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 0});
+  for (std::uint32_t limit = 0; limit < 14; ++limit) {
+    add_descent(list, {.poses = 5, .max_evaluations = limit});
+  }
+  add_longest_descents(list);
+  add_descents_with_odd_sizes(list);
+  add_benchmark_descents(list);
+}
+
+KernelCase draw_starts(const std::string& name, Random& random) {
+  const auto starts = static_cast<std::uint32_t>(random.below(SmallestValues::kMost + 2));
+  return starts_case(name, starts, draw_count(random, 3000));
+}
+
+KernelCase draw_descent(const std::string& name, Random& random) {
+  DescentCase shape;
+  shape.field = draw_size(random, 2);
+  shape.room = random.below(2) == 0;
+  shape.points = draw_count(random, 400);
+  shape.poses = draw_count(random, 9);
+  shape.cap = random.below(2) == 0 ? 5120 : draw_count(random, 65535);
+  shape.interpolation = random.below(2) == 0 ? Interpolation::kBilinear : Interpolation::kNearest;
+  shape.form = random.below(2) == 0 ? CostForm::kDistance : CostForm::kSquared;
+  shape.prior = static_cast<PriorKind>(random.below(3));
+  shape.max_evaluations = draw_count(random, 200);
+  shape.step_cells = around(0.0F, 4.0, random);
+  shape.step_rad = around(0.0F, 0.1, random);
+  shape.stop_cells = static_cast<float>(random.uniform(0.0, 0.1));
+  shape.stop_rad = static_cast<float>(random.uniform(0.0, 0.002));
+  shape.odd_poses = random.below(4) == 0;
+  return descent_case(name, shape);
+}
+
+}  // namespace
+
+void add_pose_simplex_cases(std::vector<KernelCaseSource>& list) {
+  for (std::uint32_t starts = 0; starts <= SmallestValues::kMost + 1; ++starts) {
+    add_starts(list, starts, 100, false);
+  }
+  add_starts(list, 17, 1, false);
+  add_starts(list, 3, 0, false);
+  add_starts(list, 17, 1U << 17U, true);
+  add_descents(list);
+}
+
+void add_pose_simplex_draws(std::vector<RandomKernel>& list) {
+  list.push_back({&PoseStarts::info(), draw_starts});
+  list.push_back({&PoseSimplex::info(), draw_descent});
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,69 @@
+#include "gdtslam/core/pose.hpp"
+
+#include <cmath>
+
+#include "elementary.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "sinc.hpp"
+
+namespace gdtslam {
+namespace {
+
+Point2 rotate(const SinCos<double>& angle, double x, double y) {
+  return {angle.cos * x - angle.sin * y, angle.sin * x + angle.cos * y};
+}
+
+Point2 rotate_back(const SinCos<double>& angle, double x, double y) {
+  return {angle.cos * x + angle.sin * y, angle.cos * y - angle.sin * x};
+}
+
+}  // namespace
+
+bool Pose2::is_finite() const { return std::isfinite(x_m) && std::isfinite(y_m) && std::isfinite(theta_rad); }
+
+Pose2 operator*(const Pose2& T_a_b, const Pose2& T_b_c) {
+  const Point2 turned = rotate(sin_cos(T_a_b.theta_rad), T_b_c.x_m, T_b_c.y_m);
+  return {T_a_b.x_m + turned.x(), T_a_b.y_m + turned.y(), wrap_angle(T_a_b.theta_rad + T_b_c.theta_rad)};
+}
+
+Point2 operator*(const Pose2& T_a_b, const Point2& point_b) {
+  const Point2 turned = rotate(sin_cos(T_a_b.theta_rad), point_b.x(), point_b.y());
+  return {T_a_b.x_m + turned.x(), T_a_b.y_m + turned.y()};
+}
+
+Pose2 inverse(const Pose2& T_a_b) {
+  const Point2 turned = rotate_back(sin_cos(T_a_b.theta_rad), T_a_b.x_m, T_a_b.y_m);
+  return {-turned.x(), -turned.y(), wrap_angle(-T_a_b.theta_rad)};
+}
+
+// The translations are subtracted before they are turned, which is exact where it matters: for two poses close together
+// and far from the origin.
+Pose2 between(const Pose2& T_w_a, const Pose2& T_w_b) {
+  const Point2 turned = rotate_back(sin_cos(T_w_a.theta_rad), T_w_b.x_m - T_w_a.x_m, T_w_b.y_m - T_w_a.y_m);
+  return {turned.x(), turned.y(), wrap_angle(T_w_b.theta_rad - T_w_a.theta_rad)};
+}
+
+// The arc's chord: V(theta) = sinc(theta/2) R(theta/2), with neither a series nor a cancellation near theta = 0.
+Pose2 exp_se2(const Eigen::Vector3d& tangent) {
+  const HalfTurn half = half_turn(0.5 * tangent.z());
+  const Point2 chord = rotate({half.sin, half.cos}, tangent.x(), tangent.y());
+  return {half.sinc * chord.x(), half.sinc * chord.y(), wrap_angle(tangent.z())};
+}
+
+Eigen::Vector3d log_se2(const Pose2& T) {
+  const double theta_rad = wrap_angle(T.theta_rad);
+  const HalfTurn half = half_turn(0.5 * theta_rad);
+  const Point2 arc = rotate_back({half.sin, half.cos}, T.x_m, T.y_m);
+  return {arc.x() / half.sinc, arc.y() / half.sinc, theta_rad};
+}
+
+Eigen::Matrix3d adjoint(const Pose2& T) {
+  const SinCos<double> angle = sin_cos(T.theta_rad);
+  Eigen::Matrix3d result;
+  result << angle.cos, -angle.sin, T.y_m,  //
+      angle.sin, angle.cos, -T.x_m,        //
+      0.0, 0.0, 1.0;
+  return result;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,194 @@
+#include "cell_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "mixed.hpp"
+
+namespace gdtslam::picture {
+namespace {
+
+/// From this many pixels a cell on, cells are squares; below, squares of unequal size would show.
+constexpr double kSquaresFromPx = 2.0;
+/// How dark a pixel with a single occupied cell is at least, however many cells lie under it.
+constexpr double kLoneCellDarkness = 0.5;
+
+void put(RgbaImage& image, std::uint32_t x, std::uint32_t y, const CellColour& colour) {
+  std::uint8_t* const pixel = image.at(x, y);
+  pixel[0] = colour.colour.red;
+  pixel[1] = colour.colour.green;
+  pixel[2] = colour.colour.blue;
+  pixel[3] = colour.alpha;
+}
+
+/// Which cells lie under the pixels of one axis: pixel k spans `first + k * step` to one step more, in cells.
+struct Axis {
+  double first = 0.0;
+  double step = 1.0;
+  std::int32_t cells = 0;
+  std::uint32_t pixels = 0;
+  [[nodiscard]] double begin(std::uint32_t pixel) const { return first + step * pixel; }
+  /// `cell` as an index that the grid has, or its end.
+  [[nodiscard]] std::int32_t held(double cell) const {
+    return static_cast<std::int32_t>(std::clamp(cell, 0.0, static_cast<double>(cells)));
+  }
+};
+
+struct Axes {
+  Axis x;
+  Axis y;  ///< upwards: pixel 0 is the lowest row
+};
+
+Axes axes_of(const GridGeometry& geometry, const MapFrame& frame) {
+  const double cell_m = geometry.resolution_m;
+  const double step = 1.0 / (frame.px_per_m * cell_m);
+  const double bottom_m = frame.y_m - frame.panel.height_px / frame.px_per_m;
+  return {{(frame.x_m - geometry.origin_x_m) / cell_m, step, geometry.width,
+           static_cast<std::uint32_t>(frame.panel.width_px)},
+          {(bottom_m - geometry.origin_y_m) / cell_m, step, geometry.height,
+           static_cast<std::uint32_t>(frame.panel.height_px)}};
+}
+
+/// The cells that the panel shows, at least in part.
+CellBox shown_cells(const Axes& axes) {
+  return {{axes.x.held(std::floor(axes.x.first)), axes.y.held(std::floor(axes.y.first))},
+          {axes.x.held(std::ceil(axes.x.begin(axes.x.pixels))), axes.y.held(std::ceil(axes.y.begin(axes.y.pixels)))}};
+}
+
+/// One pixel a cell.
+PlacedImage square_cells(const GridGeometry& geometry, const MapFrame& frame,
+                         const std::function<CellColour(CellIndex)>& colour_of_cell) {
+  const CellBox box = shown_cells(axes_of(geometry, frame));
+  if (box.empty()) return {};
+  auto image =
+      std::make_shared<RgbaImage>(static_cast<std::uint32_t>(box.width()), static_cast<std::uint32_t>(box.height()));
+  for (std::int32_t y = box.min.y; y < box.end.y; ++y) {
+    for (std::int32_t x = box.min.x; x < box.end.x; ++x) {
+      put(*image, static_cast<std::uint32_t>(x - box.min.x), static_cast<std::uint32_t>(box.end.y - 1 - y),
+          colour_of_cell({x, y}));
+    }
+  }
+  const MapArea area = area_of(geometry, box);
+  const Point2 corner = frame.pixel_of({area.min_x_m, area.max_y_m});
+  return {{corner.x(), corner.y(), area.width_m() * frame.px_per_m, area.height_m() * frame.px_per_m}, image};
+}
+
+/// Areas of free and occupied cells under the pixels of one row, in cells.
+struct Areas {
+  std::vector<double> free;
+  std::vector<double> occupied;
+};
+
+/// Adds `weight` times what the row of cells has under each pixel.
+void add_row(const OccupancyMap& map, const Axis& axis, std::int32_t y, double weight, Areas& areas) {
+  for (std::uint32_t k = 0; k < axis.pixels; ++k) {
+    const double begin = axis.begin(k);
+    const double end = axis.begin(k + 1);
+    for (std::int32_t x = axis.held(std::floor(begin)); x < axis.held(std::ceil(end)); ++x) {
+      const double share = weight * (std::min(end, x + 1.0) - std::max(begin, static_cast<double>(x)));
+      const CellState state = map.at({x, y});
+      if (state == CellState::kFree) areas.free[k] += share;
+      if (state == CellState::kOccupied) areas.occupied[k] += share;
+    }
+  }
+}
+
+/// Walls count more than their area: a wall of one cell would fade to nothing among ten free ones.
+double darkness_of(double occupied_cells, double pixel_cells) {
+  const double share = std::min(1.0, occupied_cells / pixel_cells);
+  return (1.0 - kLoneCellDarkness) * std::sqrt(share) +
+         kLoneCellDarkness * std::max(share, std::min(1.0, occupied_cells));
+}
+
+CellColour colour_for(double free, double occupied, double all, const MapColours& colours) {
+  const double open = std::max(1e-12, all - occupied);
+  const double free_share = std::clamp(free / open, 0.0, 1.0);
+  const double darkness = darkness_of(occupied, all);
+  if (!colours.is_unknown_clear) {
+    return {mixed(mixed(colours.unknown, colours.free, free_share), colours.wall, darkness), 255};
+  }
+  // The wall over what is free over nothing.
+  const double alpha = darkness + (1.0 - darkness) * free_share;
+  const double wall_share = alpha > 0.0 ? darkness / alpha : 0.0;
+  return {mixed(colours.free, colours.wall, wall_share), mixed(0, 255, alpha)};
+}
+
+PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const MapColours& colours) {
+  const Axes axes = axes_of(map.geometry, frame);
+  auto image = std::make_shared<RgbaImage>(axes.x.pixels, axes.y.pixels);
+  const double all = axes.x.step * axes.y.step;
+  Areas areas;
+  for (std::uint32_t row = 0; row < axes.y.pixels; ++row) {
+    areas.free.assign(axes.x.pixels, 0.0);
+    areas.occupied.assign(axes.x.pixels, 0.0);
+    const double begin = axes.y.begin(row);
+    const double end = axes.y.begin(row + 1);
+    for (std::int32_t y = axes.y.held(std::floor(begin)); y < axes.y.held(std::ceil(end)); ++y) {
+      add_row(map, axes.x, y, std::min(end, y + 1.0) - std::max(begin, static_cast<double>(y)), areas);
+    }
+    for (std::uint32_t k = 0; k < axes.x.pixels; ++k) {
+      put(*image, k, axes.y.pixels - 1 - row, colour_for(areas.free[k], areas.occupied[k], all, colours));
+    }
+  }
+  return {frame.panel, image};
+}
+
+/// First cell whose centre lies at or beyond a border.
+std::int32_t first_centre(const Axis& axis, double border) { return axis.held(std::ceil(border - 0.5)); }
+
+PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, const FieldColours& colours) {
+  const Axes axes = axes_of(field.geometry, frame);
+  auto image = std::make_shared<RgbaImage>(axes.x.pixels, axes.y.pixels);
+  std::vector<std::uint16_t> least;
+  for (std::uint32_t row = 0; row < axes.y.pixels; ++row) {
+    least.assign(axes.x.pixels, field.cap);
+    const std::int32_t end_y = first_centre(axes.y, axes.y.begin(row + 1));
+    for (std::int32_t y = first_centre(axes.y, axes.y.begin(row)); y < end_y; ++y) {
+      const std::uint16_t* const cells =
+          field.cells.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(field.geometry.width);
+      for (std::uint32_t k = 0; k < axes.x.pixels; ++k) {
+        const std::int32_t end_x = first_centre(axes.x, axes.x.begin(k + 1));
+        for (std::int32_t x = first_centre(axes.x, axes.x.begin(k)); x < end_x; ++x) {
+          least[k] = std::min(least[k], cells[x]);
+        }
+      }
+    }
+    for (std::uint32_t k = 0; k < axes.x.pixels; ++k) put(*image, k, axes.y.pixels - 1 - row, colours(least[k]));
+  }
+  return {frame.panel, image};
+}
+
+}  // namespace
+
+void draw(Canvas& canvas, const Panel& panel, const PlacedImage& placed) {
+  if (placed.image == nullptr) return;  // nothing of the grid lies in the panel
+  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
+  canvas.picture({placed.at.left_px, placed.at.top_px}, placed.at.width_px, placed.at.height_px, placed.image, false);
+  canvas.end_clip();
+}
+
+PlacedImage occupancy_image(const OccupancyMap& map, const MapFrame& frame, const MapColours& colours) {
+  if (frame.px_per_m * map.geometry.resolution_m < kSquaresFromPx) return filtered_map(map, frame, colours);
+  return square_cells(map.geometry, frame, [&](CellIndex cell) -> CellColour {
+    switch (map.at(cell)) {
+      case CellState::kOccupied:
+        return {colours.wall, 255};
+      case CellState::kFree:
+        return {colours.free, 255};
+      case CellState::kUnknown:
+        break;
+    }
+    return {colours.unknown, static_cast<std::uint8_t>(colours.is_unknown_clear ? 0 : 255)};
+  });
+}
+
+PlacedImage field_image(const FieldPicture& field, const MapFrame& frame, const FieldColours& colours) {
+  if (frame.px_per_m * field.geometry.resolution_m < 1.0) return least_of_cells(field, frame, colours);
+  return square_cells(field.geometry, frame, [&](CellIndex cell) {
+    return colours(field.cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(field.geometry.width) +
+                               static_cast<std::size_t>(cell.x)]);
+  });
+}
+
+}  // namespace gdtslam::picture

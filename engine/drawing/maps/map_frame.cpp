@@ -1,0 +1,86 @@
+#include "map_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace gdtslam::picture {
+namespace {
+
+constexpr double kStrayShare = 0.004;
+
+/// First and past-the-last index when at most `spare` counts may be cut off at either end.
+std::pair<std::int32_t, std::int32_t> trimmed(const std::vector<std::uint64_t>& counts, std::uint64_t spare) {
+  std::size_t begin = 0;
+  std::size_t end = counts.size();
+  for (std::uint64_t cut = 0; begin < end && cut + counts[begin] <= spare; ++begin) cut += counts[begin];
+  for (std::uint64_t cut = 0; end > begin && cut + counts[end - 1] <= spare; --end) cut += counts[end - 1];
+  return {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)};
+}
+
+}  // namespace
+
+Proportions proportions_of(const PictureSize& size) {
+  const double width = static_cast<double>(size.width);
+  const double height = static_cast<double>(size.height);
+  const double by_area = std::sqrt(width * height / (1600.0 * 1200.0));
+  const double by_side = std::min(width, height) / 800.0;  // a narrow sheet has no room for what its area would allow
+  const double unit = std::max(0.5, std::min(by_area, by_side));
+  Proportions sizes;
+  sizes.unit = unit;
+  sizes.title_px *= unit;
+  sizes.body_px *= unit;
+  sizes.small_px *= unit;
+  sizes.line_px *= unit;
+  sizes.margin_px *= unit;
+  sizes.gap_px *= unit;
+  return sizes;
+}
+
+MapFrame fitted(const MapArea& area, const Panel& panel) {
+  MapFrame frame;
+  frame.panel = panel;
+  frame.px_per_m = std::min(panel.width_px / area.width_m(), panel.height_px / area.height_m());
+  frame.x_m = 0.5 * (area.min_x_m + area.max_x_m) - 0.5 * panel.width_px / frame.px_per_m;
+  frame.y_m = 0.5 * (area.min_y_m + area.max_y_m) + 0.5 * panel.height_px / frame.px_per_m;
+  return frame;
+}
+
+CellBox box_of(const GridGeometry& geometry, const CellTest& test) {
+  std::vector<std::uint64_t> columns(static_cast<std::size_t>(geometry.width));
+  std::vector<std::uint64_t> rows(static_cast<std::size_t>(geometry.height));
+  std::uint64_t total = 0;
+  for (std::int32_t y = 0; y < geometry.height; ++y) {
+    for (std::int32_t x = 0; x < geometry.width; ++x) {
+      const std::uint64_t passes = test({x, y}) ? 1 : 0;
+      columns[static_cast<std::size_t>(x)] += passes;
+      rows[static_cast<std::size_t>(y)] += passes;
+      total += passes;
+    }
+  }
+  const auto spare = static_cast<std::uint64_t>(kStrayShare * static_cast<double>(total));
+  const auto [left, right] = trimmed(columns, spare);
+  const auto [bottom, top] = trimmed(rows, spare);
+  return {{left, bottom}, {right, top}};
+}
+
+MapArea area_of(const GridGeometry& geometry, const CellBox& box) {
+  const double cell_m = geometry.resolution_m;
+  return {geometry.origin_x_m + cell_m * box.min.x, geometry.origin_y_m + cell_m * box.min.y,
+          geometry.origin_x_m + cell_m * box.end.x, geometry.origin_y_m + cell_m * box.end.y};
+}
+
+MapArea with_path(const MapArea& area, const Trajectory& trajectory, double margin_m) {
+  MapArea all = area;
+  for (const StampedPose& pose : trajectory) {
+    if (!pose.T_map_base.is_finite()) continue;
+    all.min_x_m = std::min(all.min_x_m, pose.T_map_base.x_m);
+    all.min_y_m = std::min(all.min_y_m, pose.T_map_base.y_m);
+    all.max_x_m = std::max(all.max_x_m, pose.T_map_base.x_m);
+    all.max_y_m = std::max(all.max_y_m, pose.T_map_base.y_m);
+  }
+  return {all.min_x_m - margin_m, all.min_y_m - margin_m, all.max_x_m + margin_m, all.max_y_m + margin_m};
+}
+
+}  // namespace gdtslam::picture

@@ -1,0 +1,59 @@
+#include "gdtslam/drawing/map_picture.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "cell_image.hpp"
+#include "legend_items.hpp"
+#include "map_sheet.hpp"
+#include "path_layer.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace picture;
+
+constexpr MapColours kColours{ink::kText, ink::kCard, colour_for(0xe4e2db)};
+
+/// Walls and path count; free cells do not: beams through windows reach far and would shrink the building.
+MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
+  CellBox box = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
+  const CellBox known = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
+  // A post in an open hall is not what the picture is about.
+  constexpr std::int32_t kPost = 4;
+  if (kPost * box.width() < known.width() && kPost * box.height() < known.height()) box = known;
+  if (box.empty()) box = {{0, 0}, {map.geometry.width, map.geometry.height}};
+  const MapArea area = area_of(map.geometry, box);
+  constexpr double kMarginShare = 0.02;
+  return with_path(area, trajectory,
+                   std::max(2.0 * map.geometry.resolution_m, kMarginShare * std::max(area.width_m(), area.height_m())));
+}
+
+}  // namespace
+
+Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size) {
+  check(overlay);
+  const PathColours& colours = path_colours(false);
+  Theme theme = kLightTheme;
+  theme.page = kColours.unknown;
+  const LegendLook legend{theme, proportions_of(size)};
+  const Sheet sheet = sheet_of(shown_area(map, overlay.trajectory), look, size, theme, [&](double px_per_m) {
+    std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
+    items.push_back(swatch_item("wall", kColours.wall, legend));
+    items.push_back(swatch_item("free", kColours.free, legend));
+    if (!look.is_transparent) items.push_back(swatch_item("unknown", kColours.unknown, legend));
+    add_path_items(items, overlay, look, colours, legend);
+    return items;
+  });
+  Canvas canvas(size.width, size.height, look.title.empty() ? "Map" : look.title);
+  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kColours.unknown});
+  MapColours cells = kColours;
+  cells.is_unknown_clear = true;
+  const MapFrame frame = whole_sheet(sheet);
+  draw(canvas, frame.panel, occupancy_image(map, frame, cells));
+  draw_path(canvas, frame, overlay, look, colours, sheet.sizes);
+  draw_words(canvas, sheet, look);
+  return canvas;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,203 @@
+#include "map_sheet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gdtslam::picture {
+namespace {
+
+constexpr double kTitleLine = 1.35;  // of the size of the letters
+constexpr double kSubtitleLine = 1.5;
+constexpr double kRowGap = 0.75;  // of body_px, between rows of the legend
+constexpr int kRounds = 3;        // until the scale bar, which depends on the map's size, stands still
+
+double title_height(const MapLook& look, const Proportions& sizes) {
+  double height = 0.0;
+  if (!look.title.empty()) height += kTitleLine * sizes.title_px;
+  if (!look.subtitle.empty()) height += kSubtitleLine * sizes.body_px;
+  return height > 0.0 ? height + 0.4 * sizes.body_px : 0.0;
+}
+
+/// Where the items go, relative to the legend's upper left corner, and what room they take.
+struct Arrangement {
+  std::vector<Point2> places;
+  double width_px = 0.0;
+  double height_px = 0.0;
+};
+
+/// Row after row, as words on a page.
+Arrangement rows_of(const std::vector<LegendItem>& items, double room_px, double gap_px, const Proportions& sizes,
+                    bool keeps_groups = false) {
+  Arrangement all;
+  double top = 0.0;
+  for (std::size_t begin = 0; begin < items.size();) {
+    double x = 0.0;
+    double height = 0.0;
+    std::size_t end = begin;
+    while (end < items.size() && (end == begin || x + items[end].width_px <= room_px)) {
+      if (keeps_groups && end > begin && items[end].begins_row) break;
+      x += items[end].width_px + gap_px;
+      height = std::max(height, items[end++].height_px);
+    }
+    x = 0.0;
+    for (; begin < end; ++begin) {
+      all.places.emplace_back(x, top + 0.5 * height);
+      x += items[begin].width_px + gap_px;
+    }
+    all.width_px = std::max(all.width_px, x - gap_px);
+    all.height_px = top + height;
+    top += height + kRowGap * sizes.body_px;
+  }
+  return all;
+}
+
+/// In as few rows as smaller gaps allow.
+Arrangement fewest_rows_of(const std::vector<LegendItem>& items, double room_px, const Proportions& sizes) {
+  Arrangement best = rows_of(items, room_px, sizes.gap_px, sizes);
+  for (const double share : {0.8, 0.6}) {
+    Arrangement closer = rows_of(items, room_px, share * sizes.gap_px, sizes);
+    if (closer.height_px < best.height_px) best = std::move(closer);
+  }
+  Arrangement grouped = rows_of(items, room_px, sizes.gap_px, sizes, true);
+  const bool is_one_row = best.height_px <= 2.0 * sizes.body_px;
+  if (!is_one_row && grouped.height_px <= best.height_px + 1e-9) best = std::move(grouped);
+  return best;
+}
+
+Arrangement column_of(const std::vector<LegendItem>& items, const Proportions& sizes) {
+  return rows_of(items, 0.0, sizes.gap_px, sizes);
+}
+
+struct Layout {
+  MapFrame frame;
+  Arrangement legend;
+  Point2 corner;
+};
+
+Panel panel_between(double left, double top, double right, double bottom) {
+  const double x = std::floor(left);
+  const double y = std::floor(top);
+  return {x, y, std::max(1.0, std::floor(right) - x), std::max(1.0, std::floor(bottom) - y)};
+}
+
+Layout with_legend_below(const MapArea& area, const PictureSize& size, const Proportions& sizes, double top,
+                         const std::vector<LegendItem>& items) {
+  const double margin = sizes.margin_px;
+  Layout layout;
+  layout.legend = fewest_rows_of(items, size.width - 2.0 * margin, sizes);
+  const double bottom = size.height - 0.7 * margin - layout.legend.height_px;
+  layout.corner = {margin, bottom};
+  layout.frame = fitted(area, panel_between(margin, top, size.width - margin, bottom - 0.5 * margin));
+  return layout;
+}
+
+Layout with_legend_beside(const MapArea& area, const PictureSize& size, const Proportions& sizes, double top,
+                          const std::vector<LegendItem>& items) {
+  const double margin = sizes.margin_px;
+  Layout layout;
+  layout.legend = column_of(items, sizes);
+  const double right = size.width - margin - layout.legend.width_px;
+  layout.corner = {right, size.height - margin - layout.legend.height_px};
+  layout.frame = fitted(area, panel_between(margin, top, right - margin, size.height - margin));
+  return layout;
+}
+
+/// The page's colour behind words, so that rays and walls that reach there do not disturb.
+void dim(Canvas& canvas, const Sheet& sheet, const Point2& corner, double width, double height) {
+  const double pad = 0.35 * sheet.sizes.body_px;
+  canvas.rectangle({corner.x() - pad, corner.y() - pad}, width + 2.0 * pad, height + 2.0 * pad,
+                   Fill{sheet.theme.page, 0.75}, std::nullopt, pad);
+}
+
+void draw_line(Canvas& canvas, const Sheet& sheet, const FittedWords& words, double y, const Lettering& lettering,
+               bool is_dimmed) {
+  const double left = sheet.sizes.margin_px;
+  const double width = text_width(words.text, words.size_px, lettering.is_bold);
+  if (is_dimmed) dim(canvas, sheet, {left, y}, width, words.size_px);
+  Lettering fitted = lettering;
+  fitted.size = words.size_px;
+  canvas.text({left, y + 0.8 * words.size_px}, words.text, fitted);
+}
+
+void draw_title(Canvas& canvas, const Sheet& sheet, const MapLook& look) {
+  const Proportions& sizes = sheet.sizes;
+  const double room = sheet.size.width - 2.0 * sizes.margin_px;
+  const bool is_dimmed = !look.is_transparent;
+  double y = 0.7 * sizes.margin_px;
+  if (!look.title.empty()) {
+    draw_line(canvas, sheet, fitted_words(look.title, sizes.title_px, sizes.body_px, room, true), y,
+              {.colour = sheet.theme.text, .is_bold = true}, is_dimmed);
+    y += kTitleLine * sizes.title_px;
+  }
+  if (!look.subtitle.empty()) {
+    draw_line(canvas, sheet, fitted_words(look.subtitle, sizes.body_px, 0.8 * sizes.body_px, room, false), y,
+              {.colour = sheet.theme.quiet}, is_dimmed);
+  }
+}
+
+void draw_legend(Canvas& canvas, const Sheet& sheet, bool is_dimmed) {
+  for (std::size_t i = 0; i < sheet.places.size(); ++i) {
+    const LegendItem& item = sheet.items[i];
+    const Point2& place = sheet.places[i];
+    if (is_dimmed) {
+      dim(canvas, sheet, {place.x(), place.y() - 0.5 * item.height_px}, item.width_px, item.height_px);
+    }
+    item.draw(canvas, place);
+  }
+}
+
+}  // namespace
+
+Sheet sheet_of(const MapArea& area, const MapLook& look, const PictureSize& size, const Theme& theme,
+               const LegendOf& legend) {
+  Sheet sheet{.size = size, .sizes = proportions_of(size), .theme = theme, .frame = {}, .items = {}, .places = {}};
+  const double width = static_cast<double>(size.width);
+  const double height = static_cast<double>(size.height);
+  sheet.frame = fitted(area, {0.0, 0.0, width, height});
+  if (std::min(size.width, size.height) < kLeastSideWithWords) return sheet;
+  const double top = 0.7 * sheet.sizes.margin_px + title_height(look, sheet.sizes);
+  for (int round = 0; round < kRounds; ++round) {
+    sheet.items = legend(sheet.frame.px_per_m);
+    Layout layout = with_legend_below(area, size, sheet.sizes, top, sheet.items);
+    Layout beside = with_legend_beside(area, size, sheet.sizes, top, sheet.items);
+    const bool fits_beside = beside.legend.height_px + top + sheet.sizes.margin_px <= height;
+    if (fits_beside && beside.frame.px_per_m > layout.frame.px_per_m) layout = std::move(beside);
+    sheet.frame = layout.frame;
+    sheet.places = std::move(layout.legend.places);
+    for (Point2& place : sheet.places) place += layout.corner;
+  }
+  return sheet;
+}
+
+FittedWords fitted_words(const std::string& words, double size_px, double least_px, double room_px, bool is_bold) {
+  const double width = text_width(words, size_px, is_bold);
+  if (width <= room_px) return {words, size_px};
+  const double smaller_px = std::max(std::min(size_px, least_px), size_px * room_px / width);
+  const auto fits = [&](const std::string& text) { return text_width(text, smaller_px, is_bold) <= room_px; };
+  if (fits(words)) return {words, smaller_px};
+  std::string kept = words;
+  while (!kept.empty() && !fits(kept + "…")) {
+    // A letter may take several bytes: those that continue it go with it.
+    while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0U) == 0x80U) kept.pop_back();
+    if (!kept.empty()) kept.pop_back();
+  }
+  return {kept + "…", smaller_px};
+}
+
+MapFrame whole_sheet(const Sheet& sheet) {
+  const MapFrame& frame = sheet.frame;
+  MapFrame whole = frame;
+  whole.panel = {0.0, 0.0, static_cast<double>(sheet.size.width), static_cast<double>(sheet.size.height)};
+  whole.x_m = frame.x_m - frame.panel.left_px / frame.px_per_m;
+  whole.y_m = frame.y_m + frame.panel.top_px / frame.px_per_m;
+  return whole;
+}
+
+void draw_words(Canvas& canvas, const Sheet& sheet, const MapLook& look) {
+  if (sheet.places.empty()) return;
+  draw_title(canvas, sheet, look);
+  draw_legend(canvas, sheet, !look.is_transparent);
+}
+
+}  // namespace gdtslam::picture

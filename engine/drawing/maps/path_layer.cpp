@@ -1,0 +1,213 @@
+#include "path_layer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "gdtslam/core/error.hpp"
+#include "mixed.hpp"
+
+namespace gdtslam::picture {
+namespace {
+
+constexpr int kTimeBands = 64;
+constexpr double kEndRadius = 8.0;  // all of one unit
+constexpr double kRingRadius = 9.0;
+constexpr double kKeyframeRadius = 2.1;
+
+/// What is drawn of the path: no two points nearer than can be seen, so that a robot that stands costs nothing.
+struct PathPoint {
+  Point2 at;
+  double share = 0.0;
+};
+std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& trajectory, double least_px) {
+  const std::vector<double> shares = time_shares(trajectory);
+  std::vector<PathPoint> points;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    if (!trajectory[i].T_map_base.is_finite()) continue;
+    const Point2 at = frame.pixel_of(trajectory[i].T_map_base.translation());
+    const bool is_last = i + 1 == trajectory.size();
+    if (points.empty() || is_last || (at - points.back().at).norm() >= least_px) points.push_back({at, shares[i]});
+  }
+  return points;
+}
+
+int band_of(double share) { return std::min(kTimeBands - 1, static_cast<int>(share * kTimeBands)); }
+
+/// A line for each band of time.
+void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const PathColours& colours, double width) {
+  std::size_t begin = 0;
+  while (begin + 1 < points.size()) {
+    const int band = band_of(points[begin].share);
+    std::vector<Point2> piece{points[begin].at};
+    std::size_t end = begin;
+    while (end + 1 < points.size() && band_of(points[end].share) == band) piece.push_back(points[++end].at);
+    const double share = (band + 0.5) / kTimeBands;
+    canvas.polyline(std::move(piece), {.colour = time_colour(colours, share), .width = width});
+    begin = end;
+  }
+}
+
+/// Scans that would be drawn over each other, as one.
+struct Cluster {
+  Point2 sum = Point2::Zero();
+  std::size_t count = 0;
+  [[nodiscard]] Point2 centre() const { return sum / static_cast<double>(count); }
+};
+std::vector<Cluster> clusters_of(const MapFrame& frame, const PathOverlay& overlay, double reach_px) {
+  std::vector<Cluster> clusters;
+  for (const std::size_t index : overlay.doubtful) {
+    const Pose2& pose = overlay.trajectory[index].T_map_base;
+    if (!pose.is_finite()) continue;
+    const Point2 at = frame.pixel_of(pose.translation());
+    auto near = std::find_if(clusters.begin(), clusters.end(),
+                             [&](const Cluster& cluster) { return (cluster.centre() - at).norm() < reach_px; });
+    if (near == clusters.end()) near = clusters.insert(clusters.end(), Cluster{});
+    near->sum += at;
+    ++near->count;
+  }
+  return clusters;
+}
+
+void draw_doubtful_scans(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const PathColours& colours,
+                         const Proportions& sizes) {
+  const double radius = kRingRadius * sizes.unit;
+  for (const Cluster& cluster : clusters_of(frame, overlay, 1.6 * radius)) {
+    draw_doubtful(canvas, cluster.centre(), colours, sizes);
+    if (cluster.count < 2) continue;
+    const Point2 at = cluster.centre() + Point2(radius + 0.3 * sizes.small_px, -0.5 * radius);
+    canvas.text(at, std::to_string(cluster.count),
+                {.size = 0.9 * sizes.small_px,
+                 .colour = colours.doubtful,
+                 .is_bold = true,
+                 .has_halo = true,
+                 .halo = colours.halo});
+  }
+}
+
+void draw_keyframes(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const PathColours& colours,
+                    const Proportions& sizes) {
+  const double apart = 2.0 * kKeyframeRadius * sizes.unit;  // those of a robot that turns on the spot are one dot
+  const std::vector<double> shares = time_shares(overlay.trajectory);
+  std::set<std::pair<std::int64_t, std::int64_t>> taken;
+  for (const std::size_t index : overlay.keyframes) {
+    const Pose2& pose = overlay.trajectory[index].T_map_base;
+    if (!pose.is_finite()) continue;
+    const Point2 at = frame.pixel_of(pose.translation());
+    const std::pair key{static_cast<std::int64_t>(std::floor(at.x() / apart)),
+                        static_cast<std::int64_t>(std::floor(at.y() / apart))};
+    if (taken.insert(key).second) draw_keyframe(canvas, at, keyframe_colour(colours, shares[index]), sizes);
+  }
+}
+
+void check_indices(const std::vector<std::size_t>& indices, std::size_t count, std::string_view what) {
+  for (const std::size_t index : indices) {
+    if (index < count) continue;
+    throw InputError("a " + std::string(what) + " has index " + std::to_string(index) + ", but the trajectory has " +
+                     std::to_string(count) + " poses: both must come from one run");
+  }
+}
+
+}  // namespace
+
+const PathColours& path_colours(bool is_dark) {
+  static const PathColours light{
+      {colour_for(0x0a42d4), colour_for(0x8440be), colour_for(0xcb3596), colour_for(0xe65c3a), colour_for(0xf5970f)},
+      ink::kCard,
+      colour_for(0x1c2340),
+      ink::kWarning};
+  static const PathColours dark{
+      {colour_for(0x3f9bff), colour_for(0x9a86ff), colour_for(0xef6cc0), colour_for(0xff8a6a), colour_for(0xffc04a)},
+      ink::kNight,
+      colour_for(0xffffff),
+      colour_for(0xffe14d)};
+  return is_dark ? dark : light;
+}
+
+Colour time_colour(const PathColours& colours, double share) {
+  const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(colours.time.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(position), colours.time.size() - 2);
+  const double part = position - static_cast<double>(i);
+  return mixed(colours.time[i], colours.time[i + 1], part);
+}
+
+Colour keyframe_colour(const PathColours& colours, double share) {
+  constexpr double kInkShare = 0.4;
+  return mixed(time_colour(colours, share), colours.ink, kInkShare);
+}
+
+void check(const PathOverlay& overlay) {
+  check_indices(overlay.keyframes, overlay.trajectory.size(), "keyframe");
+  check_indices(overlay.doubtful, overlay.trajectory.size(), "doubtful scan");
+}
+
+std::vector<double> time_shares(const Trajectory& trajectory) {
+  std::vector<double> shares;
+  const double whole_s = duration_s(trajectory);
+  double elapsed_s = 0.0;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    // Where stamps say nothing, the order does.
+    if (whole_s > 0.0) elapsed_s = std::max(elapsed_s, trajectory[i].stamp_s - trajectory.front().stamp_s);
+    const double by_order =
+        static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(1, trajectory.size() - 1));
+    shares.push_back(whole_s > 0.0 ? elapsed_s / whole_s : by_order);
+  }
+  return shares;
+}
+
+double duration_s(const Trajectory& trajectory) {
+  double latest_s = 0.0;
+  for (const StampedPose& pose : trajectory) {
+    if (!std::isfinite(pose.stamp_s)) return 0.0;
+    latest_s = std::max(latest_s, pose.stamp_s - trajectory.front().stamp_s);
+  }
+  return latest_s;
+}
+
+void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const MapLook& look,
+               const PathColours& colours, const Proportions& sizes) {
+  const Panel& panel = frame.panel;
+  const std::vector<PathPoint> points = seen_points(frame, overlay.trajectory, 0.8 * sizes.unit);
+  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
+  if (look.with_path && points.size() > 1) {
+    std::vector<Point2> whole;
+    whole.reserve(points.size());
+    for (const PathPoint& point : points) whole.push_back(point.at);
+    canvas.polyline(std::move(whole), {.colour = colours.halo, .width = 2.3 * sizes.line_px, .opacity = 0.8});
+    draw_line(canvas, points, colours, sizes.line_px);
+  }
+  if (look.with_keyframes) draw_keyframes(canvas, frame, overlay, colours, sizes);
+  if (look.with_path && !points.empty()) {
+    draw_start(canvas, points.front().at, colours, sizes);
+    draw_end(canvas, points.back().at, colours, sizes);
+  }
+  draw_doubtful_scans(canvas, frame, overlay, colours, sizes);
+  canvas.end_clip();
+}
+
+void draw_start(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
+  canvas.circle(centre, kEndRadius * sizes.unit, Fill{time_colour(colours, 0.0)},
+                Pen{.colour = colours.halo, .width = 2.0 * sizes.unit});
+}
+
+void draw_end(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
+  const double radius = kEndRadius * sizes.unit;
+  canvas.circle(centre, radius + sizes.unit, Fill{colours.halo});
+  canvas.circle(centre, 0.75 * radius, Fill{colours.halo},
+                Pen{.colour = time_colour(colours, 1.0), .width = 0.5 * radius});
+}
+
+void draw_keyframe(Canvas& canvas, const Point2& centre, Colour colour, const Proportions& sizes) {
+  canvas.circle(centre, kKeyframeRadius * sizes.unit, Fill{colour});
+}
+
+void draw_doubtful(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes) {
+  const double radius = kRingRadius * sizes.unit;
+  canvas.circle(centre, radius, std::nullopt, Pen{.colour = colours.halo, .width = 5.5 * sizes.unit, .opacity = 0.9});
+  canvas.circle(centre, radius, std::nullopt, Pen{.colour = colours.doubtful, .width = 2.6 * sizes.unit});
+}
+
+}  // namespace gdtslam::picture

@@ -1,0 +1,43 @@
+// The path of the robot over a map: coloured by time, with keyframes, doubtful scans, start and end. Blue to orange
+// with rising lightness, so that readers who do not tell red from green see the order too; doubtful scans are rings,
+// which a print without colours still shows. Thread-safe; O(poses).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "map_frame.hpp"
+
+namespace gdtslam::picture {
+
+/// Colours of what lies over a light map or a dark field.
+struct PathColours {
+  std::vector<Colour> time;  ///< from start to end, evenly spaced
+  Colour halo;
+  Colour ink;  ///< keyframes take their path's colour, mixed with it
+  Colour doubtful;
+};
+const PathColours& path_colours(bool is_dark);
+/// 0 at the start, 1 at the end.
+Colour time_colour(const PathColours& colours, double share);
+Colour keyframe_colour(const PathColours& colours, double share);
+
+/// Throws InputError where an index of the overlay is beyond the trajectory.
+void check(const PathOverlay& overlay);
+/// The time since the start, as share of the whole, of each pose; never falls, though stamps of some logs do.
+std::vector<double> time_shares(const Trajectory& trajectory);
+/// From the first to the latest stamp.
+double duration_s(const Trajectory& trajectory);
+
+void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const MapLook& look,
+               const PathColours& colours, const Proportions& sizes);
+
+// What the legend shows of them, around `centre`.
+void draw_start(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);
+void draw_end(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);
+void draw_keyframe(Canvas& canvas, const Point2& centre, Colour colour, const Proportions& sizes);
+void draw_doubtful(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);
+
+}  // namespace gdtslam::picture

@@ -1,0 +1,154 @@
+#include "bars.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace gdtslam {
+namespace {
+
+constexpr int kBands = 128;
+constexpr double kTick_px = 4.0;
+/// Letters of the ticks, of the title's size.
+constexpr double kTickLetters = 0.92;
+/// From the base line to the middle of figures, of their size.
+constexpr double kHalfFigure = 0.36;
+
+Ticks ticks_along(const ColourBar& bar) {
+  const double room = bar.is_upright ? 2.4 * bar.text_size : 4.5 * bar.text_size;
+  const int most = static_cast<int>(std::clamp(bar.length / room, 1.0, 8.0));
+  return ticks_of(bar.from, bar.to, most, bar.steps);
+}
+
+struct Mark {
+  double value = 0.0;
+  std::string text;
+};
+
+/// An end of the bar to a fiftieth of its range, without zeros that say nothing.
+Mark end_mark(double value, double range) {
+  constexpr double kShare = 0.02;
+  double step = 1.0;
+  while (step > kShare * range && step > 1e-9) step /= 10.0;
+  while (step * 10.0 <= kShare * range) step *= 10.0;
+  std::string text = Ticks{.first = std::floor(value / step + 0.5) * step, .step = step, .count = 1}.text(0);
+  if (text.find('.') != std::string::npos && text.find('e') == std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  return {value, text};
+}
+
+/// Room between the middles of two marks that keeps their letters apart.
+double least_gap(const ColourBar& bar, const Mark& one, const Mark& other) {
+  const double size = kTickLetters * bar.text_size;
+  if (bar.is_upright) return 1.15 * size;
+  return 0.5 * (text_width(one.text, size) + text_width(other.text, size)) + 0.6 * size;
+}
+
+/// Both ends, and between them the round values that find room.
+std::vector<Mark> marks_of(const ColourBar& bar) {
+  const double range = bar.to - bar.from;
+  std::vector<Mark> marks{end_mark(bar.from, range)};
+  const Mark last = end_mark(bar.to, range);
+  const Ticks ticks = ticks_along(bar);
+  const auto gap = [&](const Mark& low, const Mark& high) { return (high.value - low.value) / range * bar.length; };
+  for (int i = 0; i < ticks.count; ++i) {
+    const Mark mark{ticks.value(i), ticks.text(i)};
+    const bool is_free = gap(marks.front(), mark) >= least_gap(bar, marks.front(), mark) &&
+                         gap(mark, last) >= least_gap(bar, mark, last);
+    if (is_free) marks.push_back(mark);
+  }
+  marks.push_back(last);
+  return marks;
+}
+
+double widest(const std::vector<Mark>& marks, double text_size) {
+  double width = 0.0;
+  for (const Mark& mark : marks) width = std::max(width, text_width(mark.text, kTickLetters * text_size));
+  return width;
+}
+
+double title_room(const ColourBar& bar) { return bar.title.empty() ? 0.0 : 1.7 * bar.text_size; }
+
+/// Room at both ends for half a tick's letters, and the pixel that whole pixels may take.
+double end_room(const ColourBar& bar) {
+  return bar.is_upright ? 0.5 * bar.text_size : 1.0 + 0.5 * widest(marks_of(bar), bar.text_size);
+}
+
+void draw_colours(Canvas& canvas, const ColourBar& bar, const Point2& corner) {
+  const double step = bar.length / kBands;
+  for (int band = 0; band < kBands; ++band) {
+    const Fill fill{bar.map->at((band + 0.5) / kBands)};
+    // Each reaches to the end: the next one covers the rest, and no seam shows.
+    const double rest = bar.length - band * step;
+    if (bar.is_upright) {
+      canvas.rectangle(corner, bar.thickness, rest, fill);
+    } else {
+      canvas.rectangle(corner + Point2(band * step, 0.0), rest, bar.thickness, fill);
+    }
+  }
+}
+
+}  // namespace
+
+DrawingArea room_of(const ColourBar& bar) {
+  const double letters = widest(marks_of(bar), bar.text_size);
+  const double title = text_width(bar.title, bar.text_size);
+  if (bar.is_upright) {
+    return {Point2::Zero(), std::max(title, bar.thickness + kTick_px + 4.0 + letters),
+            title_room(bar) + 2.0 * end_room(bar) + bar.length};
+  }
+  return {Point2::Zero(), std::max(title, bar.length + 2.0 * end_room(bar)),
+          title_room(bar) + bar.thickness + kTick_px + 1.4 * bar.text_size};
+}
+
+void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner, const Theme& theme) {
+  assert(bar.map != nullptr && bar.from < bar.to);
+  Lettering title{.size = bar.text_size, .colour = theme.text, .has_halo = bar.has_halo, .halo = theme.page};
+  if (!bar.title.empty()) canvas.text(corner + Point2(0.0, bar.text_size), bar.title, title);
+  const Point2 along = bar.is_upright ? Point2(0.0, end_room(bar)) : Point2(end_room(bar), 0.0);
+  const Point2 place = corner + Point2(0.0, title_room(bar)) + along;
+  const Point2 start(std::floor(place.x()), std::floor(place.y()));  // on whole pixels: no rim of colours below
+  draw_colours(canvas, bar, start);
+  const double width = bar.is_upright ? bar.thickness : bar.length;
+  const double height = bar.is_upright ? bar.length : bar.thickness;
+  canvas.rectangle(start, width, height, std::nullopt, Pen{.colour = theme.quiet, .width = 1.0, .opacity = 0.6});
+  Lettering letters = title;
+  letters.size = kTickLetters * bar.text_size;
+  letters.anchor = bar.is_upright ? Anchor::kStart : Anchor::kMiddle;
+  for (const Mark& mark : marks_of(bar)) {
+    const double share = (mark.value - bar.from) / (bar.to - bar.from);
+    const Point2 at = bar.is_upright ? start + Point2(bar.thickness, bar.length * (1.0 - share))
+                                     : start + Point2(bar.length * share, bar.thickness);
+    const Point2 end = bar.is_upright ? at + Point2(kTick_px, 0.0) : at + Point2(0.0, kTick_px);
+    canvas.line(at, end, {.colour = theme.quiet});
+    const Point2 by = bar.is_upright ? Point2(4.0, kHalfFigure * letters.size) : Point2(0.0, 1.2 * letters.size);
+    canvas.text(end + by, mark.text, letters);
+  }
+}
+
+void draw_scale_bar(Canvas& canvas, const ScaleBar& bar, const Point2& start, const Theme& theme) {
+  const double length_m = bar.pixels_per_m > 0.0 ? round_length_m(bar.most / bar.pixels_per_m) : 0.0;
+  if (!(length_m > 0.0)) return;
+  const Point2 end = start + Point2(length_m * bar.pixels_per_m, 0.0);
+  const Point2 half_tick(0.0, 0.4 * bar.text_size);
+  // Twice: the page's colour around it first, so that it shows on any picture.
+  for (const bool is_halo : {true, false}) {
+    if (is_halo && !bar.has_halo) continue;
+    const Pen pen{.colour = is_halo ? theme.page : theme.text, .width = is_halo ? 5.0 : 2.0};
+    canvas.line(start, end, pen);
+    canvas.line(start - half_tick, start + half_tick, pen);
+    canvas.line(end - half_tick, end + half_tick, pen);
+  }
+  canvas.text(0.5 * (start + end) - Point2(0.0, 0.7 * bar.text_size), length_text(length_m),
+              {.size = bar.text_size,
+               .colour = theme.text,
+               .anchor = Anchor::kMiddle,
+               .has_halo = bar.has_halo,
+               .halo = theme.page});
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,213 @@
+#include "cairo_painter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "gdtslam/core/error.hpp"
+
+#ifdef __SANITIZE_ADDRESS__
+// Fontconfig keeps the parts of a pattern by offsets, which the search for leaks cannot follow.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
+extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
+#endif
+
+namespace gdtslam {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+/// The face that text_width() knows; fontconfig gives its nearest one where it is not installed.
+constexpr const char* kFace = "DejaVu Sans";
+constexpr double kHalo_px = 4.0;
+constexpr std::size_t kMostDashes = 8;
+
+void set_colour(cairo_t* context, Colour colour, double opacity) {
+  cairo_set_source_rgba(context, colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0, opacity);
+}
+
+/// "4 3" as Cairo wants it.
+void set_dashes(cairo_t* context, std::string_view text) {
+  std::array<double, kMostDashes> lengths{};
+  int count = 0;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at < end && count < static_cast<int>(kMostDashes)) {
+    if (*at == ' ' || *at == ',') {
+      ++at;
+      continue;
+    }
+    const auto [next, fault] = std::from_chars(at, end, lengths.at(static_cast<std::size_t>(count)));
+    if (fault != std::errc{}) break;
+    at = next;
+    ++count;
+  }
+  cairo_set_dash(context, lengths.data(), count, 0.0);
+}
+
+void trace(cairo_t* context, const std::vector<Point2>& points) {
+  cairo_new_path(context);
+  for (const Point2& point : points) cairo_line_to(context, point.x(), point.y());
+}
+
+void trace(cairo_t* context, const shape::Rectangle& box) {
+  cairo_new_path(context);
+  const double radius = std::min({box.radius, 0.5 * box.width, 0.5 * box.height});
+  const Point2 near = box.corner;
+  const Point2 far = near + Point2(box.width, box.height);
+  if (radius <= 0.0) {
+    cairo_rectangle(context, near.x(), near.y(), box.width, box.height);
+    return;
+  }
+  cairo_arc(context, far.x() - radius, near.y() + radius, radius, -0.5 * kPi, 0.0);
+  cairo_arc(context, far.x() - radius, far.y() - radius, radius, 0.0, 0.5 * kPi);
+  cairo_arc(context, near.x() + radius, far.y() - radius, radius, 0.5 * kPi, kPi);
+  cairo_arc(context, near.x() + radius, near.y() + radius, radius, kPi, 1.5 * kPi);
+  cairo_close_path(context);
+}
+
+/// Cairo has letters of its own, A to z only, for where there is no font at all: words would be wrong without a word.
+void check_font(cairo_t* context) {
+  cairo_scaled_font_t* const font = cairo_get_scaled_font(context);
+  cairo_text_extents_t extents;
+  cairo_text_extents(context, "0", &extents);
+  if (cairo_scaled_font_get_type(font) == CAIRO_FONT_TYPE_USER || !(extents.x_advance > 0.0) ||
+      !(extents.height > 0.0)) {
+    throw UnavailableError(
+        "there is no font to write the words of a picture with: install one (Debian: fonts-dejavu-core), or write SVG");
+  }
+}
+
+double start_of(Anchor anchor, double advance) {
+  switch (anchor) {
+    case Anchor::kMiddle:
+      return -0.5 * advance;
+    case Anchor::kEnd:
+      return -advance;
+    case Anchor::kStart:
+      break;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+void check_cairo(cairo_status_t status, const std::string& what) {
+  if (status == CAIRO_STATUS_SUCCESS) return;
+  throw Error(ExitCode::kFailed, what + " failed: " + cairo_status_to_string(status));
+}
+
+CairoPainter::CairoPainter(cairo_t* context) : context_(context) {
+  cairo_set_line_cap(context_, CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(context_, CAIRO_LINE_JOIN_ROUND);
+  const std::unique_ptr<cairo_font_options_t, CairoDeleter> options(cairo_font_options_create());
+  // Stated, so that a desktop's settings of its letters change no picture.
+  cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_SLIGHT);
+  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(context_, options.get());
+}
+
+void CairoPainter::fill(const std::optional<Fill>& fill) {
+  if (!fill) return;
+  set_colour(context_, fill->colour, fill->opacity);
+  cairo_fill_preserve(context_);
+}
+
+void CairoPainter::stroke(const std::optional<Pen>& pen) {
+  if (!pen || !(pen->width > 0.0)) return;
+  set_colour(context_, pen->colour, pen->opacity);
+  cairo_set_line_width(context_, pen->width);
+  set_dashes(context_, pen->dashes);
+  cairo_stroke(context_);
+}
+
+void CairoPainter::operator()(const shape::Rectangle& box) {
+  trace(context_, box);
+  fill(box.fill);
+  stroke(box.edge);
+}
+
+void CairoPainter::operator()(const shape::Line& line) {
+  trace(context_, line.points);
+  stroke(line.pen);
+}
+
+void CairoPainter::operator()(const shape::Polygon& polygon) {
+  trace(context_, polygon.points);
+  cairo_close_path(context_);
+  fill(polygon.fill);
+}
+
+void CairoPainter::operator()(const shape::Circle& circle) {
+  cairo_new_path(context_);
+  cairo_arc(context_, circle.centre.x(), circle.centre.y(), std::max(0.0, circle.radius), 0.0, 2.0 * kPi);
+  cairo_close_path(context_);
+  fill(circle.fill);
+  stroke(circle.edge);
+}
+
+void CairoPainter::use_font(const Lettering& lettering) {
+  cairo_select_font_face(context_, kFace, CAIRO_FONT_SLANT_NORMAL,
+                         lettering.is_bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(context_, lettering.size);
+  if (!has_font_) check_font(context_);
+  has_font_ = true;
+}
+
+void CairoPainter::operator()(const shape::Words& words) {
+  const Lettering& lettering = words.lettering;
+  use_font(lettering);
+  const char* const text = words.text.c_str();
+  cairo_save(context_);
+  cairo_translate(context_, words.at.x(), words.at.y());
+  if (words.is_upright) cairo_rotate(context_, -0.5 * kPi);
+  cairo_text_extents_t extents;
+  cairo_text_extents(context_, text, &extents);
+  const double start = start_of(lettering.anchor, extents.x_advance);
+  if (lettering.has_halo) {
+    cairo_new_path(context_);
+    cairo_move_to(context_, start, 0.0);
+    cairo_text_path(context_, text);
+    stroke(Pen{.colour = lettering.halo, .width = kHalo_px});
+  }
+  cairo_move_to(context_, start, 0.0);
+  set_colour(context_, lettering.colour, 1.0);
+  cairo_show_text(context_, text);
+  cairo_restore(context_);
+}
+
+void CairoPainter::operator()(const shape::Picture& picture) {
+  const RgbaImage& image = *picture.image;
+  if (image.width == 0 || image.height == 0) return;
+  const CairoSurface surface = surface_of(image);
+  cairo_save(context_);
+  cairo_translate(context_, picture.corner.x(), picture.corner.y());
+  cairo_new_path(context_);
+  cairo_rectangle(context_, 0.0, 0.0, picture.width, picture.height);
+  cairo_clip(context_);
+  cairo_scale(context_, picture.width / image.width, picture.height / image.height);
+  cairo_set_source_surface(context_, surface.get(), 0.0, 0.0);
+  cairo_pattern_t* const pattern = cairo_get_source(context_);
+  cairo_pattern_set_filter(pattern, picture.is_smooth ? CAIRO_FILTER_GOOD : CAIRO_FILTER_NEAREST);
+  cairo_pattern_set_extend(pattern, CAIRO_EXTEND_PAD);  // no half-transparent rim where it is enlarged
+  cairo_paint(context_);
+  cairo_restore(context_);
+}
+
+void CairoPainter::operator()(const shape::ClipBegin& clip) {
+  cairo_save(context_);
+  cairo_new_path(context_);  // the shape before left its own
+  cairo_rectangle(context_, clip.corner.x(), clip.corner.y(), clip.width, clip.height);
+  cairo_clip(context_);
+  ++open_clips_;
+}
+
+void CairoPainter::operator()(const shape::ClipEnd& /*clip*/) {
+  if (open_clips_ == 0) return;
+  cairo_restore(context_);
+  --open_clips_;
+}
+
+}  // namespace gdtslam

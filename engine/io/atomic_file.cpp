@@ -1,0 +1,245 @@
+#include "atomic_file.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "errno_text.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kBufferBytes = std::size_t{1} << 16;
+constexpr mode_t kNewFileMode = 0666;  // the umask takes away what the user does not want
+constexpr std::string_view kSuffix = ".tmp";
+
+std::string folder_of(const std::string& file) {
+  const std::string folder = fs::path(file).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+std::string temporary_prefix(const std::string& file) { return "." + fs::path(file).filename().string() + "."; }
+
+/// A writer holds a lock on its temporary file as long as it lives, so one that can be locked has no writer any more.
+void remove_if_abandoned(const std::string& temporary) {
+  const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  if (descriptor < 0) {
+    return;
+  }
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+    ::unlink(temporary.c_str());
+  }
+  ::close(descriptor);
+}
+
+void remove_abandoned(const std::string& target) {
+  const std::string folder = folder_of(target);
+  const std::string prefix = temporary_prefix(target);
+  DIR* const listing = ::opendir(folder.c_str());
+  if (listing == nullptr) {
+    return;  // creating the file will say what is wrong with the folder
+  }
+  while (const dirent* entry = ::readdir(listing)) {
+    const std::string_view name = static_cast<const char*>(entry->d_name);
+    if (name.starts_with(prefix) && name.ends_with(kSuffix)) {
+      remove_if_abandoned(folder + "/" + std::string(name));
+    }
+  }
+  ::closedir(listing);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
+  buffer_.reserve(kBufferBytes);
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) {
+    throw FileError(path_, "cannot be written: it is a folder");
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor_ < 0) {
+      fail("cannot be written", errno);
+    }
+    return;
+  }
+  if (fs::is_symlink(fs::symlink_status(path, ignored))) {
+    const fs::path resolved = fs::weakly_canonical(path, ignored);
+    target_ = resolved.empty() ? path : resolved.string();
+  }
+  remove_abandoned(target_);
+  open_temporary();
+  struct stat old {};
+  if (::stat(target_.c_str(), &old) == 0 && ::fchmod(descriptor_, old.st_mode & 07777U) != 0) {
+    errno = 0;  // the file belongs to someone else: it gets the usual permissions of a new one
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) {
+    if (!temporary_.empty()) {
+      ::unlink(temporary_.c_str());
+    }
+    ::close(descriptor_);
+  }
+}
+
+bool AtomicFile::try_temporary(const std::string& name) {
+  descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode);
+  if (descriptor_ < 0) {
+    if (errno != EEXIST) {
+      fail("cannot be created", errno);
+    }
+    return false;
+  }
+  // Someone who tidies up may have taken the lock between open and flock; then the file is theirs to remove.
+  const bool is_locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+  struct stat status {};
+  if (is_locked && ::fstat(descriptor_, &status) == 0 && status.st_nlink > 0) {
+    temporary_ = name;
+    return true;
+  }
+  ::close(descriptor_);
+  descriptor_ = -1;
+  return false;
+}
+
+void AtomicFile::open_temporary() {
+  static std::atomic<unsigned> counter{0};
+  constexpr int kAttempts = 100;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const unsigned serial = counter.fetch_add(1);
+    if (try_temporary(
+            fmt::format("{}/{}{}-{}{}", folder_of(target_), temporary_prefix(target_), ::getpid(), serial, kSuffix))) {
+      return;
+    }
+  }
+  throw FileError(path_, "cannot be created: too many temporary files of this name lie beside it; remove them");
+}
+
+void AtomicFile::fail(const char* what, int code) const {
+  throw FileError(path_, fmt::format("{}: {}", what, errno_text(code)));
+}
+
+void AtomicFile::write_through(const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t count = ::write(descriptor_, data, size);
+    if (count < 0) {
+      if (errno == EINTR) {
+        continue;
+      }
+      fail("cannot be written", errno);
+    }
+    data += count;
+    size -= static_cast<std::size_t>(count);
+  }
+}
+
+void AtomicFile::flush() {
+  write_through(buffer_.data(), buffer_.size());
+  buffer_.clear();
+}
+
+void AtomicFile::write(std::string_view text) {
+  synced_ = false;
+  if (buffer_.size() + text.size() > kBufferBytes) {
+    flush();
+  }
+  if (text.size() > kBufferBytes) {
+    write_through(text.data(), text.size());
+  } else {
+    buffer_.insert(buffer_.end(), text.begin(), text.end());
+  }
+}
+
+void AtomicFile::write(std::span<const std::byte> data) {
+  write(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
+}
+
+void AtomicFile::rewrite_begin(std::string_view text) {
+  flush();
+  synced_ = false;
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t count = ::pwrite(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail("cannot be written twice, as its header must be", errno);
+    done += static_cast<std::size_t>(count);
+  }
+}
+
+void AtomicFile::sync() {
+  flush();
+  if (!temporary_.empty() && !synced_ && ::fsync(descriptor_) != 0) {
+    fail("cannot be written to the disk", errno);
+  }
+  synced_ = true;
+}
+
+void AtomicFile::commit() {
+  sync();
+  if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    fail("cannot take its name", errno);
+  }
+  const bool was_renamed = !temporary_.empty();
+  temporary_.clear();
+  const int descriptor = std::exchange(descriptor_, -1);
+  if (::close(descriptor) != 0 && errno != EINTR) {
+    fail("cannot be closed", errno);
+  }
+  if (was_renamed) sync_folder(folder_of(target_));
+}
+
+AtomicFile& AtomicFileSet::add(const std::string& path) {
+  files_.push_back(std::make_unique<AtomicFile>(path));
+  return *files_.back();
+}
+
+void AtomicFileSet::commit() {
+  for (const auto& file : files_) {
+    file->sync();
+  }
+  for (const auto& file : files_) {
+    file->commit();
+  }
+  files_.clear();
+}
+
+void write_file_atomically(const std::string& path, std::string_view text) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+void sync_folder(const std::string& path) {
+  const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool is_synced = folder >= 0 && (::fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP);
+  const int code = errno;
+  if (folder >= 0) ::close(folder);
+  if (is_synced || code == EACCES) return;  // a folder may allow writing but not reading; the files are on the disk
+  throw FileError(path, "cannot be synced: " + errno_text(code));
+}
+
+void make_folder(const std::string& path) {
+  std::error_code code;
+  fs::create_directories(path, code);
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) {
+    throw FileError(path, fmt::format("cannot be made a folder: {}",
+                                      code ? errno_text(code.value()) : "something else has this name"));
+  }
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,355 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "cloud_file_layout.hpp"
+#include "cloud_input.hpp"
+#include "cloud_numbers.hpp"
+#include "engine/io/file_limits.hpp"
+#include "engine/io/logs/byte_source.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "lzf.hpp"
+#include "pcd_header.hpp"
+#include "ply_header.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostPacked = std::size_t{1} << 30U;
+constexpr std::size_t kMostExpansion = 88;  // LZF gives at most 264 bytes for three
+constexpr std::size_t kMostReserved = 65536;
+constexpr auto kRoles = static_cast<std::size_t>(CloudRole::kIgnored);
+
+bool is_ascii(const CloudFileLayout& layout) {
+  return layout.header.format == CloudFormat::kPlyAscii || layout.header.format == CloudFormat::kPcdAscii;
+}
+
+bool has(const CloudFileLayout& layout, CloudRole role) {
+  return std::any_of(layout.vertex.columns.begin(), layout.vertex.columns.end(),
+                     [role](const CloudColumn& column) { return column.role == role; });
+}
+
+// What every layout must have, whatever its format says it in.
+void check_columns(CloudFileLayout& layout, const std::string& name) {
+  std::array<int, kRoles> times{};
+  for (CloudColumn& column : layout.vertex.columns) {
+    if (column.list_count || column.repeat != 1) column.role = CloudRole::kIgnored;
+    if (column.role == CloudRole::kIgnored) continue;
+    if (++times[static_cast<std::size_t>(column.role)] > 1) {
+      throw InputError({name, 0}, fmt::format("its points have two columns '{}'", to_string(column.role)));
+    }
+  }
+  for (const CloudRole role : {CloudRole::kX, CloudRole::kY, CloudRole::kZ}) {
+    if (!has(layout, role)) {
+      throw InputError({name, 0}, fmt::format("its points have no column '{}' of one number", to_string(role)));
+    }
+  }
+}
+
+CloudFileLayout read_header(CloudInput& input) {
+  const std::optional<std::string_view> first = input.line();
+  if (!first) throw InputError({input.name(), 0}, "is empty");
+  CloudFileLayout layout;
+  if (*first == "ply") {
+    layout = read_ply_header(input);
+  } else if (first->starts_with("# .PCD") || first->starts_with("VERSION")) {
+    layout = read_pcd_header(input, std::string(*first));
+  } else {
+    throw InputError({input.name(), 1}, "is neither PLY nor PCD: the first line says neither 'ply' nor '# .PCD'");
+  }
+  check_columns(layout, input.name());
+  layout.header.points = layout.vertex.count;
+  layout.header.has_elevation = has(layout, CloudRole::kElevation);
+  layout.header.has_time = has(layout, CloudRole::kTime);
+  layout.header.has_scan = has(layout, CloudRole::kScan);
+  return layout;
+}
+
+/// A column that stands at the same place in every point.
+struct PlacedColumn {
+  Scalar type = Scalar::kFloat;
+  CloudRole role = CloudRole::kIgnored;
+  std::uint64_t offset = 0;  ///< in the point; of compressed data in all of them
+  std::uint64_t step = 0;    ///< from one point to the next, of compressed data
+};
+
+// The columns that mean something; empty where lists make points differ in length.
+std::vector<PlacedColumn> placed_columns(const CloudFileLayout& layout) {
+  std::vector<PlacedColumn> placed;
+  std::uint64_t offset = 0;
+  for (const CloudColumn& column : layout.vertex.columns) {
+    if (column.list_count) return {};
+    const std::uint64_t bytes = size_of(column.type) * column.repeat;
+    if (column.role != CloudRole::kIgnored) {
+      placed.push_back({column.type, column.role, offset, layout.is_compressed ? bytes : 0});
+    }
+    offset += layout.is_compressed ? bytes * layout.vertex.count : bytes;
+  }
+  return placed;
+}
+
+// Bytes that a point has at least; of lists only their lengths.
+std::uint64_t least_bytes(const CloudFileLayout& layout) {
+  std::uint64_t bytes = 0;
+  for (const CloudColumn& column : layout.vertex.columns) {
+    bytes += column.list_count ? size_of(*column.list_count) : size_of(column.type) * column.repeat;
+  }
+  return bytes;
+}
+
+}  // namespace
+
+struct CloudReader::State {
+  State(std::unique_ptr<ByteSource> source, const std::string& name)
+      : input(gunzip_if_packed(std::move(source), name), name), layout(read_header(input)) {
+    for (const CloudElement& element : layout.before) skip(element);
+    point_bytes = least_bytes(layout);
+    if (layout.is_compressed && layout.vertex.count > 0) unpack();
+    if (point_bytes <= CloudInput::kMostBytes || layout.is_compressed) placed = placed_columns(layout);
+  }
+
+  void skip(const CloudElement& element);
+  void unpack();
+  bool read_point(CloudPoint& point);
+  void choose_origin();
+  void read_ascii();
+  void read_placed();
+  void read_value_by_value();
+  std::optional<std::string_view> line_with_text();
+  double binary_value(Scalar type);
+  [[nodiscard]] double list_length(double count) const;
+  void check_end();
+  [[nodiscard]] double value(CloudRole role) const { return values[static_cast<std::size_t>(role)]; }
+  void set(const CloudColumn& column, double number) {
+    if (column.role != CloudRole::kIgnored) values[static_cast<std::size_t>(column.role)] = number;
+  }
+  [[noreturn]] void ends_early() const;
+  [[noreturn]] void fail(const std::string& message) const;
+
+  CloudInput input;
+  CloudFileLayout layout;
+  std::uint64_t point_bytes = 0;
+  std::vector<PlacedColumn> placed;
+  std::string unpacked;  // of binary_compressed: column after column
+  std::uint64_t done = 0;
+  std::uint64_t skipped = 0;
+  bool is_end_checked = false;
+  bool is_relative = false;
+  bool has_origin = false;
+  std::array<double, 3> origin_m{};
+  std::array<double, kRoles> values{};  // of the point at hand; what the file lacks is 0
+};
+
+void CloudReader::State::ends_early() const {
+  const std::string defect = input.defect();
+  throw InputError({input.name(), 0}, fmt::format("ends after {} of the {} points that its header names{}", done,
+                                                  layout.header.points, defect.empty() ? "" : ": " + defect));
+}
+
+void CloudReader::State::fail(const std::string& message) const {
+  if (is_ascii(layout)) throw InputError({input.name(), input.line_number()}, message);
+  throw InputError({input.name(), 0}, fmt::format("point {}: {}", done, message));
+}
+
+double CloudReader::State::binary_value(Scalar type) {
+  const char* const data = input.bytes(size_of(type));
+  if (data == nullptr) ends_early();
+  return decode(type, data, layout.is_big_endian);
+}
+
+double CloudReader::State::list_length(double count) const {
+  if (!(count >= 0.0)) fail("the length of a list is no number from 0");
+  return count;
+}
+
+void CloudReader::State::read_value_by_value() {
+  for (const CloudColumn& column : layout.vertex.columns) {
+    if (column.list_count) {
+      const double count = list_length(binary_value(*column.list_count));
+      for (double k = 0.0; k < count; ++k) binary_value(column.type);
+    } else {
+      for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, binary_value(column.type));
+    }
+  }
+}
+
+void CloudReader::State::read_placed() {
+  const char* const data = layout.is_compressed ? unpacked.data() : input.bytes(point_bytes);
+  if (data == nullptr) ends_early();
+  for (const PlacedColumn& column : placed) {
+    values[static_cast<std::size_t>(column.role)] =
+        decode(column.type, data + column.offset + done * column.step, layout.is_big_endian);
+  }
+}
+
+std::optional<std::string_view> CloudReader::State::line_with_text() {
+  std::optional<std::string_view> line = input.line();
+  while (line && line->find_first_not_of(" \t") == std::string_view::npos) line = input.line();
+  return line;
+}
+
+void CloudReader::State::read_ascii() {
+  const std::optional<std::string_view> line = line_with_text();
+  if (!line) ends_early();
+  CloudNumbers numbers(*line);
+  const auto number = [&](Scalar type) {
+    const std::optional<double> found = numbers.next(type);
+    if (!found) fail("has fewer numbers than columns, or something that is no number");
+    return *found;
+  };
+  for (const CloudColumn& column : layout.vertex.columns) {
+    if (column.list_count) {
+      const double count = list_length(number(*column.list_count));
+      for (double k = 0.0; k < count; ++k) number(column.type);
+    } else {
+      for (std::uint64_t k = 0; k < column.repeat; ++k) set(column, number(column.type));
+    }
+  }
+  if (!numbers.at_end()) fail("has more numbers than columns, or something that is no number");
+}
+
+// Elements in front of the vertices: their bytes or lines are read over.
+void CloudReader::State::skip(const CloudElement& element) {
+  if (element.columns.empty()) return;  // takes no byte, however many there are
+  for (std::uint64_t k = 0; k < element.count; ++k) {
+    if (is_ascii(layout)) {
+      if (!line_with_text()) ends_early();
+      continue;
+    }
+    for (const CloudColumn& column : element.columns) {
+      const double count = column.list_count ? list_length(binary_value(*column.list_count)) : 1.0;
+      for (double item = 0.0; item < count; ++item) binary_value(column.type);
+    }
+  }
+}
+
+// The sizes that the file states are believed only as far as its bytes go.
+void CloudReader::State::unpack() {
+  const char* const sizes = input.bytes(8);
+  if (sizes == nullptr) ends_early();
+  const auto packed_size = static_cast<std::size_t>(decode(Scalar::kUint32, sizes, false));
+  const auto size = static_cast<std::size_t>(decode(Scalar::kUint32, sizes + 4, false));
+  if (packed_size > kMostPacked || size / kMostExpansion > packed_size || layout.vertex.count != size / point_bytes ||
+      layout.vertex.count * point_bytes != size) {
+    throw InputError({input.name(), 0}, "the sizes of its compressed data do not fit its header");
+  }
+  std::string packed;
+  while (packed.size() < packed_size) {
+    const std::string_view piece = input.some(packed_size - packed.size());
+    if (piece.empty()) throw InputError({input.name(), 0}, "ends within its compressed data");
+    packed.append(piece);
+    check_kept_bytes(packed.size(), input.bytes_from_file(), input.name());
+  }
+  check_kept_bytes(packed.size() + size, input.bytes_from_file(), input.name());
+  std::optional<std::string> data = unpack_lzf(packed, size);
+  if (!data) throw InputError({input.name(), 0}, "its compressed data are damaged");
+  unpacked = std::move(*data);
+}
+
+// A file that goes on by a point or more has a wrong count, and points would be lost unseen.
+void CloudReader::State::check_end() {
+  if (std::exchange(is_end_checked, true) || layout.has_more || layout.is_compressed) return;
+  const bool goes_on = is_ascii(layout)
+                           ? line_with_text().has_value()
+                           : input.bytes(std::min<std::size_t>(point_bytes, CloudInput::kMostBytes)) != nullptr;
+  if (goes_on) {
+    throw InputError({input.name(), is_ascii(layout) ? input.line_number() : 0},
+                     fmt::format("goes on after the {} points that its header names; correct the count there", done));
+  }
+}
+
+// By the first point that is finite: kilometres of the axes on which it is far.
+void CloudReader::State::choose_origin() {
+  constexpr double kFar_m = 1e4;
+  constexpr double kFarthest_m = 1e9;  // beyond, no grid of the earth
+  const std::array<double, 3> first{value(CloudRole::kX), value(CloudRole::kY), value(CloudRole::kZ)};
+  for (const double number : first) {
+    if (!std::isfinite(number)) return;
+  }
+  for (std::size_t axis = 0; axis < first.size(); ++axis) {
+    const double far = std::abs(first[axis]);
+    if (far > kFar_m && far < kFarthest_m) origin_m[axis] = std::floor(first[axis] / 1000.0) * 1000.0;
+  }
+  has_origin = true;
+}
+
+// False when the point is not finite.
+bool CloudReader::State::read_point(CloudPoint& point) {
+  if (is_ascii(layout)) {
+    read_ascii();
+  } else if (!placed.empty()) {
+    read_placed();
+  } else {
+    read_value_by_value();
+  }
+  if (is_relative && !has_origin) choose_origin();
+  point = {.x_m = static_cast<float>(value(CloudRole::kX) - origin_m[0]),
+           .y_m = static_cast<float>(value(CloudRole::kY) - origin_m[1]),
+           .z_m = static_cast<float>(value(CloudRole::kZ) - origin_m[2]),
+           .elevation_rad = static_cast<float>(value(CloudRole::kElevation)),
+           .stamp_s = value(CloudRole::kTime)};
+  if (!(std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m) &&
+        std::isfinite(point.elevation_rad) && std::isfinite(point.stamp_s))) {
+    return false;
+  }
+  const double scan = value(CloudRole::kScan);
+  if (!(scan >= 0.0 && scan <= std::numeric_limits<std::uint32_t>::max() && scan == std::floor(scan))) {
+    fail("its scan number is none from 0 to 4294967295");
+  }
+  point.scan = static_cast<std::uint32_t>(scan);
+  return true;
+}
+
+CloudReader::CloudReader(const std::string& path) : state_(std::make_unique<State>(open_file_source(path), path)) {}
+CloudReader::CloudReader(std::span<const std::byte> data, const std::string& name)
+    : state_(std::make_unique<State>(open_memory_source(data), name)) {}
+CloudReader::~CloudReader() = default;
+const CloudHeader& CloudReader::header() const { return state_->layout.header; }
+std::uint64_t CloudReader::skipped() const { return state_->skipped; }
+void CloudReader::make_relative() { state_->is_relative = true; }
+const std::array<double, 3>& CloudReader::origin_m() const { return state_->origin_m; }
+
+void CloudReader::check_kept(std::uint64_t points) const {
+  check_kept_bytes(points * sizeof(CloudPoint), state_->input.bytes_from_file(), state_->input.name());
+}
+
+Cloud CloudReader::next(std::size_t most) {
+  State& s = *state_;
+  Cloud cloud;
+  cloud.reserve(std::min({most, kMostReserved, static_cast<std::size_t>(s.layout.header.points - s.done)}));
+  CloudPoint point;
+  for (; cloud.size() < most && s.done < s.layout.header.points; ++s.done) {
+    if (s.read_point(point)) {
+      cloud.push_back(point);
+    } else {
+      ++s.skipped;
+    }
+  }
+  if (s.done == s.layout.header.points) s.check_end();
+  return cloud;
+}
+
+Cloud read_cloud(const std::string& path, std::uint64_t max_points, std::uint64_t* skipped,
+                 std::array<double, 3>* origin_m) {
+  CloudReader reader(path);
+  if (origin_m != nullptr) reader.make_relative();
+  Cloud cloud;
+  for (Cloud piece = reader.next(); !piece.empty(); piece = reader.next()) {
+    reader.check_kept(cloud.size() + piece.size());
+    if (cloud.size() + piece.size() > max_points) {
+      throw InputError({path, 0},
+                       fmt::format("has more than {} points; thin it first (map --set cloud.voxel=...)", max_points));
+    }
+    cloud.insert(cloud.end(), piece.begin(), piece.end());
+  }
+  if (skipped != nullptr) *skipped = reader.skipped();
+  if (origin_m != nullptr) *origin_m = reader.origin_m();
+  return cloud;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,150 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/errno_text.hpp"
+#include "engine/io/sha256.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kPiece = 4096;
+constexpr std::size_t kPointBytes = 28;
+constexpr std::size_t kCountDigits = 20;
+
+// Little-endian, whatever the host; returns where the next value begins.
+template <class T>
+char* put(char* at, T value) {
+  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+  std::memcpy(at, bytes.data(), sizeof(T));
+  return at + sizeof(T);
+}
+
+void put_binary(char* at, const CloudPoint& point) {
+  at = put(at, point.x_m);
+  at = put(at, point.y_m);
+  at = put(at, point.z_m);
+  at = put(at, point.elevation_rad);
+  at = put(at, point.stamp_s);
+  put(at, point.scan);
+}
+
+// The shortest digits that read back as the same bits.
+void append_text(std::string& text, const CloudPoint& p) {
+  fmt::format_to(std::back_inserter(text), "{} {} {} {} {} {}\n", p.x_m, p.y_m, p.z_m, p.elevation_rad, p.stamp_s,
+                 p.scan);
+}
+
+bool is_ply(CloudFormat format) { return format == CloudFormat::kPlyBinary || format == CloudFormat::kPlyAscii; }
+bool is_binary(CloudFormat format) { return format == CloudFormat::kPlyBinary || format == CloudFormat::kPcdBinary; }
+
+// As long for any count: blanks in a comment make up for its missing digits.
+std::string header_of(CloudFormat format, std::uint64_t points) {
+  const std::string count = std::to_string(points);
+  const std::string blanks((kCountDigits - count.size()) * (is_ply(format) ? 1 : 2), ' ');
+  if (is_ply(format)) {
+    return fmt::format(
+        "ply\nformat {} 1.0\ncomment gdtslam; metres, radians, seconds; frame map{}\nelement vertex {}\n"
+        "property float x\nproperty float y\nproperty float z\nproperty float elevation\nproperty double time\n"
+        "property uint scan\nend_header\n",
+        is_binary(format) ? "binary_little_endian" : "ascii", blanks, count);
+  }
+  return fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\n# gdtslam; metres, radians, seconds; frame map{}\nVERSION 0.7\n"
+      "FIELDS x y z elevation time scan\nSIZE 4 4 4 4 8 4\nTYPE F F F F F U\nCOUNT 1 1 1 1 1 1\nWIDTH {}\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA {}\n",
+      blanks, count, count, is_binary(format) ? "binary" : "ascii");
+}
+
+// Before anything is written: a target whose beginning cannot be written again would end as a cloud of no points.
+const std::string& seekable(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||
+      std::filesystem::is_directory(status)) {
+    return path;
+  }
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0 && errno != ENXIO) throw FileError(path, "cannot be written: " + errno_text(errno));
+  const bool can_seek = descriptor >= 0 && ::lseek(descriptor, 0, SEEK_CUR) >= 0;
+  if (descriptor >= 0) ::close(descriptor);
+  if (can_seek) return path;
+  throw FileError(path,
+                  "is a pipe or a terminal: a cloud begins with its number of points, which is known last; "
+                  "name a file");
+}
+
+}  // namespace
+
+CloudFormat cloud_format_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (extension == ".ply") return CloudFormat::kPlyBinary;
+  if (extension == ".pcd") return CloudFormat::kPcdBinary;
+  throw UsageError(path + ": the name of a cloud ends in .ply or .pcd");
+}
+
+struct CloudWriter::State {
+  AtomicFile file;
+  CloudFormat format;
+  Sha256 hash;
+  std::string sha256;
+  std::uint64_t points = 0;
+  std::string binary;
+  std::string text;
+};
+
+CloudWriter::CloudWriter(const std::string& path, CloudFormat format)
+    : state_(new State{.file = AtomicFile(seekable(path)),
+                       .format = format,
+                       .hash = {},
+                       .sha256 = {},
+                       .binary = std::string(kPiece * kPointBytes, '\0'),
+                       .text = {}}) {
+  state_->file.write(header_of(format, 0));
+}
+
+CloudWriter::~CloudWriter() = default;
+
+void CloudWriter::add(std::span<const CloudPoint> points) {
+  State& s = *state_;
+  while (!points.empty()) {
+    const std::span<const CloudPoint> piece = points.first(std::min(points.size(), kPiece));
+    points = points.subspan(piece.size());
+    for (std::size_t k = 0; k < piece.size(); ++k) put_binary(s.binary.data() + k * kPointBytes, piece[k]);
+    const std::string_view binary(s.binary.data(), piece.size() * kPointBytes);
+    s.hash.update(binary);
+    if (is_binary(s.format)) {
+      s.file.write(binary);
+    } else {
+      s.text.clear();
+      for (const CloudPoint& point : piece) append_text(s.text, point);
+      s.file.write(s.text);
+    }
+    s.points += piece.size();
+  }
+}
+
+void CloudWriter::finish() {
+  State& s = *state_;
+  s.file.rewrite_begin(header_of(s.format, s.points));
+  s.file.commit();
+  s.sha256 = s.hash.hex();
+}
+
+std::uint64_t CloudWriter::points() const { return state_->points; }
+std::string CloudWriter::points_sha256() const { return state_->sha256; }
+
+}  // namespace gdtslam

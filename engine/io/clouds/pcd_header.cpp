@@ -1,0 +1,127 @@
+#include "pcd_header.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "cloud_words.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostColumns = 1000;
+constexpr std::uint64_t kMostLines = 10'000;
+constexpr std::uint64_t kMostValues = 8000;  // of a column of a point
+
+using Words = std::vector<std::string>;
+
+struct PcdHeader {
+  Words fields;
+  Words sizes;
+  Words types;
+  Words counts;
+  std::optional<std::uint64_t> width;
+  std::optional<std::uint64_t> height;
+  std::optional<std::uint64_t> points;
+  std::string data;
+};
+
+Scalar scalar_of(std::string_view type, std::string_view size, const FilePosition& at) {
+  const std::string name = std::string(type) + std::string(size);
+  if (name == "I1") return Scalar::kInt8;
+  if (name == "U1") return Scalar::kUint8;
+  if (name == "I2") return Scalar::kInt16;
+  if (name == "U2") return Scalar::kUint16;
+  if (name == "I4") return Scalar::kInt32;
+  if (name == "U4") return Scalar::kUint32;
+  if (name == "I8") return Scalar::kInt64;
+  if (name == "U8") return Scalar::kUint64;
+  if (name == "F4") return Scalar::kFloat;
+  if (name == "F8") return Scalar::kDouble;
+  throw InputError(at, fmt::format("TYPE {} with SIZE {} is none of PCD's", in_quotes(type), in_quotes(size)));
+}
+
+std::uint64_t number_of(const Words& words, const FilePosition& at) {
+  const std::optional<std::uint64_t> value = words.size() == 2 ? count_of(words[1]) : std::nullopt;
+  if (!value) throw InputError(at, fmt::format("{} needs one whole number", words[0]));
+  return *value;
+}
+
+// False for a keyword that does not matter.
+bool take(const Words& words, PcdHeader& header, const FilePosition& at) {
+  const Words values(words.begin() + 1, words.end());
+  if (words[0] == "FIELDS" || words[0] == "COLUMNS") return header.fields = values, true;
+  if (words[0] == "SIZE") return header.sizes = values, true;
+  if (words[0] == "TYPE") return header.types = values, true;
+  if (words[0] == "COUNT") return header.counts = values, true;
+  if (words[0] == "WIDTH") return header.width = number_of(words, at), true;
+  if (words[0] == "HEIGHT") return header.height = number_of(words, at), true;
+  if (words[0] == "POINTS") return header.points = number_of(words, at), true;
+  if (words[0] == "DATA") return header.data = values.empty() ? "" : values[0], true;
+  return words[0] == "VERSION" || words[0] == "VIEWPOINT";
+}
+
+std::uint64_t points_of(const PcdHeader& header, const FilePosition& at) {
+  if (!header.width && !header.points) throw InputError(at, "the header has neither POINTS nor WIDTH");
+  const std::uint64_t height = header.height.value_or(1);
+  const std::uint64_t width = header.width.value_or(header.points.value_or(0));
+  if (height != 0 && width > UINT64_MAX / height) throw InputError(at, "WIDTH times HEIGHT is beyond all bounds");
+  const std::uint64_t points = header.width ? width * height : *header.points;
+  if (header.points && *header.points != points) {
+    throw InputError(at, fmt::format("POINTS is {}, WIDTH times HEIGHT {}", *header.points, points));
+  }
+  return points;
+}
+
+// One column; before version 0.6 files have no SIZE and TYPE, and all columns are floats.
+CloudColumn column_of(const PcdHeader& header, std::size_t k, const FilePosition& at) {
+  const std::string_view type = header.types.empty() ? std::string_view("F") : header.types[k];
+  const std::string_view size = header.sizes.empty() ? std::string_view("4") : header.sizes[k];
+  const std::optional<std::uint64_t> repeat = header.counts.empty() ? 1 : count_of(header.counts[k]);
+  if (!repeat || *repeat > kMostValues) throw InputError(at, "COUNT has a value that is no number up to 8000");
+  return {.type = scalar_of(type, size, at), .role = role_of(header.fields[k]), .repeat = *repeat};
+}
+
+CloudFileLayout layout_of(const PcdHeader& header, const FilePosition& at) {
+  const std::size_t fields = header.fields.size();
+  if (fields == 0 || fields > kMostColumns) throw InputError(at, "FIELDS names no column, or more than 1000");
+  for (const Words* words : {&header.sizes, &header.types, &header.counts}) {
+    if (!words->empty() && words->size() != fields) {
+      throw InputError(at, "FIELDS, SIZE, TYPE and COUNT have different lengths");
+    }
+  }
+  CloudFileLayout layout;
+  layout.vertex.is_vertex = true;
+  layout.vertex.count = points_of(header, at);
+  for (std::size_t k = 0; k < fields; ++k) layout.vertex.columns.push_back(column_of(header, k, at));
+  layout.header.format = header.data == "ascii" ? CloudFormat::kPcdAscii : CloudFormat::kPcdBinary;
+  layout.is_compressed = header.data == "binary_compressed";
+  if (header.data != "ascii" && header.data != "binary" && !layout.is_compressed) {
+    throw InputError(at,
+                     fmt::format("DATA is {}, expected ascii, binary or binary_compressed", in_quotes(header.data)));
+  }
+  return layout;
+}
+
+}  // namespace
+
+CloudFileLayout read_pcd_header(CloudInput& input, const std::string& first_line) {
+  PcdHeader header;
+  std::optional<std::string> line = first_line;
+  while (line && input.line_number() <= kMostLines) {
+    const FilePosition at{input.name(), input.line_number()};
+    Words words;
+    for (const std::string_view word : words_of(*line)) words.emplace_back(word);
+    if (!words.empty() && !words[0].starts_with('#') && !take(words, header, at)) {
+      throw InputError(at, fmt::format("{} is no keyword of a PCD header", in_quotes(words[0])));
+    }
+    if (!words.empty() && words[0] == "DATA") return layout_of(header, at);
+    const std::optional<std::string_view> next = input.line();
+    line = next ? std::optional<std::string>(*next) : std::nullopt;
+  }
+  throw InputError({input.name(), 0}, "the PCD header has no DATA line; is the file whole?");
+}
+
+}  // namespace gdtslam

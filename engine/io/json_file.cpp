@@ -1,0 +1,69 @@
+#include "json_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "atomic_file.hpp"
+#include "engine/io/logs/byte_source.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kMostDepth = 16;  // report.json has 4 levels, which is the most of any file of ours
+// report.json of a day of scans (288,000 at 10 Hz), all of them doubtful, has seven for each.
+constexpr std::size_t kMostValues = 2'500'000;
+
+// What the parser would make values of, without making them. Text that is no JSON is counted as if it were.
+std::string excess_of(std::string_view text) {
+  int depth = 0;
+  std::size_t values = 1;
+  bool is_quoted = false;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char c = text[k];
+    if (is_quoted) {
+      k += c == '\\' ? 1U : 0U;
+      is_quoted = c != '"';
+      continue;
+    }
+    is_quoted = c == '"';
+    const bool opens = c == '[' || c == '{';
+    depth += opens ? 1 : 0;
+    depth -= c == ']' || c == '}' ? 1 : 0;
+    values += opens || c == ',' ? 1U : 0U;
+    if (depth > kMostDepth) return fmt::format("is nested deeper than the {} levels that are read", kMostDepth);
+    if (values > kMostValues) return fmt::format("holds more than the {} values that are read", kMostValues);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string json_text(const nlohmann::ordered_json& value) {
+  return value.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void write_json(const std::string& path, const nlohmann::ordered_json& value) {
+  write_file_atomically(path, json_text(value));
+}
+
+nlohmann::ordered_json read_json(const std::string& path, std::size_t most_bytes, const std::string& advice) {
+  const std::unique_ptr<ByteSource> source = open_file_source(path);
+  const std::string text = read_all(*source, most_bytes, path, advice);
+  const std::string excess = excess_of(text);
+  if (!excess.empty()) throw InputError({path, 0}, excess + advice);
+  try {
+    return nlohmann::ordered_json::parse(text);
+  } catch (const nlohmann::ordered_json::parse_error& error) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+    const auto line = static_cast<std::uint64_t>(std::count(text.begin(), end, '\n')) + 1;
+    throw InputError({path, line}, "is no JSON text" + advice);
+  } catch (const nlohmann::ordered_json::exception&) {
+    throw InputError({path, 0}, "holds a number that no double can hold" + advice);
+  }
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,126 @@
+#include "byte_source.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "engine/io/errno_text.hpp"
+#include "engine/io/file_limits.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+class FileSource final : public ByteSource {
+ public:
+  explicit FileSource(const std::string& path) : name_(path == "-" ? "standard input" : path) {
+    do {
+      descriptor_ = path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    } while (descriptor_ < 0 && errno == EINTR);
+    if (descriptor_ < 0) {
+      throw FileError(name_, fmt::format("cannot be opened: {}", errno_text(errno)));
+    }
+    struct stat status {};
+    const bool known = ::fstat(descriptor_, &status) == 0;
+    if (known && S_ISDIR(status.st_mode)) {
+      close_file();
+      throw FileError(name_, "is a folder; give a file");
+    }
+    if (known && S_ISREG(status.st_mode)) {
+      size_ = static_cast<std::uint64_t>(status.st_size);
+    }
+  }
+  ~FileSource() override { close_file(); }
+
+  std::size_t read(std::span<char> target) override {
+    for (;;) {
+      const ssize_t count = ::read(descriptor_, target.data(), target.size());
+      if (count >= 0) {
+        position_ += static_cast<std::uint64_t>(count);
+        return static_cast<std::size_t>(count);
+      }
+      if (errno != EINTR) {
+        throw FileError(name_, fmt::format("cannot be read: {}", errno_text(errno)));
+      }
+    }
+  }
+  [[nodiscard]] double progress() const override {
+    return size_ == 0 ? -1.0 : std::min(1.0, static_cast<double>(position_) / static_cast<double>(size_));
+  }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return position_; }
+
+ private:
+  void close_file() {
+    if (descriptor_ > STDIN_FILENO) {
+      ::close(descriptor_);
+    }
+    descriptor_ = -1;
+  }
+
+  std::string name_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  std::uint64_t position_ = 0;
+};
+
+class MemorySource final : public ByteSource {
+ public:
+  explicit MemorySource(std::span<const std::byte> data) : data_(data) {}
+  std::size_t read(std::span<char> target) override {
+    const std::size_t count = std::min(target.size(), data_.size() - position_);
+    if (count > 0) {
+      std::memcpy(target.data(), data_.data() + position_, count);
+    }
+    position_ += count;
+    return count;
+  }
+  [[nodiscard]] double progress() const override {
+    return data_.empty() ? 1.0 : static_cast<double>(position_) / static_cast<double>(data_.size());
+  }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return position_; }
+
+ private:
+  std::span<const std::byte> data_;
+  std::size_t position_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ByteSource> open_file_source(const std::string& path) { return std::make_unique<FileSource>(path); }
+
+std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data) {
+  return std::make_unique<MemorySource>(data);
+}
+
+std::string read_all(ByteSource& source, std::size_t limit, const std::string& name, const std::string& advice) {
+  constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
+  std::string text;
+  for (;;) {
+    const std::size_t old_size = text.size();
+    text.resize(old_size + kChunkBytes);
+    const std::size_t count = source.read({text.data() + old_size, kChunkBytes});
+    text.resize(old_size + count);
+    if (text.size() > limit) {
+      throw InputError({name, 0}, fmt::format("is longer than the {} bytes that are read{}", limit, advice));
+    }
+    check_kept_bytes(text.size(), source.bytes_from_file(), name);
+    if (count == 0) {
+      return text;
+    }
+  }
+}
+
+void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name) {
+  if (kept <= kFreeKeptBytes || (kept - kFreeKeptBytes) / kKeptPerFileByte <= from_disk) return;
+  throw InputError({name, 0},
+                   fmt::format("would take {} MiB of memory, but has only {} KiB on the disk, as no measured data do; "
+                               "if that is meant, store the file unpacked",
+                               kept >> 20U, (from_disk >> 10U) + 1));
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,201 @@
+#include "carmen.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "byte_source.hpp"
+#include "carmen_line.hpp"
+#include "engine/io/decimal.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+#include "line_reader.hpp"
+#include "warning_counter.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kBinaryProbeBytes = 4096;
+constexpr double kFarMountM = 3.0;  // farther than a laser sits on any robot of these logs
+
+class CarmenReader final : public LogReader {
+ public:
+  CarmenReader(std::unique_ptr<ByteSource> source, std::string name, const ReadOptions& options)
+      : name_(std::move(name)), options_(options), lines_(std::move(source), kMaxLogLineBytes) {
+    const std::string_view head = lines_.peek(kBinaryProbeBytes);
+    if (head.empty()) {
+      throw InputError({name_, 0}, "is empty; give a CARMEN log");
+    }
+    if (head.find('\0') != std::string_view::npos) {
+      throw InputError({name_, 0}, "holds binary data; give a CARMEN text log, plain or gzip");
+    }
+  }
+
+  std::optional<LogRecord> next() override {
+    while (const std::optional<TextLine> line = lines_.next()) {
+      if (std::optional<LogRecord> record = record_of(*line)) {
+        ++record_count_;
+        return record;
+      }
+    }
+    finish();
+    return std::nullopt;
+  }
+  [[nodiscard]] double progress() const override { return lines_.source().progress(); }
+  [[nodiscard]] const std::vector<Warning>& warnings() const override { return warnings_.list(); }
+
+ private:
+  std::optional<LogRecord> record_of(const TextLine& line) {
+    last_line_ = line.number;
+    if (line.is_too_long) {
+      refuse(line, fmt::format("is longer than {} bytes", kMaxLogLineBytes));
+      return std::nullopt;
+    }
+    try {
+      CarmenLine parsed = parse_carmen_line(without_byte_order_mark(line), options_);
+      if (!line.has_newline && (!parsed.is_whole || !parsed.skipped_kind.empty())) {
+        warn("cut last line", "its end may be missing, so it is dropped");
+        return std::nullopt;
+      }
+      note(parsed);
+      return std::move(parsed.record);
+    } catch (const MalformedLine& error) {
+      refuse(line, error.what());
+      return std::nullopt;
+    }
+  }
+
+  /// Some editors begin a text with U+FEFF.
+  static std::string_view without_byte_order_mark(const TextLine& line) {
+    constexpr std::string_view kMark = "\xef\xbb\xbf";
+    return line.number == 1 && line.text.starts_with(kMark) ? line.text.substr(kMark.size()) : line.text;
+  }
+
+  /// A line that cannot be read: the end of a log that was cut, an error, or one to skip.
+  void refuse(const TextLine& line, const std::string& reason) {
+    if (!line.has_newline && !line.is_too_long) {
+      warn("cut last line", reason);
+    } else if (options_.lenient) {
+      warn("malformed line", reason);
+    } else {
+      const std::string_view kind = line.text.substr(0, line.text.find_first_of(" \t\r"));
+      throw InputError({name_, line.number}, fmt::format("the line {} {}; correct it or skip such lines with --lenient",
+                                                         in_quotes(kind), reason));
+    }
+  }
+
+  void note(CarmenLine& line) {
+    if (!line.skipped_kind.empty()) {
+      warn(fmt::format("skipped message {}", line.skipped_kind), "this message kind is not read");
+    } else if (line.record) {
+      if (auto* scan = std::get_if<ScanRecord>(&*line.record)) {
+        note_repairs(line.repairs);
+        note_scan(*scan);
+      } else if (const auto* parameter = std::get_if<Parameter>(&*line.record)) {
+        note_parameter(*parameter);
+      }
+    }
+  }
+
+  void note_repairs(const RangeRepairs& repairs) {
+    if (repairs.not_a_number > 0) {
+      warn("range not a number", "taken as no return", repairs.not_a_number);
+    }
+    if (repairs.negative > 0) {
+      warn("negative range", "taken as no return", repairs.negative);
+    }
+  }
+
+  void note_scan(ScanRecord& record) {
+    LaserScan& scan = record.scan;
+    if (scan.max_range_m == 0.0) {
+      scan.max_range_m = stated_max_range_m_;
+    }
+    if (scan.ranges_m.empty()) {
+      warn("scan without beams", "it is kept");
+    }
+    if (previous_) {
+      if (scan.ranges_m.size() != previous_->beams) {
+        warn("beam count changed", "from that of the scan before");
+      }
+      if (scan.stamp_s < previous_->stamp_s) {
+        warn("backward stamp", "file order is kept");
+      } else if (scan.stamp_s == previous_->stamp_s) {
+        warn("repeated stamp", "file order is kept");
+      }
+    }
+    previous_ = {scan.stamp_s, scan.ranges_m.size()};
+    if (scan.T_base_laser.translation().norm() > kFarMountM) {
+      warn("laser far from robot",
+           "the laser pose of the line may be corrected, not odometry; state the mount (log.mount)");
+    }
+  }
+
+  /// CARMEN's own name for the limit of the front laser.
+  void note_parameter(const Parameter& parameter) {
+    if (parameter.name == "robot_front_laser_max") {
+      double value = 0.0;
+      const char* const end = parameter.value.data() + parameter.value.size();
+      const char* const stop = parse_double(parameter.value.data(), end, value);
+      if (stop == end && value > 0.0 && std::isfinite(value)) {
+        stated_max_range_m_ = value;
+      } else {
+        warn("unusable parameter", "robot_front_laser_max is no range");
+      }
+    }
+  }
+
+  void finish() {
+    if (finished_) {
+      return;
+    }
+    finished_ = true;
+    const std::string defect = lines_.source().defect();
+    if (!defect.empty()) {
+      warn("gzip stream", defect);
+    }
+    if (record_count_ == 0) {
+      throw InputError({name_, 0},
+                       fmt::format("holds no complete CARMEN message in {} lines; give a CARMEN log", last_line_));
+    }
+  }
+
+  void warn(std::string_view kind, std::string_view detail, std::uint64_t count = 1) {
+    if (!warnings_.add_to(kind, count)) {
+      warnings_.add(kind, located({name_, last_line_}, std::string(detail)), count);
+    }
+  }
+
+  struct Previous {
+    double stamp_s = 0.0;
+    std::size_t beams = 0;
+  };
+
+  std::string name_;
+  ReadOptions options_;
+  LineReader lines_;
+  WarningCounter warnings_;
+  std::optional<Previous> previous_;
+  double stated_max_range_m_ = 0.0;
+  std::uint64_t last_line_ = 0;
+  std::uint64_t record_count_ = 0;
+  bool finished_ = false;
+};
+
+std::unique_ptr<LogReader> read_carmen(std::unique_ptr<ByteSource> source, const std::string& name,
+                                       const ReadOptions& options) {
+  return std::make_unique<CarmenReader>(gunzip_if_packed(std::move(source), name), name, options);
+}
+
+}  // namespace
+
+std::unique_ptr<LogReader> open_carmen(const std::string& path, const ReadOptions& options) {
+  return read_carmen(open_file_source(path), path == "-" ? "standard input" : path, options);
+}
+
+std::unique_ptr<LogReader> open_carmen(std::span<const std::byte> data, const std::string& name,
+                                       const ReadOptions& options) {
+  return read_carmen(open_memory_source(data), name, options);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,96 @@
+// Reads the blank-separated fields of a line one after the other. Not thread-safe.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "carmen_line.hpp"
+#include "engine/io/decimal.hpp"
+#include "engine/io/message_text.hpp"
+
+namespace gdtslam {
+
+class FieldCursor {
+ public:
+  explicit FieldCursor(std::string_view text) : position_(text.data()), end_(text.data() + text.size()) {}
+
+  [[nodiscard]] bool at_end() {
+    skip_blanks();
+    return position_ == end_;
+  }
+  [[nodiscard]] std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - position_); }
+
+  std::string_view word(std::string_view name) {
+    const std::string_view text = next_word();
+    if (text.empty()) {
+      throw MalformedLine(fmt::format("ends before its {}", name));
+    }
+    return text;
+  }
+
+  /// Any number, also not finite.
+  double number(std::string_view name) {
+    skip_blanks();
+    double value = 0.0;
+    const char* const stop = parse_double(position_, end_, value);
+    if (stop == nullptr || (stop != end_ && !is_blank(*stop))) {
+      fail(name, "a number");
+    }
+    position_ = stop;
+    return value;
+  }
+  double finite(std::string_view name) {
+    const char* const start = position_;
+    const double value = number(name);
+    if (!std::isfinite(value)) {
+      position_ = start;
+      fail(name, "a finite number");
+    }
+    return value;
+  }
+  std::int64_t integer(std::string_view name) {
+    skip_blanks();
+    std::int64_t value = 0;
+    const char* const stop = parse_int64(position_, end_, value);
+    if (stop == nullptr || (stop != end_ && !is_blank(*stop))) {
+      fail(name, "a whole number");
+    }
+    position_ = stop;
+    return value;
+  }
+  void expect_end() {
+    if (!at_end()) {
+      throw MalformedLine(fmt::format("goes on with {} where it should end; does its number of beams agree with it?",
+                                      in_quotes(next_word())));
+    }
+  }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  void skip_blanks() {
+    while (position_ != end_ && is_blank(*position_)) {
+      ++position_;
+    }
+  }
+  std::string_view next_word() {
+    skip_blanks();
+    const char* const start = position_;
+    while (position_ != end_ && !is_blank(*position_)) {
+      ++position_;
+    }
+    return {start, static_cast<std::size_t>(position_ - start)};
+  }
+  [[noreturn]] void fail(std::string_view name, std::string_view wanted) {
+    const std::string_view text = word(name);
+    throw MalformedLine(fmt::format("has {} as its {}, which is not {}", in_quotes(text), name, wanted));
+  }
+
+  const char* position_;
+  const char* end_;
+};
+
+}  // namespace gdtslam

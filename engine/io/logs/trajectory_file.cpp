@@ -1,0 +1,74 @@
+#include "gdtslam/io/trajectory_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+#include "engine/core/elementary.hpp"
+#include "engine/io/atomic_file.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "number_rows.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// Yaw of a quaternion of any length; rotations about z and others alike.
+double yaw_of(double x, double y, double z, double w) {
+  return atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z);
+}
+
+Trajectory read_tum(std::unique_ptr<ByteSource> source, const std::string& name) {
+  Trajectory trajectory;
+  for_each_row<8>(std::move(source), name, "stamp x y z qx qy qz qw",
+                  [&](const std::array<double, 8>& row, const FilePosition& position) {
+                    const auto [stamp_s, x_m, y_m, z_m, qx, qy, qz, qw] = row;
+                    const double sq_norm = qx * qx + qy * qy + qz * qz + qw * qw;
+                    constexpr double kTolerance = 0.01;
+                    if (std::fabs(sq_norm - 1.0) > kTolerance) {
+                      throw InputError(position, fmt::format("the quaternion has the squared length {}, not 1; "
+                                                             "a row is `stamp x y z qx qy qz qw`",
+                                                             sq_norm));
+                    }
+                    trajectory.push_back({stamp_s, {x_m, y_m, yaw_of(qx, qy, qz, qw)}});
+                  });
+  return trajectory;
+}
+
+}  // namespace
+
+std::string tum_text(const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& pose : trajectory) {
+    const Pose2& T = pose.T_map_base;
+    if (!T.is_finite() || !std::isfinite(pose.stamp_s)) {
+      throw Error(ExitCode::kFailed, fmt::format("the pose at {} s is not finite and cannot be written", pose.stamp_s));
+    }
+    const SinCos<double> half = sin_cos(0.5 * wrap_angle(T.theta_rad));
+    fmt::format_to(std::back_inserter(text), "{:.9f} {:.9f} {:.9f} 0.000000000 0.000000000 0.000000000 {:.9f} {:.9f}\n",
+                   pose.stamp_s, T.x_m, T.y_m, half.sin, half.cos);
+  }
+  return text;
+}
+
+void write_tum(const std::string& path, const Trajectory& trajectory) {
+  write_file_atomically(path, tum_text(trajectory));
+}
+
+Trajectory read_tum(const std::string& path) { return read_tum(open_file_source(path), path); }
+
+Trajectory read_tum(std::span<const std::byte> data, const std::string& name) {
+  return read_tum(open_memory_source(data), name);
+}
+
+std::vector<Relation> read_relations(const std::string& path) {
+  std::vector<Relation> relations;
+  for_each_row<8>(open_file_source(path), path, "t1 t2 x y z roll pitch yaw",
+                  [&](const std::array<double, 8>& row, const FilePosition& /*position*/) {
+                    relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
+                  });
+  return relations;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,116 @@
+#include "gdtslam/io/occupancy_map_file.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/yaml/yaml_file.hpp"
+#include "gdtslam/core/error.hpp"
+#include "pgm.hpp"
+
+namespace gdtslam {
+namespace {
+
+// Levels and thresholds of map_server. With 0.196, (255 - 205) / 255 = 0.19608 stays unknown; with Nav2's default of
+// 0.25 for files that state none it would be free, so the thresholds are always written.
+constexpr std::uint8_t kOccupiedLevel = 0;
+constexpr std::uint8_t kFreeLevel = 254;
+constexpr std::uint8_t kUnknownLevel = 205;
+constexpr double kOccupiedThreshold = 0.65;
+constexpr double kFreeThreshold = 0.196;
+
+std::uint8_t level_of(CellState state) {
+  switch (state) {
+    case CellState::kFree:
+      return kFreeLevel;
+    case CellState::kOccupied:
+      return kOccupiedLevel;
+    case CellState::kUnknown:
+      break;
+  }
+  return kUnknownLevel;
+}
+
+Grey8Image image_of(const OccupancyMap& map) {
+  const GridGeometry& geometry = map.geometry;
+  Grey8Image image{static_cast<std::uint32_t>(geometry.width), static_cast<std::uint32_t>(geometry.height), 255, {}};
+  image.pixels.reserve(geometry.cell_count());
+  for (std::int32_t y = geometry.height - 1; y >= 0; --y) {
+    for (std::int32_t x = 0; x < geometry.width; ++x) {
+      image.pixels.push_back(level_of(map.at({x, y})));
+    }
+  }
+  return image;
+}
+
+struct Thresholds {
+  double occupied = kOccupiedThreshold;
+  double free = kFreeThreshold;
+  bool negate = false;
+};
+
+Thresholds thresholds_of(const DescriptionFile& file) {
+  Thresholds thresholds;
+  thresholds.occupied = file.number_or("occupied_thresh", kOccupiedThreshold);
+  thresholds.free = file.number_or("free_thresh", kFreeThreshold);
+  thresholds.negate = file.number_or("negate", 0.0) != 0.0;
+  for (const char* key : {"occupied_thresh", "free_thresh"}) {
+    const double value = file.number_or(key, 0.5);
+    if (value < 0.0 || value > 1.0) {
+      file.fail(key, fmt::format("{} is outside [0, 1]", value));
+    }
+  }
+  if (thresholds.free > thresholds.occupied) {
+    file.fail("free_thresh", "is above occupied_thresh");
+  }
+  if (file.has("mode") && file.text("mode") != "trinary" && file.text("mode") != "scale") {
+    file.fail("mode", "only trinary and scale are read");
+  }
+  return thresholds;
+}
+
+CellState state_of(std::uint8_t level, std::uint32_t max_value, const Thresholds& thresholds) {
+  const double brightness = static_cast<double>(level) / static_cast<double>(max_value);
+  const double occupancy = thresholds.negate ? brightness : 1.0 - brightness;
+  if (occupancy > thresholds.occupied) {
+    return CellState::kOccupied;
+  }
+  return occupancy < thresholds.free ? CellState::kFree : CellState::kUnknown;
+}
+
+}  // namespace
+
+void write_occupancy_map(const std::string& yaml_path, const OccupancyMap& map) {
+  const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".pgm");
+  AtomicFileSet files;
+  files.add(image_path.string()).write(encode_pgm(image_of(map)));
+  files.add(yaml_path).write(fmt::format(
+      "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\n"
+      "occupied_thresh: {}\nfree_thresh: {}\n",
+      image_path.filename().string(), yaml_number(map.geometry.resolution_m), yaml_number(map.geometry.origin_x_m),
+      yaml_number(map.geometry.origin_y_m), yaml_number(kOccupiedThreshold), yaml_number(kFreeThreshold)));
+  files.commit();
+}
+
+OccupancyMap read_occupancy_map(const std::string& yaml_path) {
+  const DescriptionFile file(yaml_path);
+  OccupancyMap map;
+  map.geometry.resolution_m = file.resolution_m();
+  const DescriptionFile::Origin origin = file.origin();
+  map.geometry.origin_x_m = origin.x_m;
+  map.geometry.origin_y_m = origin.y_m;
+  const Thresholds thresholds = thresholds_of(file);
+  const Grey8Image image = read_pgm(file.image_path());
+  map.geometry.width = static_cast<std::int32_t>(image.width);
+  map.geometry.height = static_cast<std::int32_t>(image.height);
+  map.cells.reserve(image.pixels.size());
+  for (std::uint32_t row = image.height; row-- > 0;) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      map.cells.push_back(state_of(image.pixels[std::size_t{row} * image.width + x], image.max_value, thresholds));
+    }
+  }
+  return map;
+}
+
+}  // namespace gdtslam

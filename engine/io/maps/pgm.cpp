@@ -1,0 +1,92 @@
+#include "pgm.hpp"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "engine/io/logs/byte_source.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+/// Reads the numbers of the header, between which white space and comments may stand.
+class HeaderReader {
+ public:
+  HeaderReader(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+
+  std::uint32_t number(std::string_view what, std::uint32_t max) {
+    skip_space_and_comments();
+    std::uint64_t value = 0;
+    const std::size_t start = position_;
+    for (; position_ < text_.size() && text_[position_] >= '0' && text_[position_] <= '9' && value <= max;
+         ++position_) {
+      value = value * 10 + static_cast<std::uint64_t>(text_[position_] - '0');
+    }
+    if (position_ == start || value == 0 || value > max) {
+      throw InputError({name_, 0}, fmt::format("its PGM header has no {} from 1 to {}", what, max));
+    }
+    return static_cast<std::uint32_t>(value);
+  }
+  /// What follows the one white-space character after the header.
+  std::string_view rest() {
+    if (position_ >= text_.size() || !is_space(text_[position_])) {
+      throw InputError({name_, 0}, "its PGM header does not end in white space");
+    }
+    return text_.substr(position_ + 1);
+  }
+
+ private:
+  void skip_space_and_comments() {
+    while (position_ < text_.size() && (is_space(text_[position_]) || text_[position_] == '#')) {
+      if (text_[position_] == '#') {
+        position_ = std::min(text_.find('\n', position_), text_.size());
+      } else {
+        ++position_;
+      }
+    }
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  std::size_t position_ = 2;  // after "P5"
+};
+
+}  // namespace
+
+std::string encode_pgm(const Grey8Image& image) {
+  std::string text = fmt::format("P5\n{} {}\n{}\n", image.width, image.height, image.max_value);
+  text.append(reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size());
+  return text;
+}
+
+Grey8Image decode_pgm(std::span<const std::byte> data, const std::string& name) {
+  const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
+  if (!text.starts_with("P5") || text.size() < 3 || !(is_space(text[2]) || text[2] == '#')) {
+    throw InputError({name, 0}, "is no binary PGM image (P5)");
+  }
+  constexpr std::uint32_t kMaxSide = 0x7fffffff;
+  HeaderReader header(text, name);
+  Grey8Image image;
+  image.width = header.number("width", kMaxSide);
+  image.height = header.number("height", kMaxSide);
+  image.max_value = header.number("maximum value", 255);
+  const std::string_view pixels = header.rest();
+  if (pixels.size() != std::uint64_t{image.width} * image.height) {
+    throw InputError({name, 0}, fmt::format("states {} x {} pixels but holds {}; is it cut off?", image.width,
+                                            image.height, pixels.size()));
+  }
+  image.pixels.assign(pixels.begin(), pixels.end());
+  return image;
+}
+
+Grey8Image read_pgm(const std::string& path) {
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+  const std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), path);
+  const std::string text = read_all(*source, kMaxBytes, path);
+  return decode_pgm(std::as_bytes(std::span(text.data(), text.size())), path);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,51 @@
+// What the readers of meshes share: bounds on vertices and triangles, faces of any number of corners, and being
+// stopped. One object belongs to one thread.
+#pragma once
+
+#include <span>
+
+#include "engine/io/clouds/cloud_input.hpp"
+#include "gdtslam/core/error.hpp"
+#include "mesh_file.hpp"
+
+namespace gdtslam {
+
+class MeshBuilder {
+ public:
+  MeshBuilder(const MeshReadOptions& options, const std::string& name) : options_(options), name_(name) {}
+
+  /// A face of more corners than this is refused: cutting it into triangles takes the cube of their number at worst.
+  static constexpr std::size_t kMostCorners = 256;
+
+  /// Where the next faults are: a line of the file, or what a binary file has there ("triangle") and its number from 0.
+  /// To be called for each row: throws when the reading is to stop.
+  void begin_row(const char* kind, std::uint64_t number);
+  void begin_line(std::uint64_t line) { begin_row(nullptr, line); }
+  void add_vertex(const std::array<float, 3>& vertex);
+  /// Adds the triangles of a polygon, none for fewer than three corners.
+  void add_face(std::span<const std::uint32_t> corners);
+  [[nodiscard]] std::size_t vertex_count() const { return mesh_.vertices.size(); }
+  /// Throws InputError with the place of the row.
+  [[noreturn]] void fail(const std::string& message) const;
+  /// The mesh without the vertices that no triangle has. Throws InputError when there is no triangle.
+  MeshFile finish();
+
+ private:
+  void add_triangle(const std::array<std::uint32_t, 3>& triangle);
+  void clip_ears(std::vector<std::uint32_t> corners);
+
+  const MeshReadOptions& options_;
+  const std::string& name_;
+  const char* kind_ = nullptr;
+  std::uint64_t number_ = 0;
+  MeshFile mesh_;
+  std::uint64_t rows_ = 0;
+};
+
+/// Each reads to the end of the input.
+void read_obj(CloudInput& input, MeshBuilder& mesh);
+void read_ply_mesh(CloudInput& input, MeshBuilder& mesh);
+/// `bytes` is the length of the input, by which binary files are told from others.
+void read_stl(CloudInput& input, std::uint64_t bytes, MeshBuilder& mesh);
+
+}  // namespace gdtslam

@@ -1,0 +1,56 @@
+#include "mesh_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "engine/io/file_limits.hpp"
+#include "engine/io/logs/byte_source.hpp"
+#include "mesh_builder.hpp"
+
+namespace gdtslam {
+namespace {
+
+MeshFile read_mesh(std::unique_ptr<ByteSource> source, std::uint64_t bytes, const std::string& name,
+                   const MeshReadOptions& options) {
+  std::string extension = std::filesystem::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".obj" && extension != ".stl" && extension != ".ply") {
+    throw InputError({name, 0}, "not a mesh that can be imported: use .obj, .stl or .ply");
+  }
+  if (bytes > kMaxMeshBytes) {
+    throw InputError({name, 0},
+                     fmt::format("is longer than the {} MiB that are read: simplify the mesh", kMaxMeshBytes >> 20U));
+  }
+  CloudInput input(std::move(source), name);
+  MeshBuilder mesh(options, name);
+  if (extension == ".obj") {
+    read_obj(input, mesh);
+  } else if (extension == ".stl") {
+    read_stl(input, bytes, mesh);
+  } else {
+    read_ply_mesh(input, mesh);
+  }
+  return mesh.finish();
+}
+
+}  // namespace
+
+MeshFile read_mesh(const std::string& path, const MeshReadOptions& options) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error) throw FileError(path, "cannot be read as a mesh: " + error.message());
+  return read_mesh(open_file_source(path), bytes, path, options);
+}
+
+MeshFile read_mesh(std::span<const std::byte> data, const std::string& name, const MeshReadOptions& options) {
+  return read_mesh(open_memory_source(data), data.size(), name, options);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,129 @@
+#include <utility>
+
+#include "engine/io/clouds/cloud_file_layout.hpp"
+#include "engine/io/clouds/cloud_numbers.hpp"
+#include "engine/io/clouds/ply_header.hpp"
+#include "mesh_builder.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// The values of one element after the other, whether they are words of a line or bytes.
+class PlyMeshReader {
+ public:
+  PlyMeshReader(CloudInput& input, MeshBuilder& mesh, const PlyHeader& header)
+      : input_(input),
+        mesh_(mesh),
+        is_ascii_(header.format == CloudFormat::kPlyAscii),
+        is_big_endian_(header.is_big_endian) {}
+
+  void read(const CloudElement& element) {
+    if (element.columns.empty()) return;  // takes no byte, however many there are
+    if (element.is_face) check_face(element);
+    for (std::uint64_t k = 0; k < element.count; ++k) {
+      begin_row(element, k);
+      if (is_ascii_ && !element.is_vertex && !element.is_face) continue;
+      read_row(element);
+      if (is_ascii_ && !numbers_.at_end()) mesh_.fail("has more numbers than properties, or something else");
+      if (element.is_vertex) mesh_.add_vertex(vertex_);
+      if (element.is_face) mesh_.add_face(corners_);
+    }
+  }
+
+ private:
+  void check_face(const CloudElement& element) const {
+    for (const CloudColumn& column : element.columns) {
+      if (column.is_corner_list) return;
+    }
+    throw InputError({input_.name(), 0}, "its faces have no list 'vertex_indices': export the mesh again");
+  }
+
+  void begin_row(const CloudElement& element, std::uint64_t k) {
+    corners_.clear();
+    if (!is_ascii_) {
+      mesh_.begin_row(element.is_vertex ? "vertex" : element.is_face ? "face" : "element", k);
+      return;
+    }
+    std::optional<std::string_view> line = input_.line();
+    while (line && line->find_first_not_of(" \t") == std::string_view::npos) line = input_.line();
+    mesh_.begin_line(input_.line_number());
+    if (!line) ends_early();
+    numbers_ = CloudNumbers(*line);
+  }
+
+  void read_row(const CloudElement& element) {
+    for (const CloudColumn& column : element.columns) {
+      if (!column.list_count) {
+        const double number = next(column.type);
+        const auto axis = static_cast<std::size_t>(column.role);
+        if (element.is_vertex && axis < vertex_.size()) vertex_[axis] = static_cast<float>(number);
+        continue;
+      }
+      const double count = next(*column.list_count);
+      if (!(count >= 0.0)) mesh_.fail("the length of a list is no number from 0");
+      for (double item = 0.0; item < count; ++item) {
+        const double number = next(column.type);
+        if (column.is_corner_list) add_corner(number);
+      }
+    }
+  }
+
+  void add_corner(double number) {
+    if (!(number >= 0.0 && number < static_cast<double>(mesh_.vertex_count())) ||
+        number != static_cast<double>(static_cast<std::uint32_t>(number))) {
+      mesh_.fail("a face names a vertex that the mesh does not have: export the mesh again");
+    }
+    if (corners_.size() <= MeshBuilder::kMostCorners) corners_.push_back(static_cast<std::uint32_t>(number));
+  }
+
+  double next(Scalar type) {
+    if (is_ascii_) {
+      const std::optional<double> number = numbers_.next(type);
+      if (!number) mesh_.fail("has fewer numbers than properties, or something that is no number");
+      return *number;
+    }
+    const char* const data = input_.bytes(size_of(type));
+    if (data == nullptr) ends_early();
+    return decode(type, data, is_big_endian_);
+  }
+
+  [[noreturn]] void ends_early() const { mesh_.fail("the file ends before all that its header names; is it whole?"); }
+
+  CloudInput& input_;
+  MeshBuilder& mesh_;
+  bool is_ascii_;
+  bool is_big_endian_;
+  CloudNumbers numbers_{{}};
+  std::array<float, 3> vertex_{};
+  std::vector<std::uint32_t> corners_;
+};
+
+void check_vertex(const CloudElement& element, const std::string& name) {
+  for (const CloudRole axis : {CloudRole::kX, CloudRole::kY, CloudRole::kZ}) {
+    int times = 0;
+    for (const CloudColumn& column : element.columns) times += column.role == axis && !column.list_count ? 1 : 0;
+    if (times != 1) throw InputError({name, 0}, "its vertices need one property x, one y and one z");
+  }
+}
+
+}  // namespace
+
+void read_ply_mesh(CloudInput& input, MeshBuilder& mesh) {
+  const std::optional<std::string_view> first = input.line();
+  if (first != "ply") throw InputError({input.name(), 1}, "is no PLY: the first line does not say 'ply'");
+  const PlyHeader header = read_ply_elements(input);
+  PlyMeshReader reader(input, mesh, header);
+  bool has_vertices = false;
+  for (const CloudElement& element : header.elements) {
+    if (element.is_vertex) {
+      check_vertex(element, input.name());
+      has_vertices = true;
+    }
+    if (element.is_face && !has_vertices) {
+      throw InputError({input.name(), 0}, "its faces stand before its vertices: export the mesh again");
+    }
+    reader.read(element);
+  }
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "engine/io/clouds/cloud_file_layout.hpp"
+#include "engine/io/clouds/cloud_numbers.hpp"
+#include "engine/io/clouds/cloud_words.hpp"
+#include "engine/io/message_text.hpp"
+#include "mesh_builder.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 80;  // text, and then the number of triangles
+constexpr std::size_t kTriangleBytes = 50;
+
+// The normal, the three corners, and two bytes that mean nothing.
+void read_binary(CloudInput& input, std::uint64_t triangles, MeshBuilder& mesh) {
+  input.bytes(kHeaderBytes + 4);
+  for (std::uint64_t i = 0; i < triangles; ++i) {
+    mesh.begin_row("triangle", i);
+    const char* const data = input.bytes(kTriangleBytes);
+    if (data == nullptr) mesh.fail("the file became shorter while it was read");
+    const auto first = static_cast<std::uint32_t>(mesh.vertex_count());
+    for (std::size_t corner = 1; corner <= 3; ++corner) {
+      std::array<float, 3> vertex{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        vertex[axis] = static_cast<float>(decode(Scalar::kFloat, data + 4 * (3 * corner + axis), false));
+      }
+      mesh.add_vertex(vertex);
+    }
+    mesh.add_face(std::array{first, first + 1, first + 2});
+  }
+}
+
+std::string small_letters(std::string_view word) {
+  std::string small(word);
+  std::transform(small.begin(), small.end(), small.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return small;
+}
+
+std::array<float, 3> vertex_of(std::string_view numbers, const MeshBuilder& mesh) {
+  CloudNumbers row(numbers);
+  std::array<float, 3> vertex{};
+  for (float& coordinate : vertex) {
+    const std::optional<double> number = row.next(Scalar::kFloat);
+    if (!number) mesh.fail("expected 'vertex X Y Z'");
+    coordinate = static_cast<float>(*number);
+  }
+  if (!row.at_end()) mesh.fail("expected 'vertex X Y Z'");
+  return vertex;
+}
+
+void read_text(CloudInput& input, MeshBuilder& mesh) {
+  std::vector<std::uint32_t> corners;
+  while (const std::optional<std::string_view> line = input.line()) {
+    mesh.begin_line(input.line_number());
+    const std::vector<std::string_view> words = words_of(*line);
+    const std::string word = words.empty() ? "" : small_letters(words[0]);
+    if (word == "vertex") {
+      if (corners.size() == MeshBuilder::kMostCorners) mesh.fail("the facet has no 'endfacet'");
+      corners.push_back(static_cast<std::uint32_t>(mesh.vertex_count()));
+      mesh.add_vertex(vertex_of(line->substr(line->find(words[0]) + words[0].size()), mesh));
+    } else if (word == "endfacet") {
+      if (corners.size() < 3) mesh.fail("the facet has fewer than three vertices");
+      mesh.add_face(corners);
+      corners.clear();
+    } else if (!(word.empty() || word == "solid" || word == "facet" || word == "outer" || word == "endloop" ||
+                 word == "endsolid" || word == "color")) {
+      mesh.fail(fmt::format("{} is no keyword of STL", in_quotes(words[0])));
+    }
+  }
+  if (!corners.empty()) mesh.fail("ends within a facet; is the file whole?");
+}
+
+}  // namespace
+
+// A text begins with "solid", but so do some binary files; the length tells them apart.
+void read_stl(CloudInput& input, std::uint64_t bytes, MeshBuilder& mesh) {
+  const char* const header = input.peek(kHeaderBytes + 4);
+  const std::uint64_t triangles =
+      header == nullptr ? 0 : static_cast<std::uint64_t>(decode(Scalar::kUint32, header + kHeaderBytes, false));
+  if (header != nullptr && bytes == kHeaderBytes + 4 + triangles * kTriangleBytes) {
+    read_binary(input, triangles, mesh);
+    return;
+  }
+  const char* const beginning = input.peek(5);
+  if (beginning == nullptr || small_letters({beginning, 5}) != "solid") {
+    throw InputError({input.name(), 0}, header == nullptr
+                                            ? "is no STL: it neither begins with 'solid' nor has a header of 84 bytes"
+                                            : fmt::format("is neither STL that begins with 'solid' nor as long as the "
+                                                          "{} triangles that its header names; is the file whole?",
+                                                          triangles));
+  }
+  read_text(input, mesh);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,46 @@
+#include "referenced_file.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include "message_text.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_below(const fs::path& path, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+}  // namespace
+
+std::string referenced_path(const std::string& referrer, const std::string& name) {
+  return (fs::path(referrer).parent_path() / name).string();
+}
+
+std::string fault_of_reference(const std::string& referrer, const std::string& name) {
+  constexpr std::size_t kMostBytes = 4096;
+  // Messages quote the path, and stay one line of readable text.
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
+  if (name.size() > kMostBytes || std::any_of(name.begin(), name.end(), is_control)) {
+    return in_quotes(name) + " is no name of a file";
+  }
+  const fs::path relative(name);
+  const std::string leads_out =
+      in_quotes(name) + " leads out of the folder of this file; put what it names into that folder and give its name";
+  if (name.empty() || relative.is_absolute() || std::find(relative.begin(), relative.end(), "..") != relative.end()) {
+    return leads_out;
+  }
+  std::error_code error;
+  const fs::path path = fs::canonical(referenced_path(referrer, name), error);
+  if (error) return {};  // nothing there: whoever opens it says so
+  const fs::path parent = fs::path(referrer).parent_path();
+  const fs::path folder = fs::canonical(parent.empty() ? fs::path(".") : parent, error);
+  if (error || !is_below(path, folder)) return leads_out;
+  return fs::is_regular_file(path, error) ? std::string() : in_quotes(name) + " is no regular file";
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,78 @@
+#include "sha256.hpp"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+void require(int done) {
+  if (done != 1) throw Error(ExitCode::kFailed, "OpenSSL's libcrypto cannot compute a SHA-256");
+}
+
+template <class Integer>
+std::array<std::byte, sizeof(Integer)> little_endian(Integer value) {
+  std::array<std::byte, sizeof(Integer)> bytes{};
+  for (std::byte& byte : bytes) {
+    byte = static_cast<std::byte>(value & 0xffU);
+    value = static_cast<Integer>(value >> 8U);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+void Sha256::Free::operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+
+Sha256::Sha256() : context_(EVP_MD_CTX_new()) { require(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr)); }
+
+Sha256& Sha256::update(std::span<const std::byte> data) {
+  require(EVP_DigestUpdate(context_.get(), data.data(), data.size()));
+  return *this;
+}
+
+Sha256& Sha256::update(std::string_view text) { return update(std::as_bytes(std::span(text.data(), text.size()))); }
+Sha256& Sha256::update(double value) { return update(little_endian(std::bit_cast<std::uint64_t>(value))); }
+Sha256& Sha256::update(std::int32_t value) { return update(little_endian(std::bit_cast<std::uint32_t>(value))); }
+Sha256& Sha256::update(std::uint16_t value) { return update(little_endian(value)); }
+
+std::string Sha256::hex() {
+  std::array<unsigned char, 32> digest{};
+  require(EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr));
+  std::string text;
+  for (const unsigned char byte : digest) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+std::string sha256_of(const DistanceFieldView& field) {
+  Sha256 hash;
+  const GridGeometry& geometry = field.geometry;
+  hash.update(geometry.resolution_m).update(geometry.origin_x_m).update(geometry.origin_y_m);
+  hash.update(geometry.width).update(geometry.height);
+  std::vector<std::byte> row(2 * static_cast<std::size_t>(geometry.width));
+  for (std::int32_t y = 0; y < geometry.height; ++y) {
+    for (std::int32_t x = 0; x < geometry.width; ++x) {
+      const auto bytes = little_endian(field.at({x, y}));
+      std::copy(bytes.begin(), bytes.end(), row.begin() + 2 * std::ptrdiff_t{x});
+    }
+    hash.update(row);
+  }
+  return hash.hex();
+}
+
+std::string sha256_of(const Trajectory& trajectory) {
+  Sha256 hash;
+  for (const StampedPose& pose : trajectory) {
+    hash.update(pose.T_map_base.x_m).update(pose.T_map_base.y_m).update(pose.T_map_base.theta_rad);
+  }
+  return hash.hex();
+}
+
+}  // namespace gdtslam

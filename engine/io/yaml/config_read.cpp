@@ -1,0 +1,173 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include "engine/io/file_limits.hpp"
+#include "engine/io/message_text.hpp"
+#include "engine/io/nearest_name.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/config_yaml.hpp"
+#include "option_value.hpp"
+#include "yaml_file.hpp"
+#include "yaml_text.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::string_view kVersionKey = "version";
+constexpr std::string_view kVersion = "1";
+constexpr std::size_t kMaxFaults = 20;
+
+std::string unknown_name(const std::string& path, std::span<const Option> options) {
+  std::vector<std::string_view> names;
+  for (const Option& option : options) {
+    names.push_back(option.path);
+  }
+  const std::optional<std::string_view> nearest = nearest_name(path, names);
+  return nearest ? fmt::format("unknown option {}; did you mean {}?", in_quotes(path), *nearest)
+                 : fmt::format("unknown option {}; `gdtslam config show` lists all", in_quotes(path));
+}
+
+/// Walks a document, collects values and faults; changes nothing until all is right.
+class ConfigDocument {
+ public:
+  ConfigDocument(const std::string& name, std::span<const Option> options) : name_(name), options_(options) {}
+
+  void visit(const YAML::Node& node, const std::string& section) {
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar()) {
+        add_fault(entry.first, "a name must be a plain word");
+        continue;
+      }
+      const std::string path = section.empty() ? entry.first.Scalar() : section + "." + entry.first.Scalar();
+      if (std::find(seen_.begin(), seen_.end(), path) != seen_.end()) {
+        add_fault(entry.first, fmt::format("{} is given twice", in_quotes(path)));
+        continue;
+      }
+      visit_entry(entry.first, entry.second, path);
+    }
+  }
+
+  std::vector<std::string> apply() {
+    if (!faults_.empty()) {
+      if (faults_not_told_ > 0) faults_.push_back(fmt::format("and {} more", faults_not_told_));
+      throw ConfigError(fmt::format("{}", fmt::join(faults_, "; ")));
+    }
+    std::vector<std::string> paths;
+    for (const auto& [option, value] : values_) {
+      store(*option, value);
+      paths.emplace_back(option->path);
+    }
+    return paths;
+  }
+
+  void add_fault(const YAML::Node& where, const std::string& message) {
+    if (has_room()) {
+      faults_.push_back(located({name_, line_of(where)}, message));
+    } else {
+      ++faults_not_told_;
+    }
+  }
+
+ private:
+  void visit_entry(const YAML::Node& key, const YAML::Node& value, const std::string& path) {
+    if (path == kVersionKey) {
+      seen_.push_back(path);
+      if (!value.IsScalar() || value.Scalar() != kVersion) {
+        add_fault(key, fmt::format("version: this program reads version {}", kVersion));
+      }
+      return;
+    }
+    const Option* const option = find(path);
+    if (option != nullptr) {
+      seen_.push_back(path);
+      visit_value(*option, key, value);
+    } else if (is_section(path)) {
+      seen_.push_back(path);
+      if (value.IsMap()) {
+        visit(value, path);
+      } else if (!value.IsNull()) {
+        add_fault(key, fmt::format("{} is a section; write its options indented below it", path));
+      }
+    } else {
+      add_fault(key, has_room() ? unknown_name(path, options_) : std::string());
+    }
+  }
+
+  void visit_value(const Option& option, const YAML::Node& key, const YAML::Node& value) {
+    if (!value.IsScalar()) {
+      add_fault(key, fmt::format("{}: must be a single value", option.path));
+      return;
+    }
+    try {
+      values_.emplace_back(&option, parse_option_value(option, value.Scalar(), BareNumber::kAllowed));
+    } catch (const std::invalid_argument& error) {
+      add_fault(value, error.what());
+    }
+  }
+
+  // A file may hold a hundred thousand faults; beyond those that are told they are only counted.
+  [[nodiscard]] bool has_room() const { return faults_.size() < kMaxFaults; }
+
+  [[nodiscard]] const Option* find(std::string_view path) const {
+    const auto found =
+        std::find_if(options_.begin(), options_.end(), [&](const Option& option) { return option.path == path; });
+    return found == options_.end() ? nullptr : &*found;
+  }
+  [[nodiscard]] bool is_section(const std::string& path) const {
+    return std::any_of(options_.begin(), options_.end(),
+                       [&](const Option& option) { return option.path.starts_with(path + "."); });
+  }
+
+  const std::string& name_;
+  std::span<const Option> options_;
+  std::vector<std::string> seen_;
+  std::vector<std::string> faults_;
+  std::size_t faults_not_told_ = 0;
+  std::vector<std::pair<const Option*, ParsedValue>> values_;
+};
+
+}  // namespace
+
+std::vector<std::string> read_config_text(std::string_view text, const std::string& name,
+                                          std::span<const Option> options) {
+  if (text.size() > kMaxYamlBytes) {
+    throw ConfigError({name, 0}, fmt::format("is longer than the {} bytes that are read", kMaxYamlBytes));
+  }
+  const YAML::Node root = parse_yaml<ConfigError>(std::string(text), name);
+  ConfigDocument document(name, options);
+  if (root.IsMap()) {
+    document.visit(root, "");
+  } else if (root.IsDefined() && !root.IsNull()) {
+    throw ConfigError({name, line_of(root)}, "a configuration is a map of sections, options and values");
+  }
+  return document.apply();
+}
+
+std::vector<std::string> read_config(const std::string& path, std::span<const Option> options) {
+  return read_config_text(read_text<ConfigError>(path, kMaxYamlBytes), path == "-" ? "standard input" : path, options);
+}
+
+std::string set_option(std::span<const Option> options, std::string_view assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos) {
+    throw ConfigError(
+        fmt::format("{} is no assignment; write path=value, such as map.resolution=5cm", in_quotes(assignment)));
+  }
+  std::string path(assignment.substr(0, equals));
+  for (const Option& option : options) {
+    if (option.path == path) {
+      try {
+        store(option, parse_option_value(option, assignment.substr(equals + 1), BareNumber::kRefused));
+      } catch (const std::invalid_argument& error) {
+        throw ConfigError(error.what());
+      }
+      return path;
+    }
+  }
+  throw ConfigError(unknown_name(path, options));
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,98 @@
+#include "crop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/elementary.hpp"
+#include "field.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::int32_t kEdge = 4;  // cells: patches and bilinear neighbours
+// Cells: parts begin kRoom behind a multiple of kBoundAlignment and end kRoom before one, so that with the room that
+// BoundFields leaves around a field for its squares they begin and end on one.
+constexpr std::int32_t kRoom = 16;
+// Up to here what a search saves by wider boxes and fields of minorants is less than what they cost to prepare.
+constexpr double kNear_m = 0.8;
+constexpr double kNear_rad = 0.5;
+
+CellBox whole_grains(const CellBox& box) {
+  const auto begin = [](std::int32_t cell) { return aligned_down(cell - kEdge - kRoom) + kRoom; };
+  const auto end = [](std::int32_t cell) { return -aligned_down(-(cell + kEdge + kRoom)) - kRoom; };
+  return {{begin(box.min.x), begin(box.min.y)}, {end(box.end.x), end(box.end.y)}};
+}
+
+// The cells of the box up to the cap, the cap where the map does not reach and in the two outermost rows and columns.
+void copy_cells(const FieldView& map, const CellBox& box, std::vector<std::uint16_t>& cells) {
+  const auto width = static_cast<std::size_t>(box.width());
+  cells.assign(width * static_cast<std::size_t>(box.height()), map.cap);
+  const CellIndex map_end{map.first_cell.x + static_cast<std::int32_t>(map.width),
+                          map.first_cell.y + static_cast<std::int32_t>(map.height)};
+  const CellIndex from{std::max(box.min.x + 2, map.first_cell.x), std::max(box.min.y + 2, map.first_cell.y)};
+  const CellIndex end{std::min(box.end.x - 2, map_end.x), std::min(box.end.y - 2, map_end.y)};
+  if (end.x <= from.x) return;
+  for (std::int32_t y = from.y; y < end.y; ++y) {
+    const std::uint16_t* row = map.cells + static_cast<std::size_t>(y - map.first_cell.y) * map.stride;
+    std::transform(row + (from.x - map.first_cell.x), row + (end.x - map.first_cell.x),
+                   cells.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y - box.min.y) * width +
+                                                               static_cast<std::size_t>(from.x - box.min.x)),
+                   [cap = map.cap](std::uint16_t cell) { return std::min(cell, cap); });
+  }
+}
+
+}  // namespace
+
+const CertifiedMap& CertifiedCrop::of(const GlobalField& map, const ReachedCells& reached, Isa isa) {
+  FieldView whole = field_view(map);
+  whole.cap = static_cast<std::uint16_t>(std::min<std::uint32_t>(whole.cap, cap_));
+  const CellBox box = whole_grains(reached.box);
+  copy_cells(whole, box, fresh_);
+  const bool is_same = prepared_ != nullptr && reached.windows == windows_ && box == box_ && fresh_ == cells_;
+  if (is_same) return *prepared_;
+  prepared_.reset();
+  box_ = box;
+  windows_ = reached.windows;
+  cells_.swap(fresh_);
+  FieldView part = whole;
+  part.cells = cells_.data();
+  part.width = part.stride = static_cast<std::uint32_t>(box.width());
+  part.height = static_cast<std::uint32_t>(box.height());
+  part.first_cell = box.min;
+  prepared_ = std::make_unique<CertifiedMap>(part, isa, windows_);
+  return *prepared_;
+}
+
+ReachedCells reached_from(const PoseWindow& window, std::span<const PointCells> points, double resolution_m) {
+  const auto [sine, cosine] = sin_cos(window.centre.theta_rad);
+  const double half_turn = std::min(0.5 * window.half_theta_rad, 1.5707963267948966);
+  const double chord = 2.0 * sin_cos(half_turn).sin;  // of a point at range 1
+  double low_x = 1.0e9;
+  double low_y = 1.0e9;
+  double high_x = -1.0e9;
+  double high_y = -1.0e9;
+  for (const PointCells& point : points) {
+    const double px = static_cast<double>(point.x);
+    const double py = static_cast<double>(point.y);
+    const double moved = chord * std::sqrt(px * px + py * py);
+    const double x = cosine * px - sine * py;
+    const double y = sine * px + cosine * py;
+    low_x = std::min(low_x, x - moved);
+    low_y = std::min(low_y, y - moved);
+    high_x = std::max(high_x, x + moved);
+    high_y = std::max(high_y, y + moved);
+  }
+  const double centre_x = window.centre.x_m / resolution_m;
+  const double centre_y = window.centre.y_m / resolution_m;
+  const auto cell = [](double value) {
+    return static_cast<std::int32_t>(std::floor(std::clamp(value, -1.0e8, 1.0e8)));
+  };
+  const bool is_near = std::max(window.half_x_m, window.half_y_m) <= kNear_m && window.half_theta_rad <= kNear_rad;
+  const CellBox box{{cell(centre_x + low_x - window.half_x_m / resolution_m) - 1,
+                     cell(centre_y + low_y - window.half_y_m / resolution_m) - 1},
+                    {cell(centre_x + high_x + window.half_x_m / resolution_m) + 2,
+                     cell(centre_y + high_y + window.half_y_m / resolution_m) + 2}};
+  return {box, is_near ? CertifiedMap::kNearWindows : CertifiedMap::kSmallWindows};
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,208 @@
+#include "gdtslam/mapping/config.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
+#include "engine/mapping/match/matchers.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::array kTransforms{"exact"sv, "jump-flood"sv};
+constexpr std::array kMergeRules{"working"sv, "literal"sv};
+constexpr std::array kCostForms{"distance"sv, "squared"sv};
+constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
+constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
+
+void add_map_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"map.resolution", "edge of a cell", Unit::kMetre, 0.005, 1.0, &c.map.resolution_m});
+  table.push_back({"map.truncation", "distances are kept up to this radius R, at most 255 cells", Unit::kMetre, 0.01,
+                   255.0, &c.map.truncation_m});
+  table.push_back({"map.transform", "distances of a keyframe: exact, or jump-flood, which errs now and then",
+                   Unit::kNone, 0, 0, Choice(c.map.transform, kTransforms)});
+  table.push_back({"map.max_megacells", "the map may take this many times 2^20 cells", Unit::kNone, 1, 16384,
+                   &c.map.max_megacells});
+  table.push_back({"scan.min_range", "shorter ranges are no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m});
+  table.push_back({"scan.max_range", "ranges at or above are no return; the log's own limit counts too", Unit::kMetre,
+                   0.1, 1000.0, &c.scan.max_range_m});
+  table.push_back(
+      {"scan.min_points", "a scan with fewer returns is not matched", Unit::kNone, 3, 100000, &c.scan.min_points});
+  table.push_back({"merge.rule", "equations (9) to (11): working, or literal as printed", Unit::kNone, 0, 0,
+                   Choice(c.merge.rule, kMergeRules)});
+  table.push_back({"merge.threshold", "Threshold of (9): cells that agree within it are averaged", Unit::kMetre, 0.0,
+                   10.0, &c.merge.threshold_m});
+  table.push_back({"merge.kappa", "share of the threshold that a new obstacle is entered with, (11)", Unit::kShare, 0.0,
+                   1.0, &c.merge.kappa});
+  table.push_back({"keyframe.distance", "a scan is merged when the robot moved this far", Unit::kMetre, 0.0, 100.0,
+                   &c.keyframe.distance_m});
+  table.push_back({"keyframe.angle", "or turned this far", Unit::kRadian, 0.0, 3.2, &c.keyframe.angle_rad});
+  table.push_back({"keyframe.every_scan", "merge every scan", Unit::kNone, 0, 1, &c.keyframe.every_scan});
+}
+
+std::string matcher_doc() {
+  std::string text = "optimizer of (4): ";
+  for (const MatcherInfo& matcher : matchers()) {
+    if (&matcher != &matchers().front()) text += "; ";
+    text.append(matcher.name).append(", ").append(matcher.doc);
+  }
+  return text;
+}
+
+void add_match_options(MapperConfig& c, std::vector<Option>& table) {
+  static const std::string kMatcherDoc = matcher_doc();
+  table.push_back({"match.matcher", kMatcherDoc, Unit::kNone, 0, 0, Choice(c.match.matcher, matcher_names())});
+  table.push_back(
+      {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
+  table.push_back({"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
+                   Choice(c.match.interpolation, kInterpolations)});
+  table.push_back(
+      {"gate.wide",
+       "first gate of (8): points farther from the map do not count; with exhaustive they count as the gate",
+       Unit::kMetre, 0.01, 10.0, &c.gate.wide_m});
+  table.push_back(
+      {"gate.final", "last gate, the paper's 20 m * sin 0.25 deg", Unit::kMetre, 0.01, 10.0, &c.gate.final_m});
+  table.push_back({"gate.narrowing", "factor from one gate to the next", Unit::kShare, 0.05, 0.95, &c.gate.narrowing});
+  table.push_back({"gate.min_share", "a gate of simplex never leaves a smaller share of the points", Unit::kShare, 0.0,
+                   1.0, &c.gate.min_share});
+  table.push_back({"prior.weight", "mean cost in cells of one standard deviation from the prediction", Unit::kCell, 0.0,
+                   10.0, &c.prior.weight});
+  table.push_back({"prior.limit", "beyond so many standard deviations the prior costs no more", Unit::kNone, 0.1,
+                   1000.0, &c.prior.limit_sigmas});
+  table.push_back({"prior.sigma", "standard deviation of the predicted position at rest", Unit::kMetre, 0.001, 100.0,
+                   &c.prior.sigma_m});
+  table.push_back({"prior.sigma_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_m});
+  table.push_back({"prior.sigma_angle", "standard deviation of the predicted heading at rest", Unit::kRadian, 0.0001,
+                   10.0, &c.prior.sigma_rad});
+  table.push_back(
+      {"prior.sigma_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_rad});
+}
+
+void add_optimizer_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"optimizer.particles", "size of the swarm of pso", Unit::kNone, 2, 65535, &c.optimizer.particles});
+  table.push_back(
+      {"optimizer.complexes", "complexes of sce, seven points each", Unit::kNone, 1, 1000, &c.optimizer.complexes});
+  table.push_back({"optimizer.moves", "moves of simpsa at one temperature, for each dimension", Unit::kNone, 1, 100000,
+                   &c.optimizer.moves});
+  table.push_back(
+      {"optimizer.cooling", "how fast simpsa cools, its delta", Unit::kNone, 0.001, 1000.0, &c.optimizer.cooling});
+  table.push_back({"optimizer.max_evaluations", "pso, sce and simpsa cost about as many poses at most, each descent",
+                   Unit::kNone, 1, 100000000, &c.optimizer.max_evaluations});
+  table.push_back({"optimizer.seed", "of their random numbers", Unit::kNone, 0, 2147483647, &c.optimizer.seed});
+}
+
+void add_search_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"search.when", "when simplex searches a window; exhaustive always does", Unit::kNone, 0, 0,
+                   Choice(c.search.when, kSearchTimes)});
+  table.push_back(
+      {"search.half_width", "half width of the window at rest", Unit::kMetre, 0.0, 100.0, &c.search.half_m});
+  table.push_back(
+      {"search.half_width_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.search.half_per_m});
+  table.push_back(
+      {"search.half_angle", "half angle of the window at rest", Unit::kRadian, 0.0, 3.15, &c.search.half_rad});
+  table.push_back(
+      {"search.half_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.search.half_per_rad});
+  table.push_back({"search.step", "spacing of the samples", Unit::kMetre, 0.005, 10.0, &c.search.step_m});
+  table.push_back({"search.step_angle", "spacing of the angles", Unit::kRadian, 0.0005, 3.15, &c.search.step_rad});
+  table.push_back({"search.starts", "best local minima that are polished", Unit::kNone, 1, SmallestValues::kMost,
+                   &c.search.starts});
+  table.push_back(
+      {"search.max_half_width", "the window never grows beyond this", Unit::kMetre, 0.0, 1000.0, &c.search.max_half_m});
+  table.push_back({"search.max_points", "a scan is thinned to this many points for the window", Unit::kNone, 8,
+                   Matcher::kMostPoints, &c.search.max_points});
+  table.push_back({"search.attempts", "windows tried, each twice as large, while the match is in doubt", Unit::kNone, 1,
+                   8, &c.search.attempts});
+  table.push_back({"search.gap", "certified: no pose of a window has a mean distance smaller by more than this",
+                   Unit::kMetre, 0.0, 1.0, &c.search.gap_m});
+  table.push_back({"search.max_kiloboxes", "certified: a window is given up after a thousand times so many boxes",
+                   Unit::kNone, 1, 1000000, &c.search.max_kiloboxes});
+}
+
+void add_doubt_options(MapperConfig& c, std::vector<Option>& table) {
+  table.push_back({"odometry.max_step", "a longer step between two scans is a fault and is not used", Unit::kMetre,
+                   0.01, 1000.0, &c.odometry.max_step_m});
+  table.push_back({"odometry.frozen", "odometry that stands still while the scans move this far counts as missing",
+                   Unit::kMetre, 0.0, 1000.0, &c.odometry.frozen_m});
+  table.push_back({"odometry.frozen_angle", "or turn this far", Unit::kRadian, 0.0, 100.0, &c.odometry.frozen_rad});
+  table.push_back({"odometry.unknown_step", "motion between two scans to allow for without odometry", Unit::kMetre, 0.0,
+                   100.0, &c.odometry.unknown_step_m});
+  table.push_back({"odometry.unknown_turn", "and turn", Unit::kRadian, 0.0, 3.15, &c.odometry.unknown_turn_rad});
+  table.push_back({"doubt.suspect_contradiction",
+                   "a window is searched when a larger share of the points near known obstacles lies beside them",
+                   Unit::kShare, 0.0, 1.0, &c.doubt.suspect_contradiction});
+  table.push_back({"doubt.suspect_overlap", "or a smaller share within the final gate", Unit::kShare, 0.0, 1.0,
+                   &c.doubt.suspect_overlap});
+  table.push_back({"doubt.suspect_sigmas", "or the pose is this many standard deviations from the prediction",
+                   Unit::kNone, 0.0, 1000.0, &c.doubt.suspect_sigmas});
+  table.push_back({"doubt.leap_gain",
+                   "a pose that far is taken only where it costs less than this share of the near one", Unit::kShare,
+                   0.01, 1.0, &c.doubt.leap_gain});
+  table.push_back({"doubt.report_distance", "an accepted match this far from the odometry is reported as doubtful",
+                   Unit::kMetre, 0.0, 1000.0, &c.doubt.report_m});
+  table.push_back({"doubt.report_angle", "or turned this far from it", Unit::kRadian, 0.0, 3.2, &c.doubt.report_rad});
+  table.push_back({"doubt.max_contradiction",
+                   "a match with a larger share of points beside the obstacles near them is refused", Unit::kShare, 0.0,
+                   1.0, &c.doubt.max_contradiction});
+  table.push_back({"doubt.min_overlap", "a match with a smaller share of points within the final gate is refused",
+                   Unit::kShare, 0.0, 1.0, &c.doubt.min_overlap});
+  table.push_back({"doubt.restart", "after this much motion without a match the scan is merged where odometry says",
+                   Unit::kMetre, 0.1, 1000.0, &c.doubt.restart_m});
+}
+
+constexpr std::int64_t kMostSamples = std::int64_t{1} << 25U;
+
+// Poses of the largest window that a configuration allows.
+std::int64_t most_samples(const MapperConfig& config) {
+  const SearchConfig& s = config.search;
+  const auto side = static_cast<std::int64_t>(2.0 * std::ceil(s.max_half_m / s.step_m)) + 1;
+  const auto angles = static_cast<std::int64_t>(2.0 * std::ceil(kPi / s.step_rad)) + 1;
+  return side > 100000 ? kMostSamples + 1 : side * side * angles;
+}
+
+}  // namespace
+
+std::uint32_t MapConfig::radius_cells() const {
+  return static_cast<std::uint32_t>(std::lround(truncation_m / resolution_m));
+}
+
+std::vector<Option> option_table(MapperConfig& config) {
+  std::vector<Option> table;
+  add_map_options(config, table);
+  add_match_options(config, table);
+  add_optimizer_options(config, table);
+  add_search_options(config, table);
+  add_doubt_options(config, table);
+  return table;
+}
+
+std::vector<std::string> validate(const MapperConfig& config) {
+  MapperConfig copy = config;
+  std::vector<std::string> found = violations(option_table(copy));
+  if (found.empty() && (config.map.radius_cells() < 1 || config.map.radius_cells() > 255)) {
+    found.push_back("map.truncation is " + std::to_string(config.map.radius_cells()) +
+                    " cells of map.resolution; it must be 1 to 255 cells");
+  }
+  if (found.empty() && config.map.truncation_m <= 2.0 * config.gate.final_m) {
+    found.emplace_back("map.truncation must be larger than twice gate.final, or no scan could contradict the map");
+  }
+  if (found.empty() && most_samples(config) > kMostSamples) {
+    found.emplace_back(
+        "search.half_width, search.max_half_width, search.step and search.step_angle ask for windows of more than " +
+        std::to_string(kMostSamples) + " poses");
+  }
+  if (found.empty() && config.gate.final_m > config.gate.wide_m) {
+    found.emplace_back("gate.final must not be larger than gate.wide");
+  }
+  const bool has_bounds =
+      config.match.cost == CostForm::kDistance && config.match.interpolation == Interpolation::kBilinear;
+  if (const MatcherInfo& matcher = matcher_info(config.match.matcher); matcher.proves_windows && !has_bounds) {
+    found.push_back("match.matcher " + std::string(matcher.name) +
+                    " needs match.cost distance and match.interpolation bilinear");
+  }
+  return found;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,162 @@
+#include "objective.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "engine/compute/host_kernels.hpp"
+#include "engine/core/elementary.hpp"
+#include "engine/mapping/cell_poses.hpp"
+#include "engine/mapping/map/device_memory.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kSmallBatch = 64;  // below this a dispatch costs more than it gains
+
+// weight * distance^2 up to the limit, beyond which a prior pulls no more.
+void add_prior(const PosePrior& prior, const CellPose& pose, Linearisation& at) {
+  const double dx = static_cast<double>(pose.x) - static_cast<double>(prior.mean.x);
+  const double dy = static_cast<double>(pose.y) - static_cast<double>(prior.mean.y);
+  const double dt = static_cast<double>(pose.theta) - static_cast<double>(prior.mean.theta);
+  const double limit = static_cast<double>(prior.limit);
+  const double w_xy = static_cast<double>(prior.weight_xy);
+  const double w_t = static_cast<double>(prior.weight_theta);
+  const double cost_xy = (dx * dx + dy * dy) * w_xy;
+  const double cost_t = dt * dt * w_t;
+  at.cost += std::min(cost_xy, limit) + std::min(cost_t, limit);
+  if (cost_xy < limit) {
+    at.gradient[0] += 2.0 * w_xy * dx;
+    at.gradient[1] += 2.0 * w_xy * dy;
+    at.curvature[0] += 2.0 * w_xy;
+    at.curvature[3] += 2.0 * w_xy;
+  }
+  if (cost_t < limit) {
+    at.gradient[2] += 2.0 * w_t * dt;
+    at.curvature[5] += 2.0 * w_t;
+  }
+}
+
+}  // namespace
+
+Objective::Objective(Backend& backend, const GlobalField& map, Interpolation interpolation, CostForm form)
+    : backend_(&backend), map_(&map), interpolation_(interpolation), form_(form) {}
+
+PoseCost::Params Objective::params(Interpolation interpolation, std::size_t points) const {
+  const GridGeometry grid = map_->geometry();
+  const CellOffset anchor = anchor_ - map_->first_cell();
+  return {.width = static_cast<std::uint32_t>(grid.width),
+          .height = static_cast<std::uint32_t>(grid.height),
+          .stride = map_->stride(),
+          .anchor_x = anchor.dx,
+          .anchor_y = anchor.dy,
+          .point_count = static_cast<std::uint32_t>(points),
+          .cap = cap_,
+          .interpolation = interpolation,
+          .form = form_};
+}
+
+PriorParams Objective::prior_params() const {
+  return {.mean_x = prior_.mean.x,
+          .mean_y = prior_.mean.y,
+          .mean_theta = prior_.mean.theta,
+          .weight_xy = prior_.weight_xy,
+          .weight_theta = prior_.weight_theta,
+          .limit = prior_.limit};
+}
+
+// The arithmetic of PriorParams.
+std::uint32_t Objective::prior_cost(const CellPose& pose) const {
+  const float dx = pose.x - prior_.mean.x;
+  const float dy = pose.y - prior_.mean.y;
+  const float dt = pose.theta - prior_.mean.theta;
+  const auto limited = [this](float cost) { return cost < prior_.limit ? cost : prior_.limit; };
+  return static_cast<std::uint32_t>(limited((dx * dx + dy * dy) * prior_.weight_xy) +
+                                    limited((dt * dt) * prior_.weight_theta));
+}
+
+PolishedPose Objective::descend(const CellPose& start, const PoseSimplex::Params& walk) {
+  PolishedPose pose{start.x, start.y, start.theta};
+  pose_simplex_host(backend_->host_isa(), walk, map_->cells().data(), points_.data(), &pose, 1);
+  evaluations_ += pose.evaluations;
+  return pose;
+}
+
+void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs) {
+  assert(poses.size() == costs.size());
+  evaluations_ += poses.size();
+  candidates_.clear();
+  for (const CellPose& pose : poses) candidates_.push_back({pose.x, pose.y, pose.theta, prior_cost(pose)});
+  const PoseCost::Params p = params(interpolation_, points_.size());
+  if (poses.size() <= kSmallBatch) {
+    pose_cost_host(backend_->host_isa(), p, map_->cells().data(), points_.data(), candidates_.data(),
+                   static_cast<std::uint32_t>(poses.size()), costs.data());
+    return;
+  }
+  const auto upload = [&](Buffer& buffer, std::span<const std::byte> bytes) {
+    reserve_on(*backend_, buffer, bytes.size());
+    backend_->upload(buffer, bytes);
+  };
+  upload(point_buffer_, std::as_bytes(points_));
+  upload(candidate_buffer_, std::as_bytes(std::span(candidates_)));
+  reserve_on(*backend_, cost_buffer_, costs.size_bytes());
+  run<PoseCost>(*backend_, p, {static_cast<std::uint32_t>(poses.size()), 1, 1}, map_->buffer(), point_buffer_,
+                candidate_buffer_, cost_buffer_);
+  backend_->download(cost_buffer_, std::as_writable_bytes(costs));
+}
+
+std::uint32_t Objective::evaluate(const CellPose& pose) {
+  ++evaluations_;
+  const PoseCandidate candidate{pose.x, pose.y, pose.theta, prior_cost(pose)};
+  std::uint32_t cost = 0;
+  pose_cost_host(backend_->host_isa(), params(interpolation_, points_.size()), map_->cells().data(), points_.data(),
+                 &candidate, 1, &cost);
+  return cost;
+}
+
+void Objective::residuals(const CellPose& pose, std::span<const PointCells> points,
+                          std::vector<std::uint16_t>& values) const {
+  values.resize(points.size());
+  const PoseCost::Params grid = params(Interpolation::kNearest, points.size());
+  const std::uint16_t* const cells = map_->cells().data();
+  const auto [sin, cos] = sin_cos(pose.theta);
+  // The two outermost rows and columns hold the cap, so a point off the map reads it at the nearest of them.
+  const auto cell_of = [](float position, std::int32_t anchor, std::uint32_t size) {
+    const float last = static_cast<float>(size - 1);
+    return static_cast<std::uint32_t>(std::clamp(std::floor(position) + static_cast<float>(anchor), 0.0F, last));
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float x = (cos * points[i].x - sin * points[i].y) + pose.x;
+    const float y = (sin * points[i].x + cos * points[i].y) + pose.y;
+    values[i] = cells[std::size_t{cell_of(y, grid.anchor_y, grid.height)} * grid.stride +
+                      cell_of(x, grid.anchor_x, grid.width)];
+  }
+}
+
+Linearisation Objective::linearise(const CellPose& pose, float scale_cells) {
+  ++evaluations_;
+  const PoseSlope::Params slope{.grid = params(Interpolation::kBilinear, points_.size()),
+                                .scale = scale_cells * static_cast<float>(kFieldOne)};
+  const PoseSlope::Sums sums = pose_slope_host(backend_->host_isa(), slope, map_->cells().data(), points_.data(),
+                                               {.x = pose.x, .y = pose.y, .theta = pose.theta});
+  Linearisation result;
+  result.cost = sums[0];
+  std::copy_n(sums.begin() + 1, result.gradient.size(), result.gradient.begin());
+  std::copy_n(sums.begin() + 4, result.curvature.size(), result.curvature.begin());
+  add_prior(prior_, pose, result);
+  return result;
+}
+
+CellPose Objective::to_cells(const Pose2& T_map_base) const {
+  const double resolution_m = map_->geometry().resolution_m;
+  return {static_cast<float>(T_map_base.x_m / resolution_m - anchor_.x),
+          static_cast<float>(T_map_base.y_m / resolution_m - anchor_.y),
+          static_cast<float>(wrap_angle(T_map_base.theta_rad))};
+}
+
+Pose2 Objective::to_metres(const CellPose& pose) const {
+  return pose_in_metres(pose, anchor_, map_->geometry().resolution_m);
+}
+
+}  // namespace gdtslam

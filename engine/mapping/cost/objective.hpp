@@ -1,0 +1,105 @@
+// The cost of candidate poses of one scan in the map, paper equation (4), plus a prior around a predicted pose: the one
+// thing that every matcher minimises. Poses are in cells and radians relative to the anchor cell. Not thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
+#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/mapping/match.hpp"
+
+namespace gdtslam {
+
+/// A pose in cells and radians relative to the anchor cell's lower left corner.
+struct CellPose {
+  float x = 0.0F;
+  float y = 0.0F;
+  float theta = 0.0F;
+};
+
+/// Quadratic cost around a mean, weight * ((dx^2 + dy^2) / sigma_xy^2 + dtheta^2 / sigma_theta^2), in cost units;
+/// neither part costs more than the limit, so that a prediction that is plainly wrong does not pull.
+struct PosePrior {
+  CellPose mean;
+  float weight_xy = 0.0F;     ///< weight / sigma_xy^2, cost units per squared cell
+  float weight_theta = 0.0F;  ///< weight / sigma_theta^2, cost units per squared radian
+  float limit = 1.0e9F;       ///< cost units, at most 1e9
+};
+
+/// Where a minimiser ended.
+struct LocalMinimum {
+  CellPose pose;
+  std::uint32_t cost = 0;
+  std::uint32_t evaluations = 0;
+  StopReason stop = StopReason::kNotRun;
+};
+
+/// The field under the points and how it changes with the pose, each point weighted so that a sum of squares stands for
+/// the sum of distances: the normal equations of one step.
+struct Linearisation {
+  double cost = 0.0;                  ///< robust cost, cost units (1/256 cell), prior included
+  std::array<double, 3> gradient{};   ///< d cost / d (x, y, theta): cells, radians
+  std::array<double, 6> curvature{};  ///< xx, xy, xt, yy, yt, tt
+};
+
+class Objective {
+ public:
+  Objective(Backend& backend, const GlobalField& map, Interpolation interpolation, CostForm form);
+
+  /// Where poses are relative to, in map cells.
+  void set_anchor(CellIndex map_cell) { anchor_ = map_cell; }
+  /// The points that count; they must live as long as they are used.
+  void set_points(std::span<const PointCells> points) { points_ = points; }
+  /// Field values above this count as this, 1/256 cell.
+  void set_cap(std::uint32_t cap) { cap_ = cap; }
+  void set_prior(const PosePrior& prior) { prior_ = prior; }
+
+  /// Costs of a batch of poses, prior included; one dispatch on the backend when the batch is large.
+  void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
+  std::uint32_t evaluate(const CellPose& pose);
+  /// Where a simplex from the pose ends, walked on this thread; the cost and the prior of `walk` must be those below.
+  PolishedPose descend(const CellPose& start, const PoseSimplex::Params& walk);
+
+  /// What kernels are given of this objective.
+  [[nodiscard]] PoseCost::Params cost_params() const { return params(interpolation_, points_.size()); }
+  [[nodiscard]] PriorParams prior_params() const;
+
+  /// Of the bilinear field whatever `interpolation` is. A distance d counts as d^2 / (2 s) below s = scale_cells and as
+  /// d - s / 2 above [Huber1964]; at the cap it counts as the cap and pulls no more. O(points), on this thread.
+  [[nodiscard]] Linearisation linearise(const CellPose& pose, float scale_cells);
+
+  /// Field value under each point, nearest cell; no coordinate may be NaN.
+  void residuals(const CellPose& pose, std::span<const PointCells> points, std::vector<std::uint16_t>& values) const;
+
+  [[nodiscard]] CellPose to_cells(const Pose2& T_map_base) const;
+  [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
+  [[nodiscard]] CellIndex anchor() const { return anchor_; }
+  [[nodiscard]] std::span<const PointCells> points() const { return points_; }
+  [[nodiscard]] std::uint64_t evaluations() const { return evaluations_; }
+
+ private:
+  [[nodiscard]] PoseCost::Params params(Interpolation interpolation, std::size_t points) const;
+  [[nodiscard]] std::uint32_t prior_cost(const CellPose& pose) const;
+
+  Backend* backend_;
+  const GlobalField* map_;
+  Interpolation interpolation_;
+  CostForm form_;
+  CellIndex anchor_{};
+  std::span<const PointCells> points_;
+  std::uint32_t cap_ = 0;
+  PosePrior prior_;
+  std::vector<PoseCandidate> candidates_;
+  Buffer point_buffer_;
+  Buffer candidate_buffer_;
+  Buffer cost_buffer_;
+  std::uint64_t evaluations_ = 0;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,183 @@
+#include "gdtslam/mapping/evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/poses_by_stamp.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kShortTermLimit_s = 20.0;
+
+double yaw_error_deg(double a_rad, double b_rad) { return std::fabs(deg_from_rad(wrap_angle(a_rad - b_rad))); }
+
+struct Errors {
+  std::vector<double> translation_m;
+  std::vector<double> rotation_deg;
+  [[nodiscard]] RelationErrors summary() const { return {summarise(translation_m), summarise(rotation_deg)}; }
+  void add(double metres, double degrees) {
+    translation_m.push_back(metres);
+    rotation_deg.push_back(degrees);
+  }
+};
+
+struct MatchedPose {
+  Pose2 T_map_base;
+  Pose2 T_reference_base;
+};
+
+// Least squares over rotation and translation without scale, in closed form for the plane [Umeyama1991]. A robot that
+// stands, in truth or in the estimate, tells nothing about the rotation by its positions, which then comes from the
+// headings.
+Pose2 rigid_alignment(const std::vector<MatchedPose>& matched) {
+  const auto count = static_cast<double>(matched.size());
+  Point2 mean_map = Point2::Zero();
+  Point2 mean_reference = Point2::Zero();
+  for (const MatchedPose& m : matched) {
+    mean_map += m.T_map_base.translation() / count;
+    mean_reference += m.T_reference_base.translation() / count;
+  }
+  double dot = 0.0;
+  double cross = 0.0;
+  double spread_map_m = 0.0;
+  double spread_reference_m = 0.0;
+  for (const MatchedPose& m : matched) {
+    const Point2 a = m.T_map_base.translation() - mean_map;
+    const Point2 b = m.T_reference_base.translation() - mean_reference;
+    dot += a.dot(b);
+    cross += a.x() * b.y() - a.y() * b.x();
+    spread_map_m = std::max(spread_map_m, a.norm());
+    spread_reference_m = std::max(spread_reference_m, b.norm());
+  }
+  // The mean of equal numbers need not be that number: offsets of rounding size are none.
+  const bool stands =
+      std::min(spread_map_m, spread_reference_m) <= 1e-9 * (1.0 + mean_map.norm() + mean_reference.norm());
+  if (stands) {
+    dot = cross = 0.0;
+    for (const MatchedPose& m : matched) {
+      const auto [sine, cosine] = sin_cos(m.T_reference_base.theta_rad - m.T_map_base.theta_rad);
+      dot += cosine;
+      cross += sine;
+    }
+  }
+  const Pose2 rotation{0.0, 0.0, atan2(cross, dot)};
+  const Point2 shift = mean_reference - rotation * mean_map;
+  return {shift.x(), shift.y(), rotation.theta_rad};
+}
+
+// Pairs of poses that are the stated length of reference path apart, one pair per start [Sturm2012].
+Errors relative_errors(const std::vector<MatchedPose>& matched, double distance_m) {
+  std::vector<double> path_m(matched.size(), 0.0);
+  for (std::size_t k = 1; k < matched.size(); ++k) {
+    const Point2 step = matched[k].T_reference_base.translation() - matched[k - 1].T_reference_base.translation();
+    path_m[k] = path_m[k - 1] + step.norm();
+  }
+  Errors errors;
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    const auto end =
+        std::lower_bound(path_m.begin() + static_cast<std::ptrdiff_t>(i), path_m.end(), path_m[i] + distance_m);
+    if (end == path_m.end()) break;
+    const MatchedPose& b = matched[static_cast<std::size_t>(std::distance(path_m.begin(), end))];
+    const Pose2 estimated = between(matched[i].T_map_base, b.T_map_base);
+    const Pose2 truth = between(matched[i].T_reference_base, b.T_reference_base);
+    const Pose2 error = between(truth, estimated);
+    errors.add(error.translation().norm(), std::fabs(deg_from_rad(error.theta_rad)));
+  }
+  return errors;
+}
+
+}  // namespace
+
+ErrorSummary summarise(std::vector<double> errors) {
+  ErrorSummary summary{.count = errors.size()};
+  if (errors.empty()) return summary;
+  const auto count = static_cast<double>(errors.size());
+  std::sort(errors.begin(), errors.end());  // the sum must not depend on the order of the errors
+  summary.mean = std::accumulate(errors.begin(), errors.end(), 0.0) / count;
+  double sq_deviation = 0.0;
+  double sq_sum = 0.0;
+  for (const double e : errors) {
+    sq_deviation += (e - summary.mean) * (e - summary.mean);
+    sq_sum += e * e;
+  }
+  summary.deviation = errors.size() > 1 ? std::sqrt(sq_deviation / (count - 1.0)) : 0.0;
+  summary.rmse = std::sqrt(sq_sum / count);
+  summary.max = errors.back();
+  const std::size_t middle = errors.size() / 2;
+  summary.median = errors.size() % 2 == 1 ? errors[middle] : 0.5 * (errors[middle - 1] + errors[middle]);
+  return summary;
+}
+
+RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,
+                                  double tolerance_s) {
+  const PosesByStamp index(trajectory);
+  Errors all;
+  Errors short_term;
+  Errors loops;
+  RelationReport report;
+  double worst_m = -1.0;
+  for (const Relation& relation : relations) {
+    const std::optional<Pose2> first = index.find(relation.t1_s, tolerance_s);
+    const std::optional<Pose2> second = index.find(relation.t2_s, tolerance_s);
+    if (!first || !second) {
+      ++report.unmatched;
+      continue;
+    }
+    const Pose2 T_1_2 = between(*first, *second);
+    const double error_m = (T_1_2.translation() - relation.T_1_2.translation()).norm();
+    const double error_deg = yaw_error_deg(T_1_2.theta_rad, relation.T_1_2.theta_rad);
+    all.add(error_m, error_deg);
+    (std::fabs(relation.t2_s - relation.t1_s) <= kShortTermLimit_s ? short_term : loops).add(error_m, error_deg);
+    if (error_m > worst_m) {
+      worst_m = error_m;
+      report.worst_t1_s = relation.t1_s;
+      report.worst_t2_s = relation.t2_s;
+    }
+  }
+  report.all = all.summary();
+  report.short_term = short_term.summary();
+  report.loops = loops.summary();
+  return report;
+}
+
+ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
+                                   const ReferenceOptions& options) {
+  const PosesByStamp index(reference);
+  std::vector<MatchedPose> matched;
+  matched.reserve(estimate.size());
+  for (const StampedPose& pose : estimate) {
+    if (const auto T_reference_base = index.find(pose.stamp_s, options.tolerance_s)) {
+      matched.push_back({pose.T_map_base, *T_reference_base});
+    }
+  }
+  if (matched.size() < 2) {
+    throw InputError("only " + std::to_string(matched.size()) + " of " + std::to_string(estimate.size()) +
+                     " stamps of the trajectory occur in the reference; two are needed. Are both in the same clock?");
+  }
+  ReferenceReport report;
+  report.matched = matched.size();
+  report.unmatched = estimate.size() - matched.size();
+  report.T_reference_estimate =
+      options.align ? rigid_alignment(matched) : matched.front().T_reference_base * inverse(matched.front().T_map_base);
+  Errors absolute;
+  for (const MatchedPose& m : matched) {
+    const Pose2 aligned = report.T_reference_estimate * m.T_map_base;
+    absolute.add((aligned.translation() - m.T_reference_base.translation()).norm(),
+                 yaw_error_deg(aligned.theta_rad, m.T_reference_base.theta_rad));
+  }
+  const Errors relative = relative_errors(matched, options.rpe_distance_m);
+  report.ate_m = summarise(absolute.translation_m);
+  report.ate_rotation_deg = summarise(absolute.rotation_deg);
+  report.rpe_m = summarise(relative.translation_m);
+  report.rpe_rotation_deg = summarise(relative.rotation_deg);
+  return report;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,144 @@
+#include "match_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/mapping/cell_poses.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr SimplexOptions kFirstDescent{.step_cells = 2.0F, .step_rad = 0.03F};
+// A gate that is not the last needs no more than the accuracy that the next one starts from.
+constexpr float kLooseCells = 0.1F;
+constexpr float kLooseRad = 0.001F;
+
+/// A coordinate of a pose for the kernels. So little that a device could meet a subnormal number on its way is 0 here,
+/// since a device may take such numbers for 0 (docs/numerics.md).
+float coordinate(double value) {
+  constexpr double kLeast = 1.0e-30;
+  return std::fabs(value) < kLeast ? 0.0F : static_cast<float>(value);
+}
+
+}  // namespace
+
+MatchRules::MatchRules(const MapperConfig& config) : config_(config) {
+  SimplexOptions simplex = kFirstDescent;
+  simplex.stop_cells = kLooseCells;
+  simplex.stop_rad = kLooseRad;
+  const GateConfig& g = config_.gate;
+  for (double gate_m = g.wide_m; gate_m > g.final_m; gate_m = std::max(gate_m * g.narrowing, g.final_m)) {
+    stages_.push_back({units(gate_m), simplex});
+    simplex.step_cells *= 0.5F;
+    simplex.step_rad *= 0.5F;
+  }
+  simplex.stop_cells = SimplexOptions{}.stop_cells;
+  simplex.stop_rad = SimplexOptions{}.stop_rad;
+  stages_.push_back({units(g.final_m), simplex});
+}
+
+// No cell holds more than 16 bits, so a gate beyond says no more.
+std::uint32_t MatchRules::units(double metres) const {
+  constexpr double kMost = 65535.0;
+  return static_cast<std::uint32_t>(std::lround(std::min(metres / config_.map.resolution_m * kFieldOne, kMost)));
+}
+
+float MatchRules::cells(double metres) const { return static_cast<float>(metres / config_.map.resolution_m); }
+
+void MatchRules::begin(const Prediction& prediction, std::size_t points) {
+  prediction_ = prediction;
+  points_ = points;
+  const double r = config_.map.resolution_m;
+  const Pose2& T = prediction.T_map_base;
+  anchor_ = map_cell_of(T.translation(), r);
+  predicted_ = {coordinate(T.x_m / r - anchor_.x), coordinate(T.y_m / r - anchor_.y),
+                coordinate(wrap_angle(T.theta_rad))};
+  const PriorConfig& p = config_.prior;
+  const double sigma_cells = (p.sigma_m + p.sigma_per_m * prediction.travelled_m) / r;
+  const double sigma_rad = p.sigma_rad + p.sigma_per_rad * prediction.turned_rad;
+  const double weight = p.weight * kFieldOne * static_cast<double>(points);
+  prior_ = {.mean = predicted_,
+            .weight_xy = static_cast<float>(weight / (sigma_cells * sigma_cells)),
+            .weight_theta = static_cast<float>(weight / (sigma_rad * sigma_rad)),
+            .limit = static_cast<float>(std::min(weight * p.limit_sigmas * p.limit_sigmas, 1.0e9))};
+}
+
+Pose2 MatchRules::to_metres(const CellPose& pose) const {
+  return pose_in_metres(pose, anchor_, config_.map.resolution_m);
+}
+
+SearchWindow MatchRules::window(double scale) const {
+  const SearchConfig& s = config_.search;
+  const double half_m = scale * (s.half_m + s.half_per_m * prediction_.travelled_m);
+  const double half_rad = scale * (s.half_rad + s.half_per_rad * prediction_.turned_rad);
+  return {.centre = predicted_,
+          .half_xy_cells = cells(std::min(half_m, s.max_half_m)),
+          .half_theta_rad = static_cast<float>(std::min(half_rad, kPi)),
+          .step_cells = cells(s.step_m),
+          .step_rad = static_cast<float>(s.step_rad)};
+}
+
+double MatchRules::far_m() const {
+  const PriorConfig& p = config_.prior;
+  return config_.doubt.suspect_sigmas * (p.sigma_m + p.sigma_per_m * prediction_.travelled_m);
+}
+
+double MatchRules::far_rad() const {
+  const PriorConfig& p = config_.prior;
+  return config_.doubt.suspect_sigmas * (p.sigma_rad + p.sigma_per_rad * prediction_.turned_rad);
+}
+
+Evidence MatchRules::evidence(const EvidenceCounts& counts) const {
+  const auto points = static_cast<double>(points_);
+  return {
+      .mean_cost_m = static_cast<double>(counts.sum) / (points * kFieldOne) * config_.map.resolution_m,
+      .overlap = static_cast<double>(counts.near) / points,
+      .contradiction = counts.known > 0 ? static_cast<double>(counts.beside) / static_cast<double>(counts.known) : 0.0};
+}
+
+bool MatchRules::is_suspect(const Evidence& evidence) const {
+  return evidence.contradiction > config_.doubt.suspect_contradiction ||
+         evidence.overlap < config_.doubt.suspect_overlap;
+}
+
+bool MatchRules::is_far(const CellPose& pose) const { return is_beyond(pose, far_m(), far_rad()); }
+
+bool MatchRules::is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const {
+  const auto dx = static_cast<double>(pose.x - predicted_.x) * config_.map.resolution_m;
+  const auto dy = static_cast<double>(pose.y - predicted_.y) * config_.map.resolution_m;
+  const auto dt = static_cast<double>(pose.theta - predicted_.theta);
+  return dx * dx + dy * dy > allowed_m * allowed_m || std::fabs(dt) > allowed_rad;
+}
+
+Doubt MatchRules::refusal_of(const Evidence& evidence) const {
+  if (evidence.contradiction > config_.doubt.max_contradiction) return Doubt::kContradiction;
+  if (evidence.overlap < config_.doubt.min_overlap) return Doubt::kLowOverlap;
+  return Doubt::kNone;
+}
+
+// What is to be said of a match that stands: the map supports it badly, or the odometry says something quite different.
+Doubt MatchRules::reservation_about(const CellPose& pose, const Evidence& evidence) const {
+  if (is_suspect(evidence)) return Doubt::kWeakEvidence;
+  const bool far = prediction_.by_odometry && is_beyond(pose, config_.doubt.report_m, config_.doubt.report_rad);
+  return far ? Doubt::kFarFromPrediction : Doubt::kNone;
+}
+
+MatchResult MatchRules::judged(const CellPose& pose, const Evidence& evidence) const {
+  MatchResult result;
+  result.T_map_predicted = prediction_.T_map_base;
+  result.mean_cost_m = evidence.mean_cost_m;
+  result.overlap = evidence.overlap;
+  result.contradiction = evidence.contradiction;
+  result.points = static_cast<std::uint32_t>(points_);
+  result.stop = evidence.stop;
+  const Doubt refusal = refusal_of(evidence);
+  result.accepted = refusal == Doubt::kNone;
+  result.doubt = result.accepted ? reservation_about(pose, evidence) : refusal;
+  result.T_map_base = result.accepted ? to_metres(pose) : prediction_.T_map_base;
+  return result;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,83 @@
+// What every matcher derives from the configuration and the prediction of a scan: where it counts from, the prior, the
+// window, the stages of a descent; and the rules of suspicion and doubt, one set for all matchers. Poses of a scan are
+// in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/mapping/cost/objective.hpp"
+#include "exhaustive.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/match.hpp"
+#include "motion_model.hpp"
+#include "simplex.hpp"
+
+namespace gdtslam {
+
+/// What speaks for a pose.
+struct Evidence {
+  double mean_cost_m = 0.0;
+  double overlap = 0.0;
+  double contradiction = 0.0;
+  StopReason stop = StopReason::kNotRun;
+};
+
+/// The counts behind it, over all points at the nearest cell; 1/256 cell.
+struct EvidenceCounts {
+  std::uint64_t sum = 0;     ///< of the values, none more than the wide gate
+  std::uint64_t near = 0;    ///< points within the final gate
+  std::uint64_t beside = 0;  ///< points farther than two final gates, near something known
+  std::uint64_t known = 0;   ///< points near something known
+};
+
+/// One descent of several: the gate and the simplex of equation (8) and (4).
+struct DescentStage {
+  std::uint32_t gate = 0;  ///< 1/256 cell
+  SimplexOptions simplex;
+};
+
+class MatchRules {
+ public:
+  explicit MatchRules(const MapperConfig& config);
+
+  /// A scan of so many points that should be where the prediction says.
+  void begin(const Prediction& prediction, std::size_t points);
+
+  [[nodiscard]] CellIndex anchor() const { return anchor_; }
+  [[nodiscard]] const CellPose& predicted() const { return predicted_; }
+  [[nodiscard]] const PosePrior& prior() const { return prior_; }
+  [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
+  /// The window around the prediction, scaled; sampled as the configuration says.
+  [[nodiscard]] SearchWindow window(double scale) const;
+  /// From the wide gate to the final one, the simplex smaller each time.
+  [[nodiscard]] const std::vector<DescentStage>& stages() const { return stages_; }
+  [[nodiscard]] std::uint32_t wide_gate() const { return stages_.front().gate; }
+  [[nodiscard]] std::uint32_t final_gate() const { return stages_.back().gate; }
+  /// How far a pose may be from the prediction before it is suspect.
+  [[nodiscard]] double far_m() const;
+  [[nodiscard]] double far_rad() const;
+
+  [[nodiscard]] Evidence evidence(const EvidenceCounts& counts) const;
+  [[nodiscard]] bool is_suspect(const Evidence& evidence) const;
+  [[nodiscard]] bool is_far(const CellPose& pose) const;
+  /// The pose and what is to be thought of it; the prediction instead where the match is refused.
+  [[nodiscard]] MatchResult judged(const CellPose& pose, const Evidence& evidence) const;
+
+ private:
+  [[nodiscard]] std::uint32_t units(double metres) const;
+  [[nodiscard]] float cells(double metres) const;
+  [[nodiscard]] bool is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const;
+  [[nodiscard]] Doubt refusal_of(const Evidence& evidence) const;
+  [[nodiscard]] Doubt reservation_about(const CellPose& pose, const Evidence& evidence) const;
+
+  MapperConfig config_;
+  std::vector<DescentStage> stages_;
+  Prediction prediction_;
+  std::size_t points_ = 0;
+  CellIndex anchor_{};
+  CellPose predicted_;
+  PosePrior prior_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,117 @@
+#include "matchers.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "box_search.hpp"
+#include "gauss_newton.hpp"
+#include "scan_matcher.hpp"
+#include "window_matcher.hpp"
+
+namespace gdtslam {
+namespace {
+
+template <class M>
+std::unique_ptr<Matcher> make(const MapperConfig& config, Backend& backend, const GlobalField& map) {
+  return std::make_unique<M>(config, backend, map);
+}
+
+LocalMinimum by_simplex(Objective& objective, const CellPose& start, const SimplexOptions& steps,
+                        const OptimizerConfig& /*options*/) {
+  return minimise_simplex(objective, start, steps);
+}
+
+LocalMinimum by_gauss_newton(Objective& objective, const CellPose& start, const SimplexOptions& steps,
+                             const OptimizerConfig& /*options*/) {
+  return minimise_gauss_newton(objective, start, {.stop_cells = steps.stop_cells, .stop_rad = steps.stop_rad});
+}
+
+template <MatcherKind kKind>
+LocalMinimum in_box(Objective& objective, const CellPose& start, const SimplexOptions& steps,
+                    const OptimizerConfig& options) {
+  return minimise_in_box(objective, start,
+                         {.half_cells = kBoxSteps * steps.step_cells,
+                          .half_rad = kBoxSteps * steps.step_rad,
+                          .stop_cells = steps.stop_cells,
+                          .stop_rad = steps.stop_rad},
+                         kKind, options);
+}
+
+constexpr std::array kMatchers{
+    MatcherInfo{.kind = MatcherKind::kSimplex,
+                .name = "simplex",
+                .doc = "downhill simplex",
+                .place = MatcherPlace::kHost,
+                .make = make<ScanMatcher>,
+                .descend = by_simplex},
+    MatcherInfo{.kind = MatcherKind::kPso,
+                .name = "pso",
+                .doc = "particle swarm",
+                .place = MatcherPlace::kHost,
+                .make = make<ScanMatcher>,
+                .descend = in_box<MatcherKind::kPso>},
+    MatcherInfo{.kind = MatcherKind::kSce,
+                .name = "sce",
+                .doc = "shuffled complexes",
+                .place = MatcherPlace::kHost,
+                .make = make<ScanMatcher>,
+                .descend = in_box<MatcherKind::kSce>},
+    MatcherInfo{.kind = MatcherKind::kSimpsa,
+                .name = "simpsa",
+                .doc = "annealed simplex",
+                .place = MatcherPlace::kHost,
+                .make = make<ScanMatcher>,
+                .descend = in_box<MatcherKind::kSimpsa>},
+    MatcherInfo{.kind = MatcherKind::kGaussNewton,
+                .name = "gauss-newton",
+                .doc = "robust least squares",
+                .place = MatcherPlace::kHost,
+                .make = make<ScanMatcher>,
+                .descend = by_gauss_newton},
+    MatcherInfo{.kind = MatcherKind::kSimplexNewton,
+                .name = "simplex-newton",
+                .doc = "simplex, its end refined by gauss-newton",
+                .place = MatcherPlace::kHost,
+                .make = make<ScanMatcher>,
+                .descend = by_simplex,
+                .is_refined = true},
+    MatcherInfo{.kind = MatcherKind::kExhaustive,
+                .name = "exhaustive",
+                .doc = "a window for each scan, all on the device",
+                .place = MatcherPlace::kDevice,
+                .make = make<WindowMatcher>,
+                .descend = nullptr},
+    MatcherInfo{.kind = MatcherKind::kCertified,
+                .name = "certified",
+                .doc = "simplex with windows whose best pose is proven",
+                .place = MatcherPlace::kHost,
+                .make = make<ScanMatcher>,
+                .descend = by_simplex,
+                .proves_windows = true},
+};
+
+constexpr bool is_in_order() {
+  for (std::size_t k = 0; k < kMatchers.size(); ++k) {
+    if (static_cast<std::size_t>(kMatchers[k].kind) != k) return false;
+  }
+  return true;
+}
+static_assert(is_in_order());
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kMatchers.size()> names;
+  std::transform(kMatchers.begin(), kMatchers.end(), names.begin(), [](const MatcherInfo& row) { return row.name; });
+  return names;
+}();
+
+}  // namespace
+
+std::span<const MatcherInfo> matchers() { return kMatchers; }
+
+const MatcherInfo& matcher_info(MatcherKind kind) { return kMatchers.at(static_cast<std::size_t>(kind)); }
+
+std::string_view to_string(MatcherKind kind) { return matcher_info(kind).name; }
+
+std::span<const std::string_view> matcher_names() { return kNames; }
+
+}  // namespace gdtslam

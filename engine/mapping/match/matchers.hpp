@@ -1,0 +1,46 @@
+// The table of the matchers: names for the parser and the help, and how each looks for a pose. A new matcher is a value
+// of MatcherKind (config.hpp), a row of this table in matchers.cpp, its code, and a row in docs/matchers.md; whatever
+// else knows matchers reads them here. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+#include "matcher.hpp"
+#include "simplex.hpp"
+
+namespace gdtslam {
+
+/// Where a matcher's walk from pose to pose is done.
+enum class MatcherPlace : std::uint8_t { kHost, kDevice };
+
+/// Half the width of the box that a population looks into, in edges of the first simplex.
+inline constexpr float kBoxSteps = 4.0F;
+
+struct MatcherInfo {
+  MatcherKind kind;
+  std::string_view name;
+  std::string_view doc;  ///< what it does, for the help
+  MatcherPlace place;
+  std::unique_ptr<Matcher> (*make)(const MapperConfig& config, Backend& backend, const GlobalField& map);
+  /// One walk from a start to a minimum of (4), on the host. The first edges of `steps` tell how far off the start may
+  /// be; null where the matcher knows windows only.
+  LocalMinimum (*descend)(Objective& objective, const CellPose& start, const SimplexOptions& steps,
+                          const OptimizerConfig& options);
+  bool is_refined = false;      ///< the end of the walk, by robust least squares
+  bool proves_windows = false;  ///< windows by branch and bound instead of samples
+};
+
+/// In the order of MatcherKind.
+std::span<const MatcherInfo> matchers();
+const MatcherInfo& matcher_info(MatcherKind kind);
+std::string_view to_string(MatcherKind kind);
+/// All names, in the order of MatcherKind.
+std::span<const std::string_view> matcher_names();
+
+}  // namespace gdtslam

@@ -1,0 +1,46 @@
+#include "motion_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gdtslam {
+
+std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_odom_base) {
+  if (!T_odom_base || !T_odom_base->is_finite()) return std::nullopt;
+  const std::optional<Pose2> before = last_odometry_;
+  last_odometry_ = T_odom_base;
+  if (!before) return std::nullopt;
+  const Pose2 motion = between(*before, *T_odom_base);
+  if (!(motion.translation().norm() <= config_.max_step_m)) {  // NaN too
+    ++leaps_;
+    return std::nullopt;
+  }
+  if (!(*before == *T_odom_base)) {
+    T_map_stop_ = std::nullopt;
+    frozen_ = false;
+  } else if (!T_map_stop_) {
+    T_map_stop_ = T_map_base_;
+  }
+  return frozen_ ? std::nullopt : std::optional(motion);
+}
+
+Prediction MotionModel::predict(const std::optional<Pose2>& T_odom_base) {
+  const std::optional<Pose2> motion = odometry_motion(T_odom_base);
+  if (motion) {
+    return {T_map_base_ * *motion, motion->translation().norm(), std::fabs(motion->theta_rad), true};
+  }
+  return {T_map_base_ * last_motion_, std::max(last_motion_.translation().norm(), config_.unknown_step_m),
+          std::max(std::fabs(last_motion_.theta_rad), config_.unknown_turn_rad), false};
+}
+
+void MotionModel::correct(const Pose2& T_map_base, bool matched) {
+  last_motion_ = between(T_map_base_, T_map_base);
+  T_map_base_ = T_map_base;
+  if (T_map_stop_ && matched) {
+    const Pose2 since = between(*T_map_stop_, T_map_base);
+    frozen_ =
+        frozen_ || since.translation().norm() > config_.frozen_m || std::fabs(since.theta_rad) > config_.frozen_rad;
+  }
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,80 @@
+#include "level_scan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/mapping/scan_beams.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kLongestStep_s = 0.5;  // between two scans whose odometry tells the motion within one
+
+/// The elevation at any time of a scan.
+class ElevationCourse {
+ public:
+  ElevationCourse(const NoddingScan& scan, const ElevationTable& table) : knots_(scan.knots), table_(table) {}
+  double at(double offset_s) {
+    while (next_ + 1 < knots_.size() && knots_[next_].offset_s <= offset_s) ++next_;
+    const PhaseKnot& from = knots_[next_ - 1];
+    const PhaseKnot& to = knots_[next_];
+    const double span_s = to.offset_s - from.offset_s;
+    const double share = span_s > 0.0 ? std::clamp((offset_s - from.offset_s) / span_s, 0.0, 1.0) : 0.0;
+    const auto turn = static_cast<double>(static_cast<std::int32_t>(to.phase - from.phase));
+    return table_.elevation_rad(from.phase + static_cast<Phase>(std::llround(share * turn)));
+  }
+
+ private:
+  const std::vector<PhaseKnot>& knots_;
+  const ElevationTable& table_;
+  std::size_t next_ = 1;
+};
+
+// Motion per second of the robot, from one scan to the next; zero where the odometry does not tell.
+Eigen::Vector3d velocity_of(const ScanRecord& record, const std::optional<Odometry>& before) {
+  if (!before || !record.T_odom_base) return Eigen::Vector3d::Zero();
+  const double span_s = record.scan.stamp_s - before->stamp_s;
+  if (!(span_s > 0.0 && span_s <= kLongestStep_s)) return Eigen::Vector3d::Zero();
+  return log_se2(between(before->T_odom_base, *record.T_odom_base)) / span_s;
+}
+
+}  // namespace
+
+PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ValidRange& valid,
+                       const std::optional<Odometry>& before, const HeightBand& band) {
+  const LaserScan& laser = scan.record.scan;
+  const double limit_m = range_limit_m(laser, valid.max_m);
+  const BeamTiming timing = scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
+  const Eigen::Vector3d velocity = velocity_of(scan.record, before);
+  ElevationCourse course(scan, scanner.table);
+  PointScan level{laser.stamp_s, {}};
+  for (std::size_t beam = 0; beam < laser.ranges_m.size(); ++beam) {
+    const auto range_m = static_cast<double>(laser.ranges_m[beam]);
+    if (!(range_m >= valid.min_m && range_m < limit_m)) continue;  // false for NaN too
+    const double offset_s = timing.of_beam_s(beam);
+    const auto bearing = beam_direction(laser, beam);
+    const Pose3 T_level = T_level_laser(scanner.mount, course.at(offset_s));
+    const Point3 point = T_level * Point3(range_m * bearing.cos, range_m * bearing.sin, 0.0);
+    if (!(point.z() >= band.low_m && point.z() <= band.high_m)) continue;
+    level.points_base_m.push_back(exp_se2(velocity * offset_s) * (laser.T_base_laser * Point2(point.x(), point.y())));
+  }
+  return level;
+}
+
+LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
+  LaserScan level = scan.record.scan;
+  const BeamTiming timing = scanner.timing(level.ranges_m.size(), level.bearing_step_rad);
+  ElevationCourse course(scan, scanner.table);
+  for (std::size_t beam = 0; beam < level.ranges_m.size(); ++beam) {
+    const auto bearing = beam_direction(level, beam);
+    const Eigen::Quaterniond turn = T_level_laser(scanner.mount, course.at(timing.of_beam_s(beam))).rotation;
+    const Point3 direction = rotation_matrix(turn) * Point3(bearing.cos, bearing.sin, 0.0);
+    const double share = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());
+    const double range_m = static_cast<double>(level.ranges_m[beam]);
+    if (level.max_range_m > 0.0 && range_m >= level.max_range_m) continue;  // no return stays none
+    level.ranges_m[beam] = static_cast<float>(range_m * share);
+  }
+  return level;
+}
+
+}  // namespace gdtslam

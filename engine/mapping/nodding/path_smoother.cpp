@@ -1,0 +1,210 @@
+#include "path_smoother.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engine/core/elementary.hpp"
+#include "engine/mapping/cost/field_gradient.hpp"
+#include "pose_path.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Matrix3 = Eigen::Matrix3d;
+using Vector3 = Eigen::Vector3d;
+
+constexpr double kFirstGate_m = 0.45;  // the map ends at R, half a metre
+constexpr double kGateShrinks = 0.6;
+constexpr double kLeastVariance = 1.0e-8;
+constexpr std::size_t kMostStations = 400;
+
+/// A pose that is estimated: a node of the path with what its scan saw.
+struct Station {
+  std::size_t node = 0;
+  Pose2 T_map_base;
+  Pose2 T_odom_base;
+  std::vector<Point2> points;
+};
+
+/// Normal equations of a chain: block-tridiagonal, each station with itself and with the one before.
+struct Chain {
+  explicit Chain(std::size_t size)
+      : diagonal(size, Matrix3::Zero()), before(size, Matrix3::Zero()), right(size, Vector3::Zero()) {}
+  std::vector<Matrix3> diagonal;
+  std::vector<Matrix3> before;
+  std::vector<Vector3> right;
+};
+
+/// One step of the odometry: its motion and how sure it is.
+struct Link {
+  Pose2 motion;
+  Vector3 information;
+};
+
+Link link_of(const SmootherConfig& config, const Pose2& T_odom_from, const Pose2& T_odom_to) {
+  Link link{between(T_odom_from, T_odom_to), {}};
+  const double way_m = link.motion.translation().norm();
+  const double turn_rad = std::fabs(link.motion.theta_rad);
+  const double along = config.odometry_m_per_sqrt_m * config.odometry_m_per_sqrt_m * way_m + kLeastVariance;
+  const double about = config.odometry_rad_per_sqrt_m * config.odometry_rad_per_sqrt_m * way_m +
+                       config.odometry_rad_per_sqrt_rad * config.odometry_rad_per_sqrt_rad * turn_rad + kLeastVariance;
+  link.information = {1.0 / along, 1.0 / along, 1.0 / about};
+  return link;
+}
+
+// What the odometry says about two neighbours; nothing of a fix moves.
+void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optional<std::size_t> row_from,
+              std::optional<std::size_t> row_to, Chain& chain) {
+  const Pose2 actual = between(from, to);
+  const Vector3 residual = log_se2(between(link.motion, actual));
+  const Matrix3 by_from = -adjoint(inverse(actual));
+  const Matrix3 weight = link.information.asDiagonal();
+  if (row_from) {
+    chain.diagonal[*row_from] += by_from.transpose() * weight * by_from;
+    chain.right[*row_from] -= by_from.transpose() * weight * residual;
+  }
+  if (row_to) {
+    chain.diagonal[*row_to] += weight;
+    chain.right[*row_to] -= weight * residual;
+  }
+  if (row_from && row_to) chain.before[*row_to] += weight * by_from;
+}
+
+// What the walls say about a station: each point's distance to the map, which a move changes by the gradient.
+void add_points(const SmootherConfig& config, const FieldGradient& field, double gate_m, const Station& station,
+                std::size_t row, Chain& chain) {
+  Matrix3 information = Matrix3::Zero();
+  Vector3 right = Vector3::Zero();
+  double count = 0.0;
+  const auto turn = sin_cos(station.T_map_base.theta_rad);
+  for (const Point2& p : station.points) {
+    const Point2 q(turn.cos * p.x() - turn.sin * p.y() + station.T_map_base.x_m,
+                   turn.sin * p.x() + turn.cos * p.y() + station.T_map_base.y_m);
+    const std::optional<FieldGradient::Value> value = field.at(q);
+    if (!value || value->distance_m > gate_m) continue;
+    const Point2 g(turn.cos * value->gradient.x() + turn.sin * value->gradient.y(),
+                   -turn.sin * value->gradient.x() + turn.cos * value->gradient.y());  // robot frame
+    const Vector3 row_of_point(g.x(), g.y(), g.y() * p.x() - g.x() * p.y());
+    const double share = value->distance_m / gate_m;
+    const double weight = (1.0 - share * share) * (1.0 - share * share);  // Tukey's
+    information += weight * row_of_point * row_of_point.transpose();
+    right -= weight * value->distance_m * row_of_point;
+    count += weight;
+  }
+  if (!(count > 0.0)) return;
+  const double scale = std::min(1.0, config.independent_points / count) / (config.point_sigma_m * config.point_sigma_m);
+  chain.diagonal[row] += scale * information;
+  chain.right[row] += scale * right;
+}
+
+// Forward elimination and back substitution of a chain.
+std::vector<Vector3> solve(Chain chain) {
+  const std::size_t size = chain.right.size();
+  for (std::size_t k = 1; k < size; ++k) {
+    const Matrix3 factor = chain.before[k] * chain.diagonal[k - 1].inverse();
+    chain.diagonal[k] -= factor * chain.before[k].transpose();
+    chain.right[k] -= factor * chain.right[k - 1];
+  }
+  std::vector<Vector3> steps(size);
+  for (std::size_t k = size; k-- > 0;) {
+    Vector3 right = chain.right[k];
+    if (k + 1 < size) right -= chain.before[k + 1].transpose() * steps[k + 1];
+    steps[k] = chain.diagonal[k].inverse() * right;
+  }
+  return steps;
+}
+
+std::vector<Point2> thinned(std::vector<Point2> points, std::size_t most) {
+  const std::size_t every = std::max<std::size_t>(1, (points.size() + most - 1) / most);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < points.size(); k += every) points[kept++] = points[k];
+  points.resize(kept);
+  return points;
+}
+
+// Nodes that are far enough from each other by odometry, fewer where there would be too many.
+std::vector<Station> stations_of(const SmootherConfig& config, const PoseFix& from, const std::vector<PoseFix>& nodes,
+                                 const PointsOfNode& points_of) {
+  double way = 0.0;
+  const auto measure = [&config](const PoseFix& a, const PoseFix& b) {
+    const Pose2 step = between(a.T_odom_base, b.T_odom_base);
+    return std::max(step.translation().norm() / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
+  };
+  const PoseFix* last = &from;
+  for (const PoseFix& node : nodes) {
+    way += measure(*last, node);
+    last = &node;
+  }
+  const double spacing = std::max(1.0, way / static_cast<double>(kMostStations));
+  std::vector<Station> stations;
+  way = 0.0;
+  last = &from;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    way += measure(*last, nodes[k]);
+    last = &nodes[k];
+    if (way < spacing) continue;
+    way = 0.0;
+    stations.push_back({k, nodes[k].T_map_base, nodes[k].T_odom_base,
+                        thinned(points_of(k), static_cast<std::size_t>(config.max_points))});
+  }
+  return stations;
+}
+
+Chain equations_of(const SmootherConfig& config, const FieldGradient& field, double gate_m, const PoseFix& from,
+                   const PoseFix& to, const std::vector<Station>& stations) {
+  Chain chain(stations.size());
+  for (std::size_t k = 0; k <= stations.size(); ++k) {
+    const bool is_first = k == 0;
+    const bool is_last = k == stations.size();
+    const Pose2& a = is_first ? from.T_map_base : stations[k - 1].T_map_base;
+    const Pose2& b = is_last ? to.T_map_base : stations[k].T_map_base;
+    const Link link = link_of(config, is_first ? from.T_odom_base : stations[k - 1].T_odom_base,
+                              is_last ? to.T_odom_base : stations[k].T_odom_base);
+    add_link(link, a, b, is_first ? std::nullopt : std::optional(k - 1), is_last ? std::nullopt : std::optional(k),
+             chain);
+    if (!is_last) add_points(config, field, gate_m, stations[k], k, chain);
+  }
+  return chain;
+}
+
+// Nodes between two stations lie on the circle between them: so close together, that is smoother than the odometry.
+void place_nodes(const PoseFix& from, const PoseFix& to, const std::vector<Station>& stations,
+                 std::vector<PoseFix>& nodes) {
+  PoseFix last = from;
+  std::size_t begin = 0;
+  for (const Station& station : stations) {
+    nodes[station.node].T_map_base = station.T_map_base;
+    place_along(last, nodes[station.node], std::span(nodes).subspan(begin, station.node - begin));
+    last = nodes[station.node];
+    begin = station.node + 1;
+  }
+  place_along(last, to, std::span(nodes).subspan(begin));
+}
+
+}  // namespace
+
+std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, const PoseFix& from, const PoseFix& to,
+                        std::vector<PoseFix>& nodes, const PointsOfNode& points_of) {
+  std::vector<Station> stations = stations_of(config, from, nodes, points_of);
+  if (stations.empty()) return 0;
+  const FieldGradient gradient(field);
+  double gate_m = kFirstGate_m;
+  for (std::int32_t k = 0; k < config.iterations; ++k) {
+    const std::vector<Vector3> steps = solve(equations_of(config, gradient, gate_m, from, to, stations));
+    for (std::size_t s = 0; s < stations.size(); ++s) {
+      if (!steps[s].allFinite()) return 0;
+    }
+    for (std::size_t s = 0; s < stations.size(); ++s) {
+      stations[s].T_map_base = stations[s].T_map_base * exp_se2(steps[s]);
+    }
+    gate_m = std::max(config.gate_m, kGateShrinks * gate_m);
+  }
+  place_nodes(from, to, stations, nodes);
+  return static_cast<std::size_t>(
+      std::count_if(stations.begin(), stations.end(), [](const Station& station) { return !station.points.empty(); }));
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,58 @@
+// From scans with poses to points in space: cuts each scan into strips, has the kernel sweep_points turn its beams into
+// points, hands them on. Frame: map. Results do not depend on how the scans are batched, nor on the backend. One
+// assembler belongs to one thread. Memory: three batches and a scan.
+//
+// A scan without knots of the phase gives no points, nor do beams without a return: a range must be at least min_range
+// and below both max_range and the scanner's own limit, as in the 2D part. Points come in the order of the scans and of
+// their beams. Coordinates are computed in float32 within whole metres next to the robot, to which the host adds in
+// double, so a point is as exact far from the map's origin as near it, but for the rounding to CloudPoint's float.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/nodding.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
+
+namespace gdtslam {
+
+/// The robot's pose at a time (of a knot), relative to T_map_fix.
+struct PoseKnot {
+  double offset_s = 0.0;
+  Pose2 T_fix_base;
+};
+
+struct AssemblyLimits {
+  double min_range_m = ScanConfig{}.min_range_m;
+  double max_range_m = ScanConfig{}.max_range_m;
+  SweepForm form = SweepForm::kWorking;
+  std::uint32_t batch_beams = 65536;  ///< of one upload, dispatch and download; at least 1024
+};
+
+class SweepAssembler {
+ public:
+  SweepAssembler(const NoddingScanner& scanner, const AssemblyLimits& limits, Backend& backend, CloudSink& sink);
+  ~SweepAssembler();
+  /// Queues a scan; `poses` (at least one) are in the order of time and cover the scan, linear in between. A batch goes
+  /// out when it is full. Throws DeviceError; the queue is kept, this scan included, so that use_backend() can go on.
+  void add(const NoddingScan& scan, std::uint32_t index, const Pose2& T_map_fix, std::span<const PoseKnot> poses);
+  /// Delivers all that was queued. What is queued at the end of the assembler's life is lost. Throws DeviceError.
+  void flush();
+  /// Goes on with another backend, whatever was queued included.
+  void use_backend(Backend& backend);
+  /// Handed to the sink so far.
+  [[nodiscard]] std::uint64_t points() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,26 @@
+// Where the beams of a scan point and which of its ranges count. Thread-safe.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+inline double beam_bearing_rad(const LaserScan& scan, std::size_t beam) {
+  return scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad;
+}
+
+/// Sine and cosine of a beam's bearing in the laser's frame.
+inline SinCos<double> beam_direction(const LaserScan& scan, std::size_t beam) {
+  return sin_cos(beam_bearing_rad(scan, beam));
+}
+
+/// At or above it a range is no return: the configured limit, or the sensor's own where that is lower.
+inline double range_limit_m(const LaserScan& scan, double most_m) {
+  return scan.max_range_m > 0.0 ? std::min(most_m, scan.max_range_m) : most_m;
+}
+
+}  // namespace gdtslam

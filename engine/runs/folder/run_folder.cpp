@@ -1,0 +1,186 @@
+#include "run_folder.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <ctime>
+#include <system_error>
+
+#include "engine/io/atomic_file.hpp"
+#include "gdtslam/core/error.hpp"
+#include "run_reader.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
+constexpr std::array kRunFiles{"trajectory.tum", "map.yaml",     "map.pgm",   "gdt.yaml",  "gdt.png",    "overview.png",
+                               "config.yaml",    "linkage.yaml", "cloud.ply", "cloud.png", "report.json"};
+
+std::string as_text(int code) { return std::generic_category().message(code); }
+
+// Where the old files are while a commit lasts.
+fs::path kept_in(const fs::path& staging) { return staging / "old"; }
+
+// Staging folders of processes that were killed.
+std::vector<fs::path> leftovers_in(const fs::path& folder) {
+  std::vector<fs::path> leftovers;
+  std::error_code ignored;  // what cannot be listed is not in the way
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kStagingPrefix)) continue;
+    pid_t process = 0;
+    const char* const digits = name.data() + kStagingPrefix.size();
+    const auto parsed = std::from_chars(digits, name.data() + name.size(), process);
+    const bool is_dead = parsed.ec == std::errc{} && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
+    if (is_dead) leftovers.push_back(entry.path());
+  }
+  return leftovers;
+}
+
+// What is left of a process that was killed within its commit is the only sign that the files beside it are of a run.
+bool is_of_a_commit(const fs::path& leftover) {
+  std::error_code ignored;
+  return fs::exists(kept_in(leftover), ignored);
+}
+
+// "intel" from "../data/intel.clf.gz".
+std::string stem_of(const std::string& log) {
+  if (log == "-") return "stdin";
+  fs::path name = fs::path(log).filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
+
+std::string utc_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  return fmt::format("{:04}{:02}{:02}T{:02}{:02}{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour,
+                     utc.tm_min, utc.tm_sec);
+}
+
+}  // namespace
+
+RunFolder::RunFolder(const std::string& path) : folder_(path) {
+  std::error_code ignored;
+  is_new_ = !fs::exists(folder_, ignored);
+  make_folder(path);
+  std::error_code failed;
+  for (const fs::path& leftover : leftovers_in(folder_)) {
+    if (!is_of_a_commit(leftover)) fs::remove_all(leftover, ignored);
+  }
+  staging_ = folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid());
+  fs::remove_all(staging_, failed);
+  if (!fs::create_directory(staging_, failed)) {
+    throw FileError(path, "cannot be written to: " + failed.message());
+  }
+}
+
+RunFolder::~RunFolder() {
+  std::error_code ignored;
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  if (is_new_) fs::remove(folder_, ignored);  // succeeds only when it is empty
+}
+
+std::string RunFolder::staged(std::string_view name) {
+  names_.emplace_back(name);
+  return (staging_ / name).string();
+}
+
+void RunFolder::move(const fs::path& from, const fs::path& to, const std::string& name) const {
+  std::error_code failed;
+  fs::rename(from / name, to / name, failed);
+  if (failed) throw FileError(file(name), "cannot be replaced: " + failed.message());
+}
+
+void RunFolder::replace(const std::vector<std::string>& old_names) {
+  for (auto name = old_names.rbegin(); name != old_names.rend(); ++name) {
+    std::error_code ignored;  // what cannot be asked about cannot be replaced either
+    const fs::file_status status = fs::symlink_status(folder_ / *name, ignored);
+    if (fs::is_directory(status)) throw FileError(file(*name), "cannot be replaced: " + as_text(EISDIR));
+    if (fs::exists(status)) move(folder_, kept_in(staging_), *name);
+  }
+  sync_folder(folder_.string());  // no new file on the disk before the old ones are gone from it
+  for (given_ = 0; given_ < names_.size(); ++given_) move(staging_, folder_, names_[given_]);
+  sync_folder(folder_.string());
+}
+
+// Undoes a commit that failed; says what cannot be undone.
+std::string RunFolder::put_back(const std::vector<std::string>& old_names) const {
+  std::string problems;
+  std::error_code failed;
+  for (std::size_t k = 0; k < given_; ++k) {
+    fs::remove(folder_ / names_[k], failed);
+    if (failed) problems += "; nor can " + file(names_[k]) + " be removed again: " + failed.message();
+  }
+  for (const std::string& name : old_names) {
+    const fs::path kept = kept_in(staging_) / name;
+    if (!fs::exists(fs::symlink_status(kept, failed))) continue;
+    fs::rename(kept, folder_ / name, failed);
+    if (failed) problems += "; nor can " + kept.string() + " be put back: " + failed.message();
+  }
+  return problems;
+}
+
+void RunFolder::commit() {
+  std::vector<std::string> old_names = gone_;
+  old_names.insert(old_names.end(), names_.begin(), names_.end());
+  sync_folder(staging_.string());
+  std::error_code failed;
+  fs::create_directory(kept_in(staging_), failed);
+  if (failed) throw FileError(folder_.string(), "cannot be written to: " + failed.message());
+  try {
+    replace(old_names);
+  } catch (const FileError& error) {
+    const std::string problems = put_back(old_names);
+    if (problems.empty()) throw;
+    staging_.clear();  // what it holds is the only copy
+    throw Error(error.code(), error.what() + problems);
+  }
+  names_.clear();
+  gone_.clear();
+  std::error_code ignored;  // they are in nobody's way
+  for (const fs::path& leftover : leftovers_in(folder_)) fs::remove_all(leftover, ignored);
+}
+
+void require_no_foreign_files(const std::string& folder) {
+  if (RunReader::is_gdtslam_run(folder)) return;
+  const std::vector<fs::path> leftovers = leftovers_in(folder);
+  if (std::any_of(leftovers.begin(), leftovers.end(), is_of_a_commit)) return;
+  for (const char* name : kRunFiles) {
+    std::error_code ignored;  // what cannot be asked about shows when it cannot be replaced
+    if (!fs::exists(fs::symlink_status(fs::path(folder) / name, ignored))) continue;
+    throw UsageError(fmt::format(
+        "--output: '{}' holds a {} that no run wrote; give another folder, or --force to replace it", folder, name));
+  }
+}
+
+std::string default_run_folder(const std::string& log) {
+  const std::string base = fmt::format("runs/{}-{}", stem_of(log), utc_time());
+  std::string path = base;
+  std::error_code ignored;
+  for (int k = 2; fs::exists(path, ignored); ++k) path = fmt::format("{}-{}", base, k);
+  return path;
+}
+
+void link_latest(const std::string& run_folder) {
+  const fs::path folder(run_folder);
+  const fs::path link = folder.parent_path() / "latest";
+  std::error_code failed;
+  if (fs::exists(fs::symlink_status(link, failed)) && !fs::is_symlink(fs::symlink_status(link, failed))) return;
+  const fs::path temporary = folder.parent_path() / fmt::format(".latest-{}", ::getpid());
+  fs::remove(temporary, failed);
+  fs::create_directory_symlink(folder.filename(), temporary, failed);
+  if (!failed) fs::rename(temporary, link, failed);
+  if (failed) throw FileError(link.string(), "cannot be linked to the run: " + failed.message());
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,70 @@
+// Reads back the folder that a run of `gdtslam map` wrote. Each file is checked when it is asked for, against what
+// report.json says of it, and every message names the file and what to do. One reader belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+/// What report.json says that a picture needs.
+struct RunSummary {
+  std::vector<std::string> logs;
+  std::uint64_t scans = 0;
+  std::uint64_t matched = 0;
+  std::uint64_t keyframe_count = 0;
+  double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
+  std::uint64_t cloud_points = 0;
+  GridGeometry map;        ///< of map.pgm
+  std::string map_sha256;  ///< of the distance field
+  bool nods = false;
+  bool tilts = false;  ///< nods without a linkage: the log told the elevation itself
+  /// 99 of 100 matches left no larger mean distance to the map; nothing without one, or of an older version.
+  std::optional<double> match_p99_m;
+  std::vector<std::size_t> doubtful;   ///< indices into the trajectory
+  std::vector<std::size_t> keyframes;  ///< likewise; empty where the report is of an older version
+};
+
+class RunReader {
+ public:
+  /// Throws InputError where the folder is no finished run, or its report cannot be used; FileError.
+  explicit RunReader(std::string folder);
+
+  [[nodiscard]] const RunSummary& summary() const { return summary_; }
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  /// The first log's name without folder and endings: "office-7f".
+  [[nodiscard]] std::string name() const;
+  /// As the other members: throws InputError or FileError.
+  [[nodiscard]] Trajectory trajectory() const;
+  [[nodiscard]] bool has_trajectory() const;
+  [[nodiscard]] OccupancyMap map() const;
+  [[nodiscard]] DistanceFieldFile field() const;
+  /// The file of the 3D cloud; nothing where the run made none. Throws InputError where it is missing.
+  [[nodiscard]] std::optional<std::string> cloud_file() const;
+  /// How the laser nods; nothing where the run did not need it or is of an older version. Where the laser tilts only
+  /// the mount counts. Throws ConfigError too.
+  [[nodiscard]] std::optional<calib::SweepModel> linkage() const;
+
+  /// True for a folder that holds a report.
+  static bool is_run(const std::string& path);
+  /// True where that report is one of `gdtslam map`, of whatever version. Throws FileError.
+  static bool is_gdtslam_run(const std::string& path);
+
+ private:
+  [[nodiscard]] std::string file(const char* name) const;
+  void require(const char* name) const;
+  [[noreturn]] void refuse(const char* name, const std::string& fault) const;
+
+  std::string folder_;
+  RunSummary summary_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,156 @@
+#include "run_report.hpp"
+
+#include <algorithm>
+
+#include "engine/core/quantile.hpp"
+#include "engine/io/sha256.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "tools/gdtslam/shell/device/device_json.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
+
+// No second counts twice: all but "write" add up to wall_s.
+Json stages_json(const MapOutcome& outcome, double written_s) {
+  const StageTimes& stages = outcome.statistics.stages;
+  const double named_s = stages.predict_s + stages.match_s + stages.local_field_s + stages.merge_s;
+  return {{"read", outcome.read_s},           {"predict", stages.predict_s},
+          {"match", stages.match_s},          {"local_field", stages.local_field_s},
+          {"merge", stages.merge_s},          {"mapper_other", std::max(outcome.mapper_s - named_s, 0.0)},
+          {"occupancy", outcome.occupancy_s}, {"write", written_s}};
+}
+
+Json geometry_json(const GridGeometry& geometry) {
+  return {{"resolution_m", geometry.resolution_m},
+          {"origin_m", {geometry.origin_x_m, geometry.origin_y_m}},
+          {"width", geometry.width},
+          {"height", geometry.height}};
+}
+
+Json warnings_json(const std::vector<LogReader::Warning>& warnings) {
+  Json counts = Json::object();
+  for (const LogReader::Warning& warning : warnings) counts[warning.kind] = warning.count;
+  return counts;
+}
+
+Json doubtful_json(const std::vector<DoubtfulScan>& doubtful) {
+  Json list = Json::array();
+  for (const DoubtfulScan& scan : doubtful) {
+    list.push_back({{"index", scan.index},
+                    {"stamp_s", scan.stamp_s},
+                    {"reason", to_string(scan.reason)},
+                    {"accepted", scan.accepted},
+                    {"from_prediction_m", scan.from_prediction_m},
+                    {"from_prediction_deg", deg_from_rad(scan.from_prediction_rad)}});
+  }
+  return list;
+}
+
+Json surface_json(const std::optional<PlanePatch>& surface) {
+  if (!surface) return nullptr;
+  return {{"height_m", surface->centre.z()}, {"rms_m", surface->rms_m}, {"sample_points", surface->points.size()}};
+}
+
+Json check_json(const SweepCheck& check) {
+  return {{"pairs", check.pairs},
+          {"not_held", check.not_held},
+          {"apart", check.apart},
+          {"mean_shift_m", check.mean_shift_m},
+          {"max_shift_m", check.max_shift_m},
+          {"mean_turn_deg", deg_from_rad(check.mean_turn_rad)},
+          {"max_turn_deg", deg_from_rad(check.max_turn_rad)},
+          {"drift_m", check.drift_m},
+          {"drift_deg", deg_from_rad(check.drift_rad)},
+          {"mean_rms_m", check.mean_rms_m},
+          {"mean_moved_m", check.mean_moved_m},
+          {"wall_s", check.wall_s}};
+}
+
+Json nodding_json(const NoddingReport& nodding) {
+  const NoddingStatistics& statistics = nodding.outcome.statistics;
+  const CloudSummary& cloud = nodding.outcome.cloud;
+  Json json{{"linkage", nodding.job.linkage},
+            {"told_by", nodding.job.kind == NodKind::kTilt ? "TILT" : "ENCODER"},
+            {"sweeps", statistics.sweeps},
+            {"fixes", statistics.fixes},
+            {"between", statistics.between},
+            {"smoothed", statistics.smoothed},
+            {"by_odometry", statistics.by_odometry},
+            {"before_first_fix", statistics.before_first_fix},
+            {"dropped", statistics.dropped},
+            {"without_nod", statistics.without_nod},
+            {"smooth_s", statistics.smooth_s},
+            {"assemble_s", statistics.assemble_s},
+            {"sweep_check", check_json(nodding.outcome.check)}};
+  if (nodding.outcome.has_cloud) {
+    json["cloud"] = {{"measured", cloud.measured},
+                     {"after_thinning", cloud.thinned},
+                     {"removed", cloud.removed},
+                     {"written", cloud.written},
+                     {"sha256", cloud.sha256},
+                     {"floor", surface_json(cloud.surfaces.floor)},
+                     {"ceiling", surface_json(cloud.surfaces.ceiling)}};
+  }
+  return json;
+}
+
+// How well scans fit the map, which tells `localize` what a good fit is; nothing where none was matched.
+void add_match_distances(Json& report, std::vector<double> distances_m) {
+  if (distances_m.empty()) return;
+  std::sort(distances_m.begin(), distances_m.end());
+  report["match_median_m"] = quantile_of_sorted(distances_m, 0.5);
+  report["match_p99_m"] = quantile_of_sorted(distances_m, 0.99);
+}
+
+}  // namespace
+
+Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding, const Mapper& mapper,
+               const DeviceInfo& device, double written_s) {
+  const MapperStatistics& statistics = outcome.statistics;
+  const auto scans = static_cast<double>(scans_of(outcome));
+  Json report;
+  report["format"] = kReportVersion;
+  report["version"] = GDTSLAM_VERSION;
+  report["device"] = device_json(device);
+  if (!outcome.device_loss.empty()) report["device_lost"] = outcome.device_loss;
+  report["log"] = job.logs;
+  report["interrupted"] = outcome.interrupted;
+  report["scans"] = scans_of(outcome);
+  report["matched"] = statistics.matched;
+  add_match_distances(report, outcome.match_distances_m);
+  report["doubtful"] = statistics.doubtful;
+  report["keyframes"] = statistics.keyframes;
+  report["searches"] = statistics.searches;
+  report["windows"] = statistics.attempts;
+  report["restarts"] = statistics.restarts;
+  report["odometry_leaps"] = statistics.odometry_leaps;
+  report["without_odometry"] = statistics.without_odometry;
+  report["evaluations"] = statistics.evaluations;
+  report["dispatches"] = statistics.dispatches;
+  report["submissions"] = statistics.submissions;
+  report["path_m"] = statistics.path_m;
+  report["log_duration_s"] = outcome.log_duration_s;
+  report["wall_s"] = outcome.wall_s;
+  report["cpu_s"] = outcome.cpu_s;
+  report["scans_per_s"] = ratio(scans, outcome.wall_s);
+  report["scans_per_core_s"] = ratio(scans, outcome.mapper_cpu_s);  // mapper alone: no reading, no occupancy map
+  report["realtime_factor"] = ratio(outcome.log_duration_s, outcome.wall_s);
+  report["map_sha256"] = sha256_of(view_of(mapper.field()));
+  report["trajectory_sha256"] = sha256_of(outcome.trajectory);
+  report["gdt"] = geometry_json(mapper.field().geometry());
+  report["map"] = geometry_json(outcome.occupancy.geometry);
+  report["cloud_points"] = nodding != nullptr ? nodding->outcome.cloud.written : 0;
+  if (nodding != nullptr) report["nodding"] = nodding_json(*nodding);
+  report["warnings"] = warnings_json(outcome.warnings);
+  report["stages"] = stages_json(outcome, written_s);
+  report["doubtful_scans"] = doubtful_json(outcome.doubtful);
+  report["keyframe_scans"] = outcome.keyframes;
+  return report;
+}
+
+}  // namespace gdtslam

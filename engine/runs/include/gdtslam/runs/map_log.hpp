@@ -1,0 +1,59 @@
+// From logs to a run folder: what `gdtslam map` does, byte for byte, for programs of others. 2D and, where a log tells
+// how its laser nods, 3D. One call belongs to one thread; the backend may use more. docs/howto/live.md has an example.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/runs/outcome.hpp"
+#include "gdtslam/runs/settings.hpp"
+
+namespace gdtslam {
+
+/// Draws the cloud of a run as the bytes of a PNG file: cloud file, first log, robot poses, linkage (null: the laser
+/// has none). Throws UnavailableError where nothing can draw.
+using CloudPicture = std::function<std::string(const std::string& cloud_file, const std::string& log,
+                                               const Trajectory& trajectory, const calib::SweepModel* linkage)>;
+
+struct MapRequest {
+  std::vector<std::string> logs{};  ///< mapped one after the other as one; "-" is the standard input
+  std::string folder{};             ///< of the results; made if need be
+  Settings settings{};              ///< every option of the configuration
+  bool lenient = false;             ///< count and skip malformed lines instead of throwing
+  ScanRange range{};
+  std::string
+      linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
+  bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
+  bool with_cloud = true;
+  bool with_pictures = true;
+  CloudPicture draw_cloud{};   ///< cloud.png; empty: none
+  MapperOptions on_failure{};  ///< what is done when the device fails
+
+  std::function<void(std::uint64_t scans, double share)> progress{};  ///< after each scan; share negative when unknown
+  std::function<bool()> stop{};                                       ///< true ends the run; what there is gets written
+  std::function<void(const std::string&)> warn{};                     ///< one line at a time, before the work begins
+};
+
+struct MapResult {
+  MapOutcome outcome;
+  std::optional<NoddingOutcome> nodding;  ///< of a laser that nods
+  std::string linkage;                    ///< of a laser that nods: the preset or file that was taken
+  std::string report;                     ///< the text of report.json
+};
+
+/// Maps the logs and writes the run folder, all files or none. Throws InputError, ConfigError, FileError,
+/// UnavailableError, DeviceError where the request does not allow to go on without the device, and
+/// Error(kInterrupted) when stopped before a scan was mapped.
+MapResult map_logs(const MapRequest& request, Backend& backend);
+
+/// How the logs tell, near their beginning, how their laser nods.
+NodKind nod_kind_of(const std::vector<std::string>& logs);
+
+}  // namespace gdtslam

@@ -1,0 +1,92 @@
+// What mapping a log gives: the trajectory, the evidence against doubtful scans, the occupancy map, and for a nodding
+// laser what became of its points. Frame: map. Plain data.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gdtslam/cloud/thinning.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+/// Which messages tell how the laser nods.
+enum class NodKind : std::uint8_t { kNone, kEncoder, kTilt };
+
+/// A scan whose match is in doubt.
+struct DoubtfulScan {
+  std::uint64_t index = 0;  ///< in the trajectory, from 0
+  double stamp_s = 0.0;
+  Doubt reason = Doubt::kNone;
+  bool accepted = false;             ///< the match is taken all the same, not the prediction
+  double from_prediction_m = 0.0;    ///< of the estimate
+  double from_prediction_rad = 0.0;  ///< likewise, absolute
+};
+
+struct MapOutcome {
+  Trajectory trajectory;
+  std::vector<DoubtfulScan> doubtful;
+  std::vector<std::size_t> keyframes;  ///< indices into the trajectory
+  /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
+  std::vector<double> match_distances_m;
+  OccupancyMap occupancy;
+  MapperStatistics statistics;
+  std::vector<LogReader::Warning> warnings;
+  std::string device_loss;      ///< the error of the device that failed; empty when none did
+  double log_duration_s = 0.0;  ///< between the earliest and the latest stamp
+  double wall_s = 0.0;          ///< of the whole run, reading included
+  double cpu_s = 0.0;           ///< of the process during the run
+  double read_s = 0.0;
+  double mapper_s = 0.0;      ///< inside the mapper
+  double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads
+  double occupancy_s = 0.0;
+  bool interrupted = false;
+};
+
+/// Scans that got a pose, matched or not.
+inline std::uint64_t scans_of(const MapOutcome& outcome) { return outcome.trajectory.size(); }
+/// What became of the points.
+struct CloudSummary {
+  std::uint64_t measured = 0;  ///< points that came
+  std::uint64_t thinned = 0;   ///< left by thinning
+  double voxel_m = 0.0;        ///< of the thinning at the end: larger than asked for where its memory was full
+  std::uint64_t removed = 0;   ///< as floor or ceiling
+  std::uint64_t written = 0;
+  std::string sha256;  ///< of the points as written
+  LevelSurfaces surfaces;
+};
+
+/// Residual correction between consecutive sweeps.
+struct SweepCheck {
+  std::uint64_t pairs = 0;     ///< that could be compared
+  std::uint64_t not_held = 0;  ///< too little overlap or structure,
+  std::uint64_t apart = 0;     ///< of these: well held, and yet no correction makes them agree
+  double mean_shift_m = 0.0;   ///< of the centres of the sweeps
+  double max_shift_m = 0.0;
+  double mean_turn_rad = 0.0;
+  double max_turn_rad = 0.0;
+  double drift_m = 0.0;  ///< length of the sum of all corrections
+  double drift_rad = 0.0;
+  double mean_rms_m = 0.0;    ///< point to plane after registration: the surfaces' own noise
+  double mean_moved_m = 0.0;  ///< how far the corrections move the points of a sweep, root of the mean square
+  double wall_s = 0.0;
+
+  /// Why linkage, mount or poses are doubted, with what to do; empty where the sweeps agree within three times the
+  /// noise of their own surfaces.
+  [[nodiscard]] std::string doubt() const;
+};
+
+/// What a nodding log gives besides a MapOutcome.
+struct NoddingOutcome {
+  NoddingStatistics statistics;
+  CloudSummary cloud;
+  bool has_cloud = false;
+  SweepCheck check;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,67 @@
+// All options of a run with where each value came from: the defaults, a file, or single assignments. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gdtslam/calib/nod_track.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/mapping/option.hpp"
+
+namespace gdtslam {
+
+enum class CloudRemoval : std::uint8_t { kNone, kFloor, kCeiling, kBoth };
+
+struct CloudConfig {
+  double voxel_m = 0.02;             ///< one point a voxel; 0 keeps all
+  std::int32_t max_megavoxels = 64;  ///< memory: 16 to 32 MiB each
+  CloudRemoval remove = CloudRemoval::kNone;
+  double remove_margin_m = 0.05;  ///< over the floor and under the ceiling
+};
+/// The table of the options, under "cloud."; its rows point into `config`.
+std::vector<Option> option_table(CloudConfig& config);
+
+/// Whether the log's own lines are believed or the values beside it.
+enum class LogSource : std::uint8_t { kLog, kStated };
+
+/// What an option may state of a log's laser where the log itself is wrong about it: the mount, the bearings of the
+/// beams, the limit of the ranges (docs/formats.md, CARMEN logs). Metres, radians.
+struct LogConfig {
+  LogSource mount = LogSource::kLog;
+  Pose2 T_base_laser;  ///< counts where `mount` is stated
+  LogSource bearings = LogSource::kLog;
+  double first_bearing_rad = 0.0;  ///< both count where `bearings` are stated
+  double bearing_step_rad = 0.0;
+  double max_range_m = 0.0;  ///< 0: what the log says
+};
+
+std::vector<Option> option_table(LogConfig& config);
+
+/// What the bounds of the options do not tell: values that nothing would use, and a step of zero.
+std::vector<std::string> faults_of(const LogConfig& config);
+
+ReadOptions read_options_of(const LogConfig& config, bool lenient);
+
+/// Every option of a run, and which of them do not have their defaults.
+struct Settings {
+  MapperConfig mapper;
+  OccupancyConfig occupancy;
+  NoddingConfig nodding;
+  calib::NodTrackLimits nod_limits;
+  CloudConfig cloud;
+  LogConfig log;
+  std::vector<std::string> from_file;  ///< paths that the file set
+  std::vector<std::string> from_sets;  ///< paths that --set set
+};
+
+/// The table of every option; its rows point into `settings`.
+std::vector<Option> option_table(Settings& settings);
+
+/// Throws ConfigError that names every violation.
+void require_valid(Settings& settings);
+
+}  // namespace gdtslam

@@ -1,0 +1,79 @@
+#include "reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+
+namespace gdtslam {
+
+MergedScans::MergedScans(const RunReader& run, double within_s) : within_s_(within_s) {
+  const RunSummary& summary = run.summary();
+  if (summary.keyframes.empty()) {
+    throw InputError({run.folder(), 0},
+                     "its report.json does not tell which scans went into the map (keyframe_scans): it is of an older "
+                     "version; map the log again: gdtslam map LOG -o " +
+                         run.folder());
+  }
+  const Trajectory trajectory = run.trajectory();
+  for (const std::size_t index : summary.keyframes) stamps_s_.push_back(trajectory[index].stamp_s);
+  std::sort(stamps_s_.begin(), stamps_s_.end());  // stamps of a log may step back
+}
+
+bool MergedScans::are_near(double stamp_s) const {
+  const auto after = std::lower_bound(stamps_s_.begin(), stamps_s_.end(), stamp_s - within_s_);
+  return after != stamps_s_.end() && *after <= stamp_s + within_s_;
+}
+
+std::string near_text(const MergedScans& merged) {
+  if (merged.within_s() <= 0.0) return "that went into the map";
+  return fmt::format("within {:g} s of one that went into the map", merged.within_s());
+}
+
+LocalizeTruth::LocalizeTruth(const std::string& file) : file_(file), poses_(read_tum(file)), by_stamp_(poses_) {
+  if (poses_.empty()) throw InputError({file, 0}, "holds no pose; give a trajectory, TUM");
+}
+
+void LocalizeTruth::align(const RunReader& run) {
+  const ReferenceOptions options;
+  const Pose2 T_map_reference = inverse(evaluate_reference(run.trajectory(), poses_, options).T_reference_estimate);
+  for (StampedPose& pose : poses_) pose.T_map_base = T_map_reference * pose.T_map_base;
+  by_stamp_ = PosesByStamp(poses_);
+  is_aligned_ = true;
+}
+
+std::optional<Pose2> LocalizeTruth::find(double stamp_s) const {
+  return by_stamp_.find(stamp_s, ReferenceOptions{}.tolerance_s);
+}
+
+namespace {
+
+// The folder of the run that a map belongs to, if there is one.
+std::optional<std::string> run_folder_of(const std::string& map) {
+  namespace fs = std::filesystem;
+  if (RunReader::is_run(map)) return map;
+  const std::string parent = fs::path(map).has_parent_path() ? fs::path(map).parent_path().string() : ".";
+  return RunReader::is_run(parent) ? std::optional(parent) : std::nullopt;
+}
+
+}  // namespace
+
+RunReader run_of_map(const std::string& map, const std::string& purpose) {
+  if (const std::optional<std::string> folder = run_folder_of(map)) return RunReader(*folder);
+  throw InputError({map, 0},
+                   "belongs to no folder of a run, which " + purpose + " needs: give what 'gdtslam map -o' wrote");
+}
+
+FitLimit fit_limit_of(const std::string& map, double resolution_m) {
+  constexpr double kCells = 2.0;
+  const std::optional<std::string> folder = run_folder_of(map);
+  const std::optional<double> by_run = folder ? RunReader(*folder).summary().match_p99_m : std::nullopt;
+  if (by_run) return {*by_run, FitLimit::Source::kRun};
+  return {kCells * resolution_m, FitLimit::Source::kResolution};
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,70 @@
+// What `gdtslam localize` knows of scans beforehand: their true poses, and which of them went into the map. Frame: map.
+// Thread-safe once made; O(log n) a scan.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/runs/folder/run_reader.hpp"
+#include "gdtslam/mapping/poses_by_stamp.hpp"
+
+namespace gdtslam {
+
+/// Times of the scans that a run merged into its map.
+class MergedScans {
+ public:
+  /// Throws InputError where the run does not tell them, or its files are missing.
+  MergedScans(const RunReader& run, double within_s);
+  /// Whether one was merged at most within_s() before or after.
+  [[nodiscard]] bool are_near(double stamp_s) const;
+  [[nodiscard]] double within_s() const { return within_s_; }
+  [[nodiscard]] std::size_t count() const { return stamps_s_.size(); }
+
+ private:
+  double within_s_;
+  std::vector<double> stamps_s_;  // ascending
+};
+
+/// What they are, for people: "that went into the map", "within 0.5 s of one that went into the map".
+std::string near_text(const MergedScans& merged);
+
+/// True poses of scans, in the map's frame.
+class LocalizeTruth {
+ public:
+  /// Throws InputError, FileError.
+  explicit LocalizeTruth(const std::string& file);
+  /// Moves all poses so that they lie best on the run's trajectory, whose frame they are in from then on. Throws
+  /// InputError where fewer than two stamps agree.
+  void align(const RunReader& run);
+
+  /// The pose of the scan with that stamp.
+  [[nodiscard]] std::optional<Pose2> find(double stamp_s) const;
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] std::size_t count() const { return poses_.size(); }
+  [[nodiscard]] bool is_aligned() const { return is_aligned_; }
+
+ private:
+  std::string file_;
+  Trajectory poses_;
+  PosesByStamp by_stamp_;
+  bool is_aligned_ = false;
+};
+
+/// The run folder that a map belongs to: itself, or the folder of its gdt.yaml. Throws InputError, with what it was
+/// needed for, where it is none.
+RunReader run_of_map(const std::string& map, const std::string& purpose);
+
+/// The largest mean distance of a scan's points to the map's obstacles that is a good fit.
+struct FitLimit {
+  /// Where it comes from: 99 of 100 matches of the run left no more, or the map's cells are so coarse.
+  enum class Source : std::uint8_t { kOption, kRun, kResolution };
+  double distance_m = 0.0;
+  Source source = Source::kOption;
+};
+/// For a map without a run, or a run of a version that did not tell: two cells, which is what rounding to cells in the
+/// scan and in the map may take away, and 50 mm by default.
+FitLimit fit_limit_of(const std::string& map, double resolution_m);
+
+}  // namespace gdtslam

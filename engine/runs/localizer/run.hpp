@@ -1,0 +1,121 @@
+// The pose of scans in the whole of a map that was made before, without odometry; the work of `gdtslam localize`.
+// Frames: robot in the map, metres and radians. Without a device one object may serve several threads, with one it
+// belongs to one. Cost: some tenths of a second of CPU time a scan on a map of 50 m.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/mapping/certified.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "reference.hpp"
+
+namespace gdtslam {
+
+/// What is asked of each scan.
+struct LocalizeLimits {
+  double gap_m = 0.005;                 ///< of the mean distance
+  std::optional<double> max_seconds{};  ///< for a pose; none: until it is proven
+  bool with_runner_up = true;           ///< the best pose elsewhere
+  std::optional<double> good_fit_m{};   ///< the largest mean distance that is one; none: what the map tells
+  double within_m = 0.10;               ///< a pose so near to the reference is right
+  double within_rad = rad_from_deg(1.0);
+  /// Elsewhere less is asked at first: whether anything there is as good. Where that leaves it open, more.
+  static constexpr double kElsewhereGaps = 8.0;
+  static constexpr std::uint64_t kRunnerUpBoxes = 50000;  ///< for a pose there
+  static constexpr std::uint64_t kElsewhereBoxes = 6000000;
+  static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
+  static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
+  static constexpr double kNearbyGaps = 0.1;                   ///< of the search around the reference
+  static constexpr std::uint64_t kNearbyBoxes = 200000;
+};
+
+/// What the reference says of a scan.
+struct ReferencePose {
+  Pose2 T_map_base;
+  double distance_m = 0.0;   ///< of the pose found from it; 0 where none was found, as the angle
+  double angle_rad = 0.0;    ///< absolute
+  double known_share = 0.0;  ///< of the scan's points: those that it puts near an obstacle of the map
+  bool is_within = false;    ///< the pose found, of the limits
+  /// The least cost within the limits around the reference, where the pose found is not within them; nothing where the
+  /// search for it was cut short.
+  std::optional<CertifiedResult> nearby;
+};
+
+/// What the search for a scan came to, the proof aside.
+enum class Verdict : std::uint8_t {
+  kFound,
+  kAmbiguous,  ///< a pose elsewhere may be as good, as far as the proof tells
+  kPoorFit,    ///< the best pose leaves a larger mean distance than scans of the mapped place do
+  kNoPose,     ///< too few returns, or the search was cut short before it had one
+};
+inline constexpr std::array kVerdicts{Verdict::kFound, Verdict::kAmbiguous, Verdict::kPoorFit, Verdict::kNoPose};
+/// "poor fit"
+std::string_view to_string(Verdict verdict);
+
+/// A scan and what was found.
+struct LocalizedScan {
+  std::uint64_t index = 0;  ///< in the log
+  double stamp_s = 0.0;
+  std::uint32_t points = 0;
+  double cpu_s = 0.0;
+  bool has_returns = false;             ///< enough to be searched for
+  std::optional<CertifiedResult> best;  ///< nothing without them, or where the search was cut before it had a pose
+  std::optional<CertifiedResult> runner_up;
+  std::optional<ReferencePose> reference;
+  std::uint32_t as_good = 0;  ///< poses are, whose costs differ by no more: the gap in cost units
+  Verdict verdict = Verdict::kNoPose;
+  /// Whether a pose elsewhere may be as good, as far as the proof tells.
+  [[nodiscard]] bool is_ambiguous() const;
+};
+
+/// Of a scan whose poses are known.
+Verdict verdict_of(const LocalizedScan& scan, double good_fit_m);
+
+/// Whether that is a folder with a gdt.yaml, or a file that may be one by its name.
+bool looks_like_map(const std::string& path);
+
+class Localizer {
+ public:
+  /// `map` is a run folder or its gdt.yaml; the backend must outlive this where it is a device. Throws InputError,
+  /// FileError, DeviceError.
+  Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend);
+
+  /// Throws DeviceError.
+  [[nodiscard]] LocalizedScan localize(const LaserScan& scan, std::uint64_t index,
+                                       const std::optional<Pose2>& T_map_base_reference) const;
+  /// The poses that are searched: those over what the map knows, all headings.
+  [[nodiscard]] const PoseWindow& window() const { return window_; }
+  [[nodiscard]] const std::string& file() const { return path_; }
+  [[nodiscard]] const DistanceFieldFile& field() const { return file_; }
+  [[nodiscard]] const LocalizeLimits& limits() const { return limits_; }
+  [[nodiscard]] const FitLimit& good_fit() const { return good_fit_; }
+  [[nodiscard]] bool has_device() const { return map_->device() != nullptr; }
+
+ private:
+  [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
+  [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
+                                                         std::uint32_t as_good_as) const;
+  [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,
+                                     const std::optional<CertifiedResult>& best) const;
+  [[nodiscard]] double known_share(std::span<const PointCells> points, const Pose2& T_map_base) const;
+
+  MapperConfig config_;
+  LocalizeLimits limits_;
+  std::string path_;
+  DistanceFieldFile file_;
+  std::optional<CertifiedMap> map_;
+  PoseWindow window_;
+  FitLimit good_fit_;
+};
+
+}  // namespace gdtslam

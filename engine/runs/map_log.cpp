@@ -1,0 +1,148 @@
+#include "gdtslam/runs/map_log.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_output.hpp"
+#include "engine/runs/folder/run_report.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/linkage/linkage_sidecar.hpp"
+#include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/mapping/nodding_run.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+bool stopped(const MapRequest& request) { return request.stop && request.stop(); }
+
+MapRun::Progress progress_of(const MapRequest& request) {
+  return request.progress ? request.progress : [](std::uint64_t, double) {};
+}
+
+MapResult map_flat(const MapRequest& request, const MapJob& job, Backend& backend, ScanStream scans,
+                   RunFolder& folder) {
+  MapRun run(job, backend, std::move(scans));
+  MapResult result;
+  result.outcome = run.run(progress_of(request), [&request] { return stopped(request); });
+  for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
+  result.report = write_run(folder, job, result.outcome, nullptr, run.mapper(), backend.device(), request.settings);
+  return result;
+}
+
+// The cloud as a picture beside it. Where nothing can draw, the run is as good without.
+void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, const std::string& cloud_file,
+                       MapOutcome& outcome, RunFolder& folder) {
+  if (request.draw_cloud && request.with_cloud && request.with_pictures && !outcome.interrupted) {
+    try {
+      const std::string png = request.draw_cloud(cloud_file, request.logs.front(), outcome.trajectory,
+                                                 nodding.kind == NodKind::kEncoder ? &nodding.model : nullptr);
+      write_file_atomically(folder.staged("cloud.png"), png);
+      return;
+    } catch (const Error& error) {
+      if (error.code() == ExitCode::kInputOutput) throw;
+      outcome.warnings.push_back({"no picture of the cloud", 1, error.what()});
+    }
+  }
+  folder.without("cloud.png");
+}
+
+MapResult map_nodding(const MapRequest& request, const MapJob& job, const NoddingJob& nodding, Backend& backend,
+                      ScanStream scans, RunFolder& folder) {
+  std::unique_ptr<CloudOutput> cloud;
+  std::string cloud_file;
+  if (request.with_cloud) {
+    cloud_file = folder.staged("cloud.ply");
+    cloud = std::make_unique<CloudOutput>(request.settings.cloud, cloud_file);
+  } else {
+    folder.without("cloud.ply");
+  }
+  NoddingRun run(job, nodding, backend, std::move(scans), std::move(cloud));
+  MapResult result;
+  result.linkage = nodding.linkage;
+  result.outcome = run.run(progress_of(request), [&request] { return stopped(request); });
+  add_cloud_picture(request, nodding, cloud_file, result.outcome, folder);
+  write_linkage(folder.staged("linkage.yaml"), nodding.model);
+  const NoddingReport extra{nodding, run.outcome()};
+  result.report = write_run(folder, job, result.outcome, &extra, run.mapper(), backend.device(), request.settings);
+  result.nodding = run.outcome();
+  return result;
+}
+
+std::string default_linkage_warning(NodKind kind, const NoddingJob& job) {
+  if (kind == NodKind::kEncoder) {
+    return fmt::format("warning: the laser nods and no --linkage is given: the preset {} is taken", job.linkage);
+  }
+  return fmt::format(
+      "warning: the laser tilts and no --linkage is given: {:g} m over the floor, no lever arm, no time "
+      "from beam to beam",
+      job.model.mount.height_m);
+}
+
+// What was given, else the file that lies beside the log, else the default.
+NoddingJob nodding_job_of(const MapRequest& request, NodKind kind) {
+  NoddingJob job;
+  job.kind = kind;
+  job.nodding = request.settings.nodding;
+  job.limits = request.settings.nod_limits;
+  job.linkage = request.linkage.empty() ? linkage_sidecar(request.logs.front()) : request.linkage;
+  const bool is_default = job.linkage.empty();
+  if (is_default) job.linkage = calib::kDefaultLinkage;
+  job.model = resolve_linkage(job.linkage);
+  if (is_default && kind == NodKind::kTilt) {
+    job.model.mirror_rate_hz = 0.0;  // of another laser; nobody knows when its beams fire
+  }
+  if (is_default && request.warn) request.warn(default_linkage_warning(kind, job));
+  return job;
+}
+
+MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& backend) {
+  ScanStream scans(job.logs, job.read, job.range);
+  // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
+  const bool has_linkage = !request.linkage.empty() || !linkage_sidecar(request.logs.front()).empty();
+  const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
+  if (kind == NodKind::kNone && !request.linkage.empty()) {
+    scans.expect_readable();
+    throw InputError(
+        FilePosition{log_name(request.logs.front()), 0},
+        fmt::format("has no ENCODER or TILT message among its first {} records, so --linkage has nothing to work on",
+                    ScanStream::kMostAhead));
+  }
+  RunFolder folder(request.folder);
+  if (kind == NodKind::kNone) return map_flat(request, job, backend, std::move(scans), folder);
+  return map_nodding(request, job, nodding_job_of(request, kind), backend, std::move(scans), folder);
+}
+
+}  // namespace
+
+MapResult map_logs(const MapRequest& request, Backend& backend) {
+  if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
+  const MapJob job{.logs = request.logs,
+                   .read = read_options_of(request.settings.log, request.lenient),
+                   .range = request.range,
+                   .mapper = request.settings.mapper,
+                   .occupancy = request.settings.occupancy,
+                   .with_pictures = request.with_pictures,
+                   .on_failure = request.on_failure};
+  try {
+    return map_opened(request, job, backend);
+  } catch (const InputError&) {  // an input that a signal ended before anything came is no bad input
+    if (!stopped(request)) throw;
+    throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+  }
+}
+
+NodKind nod_kind_of(const std::vector<std::string>& logs) {
+  ScanStream scans(logs, {}, {});
+  const NodKind kind = scans.nod_kind(ScanStream::kMostAhead);
+  scans.expect_readable();
+  return kind;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,49 @@
+// Sweeps against each other: the points of each sweep of the mount are registered to those of the sweep before, point
+// to plane. Where poses and linkage are right, nothing is left to correct; what is left is reported. Memory: a sample
+// of two sweeps.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/cloud/registration.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/runs/outcome.hpp"
+
+namespace gdtslam {
+
+struct SweepCheckConfig {
+  bool is_on = true;
+  std::uint32_t max_points = 20000;  ///< kept of a sweep
+  std::uint32_t min_points = 500;    ///< a sweep with fewer is not compared
+};
+
+/// Collects a sample of each sweep from the points in log order; a sweep ends where the elevation turns.
+class SweepSampler {
+ public:
+  explicit SweepSampler(const SweepCheckConfig& config) : config_(config) {}
+  void add(std::span<const CloudPoint> points);
+  /// Registers what is left and gives the outcome.
+  SweepCheck finish();
+
+ private:
+  void take_scan_elevation(float elevation_rad);
+  void close_sweep();
+
+  SweepCheckConfig config_;
+  Cloud current_;
+  Cloud previous_;
+  std::uint64_t every_ = 1;
+  std::uint64_t seen_ = 0;
+  std::uint32_t scan_ = 0;
+  bool has_scan_ = false;
+  float turning_rad_ = 0.0F;  ///< elevation of the furthest scan of this stroke
+  int stroke_ = 0;
+  Point3 drift_m_ = Point3::Zero();
+  Eigen::Vector3d drift_rad_ = Eigen::Vector3d::Zero();
+  SweepCheck outcome_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,170 @@
+#include "measure_table.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool is_known(const Dimension& dimension) { return std::isfinite(dimension.sigma_m); }
+
+std::string_view ends_text(const Dimension& dimension) {
+  if (!is_known(dimension)) return "not seen";
+  return dimension.is_observed ? "both ends seen" : "an end not seen";
+}
+
+std::string point_text(const Point3& point) {
+  return fmt::format("{:.3f}, {:.3f}, {:.3f} m", point.x() + 0.0, point.y() + 0.0, point.z() + 0.0);
+}
+
+std::string viewpoint_text(const Measurement& measured) {
+  switch (measured.viewpoint_source) {
+    case ViewpointSource::kFound:
+      return "seen from " + point_text(*measured.viewpoint) + ", found from the elevations";
+    case ViewpointSource::kGiven:
+      return "seen from " + point_text(*measured.viewpoint);
+    case ViewpointSource::kNone:
+      break;
+  }
+  return "no viewpoint: the ends of faces are where their points end";
+}
+
+std::string counted(std::size_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string text_of_boxes(const Measurement& measured) {
+  std::string text = counted(measured.boxes.size(), "box", "boxes") + (measured.boxes.empty() ? "\n" : "\n\n");
+  std::size_t number = 0;
+  for (const MeasuredBox& box : measured.boxes) {
+    ++number;
+    const auto row = [&](std::string_view label, std::string_view name, const Dimension& dimension) {
+      text += fmt::format("{:<6} {:<7} {:>18}  {}\n", label, name, dimension_text(dimension), ends_text(dimension));
+    };
+    row(fmt::format("box {}", number), "width", box.width);
+    row("", "depth", box.depth);
+    row("", "height", box.height);
+    text += fmt::format("{:<6} centre {}, width along {:.1f} deg; face: {} points, rms {:.1f} mm\n", "",
+                        point_text(box.centre), deg_from_rad(box.yaw_rad), box.points, 1e3 * box.face_rms_m);
+  }
+  return text;
+}
+
+std::string text_of_planes(const Measurement& measured) {
+  std::string text = counted(measured.planes.size(), "plane", "planes") + "\n";
+  if (measured.planes.empty()) return text;
+  text += "\nplane     points  normal                  offset                rms     tilt error  centre\n";
+  std::size_t number = 0;
+  for (const PlanePatch& patch : measured.planes) {
+    const Point3& n = patch.plane.normal;
+    text += fmt::format(
+        "{:<6} {:>9}  {:>6.3f} {:>6.3f} {:>6.3f}  {:>9.2f} +- {:.2f} cm  {:>5.1f} mm  {:.3f} deg   {}\n", ++number,
+        patch.points.size(), n.x(), n.y(), n.z(), 100.0 * patch.plane.offset_m, 100.0 * patch.sigma_offset_m,
+        1e3 * patch.rms_m, deg_from_rad(patch.sigma_normal_rad), point_text(patch.centre));
+  }
+  return text;
+}
+
+Json as_json(const Point3& point) { return {point.x(), point.y(), point.z()}; }
+
+Json as_json(const Dimension& dimension) {
+  if (!is_known(dimension)) return {{"value_m", nullptr}, {"sigma_m", nullptr}, {"both_ends_seen", false}};
+  return {{"value_m", dimension.value_m}, {"sigma_m", dimension.sigma_m}, {"both_ends_seen", dimension.is_observed}};
+}
+
+Json as_json(const MeasuredBox& box) {
+  return {{"width", as_json(box.width)},
+          {"depth", as_json(box.depth)},
+          {"height", as_json(box.height)},
+          {"centre_m", as_json(box.centre)},
+          {"yaw_deg", deg_from_rad(box.yaw_rad)},
+          {"face_normal", as_json(box.face_normal)},
+          {"face_points", box.points},
+          {"face_rms_m", box.face_rms_m}};
+}
+
+Json as_json(const PlanePatch& patch) {
+  return {{"normal", as_json(patch.plane.normal)},
+          {"offset_m", patch.plane.offset_m},
+          {"sigma_offset_m", patch.sigma_offset_m},
+          {"sigma_normal_deg", deg_from_rad(patch.sigma_normal_rad)},
+          {"rms_m", patch.rms_m},
+          {"points", patch.points.size()},
+          {"centre_m", as_json(patch.centre)}};
+}
+
+// A number, or nothing where nothing was seen.
+std::string cells_of(const Dimension& dimension) {
+  const int is_seen = dimension.is_observed ? 1 : 0;
+  return is_known(dimension) ? fmt::format("{},{},{}", dimension.value_m, dimension.sigma_m, is_seen) : ",,0";
+}
+
+}  // namespace
+
+std::string dimension_text(const Dimension& dimension) {
+  if (!is_known(dimension)) return "-";
+  return fmt::format("{:.2f} +- {:.2f} cm", 100.0 * dimension.value_m, 100.0 * dimension.sigma_m);
+}
+
+std::string as_text(const Measurement& measured) {
+  std::string text = fmt::format("{} points", measured.points);
+  if (measured.has_boxes) {
+    text += ", " + viewpoint_text(measured) + (measured.is_projection ? "; projected to the floor" : "");
+    text += "\n" + text_of_boxes(measured);
+  }
+  if (measured.has_planes) text += (measured.has_boxes ? "\n" : ", ") + text_of_planes(measured);
+  return text;
+}
+
+Json as_json(const Measurement& measured) {
+  Json json{{"cloud", measured.cloud}, {"points", measured.points}};
+  if (measured.has_boxes) {
+    constexpr std::string_view kSources[] = {"none", "found", "given"};
+    json["viewpoint_m"] = measured.viewpoint ? as_json(*measured.viewpoint) : Json(nullptr);
+    json["viewpoint_source"] = kSources[static_cast<std::size_t>(measured.viewpoint_source)];
+    json["projection"] = measured.is_projection;
+    json["boxes"] = Json::array();
+    for (const MeasuredBox& box : measured.boxes) json["boxes"].push_back(as_json(box));
+  }
+  if (measured.has_planes) {
+    json["planes"] = Json::array();
+    for (const PlanePatch& patch : measured.planes) json["planes"].push_back(as_json(patch));
+  }
+  return json;
+}
+
+std::string as_csv(const Measurement& measured) {
+  std::string text;
+  if (measured.has_boxes) {
+    text +=
+        "box,width_m,sigma_width_m,width_seen,depth_m,sigma_depth_m,depth_seen,height_m,sigma_height_m,height_seen,"
+        "centre_x_m,centre_y_m,centre_z_m,yaw_deg,face_points,face_rms_m\n";
+    std::size_t number = 0;
+    for (const MeasuredBox& box : measured.boxes) {
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", ++number, cells_of(box.width), cells_of(box.depth),
+                          cells_of(box.height), box.centre.x(), box.centre.y(), box.centre.z(),
+                          deg_from_rad(box.yaw_rad), box.points, box.face_rms_m);
+    }
+    return text;
+  }
+  text +=
+      "plane,normal_x,normal_y,normal_z,offset_m,sigma_offset_m,sigma_normal_deg,rms_m,points,centre_x_m,centre_y_m,"
+      "centre_z_m\n";
+  std::size_t number = 0;
+  for (const PlanePatch& patch : measured.planes) {
+    const Point3& n = patch.plane.normal;
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", ++number, n.x(), n.y(), n.z(), patch.plane.offset_m,
+                        patch.sigma_offset_m, deg_from_rad(patch.sigma_normal_rad), patch.rms_m, patch.points.size(),
+                        patch.centre.x(), patch.centre.y(), patch.centre.z());
+  }
+  return text;
+}
+
+}  // namespace gdtslam

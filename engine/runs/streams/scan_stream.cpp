@@ -1,0 +1,194 @@
+#include "scan_stream.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/units.hpp"
+#include "gdtslam/io/log.hpp"
+#include "warning_list.hpp"
+
+namespace gdtslam {
+namespace {
+
+// Along the circular arc from a to b; the share is that of the time between them, and `a` where the clock stood still
+// or went backward.
+Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s) {
+  const double span_s = b.stamp_s - a.stamp_s;
+  if (!(span_s > 0.0)) return a.T_odom_base;
+  const double share = std::clamp((stamp_s - a.stamp_s) / span_s, 0.0, 1.0);
+  return a.T_odom_base * exp_se2(share * log_se2(between(a.T_odom_base, b.T_odom_base)));
+}
+
+}  // namespace
+
+std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
+
+void OdometryInterpolator::take(const Odometry& odometry) {
+  for (ScanRecord& scan : waiting_) {
+    scan.T_odom_base = interpolated(*last_, odometry, scan.scan.stamp_s);
+    ready_.push_back(std::move(scan));
+  }
+  waiting_.clear();
+  last_ = odometry;
+}
+
+void OdometryInterpolator::take(ScanRecord scan) {
+  const bool complete = scan.T_odom_base.has_value() || !last_.has_value();
+  if (!complete && waiting_.size() < kMostHeld) {
+    waiting_.push_back(std::move(scan));
+    return;
+  }
+  for (ScanRecord& held : waiting_) {  // order is kept: what waits comes first, at the last known pose
+    held.T_odom_base = last_->T_odom_base;
+    ready_.push_back(std::move(held));
+  }
+  waiting_.clear();
+  if (!complete) scan.T_odom_base = last_->T_odom_base;
+  ready_.push_back(std::move(scan));
+}
+
+std::optional<ScanRecord> OdometryInterpolator::next(bool at_end) {
+  if (ready_.empty() && at_end && !waiting_.empty()) {
+    waiting_.front().T_odom_base = last_->T_odom_base;
+    ready_.push_back(std::move(waiting_.front()));
+    waiting_.pop_front();
+  }
+  if (ready_.empty()) return std::nullopt;
+  ScanRecord scan = std::move(ready_.front());
+  ready_.pop_front();
+  return scan;
+}
+
+ScanStream::ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range)
+    : paths_(std::move(paths)), options_(options), range_(range) {
+  open_next();
+}
+
+bool ScanStream::open_next() {
+  if (reader_) merge_warnings(earlier_warnings_, reader_->warnings());
+  reader_.reset();
+  if (opened_ == paths_.size()) return false;
+  if (opened_ > 0 && listener_.next_log) listener_.next_log();
+  reader_ = open_log(paths_[opened_++], options_);
+  interpolator_ = {};
+  T_first_this_.reset();
+  return true;
+}
+
+void ScanStream::connect(std::optional<Pose2>& T_odom_base) {
+  if (!T_odom_base) return;
+  if (opened_ > 1) {
+    if (!T_first_this_) {
+      T_first_this_ = T_odom_base_last_ ? *T_odom_base_last_ * inverse(*T_odom_base) : Pose2{};
+    }
+    T_odom_base = *T_first_this_ * *T_odom_base;
+  }
+  T_odom_base_last_ = T_odom_base;
+}
+
+NodKind ScanStream::nod_kind(std::size_t scans_ahead) {
+  const auto kind_of = [](const LogRecord& record) {
+    if (std::holds_alternative<Encoder>(record)) return NodKind::kEncoder;
+    return std::holds_alternative<Tilt>(record) ? NodKind::kTilt : NodKind::kNone;
+  };
+  try {
+    for (std::size_t scans = 0; scans < scans_ahead && ahead_.size() < kMostAhead;) {
+      std::optional<LogRecord> record = reader_->next();
+      if (!record) break;
+      ahead_.push_back(std::move(*record));
+      if (const NodKind kind = kind_of(ahead_.back()); kind != NodKind::kNone) return kind;
+      if (std::holds_alternative<ScanRecord>(ahead_.back())) ++scans;
+    }
+  } catch (const Error&) {
+    ahead_problem_ = std::current_exception();
+  }
+  return NodKind::kNone;
+}
+
+std::optional<LogRecord> ScanStream::next_record() {
+  if (!ahead_.empty()) {
+    std::optional<LogRecord> record = std::move(ahead_.front());
+    ahead_.pop_front();
+    return record;
+  }
+  if (ahead_problem_) std::rethrow_exception(std::exchange(ahead_problem_, nullptr));
+  return reader_->next();
+}
+
+// What tells how the laser nods and is not heard, because it came too late in the log or is of the other kind, is worth
+// a warning.
+void ScanStream::notify_listener(const LogRecord& record) {
+  if (std::holds_alternative<ScanRecord>(record)) return;
+  if (listener_.record && listener_.record(record)) return;
+  const auto note = [this](const char* kind, double stamp_s) {
+    if (unused_.count++ == 0) unused_.first = std::string(kind) + " at " + format_quantity(stamp_s, Unit::kSecond);
+  };
+  if (const auto* encoder = std::get_if<Encoder>(&record)) note("ENCODER", encoder->stamp_s);
+  if (const auto* tilt = std::get_if<Tilt>(&record)) note("TILT", tilt->stamp_s);
+}
+
+// What is wrong with a line behind the part that is wanted is nobody's concern.
+bool ScanStream::feed_listener() {
+  if (!reader_ || given_ < range_.count) return false;
+  try {
+    const std::optional<LogRecord> record = next_record();
+    if (!record) return false;
+    notify_listener(*record);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+std::optional<ScanRecord> ScanStream::next_of_all() {
+  while (reader_) {
+    std::optional<ScanRecord> scan = interpolator_.next(false);
+    while (!scan) {
+      std::optional<LogRecord> record = next_record();
+      if (!record) break;
+      notify_listener(*record);
+      if (auto* found = std::get_if<ScanRecord>(&*record)) interpolator_.take(std::move(*found));
+      if (const auto* odometry = std::get_if<Odometry>(&*record)) interpolator_.take(*odometry);
+      scan = interpolator_.next(false);
+    }
+    if (!scan) scan = interpolator_.next(true);
+    if (scan) {
+      ++read_;
+      connect(scan->T_odom_base);
+      return scan;
+    }
+    open_next();
+  }
+  return std::nullopt;
+}
+
+std::optional<ScanRecord> ScanStream::next() {
+  if (given_ == range_.count) return std::nullopt;
+  for (std::uint64_t k = 0; !skipped_ && k < range_.skip; ++k) {
+    if (!next_of_all()) break;
+  }
+  skipped_ = true;
+  std::optional<ScanRecord> scan = next_of_all();
+  if (scan) ++given_;
+  return scan;
+}
+
+double ScanStream::progress() const {
+  const double of_range = static_cast<double>(given_) / static_cast<double>(range_.count);
+  if (!reader_) return 1.0;
+  const double of_log = reader_->progress();
+  if (of_log < 0.0) return range_.count == ScanRange{}.count ? -1.0 : of_range;
+  const double of_input = (static_cast<double>(opened_ - 1) + of_log) / static_cast<double>(paths_.size());
+  return std::max(of_range, of_input);
+}
+
+std::vector<LogReader::Warning> ScanStream::warnings() const {
+  std::vector<LogReader::Warning> list = earlier_warnings_;
+  if (reader_) merge_warnings(list, reader_->warnings());
+  if (unused_.count > 0) list.push_back(unused_);
+  return list;
+}
+
+}  // namespace gdtslam

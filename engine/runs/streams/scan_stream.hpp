@@ -1,0 +1,99 @@
+// The scans of one or more logs in order, each with the odometry that belongs to it. A scan's own odometry counts where
+// its line carries one; else it is interpolated between the odometry records around it. Later logs continue where the
+// one before ended: their odometry is moved so that its first pose is the last one of the log before. Frames: robot in
+// the odometry frame of the first log. One stream belongs to one thread; memory does not depend on the length of the
+// logs.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/runs/outcome.hpp"
+
+namespace gdtslam {
+
+/// The log as messages name it: "-" is the standard input.
+std::string log_name(const std::string& path);
+
+/// Gives scans without odometry the pose between the odometry records before and after them in the log. Scans before
+/// the first odometry record stay without. At most kMostHeld scans wait for the next record.
+class OdometryInterpolator {
+ public:
+  static constexpr std::size_t kMostHeld = 64;
+  void take(const Odometry& odometry);
+  void take(ScanRecord scan);
+  /// The next scan that is complete; with `at_end` also those that wait.
+  std::optional<ScanRecord> next(bool at_end);
+
+ private:
+  std::optional<Odometry> last_;
+  std::deque<ScanRecord> waiting_;
+  std::deque<ScanRecord> ready_;
+};
+
+class ScanStream {
+ public:
+  /// Opens the first log. Throws InputError or FileError, as next() does.
+  ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range);
+
+  std::optional<ScanRecord> next();
+  /// Looks ahead for a message of a mount, up to so many scans of the first log. What is wrong with a record that it
+  /// passes is thrown when next() comes to it, or by expect_readable().
+  NodKind nod_kind(std::size_t scans_ahead = kScansAhead);
+  void expect_readable() const {
+    if (ahead_problem_) std::rethrow_exception(ahead_problem_);
+  }
+  static constexpr std::size_t kScansAhead = 20;
+  static constexpr std::size_t kMostAhead = 10000;  ///< records
+  /// Takes every record but the scans, in log order, those before a scan in hand among them, and tells whether it could
+  /// use it; and hears of each log that follows the first, when all scans of the one before have been given.
+  struct Listener {
+    std::function<bool(const LogRecord&)> record;
+    std::function<void()> next_log;
+  };
+  void set_listener(Listener listener) { listener_ = std::move(listener); }
+  /// Behind the last scan that is wanted: the listener takes one more record of the log in hand. False at its end.
+  bool feed_listener();
+  /// Share of the wanted scans or of the input, whichever is further; negative when unknown.
+  [[nodiscard]] double progress() const;
+  /// Scans that were read so far, those that were left out at the start among them.
+  [[nodiscard]] std::uint64_t scans_read() const { return read_; }
+  /// Of all logs so far, by kind.
+  [[nodiscard]] std::vector<LogReader::Warning> warnings() const;
+
+ private:
+  std::optional<LogRecord> next_record();
+  void notify_listener(const LogRecord& record);
+  std::optional<ScanRecord> next_of_all();
+  bool open_next();
+  void connect(std::optional<Pose2>& T_odom_base);
+
+  std::vector<std::string> paths_;
+  ReadOptions options_;
+  ScanRange range_;
+  std::size_t opened_ = 0;
+  std::unique_ptr<LogReader> reader_;
+  OdometryInterpolator interpolator_;
+  std::deque<LogRecord> ahead_;
+  std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
+  Listener listener_;
+  std::vector<LogReader::Warning> earlier_warnings_;
+  LogReader::Warning unused_{"nodding message not used", 0, ""};
+  std::uint64_t read_ = 0;
+  std::uint64_t given_ = 0;
+  bool skipped_ = false;
+  std::optional<Pose2> T_odom_base_last_;  ///< of the scan before, in the frame of the first log
+  std::optional<Pose2> T_first_this_;      ///< from this log's odometry frame to that of the first
+};
+
+}  // namespace gdtslam

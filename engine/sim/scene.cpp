@@ -1,0 +1,153 @@
+#include "gdtslam/sim/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam::sim {
+namespace {
+
+std::uint32_t add_vertex(TriangleMesh& mesh, double x, double y, double z) {
+  mesh.vertices.emplace_back(x, y, z);
+  return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+}
+
+// An upright prism over a convex outline that runs counter-clockwise.
+void add_prism(TriangleMesh& mesh, const std::vector<Point2>& outline, double base_m, double height_m) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  const auto n = static_cast<std::uint32_t>(outline.size());
+  for (const double z : {base_m, base_m + height_m}) {
+    for (const Point2& p : outline) {
+      add_vertex(mesh, p.x(), p.y(), z);
+    }
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t a = first + i;
+    const std::uint32_t b = first + (i + 1) % n;
+    mesh.triangles.push_back({a, b, b + n});
+    mesh.triangles.push_back({a, b + n, a + n});
+  }
+  for (std::uint32_t i = 1; i + 1 < n; ++i) {
+    mesh.triangles.push_back({first, first + i + 1, first + i});
+    mesh.triangles.push_back({first + n, first + n + i, first + n + i + 1});
+  }
+}
+
+void add_box(TriangleMesh& mesh, const Box& box) {
+  const Pose2 T_map_box{box.centre_m.x(), box.centre_m.y(), box.yaw_rad};
+  const double x = 0.5 * box.size_m.x();
+  const double y = 0.5 * box.size_m.y();
+  add_prism(
+      mesh,
+      {T_map_box * Point2(-x, -y), T_map_box * Point2(x, -y), T_map_box * Point2(x, y), T_map_box * Point2(-x, y)},
+      box.base_m, box.height_m);
+}
+
+void add_cylinder(TriangleMesh& mesh, const Cylinder& cylinder) {
+  std::vector<Point2> outline;
+  for (int i = 0; i < cylinder.sides; ++i) {
+    const SinCos<double> at = sin_cos(kTwoPi * i / cylinder.sides);
+    outline.emplace_back(cylinder.centre_m.x() + cylinder.radius_m * at.cos,
+                         cylinder.centre_m.y() + cylinder.radius_m * at.sin);
+  }
+  add_prism(mesh, outline, cylinder.base_m, cylinder.height_m);
+}
+
+void add_mesh(TriangleMesh& mesh, const TriangleMesh& part) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const std::array<std::uint32_t, 3>& t : part.triangles) {
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+}
+
+// A rectangle under or over everything, a metre larger than the rest on each side.
+void add_slab(TriangleMesh& mesh, const Eigen::Vector2d& low, const Eigen::Vector2d& high, double z_m) {
+  constexpr double kMargin_m = 1.0;
+  const std::uint32_t a = add_vertex(mesh, low.x() - kMargin_m, low.y() - kMargin_m, z_m);
+  add_vertex(mesh, high.x() + kMargin_m, low.y() - kMargin_m, z_m);
+  add_vertex(mesh, high.x() + kMargin_m, high.y() + kMargin_m, z_m);
+  add_vertex(mesh, low.x() - kMargin_m, high.y() + kMargin_m, z_m);
+  mesh.triangles.push_back({a, a + 1, a + 2});
+  mesh.triangles.push_back({a, a + 2, a + 3});
+}
+
+void add_slabs(TriangleMesh& mesh, const Scene& scene) {
+  if (mesh.vertices.empty() || (!scene.floor_m && !scene.ceiling_m)) {
+    return;
+  }
+  Eigen::Vector2d low = mesh.vertices.front().head<2>();
+  Eigen::Vector2d high = low;
+  for (const Vec3& v : mesh.vertices) {
+    low = low.cwiseMin(v.head<2>());
+    high = high.cwiseMax(v.head<2>());
+  }
+  for (const std::optional<double>& z_m : {scene.floor_m, scene.ceiling_m}) {
+    if (z_m) {
+      add_slab(mesh, low, high, *z_m);
+    }
+  }
+}
+
+template <class Part>
+void require_valid(const Part& part, const char* kind, std::size_t index) {
+  const std::vector<std::string> faults = validate(part);
+  if (!faults.empty()) {
+    throw ConfigError(std::string(kind) + " " + std::to_string(index + 1) + " of the scene: " + faults.front());
+  }
+}
+
+void check_count(const TriangleMesh& mesh) {
+  if (mesh.triangles.size() > kMaxTriangles) {
+    throw ConfigError("the scene has more than " + std::to_string(kMaxTriangles) + " triangles: simplify its meshes");
+  }
+}
+
+void check_finished(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) {
+    throw ConfigError("the scene is empty: add at least one wall, box, cylinder or mesh");
+  }
+  for (const Vec3& v : mesh.vertices) {
+    // Written so that a coordinate that is not a number fails too.
+    if (!v.allFinite() || !(v.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
+      throw ConfigError(
+          "a part of the scene reaches further than 1000 m from the origin: move the scene to the origin");
+    }
+  }
+}
+
+}  // namespace
+
+TriangleMesh triangulate(const Scene& scene) {
+  TriangleMesh mesh;
+  for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+    require_valid(scene.walls[i], "wall", i);
+    for (const Box& box : boxes_of(scene.walls[i])) {
+      add_box(mesh, box);
+      check_count(mesh);
+    }
+  }
+  for (std::size_t i = 0; i < scene.boxes.size(); ++i) {
+    require_valid(scene.boxes[i], "box", i);
+    add_box(mesh, scene.boxes[i]);
+    check_count(mesh);
+  }
+  for (std::size_t i = 0; i < scene.cylinders.size(); ++i) {
+    require_valid(scene.cylinders[i], "cylinder", i);
+    add_cylinder(mesh, scene.cylinders[i]);
+    check_count(mesh);
+  }
+  for (const TriangleMesh& part : scene.meshes) {
+    add_mesh(mesh, part);
+    check_count(mesh);
+  }
+  add_slabs(mesh, scene);
+  check_finished(mesh);
+  return mesh;
+}
+
+}  // namespace gdtslam::sim

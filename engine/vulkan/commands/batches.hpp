@@ -1,0 +1,72 @@
+// Command buffers in turn: commands are recorded into the open one until it is submitted, a few are in flight, and one
+// timeline semaphore says which are done.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "engine/vulkan/device/device.hpp"
+
+namespace gdtslam {
+
+/// Every call within a DriverCalls::Scope.
+class Batches {
+ public:
+  static constexpr std::size_t kSlots = 3;
+
+  Batches(const Device& device, double wait_limit_s);
+
+  /// Called with the slot whose batch is done, before its memory is used again.
+  void set_on_reuse(std::function<void(std::size_t)> on_reuse) { on_reuse_ = std::move(on_reuse); }
+
+  /// The open command buffer; opens one where there is none, which may wait for the oldest batch.
+  const vk::raii::CommandBuffer& commands();
+  [[nodiscard]] bool is_open() const { return is_open_; }
+  /// Slot and timeline value of the open batch.
+  [[nodiscard]] std::size_t slot() const { return slot_; }
+  [[nodiscard]] std::uint64_t value() const { return submitted_ + 1; }
+  /// The host will read what the open batch copies.
+  void deliver_to_host() { host_reads_ = true; }
+
+  /// Hands the open batch to the device; nothing when there is none.
+  void submit();
+  /// Waits for a submitted batch; a wait beyond the limit throws DeviceError.
+  void wait_for(std::uint64_t value);
+  /// The last batch that is known to be done; `ask` asks the device.
+  std::uint64_t done(bool ask);
+  [[nodiscard]] std::uint64_t submitted() const { return submitted_; }
+  [[nodiscard]] double last_submission_ns() const { return last_ns_; }
+
+ private:
+  struct Slot {
+    vk::raii::CommandPool pool{nullptr};
+    vk::raii::CommandBuffer commands{nullptr};
+    vk::raii::QueryPool stamps{nullptr};
+    std::uint64_t value = 0;  ///< of its last submission
+    bool has_stamps = false;  ///< written, not yet read
+  };
+  static Slot make_slot(const Device& device);
+  void open();
+  void note_done(std::uint64_t value);
+  void read_stamps(Slot& slot);
+
+  const Device& device_;
+  double wait_limit_s_;
+  std::function<void(std::size_t)> on_reuse_;
+  std::array<Slot, kSlots> slots_;
+  std::size_t slot_ = kSlots - 1;
+  bool is_open_ = false;
+  bool host_reads_ = false;
+  std::uint64_t submitted_ = 0;
+  std::uint64_t done_ = 0;
+  double last_ns_ = 0.0;
+};
+
+/// A limit on waiting as the API takes it.
+std::uint64_t to_nanoseconds(double seconds);
+/// The timeline's value as what to wait for.
+vk::SemaphoreWaitInfo wait_info(const vk::Semaphore& timeline, const std::uint64_t& value);
+
+}  // namespace gdtslam

@@ -1,0 +1,139 @@
+#include "pipelines.hpp"
+
+#include <algorithm>
+#include <array>
+#include <glm/vec3.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "engine/vulkan/memory/buffers.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+glm::uvec3 vector_of(const std::array<std::uint32_t, 3>& values) { return {values[0], values[1], values[2]}; }
+
+std::string to_text(const glm::uvec3& v) {
+  return std::to_string(v.x) + " x " + std::to_string(v.y) + " x " + std::to_string(v.z);
+}
+
+/// Whether a device can run work groups of that size.
+bool fits(const Device& device, const glm::uvec3& local_size) {
+  const glm::uvec3 most = vector_of(device.properties().limits.maxComputeWorkGroupSize);
+  const std::uint64_t invocations = std::uint64_t{local_size.x} * local_size.y * local_size.z;
+  return glm::all(glm::lessThanEqual(local_size, most)) && invocations <= device.info().max_group_invocations;
+}
+
+/// Whether the device takes what the variant reads as texels.
+bool has_texels(const VariantContext& context, const ShaderVariant& variant) {
+  if (variant.texel_binding < 0) {
+    return true;
+  }
+  const std::size_t bytes = context.shape.buffer_bytes[static_cast<std::size_t>(variant.texel_binding)];
+  return padded_size(bytes) / sizeof(std::uint32_t) <= context.device.max_texel_words;
+}
+
+/// The values of the specialisation constants and where they stand; a shader takes those that it has.
+struct Specialization {
+  std::array<std::uint32_t, 5> values;
+  std::array<vk::SpecializationMapEntry, 5> entries;
+  vk::SpecializationInfo info;
+  explicit Specialization(const ShaderVariant& variant)
+      : values{variant.local_size[0], variant.local_size[1], variant.local_size[2], variant.constants[0],
+               variant.constants[1]} {
+    constexpr std::array<std::uint32_t, 5> kIds{0, 1, 2, 10, 11};
+    for (std::uint32_t i = 0; i < kIds.size(); ++i) {
+      entries[i] = vk::SpecializationMapEntry(kIds[i], i * 4, 4);
+    }
+    info = vk::SpecializationInfo(static_cast<std::uint32_t>(entries.size()), entries.data(), sizeof(values),
+                                  values.data());
+  }
+  Specialization(const Specialization&) = delete;
+  Specialization& operator=(const Specialization&) = delete;
+  ~Specialization() = default;
+};
+
+}  // namespace
+
+vk::DescriptorType descriptor_type(const ShaderVariant& variant, std::size_t binding) {
+  if (variant.uniform_binding == static_cast<int>(binding)) {
+    return vk::DescriptorType::eUniformBuffer;
+  }
+  return variant.texel_binding == static_cast<int>(binding) ? vk::DescriptorType::eUniformTexelBuffer
+                                                            : vk::DescriptorType::eStorageBuffer;
+}
+
+Pipelines::Pipelines(const Device& device, const VulkanOptions& options)
+    : device_(device),
+      preference_(options.variants),
+      edit_shader_(options.edit_shader),
+      cache_(device, options.cache_folder) {}
+
+const ShaderVariant& Pipelines::variant_for(const KernelInfo& kernel, const LaunchShape& shape) {
+  auto found = variants_.find(&kernel);
+  if (found == variants_.end()) {
+    found = variants_.emplace(&kernel, variants_of(kernel.name)).first;
+  }
+  if (found->second.empty()) {
+    throw Error(ExitCode::kFailed, "kernel " + std::string(kernel.name) + ": this build has no shader for it");
+  }
+  const VariantContext context{device_.info(), preference_, shape};
+  for (const ShaderVariant& variant : found->second) {
+    const bool suits = variant.suits == nullptr || variant.suits(context);
+    if (suits && has_texels(context, variant) && fits(device_, vector_of(variant.local_size))) {
+      return variant;
+    }
+  }
+  throw DeviceError(device_.info().name, "kernel " + std::string(kernel.name),
+                    "no variant that fits: its smallest group of " +
+                        to_text(vector_of(found->second.back().local_size)) + " invocations exceeds the limits " +
+                        to_text(vector_of(device_.properties().limits.maxComputeWorkGroupSize)) + " or " +
+                        std::to_string(device_.info().max_group_invocations) + " in all");
+}
+
+const VariantPipeline& Pipelines::pipeline_of(const KernelInfo& kernel, const ShaderVariant& variant) {
+  auto found = pipelines_.find(&variant);
+  if (found == pipelines_.end()) {
+    found = pipelines_.emplace(&variant, make(kernel, variant)).first;
+    ++made_;
+  }
+  return found->second;
+}
+
+vk::raii::ShaderModule Pipelines::make_module(const ShaderVariant& variant) {
+  std::vector<std::uint32_t> spirv(variant.spirv.begin(), variant.spirv.end());
+  if (edit_shader_) {
+    edit_shader_(variant.name, spirv);
+  }
+  vk::ShaderModuleCreateInfo info;
+  info.setCode(spirv);
+  return {device_.handle(), info};
+}
+
+VariantPipeline Pipelines::make(const KernelInfo& kernel, const ShaderVariant& variant) {
+  VariantPipeline made;
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  for (std::size_t i = 0; i < kernel.bindings.size(); ++i) {
+    bindings.emplace_back(static_cast<std::uint32_t>(i), descriptor_type(variant, i), 1,
+                          vk::ShaderStageFlagBits::eCompute);
+  }
+  made.set_layout = vk::raii::DescriptorSetLayout(device_.handle(), vk::DescriptorSetLayoutCreateInfo({}, bindings));
+
+  const vk::PushConstantRange params(vk::ShaderStageFlagBits::eCompute, 0,
+                                     push_constant_bytes(variant, kernel.params_bytes));
+  vk::PipelineLayoutCreateInfo layout({}, *made.set_layout);
+  if (params.size > 0) {
+    layout.setPushConstantRanges(params);
+  }
+  made.layout = vk::raii::PipelineLayout(device_.handle(), layout);
+
+  const vk::raii::ShaderModule module = make_module(variant);
+  const Specialization specialization(variant);
+  const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                                &specialization.info);
+  made.pipeline =
+      vk::raii::Pipeline(device_.handle(), cache_.handle(), vk::ComputePipelineCreateInfo({}, stage, *made.layout));
+  return made;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,47 @@
+// All that a backend has on the device, in the order in which it is made; it goes in the reverse order.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/vulkan/commands/barriers.hpp"
+#include "engine/vulkan/commands/batches.hpp"
+#include "engine/vulkan/device/device.hpp"
+#include "engine/vulkan/device/driver_calls.hpp"
+#include "engine/vulkan/device/environment.hpp"
+#include "engine/vulkan/device/instance.hpp"
+#include "engine/vulkan/device/validation_log.hpp"
+#include "engine/vulkan/dispatch/descriptor_sets.hpp"
+#include "engine/vulkan/dispatch/pipelines.hpp"
+#include "engine/vulkan/memory/buffers.hpp"
+#include "engine/vulkan/memory/transfers.hpp"
+
+namespace gdtslam {
+
+/// Made within a DriverCalls::Scope.
+struct VulkanEngine {
+  explicit VulkanEngine(const VulkanOptions& options)
+      : log(options.on_message),
+        instance(make_instance(options.validation ? &log : nullptr)),
+        device(instance, options),
+        batches(device, options.wait_limit_s.value_or(kWaitLimit_s)),
+        buffers(device),
+        pipelines(device, options),
+        sets(device),
+        transfers(device, batches, barriers) {}
+  VulkanEngine(const VulkanEngine&) = delete;
+  VulkanEngine& operator=(const VulkanEngine&) = delete;
+  ~VulkanEngine() = default;
+
+  ValidationLog log;  ///< hears what is said while all others go
+  VulkanInstance instance;
+  Device device;
+  BarrierTracker barriers;
+  Batches batches;
+  Buffers buffers;
+  Pipelines pipelines;
+  DescriptorSets sets;
+  Transfers transfers;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,82 @@
+// The one way between host and device, whatever memory they share: host memory that both see, and copies that the
+// device makes. Each batch has a segment for what goes up and one for what comes down; what does not fit is cut.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "buffers.hpp"
+#include "engine/vulkan/commands/batches.hpp"
+
+namespace gdtslam {
+
+/// Host-visible memory, mapped, in equal segments.
+class StagingRing {
+ public:
+  StagingRing(const Device& device, std::size_t segment_bytes, vk::BufferUsageFlags usage,
+              vk::MemoryPropertyFlags wanted);
+  [[nodiscard]] vk::Buffer buffer() const { return *buffer_; }
+  [[nodiscard]] std::byte* at(std::size_t offset) const { return memory_ + offset; }
+  /// Takes up to `bytes` of a segment; nothing when it is full.
+  std::size_t take(std::size_t segment, std::size_t bytes, std::size_t& offset);
+  void reset(std::size_t segment) { used_[segment] = 0; }
+
+ private:
+  std::size_t segment_bytes_;
+  vk::raii::Buffer buffer_;
+  vk::raii::DeviceMemory device_memory_;
+  std::byte* memory_ = nullptr;
+  std::array<std::size_t, Batches::kSlots> used_{};
+};
+
+/// Every call within a DriverCalls::Scope.
+class Transfers {
+ public:
+  Transfers(const Device& device, Batches& batches, BarrierTracker& barriers);
+
+  void upload(DeviceBuffer& target, std::span<const std::byte> data, std::size_t offset);
+  void fill(DeviceBuffer& target, std::uint32_t word);
+  /// Both of one size.
+  void copy(DeviceBuffer& source, DeviceBuffer& target);
+  /// Zeroes a buffer that nothing was written to so far.
+  void make_ready(DeviceBuffer& buffer);
+  std::uint64_t start_download(DeviceBuffer& source, std::size_t bytes, std::size_t offset);
+  /// False when there is no such download of that size.
+  [[nodiscard]] bool is_under_way(std::uint64_t id, std::size_t bytes) const;
+  void finish_download(std::uint64_t id, std::span<std::byte> data);
+  /// Nobody will ask for it; the device's copy, where it is in line, goes where nobody looks.
+  void forget(std::uint64_t id) noexcept { downloads_.erase(id); }
+  [[nodiscard]] std::size_t under_way() const { return downloads_.size(); }
+
+ private:
+  /// A part of a download: where it lies in the ring until its slot is used again.
+  struct Piece {
+    std::uint64_t batch = 0;
+    std::size_t slot = 0;
+    std::size_t ring_offset = 0;
+    std::size_t target_offset = 0;
+    std::size_t bytes = 0;
+    bool is_kept = false;  ///< copied to Download::kept
+  };
+  struct Download {
+    std::size_t bytes = 0;
+    std::vector<Piece> pieces;
+    std::unique_ptr<std::byte[]> kept;  ///< the pieces whose place in the ring was used again
+  };
+  void begin_operation(DeviceBuffer& buffer, bool is_written);
+  void note_operation(DeviceBuffer& buffer, bool is_written);
+  /// Keeps what a slot's segment holds for downloads that nobody has asked for yet.
+  void reuse(std::size_t slot);
+
+  Batches& batches_;
+  BarrierTracker& barriers_;
+  StagingRing up_;
+  StagingRing down_;
+  std::map<std::uint64_t, Download> downloads_;
+  std::uint64_t next_id_ = 1;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,178 @@
+#include "self_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "engine/core/elementary.hpp"
+#include "engine/runs/mapping/nodding_run.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostBeams = 60'000;
+constexpr double kBeamSpacing_rad = 1.5 * kPi / 180.0;
+constexpr double kMostPoseGap_s = 0.2;  // a beam this far from any pose of the trajectory has none
+constexpr double kMostRange_m = 12.0;   // farther surfaces are too thin to be told
+constexpr double kLeastRange_m = 0.3;
+
+/// A beam with all that the linkage does not change.
+struct SelfBeam {
+  double ticks = 0.0;
+  double bearing_rad = 0.0;
+  double range_m = 0.0;
+  Pose2 T_map_level;
+};
+
+// The robot's poses as the start's linkage maps the log.
+Trajectory mapped_poses(const SelfCalibrateJob& job, SelfCalibrateOutcome& found,
+                        const std::function<void(double)>& progress, const std::function<bool()>& stop) {
+  const std::unique_ptr<Backend> backend = make_cpu_backend(CpuOptions{.threads = 1, .isa = std::nullopt});
+  MapJob map;
+  map.logs = job.logs;
+  map.read = job.read;
+  map.with_occupancy = false;
+  NoddingJob nodding;
+  nodding.model = job.start;
+  nodding.linkage = job.start.name;
+  nodding.check.is_on = false;
+  ScanStream scans(map.logs, map.read, map.range);
+  if (scans.nod_kind() != NodKind::kEncoder) {
+    throw InputError({log_name(job.logs.front()), 0}, "has no ENCODER message, so there is no linkage to calibrate");
+  }
+  NoddingRun run(map, nodding, *backend, std::move(scans), nullptr);
+  MapOutcome outcome = run.run([&](std::uint64_t, double share) { progress(0.9 * share); }, stop);
+  if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted while mapping; nothing was written");
+  found.warnings = std::move(outcome.warnings);
+  std::stable_sort(outcome.trajectory.begin(), outcome.trajectory.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp_s < b.stamp_s; });
+  return std::move(outcome.trajectory);
+}
+
+std::optional<Pose2> pose_at(const Trajectory& trajectory, double stamp_s) {
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s,
+                                      [](const StampedPose& pose, double at_s) { return pose.stamp_s < at_s; });
+  if (after == trajectory.end() || after == trajectory.begin()) {
+    if (trajectory.empty()) return std::nullopt;
+    const StampedPose& end = after == trajectory.begin() ? trajectory.front() : trajectory.back();
+    return std::fabs(end.stamp_s - stamp_s) <= kMostPoseGap_s ? std::optional(end.T_map_base) : std::nullopt;
+  }
+  const StampedPose& before = *(after - 1);
+  const double span_s = after->stamp_s - before.stamp_s;
+  if (stamp_s - before.stamp_s > kMostPoseGap_s && after->stamp_s - stamp_s > kMostPoseGap_s) return std::nullopt;
+  const double share = span_s > 0.0 ? (stamp_s - before.stamp_s) / span_s : 0.0;
+  return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, after->T_map_base)));
+}
+
+/// Collects beams, every one at first, and drops every second one each time that there are too many.
+class BeamCollector {
+ public:
+  explicit BeamCollector(const calib::SweepModel& model, const Trajectory& trajectory)
+      : model_(model), trajectory_(trajectory) {}
+
+  void add(const NoddingScan& nodding) {
+    const LaserScan& scan = nodding.record.scan;
+    if (nodding.knots.size() < 2 || scan.ranges_m.empty()) return;
+    const BeamTiming timing = calib::beam_timing(model_, scan.ranges_m.size(), scan.bearing_step_rad);
+    const auto step = static_cast<std::size_t>(
+        std::max(1.0, std::floor(kBeamSpacing_rad / std::max(1e-6, std::fabs(scan.bearing_step_rad)))));
+    for (std::size_t beam = 0; beam < scan.ranges_m.size(); beam += step) {
+      const auto range_m = static_cast<double>(scan.ranges_m[beam]);
+      const bool is_return = std::isfinite(range_m) && range_m >= kLeastRange_m && range_m <= kMostRange_m &&
+                             (scan.max_range_m <= 0.0 || range_m < scan.max_range_m);
+      if (!is_return || count_++ % every_ != 0) continue;
+      add_beam(nodding, timing.of_beam_s(beam),
+               scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad, range_m);
+    }
+    if (beams.size() > 2 * kMostBeams) thin();
+  }
+  void thin() {
+    every_ *= 2;
+    for (std::size_t k = 0; 2 * k < beams.size(); ++k) {
+      beams[k] = beams[2 * k];
+      strokes[k] = strokes[2 * k];
+    }
+    beams.resize((beams.size() + 1) / 2);
+    strokes.resize(beams.size());
+  }
+
+  std::vector<SelfBeam> beams;
+  std::vector<std::uint32_t> strokes;
+
+ private:
+  void add_beam(const NoddingScan& nodding, double offset_s, double bearing_rad, double range_m) {
+    const std::optional<Pose2> T_map_base = pose_at(trajectory_, nodding.record.scan.stamp_s + offset_s);
+    const std::optional<double> ticks = ticks_at(nodding.knots, offset_s);
+    if (!T_map_base || !ticks) return;
+    const std::optional<double> rate = calib::elevation_rate(model_, calib::crank_rad(model_.encoder, *ticks));
+    if (!rate) return;
+    const bool lifts = *rate * model_.encoder.direction > 0.0;
+    if (!beams.empty() && lifts != lifts_) ++stroke_;
+    lifts_ = lifts;
+    beams.push_back({*ticks, bearing_rad, range_m, *T_map_base * nodding.record.scan.T_base_laser});
+    strokes.push_back(stroke_);
+  }
+  [[nodiscard]] std::optional<double> ticks_at(const std::vector<PhaseKnot>& knots, double offset_s) const {
+    std::size_t k = 0;
+    while (k + 2 < knots.size() && offset_s > knots[k + 1].offset_s) ++k;
+    const double span_s = knots[k + 1].offset_s - knots[k].offset_s;
+    const double share = span_s > 0.0 ? std::clamp((offset_s - knots[k].offset_s) / span_s, 0.0, 1.0) : 0.0;
+    const double step = static_cast<double>(static_cast<std::int32_t>(knots[k + 1].phase - knots[k].phase));
+    const double turns = turns_of_phase(knots[k].phase) + share * step / 4294967296.0;
+    return turns * static_cast<double>(model_.encoder.ticks_per_turn);
+  }
+
+  const calib::SweepModel& model_;
+  const Trajectory& trajectory_;
+  std::uint64_t count_ = 0;
+  std::uint64_t every_ = 1;
+  std::uint32_t stroke_ = 0;
+  bool lifts_ = false;
+};
+
+// Equations (12) and (14) in double precision, each beam with its own elevation and pose.
+std::vector<Point3> assembled(const std::vector<SelfBeam>& beams, const calib::SweepModel& model) {
+  std::vector<Point3> points;
+  points.reserve(beams.size());
+  for (const SelfBeam& beam : beams) {
+    const std::optional<double> elevation = calib::elevation_rad(model, calib::crank_rad(model.encoder, beam.ticks));
+    const SinCos<double> bearing = sin_cos(beam.bearing_rad);
+    const Point3 in_laser(beam.range_m * bearing.cos, beam.range_m * bearing.sin, 0.0);
+    points.push_back(T_base_laser(model.mount, beam.T_map_level, elevation.value_or(0.0)) * in_laser);
+  }
+  return points;
+}
+
+}  // namespace
+
+SelfCalibrateOutcome run_self_calibration(const SelfCalibrateJob& job, const std::function<void(double)>& progress,
+                                          const std::function<bool()>& stop) {
+  for (const std::string& log : job.logs) {
+    if (log == "-") throw UsageError("--self reads the log twice, so it cannot come from the standard input");
+  }
+  SelfCalibrateOutcome outcome;
+  const Trajectory trajectory = mapped_poses(job, outcome, progress, stop);
+  outcome.start = job.start;
+  BeamCollector collector(job.start, trajectory);
+  ScanStream scans(job.logs, job.read, {});
+  NoddingStream stream(scans, NodKind::kEncoder, job.start, {});
+  while (const std::optional<NoddingScan> scan = stream.next()) {
+    collector.add(*scan);
+    ++outcome.scans;
+    if (stop()) throw Error(ExitCode::kInterrupted, "interrupted while reading; nothing was written");
+  }
+  while (collector.beams.size() > kMostBeams) collector.thin();
+  outcome.beams = collector.beams.size();
+  outcome.strokes = collector.strokes.empty() ? 0 : collector.strokes.back() + 1;
+  outcome.result = calib::self_calibrate(
+      job.start, collector.strokes,
+      [&collector](const calib::SweepModel& model) { return assembled(collector.beams, model); }, job.options);
+  outcome.distrust = calib::reason_for_distrust(outcome.result);
+  return outcome;
+}
+
+}  // namespace gdtslam

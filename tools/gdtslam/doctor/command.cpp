@@ -1,0 +1,260 @@
+// gdtslam doctor: what is in a log, and what is wrong with it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "engine/io/json_file.hpp"
+#include "engine/runs/streams/log_check.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostShown = 5;
+
+struct DoctorOptions {
+  std::string log;
+  bool json = false;
+};
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string nod_text(const NodCheck& nod) {
+  std::string text;
+  if (nod.encoder_records > 0) {
+    text += fmt::format("nodding          {} encoder records, ticks {} to {}, {} falls at an index mark\n",
+                        nod.encoder_records, nod.lowest_ticks, nod.highest_ticks, nod.falls);
+  }
+  if (nod.tilt_records > 0) {
+    text += fmt::format("tilting          {} tilt records, {:.2f} to {:.2f} deg\n", nod.tilt_records,
+                        deg_from_rad(nod.lowest_tilt_rad), deg_from_rad(nod.highest_tilt_rad));
+  }
+  if (nod.has_records()) {
+    text += fmt::format("                 {:.1f} Hz, longest gap {:.3f} s, {} without motion\n", nod.mean_rate_hz,
+                        nod.longest_gap_s, nod.still_steps);
+  }
+  return text;
+}
+
+std::string counts_text(const LogCheck& c) {
+  std::string text = fmt::format("scans            {} in {:.1f} s", c.scans, c.duration_s());
+  if (c.median_step_s > 0.0)
+    text += fmt::format(", {:.1f} Hz (median step {:.3f} s)", 1.0 / c.median_step_s, c.median_step_s);
+  text +=
+      fmt::format("\nodometry         {} scans with their own, {} records between; path {:.1f} m, turned {:.0f} deg\n",
+                  c.scans_with_odometry, c.odometry_records, c.path_m, deg_from_rad(c.turned_rad));
+  text += fmt::format("standing still   {} steps without any motion of the odometry\n", c.still_scans);
+  return text + nod_text(c.nod);
+}
+
+std::string sensor_text(const LogCheck& c) {
+  std::string text;
+  for (const BeamLayout& b : c.layouts) {
+    const double first_deg = deg_from_rad(b.first_bearing_rad);
+    const double step_deg = deg_from_rad(b.step_rad);
+    const double last_deg = b.beams > 0 ? first_deg + static_cast<double>(b.beams - 1) * step_deg : first_deg;
+    text += fmt::format("beams            {} from {:.2f} to {:.2f} deg, step {:.3f} deg, in {} scans", b.beams,
+                        first_deg, last_deg, step_deg, b.scans);
+    text += b.max_range_m > 0.0 ? fmt::format("; stated limit {:.2f} m\n", b.max_range_m) : "\n";
+  }
+  if (c.other_layouts > 0) text += fmt::format("beams            other layouts in {} scans\n", c.other_layouts);
+  if (c.T_base_laser) {
+    text += fmt::format("laser on robot   {:.3f} m ahead, {:.3f} m left, {:.2f} deg", c.T_base_laser->x_m,
+                        c.T_base_laser->y_m, deg_from_rad(c.T_base_laser->theta_rad));
+    text += c.mount_changes > 0 ? fmt::format("; differs in {} scans\n", c.mount_changes) : "\n";
+  }
+  const RangeStatistics& r = c.ranges;
+  text += fmt::format("ranges           {:.2f} to {:.2f} m, median {:.2f} m, {:.1f} % of {} beams\n", r.shortest_m,
+                      r.longest_m, r.median_m, 100.0 * share(r.returns, r.beams), r.beams);
+  text += "no return        ";
+  for (const double value_m : r.no_return_m) text += fmt::format("{:.2f} m, ", value_m);
+  text +=
+      fmt::format("{:.1f} % of the beams; {} not finite\n", 100.0 * share(r.no_return_count, r.beams), r.not_finite);
+  return text;
+}
+
+std::string events_text(const std::string& name, const EventList& events, const std::string& bound,
+                        const std::function<std::string(const LogEvent&)>& describe) {
+  if (events.count == 0) return fmt::format("{:<16} none{}\n", name, bound);
+  std::string text = fmt::format("{:<16} {}{}\n", name, events.count, bound);
+  for (std::size_t k = 0; k < events.first.size() && k < kMostShown; ++k) {
+    const LogEvent& event = events.first[k];
+    text += fmt::format("                 scan {} at {:.6f} s: {}\n", event.scan, event.stamp_s, describe(event));
+  }
+  if (events.count > kMostShown) text += fmt::format("                 and {} more\n", events.count - kMostShown);
+  return text;
+}
+
+std::string faults_text(const LogCheck& c, const StepBounds& bounds) {
+  const auto step = [](const LogEvent& e) { return fmt::format("{:+.6f} s", e.time_step_s); };
+  std::string text = events_text("gaps", c.gaps, fmt::format(" (longer than {:.2f} s)", c.gap_bound_s), step);
+  text += events_text("backward stamps", c.backward_stamps, "", step);
+  text += events_text("repeated stamps", c.repeated_stamps, "", step);
+  text +=
+      events_text("odometry jumps", c.impossible_steps,
+                  fmt::format(" (more than {:g} m + {:g} m/s or {:.0f} deg + {:.0f} deg/s)", bounds.distance_m,
+                              bounds.speed_m_s, deg_from_rad(bounds.angle_rad), deg_from_rad(bounds.turn_rate_rad_s)),
+                  [](const LogEvent& e) {
+                    return fmt::format("{:.3f} m and {:.1f} deg in {:.3f} s", e.distance_m, deg_from_rad(e.angle_rad),
+                                       e.time_step_s);
+                  });
+  if (c.scans_without_returns > 0)
+    text += fmt::format("empty scans      {} without any return\n", c.scans_without_returns);
+  if (c.mappable_scans < c.scans) {
+    text += fmt::format("unused scans     {} with fewer than {} returns (scan.min_points)\n",
+                        c.scans - c.mappable_scans, c.scan.min_points);
+  }
+  for (const LogReader::Warning& w : c.warnings)
+    text += fmt::format("{:<16} {}, first: {}\n", w.kind, w.count, w.first);
+  return text;
+}
+
+std::string as_text(const LogCheck& check, const StepBounds& bounds, const std::string& log) {
+  std::string text = fmt::format("log              {}\n", log_name(log)) + counts_text(check) + sensor_text(check) +
+                     faults_text(check, bounds);
+  for (const std::string& suggestion : check.suggestions()) text += "-> " + suggestion + "\n";
+  text += check.obstacle().empty() ? "It can be mapped.\n" : "It cannot be mapped: " + check.obstacle() + ".\n";
+  return text;
+}
+
+Json as_json(const EventList& events) {
+  Json list = Json::array();
+  for (const LogEvent& e : events.first) {
+    list.push_back({{"scan", e.scan},
+                    {"stamp_s", e.stamp_s},
+                    {"time_step_s", e.time_step_s},
+                    {"distance_m", e.distance_m},
+                    {"angle_rad", e.angle_rad}});
+  }
+  return {{"count", events.count}, {"largest", events.largest}, {"first", list}};
+}
+
+Json ranges_json(const RangeStatistics& r) {
+  return {{"beams", r.beams},
+          {"returns", r.returns},
+          {"not_finite", r.not_finite},
+          {"no_return", r.no_return_count},
+          {"no_return_values_m", r.no_return_m},
+          {"shortest_m", r.shortest_m},
+          {"median_m", r.median_m},
+          {"longest_m", r.longest_m}};
+}
+
+Json layouts_json(const std::vector<BeamLayout>& layouts) {
+  Json list = Json::array();
+  for (const BeamLayout& b : layouts) {
+    list.push_back({{"beams", b.beams},
+                    {"first_bearing_rad", b.first_bearing_rad},
+                    {"step_rad", b.step_rad},
+                    {"max_range_m", b.max_range_m},
+                    {"scans", b.scans}});
+  }
+  return list;
+}
+
+Json nod_json(const NodCheck& nod) {
+  return {{"mean_rate_hz", nod.mean_rate_hz},
+          {"longest_gap_s", nod.longest_gap_s},
+          {"longest_gap_at_s", nod.longest_gap_at_s},
+          {"backward_stamps", nod.backward_stamps},
+          {"still_steps", nod.still_steps},
+          {"reversals", nod.reversals},
+          {"lowest_ticks", nod.lowest_ticks},
+          {"highest_ticks", nod.highest_ticks},
+          {"falls", nod.falls},
+          {"lowest_tilt_rad", nod.lowest_tilt_rad},
+          {"highest_tilt_rad", nod.highest_tilt_rad}};
+}
+
+Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log) {
+  Json report{{"log", log}, {"mappable", c.obstacle().empty()}, {"obstacle", c.obstacle()}};
+  report["scans"] = c.scans;
+  report["mappable_scans"] = c.mappable_scans;
+  report["duration_s"] = c.duration_s();
+  report["median_step_s"] = c.median_step_s;
+  report["scans_with_odometry"] = c.scans_with_odometry;
+  report["odometry_records"] = c.odometry_records;
+  report["encoder_records"] = c.nod.encoder_records;
+  report["tilt_records"] = c.nod.tilt_records;
+  if (c.nod.has_records()) report["nodding"] = nod_json(c.nod);
+  report["parameters"] = c.parameters;
+  report["path_m"] = c.path_m;
+  report["turned_rad"] = c.turned_rad;
+  report["still_steps"] = c.still_scans;
+  report["gap_bound_s"] = c.gap_bound_s;
+  report["gaps"] = as_json(c.gaps);
+  report["backward_stamps"] = as_json(c.backward_stamps);
+  report["repeated_stamps"] = as_json(c.repeated_stamps);
+  report["impossible_steps"] = as_json(c.impossible_steps);
+  report["step_bounds"] = {{"distance_m", bounds.distance_m},
+                           {"speed_m_s", bounds.speed_m_s},
+                           {"angle_rad", bounds.angle_rad},
+                           {"turn_rate_rad_s", bounds.turn_rate_rad_s}};
+  report["layouts"] = layouts_json(c.layouts);
+  const Pose2 mount = c.T_base_laser.value_or(Pose2{});
+  report["laser_on_robot"] = {
+      {"x_m", mount.x_m}, {"y_m", mount.y_m}, {"theta_rad", mount.theta_rad}, {"changes", c.mount_changes}};
+  report["ranges"] = ranges_json(c.ranges);
+  report["scans_without_returns"] = c.scans_without_returns;
+  Json warnings = Json::object();
+  for (const LogReader::Warning& w : c.warnings) warnings[w.kind] = {{"count", w.count}, {"first", w.first}};
+  report["warnings"] = warnings;
+  report["suggestions"] = c.suggestions();
+  return report;
+}
+
+int doctor(const DoctorOptions& options) {
+  const StepBounds bounds;
+  LogChecker checker(bounds);
+  const std::unique_ptr<LogReader> reader = open_log(options.log, {.lenient = true});
+  ProgressLine progress("records", false);
+  std::uint64_t records = 0;
+  while (const std::optional<LogRecord> record = reader->next()) {
+    checker.add(*record);
+    progress.update(++records, reader->progress());
+    if (interrupted()) break;
+  }
+  progress.clear();
+  const LogCheck check = checker.finish(reader->warnings());
+  print_result(options.json ? json_text(as_json(check, bounds, options.log)) : as_text(check, bounds, options.log));
+  if (interrupted())
+    throw Error(ExitCode::kInterrupted, "interrupted; the figures are those of the part that was read");
+  if (!check.obstacle().empty()) throw InputError({log_name(options.log), 0}, "cannot be mapped: " + check.obstacle());
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* command = app.add_subcommand("doctor", "What is in a log, and what is wrong with it");
+  command->add_option("log", options->log, "CARMEN log, plain or gzip; - is standard input")
+      ->required()
+      ->type_name("LOG");
+  command->add_flag("--json", options->json, "Print JSON");
+  command->footer(
+      "Counts, rates, gaps, time jumps, impossible steps of the odometry, the value that means no return, the laser\n"
+      "on the robot, the beams and the length of the path. Exit 65 when the log cannot be mapped.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam doctor intel.clf.gz\n"
+      "  gdtslam doctor drive.log --json | jq .impossible_steps.count");
+  command->callback([options, &context] { context.run = [options] { return doctor(*options); }; });
+}
+
+}  // namespace gdtslam

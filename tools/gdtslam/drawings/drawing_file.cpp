@@ -1,0 +1,63 @@
+#include "drawing_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+
+#include "engine/io/maps/png.hpp"
+#include "gdtslam/core/error.hpp"
+#ifdef GDTSLAM_HAS_VIEWER
+#include "gdtslam/drawing/raster.hpp"
+#endif
+
+namespace gdtslam {
+namespace {
+
+#ifdef GDTSLAM_HAS_VIEWER
+constexpr bool kHasViewer = true;
+#else
+constexpr bool kHasViewer = false;
+// Never reached: check_drawing_file() refuses before.
+RgbaImage raster_of(const Canvas& /*drawing*/, double /*scale*/) { return {}; }
+std::string pdf_of(const Canvas& /*drawing*/) { return {}; }
+#endif
+
+std::string extension_of(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter; });
+  return extension;
+}
+
+}  // namespace
+
+void check_drawing_file(std::string_view option, const std::string& file) {
+  const std::string extension = extension_of(file);
+  const std::string lead = option.empty() ? "" : std::string(option) + ": ";
+  if (extension != ".svg" && extension != ".png" && extension != ".pdf") {
+    throw UsageError(fmt::format("{}'{}' does not say what to write: let it end in .svg, .png or .pdf", lead, file));
+  }
+  if (extension != ".svg" && !kHasViewer) {
+    throw UnavailableError(
+        fmt::format("{}'{}': PNG and PDF are drawn by the viewer, which is not built in: write .svg", lead, file));
+  }
+}
+
+std::string drawing_bytes(const Canvas& drawing, const std::string& file, double scale) {
+  check_drawing_file("", file);
+  const std::string extension = extension_of(file);
+  if (extension == ".png") return png_bytes(raster_of(drawing, scale));
+  if (extension == ".pdf") return pdf_of(drawing);
+  return svg_of(drawing, png_bytes);
+}
+
+std::string png_bytes(const RgbaImage& image) {
+  return encode_png({.width = image.width,
+                     .height = image.height,
+                     .format = PixelFormat::kRgba8,
+                     .pixels = std::as_bytes(std::span(image.pixels))});
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,281 @@
+#include "measure_drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kWidth = 1280.0;
+constexpr double kHeight = 800.0;
+constexpr double kRadius = 10.0;
+constexpr double kMargin_m = 0.4;  // around the boxes and the viewpoint
+constexpr double kLeastView_m = 1.5;
+constexpr double kAside_px = 30.0;  // of a dimension line from what it measures
+constexpr double kTick_px = 6.0;
+constexpr int kDotsAcross = 170;  // of the points, one to a square of the view
+constexpr std::array kFills{ink::kCoupler, ink::kRocker, ink::kCrank, ink::kCurve};
+constexpr std::size_t kMostRows = 4;  // of boxes in the table
+
+/// A rectangle of the page.
+struct Card {
+  Point2 corner = Point2::Zero();
+  double width = 0.0;
+  double height = 0.0;
+};
+
+/// From the map's plane to the page: x up, y to the left.
+struct TopView {
+  Card card;
+  Point2 centre_m = Point2::Zero();
+  double pixels_per_m = 100.0;
+  [[nodiscard]] Point2 at(double x_m, double y_m) const {
+    const Point2 middle = card.corner + Point2(0.5 * card.width, 0.5 * card.height);
+    return middle + pixels_per_m * Point2(centre_m.y() - y_m, centre_m.x() - x_m);
+  }
+  [[nodiscard]] bool shows(const Point2& at, double margin) const {
+    return at.x() >= card.corner.x() + margin && at.x() <= card.corner.x() + card.width - margin &&
+           at.y() >= card.corner.y() + margin && at.y() <= card.corner.y() + card.height - margin;
+  }
+};
+
+/// The corners of a box on the floor: the face's two ends, then those behind.
+struct Outline {
+  Point2 left;
+  Point2 right;
+  Point2 back_right;
+  Point2 back_left;
+  Point2 out;  ///< of the face, a unit vector of the map
+  bool has_depth = false;
+};
+
+Outline outline_of(const MeasuredBox& box) {
+  Outline outline;
+  const Point2 normal(box.face_normal.x(), box.face_normal.y());
+  outline.out = normal.normalized();
+  const Point2 across(-outline.out.y(), outline.out.x());
+  outline.has_depth = std::isfinite(box.depth.sigma_m);
+  const double depth_m = outline.has_depth ? box.depth.value_m : 0.5 * box.width.value_m;
+  const Point2 centre(box.centre.x(), box.centre.y());
+  const Point2 face = centre + 0.5 * box.depth.value_m * outline.out;
+  outline.left = face - 0.5 * box.width.value_m * across;
+  outline.right = face + 0.5 * box.width.value_m * across;
+  outline.back_left = outline.left - depth_m * outline.out;
+  outline.back_right = outline.right - depth_m * outline.out;
+  return outline;
+}
+
+std::vector<Point2> corners_of(const Outline& outline) {
+  return {outline.left, outline.right, outline.back_right, outline.back_left};
+}
+
+TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, const Card& card) {
+  std::vector<Point2> shown;
+  for (const MeasuredBox& box : measured.boxes) {
+    for (const Point2& corner : corners_of(outline_of(box))) shown.push_back(corner);
+  }
+  if (measured.viewpoint) shown.emplace_back(measured.viewpoint->x(), measured.viewpoint->y());
+  if (measured.boxes.empty()) {
+    for (const CloudPoint& point : cloud) shown.emplace_back(point.x_m, point.y_m);
+  }
+  Point2 low = shown.front();
+  Point2 high = shown.front();
+  for (const Point2& point : shown) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  TopView view{card, 0.5 * (low + high), 0.0};
+  const double tall_m = std::max(kLeastView_m, high.x() - low.x() + 2.0 * kMargin_m);
+  const double wide_m = std::max(kLeastView_m, high.y() - low.y() + 3.0 * kMargin_m);
+  view.pixels_per_m = std::min(card.width / wide_m, card.height / tall_m);
+  return view;
+}
+
+double grid_step_of(const TopView& view) {
+  constexpr std::array kSteps{0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
+  const auto* const step = std::find_if(kSteps.begin(), kSteps.end(),
+                                        [&view](double candidate) { return candidate * view.pixels_per_m >= 60.0; });
+  return step == kSteps.end() ? kSteps.back() : *step;
+}
+
+void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
+  const Card& card = view.card;
+  const double half_tall_m = 0.5 * card.height / view.pixels_per_m;
+  const double half_wide_m = 0.5 * card.width / view.pixels_per_m;
+  const Pen pen{.colour = ink::kGrid};
+  for (double x = std::ceil((view.centre_m.x() - half_tall_m) / step_m); x * step_m < view.centre_m.x() + half_tall_m;
+       x += 1.0) {
+    const double y_px = view.at(x * step_m, 0.0).y();
+    canvas.line({card.corner.x(), y_px}, {card.corner.x() + card.width, y_px}, pen);
+  }
+  for (double y = std::ceil((view.centre_m.y() - half_wide_m) / step_m); y * step_m < view.centre_m.y() + half_wide_m;
+       y += 1.0) {
+    const double x_px = view.at(0.0, y * step_m).x();
+    canvas.line({x_px, card.corner.y()}, {x_px, card.corner.y() + card.height}, pen);
+  }
+}
+
+// One dot for each square that has points between the floor and the top of the highest box; fainter where few are.
+void draw_points(Canvas& canvas, const Measurement& measured, std::span<const CloudPoint> cloud, const TopView& view) {
+  double low_m = -1e9;
+  double high_m = 1e9;
+  if (!measured.boxes.empty()) {
+    low_m = 1e9;
+    high_m = -1e9;
+    for (const MeasuredBox& box : measured.boxes) {
+      low_m = std::min(low_m, box.centre.z() - 0.45 * box.height.value_m);
+      high_m = std::max(high_m, box.centre.z() + 0.55 * box.height.value_m);
+    }
+  }
+  const double square_px = view.card.width / kDotsAcross;
+  std::vector<std::pair<int, int>> squares;
+  for (const CloudPoint& point : cloud) {
+    const auto z_m = static_cast<double>(point.z_m);
+    if (z_m < low_m || z_m > high_m) continue;
+    const Point2 at = view.at(static_cast<double>(point.x_m), static_cast<double>(point.y_m));
+    if (!view.shows(at, 4.0)) continue;
+    squares.emplace_back(static_cast<int>(at.x() / square_px), static_cast<int>(at.y() / square_px));
+  }
+  std::sort(squares.begin(), squares.end());
+  for (std::size_t k = 0; k < squares.size();) {
+    std::size_t end = k;
+    while (end < squares.size() && squares[end] == squares[k]) ++end;
+    const double share = std::min(1.0, 0.25 + static_cast<double>(end - k) / 40.0);
+    const Point2 at(square_px * (squares[k].first + 0.5), square_px * (squares[k].second + 0.5));
+    canvas.circle(at, 0.36 * square_px * share, Fill{colour_for(0xb9b4a6)});
+    k = end;
+  }
+}
+
+// A line with ticks at both ends beside what it measures, and the value at its middle.
+void draw_dimension(Canvas& canvas, const TopView& view, const Point2& from_m, const Point2& to_m, const Point2& out_m,
+                    const Dimension& dimension, Colour colour) {
+  const Point2 out(-out_m.y(), -out_m.x());
+  const Point2 from = view.at(from_m.x(), from_m.y()) + kAside_px * out;
+  const Point2 to = view.at(to_m.x(), to_m.y()) + kAside_px * out;
+  const Pen pen{.colour = colour, .width = 1.5, .dashes = dimension.is_observed ? "" : "4 4"};
+  for (const Point2& end : {from, to}) {
+    canvas.line(end - (kAside_px - 5.0) * out, end + kTick_px * out, {.colour = colour, .width = 1.0, .opacity = 0.55});
+  }
+  canvas.line(from, to, pen);
+  const Point2 label = 0.5 * (from + to) + 20.0 * out;
+  const Anchor anchor = out.x() > 0.5 ? Anchor::kStart : out.x() < -0.5 ? Anchor::kEnd : Anchor::kMiddle;
+  canvas.text(label + Point2(0.0, 5.0), fmt::format("{:.2f} cm", 100.0 * dimension.value_m),
+              {.size = 15.0, .colour = colour, .anchor = anchor, .is_bold = true, .has_halo = true});
+}
+
+void draw_box(Canvas& canvas, const TopView& view, const MeasuredBox& box, std::size_t number) {
+  const Colour colour = kFills[number % kFills.size()];
+  const Outline outline = outline_of(box);
+  std::vector<Point2> corners;
+  for (const Point2& corner : corners_of(outline)) corners.push_back(view.at(corner.x(), corner.y()));
+  canvas.polygon(corners, Fill{colour, outline.has_depth ? 0.16 : 0.08});
+  const std::string_view dashes = outline.has_depth ? "" : "5 5";
+  canvas.polyline({corners[1], corners[2], corners[3], corners[0]}, {.colour = colour, .width = 1.5, .dashes = dashes});
+  canvas.line(corners[0], corners[1], {.colour = colour, .width = 4.0});
+  const Point2 middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  canvas.text(middle + Point2(0.0, 6.0), fmt::format("{}", number + 1),
+              {.size = 18.0, .colour = colour, .anchor = Anchor::kMiddle, .is_bold = true, .has_halo = true});
+  draw_dimension(canvas, view, outline.left, outline.right, outline.out, box.width, colour);
+  if (!outline.has_depth) return;
+  const Point2 across(-outline.out.y(), outline.out.x());
+  const bool is_left_out = across.y() < 0.0;  // beside the box on the right of the page
+  const Point2 side = is_left_out ? across : Point2(-across);
+  const Point2& front = is_left_out ? outline.right : outline.left;
+  const Point2& back = is_left_out ? outline.back_right : outline.back_left;
+  draw_dimension(canvas, view, front, back, side, box.depth, colour);
+}
+
+void draw_scanner(Canvas& canvas, const TopView& view, const Point3& viewpoint) {
+  const Point2 at = view.at(viewpoint.x(), viewpoint.y());
+  canvas.circle(at, 16.0, std::nullopt, Pen{.colour = ink::kLaser, .width = 1.0, .opacity = 0.5});
+  canvas.circle(at, 7.0, Fill{ink::kLaser}, Pen{.colour = colour_for(0xffffff), .width = 2.0});
+  canvas.text(at + Point2(24.0, 5.0), "scanner", {.size = 13.0, .colour = ink::kQuiet, .has_halo = true});
+}
+
+void draw_scale(Canvas& canvas, const TopView& view, double step_m) {
+  const Point2 left = view.card.corner + Point2(24.0, view.card.height - 24.0);
+  const Point2 right = left + Point2(step_m * view.pixels_per_m, 0.0);
+  const Pen pen{.colour = ink::kText, .width = 2.0};
+  canvas.line(left, right, pen);
+  canvas.line(left - Point2(0.0, 5.0), left + Point2(0.0, 5.0), pen);
+  canvas.line(right - Point2(0.0, 5.0), right + Point2(0.0, 5.0), pen);
+  canvas.text(0.5 * (left + right) - Point2(0.0, 10.0), fmt::format("{:g} m", step_m),
+              {.size = 12.0, .colour = ink::kQuiet, .anchor = Anchor::kMiddle, .has_halo = true});
+}
+
+void draw_row(Canvas& canvas, const Point2& at, std::string_view name, const Dimension& dimension) {
+  const bool is_known = std::isfinite(dimension.sigma_m);
+  canvas.text(at, name, {.size = 13.0, .colour = ink::kQuiet});
+  const std::string value = is_known ? fmt::format("{:.2f}", 100.0 * dimension.value_m) : "not seen";
+  const Colour colour = is_known ? ink::kText : ink::kQuiet;
+  canvas.text(at + Point2(142.0, 0.0), value,
+              {.size = 16.0, .colour = colour, .anchor = Anchor::kEnd, .is_bold = is_known});
+  if (!is_known) return;
+  canvas.text(at + Point2(150.0, 0.0), fmt::format("± {:.2f} cm", 100.0 * dimension.sigma_m), {.size = 13.0});
+  if (!dimension.is_observed) {
+    canvas.text(at + Point2(238.0, 0.0), "an end not seen", {.size = 12.0, .colour = ink::kWarning});
+  }
+}
+
+void draw_table(Canvas& canvas, const Measurement& measured, const Card& card) {
+  double y = card.corner.y() + 66.0;
+  const double x = card.corner.x() + 20.0;
+  const std::size_t shown = std::min(measured.boxes.size(), kMostRows);
+  for (std::size_t k = 0; k < shown; ++k) {
+    const MeasuredBox& box = measured.boxes[k];
+    const Colour colour = kFills[k % kFills.size()];
+    canvas.circle({x + 10.0, y - 5.0}, 11.0, Fill{colour}, Pen{.colour = colour});
+    canvas.text({x + 10.0, y}, fmt::format("{}", k + 1),
+                {.size = 14.0, .colour = colour_for(0xffffff), .anchor = Anchor::kMiddle, .is_bold = true});
+    draw_row(canvas, {x + 36.0, y}, "width", box.width);
+    draw_row(canvas, {x + 36.0, y + 26.0}, "depth", box.depth);
+    draw_row(canvas, {x + 36.0, y + 52.0}, "height", box.height);
+    canvas.text({x + 36.0, y + 78.0}, fmt::format("face: {} points, {:.1f} mm rms", box.points, 1e3 * box.face_rms_m),
+                {.size = 12.0, .colour = ink::kQuiet});
+    y += 124.0;
+    if (k + 1 < shown)
+      canvas.line({x, y - 32.0}, {card.corner.x() + card.width - 20.0, y - 32.0}, {.colour = ink::kGrid});
+  }
+  if (measured.boxes.size() > shown) {
+    canvas.text({x, y}, fmt::format("and {} more", measured.boxes.size() - shown),
+                {.size = 13.0, .colour = ink::kQuiet});
+  }
+  if (measured.boxes.empty()) canvas.text({x, y}, "No box was found.", {.size = 14.0, .colour = ink::kQuiet});
+}
+
+}  // namespace
+
+Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud) {
+  Canvas canvas(kWidth, kHeight, "Boxes of " + measured.cloud);
+  canvas.rectangle({0.0, 0.0}, kWidth, kHeight, Fill{ink::kPage});
+  const std::size_t count = measured.boxes.size();
+  canvas.text({40.0, 52.0}, fmt::format("{} {}", count, count == 1 ? "box" : "boxes"), {.size = 28.0, .is_bold = true});
+  canvas.text({40.0, 80.0}, fmt::format("{}  ·  {} points", measured.cloud, measured.points),
+              {.size = 15.0, .colour = ink::kQuiet});
+  const Card plan{{40.0, 104.0}, 760.0, 656.0};
+  const Card table{{820.0, 104.0}, 420.0, 656.0};
+  for (const Card& card : {plan, table}) {
+    canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
+  }
+  const TopView view = view_of(measured, cloud, plan);
+  const double step_m = grid_step_of(view);
+  draw_grid(canvas, view, step_m);
+  draw_points(canvas, measured, cloud, view);
+  for (std::size_t k = 0; k < count; ++k) draw_box(canvas, view, measured.boxes[k], k);
+  if (measured.viewpoint) draw_scanner(canvas, view, *measured.viewpoint);
+  draw_scale(canvas, view, step_m);
+  canvas.text(plan.corner + Point2(20.0, 28.0), "From above", {.size = 15.0, .is_bold = true, .has_halo = true});
+  canvas.text(table.corner + Point2(20.0, 28.0), "Dimensions", {.size = 15.0, .is_bold = true});
+  draw_table(canvas, measured, table);
+  return canvas;
+}
+
+}  // namespace gdtslam

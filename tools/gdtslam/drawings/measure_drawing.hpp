@@ -1,0 +1,14 @@
+// The top view of measured boxes: the points around them, their outlines, their dimensions. x points up the
+// page, y to the left, as the scanner sees it. Thread-safe; O(points).
+#pragma once
+
+#include <span>
+#include "engine/runs/measuring/measure_table.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/drawing/canvas.hpp"
+
+namespace gdtslam {
+
+Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud);
+
+}  // namespace gdtslam

@@ -1,0 +1,218 @@
+// gdtslam linkage: what a four-bar mount does, as text, table and drawing; and the design of one.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/drawings/linkage_drawing.hpp"
+#include "tools/gdtslam/drawings/linkage_table.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/linkage_goal.hpp"
+#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/whole_number.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct LinkageCommand {
+  std::string linkage;
+  GoalText goal;
+  std::size_t count = 1;
+  std::string step = "1deg";
+  std::string csv;
+  std::string picture;
+  std::string output;
+  bool is_calibrated = false;
+  bool lists = false;
+  bool designs = false;
+  bool json = false;
+};
+
+constexpr std::string_view kCalibrated = "-calibrated";
+constexpr double kLeastStep_deg = 0.001;
+constexpr double kMostStep_deg = 90.0;
+
+bool is_preset(std::string_view name) {
+  const auto& presets = calib::linkage_presets();
+  return std::any_of(presets.begin(), presets.end(), [name](const calib::LinkagePreset& p) { return p.name == name; });
+}
+
+calib::SweepModel model_of(const LinkageCommand& command) {
+  if (!command.is_calibrated) {
+    return resolve_linkage(command.linkage);
+  }
+  const std::string name = command.linkage + std::string(kCalibrated);
+  if (is_preset(name)) {
+    return resolve_linkage(name);
+  }
+  throw UsageError("--calibrated is for the presets paper-a, paper-b and paper-c, not for '" + command.linkage + "'");
+}
+
+// A designed linkage with everything else as the presets have it: lifting is the slow stroke and begins at elevation 0.
+calib::SweepModel model_of(const calib::Design& design, std::size_t number) {
+  calib::SweepModel model = calib::sweep_model_of_preset(calib::kDefaultLinkage);
+  model.name = fmt::format("design-{}", number);
+  model.bars = design.bars;
+  model.assembly = calib::Assembly::kOpen;
+  model.encoder.zero_rad = design.report.lowest.crank_rad;
+  model.encoder.direction = design.report.lift_direction;
+  model.elevation_sign = 1;
+  model.elevation_offset_rad = -design.report.lowest.rocker_rad;
+  return model;
+}
+
+double step_of(const std::string& text) {
+  const double step_rad = quantity_of("--step", text, Unit::kRadian);
+  const double step_deg = deg_from_rad(step_rad);
+  if (!(step_deg >= kLeastStep_deg && step_deg <= kMostStep_deg)) {
+    throw UsageError(fmt::format("--step: {} is not between {:g} and {:g} deg", text, kLeastStep_deg, kMostStep_deg));
+  }
+  return step_rad;
+}
+
+// All files are on the disk before the first takes its name.
+void write_files(const LinkageCommand& command, const LinkageSummary& summary) {
+  AtomicFileSet files;
+  if (!command.csv.empty()) {
+    files.add(command.csv).write(as_csv(summary, step_of(command.step)));
+  }
+  if (!command.picture.empty()) {
+    files.add(command.picture).write(drawing_bytes(drawing_of(summary), command.picture, kDensePng));
+  }
+  if (!command.output.empty()) {
+    files.add(command.output).write(linkage_text(summary.model));
+  }
+  files.commit();
+}
+
+int list_presets(const LinkageCommand& command) {
+  Json all = Json::array();
+  std::string text;
+  for (const calib::LinkagePreset& preset : calib::linkage_presets()) {
+    const bool is_default = preset.name == calib::kDefaultLinkage;
+    all.push_back({{"name", preset.name}, {"doc", preset.doc}, {"default", is_default}});
+    text += fmt::format("{:<20} {}{}\n", preset.name, preset.doc, is_default ? " (default)" : "");
+  }
+  print_result(command.json ? json_text(all) : text);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+std::string table_of(const std::vector<LinkageSummary>& designs) {
+  std::string text = "            crank  coupler   rocker   ground  transmission  time ratio  lift\n";
+  for (const LinkageSummary& summary : designs) {
+    const calib::FourBar& bars = summary.model.bars;
+    text += fmt::format("{:<9} {:>7.3f}  {:>7.3f}  {:>7.3f}  {:>7.3f} cm  {:>5.1f} deg  {:>9.3f}  {:>6.1f} deg\n",
+                        summary.model.name, 100.0 * bars.crank_m, 100.0 * bars.coupler_m, 100.0 * bars.rocker_m,
+                        100.0 * bars.ground_m, deg_from_rad(summary.report.value().least_transmission_rad),
+                        summary.report.value().time_ratio, 360.0 * summary.report.value().lift_share);
+  }
+  return text;
+}
+
+int run_design(const LinkageCommand& command) {
+  std::vector<LinkageSummary> designs;
+  for (const calib::Design& design : calib::design(goal_of(command.goal), command.count)) {
+    designs.push_back(summary_of(model_of(design, designs.size() + 1)));
+  }
+  write_files(command, designs.front());
+  if (command.json) {
+    Json all = Json::array();
+    for (const LinkageSummary& summary : designs) {
+      all.push_back(as_json(summary));
+    }
+    print_result(json_text(all));
+  } else {
+    print_result(designs.size() > 1 ? table_of(designs) + "\n" + as_text(designs.front()) : as_text(designs.front()));
+  }
+  if (designs.size() < command.count) {
+    print_remark(fmt::format("{} of {} crank lengths meet the goal; longer cranks transmit worse in the same room",
+                             designs.size(), command.count));
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
+int run_linkage(const LinkageCommand& command) {
+  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
+  if (command.lists) {
+    return list_presets(command);
+  }
+  if (command.designs) {
+    return run_design(command);
+  }
+  if (command.linkage.empty()) {
+    throw UsageError("name a linkage: a preset (gdtslam linkage --list) or a file; or ask for one with --design");
+  }
+  const LinkageSummary summary = summary_of(model_of(command));
+  write_files(command, summary);
+  print_result(command.json ? json_text(as_json(summary)) : as_text(summary));
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_design_options(CLI::App& command, LinkageCommand& chosen) {
+  CLI::Option* const design = command.add_flag("--design", chosen.designs, "Find the bars of a crank-rocker instead");
+  const auto add = [&command, design](const char* name, std::string& text, const char* doc, const char* type) {
+    command.add_option(name, text, doc)->needs(design)->type_name(type);
+  };
+  add("--swing", chosen.goal.swing, "Angle that the laser sweeps [90deg]", "ANGLE");
+  add("--min-transmission", chosen.goal.min_transmission, "Least transmission angle over the turn [40deg]", "ANGLE");
+  add("--crank", chosen.goal.crank, "Length of the crank, or a range of it [3..5cm]", "RANGE");
+  add("--time-ratio", chosen.goal.time_ratio, "Slow over quick stroke, met exactly [any: the one that transmits best]",
+      "RATIO");
+  add("--longest", chosen.goal.longest, "Longest bar; longer ones transmit better [4 times the longest crank]",
+      "LENGTH");
+  constexpr int kMostDesigns = 100;
+  command.add_option("--count", chosen.count, "So many linkages, with cranks spread over their range")
+      ->needs(design)
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostDesigns))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_linkage_command(CLI::App& app, CommandContext& context) {
+  auto chosen = std::make_shared<LinkageCommand>();
+  CLI::App* command = app.add_subcommand("linkage", "What a nodding mount's four-bar linkage does; designing one");
+  CLI::Option* const linkage =
+      command->add_option("linkage", chosen->linkage, "A preset (see --list) or a linkage file")->type_name("LINKAGE");
+  CLI::Option* const calibrated =
+      command->add_flag("--calibrated", chosen->is_calibrated, "The preset's lengths as the paper calibrated them");
+  CLI::Option* const list = command->add_flag("--list", chosen->lists, "List the presets")->excludes(linkage);
+  calibrated->needs(linkage);
+  add_design_options(*command, *chosen);
+  command->get_option("--design")->excludes(linkage)->excludes(list);
+  command->add_option("--csv", chosen->csv, "Write a table over one turn of the crank")->type_name("FILE");
+  command->add_option("--step", chosen->step, "Step of the table's crank angle")
+      ->type_name("ANGLE")
+      ->capture_default_str();
+  command->add_option("--picture,--svg", chosen->picture, "Write a drawing: .svg, .png or .pdf")->type_name("FILE");
+  command->add_option("-o,--output", chosen->output, "Write the linkage as a file for map, simulate and calibrate")
+      ->type_name("FILE");
+  for (const char* name : {"--csv", "--picture", "--output"}) {
+    list->excludes(command->get_option(name));
+  }
+  command->add_flag("--json", chosen->json, "Print JSON");
+  command->footer(
+      "docs/linkage.md explains every figure.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam linkage paper-b --picture paper-b.svg\n"
+      "  gdtslam linkage paper-a --calibrated --csv turn.csv --step 0.5deg\n"
+      "  gdtslam linkage --design --swing 90deg --min-transmission 40deg --crank 3..5cm -o linkage.yaml\n"
+      "  gdtslam linkage --design --swing 60deg --min-transmission 30deg --time-ratio 1.2 --count 5 --json");
+  command->callback([chosen, &context] { context.run = [chosen] { return run_linkage(*chosen); }; });
+}
+
+}  // namespace gdtslam

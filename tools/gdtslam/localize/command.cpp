@@ -1,0 +1,314 @@
+// gdtslam localize: where scans of a log were taken in a map, without odometry and with a proof.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "output.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/map_remarks.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/whole_number.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
+
+namespace gdtslam {
+namespace {
+
+struct LocalizeOptions {
+  std::string map;
+  std::string log;
+  ScanChoice choice;
+  double leave_out_s = -1.0;  ///< negative: not asked for
+  std::string reference;
+  bool align = false;
+  std::string within = "10cm/1deg";
+  double gap_m = 0.005;
+  double max_seconds = 0.0;  ///< 0: no limit
+  bool no_runner_up = false;
+  double poor_fit_m = -1.0;  ///< negative: what the map tells
+  bool strict = false;
+  DeviceOptions device{.device = "cpu"};
+  bool lenient = false;
+  bool json = false;
+  bool quiet = false;
+  std::string trajectory;  ///< to be written; empty: none
+  std::string picture;
+  SettingsOptions settings;
+};
+
+constexpr double kMostSeconds = 1.0e5;  // 28 hours
+constexpr double kMostGap_m = 1.0;
+constexpr double kMostFit_m = 10.0;
+
+// "10cm/1deg"
+void read_within(const std::string& text, LocalizeLimits& limits) {
+  const std::size_t mark = text.find('/');
+  if (mark == std::string::npos) {
+    throw UsageError("--within: '" + text + "' is not DISTANCE/ANGLE, for example 10cm/1deg");
+  }
+  limits.within_m = quantity_of("--within", text.substr(0, mark), Unit::kMetre);
+  limits.within_rad = quantity_of("--within", text.substr(mark + 1), Unit::kRadian);
+  constexpr double kMost_m = 100.0;
+  if (!(limits.within_m > 0.0 && limits.within_m <= kMost_m && limits.within_rad > 0.0 && limits.within_rad <= kPi)) {
+    throw UsageError("--within: '" + text + "' is out of range: up to 100m/180deg, neither of them 0");
+  }
+}
+
+LocalizeLimits limits_of(const LocalizeOptions& options) {
+  LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
+  if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
+  if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
+  read_within(options.within, limits);
+  return limits;
+}
+
+LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
+  LocalizeJob job;
+  job.log = options.log;
+  job.read = read_options_of(settings.log, options.lenient);
+  job.choice = options.choice;
+  job.threads = options.device.threads > 0 ? options.device.threads : std::max(1U, std::thread::hardware_concurrency());
+  if (options.leave_out_s >= 0.0) {
+    job.merged.emplace(run_of_map(options.map, "--leave-out"), options.leave_out_s);
+  }
+  if (!options.reference.empty()) {
+    job.reference.emplace(options.reference);
+    if (options.align) job.reference->align(run_of_map(options.map, "--align"));
+  }
+  return job;
+}
+
+// One scan alone has nothing to be chosen from.
+void check(const LocalizeOptions& options) {
+  if (looks_like_map(options.log) && !looks_like_map(options.map)) {
+    throw UsageError(fmt::format("'{0}' is a map and '{1}' is none; the map comes first: gdtslam localize {0} {1}",
+                                 options.log, options.map));
+  }
+  const ScanChoice& choice = options.choice;
+  if (options.leave_out_s >= 0.0 && choice.random == 0 && choice.every == 0) {
+    throw UsageError("--leave-out chooses among scans: give --random or --every too");
+  }
+  if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
+  const std::vector<std::string> inputs{options.log, options.reference, options.map};
+  check_written_file("--output", options.trajectory, inputs);
+  check_written_file("--picture", options.picture, inputs);
+}
+
+void write_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
+                 const Localized& all) {
+  if (!options.trajectory.empty()) {
+    Trajectory trajectory;
+    for (const LocalizedScan& scan : all.scans) {
+      if (scan.best) trajectory.push_back({scan.stamp_s, scan.best->T_map_base});
+    }
+    write_tum(options.trajectory, trajectory);
+  }
+  if (!options.picture.empty()) {
+    write_file_atomically(options.picture,
+                          drawing_bytes(localize_picture(job, localizer, all), options.picture, kDensePng));
+  }
+}
+
+void print_remarks(const LocalizeJob& job, const Localized& all) {
+  print_warnings(all.warnings);
+  if (all.nods) {
+    print_remark("warning: the laser of this log nods; a scan is found where it was taken nearly level only");
+  }
+  if (job.choice.random > all.scans.size() && !all.interrupted) {
+    print_remark(fmt::format("warning: only {} scans could be drawn, not {}", all.scans.size(), job.choice.random));
+  }
+  if (job.merged && all.left_out == 0 && !all.interrupted) {
+    print_remark("warning: no scan of the log lies near one that went into the map; was the map made from it?");
+  }
+  if (all.interrupted) print_remark(fmt::format("interrupted after {} scans", all.scans.size()));
+}
+
+void require_reference(const LocalizeJob& job, const Localized& all) {
+  if (!job.reference || all.interrupted) return;
+  for (const LocalizedScan& scan : all.scans) {
+    if (scan.reference) return;
+  }
+  throw InputError({job.reference->file(), 0},
+                   fmt::format("none of its {} poses has the stamp of a scan that was localised; do both belong to the "
+                               "same log?",
+                               job.reference->count()));
+}
+
+void require_found(const Localized& all, const LocalizeLimits& limits) {
+  const LocalizeFigures figures = figures_of(all.scans, limits);
+  const std::uint64_t found = figures.verdicts[static_cast<std::size_t>(Verdict::kFound)];
+  if (found == all.scans.size()) return;
+  throw Error(ExitCode::kFailed, "--strict: not every scan was found: " + as_text(figures.verdicts));
+}
+
+// Threads take scans, so none are left for the kernels of one.
+std::unique_ptr<Backend> backend_of(DeviceOptions options) {
+  options.threads = 1;
+  return make_backend(options);
+}
+
+struct Work {
+  std::unique_ptr<Backend> backend;
+  std::unique_ptr<Localizer> localizer;
+  Localized all;
+};
+
+Work work_with(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job,
+               const DeviceOptions& device) {
+  Work work;
+  work.backend = backend_of(device);
+  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  ProgressLine progress("scans", options.quiet);
+  work.all = localize_scans(
+      job, *work.localizer, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
+      [] { return interrupted(); });
+  return work;
+}
+
+// The CPU gives the same, so a device that fails costs the time spent and nothing else.
+Work work_of(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job) {
+  try {
+    return work_with(options, settings, job, options.device);
+  } catch (const DeviceError& error) {
+    if (options.device.no_fallback) throw;
+    print_remark(fmt::format("warning: {}; beginning again with the CPU", error.what()));
+  } catch (const InputError&) {
+    if (!interrupted()) throw;  // else the signal ended the standard input
+    throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
+  }
+  DeviceOptions cpu = options.device;
+  cpu.device = "cpu";
+  return work_with(options, settings, job, cpu);
+}
+
+int localize(const LocalizeOptions& options) {
+  check(options);
+  Stopwatch watch;
+  LocalizeTimes times;
+  const Settings settings = load_settings(options.settings);
+  const LocalizeJob job = job_of(options, settings);
+  const Work work = work_of(options, settings, job);
+  const Localized& all = work.all;
+  require_reference(job, all);
+  watch.add_to(times.wall_s, times.cpu_s);
+  write_files(options, job, *work.localizer, all);
+  print_remarks(job, all);
+  if (options.json) {
+    times.device = work.backend->device().name;
+    print_result(as_json(job, *work.localizer, all, times).dump(2) + "\n");
+  } else if (!options.quiet) {
+    print_result(as_text(job, *work.localizer, all));
+  }
+  if (all.interrupted) return static_cast<int>(ExitCode::kInterrupted);
+  const bool is_any =
+      std::any_of(all.scans.begin(), all.scans.end(), [](const auto& scan) { return scan.best.has_value(); });
+  if (!is_any)
+    throw InputError({options.log, 0},
+                     "none of the scans could be localised: too few returns, or --max-time too short");
+  if (options.strict) require_found(all, work.localizer->limits());
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_choices(CLI::App& command, LocalizeOptions& chosen) {
+  ScanChoice& choice = chosen.choice;
+  CLI::Option* scan =
+      command.add_option("--scan", choice.first, "Index of the scan, from 0; with --every the first one");
+  scan->type_name("N")->check(whole_number_from(0))->capture_default_str();
+  CLI::Option* every = command.add_option("--every", choice.every, "Go on to the end of the log with every N-th scan");
+  every->type_name("N")->check(whole_number_from(1));
+  CLI::Option* random = command.add_option("--random", choice.random, "N scans of the whole log, drawn at random");
+  random->type_name("N")->check(whole_number_from(1))->excludes(scan)->excludes(every);
+  command.add_option("--seed", choice.seed, "Of the draw")
+      ->type_name("N")
+      ->check(whole_number_from(0))
+      ->capture_default_str()
+      ->needs(random);
+  add_quantity_option(command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMostSeconds},
+                      "Do not choose scans that were taken this near in time to one that went into the map;\n"
+                      "needs the run folder; 0: leave out those that went into it themselves");
+}
+
+void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
+  CLI::Option* reference = command.add_option("--reference", chosen.reference,
+                                              "True poses in the map's frame, TUM, plain or gzip: report the errors.\n"
+                                              "The run's own trajectory.tum will do for the log that was mapped");
+  reference->type_name("FILE");
+  command
+      .add_flag("--align", chosen.align,
+                "Move the reference as a whole onto the run's own trajectory first, where its frame is another")
+      ->needs(reference);
+  command.add_option("--within", chosen.within, "So near to the reference a pose is right")
+      ->type_name("D/A")
+      ->capture_default_str();
+}
+
+void add_search_options(CLI::App& command, LocalizeOptions& chosen) {
+  add_quantity_option(command, "--gap", chosen.gap_m, Unit::kMetre, {0.0, kMostGap_m},
+                      "Prove that no pose has a mean distance smaller by more than this")
+      ->default_str(format_quantity(chosen.gap_m, Unit::kMetre));
+  add_quantity_option(command, "--max-time", chosen.max_seconds, Unit::kSecond, {1.0e-6, kMostSeconds},
+                      "Give a search up after this long (default: never)");
+  add_quantity_option(
+      command, "--poor-fit", chosen.poor_fit_m, Unit::kMetre, {0.0, kMostFit_m},
+      "A larger mean distance is a poor fit (default: of the run's own matches 99 of 100 left no more;\n"
+      "two cells of a map without a run)");
+  command.add_flag("--strict", chosen.strict, "Exit 1 where a scan is not found: ambiguous, a poor fit, or no pose");
+  command.add_flag("--no-runner-up", chosen.no_runner_up, "Do not look for the best pose elsewhere");
+}
+
+void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
+  command.add_option("-o,--output", chosen.trajectory, "Write the poses as a trajectory, TUM")->type_name("FILE");
+  command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png or .pdf")->type_name("FILE");
+  command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines of the log");
+  command.add_flag("--json", chosen.json, "Print JSON; what depends on the machine is under \"times\"");
+  command.add_flag("-q,--quiet", chosen.quiet, "Print errors only");
+}
+
+}  // namespace
+
+void add_localize_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<LocalizeOptions>();
+  CLI::App* command =
+      app.add_subcommand("localize", "The pose of scans in a whole map, without odometry, with a proof");
+  command->add_option("map", options->map, "Run folder of `gdtslam map`, or its gdt.yaml")
+      ->required()
+      ->type_name("RUN");
+  command->add_option("log", options->log, "Log with the scans, plain or gzip")->required()->type_name("LOG");
+  add_choices(*command, *options);
+  add_reference_options(*command, *options);
+  add_search_options(*command, *options);
+  add_device_options(*command, options->device);
+  add_output_options(*command, *options);
+  add_settings_options(*command, options->settings);
+  command->footer(
+      "All poses over the known part of the map are searched, in every heading, by branch and bound: the result is\n"
+      "the pose of least mean distance between the scan's points and the map's obstacles, up to the gap. Elsewhere\n"
+      "means 1 m or 20 degrees away; a scan is ambiguous when a pose elsewhere may be as good, and a poor fit when\n"
+      "even the best pose leaves a larger mean distance than scans of the mapped place do: it was taken elsewhere.\n"
+      "\n"
+      "JSON: map, log, gap_m, window, choice (of the scans), interrupted, good_fit, verdicts, certified (counts),\n"
+      "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, verdict,\n"
+      "best, runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam localize intel intel.clf.gz --scan 5000\n"
+      "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json\n"
+      "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel/trajectory.tum\n"
+      "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");
+  command->callback([&context, options] { context.run = [options] { return localize(*options); }; });
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,319 @@
+#include "output.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "engine/core/elementary.hpp"
+#include "engine/drawing/plots/bars.hpp"
+#include "gdtslam/drawing/theme.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kWidth = 1180.0;
+constexpr double kMargin = 24.0;
+constexpr double kHeading = 62.0;
+constexpr double kLegend = 46.0;
+constexpr double kInset = 18.0;  // of the map in its card
+constexpr double kTallest = 1100.0;
+constexpr double kLeastTall = 260.0;
+constexpr double kAround_m = 1.0;    // of poses
+constexpr double kImageScale = 2.0;  // pixels of the map's image for each of the drawing
+constexpr Colour kWall = colour_for(0x8e949c);
+constexpr std::uint16_t kFullWall = 128;  // 1/256 cell: up to here an obstacle is drawn in full, and to nothing at
+constexpr double kNoWall = 512.0;
+
+/// How a scan is drawn.
+enum class Mark : std::uint8_t { kRight, kAmbiguous, kOff, kNone };
+
+Colour colour_of_mark(Mark mark) {
+  if (mark == Mark::kRight) return ink::kCoupler;
+  return mark == Mark::kAmbiguous ? ink::kLaser : ink::kWarning;
+}
+
+Mark mark_of(const LocalizedScan& scan, const LocalizeLimits& limits) {
+  if (!scan.best) return Mark::kNone;
+  const bool is_off = scan.reference ? fault_of(scan, limits) != LocalizeFault::kNone
+                                     : !scan.best->certified() || scan.verdict == Verdict::kPoorFit;
+  if (is_off) return Mark::kOff;
+  return scan.is_ambiguous() ? Mark::kAmbiguous : Mark::kRight;
+}
+
+/// From the map to the page.
+struct View {
+  DrawingArea card;
+  Point2 centre_m = Point2::Zero();
+  double pixels_per_m = 20.0;
+  [[nodiscard]] Point2 at(const Point2& place_m) const {
+    const Point2 off = pixels_per_m * (place_m - centre_m);
+    return card.corner + Point2(0.5 * card.width + off.x(), 0.5 * card.height - off.y());
+  }
+  [[nodiscard]] Point2 back(const Point2& page) const {
+    const Point2 off = page - card.corner - Point2(0.5 * card.width, 0.5 * card.height);
+    return centre_m + Point2(off.x(), -off.y()) / pixels_per_m;
+  }
+};
+
+/// Where all but a few of the counts lie: the first and the last that count.
+std::pair<std::size_t, std::size_t> span_of(const std::vector<std::uint64_t>& counts) {
+  constexpr double kStray = 0.002;  // of all obstacles, at either end: single returns far outside stretch no picture
+  const auto total = static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
+  const auto most = static_cast<std::uint64_t>(kStray * total);
+  std::size_t first = 0;
+  for (std::uint64_t sum = counts[first]; sum <= most && first + 1 < counts.size();) sum += counts[++first];
+  std::size_t last = counts.size() - 1;
+  for (std::uint64_t sum = counts[last]; sum <= most && last > first;) sum += counts[--last];
+  return {first, last};
+}
+
+/// The part of the map that is worth a picture, metres.
+void frame_map(const DistanceFieldView& field, Point2& low, Point2& high) {
+  const GridGeometry& grid = field.geometry;
+  std::vector<std::uint64_t> columns(static_cast<std::size_t>(grid.width));
+  std::vector<std::uint64_t> rows(static_cast<std::size_t>(grid.height));
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    for (std::int32_t x = 0; x < grid.width; ++x) {
+      if (field.at({x, y}) > kFullWall) continue;
+      ++columns[static_cast<std::size_t>(x)];
+      ++rows[static_cast<std::size_t>(y)];
+    }
+  }
+  const auto [left, right] = span_of(columns);
+  const auto [bottom, top] = span_of(rows);
+  const Point2 around(kAround_m, kAround_m);
+  low = grid.centre_of({static_cast<std::int32_t>(left), static_cast<std::int32_t>(bottom)}) - around;
+  high = grid.centre_of({static_cast<std::int32_t>(right), static_cast<std::int32_t>(top)}) + around;
+}
+
+View view_of(const Localizer& localizer, const Localized& all) {
+  Point2 low = Point2::Zero();
+  Point2 high = Point2::Zero();
+  frame_map(localizer.field().view(), low, high);
+  const auto include = [&low, &high](const Pose2& pose) {
+    const Point2 around(kAround_m, kAround_m);
+    low = low.cwiseMin(pose.translation() - around);
+    high = high.cwiseMax(pose.translation() + around);
+  };
+  for (const LocalizedScan& scan : all.scans) {
+    if (scan.best) include(scan.best->T_map_base);
+    if (scan.reference) include(scan.reference->T_map_base);
+  }
+  View view;
+  view.card = {{kMargin, kMargin + kHeading}, kWidth - 2.0 * kMargin, 0.0};
+  view.centre_m = 0.5 * (low + high);
+  const double wide = view.card.width - 2.0 * kInset;
+  view.pixels_per_m = std::min(wide / (high.x() - low.x()), (kTallest - 2.0 * kInset) / (high.y() - low.y()));
+  view.card.height = std::max(kLeastTall, view.pixels_per_m * (high.y() - low.y()) + 2.0 * kInset);
+  return view;
+}
+
+// The nearest obstacle of all cells under a pixel, so that walls stay whole however small the map is drawn.
+std::uint16_t least_under(const DistanceFieldView& field, const Point2& from_m, const Point2& to_m) {
+  const CellIndex a = field.geometry.cell_of(from_m);
+  const CellIndex b = field.geometry.cell_of(to_m);
+  std::uint16_t least = field.cap;
+  for (std::int32_t y = std::max(a.y, 0); y <= std::min(b.y, field.geometry.height - 1); ++y) {
+    for (std::int32_t x = std::max(a.x, 0); x <= std::min(b.x, field.geometry.width - 1); ++x) {
+      least = std::min(least, field.at({x, y}));
+    }
+  }
+  return least;
+}
+
+void draw_walls(Canvas& canvas, const View& view, const DistanceFieldView& field) {
+  auto image = std::make_shared<RgbaImage>(static_cast<std::uint32_t>(kImageScale * view.card.width),
+                                           static_cast<std::uint32_t>(kImageScale * view.card.height));
+  for (std::uint32_t v = 0; v < image->height; ++v) {
+    for (std::uint32_t u = 0; u < image->width; ++u) {
+      const Point2 upper_left = view.card.corner + Point2(u, v) / kImageScale;
+      const Point2 lower_right = upper_left + Point2(1.0, 1.0) / kImageScale;
+      const Point2 from = view.back({upper_left.x(), lower_right.y()});
+      const Point2 to = view.back({lower_right.x(), upper_left.y()});
+      const double value = least_under(field, from, to);
+      const double share = std::clamp((kNoWall - value) / (kNoWall - kFullWall), 0.0, 1.0);
+      std::uint8_t* const pixel = image->at(u, v);
+      pixel[0] = kWall.red;
+      pixel[1] = kWall.green;
+      pixel[2] = kWall.blue;
+      pixel[3] = static_cast<std::uint8_t>(std::lround(255.0 * share));
+    }
+  }
+  canvas.picture(view.card.corner, view.card.width, view.card.height, std::move(image));
+}
+
+// A slim arrow head whose tail is notched; the pose lies in its middle.
+std::vector<Point2> arrow(const Point2& at, double theta_rad, double length) {
+  const auto [sin, cos] = sin_cos(theta_rad);
+  const Point2 forward(cos, -sin);
+  const Point2 left(-sin, -cos);
+  return {at + 0.6 * length * forward, at - 0.4 * length * forward + 0.36 * length * left, at - 0.2 * length * forward,
+          at - 0.4 * length * forward - 0.36 * length * left};
+}
+
+constexpr double kArrow = 12.0;
+
+void draw_arrow(Canvas& canvas, const Point2& at, double theta_rad, Mark mark) {
+  std::vector<Point2> outline = arrow(at, theta_rad, mark == Mark::kOff ? 1.25 * kArrow : kArrow);
+  canvas.polygon(outline, {colour_of_mark(mark), 0.9});
+  outline.push_back(outline.front());
+  canvas.polyline(std::move(outline), {.colour = ink::kCard, .width = 0.6, .opacity = 0.9});
+}
+
+void draw_reference(Canvas& canvas, const View& view, const LocalizedScan& scan) {
+  const Pose2& T = scan.reference->T_map_base;
+  const Point2 at = view.at(T.translation());
+  if (scan.best) {
+    canvas.line(view.at(scan.best->T_map_base.translation()), at,
+                {.colour = ink::kWarning, .width = 1.2, .dashes = "4 3"});
+  }
+  std::vector<Point2> outline = arrow(at, T.theta_rad, 1.25 * kArrow);
+  outline.push_back(outline.front());
+  canvas.polygon({outline.begin(), outline.end() - 1}, {ink::kCard});
+  canvas.polyline(std::move(outline), {.colour = scan.best ? ink::kWarning : ink::kText, .width = 1.4});
+}
+
+/// The indices of scans, one after the other where their places are the same.
+struct Name {
+  Point2 at;
+  std::string words;
+  Colour colour;
+  int count = 1;
+};
+
+void add_name(std::vector<Name>& names, const View& view, const LocalizedScan& scan) {
+  constexpr double kNear_px = 20.0;
+  constexpr double kLetters_px = 12.0;
+  constexpr int kMostNamed = 3;
+  const Pose2& T = scan.best ? scan.best->T_map_base : scan.reference->T_map_base;
+  const Point2 at = view.at(T.translation());
+  // Letters would run into each other.
+  const auto same = std::find_if(names.begin(), names.end(), [&at](const Name& name) {
+    const Point2 off = (at - name.at).cwiseAbs();
+    return off.norm() < kNear_px || (off.y() < kLetters_px && off.x() < text_width(name.words, kLetters_px) + 6.0);
+  });
+  if (same != names.end()) {
+    if (++same->count <= kMostNamed) same->words += fmt::format(", {}", scan.index);
+    if (same->count == kMostNamed + 1) same->words += ", …";
+  } else {
+    names.push_back({at, fmt::format("{}", scan.index), scan.best ? ink::kWarning : ink::kText});
+  }
+}
+
+void draw_name(Canvas& canvas, const View& view, const Name& name) {
+  const bool is_right = name.at.x() > view.card.corner.x() + 0.85 * view.card.width;
+  const bool is_top = name.at.y() < view.card.corner.y() + 30.0;
+  canvas.text(name.at + Point2(is_right ? -10.0 : 10.0, is_top ? 18.0 : -8.0), name.words,
+              {.size = 12.0,
+               .colour = name.colour,
+               .anchor = is_right ? Anchor::kEnd : Anchor::kStart,
+               .is_bold = true,
+               .has_halo = true});
+}
+
+// What matters most comes last, on top.
+void draw_scans(Canvas& canvas, const View& view, const Localized& all, const LocalizeLimits& limits) {
+  for (const Mark wanted : {Mark::kRight, Mark::kAmbiguous, Mark::kOff, Mark::kNone}) {
+    for (const LocalizedScan& scan : all.scans) {
+      if (mark_of(scan, limits) != wanted) continue;
+      const bool is_off = wanted == Mark::kOff || wanted == Mark::kNone;
+      if (is_off && scan.reference) draw_reference(canvas, view, scan);
+      if (scan.best)
+        draw_arrow(canvas, view.at(scan.best->T_map_base.translation()), scan.best->T_map_base.theta_rad, wanted);
+    }
+  }
+  std::vector<Name> names;
+  for (const LocalizedScan& scan : all.scans) {
+    const Mark mark = mark_of(scan, limits);
+    if (mark == Mark::kOff || (mark == Mark::kNone && scan.reference)) add_name(names, view, scan);
+  }
+  for (const Name& name : names) draw_name(canvas, view, name);
+}
+
+class Legend {
+ public:
+  Legend(Canvas& canvas, const Point2& at) : canvas_(canvas), at_(at) {}
+  void entry(Mark mark, bool is_hollow, const std::string& words) {
+    const Point2 place = at_ + Point2(8.0, -4.5);
+    if (is_hollow) {
+      std::vector<Point2> outline = arrow(place, 0.0, 1.25 * kArrow);
+      outline.push_back(outline.front());
+      canvas_.polyline(std::move(outline), {.colour = mark == Mark::kNone ? ink::kText : ink::kWarning, .width = 1.4});
+    } else {
+      draw_arrow(canvas_, place, 0.0, mark);
+    }
+    canvas_.text(at_ + Point2(24.0, 0.0), words, {.size = 13.0});
+    at_.x() += 24.0 + text_width(words, 13.0) + 26.0;
+  }
+
+ private:
+  Canvas& canvas_;
+  Point2 at_;
+};
+
+void draw_legend(Canvas& canvas, const Point2& at, const LocalizeJob& job, const Localized& all,
+                 const LocalizeLimits& limits) {
+  std::array<std::uint64_t, 4> counts{};
+  for (const LocalizedScan& scan : all.scans) ++counts[static_cast<std::size_t>(mark_of(scan, limits))];
+  const bool has_reference = job.reference.has_value();
+  const std::string limit = fmt::format("{:g} cm and {:g}°", 100.0 * limits.within_m, deg_from_rad(limits.within_rad));
+  Legend legend(canvas, at);
+  legend.entry(Mark::kRight, false,
+               has_reference ? fmt::format("within {} of the reference: {}", limit, counts[0])
+                             : fmt::format("found: {}", counts[0]));
+  if (counts[1] > 0) {
+    legend.entry(
+        Mark::kAmbiguous, false,
+        fmt::format("{}, but a pose elsewhere may be as good: {}", has_reference ? "likewise" : "found", counts[1]));
+  }
+  if (counts[2] > 0) {
+    legend.entry(Mark::kOff, false,
+                 fmt::format("{}: {}", has_reference ? "not within them" : "a poor fit, or not proven", counts[2]));
+    if (has_reference) legend.entry(Mark::kOff, true, "its reference");
+  }
+  if (counts[3] > 0) legend.entry(Mark::kNone, true, fmt::format("no pose: {}", counts[3]));
+}
+
+std::string caption(const LocalizeJob& job, const Localized& all, const LocalizeLimits& limits) {
+  const LocalizeFigures figures = figures_of(all.scans, limits);
+  std::string text = fmt::format("{} scans, each searched in the whole map without odometry", all.scans.size());
+  if (job.choice.random > 0) {
+    text = fmt::format("{} scans at random, each searched in the whole map without odometry", all.scans.size());
+  }
+  if (job.merged) {
+    text += "; those " + near_text(*job.merged) + " left out";
+  }
+  if (figures.within.of == 0) return text;
+  return text + fmt::format("; right: {:.1f} % (95 %: {:.1f} to {:.1f} %)", 100.0 * figures.within.value(),
+                            100.0 * figures.within.low(), 100.0 * figures.within.high());
+}
+
+}  // namespace
+
+Canvas localize_picture(const LocalizeJob& job, const Localizer& localizer, const Localized& all) {
+  const LocalizeLimits& limits = localizer.limits();
+  const View view = view_of(localizer, all);
+  const std::string log = std::filesystem::path(job.log).filename().string();
+  const std::string title = "Scans of " + log + " found in the map";
+  Canvas canvas(kWidth, view.card.corner.y() + view.card.height + kLegend + kMargin, title);
+  canvas.rectangle({0.0, 0.0}, canvas.width(), canvas.height(), Fill{kLightTheme.page});
+  canvas.text({kMargin, kMargin + 18.0}, title, {.size = 20.0, .is_bold = true});
+  canvas.text({kMargin, kMargin + 41.0}, caption(job, all, limits), {.size = 13.0, .colour = ink::kQuiet});
+  const DrawingArea& card = view.card;
+  canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, 6.0);
+  canvas.begin_clip(card.corner, card.width, card.height);
+  draw_walls(canvas, view, localizer.field().view());
+  draw_scans(canvas, view, all, limits);
+  canvas.end_clip();
+  draw_scale_bar(canvas, {.pixels_per_m = view.pixels_per_m}, card.corner + Point2(kInset, card.height - kInset));
+  draw_legend(canvas, card.corner + Point2(0.0, card.height + 28.0), job, all, limits);
+  return canvas;
+}
+
+}  // namespace gdtslam

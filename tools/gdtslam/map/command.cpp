@@ -1,0 +1,189 @@
+// gdtslam map: a log of laser and odometry to a map and a trajectory.
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/mapping/match/matchers.hpp"
+#include "engine/runs/folder/run_folder.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/runs/map_log.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/device/device_failure.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/map_remarks.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/whole_number.hpp"
+#ifdef GDTSLAM_HAS_VIEWER
+#include "tools/gdtslam/pictures/cloud_picture.hpp"
+#endif
+
+namespace gdtslam {
+namespace {
+
+struct MapOptions {
+  std::vector<std::string> logs;
+  std::string folder;  ///< empty: runs/<log>-<UTC time>
+  std::string matcher;
+  SettingsOptions settings;
+  DeviceOptions device;
+  ScanRange range;
+  std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
+  bool lenient = false;
+  bool force = false;  ///< replace files of other origin in the folder
+  bool no_cloud = false;
+  bool no_pictures = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+// --matcher is short for --set match.matcher and comes last, so that the command line beats the file.
+Settings settings_of(const MapOptions& options) {
+  SettingsOptions settings = options.settings;
+  if (!options.matcher.empty()) settings.sets.push_back("match.matcher=" + options.matcher);
+  return load_settings(settings);
+}
+
+// A device shows by its submissions that it did the work.
+std::string work_of(const MapperStatistics& s) {
+  const std::string dispatches = fmt::format("{} dispatches", s.dispatches);
+  return s.submissions > 0 ? fmt::format("{} in {} submissions", dispatches, s.submissions) : dispatches;
+}
+
+std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
+  const MapperStatistics& s = outcome.statistics;
+  const double rate = outcome.wall_s > 0.0 ? static_cast<double>(scans_of(outcome)) / outcome.wall_s : 0.0;
+  return fmt::format(
+      "{} scans, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
+      "{:.2f} s ({:.0f} scans/s, {:.0f} times real time); {}\n"
+      "results in {}\n",
+      scans_of(outcome), s.matched, s.doubtful, s.keyframes, s.path_m, outcome.wall_s, rate,
+      outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, work_of(s), folder);
+}
+
+std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
+  const NoddingStatistics& n = nodding.statistics;
+  std::string text = fmt::format("3D: linkage {}; {} sweeps, {} scans fixed the pose, {} posed between two fixes",
+                                 linkage, n.sweeps, n.fixes, n.between);
+  if (n.by_odometry + n.before_first_fix > 0) {
+    text += fmt::format(", {} by odometry", n.by_odometry + n.before_first_fix);
+  }
+  if (nodding.has_cloud) {
+    text += fmt::format("\n    {} points measured, {} in cloud.ply", nodding.cloud.measured, nodding.cloud.written);
+  }
+  if (const SweepCheck& check = nodding.check; check.pairs > 0) {
+    text += fmt::format("\n    {} of {} sweeps held against the one before: {:.1f} mm and {:.3f} deg apart on average",
+                        check.pairs, check.pairs + check.not_held, 1000.0 * check.mean_shift_m,
+                        deg_from_rad(check.mean_turn_rad));
+  } else if (check.not_held > 0) {
+    text += fmt::format("\n    none of {} sweeps could be held against the one before", check.not_held);
+  }
+  return text + "\n";
+}
+
+MapRequest request_of(const MapOptions& options) {
+  MapRequest request{.logs = options.logs,
+                     .folder = options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder,
+                     .settings = settings_of(options),
+                     .lenient = options.lenient,
+                     .range = options.range,
+                     .linkage = options.linkage,
+                     .replace_foreign_files = options.force,
+                     .with_cloud = !options.no_cloud,
+                     .with_pictures = !options.no_pictures,
+                     .on_failure = on_failure_of(options.device)};
+#ifdef GDTSLAM_HAS_VIEWER
+  request.draw_cloud = draw_run_cloud;
+#endif
+  request.stop = [] { return interrupted(); };
+  if (!options.quiet) request.warn = print_remark;
+  return request;
+}
+
+int map(const MapOptions& options) {
+  MapRequest request = request_of(options);
+  const std::unique_ptr<Backend> backend = make_backend(options.device);
+  ProgressLine line("scans", options.quiet);
+  request.progress = [&line](std::uint64_t done, double share) { line.update(done, share); };
+  const MapResult result = map_logs(request, *backend);
+  line.clear();
+  if (options.folder.empty()) link_latest(request.folder);
+  if (!options.quiet) print_remarks(result.outcome);
+  if (options.json) {
+    print_result(result.report);
+  } else if (!options.quiet) {
+    print_result((result.nodding ? as_text(*result.nodding, result.linkage) : "") +
+                 summary_of(result.outcome, request.folder));
+  }
+  if (!result.outcome.interrupted) return static_cast<int>(ExitCode::kDone);
+  print_remark(fmt::format("interrupted after {} scans; their results are in {}", result.outcome.trajectory.size(),
+                           request.folder));
+  return static_cast<int>(ExitCode::kInterrupted);
+}
+
+void add_input_options(CLI::App& command, MapOptions& options) {
+  command
+      .add_option("log", options.logs, "CARMEN logs, plain or gzip, mapped one after the other; - is standard input")
+      ->required()
+      ->type_name("LOG");
+  command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
+  command.add_option("--skip", options.range.skip, "Leave out the first N scans")
+      ->type_name("N")
+      ->check(whole_number_from(0));
+  command.add_option("--first", options.range.count, "Map N scans only")->type_name("N")->check(whole_number_from(1));
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<MapOptions>();
+  CLI::App* command =
+      app.add_subcommand("map", "Map a log: occupancy map, distance field, trajectory, picture, 3D cloud, report");
+  add_input_options(*command, *options);
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder of the results; made if need be, old results are replaced when all is done\n"
+                   "(default: runs/<log>-<UTC time>, with a link runs/latest)")
+      ->type_name("DIR");
+  command->add_flag("--force", options->force, "Replace files of a run's names in DIR that no run wrote");
+  add_settings_options(*command, options->settings);
+  command
+      ->add_option("--matcher", options->matcher,
+                   fmt::format("{};\nshort for --set match.matcher=NAME", fmt::join(matcher_names(), ", ")))
+      ->type_name("NAME")
+      ->check([](const std::string& name) { return name.empty() ? std::string("names no matcher") : std::string(); },
+              "");
+  add_device_options(*command, options->device);
+  command
+      ->add_option("--linkage", options->linkage,
+                   "Linkage of a nodding laser: a preset ('gdtslam linkage --list') or a file. Without it the file\n"
+                   "LOG.linkage.yaml beside the log (LOG without .gz, .log, .clf) is taken, else the preset paper-b")
+      ->type_name("NAME|FILE");
+  command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and cloud.png");
+  command->add_flag("--json", options->json, "Print report.json on standard output");
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->footer(
+      "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
+      "trajectory.tum, overview.png, config.yaml and report.json; where the log tells how the laser nods also\n"
+      "cloud.ply, cloud.png and linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages.\n"
+      "An interrupt (Ctrl-C, SIGTERM, a lost terminal) finishes the scan in hand and writes what there is, exit 130.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam map intel.clf.gz -o intel\n"
+      "  gdtslam map intel.clf.gz -o fast --matcher gauss-newton --set search.when=suspect\n"
+      "  gdtslam map office.log -c my.yaml --set map.resolution=\"10 cm\" --json | jq .scans_per_s\n"
+      "  gdtslam map office-7f.log -o office --linkage paper-b --set cloud.voxel=\"5 cm\"\n"
+      "  zcat drive.log.gz | gdtslam map - -o drive");
+  command->callback([options, &context] {
+    context.run = [options] { return map(*options); };
+    context.when_out_of_memory = kSmallerMap;
+  });
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,209 @@
+// gdtslam measure: boxes and planes of a cloud with their dimensions and uncertainty.
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
+#include "engine/runs/measuring/measure_run.hpp"
+#include "engine/runs/measuring/measure_table.hpp"
+#include "gdtslam/cloud/box.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/drawings/measure_drawing.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/far_cloud.hpp"
+#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/whole_number.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint64_t kMostPoints = 200'000'000;
+
+struct MeasureCommand {
+  std::string cloud;
+  bool boxes = false;
+  bool planes = false;
+  bool is_projection = false;
+  bool json = false;
+  std::string viewpoint;
+  std::string thickness = "3cm";
+  std::string gap;
+  std::string min_size = "10cm";
+  std::string max_size = "1.5m";
+  std::uint32_t min_points = 0;  ///< 0: as the search has it
+  std::uint32_t max_planes = 32;
+  std::uint32_t trials = 2000;
+  std::uint64_t seed = 1;
+  std::string csv;
+  std::string picture;
+};
+
+double length_of(const std::string& option, const std::string& text, double least_m, double most_m) {
+  const double length_m = quantity_of(option, text, Unit::kMetre);
+  if (length_m >= least_m && length_m <= most_m) return length_m;
+  throw UsageError(fmt::format("{}: {} is not between {:g} and {:g} m", option, text, least_m, most_m));
+}
+
+// "x,y,z", each with its unit.
+Point3 viewpoint_of(const std::string& text) {
+  std::array<std::string, 3> words;
+  std::size_t count = 0;
+  for (const char c : text + ',') {
+    if (c == ',') {
+      ++count;
+    } else if (count < words.size()) {
+      words[count] += c;
+    }
+  }
+  if (count != words.size())
+    throw UsageError("--viewpoint: '" + text + "' is not X,Y,Z, for example 0,0,30cm, nor none");
+  Point3 point;
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    point[static_cast<Eigen::Index>(k)] = length_of("--viewpoint", words[k], -1e5, 1e5);
+  }
+  return point;
+}
+
+PlaneSearch plane_search_of(const MeasureCommand& command, PlaneSearch search) {
+  search.thickness_m = length_of("--thickness", command.thickness, 1e-3, 1.0);
+  if (!command.gap.empty()) search.gap_m = length_of("--gap", command.gap, 1e-3, 10.0);
+  if (command.min_points > 0) search.min_points = command.min_points;
+  search.max_planes = command.max_planes;
+  search.trials = command.trials;
+  search.seed = command.seed;
+  return search;
+}
+
+BoxSearch box_search_of(const MeasureCommand& command) {
+  BoxSearch search;
+  search.planes = plane_search_of(command, search.planes);
+  search.min_face_points = search.planes.min_points;
+  search.min_size_m = length_of("--min-size", command.min_size, 1e-2, 100.0);
+  search.max_size_m = length_of("--max-size", command.max_size, 1e-2, 100.0);
+  if (search.min_size_m >= search.max_size_m) {
+    throw UsageError("--min-size " + command.min_size + " is not below --max-size " + command.max_size);
+  }
+  search.is_projection = command.is_projection;
+  return search;
+}
+
+// What the command line asks for, checked before the cloud is read.
+MeasureJob job_of(const MeasureCommand& command) {
+  MeasureJob job;
+  job.cloud = command.cloud;
+  job.boxes = command.boxes;
+  job.planes = command.planes;
+  job.box_search = box_search_of(command);
+  job.plane_search = plane_search_of(command, {});
+  job.finds_viewpoint = command.viewpoint.empty();
+  if (!command.viewpoint.empty() && command.viewpoint != "none") job.viewpoint = viewpoint_of(command.viewpoint);
+  return job;
+}
+
+Measurement measure(const MeasureJob& job, const Cloud& cloud) {
+  Measurement measured = measure_cloud(job, cloud);
+  if (job.boxes && job.finds_viewpoint && !measured.viewpoint) {
+    print_remark(
+        "the cloud does not tell where one standing scanner was; ends of faces are measured without it, "
+        "less exactly (--viewpoint X,Y,Z says where it was)");
+  }
+  return measured;
+}
+
+int run_measure(const MeasureCommand& command) {
+  if (!command.boxes && !command.planes) throw UsageError("say what to measure: --boxes, --planes or both");
+  if (command.boxes && command.planes && !command.csv.empty()) {
+    throw UsageError("--csv writes one table: ask for --boxes or for --planes");
+  }
+  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
+  const MeasureJob job = job_of(command);
+  std::uint64_t skipped = 0;
+  std::array<double, 3> origin_m{};
+  const Cloud cloud = read_cloud(command.cloud, kMostPoints, &skipped, &origin_m);
+  remark_origin(command.cloud, origin_m);
+  if (skipped > 0)
+    print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, command.cloud));
+  if (cloud.empty()) throw InputError({command.cloud, 0}, "holds no point to measure");
+  const Measurement measured = measure(job, cloud);
+  AtomicFileSet files;
+  if (!command.csv.empty()) files.add(command.csv).write(as_csv(measured));
+  if (!command.picture.empty()) {
+    files.add(command.picture).write(drawing_bytes(drawing_of(measured, cloud), command.picture, kDensePng));
+  }
+  files.commit();
+  print_result(command.json ? json_text(as_json(measured)) : as_text(measured));
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_search_options(CLI::App& command, MeasureCommand& chosen, CLI::Option* boxes) {
+  command
+      .add_option("--viewpoint", chosen.viewpoint,
+                  "Where the scanner stood, or none [found from the elevations of the points]")
+      ->type_name("X,Y,Z")
+      ->needs(boxes);
+  command.add_flag("--projection", chosen.is_projection, "Faces as lines of the projection to the floor")->needs(boxes);
+  const auto add_length = [&command](const char* name, std::string& text, const char* doc) {
+    return command.add_option(name, text, doc)->type_name("LENGTH");
+  };
+  add_length("--min-size", chosen.min_size, "Smallest width and height of a box")->needs(boxes)->capture_default_str();
+  add_length("--max-size", chosen.max_size, "Largest")->needs(boxes)->capture_default_str();
+  add_length("--thickness", chosen.thickness, "A point farther from a plane is not on it; about three times the noise")
+      ->capture_default_str();
+  add_length("--gap", chosen.gap, "Points of one plane have a neighbour this close [10cm for boxes, 25cm for planes]");
+  command.add_option("--min-points", chosen.min_points, "Of a plane or a box's face [50 for boxes, 200 for planes]")
+      ->type_name("N")
+      ->check(whole_number_from(3));
+  command.add_option("--max-planes", chosen.max_planes, "No more than the largest N")
+      ->type_name("N")
+      ->check(whole_number_from(1))
+      ->capture_default_str();
+  command.add_option("--trials", chosen.trials, "At most, for each plane")
+      ->type_name("N")
+      ->check(whole_number_from(1))
+      ->capture_default_str();
+  command.add_option("--seed", chosen.seed, "Of the trials")
+      ->type_name("N")
+      ->check(whole_number_from(0))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_measure_command(CLI::App& app, CommandContext& context) {
+  auto chosen = std::make_shared<MeasureCommand>();
+  CLI::App* command = app.add_subcommand("measure", "Boxes and planes of a 3D cloud, with their dimensions");
+  command->add_option("cloud", chosen->cloud, "A cloud: .ply or .pcd, plain or gzip")->required()->type_name("CLOUD");
+  CLI::Option* const boxes = command->add_flag("--boxes", chosen->boxes, "Upright boxes: width, depth, height");
+  command->add_flag("--planes", chosen->planes, "The largest planes");
+  add_search_options(*command, *chosen, boxes);
+  command->add_option("--csv", chosen->csv, "Write a table of the boxes or of the planes")->type_name("FILE");
+  command
+      ->add_option("--picture,--svg", chosen->picture,
+                   "Write a top view of the boxes with their dimensions: .svg, .png or .pdf")
+      ->type_name("FILE")
+      ->needs(boxes);
+  command->add_flag("--json", chosen->json, "Print JSON");
+  command->footer(
+      "A value stands with its standard deviation, and whether both of its ends were seen. Map with cloud.voxel=0:\n"
+      "the edges of a box are told by all beams that met it or passed it. docs/measuring.md says how.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam measure run/cloud.ply --boxes\n"
+      "  gdtslam measure run/cloud.ply --boxes --projection --picture boxes.svg --csv boxes.csv\n"
+      "  gdtslam measure room.pcd --boxes --viewpoint 0,0,1.2m --json\n"
+      "  gdtslam measure room.pcd --planes --thickness 5cm --min-points 1000");
+  command->callback([chosen, &context] { context.run = [chosen] { return run_measure(*chosen); }; });
+}
+
+}  // namespace gdtslam

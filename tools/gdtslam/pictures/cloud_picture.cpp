@@ -1,0 +1,35 @@
+#include "cloud_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "engine/runs/linkage/linkage_sidecar.hpp"
+#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
+#include "source.hpp"
+#include "studio.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+
+namespace gdtslam {
+
+std::string draw_run_cloud(const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
+                           const calib::SweepModel* linkage) {
+  constexpr PictureSize kSize{1600, 900};
+  const GraphicsContext graphics;
+  CloudLook look;
+  look.with_ceiling = false;
+  CloudScene scene(graphics, look);
+  const Cloud cloud = read_whole_cloud(cloud_file, {});
+  scene.set_cloud(cloud);
+  scene.set_trajectory(trajectory);
+  scene.set_robot(trajectory.back().T_map_base, linkage);
+  const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
+  const CloudCaption caption{.title = std::filesystem::path(sidecar_path(log, "")).filename().string(),
+                             .subtitle = points_text(scene.points_drawn(), cloud.size())};
+  const auto image = std::make_shared<const RgbaImage>(scene.render(camera, kSize));
+  return png_bytes(raster_of(cloud_picture(image, scene.scale(), camera, look, caption)));
+}
+
+}  // namespace gdtslam

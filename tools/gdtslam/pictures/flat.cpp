@@ -1,0 +1,194 @@
+// The studio's views that need no OpenGL: maps, fields, plots, drawings.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "engine/runs/evaluation/trajectory_errors.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "studio.hpp"
+#include "tools/gdtslam/drawings/linkage_drawing.hpp"
+#include "tools/gdtslam/drawings/linkage_table.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kCells = 12;
+constexpr std::size_t kMostCells = 60;
+constexpr std::uint16_t kHalfCell = 128;  // of the field's 1/256 cell: where scans were merged, obstacles are near 0
+
+// The obstacle that is nearest to the middle of the field.
+CellIndex middle_obstacle(const FieldPicture& field) {
+  const GridGeometry& grid = field.geometry;
+  CellIndex best{grid.width / 2, grid.height / 2};
+  std::int64_t sq_best = std::numeric_limits<std::int64_t>::max();
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    for (std::int32_t x = 0; x < grid.width; ++x) {
+      const std::size_t index =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
+      if (field.cells[index] >= kHalfCell) continue;
+      const std::int64_t dx = x - grid.width / 2;
+      const std::int64_t dy = y - grid.height / 2;
+      if (dx * dx + dy * dy >= sq_best) continue;
+      sq_best = dx * dx + dy * dy;
+      best = {x, y};
+    }
+  }
+  return best;
+}
+
+// So many cells a side around a cell, moved to lie inside the grid.
+CellBox box_around(const GridGeometry& grid, CellIndex middle, std::size_t cells) {
+  const auto side = static_cast<std::int32_t>(cells);
+  const auto begin = [side](std::int32_t centre, std::int32_t end) {
+    return std::clamp(centre - side / 2, 0, std::max(0, end - side));
+  };
+  CellBox box;
+  box.min = {begin(middle.x, grid.width), begin(middle.y, grid.height)};
+  box.end = {std::min(box.min.x + side, grid.width), std::min(box.min.y + side, grid.height)};
+  return box;
+}
+
+// Plots are drawn small and scaled up, so that their words are as large beside their lines as on a printed page.
+PictureSize plot_size(const PictureSize& wanted) {
+  constexpr double kWidth_px = 960.0;
+  const double share = std::min(1.0, kWidth_px / wanted.width);
+  return {static_cast<std::uint32_t>(std::lround(share * wanted.width)),
+          static_cast<std::uint32_t>(std::lround(share * wanted.height))};
+}
+
+// For legends: each source's own name, where those differ; else the names of their files or folders, else the paths.
+std::vector<std::string> distinct_names(const std::vector<RenderSource>& sources) {
+  std::vector<std::string> names;
+  const auto are_distinct = [&names] { return std::set(names.begin(), names.end()).size() == names.size(); };
+  for (const RenderSource& source : sources) names.push_back(source.name());
+  if (are_distinct()) return names;
+  names.clear();
+  for (const RenderSource& source : sources) names.push_back(name_of_place(source.input()));
+  if (are_distinct()) return names;
+  names.clear();
+  for (const RenderSource& source : sources) names.push_back(source.input());
+  return names;
+}
+
+// In the order of time, which relations need not be in.
+std::vector<TrajectoryError> errors_of(RenderSource& source, const RenderOptions& options) {
+  if (!options.relations.empty()) {
+    const std::vector<Relation> relations = read_relations(options.relations);
+    std::vector<TrajectoryError> errors = errors_against(source.trajectory(), relations);
+    std::stable_sort(errors.begin(), errors.end(), [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
+    if (!errors.empty()) return errors;
+    throw InputError({options.relations, 0}, fmt::format("none of its {} relations has stamps of {}; do both belong to "
+                                                         "the same log?",
+                                                         relations.size(), source.input()));
+  }
+  return errors_against(source.trajectory(), read_tum(options.reference));
+}
+
+}  // namespace
+
+MapLook RenderStudio::map_look() const {
+  MapLook look;
+  if (!options_.no_caption) {
+    look.title = title();
+    look.subtitle = subtitle();
+  }
+  look.colour_map = colour_map_of(options_.colour_map);
+  look.with_path = look.with_keyframes = !options_.no_path;
+  look.is_transparent = options_.is_transparent;
+  return look;
+}
+
+Canvas RenderStudio::flat(const RenderView& view, const std::optional<PictureSize>& wanted) {
+  MapLook look = map_look();
+  const auto size_of_grid = [&wanted](const GridGeometry& grid) {
+    return wanted ? *wanted : size_for_content(grid.width, grid.height);
+  };
+  if (view.name == "map") {
+    return map_picture(first().map(), first().overlay(), look, size_of_grid(first().map().geometry));
+  }
+  if (view.name == "field" || view.name == "distance") {
+    look.is_intensity = view.name == "field";
+    return field_picture(first().field(), first().overlay(), look, size_of_grid(first().field().geometry));
+  }
+  if (view.name == "cells") return cells();
+  if (view.name == "drawing") return drawing_of(summary_of(first().linkage()));
+  const PictureSize size = plot_size(wanted.value_or(kStillSize));
+  return view.name == "elevation" ? elevation(size) : errors(view, size);
+}
+
+Canvas RenderStudio::cells() {
+  const FieldPicture& field = first().field();
+  const std::size_t count = options_.cells > 0 ? options_.cells : kCells;
+  if (count > kMostCells) throw UsageError(fmt::format("--cells: {} is more than {} a side", count, kMostCells));
+  CellIndex middle = middle_obstacle(field);
+  if (!options_.at.empty()) {
+    middle = field.geometry.cell_of(place_of(options_.at));
+    if (!field.geometry.contains(middle)) {
+      const Point2 last = field.geometry.centre_of({field.geometry.width - 1, field.geometry.height - 1});
+      throw UsageError(fmt::format("--at: {} lies outside the field, which goes from {:.2f},{:.2f} to {:.2f},{:.2f} m",
+                                   options_.at, field.geometry.origin_x_m, field.geometry.origin_y_m, last.x(),
+                                   last.y()));
+    }
+  }
+  MapLook look = map_look();
+  look.subtitle.clear();
+  return cells_picture(field, box_around(field.geometry, middle, count), options_.is_squared, look);
+}
+
+// One elevation a scan, that of its points in the middle of its time.
+Canvas RenderStudio::elevation(const PictureSize& size) {
+  Cloud cloud = first().cloud({}, [this](const std::string& remark) { tell(remark); });
+  std::sort(cloud.begin(), cloud.end(), [](const CloudPoint& a, const CloudPoint& b) { return a.stamp_s < b.stamp_s; });
+  const double begin_s = cloud.front().stamp_s;
+  const double from_s = begin_s + (options_.from.empty() ? 0.0 : time_of("--from", options_.from));
+  const double to_s = options_.to.empty() ? cloud.back().stamp_s : begin_s + time_of("--to", options_.to);
+  TimeSeries series{"", {}};
+  for (std::size_t k = 0; k < cloud.size();) {
+    std::size_t end = k + 1;
+    while (end < cloud.size() && cloud[end].scan == cloud[k].scan) ++end;
+    const CloudPoint& middle = cloud[(k + end) / 2];
+    if (middle.stamp_s >= from_s && middle.stamp_s <= to_s) {
+      series.points.emplace_back(middle.stamp_s - begin_s, deg_from_rad(static_cast<double>(middle.elevation_rad)));
+    }
+    k = end;
+  }
+  if (series.points.empty()) throw UsageError("--from and --to leave no point of the cloud");
+  const auto by_height = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto [least, most] = std::minmax_element(series.points.begin(), series.points.end(), by_height);
+  if (least->second == most->second) {
+    throw InputError({first().input(), 0}, "has one elevation only, so there is nothing to plot over time");
+  }
+  return time_plot(title(), "Elevation", "deg", {std::move(series)}, size);
+}
+
+Canvas RenderStudio::errors(const RenderView& view, const PictureSize& size) {
+  const bool is_angle = options_.is_angle;
+  ErrorPlot plot{title(), is_angle ? "Heading error" : "Position error", is_angle ? "deg" : "m", {}};
+  std::vector<TimeSeries> series;
+  const std::vector<std::string> names = distinct_names(sources_);
+  for (std::size_t k = 0; k < sources_.size(); ++k) {
+    const std::vector<TrajectoryError> errors = errors_of(sources_[k], options_);
+    ErrorGroup group{names[k], {}};
+    TimeSeries line{names[k], {}};
+    for (const TrajectoryError& error : errors) {
+      group.values.push_back(is_angle ? error.angle_deg : error.position_m);
+      line.points.emplace_back(error.stamp_s - errors.front().stamp_s, group.values.back());
+    }
+    plot.groups.push_back(std::move(group));
+    series.push_back(std::move(line));
+  }
+  if (sources_.size() > 1 && options_.title.empty()) plot.title = fmt::format("{} runs", sources_.size());
+  if (view.name == "errors-box") return box_plot(plot, size);
+  if (view.name == "errors-cdf") return distribution_plot(plot, size);
+  return time_plot(plot.title, plot.quantity, plot.unit, series, size);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,293 @@
+#include "source.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "engine/io/did_you_mean.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/linkage/linkage_sidecar.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "tools/gdtslam/shell/far_cloud.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kMostPoints = 200'000'000;
+constexpr std::size_t kPointsAtOnce = 1U << 16U;
+constexpr double kFarthest_m = 1e6;
+constexpr const char* kCloudName = "cloud.ply";
+constexpr const char* kTrajectoryName = "trajectory.tum";
+
+bool has_file(const std::string& folder, const char* name) {
+  std::error_code ignored;
+  return fs::is_regular_file(fs::path(folder) / name, ignored);
+}
+
+std::string in_folder(const std::string& folder, const char* name) { return (fs::path(folder) / name).string(); }
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const calib::LinkagePreset& preset : calib::linkage_presets()) names.emplace_back(preset.name);
+  return names;
+}
+
+bool is_preset(const std::string& name) {
+  for (const std::string& preset : preset_names()) {
+    if (preset == name) return true;
+  }
+  return false;
+}
+
+// The beginning of a file, unpacked.
+std::string head_of(const std::string& path) {
+  constexpr std::size_t kHeadBytes = 65536;
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
+  if (!file) throw FileError(path, "cannot be opened: " + std::generic_category().message(errno));
+  std::string head(kHeadBytes, '\0');
+  const int count = ::gzread(file.get(), head.data(), static_cast<unsigned>(head.size()));
+  head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // what is damaged shows when it is read in full
+  return head;
+}
+
+// True where a line of the text begins with the word.
+bool has_line(std::string_view text, std::string_view word) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    if (text.substr(begin).starts_with(word)) return true;
+    const std::size_t end = text.find('\n', begin);
+    if (end == std::string_view::npos) return false;
+    begin = end + 1;
+  }
+  return false;
+}
+
+// Eight numbers on the first line that is no comment: stamp, place and rotation.
+bool is_tum(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty() || line[0] == '#' || line == "\r") continue;
+    int numbers = 0;
+    const char* at = line.c_str();
+    for (char* next = nullptr; std::strtod(at, &next), next != at; at = next) ++numbers;
+    return numbers == 8 && std::strspn(at, " \t\r") == std::strlen(at);
+  }
+  return false;
+}
+
+RenderKind kind_of_file(const std::string& path) {
+  const std::string head = head_of(path);
+  if (head.starts_with("ply\n") || head.starts_with("ply\r") || head.starts_with("# .PCD") ||
+      head.starts_with("VERSION")) {
+    return RenderKind::kCloud;
+  }
+  if (has_line(head, "gdtslam_linkage:")) return RenderKind::kLinkage;
+  if (has_line(head, "image:")) return has_line(head, "occupied_thresh:") ? RenderKind::kMap : RenderKind::kField;
+  const bool is_picture = head.starts_with("\x89PNG") || head.starts_with("P5") || head.starts_with("P2");
+  if (is_picture) {
+    throw InputError({path, 0}, "is a picture; give the .yaml beside it, or the folder of the run");
+  }
+  if (has_line(head, "gdtslam_scene:")) {
+    throw InputError({path, 0}, "is a scene; 'gdtslam simulate' makes a log of it, which can be rendered");
+  }
+  return is_tum(head) ? RenderKind::kTrajectory : RenderKind::kLog;
+}
+
+// False for what is not finite, too.
+bool is_near(const CloudPoint& point) {
+  const auto is_within = [](double value_m) { return value_m >= -kFarthest_m && value_m <= kFarthest_m; };
+  return is_within(point.x_m) && is_within(point.y_m) && is_within(point.z_m);
+}
+
+// "cloud" from "out/cloud.ply.gz".
+std::string stem_of(const std::string& path) {
+  fs::path name = fs::path(path).filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
+
+}  // namespace
+
+std::string_view to_string(RenderKind kind) {
+  constexpr std::array<std::string_view, 7> kNames{"a run",        "a cloud", "a linkage", "a map", "a distance field",
+                                                   "a trajectory", "a log"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+RenderKind kind_of_input(const std::string& input) {
+  if (input == "-") return RenderKind::kLog;
+  std::error_code failed;
+  const fs::file_status status = fs::status(input, failed);
+  if (fs::is_directory(status)) {
+    if (RunReader::is_run(input)) return RenderKind::kRun;
+    if (has_file(input, kCloudName)) return RenderKind::kCloud;
+    throw InputError({input, 0},
+                     "is a folder without report.json, so no run of 'gdtslam map', and has no cloud.ply; give a run, a "
+                     "cloud, a linkage, a "
+                     "map's .yaml, a trajectory or a log");
+  }
+  if (fs::exists(status)) return fs::is_regular_file(status) ? kind_of_file(input) : RenderKind::kLog;
+  if (is_preset(input)) return RenderKind::kLinkage;
+  throw FileError(input, "there is no such file, folder or linkage preset" + did_you_mean(input, preset_names()));
+}
+
+RenderSource::RenderSource(std::string input)
+    : input_(std::move(input)), name_(stem_of(input_)), kind_(kind_of_input(input_)) {
+  switch (kind_) {
+    case RenderKind::kRun:
+      run_.emplace(input_);
+      name_ = run_->name();
+      parts_ = part::kMap | part::kField | (run_->has_trajectory() ? part::kTrajectory : 0U);
+      if (const std::optional<std::string> cloud = run_->cloud_file()) {
+        cloud_file_ = *cloud;
+        parts_ |= part::kCloud;
+      }
+      if ((linkage_ = run_->linkage())) parts_ |= part::kMount | (run_->summary().tilts ? 0U : part::kLinkage);
+      break;
+    case RenderKind::kCloud:
+      open_cloud();
+      break;
+    case RenderKind::kLinkage:
+      set_linkage(input_);
+      if (is_preset(input_)) name_ = input_;
+      break;
+    case RenderKind::kMap:
+      parts_ = part::kMap;
+      break;
+    case RenderKind::kField:
+      parts_ = part::kField;
+      break;
+    case RenderKind::kTrajectory:
+      trajectory_file_ = input_;
+      parts_ = part::kTrajectory;
+      break;
+    case RenderKind::kLog:
+      throw Error(ExitCode::kFailed, input_ + ": a log has to be mapped before it is drawn");
+  }
+}
+
+// A file, or a folder that has one and perhaps the path beside it.
+void RenderSource::open_cloud() {
+  cloud_file_ = input_;
+  parts_ = part::kCloud;
+  std::error_code ignored;
+  if (!fs::is_directory(input_, ignored)) return;
+  cloud_file_ = in_folder(input_, kCloudName);
+  name_ = name_of_place(input_);
+  if (!has_file(input_, kTrajectoryName)) return;
+  trajectory_file_ = in_folder(input_, kTrajectoryName);
+  parts_ |= part::kTrajectory;
+}
+
+void RenderSource::set_linkage(const std::string& linkage) {
+  linkage_ = resolve_linkage(linkage);
+  parts_ |= part::kLinkage | part::kMount;
+}
+
+const OccupancyMap& RenderSource::map() {
+  if (!map_) map_ = run_ ? run_->map() : read_occupancy_map(input_);
+  return *map_;
+}
+
+const FieldPicture& RenderSource::field() {
+  if (!field_) {
+    DistanceFieldFile file = run_ ? run_->field() : read_distance_field(input_);
+    field_ = FieldPicture{file.geometry, std::move(file.cells), file.cap};
+  }
+  return *field_;
+}
+
+const Trajectory& RenderSource::trajectory() {
+  if (!trajectory_) {
+    trajectory_ = run_ ? run_->trajectory() : read_tum(trajectory_file_);
+    if (trajectory_->empty()) throw InputError({run_ ? input_ : trajectory_file_, 0}, "has no poses");
+  }
+  return *trajectory_;
+}
+
+const calib::SweepModel& RenderSource::linkage() { return linkage_.value(); }
+
+Cloud RenderSource::cloud(const CloudProgress& progress, const CloudRemark& remark) const {
+  return read_whole_cloud(cloud_file_, progress, remark);
+}
+
+PathOverlay RenderSource::overlay() {
+  if ((parts_ & part::kTrajectory) == 0) return {};
+  PathOverlay overlay{trajectory(), {}, {}};
+  if (run_) {
+    overlay.keyframes = run_->summary().keyframes;
+    overlay.doubtful = run_->summary().doubtful;
+  }
+  return overlay;
+}
+
+Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark) {
+  CloudReader reader(path);
+  reader.make_relative();
+  const std::uint64_t told = reader.header().points;
+  if (told > kMostPoints) {
+    throw InputError({path, 0}, fmt::format("has {} points, and at most {} can be drawn; thin it when it is mapped "
+                                            "(--set cloud.voxel=\"5 cm\")",
+                                            told, kMostPoints));
+  }
+  Cloud cloud;
+  for (Cloud piece = reader.next(kPointsAtOnce); !piece.empty(); piece = reader.next(kPointsAtOnce)) {
+    reader.check_kept(cloud.size() + piece.size());
+    cloud.insert(cloud.end(), piece.begin(), piece.end());
+    if (progress)
+      progress(cloud.size(), told > 0 ? static_cast<double>(cloud.size()) / static_cast<double>(told) : -1.0);
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+  }
+  if (cloud.empty() && reader.skipped() == 0) throw InputError({path, 0}, "has no points to draw");
+  const std::uint64_t strays =
+      reader.skipped() + std::erase_if(cloud, [](const CloudPoint& point) { return !is_near(point); });
+  const std::string which = "not finite or more than 1000 km from the origin";
+  if (cloud.empty()) {
+    throw InputError({path, 0}, fmt::format("all of its points are {}; move the origin to the cloud", which));
+  }
+  if (remark && reader.origin_m() != std::array<double, 3>{}) remark(origin_text(path, reader.origin_m()));
+  if (strays > 0 && remark) {
+    remark(fmt::format("{}: {} left out, {}", path, strays == 1 ? "1 point is" : fmt::format("{} points are", strays),
+                       which));
+  }
+  return cloud;
+}
+
+std::array<double, 3> origin_of_cloud(const std::string& path) {
+  CloudReader reader(path);
+  reader.make_relative();
+  (void)reader.next(1);
+  return reader.origin_m();
+}
+
+std::string name_of_place(const std::string& path) {
+  std::error_code failed;
+  const fs::path whole = fs::weakly_canonical(path, failed);
+  return failed || whole.filename().empty() ? "cloud" : whole.filename().string();
+}
+
+double length_m_of(const Trajectory& trajectory) {
+  double length_m = 0.0;
+  for (std::size_t k = 1; k < trajectory.size(); ++k) {
+    length_m += (trajectory[k].T_map_base.translation() - trajectory[k - 1].T_map_base.translation()).norm();
+  }
+  return length_m;
+}
+
+}  // namespace gdtslam

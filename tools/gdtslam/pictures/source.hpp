@@ -1,0 +1,100 @@
+// What `gdtslam render` draws: the kind of its input, told by content, and the data that it holds, read when a view
+// asks for them and once. One source belongs to one thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/runs/folder/run_reader.hpp"
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+enum class RenderKind : std::uint8_t { kRun, kCloud, kLinkage, kMap, kField, kTrajectory, kLog };
+/// "a run", "a cloud", ...
+std::string_view to_string(RenderKind kind);
+/// By the path's kind and the first bytes, unpacked; a preset's name is a linkage. Throws FileError for what is not
+/// there (with the nearest preset), InputError for what is no input.
+RenderKind kind_of_input(const std::string& input);
+
+/// What a view needs; a set of them as bits.
+namespace part {
+inline constexpr unsigned kMap = 1U;
+inline constexpr unsigned kField = 2U;
+inline constexpr unsigned kTrajectory = 4U;
+inline constexpr unsigned kCloud = 8U;
+inline constexpr unsigned kLinkage = 16U;
+inline constexpr unsigned kTruth = 32U;  ///< --reference or --relations of a trajectory
+inline constexpr unsigned kMount = 64U;  ///< of a linkage or of a laser that tilts by itself
+}  // namespace part
+
+/// Hears of the points that are read and their share; below 0 where that is not known.
+using CloudProgress = std::function<void(std::uint64_t, double)>;
+/// Hears of what is left out.
+using CloudRemark = std::function<void(const std::string&)>;
+
+class RenderSource {
+ public:
+  /// Any kind but kLog, which has to be mapped first. Throws as RunReader does.
+  explicit RenderSource(std::string input);
+
+  [[nodiscard]] RenderKind kind() const { return kind_; }
+  [[nodiscard]] const std::string& input() const { return input_; }
+  /// For titles and names of files: "office-7f".
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] unsigned parts() const { return parts_; }
+  /// A linkage from elsewhere: a preset's name or a file.
+  void set_linkage(const std::string& linkage);
+  /// A run's, else nothing.
+  [[nodiscard]] const RunReader* run() const { return run_ ? &*run_ : nullptr; }
+
+  // Each throws InputError, FileError or ConfigError where its file cannot be used.
+  const OccupancyMap& map();
+  const FieldPicture& field();
+  const Trajectory& trajectory();
+  /// Of what has kMount alone only the mount counts.
+  const calib::SweepModel& linkage();
+  /// Read anew at each call, because whoever draws it keeps it; both as of read_whole_cloud().
+  [[nodiscard]] Cloud cloud(const CloudProgress& progress = {}, const CloudRemark& remark = {}) const;
+  [[nodiscard]] const std::string& cloud_file() const { return cloud_file_; }
+  /// Path, keyframes and doubtful scans; empty where there is no trajectory.
+  PathOverlay overlay();
+
+ private:
+  void open_cloud();
+
+  std::string input_;
+  std::string name_;
+  RenderKind kind_;
+  unsigned parts_ = 0;
+  std::string cloud_file_;
+  std::string trajectory_file_;
+  std::optional<RunReader> run_;
+  std::optional<OccupancyMap> map_;
+  std::optional<FieldPicture> field_;
+  std::optional<Trajectory> trajectory_;
+  std::optional<calib::SweepModel> linkage_;
+};
+
+/// A cloud from a file. Points that are not finite or farther than 1000 km from the origin, where single precision is
+/// coarser than 6 cm, are left out, and `remark` hears how many. Throws InputError or FileError, also when no points
+/// are left.
+Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark = {});
+/// What was taken off the points of that cloud when it was read (CloudReader::make_relative).
+std::array<double, 3> origin_of_cloud(const std::string& path);
+/// The own name of a file or folder, whatever the path to it looks like.
+std::string name_of_place(const std::string& path);
+/// From pose to pose.
+double length_m_of(const Trajectory& trajectory);
+
+}  // namespace gdtslam

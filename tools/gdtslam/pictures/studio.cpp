@@ -1,0 +1,321 @@
+#include "studio.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kFramesPerSecond = 25.0;
+constexpr double kLongestScan_s = 20.0;
+constexpr std::size_t kMostFrames = 100'000;
+constexpr double kFollow_s = 20.0;
+constexpr double kOrbit_s = 8.0;
+constexpr double kTurn_s = 4.0;
+
+CameraPreset preset_of(std::string_view view) {
+  for (const CameraPresetName& preset : camera_presets()) {
+    if (preset.name == view) return preset.preset;
+  }
+  return CameraPreset::kIso;
+}
+
+// Parallel views of long and low clouds waste no rows.
+PictureSize size_for(const RenderView& view, const Bounds& bounds) {
+  if (bounds.is_empty()) return kStillSize;
+  const Point3 extent = bounds.highest - bounds.lowest;
+  if (view.name == "front") return size_for_content(extent.x(), extent.z());
+  if (view.name == "side") return size_for_content(extent.y(), extent.z());
+  if (view.name != "top") return kStillSize;
+  return size_for_content(std::max(extent.x(), extent.y()), std::min(extent.x(), extent.y()));
+}
+
+}  // namespace
+
+PictureSize size_for_content(double width, double height) {
+  constexpr double kCaption_px = 240.0;  // title above, bars below
+  constexpr double kLowest_px = 500.0;
+  constexpr double kHighest_px = 1600.0;
+  const double rows = height / std::max(width, 1e-3) * 0.92 * kStillSize.width + kCaption_px;
+  return {kStillSize.width, static_cast<std::uint32_t>(std::clamp(rows, kLowest_px, kHighest_px))};
+}
+
+std::string with_commas(std::uint64_t value) {
+  std::string text = std::to_string(value);
+  for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");
+  return text;
+}
+
+std::string counted(std::uint64_t value, const std::string& noun) {
+  return with_commas(value) + " " + noun + (value == 1 ? "" : "s");
+}
+
+std::string points_text(std::uint64_t drawn, std::uint64_t whole) {
+  return drawn < whole ? with_commas(drawn) + " of " + counted(whole, "point") : counted(drawn, "point");
+}
+
+RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
+    : options_(options), sources_(sources) {
+  if (options.with_ceiling && options.no_ceiling)
+    throw UsageError("--with-ceiling and --no-ceiling exclude each other");
+  if (options.is_light && options.is_dark) throw UsageError("--light and --dark exclude each other");
+}
+
+GraphicsContext& RenderStudio::graphics() {
+  if (!graphics_) graphics_ = std::make_unique<GraphicsContext>();
+  return *graphics_;
+}
+
+std::string RenderStudio::renderer() const { return graphics_ ? graphics_->description() : "Cairo"; }
+
+std::uint64_t RenderStudio::points_drawn() const { return points_drawn_; }
+
+void RenderStudio::tell(const std::string& remark) const {
+  if (!options_.quiet) print_remark(remark);
+}
+
+std::string RenderStudio::title() const { return options_.title.empty() ? sources_.front().name() : options_.title; }
+
+std::string RenderStudio::subtitle(std::uint64_t points) const {
+  std::string text = points > 0 ? points_text(points, whole_points_) : std::string();
+  const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
+  if (const RunReader* const run = sources_.front().run(); run != nullptr && points == 0) {
+    const RunSummary& summary = run->summary();
+    add(counted(summary.scans, "scan"));
+    if (!summary.keyframes.empty()) add(counted(summary.keyframes.size(), "keyframe"));
+    if (!summary.doubtful.empty()) add(with_commas(summary.doubtful.size()) + " doubtful");
+  }
+  if (const std::string path = path_text(); !path.empty()) add(path + " of path");
+  return text;
+}
+
+std::string RenderStudio::path_text() const {
+  constexpr double kStands_m = 0.05;
+  RenderSource& source = sources_.front();
+  if ((source.parts() & part::kTrajectory) == 0) return {};
+  const double length_m = length_m_of(source.trajectory());
+  return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
+}
+
+Cloud RenderStudio::whole_cloud() {
+  ProgressLine progress("points", options_.quiet);
+  Cloud whole = first().cloud([&progress](std::uint64_t done, double share) { progress.update(done, share); },
+                              [this](const std::string& remark) { tell(remark); });
+  whole_points_ = whole.size();
+  return whole;
+}
+
+Cloud RenderStudio::thinned(Cloud cloud, std::uint64_t most) const {
+  const std::uint64_t limit = options_.points > 0 ? options_.points : most;
+  return limit > 0 && limit < cloud.size() ? thinned_for_film(cloud, limit) : cloud;
+}
+
+Cloud RenderStudio::cloud(std::uint64_t most) { return thinned(whole_cloud(), most); }
+
+std::vector<float> RenderStudio::distances(const Cloud& cloud) {
+  if (options_.reference.empty()) {
+    throw UsageError("--colour distance needs what the distances are to: --reference CLOUD, in the same frame");
+  }
+  ProgressLine progress("points", options_.quiet);
+  Cloud reference = read_whole_cloud(
+      options_.reference, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+      [this](const std::string& remark) { tell(remark); });
+  // Both were read relative to origins of their own.
+  const std::array<double, 3> to = origin_of_cloud(sources_.front().cloud_file());
+  const std::array<double, 3> from = origin_of_cloud(options_.reference);
+  for (CloudPoint& point : reference) {
+    point.x_m += static_cast<float>(from[0] - to[0]);
+    point.y_m += static_cast<float>(from[1] - to[1]);
+    point.z_m += static_cast<float>(from[2] - to[2]);
+  }
+  return distances_to(cloud, reference);
+}
+
+// A ceiling hides the rooms from above; seen from the side it belongs to the picture.
+CloudLook RenderStudio::look_of(const RenderView& view, bool is_film) const {
+  CloudLook look = cloud_look_of(options_);
+  const bool is_from_side = view.name == "front" || view.name == "side";
+  look.with_ceiling = options_.with_ceiling || (is_from_side && !options_.no_ceiling);
+  look.with_floor = !options_.no_floor;
+  if (is_film || is_huge()) look.samples = 1;
+  return look;
+}
+
+// OpenGL draws 16384 pixels a side, so that the largest pictures have one sample a pixel.
+bool RenderStudio::is_huge() const {
+  constexpr std::uint32_t kMostSmooth_px = 8192;
+  if (options_.size.empty()) return false;
+  const PictureSize size = size_of(options_.size);
+  return size.width > kMostSmooth_px || size.height > kMostSmooth_px;
+}
+
+CloudCaption RenderStudio::caption() const {
+  if (options_.no_caption) return {"", "", false, false, false};
+  return {title(), subtitle(points_drawn_), true, true, true};
+}
+
+std::string RenderStudio::scan_subtitle() const {
+  std::string text = path_text();
+  if (!text.empty()) text += " of path";
+  if (points_drawn_ == whole_points_) return text;
+  const double share = 100.0 * static_cast<double>(points_drawn_) / static_cast<double>(whole_points_);
+  return fmt::format("{}{}{:.0f} % of the points drawn", text, text.empty() ? "" : ", ", share);
+}
+
+CloudScene& RenderStudio::cloud_scene(const RenderView& view, std::uint64_t points) {
+  look_ = look_of(view, points > 0);
+  drawn_ = cloud(points);
+  const bool by_distance = look_.colour == CloudColour::kDistance;
+  const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
+  cloud_scene_ = std::make_unique<CloudScene>(graphics(), look_);
+  cloud_scene_->set_cloud(drawn_, distances_m);
+  points_drawn_ = cloud_scene_->points_drawn();
+  if ((first().parts() & part::kTrajectory) != 0 && !options_.no_path) {
+    cloud_scene_->set_trajectory(first().trajectory());
+    const bool has_linkage = (first().parts() & part::kLinkage) != 0;
+    cloud_scene_->set_robot(first().trajectory().back().T_map_base, has_linkage ? &first().linkage() : nullptr);
+  }
+  return *cloud_scene_;
+}
+
+Camera RenderStudio::camera_of(const RenderView& view, const PictureSize& size) {
+  if (!options_.camera.empty()) return parse_camera(options_.camera);
+  return fitting_camera(preset_of(view.name), cloud_scene_->bounds(), size);
+}
+
+Canvas RenderStudio::cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted) {
+  CloudScene& scene = cloud_scene(view, 0);
+  const PictureSize size = wanted ? *wanted : size_for(view, scene.bounds());
+  const Camera camera = camera_of(view, size);
+  const auto image = std::make_shared<const RgbaImage>(scene.render(camera, size));
+  return cloud_picture(image, scene.scale(), camera, look_, caption());
+}
+
+LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
+  constexpr std::uint32_t kNarrowest = 640;  // beside the scene a panel needs room
+  const LinkageLook look{.is_dark = options_.is_dark,
+                         .is_transparent = options_.is_transparent,
+                         .with_panel = !options_.no_caption && size.width >= kNarrowest,
+                         .samples = is_huge() ? 1U : 2U};
+  linkage_scene_ = std::make_unique<LinkageScene>(graphics(), first().linkage(), look);
+  return *linkage_scene_;
+}
+
+Canvas RenderStudio::still(const RenderView& view, const std::optional<PictureSize>& wanted) {
+  if (view.is_scene && (view.name == "orbit" || !view.moves)) return cloud_still(view, wanted);
+  if (!view.is_scene) return flat(view, wanted);
+  const PictureSize size = wanted.value_or(kStillSize);
+  if (view.name == "scene") {
+    LinkageScene& scene = linkage_scene(size);
+    return scene.picture(scene.shown_crank_rad(), size);
+  }
+  constexpr std::size_t kFrames = 101;  // the middle of its film, with all points
+  const std::unique_ptr<Film> film = film_of(view, size, kFrames, 0);
+  return film->frame(view.name == "scan" ? poster_frame(kFrames) : kFrames / 2);
+}
+
+// At the end of a stroke the plane of the beams is seen edge-on; the first frame past the middle that has it half-way.
+std::size_t RenderStudio::poster_frame(std::size_t frames) {
+  const Stretch time = stretch(kLongestScan_s);
+  const double middle_s = 0.5 * (time.from_s + time.to_s);
+  const auto by_elevation = [](const CloudPoint& a, const CloudPoint& b) { return a.elevation_rad < b.elevation_rad; };
+  const auto [lowest, highest] = std::minmax_element(drawn_.begin(), drawn_.end(), by_elevation);
+  const float half_rad = 0.5F * (lowest->elevation_rad + highest->elevation_rad);
+  const float near_rad = 0.05F * (highest->elevation_rad - lowest->elevation_rad);
+  double shown_s = time.to_s;
+  for (const CloudPoint& point : drawn_) {
+    const bool is_half_way = std::fabs(point.elevation_rad - half_rad) <= near_rad;
+    if (is_half_way && point.stamp_s >= middle_s) shown_s = std::min(shown_s, point.stamp_s);
+  }
+  const double share = (shown_s - time.from_s) / (time.to_s - time.from_s);
+  return static_cast<std::size_t>(share * static_cast<double>(frames - 1));
+}
+
+std::unique_ptr<Film> RenderStudio::film(const RenderView& view, const PictureSize& size, std::size_t frames) {
+  return film_of(view, size, frames, view.name == "follow" ? kFollowPoints : kFilmPoints);
+}
+
+std::unique_ptr<Film> RenderStudio::film_of(const RenderView& view, const PictureSize& size, std::size_t frames,
+                                            std::uint64_t points) {
+  if (view.name == "scene") return linkage_film(linkage_scene(size), first().linkage(), size, frames);
+  if (view.name == "scan") return scan_film(size, frames, points);
+  CloudScene& scene = cloud_scene(view, points);
+  if (view.name == "orbit") return orbit_film(scene, look_, caption(), size, frames);
+  return follow_film(scene, first().trajectory(), look_, caption(), size, frames);
+}
+
+std::uint64_t RenderStudio::points_of_scan() {
+  CloudScene scene(graphics(), look_);  // it leaves out floor and ceiling as the film does
+  scene.set_cloud(drawn_);
+  return scene.points_drawn();
+}
+
+// Only what is measured in the stretch is thinned, so that it has all the points.
+std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
+  look_ = look_of(render_view("scan"), points > 0);
+  const Stretch time = stretch(kLongestScan_s);
+  drawn_ = whole_cloud();
+  std::erase_if(drawn_, [&time](const CloudPoint& point) {
+    return !(point.stamp_s >= time.from_s && point.stamp_s <= time.to_s);
+  });
+  if (drawn_.empty()) throw InputError({first().input(), 0}, "has no points of that time");
+  whole_points_ = drawn_.size();
+  drawn_ = thinned(std::move(drawn_), points);
+  points_drawn_ = points_of_scan();
+  const ScanningFilmInput input{.cloud = &drawn_,
+                                .trajectory = &first().trajectory(),
+                                .model = &first().linkage(),
+                                .has_linkage = (first().parts() & part::kLinkage) != 0,
+                                .from_s = time.from_s,
+                                .to_s = time.to_s};
+  // The picture counts its points as they appear; their end would be a second number.
+  CloudCaption words = caption();
+  if (!options_.no_caption) words.subtitle = scan_subtitle();
+  return scanning_film(graphics(), input, look_, words, size, frames);
+}
+
+FilmLength RenderStudio::length_of(const RenderView& view) {
+  FilmLength length{options_.frames, options_.frames_per_s > 0.0 ? options_.frames_per_s : kFramesPerSecond};
+  if (length.frames == 0) {
+    double seconds = view.name == "orbit" ? kOrbit_s : view.name == "follow" ? kFollow_s : kTurn_s;
+    if (view.name == "scan") {
+      const Stretch time = stretch(kLongestScan_s);
+      seconds = std::min(time.to_s - time.from_s, kLongestScan_s);
+    }
+    if (!options_.seconds.empty()) seconds = time_of("--seconds", options_.seconds);
+    if (!(seconds > 0.0)) throw UsageError("--seconds: " + options_.seconds + " is no time");
+    const double frames = std::max(1.0, std::floor(seconds * length.frames_per_s + 0.5));
+    length.frames = frames > static_cast<double>(kMostFrames) ? kMostFrames + 1 : static_cast<std::size_t>(frames);
+  }
+  if (length.frames > kMostFrames) throw UsageError(fmt::format("a film has at most {} frames", kMostFrames));
+  return length;
+}
+
+RenderStudio::Stretch RenderStudio::stretch(double longest_s) {
+  double first_s = std::numeric_limits<double>::infinity();
+  double last_s = -first_s;
+  for (const StampedPose& pose : first().trajectory()) {
+    first_s = std::min(first_s, pose.stamp_s);
+    last_s = std::max(last_s, pose.stamp_s);
+  }
+  const double from_s = first_s + (options_.from.empty() ? 0.0 : time_of("--from", options_.from));
+  const double to_s = options_.to.empty() ? std::min(from_s + longest_s, last_s)
+                                          : std::min(first_s + time_of("--to", options_.to), last_s);
+  if (from_s < first_s || from_s >= to_s) {
+    throw UsageError(
+        fmt::format("--from and --to: of a log of {:.1f} s they leave nothing; both count from its first "
+                    "pose",
+                    last_s - first_s));
+  }
+  return {from_s, to_s};
+}
+
+}  // namespace gdtslam

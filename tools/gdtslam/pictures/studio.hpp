@@ -1,0 +1,117 @@
+// Makes the pictures of `gdtslam render`: a still or a film of a view, from what the sources hold. OpenGL is looked for
+// when the first view needs it. One studio belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
+#include "gdtslam/viewer/film.hpp"
+#include "gdtslam/viewer/graphics.hpp"
+#include "gdtslam/viewer/linkage_scene.hpp"
+#include "options.hpp"
+#include "source.hpp"
+#include "views.hpp"
+
+namespace gdtslam {
+
+/// How long a film is.
+struct FilmLength {
+  std::size_t frames = 0;
+  double frames_per_s = 25.0;
+};
+
+/// Points of a cloud that one picture of a film draws, where --points does not say otherwise.
+inline constexpr std::uint64_t kFilmPoints = 500'000;
+inline constexpr std::uint64_t kFollowPoints = 1'000'000;  ///< seen from near
+/// Of a still where --size does not say otherwise and the content has no shape of its own.
+inline constexpr PictureSize kStillSize{1600, 1000};
+/// As wide, as high as content of these proportions needs.
+PictureSize size_for_content(double width, double height);
+
+class RenderStudio {
+ public:
+  /// Both must outlive this. Throws UsageError for options that contradict each other.
+  RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources);
+
+  /// Throws UsageError, InputError, UnavailableError where nothing can draw.
+  /// Without a size one that suits the content. Drawings have a size of their own, to be scaled to what is wanted.
+  Canvas still(const RenderView& view, const std::optional<PictureSize>& wanted);
+  std::unique_ptr<Film> film(const RenderView& view, const PictureSize& size, std::size_t frames);
+  /// By --frames, --seconds, --fps, else what suits the view.
+  [[nodiscard]] FilmLength length_of(const RenderView& view);
+
+  /// What drew: "EGL, llvmpipe ..." or, without OpenGL, "Cairo".
+  [[nodiscard]] std::string renderer() const;
+  [[nodiscard]] std::uint64_t points_drawn() const;
+  /// Of the cloud before it was thinned and without floor or ceiling; of a scan those of its stretch of time.
+  [[nodiscard]] std::uint64_t whole_points() const { return whole_points_; }
+  /// The cloud of the first source, thinned where --points or `most` says so (0: all).
+  Cloud cloud(std::uint64_t most);
+  /// The distance of each point to --reference.
+  std::vector<float> distances(const Cloud& cloud);
+  /// "office-7f" or --title; "1,771,492 of 2,612,366 points, 62.8 m of path", or of what has none, its scans.
+  [[nodiscard]] std::string title() const;
+  [[nodiscard]] std::string subtitle(std::uint64_t points = 0) const;
+  /// "62.8 m" of the trajectory that is drawn; empty where there is none or the robot stands.
+  [[nodiscard]] std::string path_text() const;
+
+ private:
+  RenderSource& first() { return sources_.front(); }
+  Cloud whole_cloud();
+  /// To what --points says, else to at most `most`; 0: all.
+  [[nodiscard]] Cloud thinned(Cloud cloud, std::uint64_t most) const;
+  GraphicsContext& graphics();
+  /// `points`: at most so many; 0 for a still, which has all.
+  CloudScene& cloud_scene(const RenderView& view, std::uint64_t points);
+  std::unique_ptr<Film> film_of(const RenderView& view, const PictureSize& size, std::size_t frames,
+                                std::uint64_t points);
+  std::unique_ptr<Film> scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
+  LinkageScene& linkage_scene(const PictureSize& size);
+  std::size_t poster_frame(std::size_t frames);
+  [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
+  [[nodiscard]] bool is_huge() const;
+  [[nodiscard]] CloudCaption caption() const;
+  /// "62.8 m of path, 48 % of the points drawn".
+  [[nodiscard]] std::string scan_subtitle() const;
+  void tell(const std::string& remark) const;
+  /// How many points a film of the scan ends with.
+  std::uint64_t points_of_scan();
+  [[nodiscard]] Camera camera_of(const RenderView& view, const PictureSize& size);
+  Canvas cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted);
+  Canvas flat(const RenderView& view, const std::optional<PictureSize>& wanted);
+  Canvas cells();
+  Canvas elevation(const PictureSize& size);
+  Canvas errors(const RenderView& view, const PictureSize& size);
+  [[nodiscard]] MapLook map_look() const;
+  /// The stretch of --from and --to in the log's clock; by default the first `longest_s` of it.
+  struct Stretch {
+    double from_s = 0.0;
+    double to_s = 0.0;
+  };
+  Stretch stretch(double longest_s);
+
+  const RenderOptions& options_;
+  std::vector<RenderSource>& sources_;
+  std::unique_ptr<GraphicsContext> graphics_;
+  Cloud drawn_;
+  CloudLook look_;
+  std::unique_ptr<CloudScene> cloud_scene_;
+  std::unique_ptr<LinkageScene> linkage_scene_;
+  std::uint64_t whole_points_ = 0;  ///< of the cloud before it was thinned
+  std::uint64_t points_drawn_ = 0;
+};
+
+/// A whole number with a comma at every third digit.
+std::string with_commas(std::uint64_t value);
+/// "1 point", "2,839 points".
+std::string counted(std::uint64_t value, const std::string& noun);
+/// "1,771,492 of 2,612,366 points", or the points where those are all.
+std::string points_text(std::uint64_t drawn, std::uint64_t whole);
+
+}  // namespace gdtslam

@@ -1,0 +1,327 @@
+// gdtslam render: pictures, films and pages of a run, a cloud, a linkage, a map, a trajectory or a log, without a
+// display.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/io/json_file.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/runs/map_log.hpp"
+#include "run.hpp"
+#include "tools/gdtslam/pictures/cloud_picture.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/map_remarks.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/temporary_folder.hpp"
+#include "tools/gdtslam/shell/whole_number.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json as_json(const RenderResult& result) {
+  Json json{{"file", result.file}, {"output", to_string(result.kind)}};
+  json["view"] = result.view.empty() ? Json() : Json(result.view);
+  if (result.width > 0) json["size_px"] = {result.width, result.height};
+  if (result.frames > 0) {
+    json["frames"] = result.frames;
+    json["film_s"] = result.film_s;
+  }
+  json["points"] = result.points;
+  json["points_of"] = result.points_of;
+  json["bytes"] = result.bytes;
+  json["renderer"] = result.renderer;
+  return json;
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  constexpr double kKilo = 1000.0;
+  const auto value = static_cast<double>(bytes);
+  if (value < kKilo) return fmt::format("{} bytes", bytes);
+  return value < kKilo * kKilo ? fmt::format("{:.0f} kB", value / kKilo)
+                               : fmt::format("{:.1f} MB", value / kKilo / kKilo);
+}
+
+std::string as_text(const RenderResult& result) {
+  std::string text = result.file + ":";
+  if (!result.view.empty()) text += fmt::format(" view {},", result.view);
+  if (result.width > 0) text += fmt::format(" {}x{} pixels,", result.width, result.height);
+  if (result.frames > 0) text += fmt::format(" {} frames in {:.1f} s,", result.frames, result.film_s);
+  if (result.points > 0) text += " " + points_text(result.points, result.points_of) + ",";
+  return text + fmt::format(" {}\n", bytes_text(result.bytes));
+}
+
+// What nobody needs to wait for.
+void check_options(const RenderOptions& options) {
+  if (!options.output.empty()) output_kind_of(options.output);
+  if (!options.view.empty()) render_view(options.view);
+  if (!options.size.empty()) size_of(options.size);
+  if (!options.camera.empty()) parse_camera(options.camera);
+  if (!options.at.empty()) place_of(options.at);
+  for (const auto& [name, text] :
+       {std::pair{"--from", &options.from}, std::pair{"--to", &options.to}, std::pair{"--seconds", &options.seconds}}) {
+    if (!text->empty()) time_of(name, *text);
+  }
+  cloud_look_of(options);
+}
+
+// The parts that views may use, those of a log before it is mapped too.
+unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sources, NodKind nods) {
+  unsigned parts = has_truth(options) ? part::kTruth : 0U;
+  if (!sources.empty()) return parts | sources.front().parts();
+  parts |= part::kMap | part::kField | part::kTrajectory;
+  if (nods != NodKind::kNone) parts |= part::kCloud | part::kMount;
+  return nods == NodKind::kEncoder ? parts | part::kLinkage : parts;
+}
+
+int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
+  const RenderView* const still = default_view(kind, parts, false);
+  const RenderView* const film = default_view(kind, parts, true);
+  Json all = Json::array();
+  std::string text;
+  for (const RenderView& view : render_views()) {
+    const std::string missing = missing_parts(view, parts);
+    const bool is_default = &view == still || &view == film;
+    all.push_back({{"view", view.name},
+                   {"doc", view.doc},
+                   {"available", missing.empty()},
+                   {"missing", missing.empty() ? Json() : Json(missing)},
+                   {"can_be_film", view.moves},
+                   {"default", &view == still  ? Json("still")
+                               : &view == film ? Json("film")
+                                               : Json()}});
+    if (!missing.empty()) continue;
+    const std::string marks = fmt::format("{}{}", view.moves ? "film" : "", is_default ? " *" : "");
+    text += fmt::format("{:<12} {:<7} {}\n", view.name, marks, view.doc);
+  }
+  if (text.empty()) {
+    text = fmt::format("{} has no view without more\n", to_string(kind));
+  } else {
+    text += "film: can be .mp4, .gif or frames; *: drawn where no --view is given, as a still or as a film\n";
+  }
+  if ((parts & part::kTrajectory) != 0 && (parts & part::kTruth) == 0) {
+    text += "with --reference or --relations FILE also errors-box, errors-cdf and errors-time\n";
+  }
+  print_result(options.json ? json_text(all) : text);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+MapOutcome map_into(const RenderOptions& options, const std::string& folder) {
+  MapRequest request{.logs = options.inputs,
+                     .folder = folder,
+                     .linkage = options.linkage,
+                     .with_pictures = !options.run_folder.empty(),
+                     .draw_cloud = draw_run_cloud};
+  ProgressLine line("scans", options.quiet);
+  request.progress = [&line](std::uint64_t done, double share) { line.update(done, share); };
+  request.stop = [] { return interrupted(); };
+  if (!options.quiet) request.warn = print_remark;
+  const std::unique_ptr<Backend> backend = make_backend({});
+  MapResult result = map_logs(request, *backend);
+  line.clear();
+  if (!options.quiet) print_remarks(result.outcome);
+  return std::move(result.outcome);
+}
+
+// A log is mapped first, into the folder of --run or one that goes when the picture is made.
+class MappedLog {
+ public:
+  explicit MappedLog(const RenderOptions& options) {
+    if (options.run_folder.empty()) temporary_.emplace("gdtslam-render");
+    const std::string folder = temporary_ ? temporary_->path() + "/run" : options.run_folder;
+    if (map_into(options, folder).interrupted) {
+      throw Error(ExitCode::kInterrupted, temporary_ ? "interrupted while the log was mapped; nothing is written"
+                                                     : "interrupted while the log was mapped; no picture is made");
+    }
+    folder_ = folder;
+  }
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+
+ private:
+  std::optional<TemporaryFolder> temporary_;
+  std::string folder_;
+};
+
+void require_inputs_fit(const RenderOptions& options, const std::vector<RenderKind>& kinds) {
+  const bool is_errors = options.view.starts_with("errors-") || options.view.empty();
+  const bool are_paths = std::all_of(kinds.begin(), kinds.end(), [](RenderKind kind) {
+    return kind == RenderKind::kRun || kind == RenderKind::kTrajectory;
+  });
+  const bool are_logs =
+      std::all_of(kinds.begin(), kinds.end(), [](RenderKind kind) { return kind == RenderKind::kLog; });
+  if (kinds.size() > 1 && !(is_errors && are_paths) && !are_logs) {
+    throw UsageError(
+        "several inputs are compared by the views errors-box, errors-cdf and errors-time, and have to be runs or "
+        "trajectories; several logs are mapped as one");
+  }
+  if (!options.run_folder.empty() && !are_logs) throw UsageError("--run is for logs: where their run is kept");
+}
+
+int render_inputs(const RenderOptions& options) {
+  check_options(options);
+  std::vector<RenderKind> kinds;
+  for (const std::string& input : options.inputs) kinds.push_back(kind_of_input(input));
+  require_inputs_fit(options, kinds);
+  std::vector<RenderSource> sources;
+  std::optional<MappedLog> mapped;
+  if (kinds.front() == RenderKind::kLog) {
+    if (options.lists_views) {
+      return list_views(options, RenderKind::kRun, parts_of(options, sources, nod_kind_of(options.inputs)));
+    }
+    mapped.emplace(options);
+    sources.emplace_back(mapped->folder());
+  } else {
+    for (const std::string& input : options.inputs) sources.emplace_back(input);
+    if (!options.linkage.empty()) sources.front().set_linkage(options.linkage);
+  }
+  if (options.lists_views) return list_views(options, kinds.front(), parts_of(options, sources, NodKind::kNone));
+  const RenderResult result = render(options, sources);
+  if (options.json) {
+    print_result(json_text(as_json(result)));
+  } else if (!options.quiet) {
+    print_result(as_text(result));
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_look_options(CLI::App& command, RenderOptions& chosen) {
+  const auto text = [&command](const char* name, std::string& value, const char* doc, const char* type) {
+    command.add_option(name, value, doc)->type_name(type)->group("Look");
+  };
+  const auto flag = [&command](const char* name, bool& value, const char* doc) {
+    command.add_flag(name, value, doc)->group("Look");
+  };
+  text("--size", chosen.size, "Pixels [1600x1000; films 1280x720, .gif 640x360]", "WxH");
+  text("--title", chosen.title, "Instead of the input's name", "TEXT");
+  text("--colour", chosen.colour,
+       "Of a cloud's points: height, elevation, time, scan, distance, plain\n[height; with --reference CLOUD distance]",
+       "NAME");
+  command.add_option("--colour-map", chosen.colour_map, "Colours from low to high: " + colour_map_names())
+      ->type_name("NAME")
+      ->group("Look");
+  text("--range", chosen.range, "Ends of the colours with their units, as 0m:2.5m [1st and 99th percentile]",
+       "MIN:MAX");
+  text("--camera", chosen.camera, "Of iso, top, front, side: eye, target (m) and view angle (deg)\nX,Y,Z,X,Y,Z[,ANGLE]",
+       "PLACE");
+  command.add_option("--point-size", chosen.point_px, "Of a cloud's points [by their density]")
+      ->type_name("PIXELS")
+      ->check(CLI::Range(0.1, 50.0))
+      ->group("Look");
+  flag("--dark", chosen.is_dark, "Dark background (of clouds, unless --light)");
+  flag("--light", chosen.is_light, "Light background (of all else)");
+  flag("--transparent", chosen.is_transparent, "No background: .png, .svg, .pdf and frames");
+  flag("--no-floor", chosen.no_floor, "Leave out the floor of a cloud");
+  flag("--no-ceiling", chosen.no_ceiling, "Leave out the ceiling: from above it is left out anyway");
+  flag("--with-ceiling", chosen.with_ceiling, "Draw the ceiling from above too");
+  flag("--no-path", chosen.no_path, "Leave out path, keyframes and robot");
+  flag("--no-caption", chosen.no_caption, "Leave out title, scales and read-outs");
+}
+
+void add_film_options(CLI::App& command, RenderOptions& chosen) {
+  command.add_option("--fps", chosen.frames_per_s, "Frames a second [25]")
+      ->type_name("N")
+      ->check(CLI::Range(0.1, 240.0))
+      ->group("Film");
+  CLI::Option* const frames = command.add_option("--frames", chosen.frames, "Number of frames");
+  frames->type_name("N")->check(whole_number_from(1))->group("Film");
+  command
+      .add_option("--seconds", chosen.seconds,
+                  "Instead: how long it plays [orbit 8, follow 20, scan real time up to 20, scene 4]")
+      ->type_name("TIME")
+      ->excludes(frames)
+      ->group("Film");
+  command.add_option("--from", chosen.from, "Of scan and elevation: begin, counted from the first pose")
+      ->type_name("TIME")
+      ->group("Film");
+  command.add_option("--to", chosen.to, "And end")->type_name("TIME")->group("Film");
+  command.add_option("--ffmpeg", chosen.ffmpeg, "The program that makes .mp4 and .gif [ffmpeg of PATH]")
+      ->type_name("FILE")
+      ->group("Film");
+}
+
+void add_data_options(CLI::App& command, RenderOptions& chosen) {
+  command
+      .add_option("--reference", chosen.reference,
+                  "A cloud in the same frame, for distances; or of errors-*: the true trajectory, TUM")
+      ->type_name("FILE")
+      ->group("Data");
+  command.add_option("--relations", chosen.relations, "Of errors-*: verified relations, as evaluate reads them")
+      ->type_name("FILE")
+      ->excludes("--reference")
+      ->group("Data");
+  command.add_flag("--angle", chosen.is_angle, "Of errors-*: the heading instead of the position")->group("Data");
+  command.add_option("--at", chosen.at, "Of cells: the middle [the obstacle nearest to the field's middle]")
+      ->type_name("X,Y")
+      ->group("Data");
+  command.add_option("--cells", chosen.cells, "Of cells: so many a side, at most 60 [12]")
+      ->type_name("N")
+      ->check(whole_number_from(1))
+      ->group("Data");
+  command.add_flag("--squared", chosen.is_squared, "Of cells: squared distances, as figure 3 has them")->group("Data");
+  command
+      .add_option(
+          "--points", chosen.points,
+          "Thin a cloud to at most N points [films 500,000, follow and .gltf\n1,000,000, .html 500,000, else all]")
+      ->type_name("N")
+      ->check(whole_number_from(1))
+      ->group("Data");
+  command.add_option("--linkage", chosen.linkage, "How the laser nods, where the input does not say: preset or file")
+      ->type_name("NAME|FILE")
+      ->group("Data");
+  command.add_option("--run", chosen.run_folder, "Of a log: keep the run that is mapped for the picture")
+      ->type_name("DIR")
+      ->group("Data");
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, CommandContext& context) {
+  auto chosen = std::make_shared<RenderOptions>();
+  CLI::App* command = app.add_subcommand("render", "Pictures, films and pages of a run, cloud, linkage, map or log");
+  command
+      ->add_option(
+          "input", chosen->inputs,
+          "Run folder, cloud (.ply, .pcd), linkage (preset or file), map.yaml, gdt.yaml,\ntrajectory (.tum) or "
+          "log, told by content; several runs for errors-*")
+      ->required()
+      ->type_name("INPUT");
+  command
+      ->add_option("-o,--output", chosen->output,
+                   "File, by its ending: .png .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
+                   "cloud .gltf .ply .pcd [<name>-<view>.png here]")
+      ->type_name("FILE");
+  command->add_option("--view", chosen->view, "What is drawn (see --list-views)")->type_name("NAME");
+  command->add_flag("--list-views", chosen->lists_views, "List the views that this input has");
+  add_look_options(*command, *chosen);
+  add_film_options(*command, *chosen);
+  add_data_options(*command, *chosen);
+  command->add_flag("--json", chosen->json, "Print what was written as JSON");
+  command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
+  command->footer(
+      "Without a view the most telling one is drawn: the cloud of a run that has one, else its map. From above a\n"
+      "ceiling would hide the rooms, so iso, top, orbit and follow leave it out. A film's .png is one of its frames.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam render office                                    the run folder 'office': its cloud, or its map\n"
+      "  gdtslam render office --view top --no-floor -o top.png --size 3840x2160\n"
+      "  gdtslam render office -o office.html                     a page to turn the cloud in, without a network\n"
+      "  gdtslam render office -o orbit.mp4 --seconds 10s\n"
+      "  gdtslam render paper-b -o paper-b.gif                    the linkage through one turn\n"
+      "  gdtslam render a b --view errors-cdf --relations intel.relations.gz -o errors.svg\n"
+      "  gdtslam render drive.log --run drive                     maps the log first and keeps the run");
+  command->callback([chosen, &context] {
+    context.run = [chosen] { return render_inputs(*chosen); };
+    context.when_out_of_memory = "a smaller --size or fewer --points need less";
+  });
+}
+
+}  // namespace gdtslam

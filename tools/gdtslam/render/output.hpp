@@ -1,0 +1,27 @@
+// The outputs of `gdtslam render`, by the name of the file. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace gdtslam {
+
+enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGltf, kCloud };
+
+/// By extension, in small or capital letters; a name that ends in / or is a folder without such an extension, and a
+/// pattern with %04d, take the frames of a film. Throws UsageError with what there is.
+OutputKind output_kind_of(const std::string& path);
+/// "a film in .mp4".
+std::string_view to_string(OutputKind kind);
+
+constexpr bool is_film(OutputKind kind) {
+  return kind == OutputKind::kMp4 || kind == OutputKind::kGif || kind == OutputKind::kFrames;
+}
+constexpr bool is_still(OutputKind kind) {
+  return kind == OutputKind::kPng || kind == OutputKind::kSvg || kind == OutputKind::kPdf;
+}
+/// Points for other programs, which no view belongs to.
+constexpr bool is_model(OutputKind kind) { return kind == OutputKind::kGltf || kind == OutputKind::kCloud; }
+
+}  // namespace gdtslam

@@ -1,0 +1,285 @@
+#include "run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "effect.hpp"
+#include "engine/io/atomic_file.hpp"
+#include "film_writer.hpp"
+#include "gdtslam/cloud/thinning.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/raster.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "gdtslam/viewer/page.hpp"
+#include "model_export.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+#include "viewer/scene/cloud/point_colours.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr PictureSize kFilmSize{1280, 720};
+constexpr PictureSize kGifSize{640, 360};
+constexpr std::uint64_t kPagePoints = 500'000;
+constexpr std::uint64_t kGltfPoints = 1'000'000;
+
+unsigned parts_of(const RenderOptions& options, const std::vector<RenderSource>& sources) {
+  return sources.front().parts() | (has_truth(options) ? part::kTruth : 0U);
+}
+
+// The view that was asked for or suits, checked against input and output.
+const RenderView& view_of(const RenderOptions& options, const std::vector<RenderSource>& sources, OutputKind kind) {
+  const RenderSource& source = sources.front();
+  const unsigned parts = parts_of(options, sources);
+  const bool moves = is_film(kind);
+  const std::string there_are = views_there_are(parts, moves);
+  if (options.view.empty()) {
+    if (const RenderView* const view = default_view(source.kind(), parts, moves)) return *view;
+    throw UsageError(fmt::format("{}: {} has no view {}{}", source.input(), to_string(source.kind()),
+                                 moves ? "that moves, as " + std::string(to_string(kind)) + " needs" : "without more",
+                                 moves ? "; .png .svg and .pdf fit" : ": give --reference or --relations"));
+  }
+  const RenderView& view = render_view(options.view);
+  if (const std::string missing = missing_parts(view, parts, " and no "); !missing.empty()) {
+    throw UsageError(fmt::format("--view {}: {} has no {}; its views are {}", view.name, source.input(), missing,
+                                 there_are.empty() ? "none" : there_are));
+  }
+  if (moves && !view.moves) {
+    throw UsageError(fmt::format("--view {} does not move, so it is not for {}; .png .svg and .pdf fit{}", view.name,
+                                 to_string(kind),
+                                 there_are.empty() ? "" : ", and the views that move are " + there_are));
+  }
+  return view;
+}
+
+std::uint64_t size_of_file(const std::string& path) {
+  std::error_code failed;
+  const std::uintmax_t size = fs::file_size(path, failed);
+  return failed ? 0 : static_cast<std::uint64_t>(size);
+}
+
+std::string default_file(const RenderSource& source, const RenderView& view) {
+  return fmt::format("{}-{}.png", source.name(), view.name);
+}
+
+// Without floor and ceiling, where that is asked for.
+Cloud filtered(Cloud cloud, const RenderOptions& options) {
+  if (!options.no_floor && !options.no_ceiling) return cloud;
+  constexpr double kMargin_m = 0.05;
+  LevelSurfaces surfaces = find_level_surfaces(cloud, LevelSearch{});
+  if (!options.no_floor) surfaces.floor.reset();
+  if (!options.no_ceiling) surfaces.ceiling.reset();
+  CloudKeeper kept;
+  LevelRemoval(surfaces, kMargin_m, kept).add(cloud);
+  if (kept.cloud.empty()) throw InputError("without floor and ceiling there are no points left");
+  return std::move(kept.cloud);
+}
+
+// In the middle of a page of this size, in the drawing's own background.
+Canvas on_page(const Canvas& drawing, double width, double height) {
+  constexpr double kSame = 1e-6;
+  if (std::fabs(width - drawing.width()) < kSame && std::fabs(height - drawing.height()) < kSame) return drawing;
+  Canvas page(width, height, drawing.title());
+  if (!drawing.shapes().empty()) {
+    const auto* const ground = std::get_if<shape::Rectangle>(&drawing.shapes().front());
+    if (ground != nullptr && ground->width >= drawing.width() && ground->height >= drawing.height()) {
+      page.rectangle(Point2::Zero(), width, height, ground->fill);
+    }
+  }
+  page.place(drawing, {0.5 * (width - drawing.width()), 0.5 * (height - drawing.height())});
+  return page;
+}
+
+class Render {
+ public:
+  Render(const RenderOptions& options, std::vector<RenderSource>& sources)
+      : options_(options), sources_(sources), studio_(options_, sources) {}
+
+  RenderResult run() {
+    result_.kind = options_.output.empty() ? OutputKind::kPng : output_kind_of(options_.output);
+    result_.file = options_.output;
+    if (const RunReader* const run = sources_.front().run();
+        run != nullptr && !run->has_trajectory() && !options_.quiet) {
+      print_remark(run->folder() + ": has no trajectory.tum, so that no path is drawn");
+    }
+    if (is_model(result_.kind) || result_.kind == OutputKind::kPage) {
+      require_one_input(nullptr);
+      refuse_view();
+      refuse_idle_options(options_, nullptr, result_.kind);
+      result_.kind == OutputKind::kPage ? write_page() : write_model();
+    } else {
+      const RenderView& view = view_of(options_, sources_, result_.kind);
+      require_one_input(&view);
+      refuse_idle_options(options_, &view, result_.kind);
+      result_.view = view.name;
+      if (result_.file.empty()) result_.file = default_file(sources_.front(), view);
+      is_film(result_.kind) ? write_film(view) : write_still(view);
+    }
+    result_.renderer = studio_.renderer();
+    result_.points_of = std::max(result_.points, studio_.whole_points());
+    if (result_.bytes == 0) result_.bytes = size_of_file(result_.file);
+    return result_;
+  }
+
+ private:
+  void require_one_input(const RenderView* view) const {
+    if (sources_.size() == 1 || (view != nullptr && view->name.starts_with("errors-"))) return;
+    throw UsageError(
+        fmt::format("{} draws one input, and {} are given; several are compared by the views errors-*, "
+                    "which need --reference or --relations FILE",
+                    view == nullptr ? std::string(to_string(result_.kind)) : fmt::format("--view {}", view->name),
+                    sources_.size()));
+  }
+  void refuse_view() const {
+    if (options_.view.empty() && options_.size.empty() && !options_.is_transparent) return;
+    throw UsageError(
+        fmt::format("--view, --size and --transparent are for pictures, not for {}", to_string(result_.kind)));
+  }
+  [[nodiscard]] PictureSize film_size() const {
+    if (!options_.size.empty()) return size_of(options_.size);
+    return result_.kind == OutputKind::kGif ? kGifSize : kFilmSize;
+  }
+  void write_still(const RenderView& view);
+  void write_film(const RenderView& view);
+  void write_page();
+  void write_model();
+  void add_facts(PageInput& page) const;
+
+  RenderOptions options_;
+  std::vector<RenderSource>& sources_;
+  RenderStudio studio_;
+  RenderResult result_;
+};
+
+void Render::write_still(const RenderView& view) {
+  std::optional<PictureSize> wanted;
+  if (!options_.size.empty()) wanted = size_of(options_.size);
+  Canvas drawing = studio_.still(view, wanted);
+  // Drawings of a size of their own are scaled to fit what was asked for; only pixels can be.
+  const PictureSize target = wanted.value_or(kStillSize);
+  const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
+  const double scale = view.is_vector && result_.kind == OutputKind::kPng ? fit : 1.0;
+  if (wanted && result_.kind == OutputKind::kPng)
+    drawing = on_page(drawing, target.width / scale, target.height / scale);
+  write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
+  result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * scale));
+  result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * scale));
+  result_.points = studio_.points_drawn();
+}
+
+void Render::write_film(const RenderView& view) {
+  if (options_.is_transparent && result_.kind != OutputKind::kFrames) {
+    throw UsageError(fmt::format("--transparent: not for {}; .png and frames can be", to_string(result_.kind)));
+  }
+  const PictureSize wanted = film_size();
+  const FilmLength length = studio_.length_of(view);
+  const FilmKind kind = result_.kind == OutputKind::kMp4   ? FilmKind::kMp4
+                        : result_.kind == OutputKind::kGif ? FilmKind::kGif
+                                                           : FilmKind::kFrames;
+  const std::unique_ptr<FilmWriter> writer =
+      open_film({kind, result_.file, wanted.width, wanted.height, length.frames_per_s, options_.ffmpeg});
+  const std::unique_ptr<Film> film = studio_.film(view, wanted, length.frames);
+  ProgressLine progress("frames", options_.quiet);
+  for (std::size_t k = 0; k < film->frames(); ++k) {
+    if (interrupted()) {
+      throw Error(ExitCode::kInterrupted,
+                  fmt::format("interrupted after {} of {} frames; {}", k, film->frames(),
+                              kind == FilmKind::kFrames ? "they are in " + result_.file : "nothing is written"));
+    }
+    writer->add(raster_of(film->frame(k)));
+    if (kind == FilmKind::kFrames) result_.bytes += size_of_file(frame_path(result_.file, k));
+    progress.update(k + 1, static_cast<double>(k + 1) / static_cast<double>(film->frames()));
+  }
+  writer->finish();
+  result_.width = wanted.width;
+  result_.height = wanted.height;
+  result_.frames = film->frames();
+  result_.film_s = static_cast<double>(film->frames()) / length.frames_per_s;
+  result_.points = studio_.points_drawn();
+}
+
+void Render::add_facts(PageInput& page) const {
+  const RunReader* const run = sources_.front().run();
+  if (page.cloud != nullptr) {
+    const std::uint64_t count = page.cloud->size();
+    const std::uint64_t whole = studio_.whole_points();
+    page.facts.emplace_back("Points", with_commas(count) + (count < whole ? " of " + with_commas(whole) : ""));
+  }
+  if (const std::string path = studio_.path_text(); !path.empty()) page.facts.emplace_back("Path", path);
+  if (run == nullptr) return;
+  const RunSummary& summary = run->summary();
+  page.facts.emplace_back("Scans", with_commas(summary.scans));
+  page.facts.emplace_back("Matched", with_commas(summary.matched));
+  page.facts.emplace_back("Doubtful", with_commas(summary.doubtful.size()));
+  page.facts.emplace_back("Keyframes", with_commas(summary.keyframe_count));
+}
+
+void Render::write_page() {
+  RenderSource& source = sources_.front();
+  PageInput page;
+  page.title = studio_.title();
+  Cloud cloud;
+  std::vector<float> distances_m;
+  if ((source.parts() & part::kCloud) != 0) {
+    cloud = studio_.cloud(kPagePoints);
+    page.cloud = &cloud;
+    if (!options_.reference.empty()) {
+      distances_m = studio_.distances(cloud);
+      page.distances_m = &distances_m;
+    }
+  }
+  if ((source.parts() & part::kTrajectory) != 0) page.trajectory = &source.trajectory();
+  if ((source.parts() & part::kMap) != 0) page.map = &source.map();
+  if ((source.parts() & part::kLinkage) != 0) page.linkage = &source.linkage();
+  page.subtitle = studio_.subtitle(cloud.size());
+  add_facts(page);
+  write_file_atomically(result_.file, page_of(page));
+  result_.points = cloud.size();
+}
+
+void Render::write_model() {
+  RenderSource& source = sources_.front();
+  if ((source.parts() & part::kCloud) == 0) {
+    throw UsageError(
+        fmt::format("{}: has no 3D cloud, so {} cannot be made of it", source.input(), to_string(result_.kind)));
+  }
+  const Cloud cloud = filtered(studio_.cloud(result_.kind == OutputKind::kGltf ? kGltfPoints : 0), options_);
+  result_.points = cloud.size();
+  if (result_.kind == OutputKind::kCloud) {
+    CloudWriter writer(result_.file, cloud_format_of(result_.file));
+    writer.add(cloud);
+    writer.finish();
+    return;
+  }
+  const bool has_path = (source.parts() & part::kTrajectory) != 0 && !options_.no_path;
+  const CloudLook look = cloud_look_of(options_);
+  const std::vector<Colour> colours = point_colours(
+      cloud, look, look.colour == CloudColour::kDistance ? studio_.distances(cloud) : std::vector<float>());
+  const ModelInput model{.name = studio_.title(),
+                         .cloud = cloud,
+                         .colours = colours,
+                         .trajectory = has_path ? &source.trajectory() : nullptr};
+  write_gltf(result_.file, model);
+}
+
+}  // namespace
+
+RenderResult render(const RenderOptions& options, std::vector<RenderSource>& sources) {
+  return Render(options, sources).run();
+}
+
+}  // namespace gdtslam

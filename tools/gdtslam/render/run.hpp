@@ -1,0 +1,33 @@
+// One run of `gdtslam render`: from inputs and options to a file. Thread-safe apart from the files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "output.hpp"
+#include "tools/gdtslam/pictures/options.hpp"
+#include "tools/gdtslam/pictures/source.hpp"
+#include "tools/gdtslam/pictures/studio.hpp"
+
+namespace gdtslam {
+
+/// What was written.
+struct RenderResult {
+  std::string file;
+  OutputKind kind = OutputKind::kPng;
+  std::string view;  ///< empty for pages and models
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint64_t frames = 0;     ///< of a film
+  double film_s = 0.0;          ///< how long it plays
+  std::uint64_t points = 0;     ///< drawn, or in the page or model
+  std::uint64_t points_of = 0;  ///< that there are: before thinning, with floor and ceiling
+  std::uint64_t bytes = 0;      ///< of the file, or of all frames
+  std::string renderer;
+};
+
+/// Draws and writes. Throws every typed error; nothing is left behind then but the frames of a folder.
+RenderResult render(const RenderOptions& options, std::vector<RenderSource>& sources);
+
+}  // namespace gdtslam

@@ -1,0 +1,310 @@
+#include "simulate_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/did_you_mean.hpp"
+#include "engine/io/logs/carmen_writer.hpp"
+#include "engine/io/logs/gzip_file.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/linkage/linkage_sidecar.hpp"
+#include "engine/sim/clearance.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "scene_file.hpp"
+#include "scene_nodding.hpp"
+#include "simulate_truth.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kClearanceLimit_m = 2.0;
+// What lies on the floor to this height is driven over.
+constexpr double kGroundClearance_m = 0.02;
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+void apply_laser(const SimulateOptions& options, SceneFile& scene) {
+  sim::LaserModel& laser = scene.config.laser;
+  if (options.laser) {
+    const std::optional<sim::LaserModel> preset = sim::laser_preset(*options.laser);
+    if (!preset) {
+      throw UsageError("unknown laser '" + *options.laser + "'" +
+                       did_you_mean(*options.laser, sim::laser_preset_names()) + "; there are " +
+                       joined(sim::laser_preset_names()));
+    }
+    scene.laser = *options.laser;
+    laser = *preset;
+  }
+  if (options.is_exact) {
+    laser.noise_constant_m = 0.0;
+    laser.noise_share = 0.0;
+    laser.range_resolution_m = 0.0;
+    laser.drop_out_share = 0.0;
+  }
+  laser.noise_constant_m = options.noise_m.value_or(laser.noise_constant_m);
+  laser.range_resolution_m = options.range_resolution_m.value_or(laser.range_resolution_m);
+}
+
+void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
+  std::optional<sim::NoddingModel>& nodding = scene.config.nodding;
+  const bool asks = options.nod_mode || options.crank_rate_hz || options.ticks_per_turn;
+  if (options.linkage) {
+    if (!nodding) {
+      nodding.emplace();
+    }
+    nodding->truth = resolve_linkage(*options.linkage);
+  } else if (asks && !nodding) {
+    nodding.emplace().truth = resolve_linkage(std::string(calib::kDefaultLinkage));
+  }
+  if (!nodding) {
+    return;
+  }
+  if (options.nod_mode) {
+    nodding->mode = nod_mode(*options.nod_mode);
+  }
+  nodding->crank_rate_hz = options.crank_rate_hz.value_or(nodding->crank_rate_hz);
+  if (options.is_exact) {
+    make_exact(nodding->truth.encoder);
+  }
+  nodding->truth.encoder.ticks_per_turn = options.ticks_per_turn.value_or(nodding->truth.encoder.ticks_per_turn);
+  match_laser(scene.config);
+}
+
+void apply_options(const SimulateOptions& options, SceneFile& scene) {
+  apply_laser(options, scene);
+  apply_nodding(options, scene);
+  if (options.scan_rate_hz) {
+    scene.config.scan_rate_hz = *options.scan_rate_hz;
+    if (const std::vector<std::string> faults = validate(scene.config); !faults.empty()) {
+      throw UsageError("--rate: " + faults.front());
+    }
+  }
+  if (options.trajectory) {
+    scene.waypoints = read_waypoints(*options.trajectory);
+  }
+  scene.config.seed = options.seed;
+  if (const std::vector<std::string> faults = validate(scene.config); !faults.empty()) {
+    throw UsageError(faults.front());
+  }
+}
+
+sim::MotionPlan plan_of(const SceneFile& scene, const std::string& source) {
+  if (scene.waypoints.empty()) {
+    throw ConfigError({source, 0}, "has no waypoints: add them, or give --trajectory FILE");
+  }
+  try {
+    const auto& nodding = scene.config.nodding;
+    return {nodding ? with_scan_stops(*nodding, scene.waypoints) : scene.waypoints, scene.limits};
+  } catch (const ConfigError& error) {
+    throw ConfigError({source, 0}, error.what());
+  }
+}
+
+// Places of the robot's centre along its path, about 5 cm apart.
+std::vector<Point2> places_along(const SceneFile& scene, const sim::MotionPlan& plan) {
+  constexpr double kStep_m = 0.05;
+  constexpr double kMostPlaces = 2e6;
+  const double wanted = plan.duration_s() * scene.limits.speed_m_per_s / kStep_m;
+  const auto count = static_cast<std::size_t>(std::clamp(wanted, 2.0, kMostPlaces));
+  std::vector<Point2> places_m;
+  places_m.reserve(count + 1);
+  for (std::size_t i = 0; i <= count; ++i) {
+    const double time_s = plan.duration_s() * static_cast<double>(i) / static_cast<double>(count);
+    places_m.push_back(base_pose(scene.config.wheels, plan.state_at(time_s)).translation());
+  }
+  return places_m;
+}
+
+// The smallest clearance of the path. Throws ConfigError where the robot would touch something.
+double checked_clearance_m(const SceneFile& scene, const sim::MotionPlan& plan, const sim::TriangleMesh& mesh,
+                           const std::string& source) {
+  const double floor_m = scene.scene.floor_m.value_or(0.0);
+  const std::vector<Point2> places_m = places_along(scene, plan);
+  const std::vector<double> clearances_m = sim::clearances_m(
+      mesh, {floor_m + kGroundClearance_m, floor_m + scene.body.height_m, kClearanceLimit_m}, places_m);
+  const auto nearest = std::min_element(clearances_m.begin(), clearances_m.end());
+  if (*nearest < scene.body.radius_m) {
+    const Point2& place_m = places_m[static_cast<std::size_t>(nearest - clearances_m.begin())];
+    throw ConfigError({source, 0}, "the path comes within " + fixed_text(*nearest, 3) + " m of an obstacle at (" +
+                                       fixed_text(place_m.x(), 2) + ", " + fixed_text(place_m.y(), 2) +
+                                       "), but the robot's radius is " + fixed_text(scene.body.radius_m, 3) +
+                                       " m: move the waypoints there");
+  }
+  return *nearest;
+}
+
+int range_decimals(const sim::LaserModel& laser) {
+  // Whole centimetres still get three decimals; ranges that are not rounded keep all digits of a float beyond 4 m.
+  constexpr double kMillimetre_m = 0.001;
+  constexpr int kUnrounded = 9;
+  if (laser.range_resolution_m == 0.0) {
+    return kUnrounded;
+  }
+  return laser.range_resolution_m >= kMillimetre_m ? 3 : 6;
+}
+
+std::string one_word(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c <= ' ' || c > '~'; }, '-');
+  return text.empty() ? "-" : text;
+}
+
+// What the log was made of, so that it can be made again.
+std::string header_of(const SceneFile& scene, const CarmenWriter& writer) {
+  const sim::SimulationConfig& config = scene.config;
+  std::vector<std::pair<std::string, std::string>> parameters{
+      {"simulated_scene", one_word(scene.name)},
+      {"simulated_seed", std::to_string(config.seed)},
+      {"simulated_laser", scene.laser},
+      {"simulated_laser_noise", fixed_text(config.laser.noise_constant_m, 6)},
+      {"simulated_laser_noise_share", fixed_text(config.laser.noise_share, 6)},
+      {"simulated_laser_drop_outs", fixed_text(config.laser.drop_out_share, 6)},
+      {"simulated_laser_height", fixed_text(config.laser_height_m, 6)},
+      {"simulated_wheel_slip", fixed_text(config.wheels.slip_m_per_sqrt_m, 6)},
+      {"simulated_wheel_left_scale", fixed_text(config.wheels.left_scale, 6)},
+      {"simulated_wheel_right_scale", fixed_text(config.wheels.right_scale, 6)},
+      {"simulated_track_width", fixed_text(config.wheels.drive.track_width_m, 6)},
+      {"simulated_track_width_scale", fixed_text(config.wheels.track_width_scale, 6)},
+      {"robot_frontlaser_offset", fixed_text(config.T_base_laser.x_m, 6)},
+      {"robot_front_laser_max", fixed_text(config.laser.max_range_m, 6)},
+  };
+  if (config.nodding) {
+    parameters.emplace_back("simulated_linkage", one_word(config.nodding->truth.name));
+    parameters.emplace_back("simulated_crank_rate", fixed_text(config.nodding->crank_rate_hz, 6));
+  }
+  std::string header;
+  for (const auto& [name, value] : parameters) {
+    header += writer.parameter(name, value);
+  }
+  return header;
+}
+
+struct Recording {
+  sim::SimulationSummary summary;
+  Trajectory truth;
+};
+
+/// Where the records and what is true about them go; the last two may be empty.
+struct Sinks {
+  TextSink& log;
+  std::optional<ElevationRows>& elevations;
+  std::optional<HitCloud>& hits;
+};
+
+Recording record(const SimulateOptions& options, const SceneFile& scene, const sim::MotionPlan& plan,
+                 const sim::RayCaster& caster, const Sinks& sinks) {
+  Recording recording;
+  CarmenWriter writer(range_decimals(scene.config.laser));
+  sinks.log.write(header_of(scene, writer));
+  sim::SimulationSink sink;
+  sink.odometry = [&](const Odometry& odometry) { sinks.log.write(writer.odometry(odometry)); };
+  sink.encoder = [&](const Encoder& encoder) { sinks.log.write(writer.encoder(encoder)); };
+  sink.scan = [&](const sim::SimulatedScan& scan) {
+    sinks.log.write(writer.scan(scan.record));
+    recording.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
+    if (sinks.elevations) {
+      sinks.elevations->add(scan);
+    }
+    if (sinks.hits) {
+      sinks.hits->add(scan, scene.config.laser.max_range_m);
+    }
+  };
+  sink.keep_on = [&](double share) {
+    if (options.progress) {
+      options.progress(recording.truth.size(), share);
+    }
+    return !options.stop || !options.stop();
+  };
+  recording.summary = run_simulation(scene.config, plan, caster, sink);
+  sinks.log.finish();
+  if (sinks.hits) {
+    sinks.hits->finish();
+  }
+  return recording;
+}
+
+/// The files that a simulation writes; they appear together.
+class Output {
+ public:
+  Output(const SimulateOptions& options, const SceneFile& scene) : log_file_(options.output) {
+    AtomicFile& log_file = files_.add(options.output);
+    log_.emplace(log_file);
+    truth_ = &files_.add(sidecar_path(log_file_, ".truth.tum"));
+    if (scene.config.nodding) {
+      files_.add(sidecar_path(log_file_, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
+      elevations_.emplace(files_.add(sidecar_path(log_file_, ".elevation.csv")));
+    }
+    if (options.truth_hits) {
+      hits_.emplace(files_.add(sidecar_path(log_file_, ".truth.ply")));
+    }
+  }
+
+  [[nodiscard]] Sinks sinks() { return {*log_, elevations_, hits_}; }
+
+  void finish(const Trajectory& truth, SimulateResult& result) {
+    truth_->write(tum_text(truth));
+    files_.commit();  // the files themselves are gone after this
+    result.log_bytes = log_->bytes();
+    result.truth_file = sidecar_path(log_file_, ".truth.tum");
+    result.linkage_file = elevations_ ? sidecar_path(log_file_, ".linkage.yaml") : "";
+    result.elevation_file = elevations_ ? sidecar_path(log_file_, ".elevation.csv") : "";
+    result.hits_file = hits_ ? sidecar_path(log_file_, ".truth.ply") : "";
+  }
+
+ private:
+  std::string log_file_;  ///< the truth lies beside it
+  AtomicFileSet files_;
+  std::optional<TextSink> log_;
+  AtomicFile* truth_ = nullptr;
+  std::optional<ElevationRows> elevations_;
+  std::optional<HitCloud> hits_;
+};
+
+SimulateResult result_of(const sim::SimulationSummary& summary) {
+  SimulateResult result;
+  result.scans = summary.scans;
+  result.odometry_lines = summary.odometry_records;
+  result.encoder_lines = summary.encoder_records;
+  result.beams = summary.beams;
+  result.returns = summary.returns;
+  result.duration_s = summary.duration_s;
+  result.path_m = summary.path_m;
+  result.interrupted = !summary.is_whole;
+  return result;
+}
+
+}  // namespace
+
+SimulateResult simulate(const SimulateOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::string scene_file = find_scene(options.scene, options.scene_folders);
+  SceneFile scene = read_scene(scene_file);
+  apply_options(options, scene);
+  const std::string& path_source = options.trajectory ? *options.trajectory : scene_file;
+  const sim::MotionPlan plan = plan_of(scene, path_source);
+  const sim::RayCaster caster(triangulate(scene.scene), {options.embree_isa});
+  const double clearance_m = checked_clearance_m(scene, plan, caster.mesh(), path_source);
+
+  Output output(options, scene);
+  const Recording recording = record(options, scene, plan, caster, output.sinks());
+  SimulateResult result = result_of(recording.summary);
+  output.finish(recording.truth, result);
+  result.scene_file = scene_file;
+  result.log_file = options.output;
+  result.triangles = caster.mesh().triangles.size();
+  result.clearance_m = clearance_m;
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,169 @@
+#include "command_line.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "engine/io/did_you_mean.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  gdtslam map intel.clf.gz -o intel          map a log; the results are in the folder intel\n"
+    "  gdtslam render intel                       a picture of it; films, pages: gdtslam render --help\n"
+    "  gdtslam evaluate intel/trajectory.tum --relations intel.relations.gz\n"
+    "  gdtslam localize intel today.clf.gz        where a scan was taken in that map, with a proof\n"
+    "  gdtslam doctor intel.clf.gz                what is in a log, and what is wrong with it\n"
+    "  gdtslam verify --device vulkan             whether a GPU gives the same results as the CPU\n"
+    "\n"
+    "Exit codes: 0 done; 1 failed while running; 2 wrong usage; 65 bad input data; 69 a device or a part of the\n"
+    "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
+    "written.";
+
+// A sub-command that this build leaves out: whoever asks for it learns why.
+void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name, const std::string& option) {
+  CLI::App* command = app.add_subcommand(name, "Not in this build (" + option + "=OFF)");
+  command->allow_extras();
+  command->callback([&context, name, option] {
+    context.run = [name, option]() -> int {
+      throw UnavailableError("this build has no '" + name + "'; configure it with -D" + option + "=ON");
+    };
+  });
+}
+
+std::vector<std::string> names_of(CLI::App* app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const CLI::App* command : app->get_subcommands([](CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+// "gdtslam map": the words that lead to a sub-command.
+std::string path_of(const CLI::App* app) {
+  return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
+}
+
+std::string help_of(const CLI::App* app) {
+  return app->help(app->get_parent() == nullptr ? "" : path_of(app->get_parent()));
+}
+
+int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    const auto named = app->get_subcommands([&word](const CLI::App* command) { return command->get_name() == word; });
+    if (named.empty()) {
+      throw UsageError("there is no command '" + word + "'" + did_you_mean(word, names_of(app)) + " (see '" +
+                       path_of(app) + " --help')");
+    }
+    app = named.front();
+  }
+  print_result(help_of(app));
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_help_command(CLI::App& app, CommandContext& context) {
+  auto words = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = app.add_subcommand("help", "Help on a command, as --help behind it");
+  command->add_option("command", *words, "The command; none: all of them")->type_name("NAME");
+  command->footer("Examples:\n  gdtslam help map\n  gdtslam help config show");
+  command->callback([&app, &context, words] { context.run = [&app, words] { return print_help_on(&app, *words); }; });
+}
+
+std::unique_ptr<CLI::App> make_app(std::span<const CommandRow> commands, CommandContext& context) {
+  auto app = std::make_unique<CLI::App>("2D and 3D mapping with a laser range finder and wheel odometry", "gdtslam");
+  app->set_version_flag("--version", "gdtslam " GDTSLAM_VERSION, "Print the version and exit");
+  app->set_help_flag("-h,--help", "Print this help and exit");
+  app->require_subcommand(1);
+  app->get_formatter()->column_width(34);
+  app->footer(kExamples);
+  for (const CommandRow& command : commands) {
+    if (command.add != nullptr) {
+      command.add(*app, context);
+    } else {
+      add_missing_command(*app, context, command.name, command.missing_option);
+    }
+  }
+  add_help_command(*app, context);
+  return app;
+}
+
+// The sub-command that was named, as deep as it goes.
+CLI::App* chosen_app(CLI::App* app) {
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  return app;
+}
+
+std::string usage_message(CLI::App* root, const CLI::ParseError& error) {
+  CLI::App* const app = chosen_app(root);
+  std::string message = error.what();
+  const std::vector<std::string> unknown = root->remaining(true);
+  if (!unknown.empty() && !unknown.front().empty()) {
+    const std::string word = unknown.front().substr(0, unknown.front().find('='));
+    const bool is_command = app->get_require_subcommand_min() > 0 && word.front() != '-';
+    message = (is_command ? "there is no command '" : "unexpected argument '") + word + "'" +
+              did_you_mean(word, names_of(app));
+  }
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message + " (see '" + path_of(app) + " --help')";
+}
+
+int report(std::string_view message, ExitCode code) {
+  print_error(message);
+  return static_cast<int>(code);
+}
+
+int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands) {
+  CommandContext context;
+  const std::unique_ptr<CLI::App> app = make_app(commands, context);
+  if (argc <= 1) return print_help_on(app.get(), {});
+  try {
+    app->parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    print_result(help_of(chosen_app(app.get())));
+    return static_cast<int>(ExitCode::kDone);
+  } catch (const CLI::CallForVersion& version) {
+    print_result(std::string(version.what()) + "\n");
+    return static_cast<int>(ExitCode::kDone);
+  } catch (const CLI::ParseError& error) {
+    return report(usage_message(app.get(), error), ExitCode::kUsage);
+  }
+  const std::string command = path_of(chosen_app(app.get()));
+  try {
+    return context.run();
+  } catch (const std::bad_alloc&) {  // by now what the command had is free again
+    return report("out of memory in '" + command + "'; " + context.when_out_of_memory, ExitCode::kFailed);
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv, std::span<const CommandRow> commands) noexcept {
+  try {
+    return parse_and_run(argc, argv, commands);
+  } catch (const Error& error) {
+    return report(error.what(), error.code());
+  } catch (const std::bad_alloc&) {
+    std::fputs("gdtslam: error: out of memory before the command began\n", stderr);
+  } catch (const std::exception& error) {
+    return report(std::string("unexpected: ") + error.what(), ExitCode::kFailed);
+  }
+  return static_cast<int>(ExitCode::kFailed);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,31 @@
+// The sub-commands of `gdtslam`. Each adds its options to the command line; when it was chosen, the parser leaves in
+// the context what to run. The functions only register: nothing is read or written while the command line is parsed.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include <CLI/App.hpp>
+
+namespace gdtslam {
+
+/// What the command line asked for.
+struct CommandContext {
+  std::function<int()> run;  ///< the chosen sub-command; returns the exit code
+  const char* when_out_of_memory = "it needs less data at a time or more memory";  ///< what to do then
+};
+
+/// Of the commands that make maps.
+inline constexpr const char* kSmallerMap =
+    "a smaller map.max_megacells or cloud.max_megavoxels, or a larger map.resolution needs less";
+
+/// A sub-command of this build, or of another: tools/CMakeLists.txt lists them.
+struct CommandRow {
+  const char* name;
+  void (*add)(CLI::App& app, CommandContext& context);  ///< null where this build is without
+  const char* missing_option;                           ///< the CMake option that is off then
+};
+/// In the order of the help.
+std::span<const CommandRow> command_table();
+
+}  // namespace gdtslam

@@ -1,0 +1,23 @@
+// The configuration on the command line: -c FILE and --set PATH=VALUE.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "gdtslam/runs/settings.hpp"
+
+namespace gdtslam {
+
+/// What the command line says about the configuration.
+struct SettingsOptions {
+  std::string file;               ///< empty: none
+  std::vector<std::string> sets;  ///< path=value
+};
+
+void add_settings_options(CLI::App& command, SettingsOptions& options);
+
+/// The defaults, then the file, then each --set in turn. Throws ConfigError that names every fault.
+Settings load_settings(const SettingsOptions& options);
+
+}  // namespace gdtslam

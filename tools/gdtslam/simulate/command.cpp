@@ -1,0 +1,190 @@
+// gdtslam simulate: a log with ground truth from a scene.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "engine/io/json_file.hpp"
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/scenes/simulate_run.hpp"
+#include "tools/gdtslam/shell/asset_folder.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/whole_number.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct SimulateCommand {
+  SimulateOptions options;
+  std::string noise;
+  std::string resolution;
+  bool json = false;
+  bool quiet = false;
+};
+
+std::string files_of(const SimulateResult& result) {
+  std::string text = fmt::format("log {}\ntruth {}\n", result.log_file, result.truth_file);
+  if (!result.linkage_file.empty()) {
+    text += fmt::format("linkage {}\nelevations {}\n", result.linkage_file, result.elevation_file);
+  }
+  if (!result.hits_file.empty()) {
+    text += fmt::format("hits {}\n", result.hits_file);
+  }
+  return text;
+}
+
+std::string summary_of(const SimulateResult& result) {
+  const double returns =
+      result.beams > 0 ? static_cast<double>(result.returns) / static_cast<double>(result.beams) : 0.0;
+  return fmt::format(
+      "{} scans, {} odometry lines{}; {:.1f} m in {:.1f} s; {:.2f} % of the beams returned\n"
+      "{} triangles; nearest obstacle {:.2f} m from the robot's centre; simulated in {:.2f} s\n{}",
+      result.scans, result.odometry_lines,
+      result.encoder_lines > 0 ? fmt::format(", {} encoder lines", result.encoder_lines) : "", result.path_m,
+      result.duration_s, 100.0 * returns, result.triangles, result.clearance_m, result.wall_s, files_of(result));
+}
+
+Json name_or_null(const std::string& file) { return file.empty() ? Json(nullptr) : Json(file); }
+
+Json report_of(const SimulateResult& result, std::uint64_t seed) {
+  return {{"scene", result.scene_file},
+          {"log", result.log_file},
+          {"truth", result.truth_file},
+          {"linkage", name_or_null(result.linkage_file)},
+          {"elevations", name_or_null(result.elevation_file)},
+          {"hits", name_or_null(result.hits_file)},
+          {"seed", seed},
+          {"scans", result.scans},
+          {"odometry_lines", result.odometry_lines},
+          {"encoder_lines", result.encoder_lines},
+          {"beams", result.beams},
+          {"returns", result.returns},
+          {"triangles", result.triangles},
+          {"log_bytes", result.log_bytes},
+          {"duration_s", result.duration_s},
+          {"path_m", result.path_m},
+          {"clearance_m", result.clearance_m},
+          {"wall_s", result.wall_s},
+          {"interrupted", result.interrupted}};
+}
+
+std::optional<double> length_of(const char* option, const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional(quantity_of(option, text, Unit::kMetre));
+}
+
+int run_simulate(const SimulateCommand& command) {
+  SimulateOptions options = command.options;
+  options.noise_m = length_of("--noise", command.noise);
+  options.range_resolution_m = length_of("--resolution", command.resolution);
+  ProgressLine progress("scans", command.quiet);
+  options.scene_folders = asset_folders("scenes");
+  options.progress = [&progress](std::uint64_t scans, double share) { progress.update(scans, share); };
+  options.stop = [] { return interrupted(); };
+  const SimulateResult result = simulate(options);
+  progress.clear();
+  if (command.json) {
+    print_result(json_text(report_of(result, options.seed)));
+  } else if (!command.quiet) {
+    print_result(summary_of(result));
+  }
+  if (!result.interrupted) {
+    return static_cast<int>(ExitCode::kDone);
+  }
+  print_remark(fmt::format("interrupted after {} scans, which are in {}", result.scans, result.log_file));
+  return static_cast<int>(ExitCode::kInterrupted);
+}
+
+}  // namespace
+
+void add_nodding_options(CLI::App& command, SimulateCommand& chosen) {
+  SimulateOptions& options = chosen.options;
+  command
+      .add_option("--linkage", options.linkage,
+                  "The laser nods on this linkage: a preset (see gdtslam linkage) or a linkage file")
+      ->type_name("PRESET|FILE")
+      ->group("Nodding");
+  command
+      .add_option("--nod", options.nod_mode,
+                  "When the crank turns: continuous; stop-and-scan, while the robot stands; stepped, with a stop at "
+                  "each step")
+      ->type_name("MODE")
+      ->group("Nodding");
+  command.add_option("--crank-rate", options.crank_rate_hz, "Turns of the crank a second")
+      ->type_name("HZ")
+      ->group("Nodding");
+  command.add_option("--ticks", options.ticks_per_turn, "Ticks of the encoder per turn of the crank")
+      ->type_name("N")
+      ->check(whole_number_from(1))
+      ->group("Nodding");
+  command
+      .add_flag("--truth-hits", options.truth_hits,
+                "Write every true hit, too, as NAME.truth.ply (60 bytes for each beam that returned)")
+      ->group("Nodding");
+}
+
+void add_error_options(CLI::App& command, SimulateCommand& chosen) {
+  command.add_option("--noise", chosen.noise, "Standard deviation of the ranges, instead of the laser's")
+      ->type_name("LENGTH")
+      ->group("Errors of the sensors");
+  command.add_option("--resolution", chosen.resolution, "What ranges are rounded to; 0 keeps all digits")
+      ->type_name("LENGTH")
+      ->group("Errors of the sensors");
+  command
+      .add_flag("--exact", chosen.options.is_exact,
+                "No noise, no rounding and no drop-outs of the laser, 2^30 ticks a turn of the crank; --noise, "
+                "--resolution and --ticks still count")
+      ->group("Errors of the sensors");
+}
+
+void add_simulate_command(CLI::App& app, CommandContext& context) {
+  auto chosen = std::make_shared<SimulateCommand>();
+  SimulateOptions& options = chosen->options;
+  CLI::App* command = app.add_subcommand("simulate", "A log of laser and odometry, with its truth, from a scene");
+  command
+      ->add_option("scene", options.scene,
+                   "A scene file, or the name of a sample: office-loop, corridor, "
+                   "office-3f, office-7f, three-boxes, wall, walls")
+      ->required()
+      ->type_name("SCENE");
+  command
+      ->add_option(
+          "-o,--output", options.output,
+          "The log to write; .gz compresses it. The truth goes beside it: NAME.truth.tum and, for a laser that "
+          "nods, NAME.linkage.yaml and NAME.elevation.csv")
+      ->required()
+      ->type_name("LOG");
+  command->add_option("--seed", options.seed, "Seed of every random number")
+      ->type_name("N")
+      ->check(whole_number_from(0))
+      ->capture_default_str();
+  command
+      ->add_option("--laser", options.laser,
+                   "Instead of the scene's laser: sick-lms, sick-361 or hokuyo-961 (mount and height stay)")
+      ->type_name("PRESET");
+  command->add_option("--rate", options.scan_rate_hz, "Scans a second, instead of the scene's")->type_name("HZ");
+  command->add_option("--trajectory", options.trajectory, "A file of waypoints, instead of the scene's")
+      ->type_name("FILE");
+  add_nodding_options(*command, *chosen);
+  add_error_options(*command, *chosen);
+  command->add_flag("--json", chosen->json, "Print what was done as JSON");
+  command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
+  command->footer(
+      "The same scene, options and seed give the same bytes on every host.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam simulate office-loop -o office-loop.log\n"
+      "  gdtslam simulate corridor -o corridor.log.gz --seed 7 --laser hokuyo-961 --rate 20\n"
+      "  gdtslam simulate office-7f -o office-7f.log.gz --nod stop-and-scan --truth-hits\n"
+      "  gdtslam simulate my-scene.yaml -o my.log --trajectory my-path.yaml --json");
+  command->callback([chosen, &context] { context.run = [chosen] { return run_simulate(*chosen); }; });
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,220 @@
+#include "run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "engine/mapping/match/matchers.hpp"
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/asset_folder.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::string_view kLogsFilter = "logs";
+constexpr unsigned kOtherThreads = 3;  // slices of a launch that end where no slice of one thread does
+
+/// A backend to be verified, opened when its turn comes.
+struct Target {
+  std::string name;
+  Proof proof = Proof::kNone;
+  bool takes_own_variants = false;
+  bool with_logs = true;
+  std::function<std::unique_ptr<Backend>()> open;
+};
+
+std::vector<Target> cpu_targets(const DeviceOptions& options) {
+  std::vector<Target> targets;
+  for (const Isa isa : {Isa::kAvx2, Isa::kAvx512}) {
+    if (!isa_available(isa) || (!options.isa.empty() && isa != isa_from_name(options.isa))) continue;
+    targets.push_back({"cpu " + std::string(to_string(isa)), Proof::kNone, false, true,
+                       [isa] { return make_cpu_backend({.threads = 1, .isa = isa}); }});
+  }
+  targets.push_back({"cpu, " + std::to_string(kOtherThreads) + " threads", Proof::kNone, false, targets.empty(),
+                     [] { return make_cpu_backend({.threads = kOtherThreads, .isa = {}}); }});
+  return targets;
+}
+
+std::vector<std::pair<std::string, ShaderVariants>> variants_from(const std::string& name) {
+  if (name == "wide") return {{" wide", ShaderVariants::kWide}};
+  if (name == "narrow") return {{" narrow", ShaderVariants::kNarrow}};
+  if (name == "all") {
+    return {{"", ShaderVariants::kByDevice}, {" wide", ShaderVariants::kWide}, {" narrow", ShaderVariants::kNarrow}};
+  }
+  return {{"", ShaderVariants::kByDevice}};
+}
+
+std::vector<Target> vulkan_targets(const VerifyOptions& options, unsigned index) {
+  DeviceOptions device = options.device;
+  device.device = "vulkan:" + std::to_string(index);
+  std::vector<Target> targets;
+  for (const auto& [suffix, variants] : variants_from(options.variants)) {
+    const bool is_own = variants == ShaderVariants::kByDevice;
+    targets.push_back({device.device + suffix, Proof::kDeviceDidIt, is_own, targets.empty(),
+                       [device, chosen = variants] { return make_vulkan(device, {.variants = chosen}); }});
+  }
+  return targets;
+}
+
+std::vector<KernelCaseSource> chosen_cases(const VerifyOptions& options) {
+  std::vector<KernelCaseSource> all = kernel_cases();
+  for (KernelCaseSource& source : random_kernel_cases(options.seed, options.random_cases)) {
+    all.push_back(std::move(source));
+  }
+  std::erase_if(all, [&options](const KernelCaseSource& source) {
+    return (source.large && !options.large) || source.kernel->name.find(options.filter) == std::string_view::npos;
+  });
+  return all;
+}
+
+std::vector<LogTask> chosen_logs(const VerifyOptions& options) {
+  if (!options.filter.empty() && options.filter != kLogsFilter) return {};
+  std::vector<LogTask> tasks;
+  const SampleLog sample = sample_log();
+  for (const ExpectedRun& run : sample.runs) tasks.push_back({sample.path, run.matcher, run});
+  for (const std::string& log : options.logs) {
+    for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, std::nullopt});
+  }
+  return tasks;
+}
+
+/// Walks the cases and logs of the command line over the targets.
+class Verification {
+ public:
+  explicit Verification(const VerifyOptions& options)
+      : options_(options), cases_(chosen_cases(options)), logs_(chosen_logs(options)) {
+    if (cases_.empty() && logs_.empty()) {
+      throw UsageError("verify: no kernel's name contains '" + options.filter + "' ('logs' verifies the logs alone)");
+    }
+  }
+
+  /// Where the device fails, `report` holds what was found so far.
+  void verify(const Target& target, Backend& reference, TargetReport& report) {
+    report.name = target.name;
+    report.is_vulkan = target.proof == Proof::kDeviceDidIt;
+    report.takes_own_variants = target.takes_own_variants;
+    const std::unique_ptr<Backend> device = target.open();
+    report.device = device->device();
+    verify_kernels(target, reference, *device, report);
+    if (!target.with_logs) return;
+    for (const LogTask& task : logs_) report.logs.push_back(verify_log(task, target, reference, *device));
+  }
+
+ private:
+  void verify_kernels(const Target& target, Backend& reference, Backend& device, TargetReport& report) {
+    ProgressLine progress("cases, " + target.name, options_.quiet);
+    KernelVerifier verifier(reference, device, target.proof);
+    for (std::size_t k = 0; k < cases_.size(); ++k) {
+      if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is kept of this verification");
+      verifier.check(cases_[k].make());
+      progress.update(k + 1, static_cast<double>(k + 1) / static_cast<double>(cases_.size()));
+    }
+    verifier.finish();
+    report.kernels = verifier.verdicts();
+    report.work = verifier.work();
+  }
+
+  LogVerdict verify_log(const LogTask& task, const Target& target, Backend& reference, Backend& device) {
+    const auto key = std::make_pair(task.log, task.matcher);
+    if (!references_.contains(key)) references_[key] = run(task, "cpu", reference);
+    return judge(task, references_[key], run(task, target.name, device));
+  }
+
+  LogRun run(const LogTask& task, const std::string& name, Backend& backend) {
+    ProgressLine progress("scans, " + task.matcher + " on " + name, options_.quiet);
+    return run_log(task, backend, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); });
+  }
+
+  const VerifyOptions& options_;
+  std::vector<KernelCaseSource> cases_;
+  std::vector<LogTask> logs_;
+  std::map<std::pair<std::string, std::string>, LogRun> references_;  ///< by log and matcher
+};
+
+}  // namespace
+
+std::vector<std::string> verified_matchers() {
+  std::vector<std::string> names{std::string(to_string(MatchConfig{}.matcher))};
+  for (const MatcherInfo& matcher : matchers()) {
+    if (matcher.place == MatcherPlace::kDevice) names.emplace_back(matcher.name);
+  }
+  return names;
+}
+
+std::uint64_t TargetReport::cases() const {
+  std::uint64_t sum = 0;
+  for (const KernelVerdict& kernel : kernels) sum += kernel.cases;
+  return sum;
+}
+
+std::uint64_t TargetReport::differences() const {
+  std::uint64_t sum = 0;
+  for (const KernelVerdict& kernel : kernels) sum += kernel.differences();
+  for (const LogVerdict& log : logs) sum += log.faults.size();
+  return sum;
+}
+
+std::uint64_t VerifyReport::differences() const {
+  std::uint64_t sum = 0;
+  for (const TargetReport& target : targets) sum += target.differences();
+  return sum;
+}
+
+VerifyReport run_verify(const VerifyOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  VerifyReport report;
+  std::vector<Target> targets;
+  std::unique_ptr<Backend> reference;
+  if (const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device)) {
+    report.vulkan = device->vulkan_device();
+    targets = vulkan_targets(options, report.vulkan.index);
+    reference = make_cpu(options.device);
+  } else {
+    targets = cpu_targets(options.device);
+    reference = make_cpu_backend({.threads = 1, .isa = Isa::kBaseline});
+  }
+  report.reference = reference->device();
+  Verification verification(options);
+  for (const Target& target : targets) {
+    TargetReport& part = report.targets.emplace_back();
+    try {
+      verification.verify(target, *reference, part);
+    } catch (const DeviceError& error) {
+      part.failure = error.what();
+      report.failure = error;
+      break;
+    }
+  }
+  report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
+                                      const std::string& date) {
+  for (const TargetReport& target : report.targets) {
+    if (!target.takes_own_variants) continue;
+    const VerifyRecord record{date, target.cases(), target.logs.size(), target.differences(), target.failure};
+    if (record.passed() && !options.filter.empty()) break;
+    return record;
+  }
+  return std::nullopt;
+}
+
+void write_expected_results(const VerifyOptions& options, const std::string& path) {
+  const std::unique_ptr<Backend> cpu = make_cpu(options.device);
+  const std::string log = sample_log_file();
+  std::vector<ExpectedRun> runs;
+  for (const std::string& matcher : verified_matchers()) {
+    const LogRun run = run_log({log, matcher, std::nullopt}, *cpu, [](std::uint64_t, double) {});
+    runs.push_back({matcher, run.scans, run.map_sha256, run.trajectory_sha256});
+  }
+  write_expected(path, log, runs);
+}
+
+}  // namespace gdtslam

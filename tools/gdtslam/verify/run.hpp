@@ -1,0 +1,69 @@
+// `gdtslam verify` as a value: what to compare with what, and what was found. Prints nothing but progress.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/vulkan/vulkan.hpp"
+#include "kernels.hpp"
+#include "logs.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/device/verify_record.hpp"
+
+namespace gdtslam {
+
+struct VerifyOptions {
+  DeviceOptions device;
+  std::string variants = "by-device";  ///< or wide, narrow, all
+  std::string filter{};                ///< kernels whose name contains this; "logs": the logs alone; empty: everything
+  std::uint64_t seed = 1;
+  std::uint32_t random_cases = 0;
+  bool large = false;
+  std::vector<std::string> logs{};  ///< beside the sample log
+  bool quiet = false;               ///< draws no progress
+};
+
+/// What one backend was found to do.
+struct TargetReport {
+  std::string name;  ///< "vulkan:0", "vulkan:0 wide", "cpu avx2"
+  DeviceInfo device;
+  bool is_vulkan = false;
+  bool takes_own_variants = false;  ///< the shaders that work on this device uses, not others that were forced
+  std::vector<KernelVerdict> kernels;
+  DeviceWork work;
+  std::vector<LogVerdict> logs;
+  std::string failure{};  ///< of its driver, which ended the verification
+  [[nodiscard]] std::uint64_t cases() const;
+  [[nodiscard]] std::uint64_t differences() const;
+};
+
+struct VerifyReport {
+  DeviceInfo reference;
+  std::vector<TargetReport> targets;
+  VulkanDeviceInfo vulkan;               ///< the device, where one was verified
+  std::optional<DeviceError> failure{};  ///< of the last target's driver; those after it were not verified
+  double wall_s = 0.0;
+  [[nodiscard]] std::uint64_t differences() const;
+};
+
+/// The default matcher and those that work on the device as a whole.
+std::vector<std::string> verified_matchers();
+
+/// Compares the device with the CPU, or, for the CPU, its instruction sets and threads with the baseline. Throws
+/// UnavailableError for a device that is not there, DeviceError when it fails before there is anything to verify,
+/// UsageError for a filter that leaves nothing, and Error(kInterrupted).
+VerifyReport run_verify(const VerifyOptions& options);
+
+/// What `gdtslam devices` and --device auto should know of it; nothing where it says nothing of the device: of the CPU,
+/// of shaders that the device would not take, and of a part that passed.
+std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
+                                      const std::string& date);
+
+/// Maps the sample log on the CPU and writes what it gave as what it must give. Throws FileError.
+void write_expected_results(const VerifyOptions& options, const std::string& path);
+
+}  // namespace gdtslam

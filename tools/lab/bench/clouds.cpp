@@ -1,0 +1,166 @@
+// Clouds into files and out of them, beside the same bytes by fwrite and fread, and thinning beside the standard
+// library's set of cells.
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/cloud/thinning.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/io/cloud_file.hpp"
+#include "rows.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kPoints = 1'000'000;
+constexpr std::size_t kPiece = 65536;
+constexpr std::size_t kPointBytes = 28;
+constexpr double kVoxel_m = 0.02;
+
+/// A file of the bench's own, in memory where the system has such a folder: the disk is not what is measured.
+class BenchFile {
+ public:
+  BenchFile() {
+    const std::filesystem::path memory = "/dev/shm";
+    const bool has_memory = ::access(memory.c_str(), W_OK) == 0;
+    const std::filesystem::path folder = has_memory ? memory : std::filesystem::temp_directory_path();
+    path_ = (folder / ("gdtslam-bench-" + std::to_string(::getpid()) + ".ply")).string();
+  }
+  BenchFile(const BenchFile&) = delete;
+  BenchFile& operator=(const BenchFile&) = delete;
+  ~BenchFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+void write_cloud(const std::string& path, const Cloud& cloud) {
+  CloudWriter writer(path, CloudFormat::kPlyBinary);
+  for (std::size_t k = 0; k < cloud.size(); k += kPiece) {
+    writer.add(std::span(cloud).subspan(k, std::min(kPiece, cloud.size() - k)));
+  }
+  writer.finish();
+}
+
+void read_cloud_in_pieces(const std::string& path) {
+  CloudReader reader(path);
+  std::size_t points = 0;
+  for (Cloud piece = reader.next(kPiece); !piece.empty(); piece = reader.next(kPiece)) points += piece.size();
+  if (points != kPoints) throw Error(ExitCode::kFailed, "bench: the cloud did not come back whole");
+}
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+void plain_write(const std::string& path, const std::vector<char>& bytes) {
+  const File file(std::fopen(path.c_str(), "wb"), std::fclose);
+  if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) {
+    throw FileError(path, "cannot be written");
+  }
+}
+
+void plain_read(const std::string& path, std::vector<char>& bytes) {
+  const File file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file || std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) {
+    throw FileError(path, "cannot be read");
+  }
+}
+
+struct CountingSink : CloudSink {
+  void add(std::span<const CloudPoint> more) override { points += more.size(); }
+  std::size_t points = 0;
+};
+
+std::size_t thin(const Cloud& cloud) {
+  CountingSink sink;
+  VoxelThinning thinning(kVoxel_m, std::uint64_t{1} << 24U, sink);
+  for (std::size_t k = 0; k < cloud.size(); k += kPiece) {
+    thinning.add(std::span(cloud).subspan(k, std::min(kPiece, cloud.size() - k)));
+  }
+  return sink.points;
+}
+
+std::size_t thin_by_set(const Cloud& cloud) {
+  std::unordered_set<std::uint64_t> cells;
+  for (const CloudPoint& p : cloud) {
+    const auto cell = [](float x) {
+      constexpr std::int64_t kMiddle = 1 << 20;
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(static_cast<double>(x) / kVoxel_m)) +
+                                        kMiddle);
+    };
+    cells.insert(cell(p.x_m) << 42U | cell(p.y_m) << 21U | cell(p.z_m));
+  }
+  return cells.size();
+}
+
+BenchRow cloud_row(const std::string& name, const std::string& variant, const Work& work,
+                   const TimingOptions& options) {
+  BenchRow row;
+  row.group = "cloud";
+  row.name = name;
+  row.variant = variant;
+  row.unit = "point";
+  row.work = static_cast<double>(kPoints);
+  row.timing = measure(work, options);
+  return row;
+}
+
+}  // namespace
+
+Cloud bench_hall(std::size_t points) {
+  Random random(1);
+  Cloud cloud(points);
+  for (std::size_t k = 0; k < points; ++k) {
+    const auto along = static_cast<float>(random.uniform(-20.0, 20.0));
+    const auto across = static_cast<float>(random.uniform(-10.0, 10.0));
+    const auto up = static_cast<float>(random.uniform(0.0, 4.0));
+    CloudPoint& p = cloud[k];
+    switch (k % 4) {
+      case 0:
+        p = {.x_m = along, .y_m = across, .z_m = 0.01F * up};
+        break;
+      case 1:
+        p = {.x_m = along, .y_m = across, .z_m = 4.0F + 0.01F * up};
+        break;
+      case 2:
+        p = {.x_m = along, .y_m = 10.0F, .z_m = up};
+        break;
+      default:
+        p = {.x_m = 20.0F, .y_m = across, .z_m = up};
+    }
+    p.elevation_rad = 0.1F * up;
+    p.stamp_s = 1e9 + 1e-5 * static_cast<double>(k);
+    p.scan = static_cast<std::uint32_t>(k / 361);
+  }
+  return cloud;
+}
+
+std::vector<BenchRow> bench_clouds(const TimingOptions& options) {
+  const Cloud cloud = bench_hall(kPoints);
+  const BenchFile file;
+  std::vector<char> bytes(kPoints * kPointBytes, 'x');
+  std::vector<BenchRow> rows;
+  const auto add = [&](const char* name, const char* variant, std::function<void()> step) {
+    rows.push_back(cloud_row(name, variant, {.step = std::move(step)}, options));
+  };
+  add("cloud_write", "binary PLY, SHA-256", [&] { write_cloud(file.path(), cloud); });
+  add("cloud_read", "binary PLY", [&] { read_cloud_in_pieces(file.path()); });
+  add("cloud_write", "peer: fwrite", [&] { plain_write(file.path(), bytes); });
+  add("cloud_read", "peer: fread", [&] { plain_read(file.path(), bytes); });
+  if (thin(cloud) != thin_by_set(cloud)) throw Error(ExitCode::kFailed, "bench: the thinnings differ");
+  add("cloud_thin", "2 cm", [&] { thin(cloud); });
+  add("cloud_thin", "peer: unordered_set", [&] { thin_by_set(cloud); });
+  return rows;
+}
+
+}  // namespace gdtslam

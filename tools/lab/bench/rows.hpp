@@ -1,0 +1,95 @@
+// What `gdtslam bench` measures on a backend: the kernels on the benchmark cases of the shared list, whole distance
+// transforms, whole scans and sweeps, clouds in files and thinned, and OpenCV's distance transform beside them when the
+// build has it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/cloud.hpp"
+#include "timing.hpp"
+
+namespace gdtslam {
+
+/// One measurement.
+struct BenchRow {
+  std::string group;  ///< "kernel", "transform", "scan", "sweep", "peer"
+  std::string name;
+  std::string variant;
+  std::string unit;  ///< of the work: cell, look-up, value, point
+  double work = 0.0;
+  Timing timing;
+  std::optional<double> copy_ratio;    ///< time that the device takes to copy the bytes read and written, over the time
+  std::optional<double> times_opencv;  ///< OpenCV's CPU time over ours, for the same result
+  std::optional<std::uint64_t> different;  ///< cells that differ from the exact transform
+};
+
+/// Whose seconds a rate is per: CPU time where a CPU does the work, be it as a Vulkan device; else the device's own
+/// clock; else wall time.
+enum class Basis : std::uint8_t { kCpu, kDevice, kWall };
+Basis basis_of(const Backend& backend);
+/// The time of a measurement on that basis.
+double seconds_of(const Timing& timing, Basis basis);
+
+/// What tells the device's time for the submission that was waited for last; empty where there is no such clock.
+std::function<double()> clock_of(Backend& backend);
+
+/// Steps on a backend: what waits for them, and the device's clock where it has one. The step ends by writing `last`.
+Work work_on(Backend& backend, const Buffer& last, std::function<void()> step);
+
+/// Time that a backend takes to copy so many bytes, read and written together, on its basis: memcpy on the CPU, a
+/// copy between two buffers of its own memory on a device.
+double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options);
+
+/// The kernels whose name contains the filter.
+std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, const TimingOptions& options);
+
+/// Whole transforms of a square of `size` cells with walls on 1.5 % of them; on the CPU the peers too.
+std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options);
+
+/// What a scanner sees in a hall of 40 x 20 x 4 m: points on floor, ceiling and two walls, in the order of time.
+Cloud bench_hall(std::size_t points);
+
+/// Frames of a cloud and of a linkage, drawn without a display; nothing where the build has no viewer, and a remark
+/// where nothing here can draw.
+std::vector<BenchRow> bench_viewer(const TimingOptions& options);
+
+/// Clouds written, read and thinned, and the peers: fwrite, fread, std::unordered_set. On the CPU only.
+std::vector<BenchRow> bench_clouds(const TimingOptions& options);
+
+/// What a scan costs from its points to its pose and into the map.
+std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options);
+
+/// What the beams of a sweep of a nodding laser cost on their way to points of a cloud.
+std::vector<BenchRow> bench_sweeps(Backend& backend, const TimingOptions& options);
+
+/// A line of the table of jump flooding's errors.
+struct FloodErrorRow {
+  std::uint32_t size = 0;
+  std::string seeds;  ///< what the obstacles look like
+  std::string variant;
+  std::uint64_t passes = 0;
+  std::uint64_t wrong_cells = 0;
+  double wrong_share = 0.0;
+  double largest_cells = 0.0;
+};
+/// Errors of the four variants against the exact transform, on walls and on cells scattered over 1 % of the square.
+std::vector<FloodErrorRow> flood_errors(Backend& backend, std::uint32_t size);
+
+/// The version of OpenCV that is measured, or empty.
+std::string opencv_version();
+
+/// Seeds as OpenCV's distance transform takes them: it measures the distance to zeros.
+std::vector<std::uint8_t> opencv_input(const std::vector<std::uint8_t>& seeds);
+/// OpenCV's distance transform on one thread: fills `distance` (one float a cell, `size` a row). Throws
+/// UnavailableError without OpenCV.
+enum class OpenCvMask { kPrecise, kFive };
+void opencv_distance(std::vector<std::uint8_t>& input, std::uint32_t size, OpenCvMask mask,
+                     std::vector<float>& distance);
+
+}  // namespace gdtslam

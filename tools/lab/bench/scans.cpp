@@ -1,0 +1,177 @@
+// A scan as the matcher `exhaustive` treats it, in a room that is found again: from the points to the pose, and into
+// the map.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
+#include "engine/core/elementary.hpp"
+#include "engine/mapping/map/local_field.hpp"
+#include "engine/mapping/match/window_matcher.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "rows.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint32_t kBeams = 361;
+constexpr std::uint32_t kWindowCells = 512;  // side of what a keyframe changes
+constexpr std::uint64_t kMostCells = 1U << 24U;
+
+/// 45 x 45 x 49 candidates, one cell and 0.3 degrees apart, each with all points.
+MapperConfig wide_search() {
+  MapperConfig config;
+  config.search.step_m = config.map.resolution_m;
+  config.search.half_m = 22.4 * config.map.resolution_m;
+  config.search.step_rad = 0.005;
+  config.search.half_rad = 24.4 * config.search.step_rad;
+  config.search.max_points = static_cast<std::int32_t>(kBeams);
+  return config;
+}
+constexpr double kCandidates = 45.0 * 45.0 * 49.0;
+
+/// A million and twenty thousand candidates.
+constexpr std::uint32_t kManyAlong = 101;
+constexpr std::uint32_t kManyTurns = 100;
+constexpr std::uint32_t kManySamples = kManyAlong * kManyAlong * kManyTurns;
+
+/// What a laser in the middle of a room sees: four walls and a quarter of a step between them, all around.
+std::vector<Point2> points_of_room(double half_side_m) {
+  std::vector<Point2> points;
+  for (std::uint32_t k = 0; k < kBeams; ++k) {
+    const double bearing_rad = kTwoPi * k / kBeams;
+    const auto [sine, cosine] = sin_cos(bearing_rad);
+    const double reach_m = half_side_m / std::max(std::fabs(sine), std::fabs(cosine));
+    const double niche = k % 97 < 12 ? 0.93 : 1.0;  // so that no quarter looks like another
+    points.emplace_back(niche * reach_m * cosine, niche * reach_m * sine);
+  }
+  return points;
+}
+
+/// The map of one scan, and what finds the scan in it again.
+class ScanBench {
+ public:
+  explicit ScanBench(Backend& backend)
+      : backend_(backend),
+        config_(wide_search()),
+        map_(backend, config_.map.resolution_m, config_.map.radius_cells(), kMostCells),
+        local_(backend, config_.map.radius_cells()),
+        matcher_(config_, backend, map_) {
+    const double half_cells = 0.5 * kWindowCells - config_.map.radius_cells() - 0.5;
+    const std::vector<Point2> points_m = points_of_room(half_cells * config_.map.resolution_m);
+    points_ = in_cells(points_m, config_.map.resolution_m);
+    keyframe_ = keyframe_of(points_m, config_.map.resolution_m, config_.map.radius_cells());
+    map_.add_keyframe(keyframe_, merge_step());
+    merge();
+  }
+
+  void match() {
+    const Prediction prediction{
+        .T_map_base = {0.06, -0.04, 0.02}, .travelled_m = 0.0, .turned_rad = 0.0, .by_odometry = true};
+    result_ = matcher_.match(points_, prediction, true);
+  }
+  void merge() {
+    local_.compute(keyframe_);
+    local_.merge_into(map_, merge_step());
+  }
+  /// Costs of a million candidates at every point, as the matcher asks for them.
+  void prepare_costs() {
+    candidates_ = backend_.allocate(kManySamples * sizeof(PoseCandidate));
+    costs_ = backend_.allocate(kManySamples * sizeof(std::uint32_t));
+    point_buffer_ = backend_.allocate(points_.size() * sizeof(PointCells));
+    backend_.upload(point_buffer_, std::as_bytes(std::span(points_)));
+    PoseLattice::Params lattice{.count_xy = kManyAlong, .count_theta = kManyTurns};
+    lattice.step_cells = 1.0F;
+    lattice.step_rad = 0.005F;
+    run<PoseLattice>(backend_, lattice, {kManySamples, 1, 1}, candidates_);
+  }
+  void cost_many() {
+    const GridGeometry grid = map_.geometry();
+    const CellOffset anchor = CellIndex{0, 0} - map_.first_cell();
+    const PoseCost::Params params{.width = static_cast<std::uint32_t>(grid.width),
+                                  .height = static_cast<std::uint32_t>(grid.height),
+                                  .stride = map_.stride(),
+                                  .anchor_x = anchor.dx,
+                                  .anchor_y = anchor.dy,
+                                  .point_count = static_cast<std::uint32_t>(points_.size()),
+                                  .cap = map_.cap(),
+                                  .interpolation = config_.match.interpolation,
+                                  .form = config_.match.cost};
+    run<PoseCost>(backend_, params, {kManySamples, 1, 1}, map_.buffer(), point_buffer_, candidates_, costs_);
+  }
+  [[nodiscard]] const Buffer& costs() const { return costs_; }
+  [[nodiscard]] double many_look_ups() const {
+    return static_cast<double>(kManySamples) * static_cast<double>(points_.size());
+  }
+  /// A time counts only for a search that found the place.
+  void require_found() const {
+    const Pose2& found = result_.T_map_base;
+    if (result_.accepted && found.translation().norm() < 0.01 && std::fabs(found.theta_rad) < 0.005) return;
+    throw Error(ExitCode::kFailed, "bench: the scan was not found where it is, so its time means nothing");
+  }
+  [[nodiscard]] const Buffer& map_buffer() const { return map_.buffer(); }
+  [[nodiscard]] double window_cells() const {
+    return static_cast<double>(keyframe_.window.width()) * keyframe_.window.height();
+  }
+
+ private:
+  [[nodiscard]] MergeStep merge_step() const {
+    const auto threshold = static_cast<std::uint32_t>(config_.merge.threshold_m / config_.map.resolution_m * kFieldOne);
+    return {.rule = config_.merge.rule, .threshold = threshold, .lift = threshold / 2};
+  }
+
+  Backend& backend_;
+  MapperConfig config_;
+  GlobalField map_;
+  LocalField local_;
+  WindowMatcher matcher_;
+  std::vector<PointCells> points_;
+  KeyframeCells keyframe_;
+  MatchResult result_;
+  Buffer point_buffer_;
+  Buffer candidates_;
+  Buffer costs_;
+};
+
+BenchRow scan_row(const std::string& variant, std::string unit, double work, const Work& timed,
+                  const TimingOptions& options) {
+  BenchRow row;
+  row.group = "scan";
+  row.name = "scan";
+  row.variant = variant;
+  row.unit = std::move(unit);
+  row.work = work;
+  row.timing = measure(timed, options);
+  return row;
+}
+
+}  // namespace
+
+std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options) {
+  ScanBench bench(backend);
+  const std::string size = "361 points, 1e5 candidates";
+  std::vector<BenchRow> rows;
+  // A match waits for its own result.
+  const Work match{.step = [&bench] { bench.match(); }, .device_ns = clock_of(backend), .most_in_line = 1};
+  rows.push_back(scan_row("match: " + size, "candidate", kCandidates, match, options));
+  bench.require_found();
+  const Work merge = work_on(backend, bench.map_buffer(), [&bench] { bench.merge(); });
+  rows.push_back(scan_row("merge: 512x512 window", "cell", bench.window_cells(), merge, options));
+  Work both = work_on(backend, bench.map_buffer(), [&bench] {
+    bench.match();
+    bench.merge();
+  });
+  both.device_ns = nullptr;  // two submissions: the clock tells of the last
+  rows.push_back(scan_row("match and merge: " + size, "candidate", kCandidates, both, options));
+  bench.require_found();
+  bench.prepare_costs();
+  Work costs = work_on(backend, bench.costs(), [&bench] { bench.cost_many(); });
+  costs.most_in_line = 1;  // one of them keeps a slow device busy for seconds
+  rows.push_back(scan_row("cost: 361 points, 1e6 candidates", "look-up", bench.many_look_ups(), costs, options));
+  return rows;
+}
+
+}  // namespace gdtslam

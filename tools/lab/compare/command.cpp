@@ -1,0 +1,253 @@
+// gdtslam compare: the methods that minimise the cost of a scan, on the same scans and starts, against proven
+// solutions.
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
+#include "tools/gdtslam/shell/whole_number.hpp"
+#include "tools/gdtslam/shell/written_files.hpp"
+#include "tools/lab/matchers/picture.hpp"
+#include "tools/lab/matchers/run.hpp"
+#include "tools/lab/matchers/table.hpp"
+#include "tools/lab/matchers/whole.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr const char* kDefaultLevels = "2cm/0.5deg,5cm/1deg,10cm/2deg,20cm/5deg,40cm/10deg,80cm/20deg";
+
+struct CompareOptions {
+  std::vector<std::string> logs;
+  std::string methods;
+  std::string levels = kDefaultLevels;
+  std::uint64_t scans = 200;
+  std::uint64_t starts = 1;
+  std::uint64_t seed = 1;
+  std::string gap = "0.5mm";
+  std::string reference;
+  std::string relations;
+  std::string csv;
+  std::string picture;
+  SettingsOptions settings;
+  DeviceOptions device{.device = "cpu"};
+  ScanRange range;
+  bool lenient = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+std::vector<std::string> split(const std::string& text, char mark) {
+  std::vector<std::string> parts{""};
+  for (const char c : text) {
+    if (c == mark) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+double quantity_between(const std::string& option, const std::string& text, Unit unit, double least, double most,
+                        const std::string& limits) {
+  const double value = quantity_of(option, text, unit);
+  if (value >= least && value <= most) return value;
+  throw UsageError(fmt::format("{}: {} is out of range: {}", option, text, limits));
+}
+
+// "2cm/0.5deg,..."; "none": the prediction alone.
+std::vector<StartLevel> levels_of(const std::string& text) {
+  constexpr double kMost_m = 5.0;
+  constexpr double kMost_rad = 3.141592653589793;
+  std::vector<StartLevel> levels;
+  if (text == "none") return levels;
+  for (const std::string& level : split(text, ',')) {
+    const std::vector<std::string> parts = split(level, '/');
+    if (parts.size() != 2) {
+      throw UsageError("--starts-at: '" + level + "' is not DISTANCE/ANGLE, for example 20cm/5deg");
+    }
+    levels.push_back({quantity_between("--starts-at", parts[0], Unit::kMetre, 0.0, kMost_m, "0m to 5m"),
+                      quantity_between("--starts-at", parts[1], Unit::kRadian, 0.0, kMost_rad, "0deg to 180deg")});
+  }
+  return levels;
+}
+
+CompareJob job_of(const CompareOptions& options) {
+  for (const std::string& log : options.logs) {
+    if (log == "-") throw UsageError("compare reads the log more than once: give a file, not standard input");
+  }
+  constexpr std::uint64_t kMostStarts = 1000;
+  if (options.starts > kMostStarts) {
+    throw UsageError(fmt::format("--starts: {} is more than {}", options.starts, kMostStarts));
+  }
+  CompareJob job;
+  job.logs = options.logs;
+  const Settings settings = load_settings(options.settings);
+  job.read = read_options_of(settings.log, options.lenient);
+  job.range = options.range;
+  job.mapper = settings.mapper;
+  job.methods = compare_methods_of("--matchers", options.methods);
+  job.levels = levels_of(options.levels);
+  job.starts = static_cast<std::uint32_t>(options.starts);
+  job.scans = options.scans;
+  job.seed = options.seed;
+  job.global.gap_m = quantity_between("--gap", options.gap, Unit::kMetre, 1e-5, 0.1, "0.01mm to 10cm");
+  return job;
+}
+
+CompareTruth truth_of(const CompareOptions& options) {
+  CompareTruth truth;
+  truth.reference_file = options.reference;
+  truth.relations_file = options.relations;
+  if (!options.reference.empty()) {
+    truth.reference = read_tum(options.reference);
+    if (truth.reference->empty()) throw InputError({options.reference, 0}, "holds no pose; give a trajectory, TUM");
+  }
+  if (!options.relations.empty()) {
+    truth.relations = read_relations(options.relations);
+    if (truth.relations.empty()) throw InputError({options.relations, 0}, "holds no relation");
+  }
+  return truth;
+}
+
+std::vector<WholeRun> map_wholly(const CompareOptions& options, const CompareJob& job, const CompareTruth& truth,
+                                 Backend& backend) {
+  if (!truth.is_given()) return {};
+  std::unique_ptr<ProgressLine> line;
+  return whole_runs(
+      job, truth, backend,
+      [&](const std::string& method) -> CompareProgress {
+        line = std::make_unique<ProgressLine>("scans, " + method, options.quiet);
+        return [&line](std::uint64_t scans, double share) { line->update(scans, share); };
+      },
+      [] { return interrupted(); });
+}
+
+void check_files(const CompareOptions& options) {
+  std::vector<std::string> inputs = options.logs;
+  inputs.insert(inputs.end(), {options.reference, options.relations});
+  check_written_file("--csv", options.csv, inputs);
+  check_written_file("--picture", options.picture, inputs);
+}
+
+std::string name_of_log(const std::string& path) { return path.substr(path.rfind('/') + 1); }
+
+int compare(const CompareOptions& options) {
+  const CompareJob job = job_of(options);
+  if (!options.picture.empty()) check_drawing_file("--picture", options.picture);
+  check_files(options);
+  const CompareTruth truth = truth_of(options);
+  const std::unique_ptr<Backend> backend = make_backend(options.device);
+  CompareOutcome outcome;
+  {
+    ProgressLine progress("scans", options.quiet);
+    outcome = compare(
+        job, *backend, [&progress](std::uint64_t scans, double share) { progress.update(scans, share); },
+        [] { return interrupted(); });
+  }
+  const std::vector<WholeRun> runs = map_wholly(options, job, truth, *backend);
+  if (!options.csv.empty()) write_file_atomically(options.csv, as_csv(job, outcome));
+  if (!options.picture.empty()) {
+    write_file_atomically(options.picture, drawing_bytes(compare_picture(job, outcome, name_of_log(job.logs.front())),
+                                                         options.picture, kDensePng));
+  }
+  if (options.json) {
+    print_result(as_json(job, outcome, runs, truth).dump(2) + "\n");
+  } else if (!options.quiet) {
+    print_result(as_text(job, outcome) + as_text(runs, truth));
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void add_protocol_options(CLI::App& command, CompareOptions& options) {
+  command
+      .add_option("--matchers", options.methods,
+                  fmt::format("Methods to compare, separated by commas, in this order (default: all):\n{}",
+                              fmt::join(matcher_names(), ", ")))
+      ->type_name("A,B,...");
+  command
+      .add_option("--starts-at", options.levels,
+                  "Starts off the global solution, distance/angle each, besides the odometry's prediction; none")
+      ->type_name("D/A,...")
+      ->capture_default_str();
+  command.add_option("--starts", options.starts, "Starts of each distance at each scan")
+      ->type_name("N")
+      ->check(whole_number_from(1))
+      ->capture_default_str();
+  command.add_option("--scans", options.scans, "Scans to measure, evenly over the log")
+      ->type_name("N")
+      ->check(whole_number_from(1))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of the directions of the starts")
+      ->type_name("N")
+      ->check(whole_number_from(0))
+      ->capture_default_str();
+  command.add_option("--gap", options.gap, "Of the mean distance: the proof that is asked of the global solution")
+      ->type_name("LENGTH")
+      ->capture_default_str();
+  CLI::Option* relations = command.add_option(
+      "--relations", options.relations, "Also map the whole log with each matcher, against these verified relations");
+  CLI::Option* reference =
+      command.add_option("--reference", options.reference, "Likewise, against a true trajectory, TUM, plain or gzip");
+  relations->type_name("FILE")->excludes(reference);
+  reference->type_name("FILE");
+}
+
+void add_output_options(CLI::App& command, CompareOptions& options) {
+  command.add_flag("--json", options.json, "Print JSON; what depends on the machine is under \"times\"");
+  command.add_option("--csv", options.csv, "Write every trial")->type_name("FILE");
+  command.add_option("--picture", options.picture, "Draw the basins and the errors: .svg, .png or .pdf")
+      ->type_name("FILE");
+  command.add_flag("-q,--quiet", options.quiet, "Print errors only");
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command =
+      app.add_subcommand("compare", "The methods that match a scan, on the same scans, against proven solutions");
+  command->add_option("log", options->logs, "CARMEN logs, plain or gzip, one after the other")
+      ->required()
+      ->type_name("LOG");
+  command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
+  command->add_option("--skip", options->range.skip, "Leave out the first N scans")
+      ->type_name("N")
+      ->check(whole_number_from(0));
+  command->add_option("--first", options->range.count, "Read N scans only")
+      ->type_name("N")
+      ->check(whole_number_from(1));
+  add_protocol_options(*command, *options);
+  add_settings_options(*command, options->settings);
+  add_device_options(*command, options->device, false);
+  add_output_options(*command, *options);
+  command->footer(
+      "The log is mapped; at some of its scans, before they are matched, every method minimises the same cost on the\n"
+      "map as it is then, from the same starts. Errors are distances to the global solution, which branch and bound\n"
+      "proves (docs/matchers.md).\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam compare intel.clf.gz\n"
+      "  gdtslam compare intel.clf.gz --matchers simplex,gauss-newton --picture basins.svg --csv trials.csv\n"
+      "  gdtslam compare office.log --reference office.truth.tum --json");
+  command->callback([options, &context] {
+    context.run = [options] { return compare(*options); };
+    context.when_out_of_memory = kSmallerMap;
+  });
+}
+
+}  // namespace gdtslam

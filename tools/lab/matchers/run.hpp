@@ -1,0 +1,92 @@
+// The protocol of the paper's tables 1 and 2 on a log: the log is mapped, and at every so many scans, before the scan
+// is matched, all methods minimise the same cost on the map as it is then, from the same starts: where the odometry
+// says, and at growing distances from the global solution. Frame: map. One run belongs to one thread; the trials depend
+// on the log, the configuration and the seed alone, the times on the machine.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/runs/streams/scan_stream.hpp"
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+#include "global.hpp"
+#include "methods.hpp"
+#include "scan_constraint.hpp"
+
+namespace gdtslam {
+
+/// How far a start is from the global solution: in a random direction, to a random side.
+struct StartLevel {
+  double distance_m = 0.0;
+  double angle_rad = 0.0;
+};
+
+struct CompareJob {
+  std::vector<std::string> logs;
+  ReadOptions read;
+  ScanRange range;
+  MapperConfig mapper;
+  std::vector<MatcherKind> methods;
+  std::vector<StartLevel> levels;
+  std::uint32_t starts = 1;   ///< of each level, at each scan
+  std::uint64_t scans = 200;  ///< measured, evenly over the log
+  std::uint64_t seed = 1;
+  GlobalLimits global;
+};
+
+/// A scan that was measured.
+struct CompareScan {
+  std::uint64_t index = 0;  ///< among the scans of the run, from 0
+  double stamp_s = 0.0;
+  std::uint32_t points = 0;   ///< that count
+  Pose2 T_map_base;           ///< the global solution
+  double mean_cost_m = 0.0;   ///< there
+  double mean_bound_m = 0.0;  ///< no pose of the window costs less
+  bool is_certified = false;
+  double hold = 0.0;  ///< constraint_strength()
+  std::uint64_t boxes = 0;
+  double seconds = 0.0;  ///< that the global solution took
+  [[nodiscard]] bool is_weak() const { return hold < kWeakHold; }
+};
+
+/// One minimisation. Errors are against the global solution, in the map's frame.
+struct CompareTrial {
+  std::uint32_t scan = 0;    ///< in CompareOutcome::scans
+  std::uint32_t method = 0;  ///< in CompareJob::methods
+  std::uint32_t level = 0;   ///< 0: the odometry's prediction; else levels[level - 1]
+  std::uint32_t start = 0;   ///< of that level
+  double start_m = 0.0;      ///< the start's own error
+  double start_rad = 0.0;
+  double x_m = 0.0;  ///< errors of the end, absolute
+  double y_m = 0.0;
+  double theta_rad = 0.0;
+  double distance_m = 0.0;
+  double excess_m = 0.0;    ///< of the mean cost over the lower bound
+  bool is_optimal = false;  ///< by certificate: the excess is within the gap
+  std::uint32_t evaluations = 0;
+  double seconds = 0.0;  ///< CPU time of all threads, which other work on the machine hardly disturbs
+  [[nodiscard]] bool is_success() const;
+};
+inline constexpr double kSuccess_m = 0.02;
+inline constexpr double kSuccess_deg = 0.5;
+
+struct CompareOutcome {
+  std::vector<CompareScan> scans;
+  std::vector<CompareTrial> trials;
+  std::uint64_t scans_read = 0;
+  std::uint64_t every = 1;    ///< of them one was measured
+  std::uint64_t refused = 0;  ///< measured, but then not matched by the mapper: left out
+  std::uint64_t too_few = 0;  ///< had too few points near the map to be measured
+  std::uint64_t better = 0;   ///< ends of methods that were taken as global solution, within the gap below the first
+};
+
+/// Called after each scan with the number of scans and the share done (negative when unknown).
+using CompareProgress = std::function<void(std::uint64_t, double)>;
+/// Throws InputError, FileError, DeviceError; Error(kInterrupted) when stop() became true.
+CompareOutcome compare(const CompareJob& job, Backend& backend, const CompareProgress& progress,
+                       const std::function<bool()>& stop);
+
+}  // namespace gdtslam

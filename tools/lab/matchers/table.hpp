@@ -1,0 +1,26 @@
+// A comparison as it is printed: text in the units of the paper's tables (cm, degrees), JSON and CSV in metres and
+// degrees. Times stand apart from what is the same on every machine: in JSON under "times", in CSV in the last column.
+// Thread-safe.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "figures.hpp"
+#include "run.hpp"
+#include "whole.hpp"
+
+namespace gdtslam {
+
+std::string as_text(const CompareJob& job, const CompareOutcome& outcome);
+/// The second table; empty without runs.
+std::string as_text(const std::vector<WholeRun>& runs, const CompareTruth& truth);
+nlohmann::ordered_json as_json(const CompareJob& job, const CompareOutcome& outcome, const std::vector<WholeRun>& runs,
+                               const CompareTruth& truth);
+/// One row for each trial.
+std::string as_csv(const CompareJob& job, const CompareOutcome& outcome);
+/// "20 cm, 5°"; "prediction" for level 0.
+std::string level_text(const CompareJob& job, std::uint32_t level);
+
+}  // namespace gdtslam

@@ -1,0 +1,55 @@
+// What `gdtslam reproduce` does: makes the parts that are asked for and not made yet, then writes the report of all
+// that are there. One run belongs to one thread and, at a time, to one folder.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "part.hpp"
+#include "store.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
+
+namespace gdtslam::reproduce {
+
+struct Options {
+  std::string folder;
+  std::vector<std::string> only;  ///< ids; empty: all
+  std::string data;               ///< folder of real logs; empty: none
+  DeviceOptions device;
+  std::string graphics = "auto";
+  bool force = false;      ///< parts that are made already, too
+  bool keep_runs = false;  ///< the simulated logs and runs stay in DIR/work
+  bool quiet = false;
+};
+
+/// A part of the list with what is kept of it.
+struct PartState {
+  const PartInfo* info = nullptr;
+  std::optional<KeptPart> kept;  ///< nothing: not made, or of another program or other inputs
+  bool is_new = false;           ///< made by this run
+};
+
+/// What the report says of the machine.
+struct Host {
+  std::string version;
+  std::string device;
+  std::string processor;
+  unsigned threads = 1;  ///< of the processor
+};
+
+struct Result {
+  std::vector<PartState> parts;
+  Host host;
+  std::string html;  ///< file
+  std::string markdown;
+  double wall_s = 0.0;  ///< of this run
+};
+
+/// The ids of parts by these names, "fig8" or "table1". Throws UsageError with the nearest one.
+std::vector<std::string> checked_ids(const std::vector<std::string>& names);
+
+/// Throws every typed error; parts that are finished by then are kept, and the report has them.
+Result reproduce(const Options& options);
+
+}  // namespace gdtslam::reproduce

@@ -1,0 +1,167 @@
+#include "workers.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <nlohmann/json.hpp>
+
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+
+namespace gdtslam::reproduce {
+namespace {
+
+using Json = nlohmann::json;
+
+// One line of JSON each. Nobody is left to hear of a line that cannot be written: the end of the process tells.
+void send(int pipe, const Json& message) {
+  const std::string line = message.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::size_t sent = 0;
+  while (sent < line.size()) {
+    const ssize_t count = ::write(pipe, line.data() + sent, line.size() - sent);
+    if (count < 0 && errno != EINTR) return;
+    sent += count > 0 ? static_cast<std::size_t>(count) : 0U;
+  }
+}
+
+// Often enough for a line on a terminal.
+Workers::Tell teller(int pipe) {
+  using Clock = std::chrono::steady_clock;
+  return [pipe, last = Clock::time_point{}](double share) mutable {
+    const Clock::time_point now = Clock::now();
+    if (now - last < std::chrono::milliseconds(100)) return;
+    last = now;
+    send(pipe, {{"share", share}});
+  };
+}
+
+Json outcome_of(const Workers::Work& work, int pipe) {
+  try {
+    return {{"result", work(teller(pipe))}};
+  } catch (const Error& error) {
+    return {{"error", error.what()}, {"code", static_cast<int>(error.code())}};
+  } catch (const std::bad_alloc&) {
+    return {{"error", "out of memory; fewer parts at a time need less (--threads 1)"},
+            {"code", static_cast<int>(ExitCode::kFailed)}};
+  } catch (const std::exception& error) {
+    return {{"error", error.what()}, {"code", static_cast<int>(ExitCode::kFailed)}};
+  }
+}
+
+// Ends with the parent, whatever ends that.
+[[noreturn]] void live_as_child(const Workers::Work& work, pid_t parent, int pipe) {
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() == parent) send(pipe, outcome_of(work, pipe));
+  ::_exit(0);
+}
+
+double seconds_of(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+Error system_error(const char* call) {
+  return {ExitCode::kFailed, fmt::format("a process for a part cannot be started: {}: {}", call, std::strerror(errno))};
+}
+
+constexpr int kLook_ms = 200;  // a signal may come between the look at its flag and the wait
+
+}  // namespace
+
+Workers::~Workers() {
+  for (const Process& process : running_) ::kill(process.pid, SIGTERM);
+  for (const Process& process : running_) {
+    ::close(process.pipe);
+    while (::waitpid(process.pid, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+}
+
+void Workers::start(std::size_t id, const Work& work) {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw system_error("pipe2");
+  std::fflush(nullptr);  // or the child would print it once more
+  const pid_t parent = ::getpid();
+  const pid_t pid = ::fork();
+  if (pid == 0) live_as_child(work, parent, ends[1]);
+  ::close(ends[1]);
+  if (pid < 0) {
+    ::close(ends[0]);
+    throw system_error("fork");
+  }
+  running_.push_back({.id = id, .pid = pid, .pipe = ends[0], .text = {}});
+}
+
+void Workers::take_lines(Process& process) {
+  for (std::size_t end = 0; (end = process.text.find('\n')) != std::string::npos;) {
+    const std::string line = process.text.substr(0, end);
+    process.text.erase(0, end + 1);
+    const Json message = Json::parse(line);
+    if (message.contains("share")) {
+      process.share = message.at("share").get<double>();
+    } else {
+      process.outcome = line;
+    }
+  }
+}
+
+Workers::Event Workers::event_of(const Process& process, double cpu_s, int status) {
+  if (process.outcome.empty()) {
+    const std::string how =
+        WIFSIGNALED(status) ? fmt::format(" by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status))) : "";
+    throw Error(ExitCode::kFailed,
+                fmt::format("the process that worked on it was ended{}; the same command goes on", how));
+  }
+  const Json outcome = Json::parse(process.outcome);
+  if (outcome.contains("error")) {
+    throw Error(static_cast<ExitCode>(outcome.at("code").get<int>()), outcome.at("error").get<std::string>());
+  }
+  return {.id = process.id, .share = 1.0, .cpu_s = cpu_s, .result = outcome.at("result").get<std::string>()};
+}
+
+// The outcome waits for the end of the process, which tells its time.
+Workers::Event Workers::ended(std::size_t place) {
+  const Process process = running_[place];
+  running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(place));
+  ::close(process.pipe);
+  int status = 0;
+  rusage usage{};
+  while (::wait4(process.pid, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  return event_of(process, seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime), status);
+}
+
+Workers::Event Workers::wait() {
+  for (;;) {
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");
+    std::vector<pollfd> pipes;
+    pipes.reserve(running_.size());
+    for (const Process& process : running_) pipes.push_back({.fd = process.pipe, .events = POLLIN, .revents = 0});
+    if (::poll(pipes.data(), pipes.size(), kLook_ms) <= 0) continue;
+    for (std::size_t k = 0; k < pipes.size(); ++k) {
+      if (pipes[k].revents == 0) continue;
+      std::array<char, 4096> bytes{};
+      const ssize_t count = ::read(pipes[k].fd, bytes.data(), bytes.size());
+      if (count == 0) return ended(k);
+      if (count < 0) continue;
+      Process& process = running_[k];
+      process.text.append(bytes.data(), static_cast<std::size_t>(count));
+      take_lines(process);
+      return {.id = process.id, .share = process.share, .cpu_s = 0.0, .result = {}};
+    }
+  }
+}
+
+}  // namespace gdtslam::reproduce

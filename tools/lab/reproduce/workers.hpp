@@ -1,0 +1,60 @@
+// Work in processes of its own, several at a time: what measures its CPU time measures nothing else, and a graphics
+// driver that fails takes one piece of work with it and not the rest. The processes are forks, so that whoever uses
+// this must not have started threads or opened a device. One object belongs to one thread. Linux.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gdtslam::reproduce {
+
+class Workers {
+ public:
+  /// Takes the share of the work that is done.
+  using Tell = std::function<void(double)>;
+  /// What runs in the process; what it returns comes back as Event::result, what it throws is thrown by wait().
+  using Work = std::function<std::string(const Tell&)>;
+  struct Event {
+    std::size_t id = 0;
+    double share = 0.0;
+    double cpu_s = 0.0;                 ///< of the process, where it ended
+    std::optional<std::string> result;  ///< nothing: it goes on
+  };
+
+  explicit Workers(unsigned most) : most_(most) {}
+  /// What still runs is told to stop (SIGTERM, see interrupt.hpp) and waited for.
+  ~Workers();
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
+
+  [[nodiscard]] bool is_full() const { return running_.size() >= most_; }
+  [[nodiscard]] bool is_idle() const { return running_.empty(); }
+  /// Throws Error where there is no further process.
+  void start(std::size_t id, const Work& work);
+  /// The next event of any; only where not idle. Throws Error with the code that the work threw, and
+  /// Error(kInterrupted) when the program is interrupted.
+  Event wait();
+
+ private:
+  struct Process {
+    std::size_t id = 0;
+    pid_t pid = 0;
+    int pipe = -1;
+    std::string text{};     ///< read, and no whole line yet
+    std::string outcome{};  ///< the line that tells it; empty: it works
+    double share = 0.0;
+  };
+  static void take_lines(Process& process);
+  static Event event_of(const Process& process, double cpu_s, int status);
+  Event ended(std::size_t place);
+
+  unsigned most_;
+  std::vector<Process> running_;
+};
+
+}  // namespace gdtslam::reproduce

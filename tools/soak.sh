@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# What is too long for tools/test.sh: the unit and property tests unoptimised, by clang and under three sanitizers, every
+# test with its longest settings, clang-tidy over every source, fuzzing for minutes. Some hours on two processors.
+# The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
+set -euo pipefail
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+step_count=7
+source "$root/tools/scripts/common.sh"
+
+usage() {
+  cat <<'USAGE'
+Usage: tools/soak.sh [STEP...]
+
+  debug      unit and property tests, unoptimised, with the checks of the standard library
+  clang      the same, built by clang
+  asan       the same under AddressSanitizer and UndefinedBehaviorSanitizer
+  tsan       the same under ThreadSanitizer
+  long       all tests with every mutant of the shaders, every failing call and 200 draws of the calibration
+  lint       clang-tidy over every source
+  fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)
+
+Without STEP: all of them.
+USAGE
+}
+steps=()
+for argument in "$@"; do
+  case "$argument" in
+    debug | clang | asan | tsan | long | lint | fuzz) steps+=("$argument") ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
+  esac
+done
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long lint fuzz); fi
+step_count=${#steps[@]}
+
+passed=0 failed=0
+problems=()
+
+export GDTSLAM_REQUIRE_VULKAN=1 GDTSLAM_REQUIRE_BROWSER=1 GDTSLAM_REQUIRE_PROGRAMS=1
+for lavapipe in /usr/share/vulkan/icd.d/lvp_icd{".$(uname -m)",}.json; do
+  if [[ -z ${VK_DRIVER_FILES:-} && -f $lavapipe ]]; then export VK_DRIVER_FILES=$lavapipe; fi
+done
+
+# test_build PRESET: builds the unit and property tests of a preset of CMakePresets.json and runs them.
+test_build() {
+  local build=$root/build/$1 program names=()
+  (cd "$root" && cmake --preset "$1" --log-level=WARNING)
+  while read -r program; do names+=("$program"); done < <(
+    ninja -C "$build" -t targets all | sed -n 's/^\(gdtslam_\(unit\|property\)_[a-z]*_tests\): phony$/\1/p')
+  cmake --build "$build" --parallel "$(build_jobs)" --target "${names[@]}" gdtslam
+  (cd "$build" && TSAN_OPTIONS="halt_on_error=1" UBSAN_OPTIONS=print_stacktrace=1 \
+    ctest -j "$(nproc)" --output-on-failure --no-tests=error -L '^(unit|property)$')
+}
+
+run_long() {
+  local build=$root/build/test
+  configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON
+  cmake --build "$build" --parallel "$(build_jobs)"
+  GDTSLAM_ALL_MUTANTS=1 GDTSLAM_CALIBRATION_DRAWS=200 ctest --test-dir "$build" -j "$(nproc)" --output-on-failure \
+    --no-tests=error --timeout 7200
+}
+
+run_lint() {
+  configure "$root/build/test" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON
+  cmake --build "$root/build/test" --parallel "$(build_jobs)"
+  python3 "$root/tools/scripts/lint.py" "$root/build/test"
+}
+
+run_fuzz() { GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-600} "$root/tools/scripts/fuzz.sh"; }
+
+run_step() {
+  case "$1" in
+    debug | clang | tsan) test_build "$1" ;;
+    asan) test_build asan-ubsan ;;
+    long) run_long ;;
+    lint) run_lint ;;
+    fuzz) run_fuzz ;;
+  esac
+}
+
+mkdir -p "$root/build"
+if ((${#steps[@]} == 1)); then
+  "$root/tools/install-packages.sh" all
+  run_step "${steps[0]}"
+  printf '1 passed, 0 failed\n'
+  exit 0
+fi
+# Each step is a process of its own, so that its first command that fails ends the step and not the run.
+for name in "${steps[@]}"; do
+  step "$name"
+  if "$root/tools/soak.sh" "$name"; then
+    passed=$((passed + 1))
+  else
+    failed=$((failed + 1))
+    problems+=("$name")
+  fi
+done
+finish_step
+if ((failed)); then printf 'Failed: %s\n' "${problems[*]}"; fi
+printf '%d passed, %d failed\n' "$passed" "$failed"
+((failed == 0))

@@ -1,0 +1,228 @@
+#include "offscreen_view.hpp"
+
+#include <GL/glew.h>
+#include <vtkCamera.h>
+#include <vtkNew.h>
+#include <vtkOpenGLFramebufferObject.h>
+#include <vtkPropCollection.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "graphics_state.hpp"
+#include "render_window.hpp"
+#include "shading.hpp"
+#include "vtk_messages.hpp"
+
+namespace gdtslam {
+
+struct OffscreenView::State {
+  std::shared_ptr<GlPlatform> platform;
+  std::unique_ptr<GlContext> context;
+  vtkNew<RenderWindow> window;
+  vtkNew<vtkRenderer> renderer;
+  Colour background = ink::kNight;
+  bool is_transparent = false;
+  bool has_eye_dome = false;
+  std::uint32_t samples = 1;
+  std::uint32_t largest_side = 0;
+
+  explicit State(const GraphicsContext& graphics)
+      : platform(graphics.state().platform), context(platform->make_context()) {}
+  ~State() {
+    // VTK frees its buffers in the context they belong to.
+    context->make_current();
+    window->Finalize();
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+};
+
+namespace {
+
+std::uint32_t largest_side_of_context() {
+  GLint renderbuffer = 0;
+  GLint texture = 0;
+  std::array<GLint, 2> viewport{};
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport.data());
+  return static_cast<std::uint32_t>(std::min({renderbuffer, texture, viewport[0], viewport[1]}));
+}
+
+void check_size(const PictureSize& size, std::uint32_t samples, std::uint32_t largest) {
+  const std::string text = std::to_string(size.width) + "x" + std::to_string(size.height);
+  if (size.width == 0 || size.height == 0) throw UsageError("a picture of " + text + " pixels has nothing to show");
+  if (std::max(size.width, size.height) <= largest / samples) return;
+  throw UsageError("a picture of " + text + " pixels with " + std::to_string(samples) +
+                   " samples a side is beyond what OpenGL can draw here, " + std::to_string(largest / samples) +
+                   " pixels a side");
+}
+
+void throw_errors_of_vtk() {
+  const std::vector<std::string> errors = take_vtk_errors();
+  if (!errors.empty()) throw DeviceError("VTK", "rendering", errors.front());
+}
+
+/// Nearest and farthest distance along the view of the corners of what is shown.
+std::array<double, 2> span_of(const std::array<double, 6>& bounds, const Point3& eye, const Point3& ahead) {
+  std::array<double, 2> span{1e300, -1e300};
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const Point3 point(bounds.at(corner & 1U), bounds.at(2 + (corner >> 1U & 1U)), bounds.at(4 + (corner >> 2U)));
+    const double depth = (point - eye).dot(ahead);
+    span = {std::min(span[0], depth), std::max(span[1], depth)};
+  }
+  return span;
+}
+
+void check_camera(const Camera& camera) {
+  if (!camera.eye.allFinite() || !camera.target.allFinite() || !camera.up.allFinite()) {
+    throw UsageError("the camera's eye, target and up must be finite");
+  }
+  const Point3 view = camera.target - camera.eye;
+  if (!(view.norm() > 0.0)) throw UsageError("the camera's eye and target are the same point");
+  if (!(view.cross(camera.up).norm() > 1e-9 * view.norm() * camera.up.norm())) {
+    throw UsageError("the camera looks along its own up direction");
+  }
+  const double size = camera.is_parallel ? camera.parallel_height_m : camera.view_angle_rad;
+  if (!(size > 0.0) || !(size < (camera.is_parallel ? 1e9 : kPi))) {
+    throw UsageError(camera.is_parallel ? "the height that a parallel camera shows must be positive"
+                                        : "a camera's view angle must lie between 0 and pi");
+  }
+}
+
+/// Sets VTK's camera so that nothing before the eye (of a parallel camera: nothing at all) is cut off.
+DepthRange point_camera(vtkRenderer& renderer, const Camera& camera) {
+  check_camera(camera);
+  const double distance = (camera.target - camera.eye).norm();
+  const Point3 ahead = (camera.target - camera.eye) / distance;
+  Point3 eye = camera.eye;
+  DepthRange range{0.1 * distance, 2.0 * distance, camera.is_parallel, 1.0};
+  std::array<double, 6> bounds{};
+  renderer.ComputeVisiblePropBounds(bounds.data());
+  if (bounds[0] <= bounds[1]) {
+    std::array<double, 2> span = span_of(bounds, eye, ahead);
+    const double margin = 0.01 * (span[1] - span[0]) + 1e-3 * distance;
+    if (camera.is_parallel && span[0] < 2.0 * margin) {
+      const double back = 2.0 * margin - span[0];
+      eye -= back * ahead;
+      span = {span[0] + back, span[1] + back};
+    }
+    range.farthest_m = std::max(span[1] + margin, 1e-3 * distance);
+    range.nearest_m = std::max(span[0] - margin, 1e-3 * range.farthest_m);
+  }
+  vtkCamera& view = *renderer.GetActiveCamera();
+  const Point3 target = eye + distance * ahead;
+  view.SetPosition(eye.x(), eye.y(), eye.z());
+  view.SetFocalPoint(target.x(), target.y(), target.z());
+  view.SetViewUp(camera.up.x(), camera.up.y(), camera.up.z());
+  view.SetUseHorizontalViewAngle(0);
+  view.SetViewAngle(camera.view_angle_rad * 180.0 / kPi);
+  view.SetParallelProjection(camera.is_parallel ? 1 : 0);
+  view.SetParallelScale(0.5 * camera.parallel_height_m);
+  view.SetClippingRange(range.nearest_m, range.farthest_m);
+  // 0.6 rad, the view angle of a Camera by default: 1/(2 tan 0.3).
+  range.equivalent_m = 1.6163642 * camera.parallel_height_m;
+  return range;
+}
+
+RawPicture read_back(RenderWindow& window, bool with_depth) {
+  RawPicture picture;
+  const int* size = window.GetSize();
+  picture.width = static_cast<std::uint32_t>(size[0]);
+  picture.height = static_cast<std::uint32_t>(size[1]);
+  const std::size_t count = std::size_t{picture.width} * picture.height;
+  vtkOpenGLFramebufferObject& framebuffer = *window.GetRenderFramebuffer();
+  framebuffer.Bind(GL_READ_FRAMEBUFFER);
+  framebuffer.ActivateReadBuffer(0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  picture.rgba.resize(4 * count);
+  glReadPixels(0, 0, size[0], size[1], GL_RGBA, GL_UNSIGNED_BYTE, picture.rgba.data());
+  if (with_depth) {
+    picture.depth.resize(count);
+    glReadPixels(0, 0, size[0], size[1], GL_DEPTH_COMPONENT, GL_FLOAT, picture.depth.data());
+  }
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    throw DeviceError("OpenGL", "glReadPixels", error == GL_OUT_OF_MEMORY ? "out of memory" : std::to_string(error));
+  }
+  return picture;
+}
+
+RawPicture drawn_over(Colour background, double alpha, RenderWindow& window, vtkRenderer& renderer, bool with_depth) {
+  renderer.SetBackground(background.red / 255.0, background.green / 255.0, background.blue / 255.0);
+  renderer.SetBackgroundAlpha(alpha);
+  window.Render();
+  if (!window.loading_failure().empty()) throw DeviceError("OpenGL", "glewInit", window.loading_failure());
+  throw_errors_of_vtk();
+  return read_back(window, with_depth);
+}
+
+bool has_translucent_props(vtkRenderer& renderer) {
+  vtkPropCollection& props = *renderer.GetViewProps();
+  vtkCollectionSimpleIterator place = nullptr;
+  props.InitTraversal(place);
+  while (vtkProp* prop = props.GetNextProp(place)) {
+    if (prop->GetVisibility() != 0 && prop->HasTranslucentPolygonalGeometry() != 0) return true;
+  }
+  return false;
+}
+
+/// Over black that does not cover, so that colours come out premultiplied by what they cover.
+RawPicture drawn_over_nothing(RenderWindow& window, vtkRenderer& renderer, bool with_depth) {
+  RawPicture picture = drawn_over({0, 0, 0}, 0.0, window, renderer, with_depth);
+  // VTK blends translucent props with the right colours but squares their alpha.
+  if (has_translucent_props(renderer)) {
+    set_alpha_from(picture, drawn_over({255, 255, 255}, 1.0, window, renderer, false));
+  }
+  return picture;
+}
+
+}  // namespace
+
+OffscreenView::OffscreenView(const GraphicsContext& graphics) : state_(std::make_unique<State>(graphics)) {
+  State& s = *state_;
+  s.context->make_current();
+  s.largest_side = largest_side_of_context();
+  s.window->set_context(s.context.get());
+  s.window->AddRenderer(s.renderer);
+}
+
+OffscreenView::~OffscreenView() = default;
+
+vtkRenderer& OffscreenView::renderer() { return *state_->renderer; }
+
+void OffscreenView::set_background(Colour colour, bool is_transparent) {
+  state_->background = colour;
+  state_->is_transparent = is_transparent;
+}
+
+void OffscreenView::set_eye_dome(bool is_on) { state_->has_eye_dome = is_on; }
+
+void OffscreenView::set_samples(std::uint32_t samples) {
+  if (samples < 1 || samples > 4) {
+    throw UsageError("samples per pixel side must be 1 to 4, not " + std::to_string(samples));
+  }
+  state_->samples = samples;
+}
+
+std::uint32_t OffscreenView::samples() const { return state_->samples; }
+
+RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
+  State& s = *state_;
+  check_size(size, s.samples, s.largest_side);
+  s.context->make_current();
+  s.window->SetSize(static_cast<int>(size.width * s.samples), static_cast<int>(size.height * s.samples));
+  const DepthRange range = point_camera(*s.renderer, camera);
+  RawPicture picture = s.is_transparent ? drawn_over_nothing(*s.window, *s.renderer, s.has_eye_dome)
+                                        : drawn_over(s.background, 1.0, *s.window, *s.renderer, s.has_eye_dome);
+  // A pixel of pictures up to 720 rows high, and more of larger ones.
+  if (s.has_eye_dome) shade_eye_dome(picture, range, s.samples * std::max(1U, (size.height + 360U) / 720U));
+  return averaged(picture, s.samples, s.is_transparent);
+}
+
+}  // namespace gdtslam

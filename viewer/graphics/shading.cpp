@@ -1,0 +1,135 @@
+#include "shading.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gdtslam {
+namespace {
+
+/// Up to this share a neighbour's rise is a plane's tilt wherever the opposite one falls as much or more: a plane so
+/// flat that its depth doubles within twenty pixels. Beyond, only a fall that equals the rise speaks for a plane.
+constexpr float kTilt = 0.05F;
+/// Steps of depth beyond this share darken no more, so that far and near edges look alike.
+constexpr float kLargestStep = 0.04F;
+/// Rings of neighbours, each twice as wide as the one before.
+constexpr std::uint32_t kRings = 3;
+
+/// Nearness of every pixel, that is 1/distance up to a factor, 0 where nothing was drawn; with a rim of nothing, as
+/// wide as the widest ring.
+class Nearness {
+ public:
+  Nearness(const RawPicture& picture, const DepthRange& range, std::uint32_t rim)
+      : stride_(std::ptrdiff_t{picture.width} + 2 * std::ptrdiff_t{rim}),
+        rim_(rim),
+        values_(static_cast<std::size_t>(stride_) * (picture.height + 2 * std::size_t{rim})) {
+    // The depth buffer of a perspective camera is linear in 1/distance; that of a parallel one in the distance, which
+    // its pictures keep linear over planes.
+    const double span = range.farthest_m - range.nearest_m;
+    const auto factor = static_cast<float>(span / (range.is_parallel ? range.equivalent_m : range.farthest_m));
+    const auto least = range.is_parallel ? 1.0F : static_cast<float>(range.nearest_m / range.farthest_m);
+    const float* depth = picture.depth.data();
+    for (std::uint32_t y = 0; y < picture.height; ++y, depth += picture.width) {
+      float* row = values_.data() + (y + rim_) * stride_ + rim_;
+      for (std::uint32_t x = 0; x < picture.width; ++x) {
+        row[x] = depth[x] < 1.0F ? least + (1.0F - depth[x]) * factor : 0.0F;
+      }
+    }
+  }
+  [[nodiscard]] const float* row(std::uint32_t y) const { return values_.data() + (y + rim_) * stride_ + rim_; }
+  [[nodiscard]] std::ptrdiff_t stride() const { return stride_; }
+
+ private:
+  std::ptrdiff_t stride_;
+  std::ptrdiff_t rim_;
+  std::vector<float> values_;
+};
+
+/// Multiplies the row's shades by 1 + how much nearer two opposite neighbours are than the pixel between them, as a
+/// share, without what a plane's tilt explains. `scale` makes shares of steps.
+[[gnu::noinline]] void add_steps(const float* centre, const float* one, const float* other, const float* scale,
+                                 float tilt, std::size_t width, float* __restrict shade) {
+  // No arithmetic within the choices, no traps (viewer/CMakeLists.txt), and a call of its own, so that GCC believes
+  // that nothing overlaps: then it does four pixels at once.
+  for (std::size_t x = 0; x < width; ++x) {
+    const float to_a = one[x] - centre[x];
+    const float to_b = other[x] - centre[x];
+    const float slightest = tilt * centre[x];
+    const float a = one[x] > 0.0F ? to_a : 0.0F;
+    const float b = other[x] > 0.0F ? to_b : 0.0F;
+    const float rise_a = a > 0.0F ? a : 0.0F;
+    const float rise_b = b > 0.0F ? b : 0.0F;
+    const float rise = rise_a + rise_b;
+    const float fall = rise - (a + b);
+    const float less = rise < fall ? rise : fall;
+    const float more = rise < fall ? fall : rise;
+    const float slight = less < slightest ? less : slightest;
+    const float even = less - (more - less);
+    const float explained = slight > even ? slight : even;
+    const float step = (rise - explained) * scale[x];
+    shade[x] *= 1.0F + (step < kLargestStep ? step : kLargestStep);
+  }
+}
+
+}  // namespace
+
+void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius) {
+  const Nearness nearness(picture, range, radius << (kRings - 1U));
+  picture.depth = {};
+  std::vector<float> inverse(picture.width);
+  std::vector<float> shade(picture.width);
+  std::uint8_t* pixel = picture.rgba.data();
+  for (std::uint32_t y = 0; y < picture.height; ++y) {
+    const float* row = nearness.row(y);
+    std::fill(shade.begin(), shade.end(), 1.0F);
+    for (std::size_t x = 0; x < shade.size(); ++x) {
+      inverse[x] = row[x] <= 0.0F ? 0.0F : range.is_parallel ? 1.0F : 1.0F / row[x];
+    }
+    for (std::uint32_t ring = 0; ring < kRings; ++ring) {
+      const std::ptrdiff_t across = std::ptrdiff_t{radius} << ring;
+      const std::ptrdiff_t down = across * nearness.stride();
+      const float tilt = kTilt * static_cast<float>(across);
+      for (const std::ptrdiff_t to_one : {across, down, down + across, down - across}) {
+        add_steps(row, row + to_one, row - to_one, inverse.data(), tilt, picture.width, shade.data());
+      }
+    }
+    for (const float s : shade) {
+      const float light = 1.0F / ((s * s) * (s * s));
+      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(static_cast<float>(pixel[c]) * light + 0.5F);
+      pixel += 4;
+    }
+  }
+}
+
+void set_alpha_from(RawPicture& over_black, const RawPicture& over_white) {
+  for (std::size_t i = 0; i < over_black.rgba.size(); i += 4) {
+    int difference = 0;
+    for (std::size_t c = i; c < i + 3; ++c) difference += over_white.rgba[c] - over_black.rgba[c];
+    over_black.rgba[i + 3] = static_cast<std::uint8_t>(255 - std::clamp((difference + 1) / 3, 0, 255));
+  }
+}
+
+RgbaImage averaged(const RawPicture& picture, std::uint32_t samples, bool is_premultiplied) {
+  RgbaImage image(picture.width / samples, picture.height / samples);
+  const std::uint32_t count = samples * samples;
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      std::array<std::uint32_t, 4> sum{};
+      for (std::uint32_t j = 0; j < samples; ++j) {
+        const std::size_t row = std::size_t{image.height - 1 - y} * samples + j;
+        const std::uint8_t* from = picture.rgba.data() + 4 * (row * picture.width + std::size_t{x} * samples);
+        for (std::size_t k = 0; k < std::size_t{4} * samples; ++k) sum[k % 4] += from[k];
+      }
+      std::uint8_t* to = image.at(x, y);
+      const bool is_partial = is_premultiplied && sum[3] != 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t value = is_partial ? (255 * sum[c] + sum[3] / 2) / sum[3] : (sum[c] + count / 2) / count;
+        to[c] = static_cast<std::uint8_t>(std::min(value, std::uint32_t{255}));
+      }
+      to[3] = static_cast<std::uint8_t>((sum[3] + count / 2) / count);
+    }
+  }
+  return image;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,207 @@
+#include "page_cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "gdtslam/core/error.hpp"
+#include "viewer/scene/cloud/cloud_level.hpp"
+
+namespace gdtslam::page {
+namespace {
+
+constexpr std::size_t kSample = 200'000;  // points that the middle box is found by
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStrayShare = 0.001;          // at either end of each axis
+constexpr double kGoldenShare = 0.6180339887;  // consecutive multiples fill a circle evenly
+
+Point3 position(const CloudPoint& point) { return {point.x_m, point.y_m, point.z_m}; }
+
+bool is_finite(const CloudPoint& point) {
+  return position(point).allFinite() && std::isfinite(point.elevation_rad) && std::isfinite(point.stamp_s);
+}
+
+/// The value at a share of the sorted values, of the rank that pictures of clouds take (scene/cloud_colours.hpp).
+double percentile(std::vector<double>& values, double share) {
+  const auto rank = static_cast<std::ptrdiff_t>(std::floor(share * static_cast<double>(values.size() - 1) + 0.5));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<std::size_t>(rank)];
+}
+
+/// `value` as a share of the range in 0 to `steps`, rounded.
+std::uint16_t quantised(double value, double least, double extent, double steps) {
+  if (!(extent > 0.0)) return 0;
+  const double share = std::clamp((value - least) / extent, 0.0, 1.0);
+  return static_cast<std::uint16_t>(std::floor(share * steps + 0.5));
+}
+std::uint8_t quantised_byte(double value, const Range& range) {
+  return static_cast<std::uint8_t>(quantised(value, range.least, range.extent(), 255.0));
+}
+
+void describe_point(JsonWriter& json, std::string_view key, const Point3& point) {
+  json.open(key, '[').number("", point.x()).number("", point.y()).number("", point.z()).close();
+}
+
+void describe_range(JsonWriter& json, std::string_view key, const Range& range) {
+  json.open(key, '{').number("least", range.least).number("most", range.most);
+  json.number("low", range.low).number("high", range.high).close();
+}
+
+}  // namespace
+
+PagedCloud::PagedCloud(const Cloud& cloud, const std::vector<float>* distances_m)
+    : cloud_(cloud), distances_m_(distances_m) {
+  if (distances_m != nullptr && distances_m->size() != cloud.size()) {
+    throw InputError("a page needs one distance for each point: " + std::to_string(distances_m->size()) + " for " +
+                     std::to_string(cloud.size()) + " points");
+  }
+  if (cloud.size() > kMostPoints) {
+    throw InputError("a page holds at most " + std::to_string(kMostPoints) + " points, not " +
+                     std::to_string(cloud.size()) + ": thin the cloud");
+  }
+  keep_points();
+  find_levels();
+  measure();
+}
+
+/// A few stray points far away would coarsen the steps of all others: kept is what lies within the middle 99.8 % of
+/// each axis, widened by their largest extent on all sides.
+void PagedCloud::keep_points() {
+  std::vector<std::uint32_t> finite;
+  for (std::size_t k = 0; k < cloud_.size(); ++k) {
+    if (is_finite(cloud_[k])) finite.push_back(static_cast<std::uint32_t>(k));
+  }
+  if (finite.empty()) throw InputError("the cloud has no point that a page could show");
+  Point3 low;
+  Point3 high;
+  const std::size_t stride = finite.size() / kSample + 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(position(cloud_[finite[k]])[axis]);
+    const double beyond = std::floor(kStrayShare * static_cast<double>(values.size() - 1));  // of few points none
+    const double last = static_cast<double>(values.size() - 1);
+    low[axis] = percentile(values, last > 0.0 ? beyond / last : 0.0);
+    high[axis] = percentile(values, last > 0.0 ? (last - beyond) / last : 0.0);
+  }
+  middle_least_ = low;
+  middle_most_ = high;
+  const double reach = std::max((high - low).maxCoeff(), 1.0);
+  least_.setConstant(std::numeric_limits<double>::infinity());
+  most_ = -least_;
+  for (const std::uint32_t index : finite) {
+    const Point3 at = position(cloud_[index]);
+    if ((at - low).minCoeff() < -reach || (at - high).maxCoeff() > reach) continue;
+    kept_.push_back(index);
+    least_ = least_.cwiseMin(at);
+    most_ = most_.cwiseMax(at);
+  }
+  step_ = static_cast<std::uint64_t>(kGoldenShare * static_cast<double>(kept_.size())) | 1U;
+  while (std::gcd(step_, static_cast<std::uint64_t>(kept_.size())) != 1) step_ += 2;
+}
+
+template <class ValueOf>
+Range PagedCloud::range_of(const ValueOf& value_of) const {
+  Range range;
+  for (const std::uint32_t index : kept_) {
+    const double value = value_of(index);
+    if (!std::isfinite(value)) continue;
+    range.least = std::min(range.least, value);
+    range.most = std::max(range.most, value);
+  }
+  std::vector<double> sample;
+  for (const std::uint32_t index : kept_) {  // what is drawn at first, as in a picture of the cloud
+    const double value = level_of(cloud_[index]) == LevelCode::kCeiling ? kUnknown : value_of(index);
+    if (std::isfinite(value)) sample.push_back(value);
+  }
+  if (!sample.empty()) {
+    range.low = percentile(sample, 0.01);
+    range.high = percentile(sample, 0.99);
+  }
+  return range;
+}
+
+void PagedCloud::measure() {
+  height_ = range_of([&](std::uint32_t k) { return static_cast<double>(cloud_[k].z_m); });
+  time_ = range_of([&](std::uint32_t k) { return cloud_[k].stamp_s; });
+  elevation_ = range_of([&](std::uint32_t k) { return static_cast<double>(cloud_[k].elevation_rad); });
+  scan_ = range_of([&](std::uint32_t k) { return static_cast<double>(cloud_[k].scan); });
+  if (distances_m_ != nullptr) {
+    distance_ = range_of([&](std::uint32_t k) { return static_cast<double>((*distances_m_)[k]); });
+  }
+}
+
+void PagedCloud::find_levels() {
+  const LevelSurfaces surfaces = level_surfaces_of(cloud_);
+  if (surfaces.floor) floor_ = surfaces.floor->plane;
+  if (surfaces.ceiling) ceiling_ = surfaces.ceiling->plane;
+  for (const std::uint32_t index : kept_) {
+    const LevelCode level = level_of(cloud_[index]);
+    floor_points_ += level == LevelCode::kFloor ? 1U : 0U;
+    ceiling_points_ += level == LevelCode::kCeiling ? 1U : 0U;
+  }
+}
+
+LevelCode PagedCloud::level_of(const CloudPoint& point) const {
+  if (floor_ && floor_->distance_m(position(point)) <= kFloorMargin_m) return LevelCode::kFloor;
+  if (ceiling_ && ceiling_->distance_m(position(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
+  return LevelCode::kNone;
+}
+
+void PagedCloud::describe(JsonWriter& json) const {
+  json.open("cloud", '{').number("count", static_cast<double>(kept_.size()));
+  json.number("of", static_cast<double>(cloud_.size())).number("step", static_cast<double>(step_));
+  json.number("elements", static_cast<double>(elements()));
+  describe_point(json, "least", least_);
+  describe_point(json, "most", most_);
+  describe_point(json, "middle_least", middle_least_);
+  describe_point(json, "middle_most", middle_most_);
+  describe_range(json, "height", height_);
+  describe_range(json, "time", time_);
+  describe_range(json, "elevation", elevation_);
+  describe_range(json, "scan", scan_);
+  if (distances_m_ != nullptr && distance_.most >= distance_.least) describe_range(json, "distance", distance_);
+  const auto describe_level = [&](std::string_view key, const std::optional<Plane>& plane, std::uint64_t points) {
+    if (!plane) return;
+    const Point3 middle = 0.5 * (least_ + most_);
+    const Point3& n = plane->normal;  // upright within a few degrees
+    const double height_m = (plane->offset_m - n.x() * middle.x() - n.y() * middle.y()) / n.z();
+    json.open(key, '{').number("height", height_m).number("points", static_cast<double>(points)).close();
+  };
+  describe_level("floor", floor_, floor_points_);
+  describe_level("ceiling", ceiling_, ceiling_points_);
+  json.close();
+}
+
+void PagedCloud::append_point(std::size_t index, ByteWriter& bytes) const {
+  const CloudPoint& point = cloud_[index];
+  const Point3 at = position(point);
+  for (int axis = 0; axis < 3; ++axis) {
+    bytes.u16(quantised(at[axis], least_[axis], most_[axis] - least_[axis], 65535.0));
+  }
+  bytes.u16(quantised(point.stamp_s, time_.least, time_.extent(), 65535.0));
+  bytes.u8(quantised_byte(point.elevation_rad, elevation_));
+  bytes.u8(quantised_byte(point.scan, scan_));
+  if (distances_m_ == nullptr) {
+    bytes.u8(0);
+  } else {  // a point without a distance is farther than was searched
+    const double distance_m = static_cast<double>((*distances_m_)[index]);
+    bytes.u8(std::isfinite(distance_m) ? quantised_byte(distance_m, distance_) : 255U);
+  }
+  bytes.u8(static_cast<std::uint8_t>(level_of(point)));
+}
+
+void PagedCloud::append_points(std::string& out) const {
+  ByteWriter bytes(kBytesPerPoint * std::min(kPointsPerElement, kept_.size()));
+  std::uint64_t at = 0;
+  for (std::size_t element = 0; element < elements(); ++element) {
+    bytes.clear();
+    const std::size_t begin = element * kPointsPerElement;
+    for (std::size_t k = begin; k < std::min(begin + kPointsPerElement, kept_.size()); ++k) {
+      append_point(kept_[at], bytes);
+      at = (at + step_) % kept_.size();
+    }
+    append_bytes_element("points-" + std::to_string(element), bytes.bytes(), out);
+  }
+}
+
+}  // namespace gdtslam::page

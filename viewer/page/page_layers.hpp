@@ -1,0 +1,35 @@
+// What lies in a page beside the cloud: path, map, linkage and colour maps, each a description in JSON and bytes.
+// Thread-safe.
+#pragma once
+
+#include <string>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/pose3.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+#include "page_escape.hpp"
+
+namespace gdtslam::page {
+
+/// Poses as four float32: x, y relative to `origin`, heading, time since the first pose. At most kMostPoses, spread
+/// evenly, both ends among them.
+inline constexpr std::size_t kMostPoses = 50'000;
+void write_path(const Trajectory& trajectory, const Point3& origin, JsonWriter& json, std::string& elements);
+
+/// Cells as CellState in two bits, four to a byte, the first in the lowest bits; several cells become one where a side
+/// has more than kMostMapSide, the first of occupied, free, unknown that is among them.
+inline constexpr std::int32_t kMostMapSide = 4096;
+void write_map(const OccupancyMap& map, JsonWriter& json, std::string& elements);
+
+/// The linkage at kCrankSteps crank angles of calib/four_bar.hpp from 0 on (theta_input), eight float32 each: joints A
+/// and B, the middle of the coupler (x forward, z up, metres, from the crank's pivot; turned so that elevation 0 is
+/// level), elevation, transmission angle. Not a number where the loop does not close.
+inline constexpr int kCrankSteps = 720;
+void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string& elements);
+
+/// Name and 256 colours of each map, and which one suits which quantity on a dark and on a light ground, as in pictures
+/// of a cloud.
+void write_colour_maps(JsonWriter& json);
+
+}  // namespace gdtslam::page

@@ -1,0 +1,91 @@
+#include "gdtslam/viewer/camera.hpp"
+
+#include <cmath>
+
+#include "camera_basis.hpp"
+#include "engine/core/elementary.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kFollowSlopeRad = 0.87;    // steep enough to look over walls into the room of the robot
+constexpr double kFollowAheadShare = 0.15;  // of the distance: more is to be seen before the robot than behind it
+constexpr double kFollowViewAngleRad = 0.75;
+
+}  // namespace
+
+void Bounds::add(const Point3& point) {
+  lowest = lowest.cwiseMin(point);
+  highest = highest.cwiseMax(point);
+}
+
+bool Bounds::holds(const Point3& point) const {
+  return (lowest.array() <= point.array()).all() && (point.array() <= highest.array()).all();
+}
+
+const std::vector<CameraPresetName>& camera_presets() {
+  static const std::vector<CameraPresetName> presets{
+      {CameraPreset::kIso, "iso", "from a corner, 38 degrees down"},
+      {CameraPreset::kTop, "top", "straight down, without perspective"},
+      {CameraPreset::kFront, "front", "along y, without perspective"},
+      {CameraPreset::kSide, "side", "along -x, without perspective"},
+      {CameraPreset::kFollow, "follow", "behind and above the robot"},
+  };
+  return presets;
+}
+
+CameraBasis basis_of(const Camera& camera) {
+  const Point3 forward = (camera.target - camera.eye).normalized();
+  Point3 right = forward.cross(camera.up.normalized());
+  // An up along the line of sight says nothing: take the first axis that does.
+  if (right.norm() < 1e-9) right = forward.cross(Point3::UnitY());
+  if (right.norm() < 1e-9) right = forward.cross(Point3::UnitZ());
+  right.normalize();
+  return {.right = right, .up = right.cross(forward), .forward = forward};
+}
+
+double half_height_slope(const Camera& camera) {
+  const SinCos<double> half = sin_cos(0.5 * camera.view_angle_rad);
+  return half.sin / half.cos;
+}
+
+Camera follow_camera(const Pose2& T_map_base, double distance_m) {
+  const SinCos<double> heading = sin_cos(T_map_base.theta_rad);
+  const SinCos<double> slope = sin_cos(kFollowSlopeRad);
+  const Point3 ahead(heading.cos, heading.sin, 0.0);
+  Camera camera;
+  camera.target = Point3(T_map_base.x_m, T_map_base.y_m, 0.0) + kFollowAheadShare * distance_m * ahead;
+  camera.eye = camera.target - slope.cos * distance_m * ahead + Point3(0.0, 0.0, slope.sin * distance_m);
+  camera.view_angle_rad = kFollowViewAngleRad;
+  return camera;
+}
+
+Camera turned(const Camera& camera, double angle_rad) {
+  const SinCos<double> turn = sin_cos(angle_rad);
+  const auto about_z = [&turn](const Point3& v) {
+    return Point3(turn.cos * v.x() - turn.sin * v.y(), turn.sin * v.x() + turn.cos * v.y(), v.z());
+  };
+  Camera result = camera;
+  result.eye = camera.target + about_z(camera.eye - camera.target);
+  result.up = about_z(camera.up);
+  return result;
+}
+
+double pixels_per_metre(const Camera& camera, const PictureSize& size, const Point3& point) {
+  const double depth_m = basis_of(camera).forward.dot(point - camera.eye);
+  if (depth_m <= 0.0) return 0.0;
+  if (camera.is_parallel) return size.height / camera.parallel_height_m;
+  return 0.5 * size.height / (half_height_slope(camera) * depth_m);
+}
+
+std::optional<Seen> pixel_of(const Camera& camera, const PictureSize& size, const Point3& point) {
+  const double scale_px = pixels_per_metre(camera, size, point);
+  if (scale_px <= 0.0) return std::nullopt;
+  const CameraBasis basis = basis_of(camera);
+  const Point3 from_eye = point - camera.eye;
+  return Seen{.x_px = 0.5 * size.width + scale_px * basis.right.dot(from_eye),
+              .y_px = 0.5 * size.height - scale_px * basis.up.dot(from_eye),
+              .depth_m = basis.forward.dot(from_eye)};
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,133 @@
+// Films of a cloud: once around it, and behind the robot along its path.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "cloud_layout.hpp"
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/viewer/film.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kFollowDistance_m = 9.0;
+constexpr double kLookingAround_s = 1.5;  // over which the follow camera's direction is averaged, to each side,
+constexpr double kLookingFrames = 6.0;    // or over so many frames, where that is more
+
+// What both films share: pictures whose colour bar stays where the first frame has it.
+class CloudFilm : public Film {
+ public:
+  CloudFilm(CloudScene& scene, const CloudLook& look, CloudCaption caption, const PictureSize& size, std::size_t frames)
+      : scene_(scene), look_(look), caption_(std::move(caption)), size_(size), frames_(frames) {
+    if (frames == 0) throw UsageError("a film needs at least one frame");
+  }
+  [[nodiscard]] std::size_t frames() const override { return frames_; }
+
+ protected:
+  [[nodiscard]] CloudScene& scene() { return scene_; }
+  [[nodiscard]] const PictureSize& size() const { return size_; }
+  /// 0 to 1 from the first frame to the last.
+  [[nodiscard]] double share_of(std::size_t k) const {
+    return frames_ > 1 ? static_cast<double>(k) / static_cast<double>(frames_ - 1) : 1.0;
+  }
+  Canvas picture(const Camera& camera) {
+    auto image = std::make_shared<const RgbaImage>(scene_.render(camera, size_));
+    if (!bar_place_) bar_place_ = bar_place_of(*image, scene_.scale(), camera, look_, caption_);
+    return cloud_picture_at(bar_place_, std::move(image), scene_.scale(), camera, look_, caption_);
+  }
+  void set_bar_place(BarPlace place) { bar_place_ = place; }
+
+ private:
+  CloudScene& scene_;
+  CloudLook look_;
+  CloudCaption caption_;
+  PictureSize size_;
+  std::size_t frames_;
+  std::optional<BarPlace> bar_place_;
+};
+
+class OrbitFilm : public CloudFilm {
+ public:
+  using CloudFilm::CloudFilm;
+
+  Canvas frame(std::size_t k) override {
+    const double angle_rad = kTwoPi * static_cast<double>(k) / static_cast<double>(frames());
+    return picture(turned(orbit_camera(scene().bounds(), size()), angle_rad));
+  }
+};
+
+// Unit vector of the robot's mean heading around a time, so that the camera does not follow each jerk.
+Point2 mean_heading(const Trajectory& trajectory, double stamp_s, double over_s) {
+  Point2 sum = Point2::Zero();
+  for (const StampedPose& pose : trajectory) {
+    const double away = std::fabs(pose.stamp_s - stamp_s) / over_s;
+    if (away < 1.0) sum += (1.0 - away) * (pose.T_map_base * Point2(1.0, 0.0) - pose.T_map_base.translation());
+  }
+  return sum;
+}
+
+Pose2 pose_at(const Trajectory& trajectory, double stamp_s) {
+  const auto next = std::find_if(trajectory.begin(), trajectory.end(),
+                                 [stamp_s](const StampedPose& pose) { return pose.stamp_s >= stamp_s; });
+  if (next == trajectory.begin()) return next->T_map_base;
+  const StampedPose& before = *(next - 1);
+  if (next == trajectory.end() || !(next->stamp_s > before.stamp_s)) return before.T_map_base;
+  const double share = (stamp_s - before.stamp_s) / (next->stamp_s - before.stamp_s);
+  return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, next->T_map_base)));
+}
+
+class FollowFilm : public CloudFilm {
+ public:
+  FollowFilm(CloudScene& scene, Trajectory trajectory, const CloudLook& look, const CloudCaption& caption,
+             const PictureSize& size, std::size_t frames)
+      : CloudFilm(scene, look, caption, size, frames), trajectory_(std::move(trajectory)) {
+    std::erase_if(trajectory_,
+                  [](const StampedPose& pose) { return !pose.T_map_base.is_finite() || !std::isfinite(pose.stamp_s); });
+    if (trajectory_.empty()) throw InputError("a film that follows the robot needs its path; the trajectory is empty");
+    // The first frames show little: where the bar stands well in them says nothing of the others.
+    set_bar_place(BarPlace::kLowRight);
+    const double length_s = trajectory_.back().stamp_s - trajectory_.front().stamp_s;
+    averaged_over_s_ = std::max(kLookingAround_s, kLookingFrames * length_s / static_cast<double>(frames));
+  }
+  FollowFilm(const FollowFilm&) = delete;
+  FollowFilm& operator=(const FollowFilm&) = delete;
+  ~FollowFilm() override {
+    scene().show_until(std::numeric_limits<double>::infinity());
+    scene().set_robot(std::nullopt);
+  }
+
+  Canvas frame(std::size_t k) override {
+    const double first_s = trajectory_.front().stamp_s;
+    // The last frame's time is the last pose's to the bit, so that the film ends with all that was measured till then.
+    const double stamp_s =
+        k + 1 == frames() ? trajectory_.back().stamp_s : first_s + share_of(k) * (trajectory_.back().stamp_s - first_s);
+    const Pose2 pose = pose_at(trajectory_, stamp_s);
+    Pose2 looking = pose;
+    const Point2 heading = mean_heading(trajectory_, stamp_s, averaged_over_s_);
+    if (heading.norm() > 1e-6) looking.theta_rad = gdtslam::atan2(heading.y(), heading.x());
+    scene().show_until(stamp_s);
+    scene().set_robot(pose);
+    return picture(follow_camera(looking, kFollowDistance_m));
+  }
+
+ private:
+  Trajectory trajectory_;
+  double averaged_over_s_ = kLookingAround_s;
+};
+
+}  // namespace
+
+std::unique_ptr<Film> orbit_film(CloudScene& scene, const CloudLook& look, const CloudCaption& caption,
+                                 const PictureSize& size, std::size_t frames) {
+  return std::make_unique<OrbitFilm>(scene, look, caption, size, frames);
+}
+
+std::unique_ptr<Film> follow_film(CloudScene& scene, const Trajectory& trajectory, const CloudLook& look,
+                                  const CloudCaption& caption, const PictureSize& size, std::size_t frames) {
+  return std::make_unique<FollowFilm>(scene, trajectory, look, caption, size, frames);
+}
+
+}  // namespace gdtslam

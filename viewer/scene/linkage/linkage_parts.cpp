@@ -1,0 +1,294 @@
+#include "linkage_parts.hpp"
+
+#include <vtkActor.h>
+#include <vtkMatrix4x4.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr Colour kSteel = colour_for(0x31363d);
+constexpr double kFanHalfWidth_rad = 1.05;
+constexpr Colour kHousing = colour_for(0xc3c8cf);
+constexpr Colour kCapWhite = colour_for(0xfdfdfb);
+
+Point2 direction(double angle_rad) {
+  const SinCos<double> unit = sin_cos(angle_rad);
+  return {unit.cos, unit.sin};
+}
+
+/// At a place of the plane of x and z, the part's x lifted by the angle.
+Pose3 planar(const Point2& place, double y, double angle_rad) {
+  return {{place.x(), y, place.y()}, exp_so3(Point3(0.0, -angle_rad, 0.0))};
+}
+
+Mesh extruded(const Outline& outline, double front_y, double back_y, double chamfer) {
+  Mesh mesh;
+  mesh.extrude(outline, front_y, back_y, chamfer);
+  return mesh;
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkActor> actor_of(const Mesh& mesh, Colour colour, Finish finish, double opacity) {
+  const auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
+  mapper->SetInputData(mesh.poly_data());
+  mapper->ScalarVisibilityOff();
+  auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  vtkProperty& property = *actor->GetProperty();
+  property.SetColor(colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
+  property.SetOpacity(opacity);
+  property.SetInterpolationToPhong();
+  const bool is_flat = finish == Finish::kFlat;
+  property.SetAmbient(is_flat ? 1.0 : 0.42);
+  property.SetDiffuse(is_flat ? 0.0 : 0.82);
+  property.SetSpecular(is_flat ? 0.0 : (finish == Finish::kPaint ? 0.12 : 0.45));
+  property.SetSpecularPower(finish == Finish::kGlass ? 60.0 : 25.0);
+  return actor;
+}
+
+void Part::add(const Mesh& mesh, Colour colour, Finish finish, double opacity) {
+  actors.push_back(actor_of(mesh, colour, finish, opacity));
+}
+
+void Part::move(const Pose3& T_world_part) {
+  const Eigen::Matrix3d rotation = rotation_matrix(T_world_part.rotation);
+  const auto matrix = vtkSmartPointer<vtkMatrix4x4>::New();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) matrix->SetElement(row, column, rotation(row, column));
+    matrix->SetElement(row, 3, T_world_part.translation_m[row]);
+  }
+  for (const auto& actor : actors) actor->SetUserMatrix(matrix);
+}
+
+void Part::show(bool is_visible) {
+  for (const auto& actor : actors) actor->SetVisibility(is_visible ? 1 : 0);
+}
+
+void Part::add_to(vtkRenderer& renderer) const {
+  for (const auto& actor : actors) renderer.AddActor(actor);
+}
+
+PartSizes suitable_sizes(const calib::FourBar& bars) {
+  const double longest_m = std::max({bars.crank_m, bars.coupler_m, bars.rocker_m, bars.ground_m});
+  const double shortest_m = std::min({bars.crank_m, bars.coupler_m, bars.rocker_m, bars.ground_m});
+  // Thin enough for the pins of the shortest bar not to touch.
+  const double bar_m = std::min(0.048 * longest_m, 0.28 * shortest_m);
+  return {.bar_m = bar_m, .laser_m = 0.42 * longest_m, .fan_m = 1.5 * std::max(bars.rocker_m, 0.6 * longest_m)};
+}
+
+Point2 LinkagePlane::at(const Point2& place) const {
+  const SinCos<double> by = sin_cos(model_.elevation_offset_rad);
+  const double x = place.x() - model_.bars.ground_m;
+  const double y = model_.elevation_sign * place.y();
+  return {by.cos * x - by.sin * y, by.sin * x + by.cos * y};
+}
+
+std::array<Point2, 4> LinkagePlane::joints(double crank_rad, const calib::LinkagePose& pose) const {
+  const calib::FourBar& bars = model_.bars;
+  const Point2 crank_end = bars.crank_m * direction(crank_rad);
+  const Point2 coupler_end = crank_end + bars.coupler_m * direction(pose.coupler_rad);
+  return {at(Point2::Zero()), at(crank_end), at(coupler_end), Point2::Zero()};
+}
+
+LinkageParts::LinkageParts(const calib::SweepModel& model, const PartSizes& sizes)
+    : model_(model), plane_(model), sizes_(sizes) {
+  build_ground();
+  build_bars();
+  build_laser();
+  build_fan();
+}
+
+double LinkageParts::thickness_m() const { return 1.1 * sizes_.bar_m; }
+
+double LinkageParts::layer_y(int layer) const {
+  const double ground_y = -(0.62 * sizes_.laser_m + thickness_m());
+  return ground_y - 1.2 * thickness_m() * layer;
+}
+
+double LinkageParts::cap_y(int front_layer) const { return layer_y(front_layer) - 0.5 * thickness_m(); }
+
+void LinkageParts::add_pin(Part& part, const Point2& at, double back_y, int front_layer) const {
+  const double radius = 0.74 * sizes_.bar_m;
+  const double front_y = cap_y(front_layer) - 0.12 * sizes_.bar_m;
+  part.add(extruded(circle_outline(at, radius), front_y, back_y, 0.08 * radius), kSteel, Finish::kSteel);
+  part.add(
+      extruded(circle_outline(at, 0.68 * radius), front_y - 0.03 * sizes_.bar_m, front_y + 0.1 * sizes_.bar_m, 0.0),
+      kCapWhite, Finish::kFlat);
+}
+
+void LinkageParts::build_bars() {
+  const calib::FourBar& bars = model_.bars;
+  const auto add_bar = [&](Part& part, double length_m, int layer, Colour colour) {
+    const double y = layer_y(layer);
+    part.add(extruded(bar_outline({0.0, 0.0}, {length_m, 0.0}, sizes_.bar_m), y - 0.5 * thickness_m(),
+                      y + 0.5 * thickness_m(), 0.16 * sizes_.bar_m),
+             colour);
+  };
+  add_bar(rocker_, bars.rocker_m, 1, ink::kRocker);
+  add_bar(crank_, bars.crank_m, 2, ink::kCrank);
+  add_bar(coupler_, bars.coupler_m, 3, ink::kCoupler);
+  add_pin(rocker_, {0.0, 0.0}, -0.5 * sizes_.laser_m, 1);
+  add_pin(rocker_, {bars.rocker_m, 0.0}, layer_y(1), 3);
+  add_pin(crank_, {0.0, 0.0}, layer_y(0), 2);
+  add_pin(crank_, {bars.crank_m, 0.0}, layer_y(2), 3);
+}
+
+void LinkageParts::build_ground() {
+  const Point2 crank_pivot = plane_.at(Point2::Zero());
+  const double front_y = layer_y(0) - 0.5 * thickness_m();
+  const double back_y = layer_y(0) + 0.5 * thickness_m();
+  ground_.add(
+      extruded(bar_outline(crank_pivot, Point2::Zero(), 0.85 * sizes_.bar_m), front_y, back_y, 0.12 * sizes_.bar_m),
+      ink::kGround);
+  if (!sizes_.with_feet) {
+    // A motor behind the crank's pivot, where the laser swings clear of it.
+    ground_.add(extruded(circle_outline(crank_pivot, 1.7 * sizes_.bar_m), back_y, back_y + 0.3 * sizes_.laser_m,
+                         0.2 * sizes_.bar_m),
+                kSteel, Finish::kSteel);
+    return;
+  }
+  const double foot_m = 3.4 * sizes_.bar_m;
+  for (const Point2& pivot : {crank_pivot, Point2(Point2::Zero())}) {
+    const Point2 left = pivot + Point2(-0.62 * foot_m, -foot_m);
+    const Point2 right = pivot + Point2(0.62 * foot_m, -foot_m);
+    ground_.add(
+        extruded(polygon_outline({left, right, pivot + Point2(0.34 * foot_m, 0.0), pivot - Point2(0.34 * foot_m, 0.0)}),
+                 front_y, back_y, 0.0),
+        ink::kGround);
+    Mesh hatch;
+    const double y = layer_y(0);
+    const double thin_m = 0.09 * sizes_.bar_m;
+    hatch.tube({{left.x() - 0.3 * foot_m, y, left.y()}, {right.x() + 0.3 * foot_m, y, right.y()}}, 1.6 * thin_m, false);
+    for (int i = 0; i < 6; ++i) {
+      const Point3 from(left.x() - 0.12 * foot_m + 0.31 * foot_m * i, y, left.y());
+      hatch.tube({from, from + Point3(-0.26 * foot_m, 0.0, -0.34 * foot_m)}, thin_m, false);
+    }
+    ground_.add(hatch, ink::kGround);
+  }
+}
+
+Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad) {
+  const Pose3 T_axis_level{{mount.lever_forward_m, 0.0, mount.lever_up_m}, Eigen::Quaterniond::Identity()};
+  return T_axis_level * T_level_laser(mount, elevation_rad);
+}
+
+Part laser_part(double side) {
+  Part laser;
+  const auto add_disc = [&](double radius, double from_z, double to_z, Colour colour, Finish finish) {
+    Mesh disc = extruded(circle_outline(Point2::Zero(), radius * side, 56), -to_z * side, -from_z * side, 0.02 * side);
+    // The outline's z becomes y, its -y becomes up.
+    disc.move({Point3::Zero(), exp_so3(Point3(-0.5 * kPi, 0.0, 0.0))});
+    laser.add(disc, colour, finish);
+  };
+  laser.add(extruded(rectangle_outline({-0.5 * side, -0.62 * side}, {0.5 * side, -0.14 * side}, 0.07 * side),
+                     -0.5 * side, 0.5 * side, 0.05 * side),
+            kHousing);
+  add_disc(0.42, -0.16, -0.10, ink::kLaser, Finish::kPaint);
+  add_disc(0.38, -0.12, 0.12, colour_for(0x17191d), Finish::kGlass);
+  add_disc(0.42, 0.11, 0.27, kHousing, Finish::kPaint);
+  return laser;
+}
+
+void LinkageParts::build_laser() {
+  const double side = sizes_.laser_m;
+  laser_ = laser_part(side);
+  const Point2 lever(model_.mount.lever_forward_m, model_.mount.lever_up_m);
+  for (const double sign : {-1.0, 1.0}) {
+    const double middle_y = sign * 0.555 * side;
+    cradle_.add(extruded(bar_outline({0.0, 0.0}, lever + Point2(0.0, -0.5 * side), 0.1 * side), middle_y - 0.03 * side,
+                         middle_y + 0.03 * side, 0.01 * side),
+                colour_for(0x8b929b), Finish::kSteel);
+  }
+  cradle_.add(extruded(rectangle_outline(lever + Point2(-0.42 * side, -0.68 * side),
+                                         lever + Point2(0.42 * side, -0.62 * side), 0.02 * side),
+                       -0.57 * side, 0.57 * side, 0.01 * side),
+              colour_for(0x8b929b), Finish::kSteel);
+}
+
+void LinkageParts::build_fan() {
+  constexpr int kBeams = 17;
+  constexpr int kRings = 6;
+  const double inner_m = std::min(0.42 * sizes_.laser_m, 0.5 * sizes_.fan_m);
+  for (int ring = 0; ring < kRings; ++ring) {
+    const auto radius = [&](int i) { return inner_m + (sizes_.fan_m - inner_m) * i / kRings; };
+    Mesh mesh;
+    mesh.band(fan_arc(radius(ring)), fan_arc(radius(ring + 1)));
+    fan_.add(mesh, ink::kLaser, Finish::kFlat, 0.34 - 0.04 * ring);
+  }
+  Mesh beams;
+  for (int i = 0; i < kBeams; ++i) {
+    const double bearing_rad = kFanHalfWidth_rad * (2.0 * i / (kBeams - 1) - 1.0);
+    const Point2 unit = direction(bearing_rad);
+    const double length_m = beam_length_m(unit, sizes_.fan_m);
+    if (length_m <= inner_m) continue;
+    beams.tube({inner_m * Point3(unit.x(), unit.y(), 0.0), length_m * Point3(unit.x(), unit.y(), 0.0)},
+               0.0024 * sizes_.fan_m, false);
+  }
+  // Opaque: VTK blends translucent props without an order, which turns such thin ones nearly white.
+  fan_.add(beams, colour_for(0xe8b04a), Finish::kFlat);
+}
+
+double LinkageParts::beam_length_m(const Point2& unit, double most_m) const {
+  // The linkage stands in the way on the right side; its own shadow shows nothing.
+  const double wall_y = layer_y(0) + thickness_m();
+  return unit.y() < 0.0 && sizes_.is_fan_cut ? std::min(most_m, wall_y / unit.y()) : most_m;
+}
+
+std::vector<Point3> LinkageParts::fan_arc(double radius_m) const {
+  constexpr int kSteps = 96;
+  std::vector<Point3> places;
+  for (int i = 0; i <= kSteps; ++i) {
+    const Point2 unit = direction(kFanHalfWidth_rad * (2.0 * i / kSteps - 1.0));
+    const double length_m = beam_length_m(unit, radius_m);
+    places.emplace_back(length_m * unit.x(), length_m * unit.y(), 0.0);
+  }
+  return places;
+}
+
+void LinkageParts::add_to(vtkRenderer& renderer) const {
+  for (const Part* part : {&ground_, &crank_, &coupler_, &rocker_, &cradle_, &laser_, &fan_}) part->add_to(renderer);
+}
+
+bool LinkageParts::pose(const Pose3& T_world_axis, double crank_rad) {
+  const std::optional<calib::LinkagePose> pose = calib::solve(model_.bars, model_.assembly, crank_rad);
+  const std::optional<double> elevation_rad = calib::elevation_rad(model_, crank_rad);
+  if (!pose || !elevation_rad) return false;
+  const std::array<Point2, 4> at = plane_.joints(crank_rad, *pose);
+  ground_.move(T_world_axis);
+  crank_.move(T_world_axis * planar(at[0], 0.0, plane_.angle_rad(crank_rad)));
+  coupler_.move(T_world_axis * planar(at[1], 0.0, plane_.angle_rad(pose->coupler_rad)));
+  rocker_.move(T_world_axis * planar(at[3], 0.0, plane_.angle_rad(pose->rocker_rad)));
+  cradle_.move(T_world_axis * planar(at[3], 0.0, *elevation_rad));
+  laser_.move(T_world_axis * T_axis_laser(*elevation_rad));
+  fan_.move(T_world_axis * T_axis_laser(*elevation_rad));
+  return true;
+}
+
+void LinkageParts::show(bool is_visible) {
+  for (Part* part : {&ground_, &crank_, &coupler_, &rocker_, &cradle_, &laser_, &fan_}) part->show(is_visible);
+}
+
+void LinkageParts::show_fan(bool is_visible) { fan_.show(is_visible); }
+
+std::array<Point3, 4> LinkageParts::joints(double crank_rad, const calib::LinkagePose& pose) const {
+  const std::array<Point2, 4> at = plane_.joints(crank_rad, pose);
+  constexpr std::array<int, 4> kFrontLayer = {2, 3, 3, 1};
+  std::array<Point3, 4> places;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    places[i] = {at[i].x(), cap_y(kFrontLayer[i]) - 0.15 * sizes_.bar_m, at[i].y()};
+  }
+  return places;
+}
+
+}  // namespace gdtslam

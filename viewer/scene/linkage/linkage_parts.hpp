@@ -1,0 +1,112 @@
+// The nodding linkage as VTK props: four bars with their joints, ground, laser in its cradle, fan of beams. Built once
+// for a model, then only moved. Frame `axis`: origin on the nodding axis (the rocker's pivot) in the laser's middle, x
+// forward, y left, z up; the linkage lies in planes of x and z on the right, drawn so that the rocker's direction is
+// the laser's elevation. Metres, radians. One object belongs to one thread.
+#pragma once
+
+#include <vtkSmartPointer.h>
+
+#include <array>
+#include <vector>
+
+#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/pose3.hpp"
+#include "gdtslam/drawing/colour.hpp"
+#include "mount_model_mesh.hpp"
+
+class vtkActor;
+class vtkRenderer;
+
+namespace gdtslam {
+
+/// How a prop's surface answers light.
+enum class Finish : std::uint8_t { kPaint, kSteel, kGlass, kFlat };
+vtkSmartPointer<vtkActor> actor_of(const Mesh& mesh, Colour colour, Finish finish = Finish::kPaint,
+                                   double opacity = 1.0);
+/// Props that move together.
+struct Part {
+  std::vector<vtkSmartPointer<vtkActor>> actors;
+  void add(const Mesh& mesh, Colour colour, Finish finish = Finish::kPaint, double opacity = 1.0);
+  void move(const Pose3& T_world_part);
+  void show(bool is_visible);
+  void add_to(vtkRenderer& renderer) const;
+};
+
+/// Sizes that the bars' lengths do not give.
+struct PartSizes {
+  double bar_m = 0.006;  ///< half the width of a bar
+  double laser_m = 0.06;
+  double fan_m = 0.3;
+  bool with_feet = true;   ///< the ground's hatched feet, as in textbooks; else a motor
+  bool is_fan_cut = true;  ///< where the linkage stands, so that it hides nothing of it
+};
+/// Sizes that suit the bars.
+PartSizes suitable_sizes(const calib::FourBar& bars);
+
+/// The sensor in the frame of the axis, for any mount.
+Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad);
+
+/// The sensor alone, its centre at the origin, about a cube of this side.
+Part laser_part(double side);
+
+/// Places of the linkage in the plane of x and z, from the nodding axis.
+class LinkagePlane {
+ public:
+  explicit LinkagePlane(const calib::SweepModel& model) : model_(model) {}
+  /// From the frame of four_bar.hpp.
+  [[nodiscard]] Point2 at(const Point2& place) const;
+  /// Of a direction of that frame, from level, positive lifting.
+  [[nodiscard]] double angle_rad(double linkage_rad) const {
+    return model_.elevation_sign * linkage_rad + model_.elevation_offset_rad;
+  }
+  /// 0 crank's pivot, 1 crank's end, 2 coupler's end, 3 rocker's pivot, as crank and coupler lead to them.
+  [[nodiscard]] std::array<Point2, 4> joints(double crank_rad, const calib::LinkagePose& pose) const;
+
+ private:
+  calib::SweepModel model_;
+};
+
+class LinkageParts {
+ public:
+  LinkageParts(const calib::SweepModel& model, const PartSizes& sizes);
+
+  void add_to(vtkRenderer& renderer) const;
+  /// False, and nothing moves, where the loop does not close.
+  bool pose(const Pose3& T_world_axis, double crank_rad);
+  void show(bool is_visible);
+  void show_fan(bool is_visible);
+  [[nodiscard]] Pose3 T_axis_laser(double elevation_rad) const {
+    return gdtslam::T_axis_laser(model_.mount, elevation_rad);
+  }
+  /// The middle of a joint's cap, in the frame of the axis.
+  [[nodiscard]] std::array<Point3, 4> joints(double crank_rad, const calib::LinkagePose& pose) const;
+  /// Middle of a layer: 0 ground, 1 rocker, 2 crank, 3 coupler.
+  [[nodiscard]] double layer_y(int layer) const;
+  [[nodiscard]] const PartSizes& sizes() const { return sizes_; }
+
+ private:
+  void build_bars();
+  void build_ground();
+  void build_laser();
+  void build_fan();
+  /// Along the beams' ends at a radius, cut off where the linkage stands.
+  [[nodiscard]] std::vector<Point3> fan_arc(double radius_m) const;
+  [[nodiscard]] double beam_length_m(const Point2& unit, double most_m) const;
+  /// A pin between two layers with its cap in front.
+  void add_pin(Part& part, const Point2& at, double back_y, int front_layer) const;
+  [[nodiscard]] double cap_y(int front_layer) const;
+  [[nodiscard]] double thickness_m() const;
+
+  calib::SweepModel model_;
+  LinkagePlane plane_;
+  PartSizes sizes_;
+  Part ground_;
+  Part crank_;
+  Part coupler_;
+  Part rocker_;
+  Part laser_;
+  Part cradle_;
+  Part fan_;
+};
+
+}  // namespace gdtslam

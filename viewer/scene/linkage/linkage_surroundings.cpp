@@ -1,0 +1,167 @@
+#include "linkage_surroundings.hpp"
+
+#include <vtkActor.h>
+#include <vtkLight.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+Point3 at_layer(const Point2& place, double y) { return {place.x(), y, place.y()}; }
+
+Point2 direction(double angle_rad) {
+  const SinCos<double> unit = sin_cos(angle_rad);
+  return {unit.cos, unit.sin};
+}
+
+/// A path as dashes of about `dash_m` with gaps of the same length.
+Mesh dashed(const std::vector<Point3>& path, double radius, double dash_m) {
+  Mesh mesh;
+  std::vector<Point3> dash;
+  double length_m = 0.0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (i > 0) length_m += (path[i] - path[i - 1]).norm();
+    const bool is_dash = std::fmod(length_m, 2.0 * dash_m) < dash_m;
+    if (is_dash) dash.push_back(path[i]);
+    if ((!is_dash || i + 1 == path.size()) && dash.size() > 1) mesh.tube(dash, radius, false);
+    if (!is_dash) dash.clear();
+  }
+  return mesh;
+}
+
+}  // namespace
+
+void add_lights(vtkRenderer& renderer) {
+  renderer.AutomaticLightCreationOff();
+  const auto add = [&](double x, double y, double z, double intensity) {
+    const auto light = vtkSmartPointer<vtkLight>::New();
+    light->SetLightTypeToCameraLight();
+    light->SetPosition(x, y, z);
+    light->SetFocalPoint(0.0, 0.0, 0.0);
+    light->SetIntensity(intensity);
+    renderer.AddLight(light);
+  };
+  add(-0.7, 1.0, 0.9, 0.75);
+  add(0.9, 0.1, 0.8, 0.25);
+  add(0.0, 0.0, 1.0, 0.25);
+}
+
+LinkageSurroundings::LinkageSurroundings(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks)
+    : plane_(cycle.model()),
+      thin_m_(0.085 * parts.sizes().bar_m),
+      sweep_m_(parts.sizes().fan_m),
+      sweep_y_(parts.layer_y(0) + parts.sizes().bar_m) {
+  add_sweep(cycle);
+  add_paths(cycle, parts);
+  add_dead_points(cycle, parts, marks);
+  find_reach(cycle, parts);
+}
+
+void LinkageSurroundings::add_to(vtkRenderer& renderer) const { still_.add_to(renderer); }
+
+Point3 LinkageSurroundings::sweep_rim(double elevation_rad, double share) const {
+  return at_layer(share * sweep_m_ * direction(elevation_rad), sweep_y_);
+}
+
+void LinkageSurroundings::add_paths(const LinkageCycle& cycle, const LinkageParts& parts) {
+  const calib::FourBar& bars = cycle.model().bars;
+  std::vector<Point3> curve;
+  std::vector<Point3> arc;
+  std::vector<Point3> circle;
+  for (const LinkagePosition& position : cycle.positions()) {
+    const auto joints = plane_.joints(position.crank_rad, position.pose);
+    const auto middle =
+        calib::coupler_point(bars, cycle.model().assembly, position.crank_rad, 0.5 * bars.coupler_m, 0.0);
+    if (middle) curve.push_back(at_layer(plane_.at(*middle), parts.layer_y(3)));
+    arc.push_back(at_layer(joints[2], parts.layer_y(1)));
+    circle.push_back(at_layer(joints[1], parts.layer_y(2)));
+  }
+  Mesh curve_mesh;
+  if (cycle.turns_fully() && curve.size() > 2) curve.pop_back();
+  curve_mesh.tube(curve, 1.5 * thin_m_, cycle.turns_fully());
+  still_.add(curve_mesh, ink::kCurve, Finish::kPaint);
+  const double dash_m = 0.5 * parts.sizes().bar_m;
+  // The lift's part alone: the return runs over it again.
+  const auto lift = static_cast<std::size_t>(static_cast<double>(arc.size() - 1) *
+                                             std::fabs(cycle.lift_span_rad() / cycle.span_rad()));
+  arc.resize(std::min(arc.size(), lift + 1));
+  still_.add(dashed(arc, thin_m_, dash_m), ink::kRocker, Finish::kPaint);
+  still_.add(dashed(circle, thin_m_, dash_m), ink::kCrank, Finish::kPaint);
+}
+
+void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
+  constexpr int kSteps = 96;
+  constexpr double kClearOfLaser = 0.24;
+  const double from_rad = cycle.lowest_rad();
+  const double to_rad = std::min(cycle.highest_rad(), from_rad + kTwoPi);
+  std::vector<Point3> hub;
+  std::vector<Point3> rim;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double elevation_rad = from_rad + (to_rad - from_rad) * i / kSteps;
+    hub.push_back(sweep_rim(elevation_rad, kClearOfLaser));
+    rim.push_back(sweep_rim(elevation_rad, 1.0));
+  }
+  Mesh sweep;
+  sweep.band(hub, rim);
+  still_.add(sweep, ink::kLaser, Finish::kFlat, 0.10);
+  if (cycle.sweeps_all_around()) return;
+  for (const double elevation_rad : {from_rad, to_rad}) {
+    std::vector<Point3> edge;
+    for (int i = 0; i <= kSteps; ++i) {
+      edge.push_back(sweep_rim(elevation_rad, kClearOfLaser + (1.0 - kClearOfLaser) * i / kSteps));
+    }
+    still_.add(dashed(edge, 0.8 * thin_m_, 0.035 * sweep_m_), ink::kLaser, Finish::kFlat);
+  }
+}
+
+void LinkageSurroundings::add_dead_points(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks) {
+  const double radius_m = 0.55 * parts.sizes().bar_m;
+  for (const LinkagePosition* position : {&cycle.begin(), &cycle.end()}) {
+    const auto joints = plane_.joints(position->crank_rad, position->pose);
+    const Point3 place = at_layer(joints[2], parts.layer_y(1));
+    Mesh mark;
+    mark.ball(place, radius_m);
+    still_.add(mark, marks, Finish::kPaint);
+    dead_points_.push_back(place);
+  }
+}
+
+void LinkageSurroundings::find_reach(const LinkageCycle& cycle, const LinkageParts& parts) {
+  const double wide_m = 1.6 * parts.sizes().bar_m;
+  const auto include = [&](const Point2& place, double y, double margin_m) {
+    for (const double x : {-margin_m, margin_m}) {
+      for (const double z : {-margin_m, margin_m}) reach_.push_back(at_layer(place + Point2(x, z), y));
+    }
+  };
+  const double laser_m = parts.sizes().laser_m;
+  for (std::size_t i = 0; i < cycle.positions().size(); i += 8) {
+    const LinkagePosition& position = cycle.positions()[i];
+    for (const Point2& joint : plane_.joints(position.crank_rad, position.pose)) {
+      include(joint, parts.layer_y(3), wide_m);
+    }
+    const Pose3 T_axis_laser = parts.T_axis_laser(position.elevation_rad);
+    for (const double y : {-0.87, -0.4, 0.0, 0.4, 0.87}) {
+      const double x = std::sqrt(1.0 - y * y);
+      reach_.push_back(T_axis_laser * Point3(sweep_m_ * x, sweep_m_ * y, 0.0));
+    }
+    for (const double x : {-0.5, 0.5}) {
+      for (const double z : {-0.7, 0.3}) {
+        for (const double y : {-0.5, 0.5})
+          reach_.push_back(T_axis_laser * Point3(x * laser_m, y * laser_m, z * laser_m));
+      }
+    }
+    reach_.push_back(sweep_rim(position.elevation_rad, 1.06));
+  }
+  include(plane_.at(Point2::Zero()) - Point2(0.0, 3.4 * parts.sizes().bar_m), parts.layer_y(0), 2.0 * wide_m);
+  include(Point2(0.0, -3.4 * parts.sizes().bar_m), parts.layer_y(0), 2.0 * wide_m);
+  reach_m_ = 0.0;
+  for (const Point3& place : reach_) reach_m_ = std::max(reach_m_, place.norm());
+}
+
+}  // namespace gdtslam
