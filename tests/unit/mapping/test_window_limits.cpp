@@ -58,17 +58,6 @@ Outcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
   return outcome;
 }
 
-void expect_equal(const MatchResult& found, const MatchResult& expected) {
-  EXPECT_EQ(found.T_map_base, expected.T_map_base);
-  EXPECT_EQ(found.evaluations, expected.evaluations);
-  EXPECT_EQ(found.attempts, expected.attempts);
-  EXPECT_EQ(found.mean_cost_m, expected.mean_cost_m);
-  EXPECT_EQ(found.overlap, expected.overlap);
-  EXPECT_EQ(found.contradiction, expected.contradiction);
-  EXPECT_EQ(found.stop, expected.stop);
-  EXPECT_EQ(found.doubt, expected.doubt);
-}
-
 /// One window with few points.
 Scene make_scene() {
   Scene scene{.config = {}, .points = {}, .prediction = {}};
