@@ -1,4 +1,4 @@
-#include "gdtslam/core/base64.hpp"
+#include "base64.hpp"
 
 #include <cstdint>
 #include <string_view>

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/stated_quantity.hpp"
+#include "stated_quantity.hpp"
 
 namespace gdtslam {
 namespace {

@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "gdtslam/drawing/letters.hpp"
+#include "letters.hpp"
 
 namespace gdtslam {
 namespace {

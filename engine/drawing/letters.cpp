@@ -1,4 +1,4 @@
-#include "gdtslam/drawing/letters.hpp"
+#include "letters.hpp"
 
 #include <cstdint>
 

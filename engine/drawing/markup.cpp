@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "gdtslam/drawing/letters.hpp"
+#include "letters.hpp"
 
 namespace gdtslam {
 namespace {

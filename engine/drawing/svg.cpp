@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "gdtslam/core/base64.hpp"
+#include "engine/core/base64.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "markup.hpp"

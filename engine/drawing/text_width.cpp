@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "gdtslam/drawing/canvas.hpp"
-#include "gdtslam/drawing/letters.hpp"
+#include "letters.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "atomic_file.hpp"
-#include "gdtslam/core/base64.hpp"
+#include "engine/core/base64.hpp"
 
 namespace gdtslam {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "atomic_file.hpp"
-#include "engine/io/logs/byte_source.hpp"
+#include "byte_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/mapping/map/stage_timer.hpp"
 #include "engine/mapping/match/matchers.hpp"
-#include "stage_timer.hpp"
 
 namespace gdtslam {
 namespace {

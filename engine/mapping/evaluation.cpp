@@ -9,7 +9,7 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/poses_by_stamp.hpp"
+#include "poses_by_stamp.hpp"
 
 namespace gdtslam {
 namespace {

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "device_map.hpp"
+#include "engine/mapping/map/stage_timer.hpp"
 #include "engine/mapping/match/matcher.hpp"
 #include "engine/mapping/match/motion_model.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
-#include "stage_timer.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "gdtslam/mapping/poses_by_stamp.hpp"
+#include "poses_by_stamp.hpp"
 
 #include <algorithm>
 #include <cmath>

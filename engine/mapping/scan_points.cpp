@@ -5,8 +5,8 @@
 #include <string>
 
 #include "engine/core/elementary.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
 #include "gdtslam/core/error.hpp"
-#include "scan_beams.hpp"
 
 namespace gdtslam {
 namespace {

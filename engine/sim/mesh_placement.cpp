@@ -1,4 +1,4 @@
-#include "gdtslam/sim/mesh_placement.hpp"
+#include "mesh_placement.hpp"
 
 #include "engine/core/elementary.hpp"
 

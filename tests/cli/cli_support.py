@@ -8,6 +8,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import tempfile
 import sys
 
 SOURCE = pathlib.Path(os.environ["GDTSLAM_SOURCE"])
@@ -50,14 +51,24 @@ def command(*arguments, **options):
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
 
 
-def measured(*arguments, **options):
-    """Runs gdtslam; exit code, standard error and the most memory that it held, in MB."""
-    process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                               stderr=subprocess.PIPE, text=True, **options)
-    stderr = process.stderr.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, stderr, usage.ru_maxrss // 1024
+# Runs what is given and says what it took. A process of its own, because the largest size of a child counts from before
+# its program was loaded, and a test that has made large files is itself large.
+MEASURE = """
+import json, os, subprocess, sys
+process = subprocess.Popen(sys.argv[2:], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+text = process.stdout.read().decode(errors="replace")
+_, status, usage = os.wait4(process.pid, 0)
+with open(sys.argv[1], "w") as file:
+    json.dump([os.waitstatus_to_exitcode(status), text, usage.ru_maxrss // 1024, usage.ru_utime + usage.ru_stime], file)
+"""
+
+
+def measured(*arguments, timeout=100, **options):
+    """Runs gdtslam; exit code, all that it printed, the most memory that it held in MB, and seconds of CPU."""
+    with tempfile.NamedTemporaryFile("r") as found:
+        subprocess.run([sys.executable, "-S", "-c", MEASURE, found.name, PROGRAM, *map(str, arguments)], check=True, timeout=timeout,
+                       **options)
+        return tuple(json.load(found))
 
 
 def fresh_folder(name):

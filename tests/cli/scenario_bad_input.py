@@ -124,12 +124,12 @@ def hostile_report():
     }
     for fault, text in cases.items():
         (run / "report.json").write_text(text)
-        code, error, megabytes = cli.measured("localize", run, LOG)
+        code, error, megabytes, _ = cli.measured("localize", run, LOG)
         print(f"{fault}: exit {code}, {megabytes} MB")
         expect(code == 65, f"exit {code}: {error}")
         one_error_line(error)
         expect(f"{run}/report.json" in error and fault in error and "map the log again: gdtslam map LOG -o" in error, error)
         expect(megabytes < 320, f"{fault}: {megabytes} MB")
     (run / "report.json").write_text(json.dumps({**sound, "keyframe_scans": [0] * 1_000_000}))  # a long day
-    code, error, megabytes = cli.measured("localize", run, LOG, "--scan", 1)
+    code, error, megabytes, _ = cli.measured("localize", run, LOG, "--scan", 1)
     expect(code == 0, error)

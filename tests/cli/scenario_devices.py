@@ -221,7 +221,7 @@ def verify_needs_its_files():
     """A sample log or expected results that are missing, damaged or of another log: one line each."""
     for damage, code, words in (("log", 74, "office-start.log.gz: comes with gdtslam but is in none of"),
                                 ("expected", 74, "office-start.json: comes with gdtslam but is in none of"),
-                                ("cut", 65, "office-start.json: is damaged"),
+                                ("cut", 65, "is no JSON text; install gdtslam again"),
                                 ("other", 65, "office-start.json: is not of this office-start.log.gz"),
                                 ("format", 65, "office-start.json: is of another format")):
         folder = copy_of_the_program("its_files")

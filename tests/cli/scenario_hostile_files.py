@@ -6,7 +6,6 @@ import re
 import signal
 import struct
 import subprocess
-import threading
 import time
 
 import cli_support as cli
@@ -22,22 +21,14 @@ PACKED_MB = 1000
 
 def refused(name, code, pattern, most_mb, *arguments, most_s=5.0):
     """One run and its one line; the largest resident size is that of this process alone."""
-    with subprocess.Popen([cli.PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True) as process:
-        timer = threading.Timer(60, process.kill)
-        timer.start()
-        stdout, stderr = process.stdout.read(), process.stderr.read()
-        _, status, usage = os.wait4(process.pid, 0)
-        timer.cancel()
-        process.returncode = os.waitstatus_to_exitcode(status)
-    cpu_s = usage.ru_utime + usage.ru_stime
-    print(f"{name}: exit {process.returncode}, {cpu_s:.2f} s CPU, {usage.ru_maxrss // 1024} MB: {stderr.strip()[:300]}")
-    expect_exit(subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr), code)
+    code_found, stderr, megabytes, cpu_s = cli.measured(*arguments, timeout=60)
+    print(f"{name}: exit {code_found}, {cpu_s:.2f} s CPU, {megabytes} MB: {stderr.strip()[:300]}")
+    expect(code_found == code, f"{name}: exit {code_found}: {stderr}")
     one_error_line(stderr)
     expect(re.search(pattern, stderr), f"{name}: {stderr}")
     if "FULL_DISK" in os.environ:  # a sanitized program needs more time and memory
         expect(cpu_s < most_s, f"{name}: took {cpu_s:.2f} s of CPU")
-        expect(usage.ru_maxrss < most_mb << 10, f"{name}: took {usage.ru_maxrss // 1024} MB")
+        expect(megabytes < most_mb, f"{name}: took {megabytes} MB")
 
 
 def scene_refused(name, lines, code, pattern, most_mb=FEW_MB, **options):

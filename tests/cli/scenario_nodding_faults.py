@@ -4,7 +4,7 @@ import math
 
 import cli_support as cli
 from cli_support import command, expect, expect_exit, one_error_line
-from nodding_log import FULL, TICKS_PER_TURN, UNCOVERED, Drive, closest, encoder, expect_lost, expect_warnings, kind_of, scans_between, stamp_of
+from nodding_log import APART, FULL, TICKS_PER_TURN, UNCOVERED, Drive, closest, encoder, expect_lost, expect_warnings, kind_of, scans_between, stamp_of
 from nodding_log import ticks_of, with_stamp
 
 
@@ -69,7 +69,7 @@ def nodding_encoder_jumps():
     outcome = drive.map("off", drive.edited(lambda line: encoder(line, (ticks_of(line) + 2500) % TICKS_PER_TURN) if at <= stamp_of(line) < 10.0 else line))
     lost = scans_between(drive.lines, at - 0.02, at) + scans_between(drive.lines, 9.98, 10.0)
     expect(outcome.nodding["without_nod"] == lost, f"off: {outcome.nodding}")
-    expect_warnings(outcome, {"nodding jumps": 2, **({UNCOVERED: lost} if lost else {})}, "off")
+    expect_warnings(outcome, {"nodding jumps": 2, APART: 1, **({UNCOVERED: lost} if lost else {})}, "off")
     before = [[p for p in points if p[4] < 4.0] for points in (outcome.points, plain.points)]
     expect(closest(*before) < 1e-6, "what comes before has moved")
 
@@ -208,7 +208,7 @@ def nodding_garbage_fields():
         outcome = drive.map("far", drive.edited(lambda line: encoder(line, next(far))), "--linkage", no_index)
         lost = scans_between(drive.lines, stamp_of(drive.lines[number]) - 0.02, stamp_of(drive.lines[number]) + 0.02)
         expect_lost(outcome, drive, lost, ticks)
-        expect_warnings(outcome, {"nodding jumps": 2, UNCOVERED: lost}, ticks)
+        expect_warnings(outcome, {"nodding jumps": 2, APART: 1, UNCOVERED: lost}, ticks)  # 100 ticks a message is no drive of this mount
 
 
 def nodding_tilt():

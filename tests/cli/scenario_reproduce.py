@@ -327,7 +327,7 @@ def reproduce_hostile_parts():
         expect(parts["fig3"]["new"], f"a part with {change} was kept")
     for big in ("[" * 60_000_000, "[" + "[]," * 20_000_000 + "0]"):
         kept.write_text(big)
-        code, error, megabytes = cli.measured("reproduce", "-o", folder, "--only", "fig3", "-q", env=WITHOUT_DATA)
+        code, error, megabytes, _ = cli.measured("reproduce", "-o", folder, "--only", "fig3", "-q", env=WITHOUT_DATA)
         expect(code == 0 and error == "", error)
         expect(megabytes < 600, f"{megabytes} MB")  # with its workers; the 60 MB took 4.6 GB
         expect(json.loads(kept.read_text())["version"] == 2, "the part was not made again")

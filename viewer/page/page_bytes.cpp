@@ -1,6 +1,6 @@
 #include "page_bytes.hpp"
 
-#include "gdtslam/core/base64.hpp"
+#include "engine/core/base64.hpp"
 
 namespace gdtslam::page {
 

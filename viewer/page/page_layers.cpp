@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/base64.hpp"
 #include "engine/core/elementary.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/base64.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "page_bytes.hpp"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/io/logs/byte_source.hpp"
+#include "engine/io/byte_source.hpp"
 
 namespace gdtslam {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "byte_source.hpp"
 #include "carmen_line.hpp"
+#include "engine/io/byte_source.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "byte_source.hpp"
+#include "engine/io/byte_source.hpp"
 
 namespace gdtslam {
 

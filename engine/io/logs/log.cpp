@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string_view>
 
-#include "byte_source.hpp"
 #include "carmen.hpp"
+#include "engine/io/byte_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "byte_source.hpp"
+#include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "field_cursor.hpp"
 #include "gdtslam/core/error.hpp"

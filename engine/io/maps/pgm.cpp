@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "engine/io/logs/byte_source.hpp"
+#include "engine/io/byte_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/logs/byte_source.hpp"
+#include "engine/io/byte_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

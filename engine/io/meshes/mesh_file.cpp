@@ -9,8 +9,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
-#include "engine/io/logs/byte_source.hpp"
 #include "mesh_builder.hpp"
 
 namespace gdtslam {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "engine/core/stated_quantity.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/nearest_name.hpp"
-#include "gdtslam/core/stated_quantity.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {

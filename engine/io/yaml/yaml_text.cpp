@@ -7,8 +7,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
-#include "engine/io/logs/byte_source.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "device.hpp"
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "field.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

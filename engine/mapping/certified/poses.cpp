@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/compute/host_kernels.hpp"
-#include "engine/mapping/cell_poses.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
+#include "engine/mapping/cost/cell_poses.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "search.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "device.hpp"
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 

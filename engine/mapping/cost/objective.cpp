@@ -4,9 +4,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "engine/compute/host_kernels.hpp"
+#include "cell_poses.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/core/elementary.hpp"
-#include "engine/mapping/cell_poses.hpp"
 #include "engine/mapping/map/device_memory.hpp"
 #include "gdtslam/core/angle.hpp"
 

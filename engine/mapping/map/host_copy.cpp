@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/compute/host_kernels.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "growth.hpp"
 

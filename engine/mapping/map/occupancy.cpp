@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "engine/core/elementary.hpp"
-#include "engine/mapping/scan_beams.hpp"
 #include "gdtslam/core/error.hpp"
 #include "growth.hpp"
+#include "scan_beams.hpp"
 
 namespace gdtslam {
 namespace {

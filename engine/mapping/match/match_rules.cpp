@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/mapping/cell_poses.hpp"
+#include "engine/mapping/cost/cell_poses.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/mapping/scan_beams.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
 
 namespace gdtslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/mapping/stage_timer.hpp"
+#include "engine/mapping/map/stage_timer.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "level_scan.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/core/elementary.hpp"
-#include "engine/mapping/scan_beams.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "sweep_assembler_batch.hpp"
 #include "sweep_assembler_strips.hpp"

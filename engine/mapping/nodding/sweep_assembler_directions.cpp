@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/mapping/scan_beams.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
 
 namespace gdtslam {
 

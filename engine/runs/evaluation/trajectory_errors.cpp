@@ -3,8 +3,8 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/mapping/poses_by_stamp.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/mapping/poses_by_stamp.hpp"
 
 namespace gdtslam {
 namespace {

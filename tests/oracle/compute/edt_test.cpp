@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"

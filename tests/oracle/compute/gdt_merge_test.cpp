@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 

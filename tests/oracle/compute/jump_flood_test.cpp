@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"

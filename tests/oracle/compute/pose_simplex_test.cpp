@@ -8,8 +8,8 @@
 #include <cstring>
 #include <limits>
 
-#include "engine/compute/host_kernels.hpp"
 #include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"
 #include "support/brute_polish.hpp"

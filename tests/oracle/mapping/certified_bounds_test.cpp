@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "certified_boxes.hpp"
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/core/elementary.hpp"
 #include "support/instruction_sets.hpp"
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "certified_fields.hpp"
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam::test {
 

@@ -22,11 +22,9 @@ Arrows make_arrows() {
       {"calib", {"calib/linkage"}},
       {"calib/linkage", {}},
       {"calib/calibration", {"calib", "calib/linkage"}},
-      {"engine/compute", {"engine/compute/kernels", "engine/compute/isa", "engine/compute/cpu"}},
-      {"engine/compute/cases", {"engine/compute", "engine/compute/kernels", "engine/compute/cpu"}},
-      {"engine/compute/kernels", {"engine/compute/cpu", "engine/compute/isa"}},
-      {"engine/compute/isa", {"engine/compute/cpu"}},
-      {"engine/compute/cpu", {}},
+      {"engine/compute", {"engine/compute/kernels"}},
+      {"engine/compute/cases", {"engine/compute", "engine/compute/kernels"}},
+      {"engine/compute/kernels", {}},
       {"engine/drawing", {}},
       {"engine/drawing/maps", {"engine/drawing"}},
       {"engine/drawing/plots", {"engine/drawing", "engine/drawing/maps"}},
@@ -44,7 +42,7 @@ Arrows make_arrows() {
       {"engine/mapping/cost", {"engine/mapping/map"}},
       {"engine/mapping/map", {}},
       {"engine/runs", {"engine/runs/folder", "engine/runs/linkage", "engine/runs/mapping", "engine/runs/streams"}},
-      {"engine/runs/folder", {"engine/runs", "engine/runs/linkage", "engine/runs/mapping", "engine/runs/streams"}},
+      {"engine/runs/folder", {"engine/runs/linkage", "engine/runs/mapping", "engine/runs/streams"}},
       {"engine/runs/mapping", {"engine/runs/streams"}},
 
       {"engine/runs/localizer",
@@ -124,9 +122,10 @@ std::string room_of(std::string_view path) {
   const std::size_t end = path.rfind('/');
   std::string room(path.substr(0, end == std::string_view::npos ? 0 : end));
   if (const std::size_t at = room.find("/include/gdtslam/"); at != std::string::npos) room.resize(at);
-  // Each kernel has a folder of its own; they are one room.
+  // Each kernel has a folder of its own; with the table of their functions, how they are called and the units that
+  // compile all of them once per instruction set they are one room.
   constexpr std::string_view kKernels = "engine/compute/kernels";
-  if (room.starts_with(kKernels)) room = kKernels;
+  if (room.starts_with(kKernels) || room == "engine/compute/isa" || room == "engine/compute/cpu") room = kKernels;
   return room;
 }
 

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_hidden_or_built(const std::string& name) {
-  return name.starts_with('.') || name == "build" || name == "runs" || name == "corpus" || name == "__pycache__";
+  return name.starts_with('.') || name == "build" || name == "corpus" || name == "__pycache__";
 }
 
 }  // namespace

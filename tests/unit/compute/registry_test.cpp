@@ -72,8 +72,9 @@ std::string snake_case(const std::string& camel) {
 /// The kernels that the headers declare: structs with a `static const KernelInfo& info();`.
 std::set<std::string> declared_kernels() {
   std::set<std::string> names;
-  const fs::path folder = fs::path(GDTSLAM_SOURCE_DIR) / "engine/compute/include/gdtslam/compute/kernels";
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+  const fs::path folder = fs::path(GDTSLAM_SOURCE_DIR) / "engine/compute/kernels";
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".hpp") continue;
     std::ifstream file(entry.path());
     std::string latest;
     for (std::string line; std::getline(file, line);) {

@@ -6,8 +6,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/compute/host_kernels.hpp"
 #include "engine/compute/kernels/field_grow/field_grow.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 

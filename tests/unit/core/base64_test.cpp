@@ -1,5 +1,5 @@
 // Base64 against the examples of its standard.
-#include "gdtslam/core/base64.hpp"
+#include "engine/core/base64.hpp"
 
 #include <array>
 #include <span>

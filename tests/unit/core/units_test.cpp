@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/core/stated_quantity.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/stated_quantity.hpp"
 
 namespace gdtslam {
 namespace {

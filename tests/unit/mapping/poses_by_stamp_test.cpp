@@ -1,5 +1,5 @@
 // The pose of a trajectory at a time.
-#include "gdtslam/mapping/poses_by_stamp.hpp"
+#include "engine/mapping/poses_by_stamp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "engine/io/file_limits.hpp"
 #include "engine/io/meshes/mesh_file.hpp"
 #include "engine/io/referenced_file.hpp"
-#include "gdtslam/sim/mesh_placement.hpp"
+#include "engine/sim/mesh_placement.hpp"
 #include "tools/gdtslam/shell/interrupt.hpp"
 
 namespace gdtslam {

@@ -60,8 +60,9 @@ std::string path_of(const CLI::App* app) {
   return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
 }
 
+// Of this very command: App::help() would be that of the sub-command which was parsed.
 std::string help_of(const CLI::App* app) {
-  return app->help(app->get_parent() == nullptr ? "" : path_of(app->get_parent()));
+  return app->get_formatter()->make_help(app, path_of(app), CLI::AppFormatMode::Normal);
 }
 
 int print_help_on(CLI::App* app, const std::vector<std::string>& words) {

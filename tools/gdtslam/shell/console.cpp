@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <system_error>
 
+#include "engine/drawing/letters.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/letters.hpp"
 #include "interrupt.hpp"
 
 namespace gdtslam {
@@ -19,7 +19,7 @@ bool is_control(char32_t code) {
 }
 
 void print_line(const char* begin, std::string_view text) {
-  fmt::print(stderr, "{}{}\n", begin, printable(text));
+  std::fputs(fmt::format("{}{}\n", begin, printable(text)).c_str(), stderr);  // a terminal that is gone takes no more
   std::fflush(stderr);
 }
 

@@ -26,6 +26,12 @@ std::string with_thousands(std::uint64_t value) {
   return text;
 }
 
+// A terminal that has gone away takes no more, and the work goes on without it.
+void write_line(const std::string& text) {
+  std::fputs(text.c_str(), stderr);
+  std::fflush(stderr);
+}
+
 }  // namespace
 
 std::string time_left_text(double seconds) {
@@ -46,8 +52,7 @@ void TerminalLine::draw(const std::function<std::string(double elapsed_s)>& text
   if (now - last_ < kRedrawInterval) return;
   last_ = now;
   drawn_ = true;
-  fmt::print(stderr, "\r\x1b[K{}", printable(text(elapsed_s())));
-  std::fflush(stderr);
+  write_line("\r\x1b[K" + printable(text(elapsed_s())));
 }
 
 double TerminalLine::elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
@@ -55,8 +60,7 @@ double TerminalLine::elapsed_s() const { return std::chrono::duration<double>(Cl
 void TerminalLine::clear() {
   if (!drawn_) return;
   drawn_ = false;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  write_line("\r\x1b[K");
 }
 
 ProgressLine::ProgressLine(std::string unit, bool quiet) : unit_(std::move(unit)), line_(quiet) {}

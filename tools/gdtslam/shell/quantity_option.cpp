@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/core/stated_quantity.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/stated_quantity.hpp"
 
 namespace gdtslam {
 namespace {

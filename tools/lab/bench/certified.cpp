@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/angle.hpp"

@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
+#include "engine/core/base64.hpp"
 #include "engine/drawing/markup.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
-#include "gdtslam/core/base64.hpp"
 #include "gdtslam/core/error.hpp"
 #include "report.hpp"
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "verdicts.hpp"
+#include "tools/lab/reproduce/parts/verdicts.hpp"
 
 namespace gdtslam::reproduce {
 

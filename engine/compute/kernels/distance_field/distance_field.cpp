@@ -1,7 +1,7 @@
 #include "distance_field.hpp"
 
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam {
 namespace {

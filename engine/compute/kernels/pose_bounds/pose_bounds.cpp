@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam {
 namespace {

@@ -3,7 +3,7 @@
 #include <cassert>
 
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/compute/host_kernels.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam {
 

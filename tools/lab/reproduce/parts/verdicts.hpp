@@ -8,8 +8,8 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
-#include "paper.hpp"
-#include "part.hpp"
+#include "tools/lab/reproduce/paper.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 
