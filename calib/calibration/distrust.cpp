@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "gdtslam/calib/calibration.hpp"
-#include "gdtslam/calib/self_calibration.hpp"
+#include "self_calibration.hpp"
 
 namespace gdtslam::calib {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <utility>
 
-#include "gdtslam/calib/self_calibration.hpp"
 #include "gdtslam/core/error.hpp"
 #include "observability.hpp"
+#include "self_calibration.hpp"
 #include "stroke_pairs.hpp"
 
 namespace gdtslam::calib {

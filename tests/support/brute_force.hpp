@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"

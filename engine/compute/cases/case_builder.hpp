@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/compute/kernel_cases.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "gdtslam/core/random.hpp"
+#include "kernel_cases.hpp"
 
 namespace gdtslam {
 

@@ -1,4 +1,4 @@
-#include "engine/compute/kernel_cases.hpp"
+#include "kernel_cases.hpp"
 
 #include <algorithm>
 #include <cstring>

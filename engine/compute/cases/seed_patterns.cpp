@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "engine/compute/kernel_cases.hpp"
 #include "gdtslam/core/random.hpp"
+#include "kernel_cases.hpp"
 
 namespace gdtslam {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "device_json.hpp"
 #include "engine/core/quantile.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
-#include "tools/gdtslam/shell/device/device_json.hpp"
 
 namespace gdtslam {
 namespace {

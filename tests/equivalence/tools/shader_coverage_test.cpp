@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "support/vulkan_device.hpp"
 
 namespace gdtslam {

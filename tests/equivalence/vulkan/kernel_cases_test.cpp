@@ -4,7 +4,7 @@
 #include <memory>
 #include <tuple>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "support/vulkan_device.hpp"
 
 namespace gdtslam::test {

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "gdtslam/core/error.hpp"
 #include "support/vulkan_device.hpp"

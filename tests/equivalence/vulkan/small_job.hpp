@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"

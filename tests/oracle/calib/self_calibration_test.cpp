@@ -1,6 +1,6 @@
 // A standing scanner in a room of planes, cast without the code under test: the up and the down stroke disagree where
 // the encoder's zero is wrong, and the calibration must find it, and must not claim what both strokes share.
-#include "gdtslam/calib/self_calibration.hpp"
+#include "calib/calibration/self_calibration.hpp"
 
 #include <gtest/gtest.h>
 

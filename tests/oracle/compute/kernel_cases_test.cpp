@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "support/brute_force.hpp"
 #include "support/instruction_sets.hpp"
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <limits>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/brute_force.hpp"

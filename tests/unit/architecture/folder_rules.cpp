@@ -23,7 +23,6 @@ Arrows make_arrows() {
       {"calib/linkage", {}},
       {"calib/calibration", {"calib", "calib/linkage"}},
       {"engine/compute", {"engine/compute/kernels"}},
-      {"engine/compute/cases", {"engine/compute", "engine/compute/kernels"}},
       {"engine/compute/kernels", {}},
       {"engine/drawing", {}},
       {"engine/drawing/maps", {"engine/drawing"}},
@@ -122,10 +121,13 @@ std::string room_of(std::string_view path) {
   const std::size_t end = path.rfind('/');
   std::string room(path.substr(0, end == std::string_view::npos ? 0 : end));
   if (const std::size_t at = room.find("/include/gdtslam/"); at != std::string::npos) room.resize(at);
-  // Each kernel has a folder of its own; with the table of their functions, how they are called and the units that
-  // compile all of them once per instruction set they are one room.
+  // Each kernel has a folder of its own; with the table of their functions, how they are called, the units that
+  // compile all of them once per instruction set and the cases that each is tried on they are one room.
   constexpr std::string_view kKernels = "engine/compute/kernels";
-  if (room.starts_with(kKernels) || room == "engine/compute/isa" || room == "engine/compute/cpu") room = kKernels;
+  if (room.starts_with(kKernels) || room == "engine/compute/isa" || room == "engine/compute/cpu" ||
+      room == "engine/compute/cases") {
+    room = kKernels;
+  }
   return room;
 }
 

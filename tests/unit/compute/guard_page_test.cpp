@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "support/instruction_sets.hpp"
 
 namespace gdtslam::test {

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "support/brute_force.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 
 namespace gdtslam::test {
 namespace {

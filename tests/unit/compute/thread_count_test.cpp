@@ -1,7 +1,7 @@
 // The same bytes whatever the number of threads, and whatever slices a kernel is cut into.
 #include <gtest/gtest.h>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "gdtslam/core/random.hpp"
 #include "support/instruction_sets.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "calib/calibration/self_calibration.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "gdtslam/calib/self_calibration.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 

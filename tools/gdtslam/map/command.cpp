@@ -118,7 +118,7 @@ int map(const MapOptions& options) {
     print_result(result.report);
   } else if (!options.quiet) {
     print_result((result.nodding ? as_text(*result.nodding, result.linkage) : "") +
-                 summary_of(result.outcome, request.folder));
+                 summary_of(result.outcome, printable(request.folder)));
   }
   if (!result.outcome.interrupted) return static_cast<int>(ExitCode::kDone);
   print_remark(fmt::format("interrupted after {} scans; their results are in {}", result.outcome.trajectory.size(),

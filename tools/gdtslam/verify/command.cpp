@@ -8,11 +8,11 @@
 #include <string>
 
 #include "engine/io/json_file.hpp"
+#include "engine/runs/folder/device_json.hpp"
 #include "gdtslam/core/error.hpp"
 #include "run.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/device/device_json.hpp"
 #include "tools/gdtslam/shell/device/verify_record.hpp"
 #include "tools/gdtslam/shell/whole_number.hpp"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "gdtslam/compute/backend.hpp"
 
 namespace gdtslam {

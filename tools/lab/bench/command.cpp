@@ -13,12 +13,12 @@
 
 #include "certified.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/folder/device_json.hpp"
 #include "gdtslam/core/error.hpp"
 #include "rows.hpp"
 #include "tools/gdtslam/shell/asset_folder.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/device/device_json.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/interrupt.hpp"
 #include "tools/gdtslam/shell/quantity_option.hpp"

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 #include "rows.hpp"
 

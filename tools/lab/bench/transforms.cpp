@@ -3,7 +3,7 @@
 #include <functional>
 #include <utility>
 
-#include "engine/compute/kernel_cases.hpp"
+#include "engine/compute/cases/kernel_cases.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "rows.hpp"

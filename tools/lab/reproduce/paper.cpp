@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "tools/lab/reproduce/parts/verdicts.hpp"
+#include "verdicts.hpp"
 
 namespace gdtslam::reproduce {
 

@@ -12,7 +12,7 @@
 #include "tools/gdtslam/pictures/source.hpp"
 #include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
-#include "verdicts.hpp"
+#include "tools/lab/reproduce/verdicts.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

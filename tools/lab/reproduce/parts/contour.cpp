@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "verdicts.hpp"
+#include "tools/lab/reproduce/verdicts.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

@@ -18,7 +18,7 @@
 #include "tools/gdtslam/shell/asset_folder.hpp"
 #include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
-#include "verdicts.hpp"
+#include "tools/lab/reproduce/verdicts.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

@@ -21,7 +21,7 @@
 #include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
 #include "tools/lab/reproduce/paper.hpp"
-#include "verdicts.hpp"
+#include "tools/lab/reproduce/verdicts.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
