@@ -1,16 +1,16 @@
-// Reads a log from memory and casts a ray through a simulated room: the parts that need other packages to link.
+// Reads a log and casts a ray through a simulated room: the parts that need other packages to link.
 #include <cmath>
+#include <fstream>
 #include <iostream>
-#include <span>
-#include <string>
+#include <variant>
 
-#include "engine/io/logs/carmen.hpp"
+#include "gdtslam/io/log.hpp"
 #include "gdtslam/sim/ray_caster.hpp"
 #include "gdtslam/sim/scene.hpp"
 
 int main() {
-  const std::string log = "# a log\nFLASER 3 1.0 2.0 3.0 0 0 0 0.5 0 0 10.0 host 10.0\n";
-  const auto reader = gdtslam::open_carmen(std::as_bytes(std::span(log)), "memory", {});
+  std::ofstream("three_beams.log") << "# a log\nFLASER 3 1.0 2.0 3.0 0 0 0 0.5 0 0 10.0 host 10.0\n";
+  const auto reader = gdtslam::open_log("three_beams.log", {});
   std::size_t beams = 0;
   while (const auto record = reader->next()) {
     if (const auto* scan = std::get_if<gdtslam::ScanRecord>(&*record)) beams = scan->scan.ranges_m.size();
