@@ -19,6 +19,7 @@ Vulkan runs on lavapipe, which needs no GPU; VK_DRIVER_FILES=FILE names another 
 
 GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are none)
 GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 30)
+GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours)
 GDTSLAM_JOBS=N     compiler processes at a time
 USAGE
 }
@@ -167,8 +168,8 @@ check "shellcheck" shellcheck -x -P "$root" "$root"/tools/*.sh "$root"/tools/scr
 check "shaders" "$root/tools/scripts/check_shaders.sh"
 
 begin "clang-tidy"
-# What changed in the last week; tools/soak.sh checks every source.
-since=$(git -C "$root" rev-list -1 --before='7 days ago' HEAD)
+# What changed since GDTSLAM_LINT_SINCE, or in the last six hours; tools/soak.sh checks every source.
+since=${GDTSLAM_LINT_SINCE:-$(git -C "$root" rev-list -1 --before='6 hours ago' HEAD)}
 check "clang-tidy" python3 "$root/tools/scripts/lint.py" ${since:+--since "$since"} "$build"
 
 begin "Sanitizers"

@@ -53,8 +53,8 @@ std::string matcher_doc() {
 }
 
 void add_match_options(MapperConfig& c, std::vector<Option>& table) {
-  static const std::string kMatcherDoc = matcher_doc();
-  table.push_back({"match.matcher", kMatcherDoc, Unit::kNone, 0, 0, Choice(c.match.matcher, matcher_names())});
+  static const std::string matcher_text = matcher_doc();
+  table.push_back({"match.matcher", matcher_text, Unit::kNone, 0, 0, Choice(c.match.matcher, matcher_names())});
   table.push_back(
       {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
   table.push_back({"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,

@@ -5,8 +5,8 @@ Usage: lint.py [--since REVISION] BUILD_FOLDER [FILE...]
 
 One process per processor. A file whose text, own headers, compile command and .clang-tidy have not changed since it last
 passed is not checked again; the record lies in BUILD_FOLDER/lint. With CI=true the record is ignored. With --since only
-sources are checked that changed since that revision, or include a header of ours that did, or all where .clang-tidy or
-this script changed.
+sources are checked that changed since that revision (other than by moving, or in what they include), and for each header of
+ours that did one source that includes it; all where .clang-tidy changed.
 
 clang-tidy spends nearly all its time in the headers of the system. So sources that are compiled with the same arguments are
 written one behind the other into one file, a batch, and checked in one go:
@@ -76,19 +76,43 @@ def own_headers(path, folders, seen):
                 break
 
 
+def without_includes(text):
+    return re.sub(r"^\s*#\s*include\b.*\n", "", text, flags=re.MULTILINE)
+
+
 def changed_files(revision):
-    """What the working tree has other than the revision."""
-    listed = subprocess.run(["git", "-C", str(ROOT), "diff", "--name-only", revision], capture_output=True, text=True,
-                            check=True).stdout
-    return {ROOT / name for name in listed.splitlines()}
+    """What the working tree has other than the revision, but for where a file lies and what it includes."""
+    git = ("git", "-C", str(ROOT))
+    listed = subprocess.run([*git, "diff", "-M40%", "--name-status", revision], capture_output=True, text=True, check=True).stdout
+    changed = set()
+    for line in listed.splitlines():
+        kind, *names = line.split("\t")
+        path = ROOT / names[-1]
+        if kind == "D":
+            continue
+        if kind[0] in "MR" and path.suffix in (".cpp", ".hpp"):
+            old = subprocess.run([*git, "show", f"{revision}:{names[0]}"], capture_output=True, text=True, check=True).stdout
+            if without_includes(old) == without_includes(path.read_text()):
+                continue
+        changed.add(path)
+    return changed
 
 
-def is_touched(path, arguments, changed):
-    if {ROOT / ".clang-tidy", pathlib.Path(__file__).resolve()} & changed:
-        return True
-    headers = {path}
-    own_headers(path, include_folders(arguments), headers)
-    return bool(headers & changed)
+def touched(sources, changed):
+    """The sources that changed, and for each header that did one source that includes it, a changed one where there is."""
+    if ROOT / ".clang-tidy" in changed:
+        return set(sources)
+    wanted = set(sources) & changed
+    headers = {path for path in changed if path.suffix == ".hpp"}
+    for path in [*sorted(wanted), *sorted(set(sources) - wanted)]:
+        if not headers:
+            break
+        included = set()
+        own_headers(path, include_folders(sources[path]), included)
+        if headers & included:
+            headers -= included
+            wanted.add(path)
+    return wanted
 
 
 def fingerprint(path, arguments, version):
@@ -243,10 +267,12 @@ def main():
         # One source compiled several times (once per instruction set) is checked once, as it is compiled first.
         if path in prints or (wanted and path not in wanted):
             continue
-        if touched_since is not None and not is_touched(path, arguments, touched_since):
-            continue
         prints[path] = fingerprint(path, arguments, version)
         database.append({"directory": command["directory"], "file": str(path), "arguments": arguments})
+    if touched_since is not None:
+        wanted = touched({pathlib.Path(entry["file"]): entry["arguments"] for entry in database}, touched_since)
+        database = [entry for entry in database if pathlib.Path(entry["file"]) in wanted]
+        prints = {path: key for path, key in prints.items() if path in wanted}
     (work / "compile_commands.json").write_text(json.dumps(database, indent=1))
 
     changed = [path for path, key in prints.items() if record.get(str(path)) != key]
