@@ -29,7 +29,7 @@ std::string fault_of_reference(const std::string& referrer, const std::string& n
     return in_quotes(name) + " is no name of a file";
   }
   const fs::path relative(name);
-  const std::string leads_out =
+  std::string leads_out =
       in_quotes(name) + " leads out of the folder of this file; put what it names into that folder and give its name";
   if (name.empty() || relative.is_absolute() || std::find(relative.begin(), relative.end(), "..") != relative.end()) {
     return leads_out;
