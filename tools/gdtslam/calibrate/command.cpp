@@ -1,5 +1,6 @@
 // gdtslam calibrate: a linkage from ranges to known kinds of surfaces, with what is known of each parameter.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <cmath>
 #include <memory>
@@ -159,7 +160,7 @@ void add_data_options(CLI::App& command, CalibrateCommand& chosen) {
 void add_calibrate_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<CalibrateCommand>();
   CLI::App* command =
-      app.add_subcommand("calibrate", "A nodding mount's linkage from ranges to a wall, with uncertainty");
+      add_command(app, "calibrate", "A nodding mount's linkage from ranges to a wall, with uncertainty");
   command->add_option("logs", chosen->job.logs, "Logs of the standing robot: scans and ENCODER")
       ->required()
       ->type_name("LOG");

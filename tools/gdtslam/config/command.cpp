@@ -1,5 +1,6 @@
 // gdtslam config: every option with its value, unit, default, bounds and origin; the schema of configuration files.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -134,9 +135,9 @@ int schema(const ConfigOptions& options) {
 
 void add_config_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<ConfigOptions>();
-  CLI::App* command = app.add_subcommand("config", "Every option with its value, unit, default, bounds and origin");
+  CLI::App* command = add_command(app, "config", "Every option with its value, unit, default, bounds and origin");
   command->require_subcommand(1);
-  CLI::App* showing = command->add_subcommand("show", "The effective configuration");
+  CLI::App* showing = add_command(*command, "show", "The effective configuration");
   add_settings_options(*showing, options->settings);
   CLI::Option* json = showing->add_flag("--json", options->json, "Print JSON");
   CLI::Option* yaml =
@@ -150,7 +151,7 @@ void add_config_command(CLI::App& app, CommandContext& context) {
       "  gdtslam config show -c my.yaml --set map.resolution=\"10 cm\"\n"
       "  gdtslam config show --yaml > my.yaml");
   showing->callback([options, &context] { context.run = [options] { return show(*options); }; });
-  CLI::App* schematic = command->add_subcommand("schema", "JSON schema of configuration files, for editors and checks");
+  CLI::App* schematic = add_command(*command, "schema", "JSON schema of configuration files, for editors and checks");
   add_settings_options(*schematic, options->settings);
   schematic->footer(
       "The defaults in the schema are the values of -c and --set.\n\nExamples:\n  gdtslam config schema > "

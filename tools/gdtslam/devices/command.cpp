@@ -1,5 +1,6 @@
 // gdtslam devices: what can compute here, with its limits, and whether `gdtslam verify` passed on it.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -182,7 +183,7 @@ int devices(bool json) {
 
 void add_devices_command(CLI::App& app, CommandContext& context) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("devices", "What can compute here: processor, instruction sets, GPUs");
+  CLI::App* command = add_command(app, "devices", "What can compute here: processor, instruction sets, GPUs");
   command->add_flag("--json", *json, "Print JSON");
   command->footer(
       "A Vulkan device is verified when 'gdtslam verify' passed on it with this version of gdtslam and this driver.\n"

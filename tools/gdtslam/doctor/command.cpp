@@ -1,5 +1,6 @@
 // gdtslam doctor: what is in a log, and what is wrong with it.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -242,7 +243,7 @@ int doctor(const DoctorOptions& options) {
 
 void add_doctor_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command = app.add_subcommand("doctor", "What is in a log, and what is wrong with it");
+  CLI::App* command = add_command(app, "doctor", "What is in a log, and what is wrong with it");
   command->add_option("log", options->log, "CARMEN log, plain or gzip; - is standard input")
       ->required()
       ->type_name("LOG");

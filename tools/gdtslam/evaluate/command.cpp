@@ -1,5 +1,6 @@
 // gdtslam evaluate: how far a trajectory is from what somebody verified, or a cloud from the truth.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -178,7 +179,7 @@ void add_cloud_options(CLI::App& command, EvaluateCloudOptions& cloud) {
 
 void add_evaluate_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* command = app.add_subcommand("evaluate", "Errors of a trajectory or a cloud against the truth");
+  CLI::App* command = add_command(app, "evaluate", "Errors of a trajectory or a cloud against the truth");
   command->add_option("file", options->file, "Trajectory, TUM: stamp x y z qx qy qz qw; or cloud, PLY or PCD")
       ->required();
   add_truths(*command, *options);

@@ -1,5 +1,6 @@
 // gdtslam linkage: what a four-bar mount does, as text, table and drawing; and the design of one.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -184,7 +185,7 @@ void add_design_options(CLI::App& command, LinkageCommand& chosen) {
 
 void add_linkage_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<LinkageCommand>();
-  CLI::App* command = app.add_subcommand("linkage", "What a nodding mount's four-bar linkage does; designing one");
+  CLI::App* command = add_command(app, "linkage", "What a nodding mount's four-bar linkage does; designing one");
   CLI::Option* const linkage =
       command->add_option("linkage", chosen->linkage, "A preset (see --list) or a linkage file")->type_name("LINKAGE");
   CLI::Option* const calibrated =

@@ -1,5 +1,6 @@
 // gdtslam localize: where scans of a log were taken in a map, without odometry and with a proof.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -281,8 +282,7 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
 
 void add_localize_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<LocalizeOptions>();
-  CLI::App* command =
-      app.add_subcommand("localize", "The pose of scans in a whole map, without odometry, with a proof");
+  CLI::App* command = add_command(app, "localize", "The pose of scans in a whole map, without odometry, with a proof");
   command->add_option("map", options->map, "Run folder of `gdtslam map`, or its gdt.yaml")
       ->required()
       ->type_name("RUN");

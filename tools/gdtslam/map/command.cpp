@@ -1,5 +1,6 @@
 // gdtslam map: a log of laser and odometry to a map and a trajectory.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <memory>
 #include <string>
@@ -143,7 +144,7 @@ void add_input_options(CLI::App& command, MapOptions& options) {
 void add_map_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<MapOptions>();
   CLI::App* command =
-      app.add_subcommand("map", "Map a log: occupancy map, distance field, trajectory, picture, 3D cloud, report");
+      add_command(app, "map", "Map a log: occupancy map, distance field, trajectory, picture, 3D cloud, report");
   add_input_options(*command, *options);
   command
       ->add_option("-o,--output", options->folder,

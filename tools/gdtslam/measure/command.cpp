@@ -182,7 +182,7 @@ void add_search_options(CLI::App& command, MeasureCommand& chosen, CLI::Option* 
 
 void add_measure_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<MeasureCommand>();
-  CLI::App* command = app.add_subcommand("measure", "Boxes and planes of a 3D cloud, with their dimensions");
+  CLI::App* command = add_command(app, "measure", "Boxes and planes of a 3D cloud, with their dimensions");
   command->add_option("cloud", chosen->cloud, "A cloud: .ply or .pcd, plain or gzip")->required()->type_name("CLOUD");
   CLI::Option* const boxes = command->add_flag("--boxes", chosen->boxes, "Upright boxes: width, depth, height");
   command->add_flag("--planes", chosen->planes, "The largest planes");

@@ -1,6 +1,7 @@
 // gdtslam render: pictures, films and pages of a run, a cloud, a linkage, a map, a trajectory or a log, without a
 // display.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -286,7 +287,7 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
 
 void add_render_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<RenderOptions>();
-  CLI::App* command = app.add_subcommand("render", "Pictures, films and pages of a run, cloud, linkage, map or log");
+  CLI::App* command = add_command(app, "render", "Pictures, films and pages of a run, cloud, linkage, map or log");
   command
       ->add_option(
           "input", chosen->inputs,

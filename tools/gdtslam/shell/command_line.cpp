@@ -35,7 +35,7 @@ constexpr const char* kExamples =
 
 // A sub-command that this build leaves out: whoever asks for it learns why.
 void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name, const std::string& option) {
-  CLI::App* command = app.add_subcommand(name, "Not in this build (" + option + "=OFF)");
+  CLI::App* command = add_command(app, name, "Not in this build (" + option + "=OFF)");
   command->allow_extras();
   command->callback([&context, name, option] {
     context.run = [name, option]() -> int {
@@ -80,7 +80,7 @@ int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
 
 void add_help_command(CLI::App& app, CommandContext& context) {
   auto words = std::make_shared<std::vector<std::string>>();
-  CLI::App* command = app.add_subcommand("help", "Help on a command, as --help behind it");
+  CLI::App* command = add_command(app, "help", "Help on a command, as --help behind it");
   command->add_option("command", *words, "The command; none: all of them")->type_name("NAME");
   command->footer("Examples:\n  gdtslam help map\n  gdtslam help config show");
   command->callback([&app, &context, words] { context.run = [&app, words] { return print_help_on(&app, *words); }; });
@@ -153,6 +153,10 @@ int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands) {
 }
 
 }  // namespace
+
+CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& description) {
+  return parent.add_subcommand(name, description);
+}
 
 int run_command_line(int argc, char** argv, std::span<const CommandRow> commands) noexcept {
   try {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <span>
 
-#include <CLI/App.hpp>
+#include "cli.hpp"
 
 namespace gdtslam {
 

@@ -1,5 +1,6 @@
 #include "quantity_option.hpp"
 
+#include <CLI/App.hpp>
 #include <fmt/format.h>
 
 #include "engine/core/stated_quantity.hpp"

@@ -3,8 +3,7 @@
 
 #include <string>
 
-#include <CLI/App.hpp>
-
+#include "cli.hpp"
 #include "gdtslam/core/units.hpp"
 
 namespace gdtslam {

@@ -1,5 +1,7 @@
 #include "settings_options.hpp"
 
+#include <CLI/App.hpp>
+
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {

@@ -1,10 +1,10 @@
 // The configuration on the command line: -c FILE and --set PATH=VALUE.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
 
+#include "cli.hpp"
 #include "gdtslam/runs/settings.hpp"
 
 namespace gdtslam {

@@ -1,5 +1,6 @@
 // gdtslam simulate: a log with ground truth from a scene.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -147,7 +148,7 @@ void add_error_options(CLI::App& command, SimulateCommand& chosen) {
 void add_simulate_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<SimulateCommand>();
   SimulateOptions& options = chosen->options;
-  CLI::App* command = app.add_subcommand("simulate", "A log of laser and odometry, with its truth, from a scene");
+  CLI::App* command = add_command(app, "simulate", "A log of laser and odometry, with its truth, from a scene");
   command
       ->add_option("scene", options.scene,
                    "A scene file, or the name of a sample: office-loop, corridor, "

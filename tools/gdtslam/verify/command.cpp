@@ -1,6 +1,7 @@
 // gdtslam verify: the same bits on the CPU and on a device, every kernel and whole logs.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <chrono>
 #include <memory>
@@ -199,8 +200,7 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
 
 void add_verify_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<VerifyCommand>();
-  CLI::App* command =
-      app.add_subcommand("verify", "The same bits on the CPU and on a device: every kernel, whole logs");
+  CLI::App* command = add_command(app, "verify", "The same bits on the CPU and on a device: every kernel, whole logs");
   add_case_options(*command, *chosen);
   add_device_options(*command, chosen->options.device, false);
   command->add_flag("--json", chosen->json, "Print JSON");

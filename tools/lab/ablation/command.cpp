@@ -1,5 +1,6 @@
 // gdtslam ablation: what each choice of the method is worth on a log with verified relations, as a Markdown table.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <memory>
 #include <optional>
@@ -161,7 +162,7 @@ int ablation(const AblationOptions& options) {
 
 void add_ablation_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<AblationOptions>();
-  CLI::App* command = app.add_subcommand("ablation", "What each choice of the method is worth on a log, as a table");
+  CLI::App* command = add_command(app, "ablation", "What each choice of the method is worth on a log, as a table");
   command->add_option("log", options->log, "CARMEN log, plain or gzip")->required()->type_name("LOG");
   command->add_option("--relations", options->relations, "Verified relations of the log, plain or gzip")
       ->required()

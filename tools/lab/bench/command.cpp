@@ -1,6 +1,7 @@
 // gdtslam bench: how fast the kernels are here, CPU and device side by side, beside a plain copy and beside OpenCV
 // where the build has it.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <array>
@@ -277,7 +278,7 @@ int bench(const BenchOptions& options) {
 void add_bench_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command =
-      app.add_subcommand("bench", "How fast the kernels are here, on the CPU and on a device, beside a plain copy");
+      add_command(app, "bench", "How fast the kernels are here, on the CPU and on a device, beside a plain copy");
   command
       ->add_option(
           "filter", options->filter,

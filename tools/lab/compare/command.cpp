@@ -1,6 +1,7 @@
 // gdtslam compare: the methods that minimise the cost of a scan, on the same scans and starts, against proven
 // solutions.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <memory>
 #include <string>
@@ -220,7 +221,7 @@ void add_output_options(CLI::App& command, CompareOptions& options) {
 void add_compare_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
-      app.add_subcommand("compare", "The methods that match a scan, on the same scans, against proven solutions");
+      add_command(app, "compare", "The methods that match a scan, on the same scans, against proven solutions");
   command->add_option("log", options->logs, "CARMEN logs, plain or gzip, one after the other")
       ->required()
       ->type_name("LOG");

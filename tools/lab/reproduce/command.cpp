@@ -1,5 +1,6 @@
 // gdtslam reproduce: the paper's figures and tables made anew, as one report with the paper's numbers beside ours.
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <cstdlib>
 #include <memory>
@@ -105,7 +106,7 @@ void add_reproduce_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<ReproduceCommand>();
   reproduce::Options& options = chosen->options;
   options.device.threads = 0;  // as many parts at a time as there are processors
-  CLI::App* command = app.add_subcommand("reproduce", "The paper's figures and tables made anew, as one report");
+  CLI::App* command = add_command(app, "reproduce", "The paper's figures and tables made anew, as one report");
   command->add_option("-o,--output", options.folder, "Folder of the report; made if need be")->type_name("DIR");
   command->add_option("--only", options.only, "Make these parts only (see --list)")->delimiter(',')->type_name("PARTS");
   command->add_flag("--list", chosen->lists, "List the parts");

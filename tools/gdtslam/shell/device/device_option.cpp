@@ -1,5 +1,6 @@
 #include "device_option.hpp"
 
+#include <CLI/App.hpp>
 #include <vector>
 
 #include "cache_folder.hpp"

@@ -4,10 +4,9 @@
 #include <memory>
 #include <string>
 
-#include <CLI/App.hpp>
-
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
+#include "tools/gdtslam/shell/cli.hpp"
 
 namespace gdtslam {
 
