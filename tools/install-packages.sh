@@ -18,7 +18,7 @@ vulkan_packages=(libvulkan1 mesa-vulkan-drivers)
 # To build and run the tests, the checks and the benchmark's peer.
 test_packages=(
   git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libgsl-dev libnlopt-cxx-dev libpagmo-dev libopencv-imgproc-dev
-  clang libclang-rt-14-dev clang-tidy clang-format shellcheck
+  clang libclang-rt-14-dev clang-tidy clang-format shellcheck doxygen
   python3 python3-jsonschema python3-yaml chromium
   "${vulkan_packages[@]}" vulkan-validationlayers
 )

@@ -58,6 +58,8 @@ run_long() {
   cmake --build "$build" --parallel "$(build_jobs)"
   GDTSLAM_ALL_MUTANTS=1 GDTSLAM_CALIBRATION_DRAWS=200 ctest --test-dir "$build" -j "$(nproc)" --output-on-failure \
     --no-tests=error --timeout 7200
+  GDTSLAM_VULKAN_VALIDATION=1 ctest --test-dir "$build" -j "$(nproc)" --output-on-failure --no-tests=error \
+    -L equivalence --timeout 7200
 }
 
 run_lint() {

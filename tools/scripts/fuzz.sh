@@ -22,9 +22,7 @@ fuzz_target() {
 
 names=()
 for folder in "$root"/tests/fuzz/corpus/*/; do names+=("$(basename "$folder")"); done
-CC=clang CXX=clang++ configure "$fuzzed" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DGDTSLAM_BUILD_FUZZERS=ON \
-  -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLAM_BUILD_EXAMPLES=OFF -DGDTSLAM_BUILD_SIM=OFF -DGDTSLAM_WERROR=OFF \
-  -DGDTSLAM_BUILD_VIEWER=OFF -DGDTSLAM_PRECOMPILE=OFF # clang shares no precompiled header between sanitized targets and others
+configure "$fuzzed" --preset fuzz
 cmake --build "$fuzzed" --parallel "$(build_jobs)" --target "${names[@]/#/gdtslam_fuzz_}"
 status=0
 running=0
