@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crank_rocker_dead_points.hpp"
+#include "design_shape.hpp"
 #include "engine/core/elementary.hpp"
 #include "four_bar_text.hpp"
 #include "gdtslam/core/angle.hpp"

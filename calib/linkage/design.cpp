@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "design_search.hpp"
+#include "design_shape.hpp"
 #include "four_bar_text.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
