@@ -25,6 +25,7 @@ Arrows make_arrows() {
       {"engine/compute", {"engine/compute/kernels"}},
       {"engine/compute/kernels", {}},
       {"engine/drawing", {}},
+      {"engine/drawing/linkage", {"engine/drawing", "engine/drawing/plots"}},
       {"engine/drawing/maps", {"engine/drawing"}},
       {"engine/drawing/plots", {"engine/drawing", "engine/drawing/maps"}},
       {"engine/drawing/raster", {"engine/drawing"}},

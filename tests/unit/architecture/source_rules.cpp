@@ -26,7 +26,7 @@ const std::map<std::string, Parts, std::less<>>& allowed_parts() {
       {"sim", {"core", "calib"}},
       {"calib", {"core", "cloud"}},
       {"cloud", {"core"}},
-      {"drawing", {"core", "compute", "mapping"}},
+      {"drawing", {"core", "compute", "mapping", "calib"}},
       {"runs", {"core", "compute", "mapping", "io", "cloud", "calib"}},
       {"optimize", {"core"}},
       {"viewer", {"core", "mapping", "calib", "cloud", "drawing"}},

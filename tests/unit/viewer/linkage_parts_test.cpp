@@ -8,7 +8,7 @@
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "linkage_drawn.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
-#include "viewer/scene/linkage/linkage_surroundings.hpp"
+#include "viewer/scene/linkage/linkage_parts.hpp"
 
 namespace gdtslam {
 namespace {
@@ -182,7 +182,7 @@ TEST(LinkageParts, fan_lies_at_the_elevation) {
 TEST(LinkageParts, dead_points_are_marked_where_the_rocker_turns_back) {
   for (const char* preset : {"paper-a", "paper-b", "paper-c"}) {
     Drawn drawn(calib::sweep_model_of_preset(preset));
-    const LinkageCycle cycle(drawn.model);
+    const calib::LinkageCycle cycle(drawn.model);
     const LinkageSurroundings surroundings(cycle, drawn.parts, colour_for(0xffffff));
     surroundings.add_to(drawn.view.renderer());
     const RgbaImage image = drawn.view.render(side_camera(drawn.height_m), kSize);

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/viewer/film.hpp"
 #include "linkage_words.hpp"
 #include "scanning_room.hpp"
 #include "support/image_compare.hpp"
-#include "viewer/scene/linkage/linkage_cycle.hpp"
 #include "viewer/scene/scan/scanning_scene.hpp"
 
 namespace gdtslam {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "scanning_room.hpp"
-#include "viewer/scene/linkage/linkage_cycle.hpp"
 #include "viewer/scene/scan/scanning_track.hpp"
 
 namespace gdtslam {
@@ -34,7 +34,7 @@ TEST(ScanningTrack, crank_is_the_one_that_turned) {
       room.model.encoder.direction = direction;
       const Cloud cloud = room.cloud();
       const ScanningTrack track(cloud, room.trajectory(), 0.0, room.length_s);
-      const LinkageCycle cycle(room.model);
+      const calib::LinkageCycle cycle(room.model);
       for (int i = 0; i < 300; ++i) {
         const double stamp_s = 0.1 + 7.7 * i / 300.0;
         const double truth_rad = room.crank_rad(stamp_s);

@@ -4,41 +4,148 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
 
-using calib::CrankRange;
+using Json = nlohmann::ordered_json;
+using calib::FourBar;
+using calib::LinkageCycle;
+using calib::LinkagePosition;
 using calib::SweepModel;
 
-constexpr int kStretchSteps = 720;
+constexpr int kScanSteps = 1440;
 
-LinkageEnd end_at(const SweepModel& model, double crank_rad) {
-  const std::optional<LinkageRow> row = row_at(model, crank_rad);
-  if (!row) {
-    throw ConfigError(fmt::format("the loop does not close at a crank angle of {:.3f} deg", deg_from_rad(crank_rad)));
+/// The extremes over the cycle, but where the crank is at a dead point.
+struct Extremes {
+  double acceleration = 0.0;
+  calib::RockerSensitivity by;
+};
+
+Extremes extremes_of(const LinkageCycle& cycle) {
+  const SweepModel& model = cycle.model();
+  Extremes most;
+  for (int i = 0; i <= kScanSteps; ++i) {
+    const double crank_rad = cycle.from_rad() + cycle.span_rad() * i / kScanSteps;
+    const auto motion = calib::motion(model.bars, model.assembly, crank_rad);
+    const auto by = calib::sensitivity(model.bars, model.assembly, crank_rad);
+    if (!motion || !by) continue;
+    const auto raise = [](double& highest, double value) { highest = std::max(highest, std::fabs(value)); };
+    raise(most.acceleration, motion->rocker_acceleration);
+    raise(most.by.crank, by->crank);
+    raise(most.by.coupler, by->coupler);
+    raise(most.by.rocker, by->rocker);
+    raise(most.by.ground, by->ground);
   }
-  return {.crank_rad = crank_rad, .rocker_rad = row->pose.rocker_rad, .elevation_rad = row->elevation_rad};
+  return most;
 }
 
-// Where the elevation falls with the rocker's angle, the lift is the way from the rocker's highest to its lowest place.
-void add_lift(LinkageSummary& summary) {
-  const SweepModel& model = summary.model;
-  summary.report = calib::analyse(model.bars, model.assembly);
-  const calib::CrankRockerReport& report = *summary.report;
-  const bool is_rising = model.elevation_sign > 0;
-  summary.begin = end_at(model, is_rising ? report.lowest.crank_rad : report.highest.crank_rad);
-  summary.end = end_at(model, is_rising ? report.highest.crank_rad : report.lowest.crank_rad);
-  summary.lift_direction = is_rising ? report.lift_direction : -report.lift_direction;
-  summary.from_rad = summary.begin.crank_rad;
-  summary.span_rad = summary.lift_direction * kTwoPi;
-  summary.remarks = calib::remarks(model.bars, model.assembly);
+// Radians per metre, as degrees per millimetre.
+double deg_per_mm(double rad_per_m) { return deg_from_rad(rad_per_m) / 1000.0; }
+double positive_deg(double angle_rad) {
+  const double turns = angle_rad / kTwoPi;
+  return 360.0 * (turns - std::floor(turns));
 }
 
-const char* fault_of(calib::GrashofClass grashof) {
+std::string line(const char* name, const std::string& text) { return fmt::format("{:<14} {}\n", name, text); }
+
+std::string cm(double length_m) { return fmt::format("{:.6g}", 100.0 * length_m); }
+
+std::string bars_text(const LinkageCycle& cycle) {
+  const FourBar& bars = cycle.model().bars;
+  return fmt::format("crank {}, coupler {}, rocker {}, ground {} cm; {} assembly", cm(bars.crank_m), cm(bars.coupler_m),
+                     cm(bars.rocker_m), cm(bars.ground_m),
+                     cycle.model().assembly == calib::Assembly::kOpen ? "open" : "crossed");
+}
+
+// The elevation as it is, without the turns that keep it continuous over the cycle.
+double elevation_rad(const LinkageCycle& cycle, const LinkagePosition& end) {
+  return calib::elevation_rad(cycle.model(), end.crank_rad).value_or(end.elevation_rad);
+}
+
+std::string end_text(const LinkageCycle& cycle, const LinkagePosition& end) {
+  return fmt::format("crank {:5.1f} deg: rocker {:>6} deg, elevation {:>5} deg", positive_deg(end.crank_rad),
+                     degrees_text(end.pose.rocker_rad), degrees_text(elevation_rad(cycle, end)));
+}
+
+std::string lift_text(const LinkageCycle& cycle, const calib::CrankRockerReport& report) {
+  return fmt::format("{:.1f} of 360 deg, the crank turning {} in the linkage's frame; time ratio {:.2f}",
+                     360.0 * report.lift_share, cycle.span_rad() > 0.0 ? "counter-clockwise" : "clockwise",
+                     report.time_ratio);
+}
+
+std::string crank_rocker_text(const LinkageCycle& cycle, const calib::CrankRockerReport& report) {
+  const double tick_deg = 360.0 / static_cast<double>(cycle.model().encoder.ticks_per_turn);
+  std::string text = line("swing", fmt::format("{:.1f} deg", deg_from_rad(report.swing_rad)));
+  text += line("lift", lift_text(cycle, report));
+  text += line("dead points", end_text(cycle, cycle.begin()) + ", where the lift begins");
+  text += line("", end_text(cycle, cycle.end()) + ", where it ends");
+  text += line("transmission", fmt::format("at least {:.1f} deg", deg_from_rad(report.least_transmission_rad)));
+  text += line("rate", fmt::format("the rocker at most {:.2f} times the crank's: an encoder's tick ({} a turn) is at "
+                                   "most {:.4f} deg of elevation",
+                                   report.most_rocker_rate, cycle.model().encoder.ticks_per_turn,
+                                   tick_deg * report.most_rocker_rate));
+  const Extremes extremes = extremes_of(cycle);
+  text += line("acceleration",
+               fmt::format("at most {:.2f} per radian of the crank, turning evenly", extremes.acceleration));
+  text += line("sensitivity", fmt::format("at most crank {:.2f}, coupler {:.2f}, rocker {:.2f}, ground {:.2f} deg of "
+                                          "elevation per mm",
+                                          deg_per_mm(extremes.by.crank), deg_per_mm(extremes.by.coupler),
+                                          deg_per_mm(extremes.by.rocker), deg_per_mm(extremes.by.ground)));
+  return text;
+}
+
+std::string stretches_text(const LinkageCycle& cycle) {
+  std::string text;
+  const char* name = "crank";
+  for (const calib::CrankRange& range : calib::crank_ranges(cycle.model().bars)) {
+    const bool is_whole = range.to_rad - range.from_rad >= kTwoPi;
+    text += line(name, is_whole ? "turns fully"
+                                : fmt::format("the loop closes from {:.1f} to {:.1f} deg", deg_from_rad(range.from_rad),
+                                              deg_from_rad(range.to_rad)));
+    name = "";
+  }
+  text += line("ends", end_text(cycle, cycle.begin()));
+  return text + line("", end_text(cycle, cycle.end()));
+}
+
+Json json_of_end(const LinkageCycle& cycle, const LinkagePosition& end) {
+  return {{"crank_deg", positive_deg(end.crank_rad)},
+          {"rocker_deg", deg_from_rad(end.pose.rocker_rad)},
+          {"elevation_deg", deg_from_rad(elevation_rad(cycle, end))}};
+}
+
+Json json_of_ranges(const FourBar& bars) {
+  Json ranges = Json::array();
+  for (const calib::CrankRange& range : calib::crank_ranges(bars)) {
+    ranges.push_back({{"from_deg", deg_from_rad(range.from_rad)}, {"to_deg", deg_from_rad(range.to_rad)}});
+  }
+  return ranges;
+}
+
+Json json_of_report(const LinkageCycle& cycle, const calib::CrankRockerReport& report) {
+  const Extremes extremes = extremes_of(cycle);
+  return {{"swing_deg", deg_from_rad(report.swing_rad)},
+          {"lift_begin", json_of_end(cycle, cycle.begin())},
+          {"lift_end", json_of_end(cycle, cycle.end())},
+          {"lift_deg", 360.0 * report.lift_share},
+          {"lift_direction", cycle.span_rad() > 0.0 ? 1 : -1},
+          {"time_ratio", report.time_ratio},
+          {"least_transmission_deg", deg_from_rad(report.least_transmission_rad)},
+          {"most_rocker_rate", report.most_rocker_rate},
+          {"most_rocker_acceleration_per_rad", extremes.acceleration},
+          {"most_sensitivity_deg_per_mm",
+           {{"crank", deg_per_mm(extremes.by.crank)},
+            {"coupler", deg_per_mm(extremes.by.coupler)},
+            {"rocker", deg_per_mm(extremes.by.rocker)},
+            {"ground", deg_per_mm(extremes.by.ground)}}}};
+}
+
+const char* fault_text(calib::GrashofClass grashof) {
   using calib::GrashofClass;
   switch (grashof) {
     case GrashofClass::kDoubleCrank:
@@ -52,94 +159,64 @@ const char* fault_of(calib::GrashofClass grashof) {
   }
 }
 
-std::string no_crank_rocker_remark(calib::GrashofClass grashof) {
-  return fmt::format(
+// What a designer should know.
+std::vector<std::string> remarks_of(const LinkageCycle& cycle) {
+  const SweepModel& model = cycle.model();
+  if (cycle.report()) return calib::remarks(model.bars, model.assembly);
+  return {fmt::format(
       "a {} is no mount for a nodding laser: {}; a crank-rocker has the crank as its shortest bar, and shortest + "
       "longest less than the other two",
-      calib::class_name(grashof), fault_of(grashof));
+      calib::class_name(cycle.grashof()), fault_text(cycle.grashof()))};
 }
 
-void add_stretch(LinkageSummary& summary) {
-  const std::vector<CrankRange> ranges = calib::crank_ranges(summary.model.bars);
-  if (ranges.empty()) {
-    throw ConfigError("the loop closes at no crank angle");
-  }
-  summary.from_rad = ranges.front().from_rad;
-  summary.span_rad = ranges.front().to_rad - ranges.front().from_rad;
-  const std::vector<LinkageRow> rows = rows_of(summary, kStretchSteps);
-  if (rows.empty()) {
-    throw ConfigError("the loop closes in no stretch of the crank's turn");
-  }
-  const auto end_of = [](const LinkageRow& row) {
-    return LinkageEnd{
-        .crank_rad = row.crank_rad, .rocker_rad = row.pose.rocker_rad, .elevation_rad = row.elevation_rad};
-  };
-  summary.begin = end_of(rows.front());
-  summary.end = end_of(rows.back());
-  summary.remarks.push_back(no_crank_rocker_remark(summary.grashof));
-}
-
-std::string value_or_nothing(bool is_there, double value) { return is_there ? fmt::format("{:.6f}", value) : ""; }
-
-// Radians per metre, as degrees per millimetre.
-double deg_per_mm(double rad_per_m) { return deg_from_rad(rad_per_m) / 1000.0; }
-
-std::string csv_line(double crank_deg, const LinkageRow& row) {
-  const calib::LinkageMotion motion = row.motion.value_or(calib::LinkageMotion{});
-  const calib::RockerSensitivity by = row.sensitivity.value_or(calib::RockerSensitivity{});
-  const bool moves = row.motion.has_value();
-  const bool is_smooth = row.sensitivity.has_value();
-  return fmt::format(
-      "{:.4f},{:.6f},{:.6f},{:.6f},{},{},{},{},{},{}\n", crank_deg, deg_from_rad(row.pose.rocker_rad),
-      deg_from_rad(row.elevation_rad), deg_from_rad(row.pose.transmission_rad),
-      value_or_nothing(moves, motion.rocker_rate), value_or_nothing(moves, motion.rocker_acceleration),
-      value_or_nothing(is_smooth, deg_per_mm(by.crank)), value_or_nothing(is_smooth, deg_per_mm(by.coupler)),
-      value_or_nothing(is_smooth, deg_per_mm(by.rocker)), value_or_nothing(is_smooth, deg_per_mm(by.ground)));
+std::string csv_line(const SweepModel& model, const LinkagePosition& position) {
+  const auto motion = calib::motion(model.bars, model.assembly, position.crank_rad);
+  const auto by = calib::sensitivity(model.bars, model.assembly, position.crank_rad);
+  std::string text = fmt::format("{:.4f},{:.6f},{:.6f},{:.6f}", deg_from_rad(position.crank_rad),
+                                 deg_from_rad(position.pose.rocker_rad), deg_from_rad(position.elevation_rad),
+                                 deg_from_rad(position.pose.transmission_rad));
+  text += motion ? fmt::format(",{:.6f},{:.6f}", motion->rocker_rate, motion->rocker_acceleration) : ",,";
+  return text + (by ? fmt::format(",{:.6f},{:.6f},{:.6f},{:.6f}\n", deg_per_mm(by->crank), deg_per_mm(by->coupler),
+                                  deg_per_mm(by->rocker), deg_per_mm(by->ground))
+                    : ",,,,\n");
 }
 
 }  // namespace
 
-LinkageSummary summary_of(const SweepModel& model) {
-  const std::vector<std::string> wrong = calib::violations(model.bars);
-  if (!wrong.empty()) {
-    throw ConfigError(wrong.front());
+std::string as_text(const LinkageCycle& cycle) {
+  const calib::FreudensteinCoefficients k = calib::freudenstein(cycle.model().bars);
+  std::string text = line("linkage", cycle.model().name);
+  text += line("bars", bars_text(cycle));
+  text += line("class",
+               fmt::format("{}: {}", calib::class_name(cycle.grashof()), calib::inequality_text(cycle.model().bars)));
+  text += cycle.report() ? crank_rocker_text(cycle, *cycle.report()) : stretches_text(cycle);
+  text += line("Freudenstein", fmt::format("K1 {:.6f}, K2 {:.6f}, K3 {:.6f}", k.k1, k.k2, k.k3));
+  for (const std::string& remark : remarks_of(cycle)) {
+    text += line("remark", remark);
   }
-  LinkageSummary summary;
-  summary.model = model;
-  summary.grashof = calib::grashof_class(model.bars);
-  if (summary.grashof == calib::GrashofClass::kCrankRocker) {
-    add_lift(summary);
-  } else {
-    add_stretch(summary);
-  }
-  return summary;
+  return text;
 }
 
-std::optional<LinkageRow> row_at(const SweepModel& model, double crank_rad) {
-  const std::optional<calib::LinkagePose> pose = calib::solve(model.bars, model.assembly, crank_rad);
-  const std::optional<double> elevation_rad = calib::elevation_rad(model, crank_rad);
-  if (!pose || !elevation_rad) {
-    return std::nullopt;
-  }
-  return LinkageRow{.crank_rad = crank_rad,
-                    .elevation_rad = *elevation_rad,
-                    .pose = *pose,
-                    .motion = calib::motion(model.bars, model.assembly, crank_rad),
-                    .sensitivity = calib::sensitivity(model.bars, model.assembly, crank_rad)};
+Json as_json(const LinkageCycle& cycle) {
+  const FourBar& bars = cycle.model().bars;
+  const calib::GrashofInequality sums = calib::grashof_inequality(bars);
+  const calib::FreudensteinCoefficients k = calib::freudenstein(bars);
+  Json json = {
+      {"name", cycle.model().name},
+      {"bars_m",
+       {{"crank", bars.crank_m}, {"coupler", bars.coupler_m}, {"rocker", bars.rocker_m}, {"ground", bars.ground_m}}},
+      {"assembly", cycle.model().assembly == calib::Assembly::kOpen ? "open" : "crossed"},
+      {"class", calib::class_name(cycle.grashof())},
+      {"shortest_and_longest_m", sums.extremes_m},
+      {"other_two_m", sums.middles_m},
+      {"crank_ranges", json_of_ranges(bars)},
+      {"freudenstein", {k.k1, k.k2, k.k3}}};
+  json["crank_rocker"] = cycle.report() ? json_of_report(cycle, *cycle.report()) : Json();
+  json["remarks"] = remarks_of(cycle);
+  return json;
 }
 
-std::vector<LinkageRow> rows_of(const LinkageSummary& summary, int steps) {
-  std::vector<LinkageRow> rows;
-  for (int i = 0; i <= steps; ++i) {
-    const std::optional<LinkageRow> row = row_at(summary.model, summary.from_rad + summary.span_rad * i / steps);
-    if (row) {
-      rows.push_back(*row);
-    }
-  }
-  return rows;
-}
-
-std::string as_csv(const LinkageSummary& summary, double step_rad) {
+std::string as_csv(const SweepModel& model, double step_rad) {
   std::string text =
       "crank_deg,rocker_deg,elevation_deg,transmission_deg,rocker_rate,rocker_acceleration_per_rad,"
       "rocker_by_crank_deg_per_mm,rocker_by_coupler_deg_per_mm,rocker_by_rocker_deg_per_mm,"
@@ -147,11 +224,7 @@ std::string as_csv(const LinkageSummary& summary, double step_rad) {
   constexpr double kRounding = 1e-9;
   const auto steps = static_cast<int>(std::floor(kTwoPi / step_rad + kRounding));
   for (int i = 0; i <= steps; ++i) {
-    const double crank_rad = i * step_rad;
-    const std::optional<LinkageRow> row = row_at(summary.model, crank_rad);
-    if (row) {
-      text += csv_line(deg_from_rad(crank_rad), *row);
-    }
+    if (const auto position = calib::position_at(model, i * step_rad)) text += csv_line(model, *position);
   }
   return text;
 }

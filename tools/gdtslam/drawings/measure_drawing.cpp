@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/theme.hpp"
 
 namespace gdtslam {
 namespace {
@@ -24,16 +26,9 @@ constexpr int kDotsAcross = 170;  // of the points, one to a square of the view
 constexpr std::array kFills{ink::kCoupler, ink::kRocker, ink::kCrank, ink::kCurve};
 constexpr std::size_t kMostRows = 4;  // of boxes in the table
 
-/// A rectangle of the page.
-struct Card {
-  Point2 corner = Point2::Zero();
-  double width = 0.0;
-  double height = 0.0;
-};
-
 /// From the map's plane to the page: x up, y to the left.
 struct TopView {
-  Card card;
+  DrawingArea card;
   Point2 centre_m = Point2::Zero();
   double pixels_per_m = 100.0;
   [[nodiscard]] Point2 at(double x_m, double y_m) const {
@@ -76,24 +71,19 @@ std::vector<Point2> corners_of(const Outline& outline) {
   return {outline.left, outline.right, outline.back_right, outline.back_left};
 }
 
-TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, const Card& card) {
-  std::vector<Point2> shown;
+TopView view_of(const Measurement& measured, std::span<const CloudPoint> cloud, const DrawingArea& card) {
+  Eigen::AlignedBox2d shown;
   for (const MeasuredBox& box : measured.boxes) {
-    for (const Point2& corner : corners_of(outline_of(box))) shown.push_back(corner);
+    for (const Point2& corner : corners_of(outline_of(box))) shown.extend(corner);
   }
-  if (measured.viewpoint) shown.emplace_back(measured.viewpoint->x(), measured.viewpoint->y());
+  if (measured.viewpoint) shown.extend(Point2(measured.viewpoint->head<2>()));
   if (measured.boxes.empty()) {
-    for (const CloudPoint& point : cloud) shown.emplace_back(point.x_m, point.y_m);
+    for (const CloudPoint& point : cloud) shown.extend(Point2(point.x_m, point.y_m));
   }
-  Point2 low = shown.front();
-  Point2 high = shown.front();
-  for (const Point2& point : shown) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  TopView view{card, 0.5 * (low + high), 0.0};
-  const double tall_m = std::max(kLeastView_m, high.x() - low.x() + 2.0 * kMargin_m);
-  const double wide_m = std::max(kLeastView_m, high.y() - low.y() + 3.0 * kMargin_m);
+  const Point2 size = shown.sizes();
+  TopView view{card, shown.center(), 0.0};
+  const double tall_m = std::max(kLeastView_m, size.x() + 2.0 * kMargin_m);
+  const double wide_m = std::max(kLeastView_m, size.y() + 3.0 * kMargin_m);
   view.pixels_per_m = std::min(card.width / wide_m, card.height / tall_m);
   return view;
 }
@@ -106,7 +96,7 @@ double grid_step_of(const TopView& view) {
 }
 
 void draw_grid(Canvas& canvas, const TopView& view, double step_m) {
-  const Card& card = view.card;
+  const DrawingArea& card = view.card;
   const double half_tall_m = 0.5 * card.height / view.pixels_per_m;
   const double half_wide_m = 0.5 * card.width / view.pixels_per_m;
   const Pen pen{.colour = ink::kGrid};
@@ -225,7 +215,7 @@ void draw_row(Canvas& canvas, const Point2& at, std::string_view name, const Dim
   }
 }
 
-void draw_table(Canvas& canvas, const Measurement& measured, const Card& card) {
+void draw_table(Canvas& canvas, const Measurement& measured, const DrawingArea& card) {
   double y = card.corner.y() + 66.0;
   const double x = card.corner.x() + 20.0;
   const std::size_t shown = std::min(measured.boxes.size(), kMostRows);
@@ -260,9 +250,9 @@ Canvas drawing_of(const Measurement& measured, std::span<const CloudPoint> cloud
   canvas.text({40.0, 52.0}, fmt::format("{} {}", count, count == 1 ? "box" : "boxes"), {.size = 28.0, .is_bold = true});
   canvas.text({40.0, 80.0}, fmt::format("{}  ·  {} points", measured.cloud, measured.points),
               {.size = 15.0, .colour = ink::kQuiet});
-  const Card plan{{40.0, 104.0}, 760.0, 656.0};
-  const Card table{{820.0, 104.0}, 420.0, 656.0};
-  for (const Card& card : {plan, table}) {
+  const DrawingArea plan{{40.0, 104.0}, 760.0, 656.0};
+  const DrawingArea table{{820.0, 104.0}, 420.0, 656.0};
+  for (const DrawingArea& card : {plan, table}) {
     canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, kRadius);
   }
   const TopView view = view_of(measured, cloud, plan);

@@ -3,22 +3,22 @@
 #include <CLI/App.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
-#include "tools/gdtslam/drawings/linkage_drawing.hpp"
 #include "tools/gdtslam/drawings/linkage_table.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/linkage_goal.hpp"
 #include "tools/gdtslam/shell/quantity_option.hpp"
 #include "tools/gdtslam/shell/whole_number.hpp"
 
@@ -26,6 +26,15 @@ namespace gdtslam {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Options as text, so that their units can be told; empty: the default.
+struct GoalText {
+  std::string swing;
+  std::string min_transmission;
+  std::string crank;  ///< "3..5cm" or one length
+  std::string time_ratio;
+  std::string longest;
+};
 
 struct LinkageCommand {
   std::string linkage;
@@ -61,6 +70,45 @@ calib::SweepModel model_of(const LinkageCommand& command) {
   throw UsageError("--calibrated is for the presets paper-a, paper-b and paper-c, not for '" + command.linkage + "'");
 }
 
+bool has_unit(const std::string& text) {
+  const auto last =
+      std::find_if(text.rbegin(), text.rend(), [](unsigned char letter) { return std::isspace(letter) == 0; });
+  return last != text.rend() && std::isdigit(static_cast<unsigned char>(*last)) == 0 && *last != '.';
+}
+
+// The unit of "5cm": what follows its last digit.
+std::string unit_of(const std::string& text) {
+  const std::size_t digit = text.find_last_of("0123456789.");
+  return digit == std::string::npos ? "" : text.substr(digit + 1);
+}
+
+void read_crank(const std::string& text, calib::DesignGoal& goal) {
+  constexpr std::string_view kBetween = "..";
+  const std::size_t between = text.find(kBetween);
+  if (between == std::string::npos) {
+    goal.least_crank_m = goal.most_crank_m = quantity_of("--crank", text, Unit::kMetre);
+    return;
+  }
+  std::string least = text.substr(0, between);
+  const std::string most = text.substr(between + kBetween.size());
+  if (!has_unit(least)) least += unit_of(most);
+  goal.least_crank_m = quantity_of("--crank", least, Unit::kMetre);
+  goal.most_crank_m = quantity_of("--crank", most, Unit::kMetre);
+}
+
+calib::DesignGoal goal_of(const GoalText& text) {
+  calib::DesignGoal goal;
+  const auto read = [](const char* option, const std::string& words, Unit unit, auto& value) {
+    if (!words.empty()) value = quantity_of(option, words, unit);
+  };
+  read("--swing", text.swing, Unit::kRadian, goal.swing_rad);
+  read("--min-transmission", text.min_transmission, Unit::kRadian, goal.min_transmission_rad);
+  read("--time-ratio", text.time_ratio, Unit::kNone, goal.time_ratio);
+  read("--longest", text.longest, Unit::kMetre, goal.longest_bar_m);
+  if (!text.crank.empty()) read_crank(text.crank, goal);
+  return goal;
+}
+
 // A designed linkage with everything else as the presets have it: lifting is the slow stroke and begins at elevation 0.
 calib::SweepModel model_of(const calib::Design& design, std::size_t number) {
   calib::SweepModel model = calib::sweep_model_of_preset(calib::kDefaultLinkage);
@@ -84,16 +132,16 @@ double step_of(const std::string& text) {
 }
 
 // All files are on the disk before the first takes its name.
-void write_files(const LinkageCommand& command, const LinkageSummary& summary) {
+void write_files(const LinkageCommand& command, const calib::LinkageCycle& cycle) {
   AtomicFileSet files;
   if (!command.csv.empty()) {
-    files.add(command.csv).write(as_csv(summary, step_of(command.step)));
+    files.add(command.csv).write(as_csv(cycle.model(), step_of(command.step)));
   }
   if (!command.picture.empty()) {
-    files.add(command.picture).write(drawing_bytes(drawing_of(summary), command.picture, kDensePng));
+    files.add(command.picture).write(drawing_bytes(linkage_drawing(cycle), command.picture, kDensePng));
   }
   if (!command.output.empty()) {
-    files.add(command.output).write(linkage_text(summary.model));
+    files.add(command.output).write(linkage_text(cycle.model()));
   }
   files.commit();
 }
@@ -110,28 +158,28 @@ int list_presets(const LinkageCommand& command) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-std::string table_of(const std::vector<LinkageSummary>& designs) {
+std::string table_of(const std::vector<calib::LinkageCycle>& designs) {
   std::string text = "            crank  coupler   rocker   ground  transmission  time ratio  lift\n";
-  for (const LinkageSummary& summary : designs) {
-    const calib::FourBar& bars = summary.model.bars;
+  for (const calib::LinkageCycle& cycle : designs) {
+    const calib::FourBar& bars = cycle.model().bars;
     text += fmt::format("{:<9} {:>7.3f}  {:>7.3f}  {:>7.3f}  {:>7.3f} cm  {:>5.1f} deg  {:>9.3f}  {:>6.1f} deg\n",
-                        summary.model.name, 100.0 * bars.crank_m, 100.0 * bars.coupler_m, 100.0 * bars.rocker_m,
-                        100.0 * bars.ground_m, deg_from_rad(summary.report.value().least_transmission_rad),
-                        summary.report.value().time_ratio, 360.0 * summary.report.value().lift_share);
+                        cycle.model().name, 100.0 * bars.crank_m, 100.0 * bars.coupler_m, 100.0 * bars.rocker_m,
+                        100.0 * bars.ground_m, deg_from_rad(cycle.report().value().least_transmission_rad),
+                        cycle.report().value().time_ratio, 360.0 * cycle.report().value().lift_share);
   }
   return text;
 }
 
 int run_design(const LinkageCommand& command) {
-  std::vector<LinkageSummary> designs;
+  std::vector<calib::LinkageCycle> designs;
   for (const calib::Design& design : calib::design(goal_of(command.goal), command.count)) {
-    designs.push_back(summary_of(model_of(design, designs.size() + 1)));
+    designs.emplace_back(model_of(design, designs.size() + 1));
   }
   write_files(command, designs.front());
   if (command.json) {
     Json all = Json::array();
-    for (const LinkageSummary& summary : designs) {
-      all.push_back(as_json(summary));
+    for (const calib::LinkageCycle& cycle : designs) {
+      all.push_back(as_json(cycle));
     }
     print_result(json_text(all));
   } else {
@@ -155,9 +203,9 @@ int run_linkage(const LinkageCommand& command) {
   if (command.linkage.empty()) {
     throw UsageError("name a linkage: a preset (gdtslam linkage --list) or a file; or ask for one with --design");
   }
-  const LinkageSummary summary = summary_of(model_of(command));
-  write_files(command, summary);
-  print_result(command.json ? json_text(as_json(summary)) : as_text(summary));
+  const calib::LinkageCycle cycle(model_of(command));
+  write_files(command, cycle);
+  print_result(command.json ? json_text(as_json(cycle)) : as_text(cycle));
   return static_cast<int>(ExitCode::kDone);
 }
 

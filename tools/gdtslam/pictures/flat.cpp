@@ -8,14 +8,13 @@
 #include <set>
 #include <utility>
 
+#include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/runs/evaluation/trajectory_errors.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "studio.hpp"
-#include "tools/gdtslam/drawings/linkage_drawing.hpp"
-#include "tools/gdtslam/drawings/linkage_table.hpp"
 
 namespace gdtslam {
 namespace {
@@ -119,7 +118,7 @@ Canvas RenderStudio::flat(const RenderView& view, const std::optional<PictureSiz
     return field_picture(first().field(), first().overlay(), look, size_of_grid(first().field().geometry));
   }
   if (view.name == "cells") return cells();
-  if (view.name == "drawing") return drawing_of(summary_of(first().linkage()));
+  if (view.name == "drawing") return linkage_drawing(calib::LinkageCycle(first().linkage()));
   const PictureSize size = plot_size(wanted.value_or(kStillSize));
   return view.name == "elevation" ? elevation(size) : errors(view, size);
 }

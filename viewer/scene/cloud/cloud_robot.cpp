@@ -10,7 +10,7 @@ CloudRobot::~CloudRobot() = default;
 
 void CloudRobot::build(const calib::SweepModel* model) {
   if (robot_) robot_->set_visible(false);
-  robot_ = std::make_unique<MountModel>(model, MountLook{.with_fan = false, .T_base_level = {}});
+  robot_ = std::make_unique<MountModel>(model, MountLook{});
   built_of_ = model;
   robot_->add_to(renderer_);
 }

@@ -21,20 +21,9 @@ constexpr double kFanHalfWidth_rad = 1.05;
 constexpr Colour kHousing = colour_for(0xc3c8cf);
 constexpr Colour kCapWhite = colour_for(0xfdfdfb);
 
-Point2 direction(double angle_rad) {
-  const SinCos<double> unit = sin_cos(angle_rad);
-  return {unit.cos, unit.sin};
-}
-
 /// At a place of the plane of x and z, the part's x lifted by the angle.
 Pose3 planar(const Point2& place, double y, double angle_rad) {
   return {{place.x(), y, place.y()}, exp_so3(Point3(0.0, -angle_rad, 0.0))};
-}
-
-Mesh extruded(const Outline& outline, double front_y, double back_y, double chamfer) {
-  Mesh mesh;
-  mesh.extrude(outline, front_y, back_y, chamfer);
-  return mesh;
 }
 
 }  // namespace
@@ -87,22 +76,7 @@ PartSizes suitable_sizes(const calib::FourBar& bars) {
   return {.bar_m = bar_m, .laser_m = 0.42 * longest_m, .fan_m = 1.5 * std::max(bars.rocker_m, 0.6 * longest_m)};
 }
 
-Point2 LinkagePlane::at(const Point2& place) const {
-  const SinCos<double> by = sin_cos(model_.elevation_offset_rad);
-  const double x = place.x() - model_.bars.ground_m;
-  const double y = model_.elevation_sign * place.y();
-  return {by.cos * x - by.sin * y, by.sin * x + by.cos * y};
-}
-
-std::array<Point2, 4> LinkagePlane::joints(double crank_rad, const calib::LinkagePose& pose) const {
-  const calib::FourBar& bars = model_.bars;
-  const Point2 crank_end = bars.crank_m * direction(crank_rad);
-  const Point2 coupler_end = crank_end + bars.coupler_m * direction(pose.coupler_rad);
-  return {at(Point2::Zero()), at(crank_end), at(coupler_end), Point2::Zero()};
-}
-
-LinkageParts::LinkageParts(const calib::SweepModel& model, const PartSizes& sizes)
-    : model_(model), plane_(model), sizes_(sizes) {
+LinkageParts::LinkageParts(const calib::SweepModel& model, const PartSizes& sizes) : model_(model), sizes_(sizes) {
   build_ground();
   build_bars();
   build_laser();
@@ -145,7 +119,7 @@ void LinkageParts::build_bars() {
 }
 
 void LinkageParts::build_ground() {
-  const Point2 crank_pivot = plane_.at(Point2::Zero());
+  const Point2 crank_pivot = calib::place_in_mount(model_, Point2::Zero());
   const double front_y = layer_y(0) - 0.5 * thickness_m();
   const double back_y = layer_y(0) + 0.5 * thickness_m();
   ground_.add(
@@ -217,6 +191,7 @@ void LinkageParts::build_laser() {
 }
 
 void LinkageParts::build_fan() {
+  if (sizes_.fan_m <= 0.0) return;
   constexpr int kBeams = 17;
   constexpr int kRings = 6;
   const double inner_m = std::min(0.42 * sizes_.laser_m, 0.5 * sizes_.fan_m);
@@ -242,7 +217,7 @@ void LinkageParts::build_fan() {
 double LinkageParts::beam_length_m(const Point2& unit, double most_m) const {
   // The linkage stands in the way on the right side; its own shadow shows nothing.
   const double wall_y = layer_y(0) + thickness_m();
-  return unit.y() < 0.0 && sizes_.is_fan_cut ? std::min(most_m, wall_y / unit.y()) : most_m;
+  return unit.y() < 0.0 ? std::min(most_m, wall_y / unit.y()) : most_m;
 }
 
 std::vector<Point3> LinkageParts::fan_arc(double radius_m) const {
@@ -261,17 +236,18 @@ void LinkageParts::add_to(vtkRenderer& renderer) const {
 }
 
 bool LinkageParts::pose(const Pose3& T_world_axis, double crank_rad) {
-  const std::optional<calib::LinkagePose> pose = calib::solve(model_.bars, model_.assembly, crank_rad);
-  const std::optional<double> elevation_rad = calib::elevation_rad(model_, crank_rad);
-  if (!pose || !elevation_rad) return false;
-  const std::array<Point2, 4> at = plane_.joints(crank_rad, *pose);
+  const std::optional<calib::LinkagePosition> position = calib::position_at(model_, crank_rad);
+  if (!position) return false;
+  const auto& [crank_pivot, crank_end, coupler_end, axis] = position->joints;
+  const auto angle = [this](double rad) { return model_.elevation_sign * rad + model_.elevation_offset_rad; };
   ground_.move(T_world_axis);
-  crank_.move(T_world_axis * planar(at[0], 0.0, plane_.angle_rad(crank_rad)));
-  coupler_.move(T_world_axis * planar(at[1], 0.0, plane_.angle_rad(pose->coupler_rad)));
-  rocker_.move(T_world_axis * planar(at[3], 0.0, plane_.angle_rad(pose->rocker_rad)));
-  cradle_.move(T_world_axis * planar(at[3], 0.0, *elevation_rad));
-  laser_.move(T_world_axis * T_axis_laser(*elevation_rad));
-  fan_.move(T_world_axis * T_axis_laser(*elevation_rad));
+  crank_.move(T_world_axis * planar(crank_pivot, 0.0, angle(crank_rad)));
+  coupler_.move(T_world_axis * planar(crank_end, 0.0, angle(position->pose.coupler_rad)));
+  rocker_.move(T_world_axis * planar(axis, 0.0, angle(position->pose.rocker_rad)));
+  cradle_.move(T_world_axis * planar(axis, 0.0, position->elevation_rad));
+  const Pose3 T_world_laser = T_world_axis * T_axis_laser(position->elevation_rad);
+  laser_.move(T_world_laser);
+  fan_.move(T_world_laser);
   return true;
 }
 
@@ -280,15 +256,5 @@ void LinkageParts::show(bool is_visible) {
 }
 
 void LinkageParts::show_fan(bool is_visible) { fan_.show(is_visible); }
-
-std::array<Point3, 4> LinkageParts::joints(double crank_rad, const calib::LinkagePose& pose) const {
-  const std::array<Point2, 4> at = plane_.joints(crank_rad, pose);
-  constexpr std::array<int, 4> kFrontLayer = {2, 3, 3, 1};
-  std::array<Point3, 4> places;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    places[i] = {at[i].x(), cap_y(kFrontLayer[i]) - 0.15 * sizes_.bar_m, at[i].y()};
-  }
-  return places;
-}
 
 }  // namespace gdtslam

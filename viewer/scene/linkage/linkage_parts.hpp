@@ -1,7 +1,8 @@
 // The nodding linkage as VTK props: four bars with their joints, ground, laser in its cradle, fan of beams. Built once
 // for a model, then only moved. Frame `axis`: origin on the nodding axis (the rocker's pivot) in the laser's middle, x
 // forward, y left, z up; the linkage lies in planes of x and z on the right, drawn so that the rocker's direction is
-// the laser's elevation. Metres, radians. One object belongs to one thread.
+// the laser's elevation. And what stands still around it, with the lights that scenes of a mount share. Metres,
+// radians. One object belongs to one thread.
 #pragma once
 
 #include <vtkSmartPointer.h>
@@ -9,7 +10,7 @@
 #include <array>
 #include <vector>
 
-#include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/pose3.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "mount_model_mesh.hpp"
@@ -36,9 +37,8 @@ struct Part {
 struct PartSizes {
   double bar_m = 0.006;  ///< half the width of a bar
   double laser_m = 0.06;
-  double fan_m = 0.3;
-  bool with_feet = true;   ///< the ground's hatched feet, as in textbooks; else a motor
-  bool is_fan_cut = true;  ///< where the linkage stands, so that it hides nothing of it
+  double fan_m = 0.3;     ///< 0: none
+  bool with_feet = true;  ///< the ground's hatched feet, as in textbooks; else a motor
 };
 /// Sizes that suit the bars.
 PartSizes suitable_sizes(const calib::FourBar& bars);
@@ -48,23 +48,6 @@ Pose3 T_axis_laser(const NoddingMount& mount, double elevation_rad);
 
 /// The sensor alone, its centre at the origin, about a cube of this side.
 Part laser_part(double side);
-
-/// Places of the linkage in the plane of x and z, from the nodding axis.
-class LinkagePlane {
- public:
-  explicit LinkagePlane(const calib::SweepModel& model) : model_(model) {}
-  /// From the frame of four_bar.hpp.
-  [[nodiscard]] Point2 at(const Point2& place) const;
-  /// Of a direction of that frame, from level, positive lifting.
-  [[nodiscard]] double angle_rad(double linkage_rad) const {
-    return model_.elevation_sign * linkage_rad + model_.elevation_offset_rad;
-  }
-  /// 0 crank's pivot, 1 crank's end, 2 coupler's end, 3 rocker's pivot, as crank and coupler lead to them.
-  [[nodiscard]] std::array<Point2, 4> joints(double crank_rad, const calib::LinkagePose& pose) const;
-
- private:
-  calib::SweepModel model_;
-};
 
 class LinkageParts {
  public:
@@ -78,8 +61,6 @@ class LinkageParts {
   [[nodiscard]] Pose3 T_axis_laser(double elevation_rad) const {
     return gdtslam::T_axis_laser(model_.mount, elevation_rad);
   }
-  /// The middle of a joint's cap, in the frame of the axis.
-  [[nodiscard]] std::array<Point3, 4> joints(double crank_rad, const calib::LinkagePose& pose) const;
   /// Middle of a layer: 0 ground, 1 rocker, 2 crank, 3 coupler.
   [[nodiscard]] double layer_y(int layer) const;
   [[nodiscard]] const PartSizes& sizes() const { return sizes_; }
@@ -98,7 +79,6 @@ class LinkageParts {
   [[nodiscard]] double thickness_m() const;
 
   calib::SweepModel model_;
-  LinkagePlane plane_;
   PartSizes sizes_;
   Part ground_;
   Part crank_;
@@ -107,6 +87,35 @@ class LinkageParts {
   Part laser_;
   Part cradle_;
   Part fan_;
+};
+
+/// A key light from the upper left, a soft one from the right, the rest from the camera.
+void add_lights(vtkRenderer& renderer);
+
+/// What stands still around a moving linkage: the paths of its joints, the coupler's curve, the laser's sweep, the dead
+/// points. In the frame of the axis.
+class LinkageSurroundings {
+ public:
+  /// `marks` is the colour of the dead points.
+  LinkageSurroundings(const calib::LinkageCycle& cycle, const LinkageParts& parts, Colour marks);
+  void add_to(vtkRenderer& renderer) const;
+  /// Places that a picture of the whole motion has to show.
+  [[nodiscard]] const std::vector<Point3>& reach() const { return reach_; }
+  [[nodiscard]] double reach_m() const { return reach_m_; }
+  /// On the rim of the laser's sweep, for a label.
+  [[nodiscard]] Point3 sweep_rim(double elevation_rad, double share) const;
+
+ private:
+  void add_paths(const calib::LinkageCycle& cycle, const LinkageParts& parts);
+  void add_sweep(const calib::LinkageCycle& cycle);
+  void find_reach(const calib::LinkageCycle& cycle, const LinkageParts& parts);
+
+  double thin_m_;
+  double sweep_m_;
+  double sweep_y_;
+  Part still_;
+  std::vector<Point3> reach_;
+  double reach_m_ = 1.0;
 };
 
 }  // namespace gdtslam

@@ -1,5 +1,4 @@
-#include "linkage_surroundings.hpp"
-
+// What stands still around a moving linkage.
 #include <vtkActor.h>
 #include <vtkLight.h>
 #include <vtkRenderer.h>
@@ -7,18 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "linkage_parts.hpp"
 
 namespace gdtslam {
 namespace {
 
 Point3 at_layer(const Point2& place, double y) { return {place.x(), y, place.y()}; }
-
-Point2 direction(double angle_rad) {
-  const SinCos<double> unit = sin_cos(angle_rad);
-  return {unit.cos, unit.sin};
-}
 
 /// A path as dashes of about `dash_m` with gaps of the same length.
 Mesh dashed(const std::vector<Point3>& path, double radius, double dash_m) {
@@ -52,14 +46,17 @@ void add_lights(vtkRenderer& renderer) {
   add(0.0, 0.0, 1.0, 0.25);
 }
 
-LinkageSurroundings::LinkageSurroundings(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks)
-    : plane_(cycle.model()),
-      thin_m_(0.085 * parts.sizes().bar_m),
+LinkageSurroundings::LinkageSurroundings(const calib::LinkageCycle& cycle, const LinkageParts& parts, Colour marks)
+    : thin_m_(0.085 * parts.sizes().bar_m),
       sweep_m_(parts.sizes().fan_m),
       sweep_y_(parts.layer_y(0) + parts.sizes().bar_m) {
   add_sweep(cycle);
   add_paths(cycle, parts);
-  add_dead_points(cycle, parts, marks);
+  for (const calib::LinkagePosition* dead_point : {&cycle.begin(), &cycle.end()}) {
+    Mesh mark;
+    mark.ball(at_layer(dead_point->joints[2], parts.layer_y(1)), 0.55 * parts.sizes().bar_m);
+    still_.add(mark, marks, Finish::kPaint);
+  }
   find_reach(cycle, parts);
 }
 
@@ -69,18 +66,14 @@ Point3 LinkageSurroundings::sweep_rim(double elevation_rad, double share) const 
   return at_layer(share * sweep_m_ * direction(elevation_rad), sweep_y_);
 }
 
-void LinkageSurroundings::add_paths(const LinkageCycle& cycle, const LinkageParts& parts) {
-  const calib::FourBar& bars = cycle.model().bars;
+void LinkageSurroundings::add_paths(const calib::LinkageCycle& cycle, const LinkageParts& parts) {
   std::vector<Point3> curve;
   std::vector<Point3> arc;
   std::vector<Point3> circle;
-  for (const LinkagePosition& position : cycle.positions()) {
-    const auto joints = plane_.joints(position.crank_rad, position.pose);
-    const auto middle =
-        calib::coupler_point(bars, cycle.model().assembly, position.crank_rad, 0.5 * bars.coupler_m, 0.0);
-    if (middle) curve.push_back(at_layer(plane_.at(*middle), parts.layer_y(3)));
-    arc.push_back(at_layer(joints[2], parts.layer_y(1)));
-    circle.push_back(at_layer(joints[1], parts.layer_y(2)));
+  for (const calib::LinkagePosition& position : cycle.positions()) {
+    curve.push_back(at_layer(position.middle, parts.layer_y(3)));
+    arc.push_back(at_layer(position.joints[2], parts.layer_y(1)));
+    circle.push_back(at_layer(position.joints[1], parts.layer_y(2)));
   }
   Mesh curve_mesh;
   if (cycle.turns_fully() && curve.size() > 2) curve.pop_back();
@@ -95,7 +88,7 @@ void LinkageSurroundings::add_paths(const LinkageCycle& cycle, const LinkagePart
   still_.add(dashed(circle, thin_m_, dash_m), ink::kCrank, Finish::kPaint);
 }
 
-void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
+void LinkageSurroundings::add_sweep(const calib::LinkageCycle& cycle) {
   constexpr int kSteps = 96;
   constexpr double kClearOfLaser = 0.24;
   const double from_rad = cycle.lowest_rad();
@@ -120,19 +113,7 @@ void LinkageSurroundings::add_sweep(const LinkageCycle& cycle) {
   }
 }
 
-void LinkageSurroundings::add_dead_points(const LinkageCycle& cycle, const LinkageParts& parts, Colour marks) {
-  const double radius_m = 0.55 * parts.sizes().bar_m;
-  for (const LinkagePosition* position : {&cycle.begin(), &cycle.end()}) {
-    const auto joints = plane_.joints(position->crank_rad, position->pose);
-    const Point3 place = at_layer(joints[2], parts.layer_y(1));
-    Mesh mark;
-    mark.ball(place, radius_m);
-    still_.add(mark, marks, Finish::kPaint);
-    dead_points_.push_back(place);
-  }
-}
-
-void LinkageSurroundings::find_reach(const LinkageCycle& cycle, const LinkageParts& parts) {
+void LinkageSurroundings::find_reach(const calib::LinkageCycle& cycle, const LinkageParts& parts) {
   const double wide_m = 1.6 * parts.sizes().bar_m;
   const auto include = [&](const Point2& place, double y, double margin_m) {
     for (const double x : {-margin_m, margin_m}) {
@@ -141,8 +122,8 @@ void LinkageSurroundings::find_reach(const LinkageCycle& cycle, const LinkagePar
   };
   const double laser_m = parts.sizes().laser_m;
   for (std::size_t i = 0; i < cycle.positions().size(); i += 8) {
-    const LinkagePosition& position = cycle.positions()[i];
-    for (const Point2& joint : plane_.joints(position.crank_rad, position.pose)) {
+    const calib::LinkagePosition& position = cycle.positions()[i];
+    for (const Point2& joint : position.joints) {
       include(joint, parts.layer_y(3), wide_m);
     }
     const Pose3 T_axis_laser = parts.T_axis_laser(position.elevation_rad);
@@ -158,7 +139,7 @@ void LinkageSurroundings::find_reach(const LinkageCycle& cycle, const LinkagePar
     }
     reach_.push_back(sweep_rim(position.elevation_rad, 1.06));
   }
-  include(plane_.at(Point2::Zero()) - Point2(0.0, 3.4 * parts.sizes().bar_m), parts.layer_y(0), 2.0 * wide_m);
+  include(cycle.positions().front().joints[0] - Point2(0.0, 3.4 * parts.sizes().bar_m), parts.layer_y(0), 2.0 * wide_m);
   include(Point2(0.0, -3.4 * parts.sizes().bar_m), parts.layer_y(0), 2.0 * wide_m);
   reach_m_ = 0.0;
   for (const Point3& place : reach_) reach_m_ = std::max(reach_m_, place.norm());

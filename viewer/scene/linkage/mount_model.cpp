@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "gdtslam/core/angle.hpp"
-#include "linkage_cycle.hpp"
-#include "linkage_parts.hpp"
 
 namespace gdtslam {
 namespace {
@@ -40,17 +37,9 @@ Body body_under(double axis_m) {
           .top_m = 0.19 * share};
 }
 
-/// An outline of x and z, thick along y.
-Mesh plate(const Outline& outline, double front_y, double back_y, double chamfer) {
-  Mesh mesh;
-  mesh.extrude(outline, front_y, back_y, chamfer);
-  return mesh;
-}
-
 /// An outline of x and y, from one height to another.
 Mesh upright(const Outline& outline, double low_z, double high_z, double chamfer) {
-  Mesh mesh;
-  mesh.extrude(outline, -high_z, -low_z, chamfer);
+  Mesh mesh = extruded(outline, -high_z, -low_z, chamfer);
   mesh.move({Point3::Zero(), exp_so3(Point3(-0.5 * kPi, 0.0, 0.0))});
   return mesh;
 }
@@ -60,7 +49,7 @@ void add_wheels(Part& part, const Body& body) {
   for (const double side : {-1.0, 1.0}) {
     const double middle_y = side * (0.5 * body.width_m + 0.6 * thick_m);
     const auto wheel = [&](double radius, double half, Colour colour, Finish finish) {
-      part.add(plate(circle_outline({0.0, body.wheel_m}, radius, 48), middle_y - half, middle_y + half, 0.25 * half),
+      part.add(extruded(circle_outline({0.0, body.wheel_m}, radius, 48), middle_y - half, middle_y + half, 0.25 * half),
                colour, finish);
     };
     wheel(body.wheel_m, 0.5 * thick_m, kTyre, Finish::kPaint);
@@ -96,145 +85,102 @@ void add_body(Part& part, const Body& body) {
 
 }  // namespace
 
-struct MountModel::State {
-  State(const calib::SweepModel* sweep, const MountLook& mount_look) : look(mount_look) {
-    if (sweep != nullptr) {
-      mount = sweep->mount;
-    } else {
-      mount.height_m = kLevelHeight_m;
-    }
-    if (sweep != nullptr && look.with_linkage) {
-      cycle.emplace(*sweep);
-      PartSizes sizes = suitable_sizes(sweep->bars);
-      sizes.laser_m = std::min(kLaser_m, sizes.laser_m);
-      sizes.fan_m = look.fan_m;
-      sizes.with_feet = false;
-      sizes.is_fan_cut = false;
-      linkage.emplace(*sweep, sizes);
-    } else {
-      lone_laser = laser_part(kLaser_m);
-    }
-    build_robot();
-    if (cycle) crank_rad = cycle->shown_crank_rad();
-    if (linkage) linkage->show_fan(look.with_fan);
-    move();
+MountModel::MountModel(const calib::SweepModel* model, const MountLook& look) : T_base_level_(look.T_base_level) {
+  if (model != nullptr) {
+    mount_ = model->mount;
+  } else {
+    mount_.height_m = kLevelHeight_m;
   }
-
-  [[nodiscard]] double axis_m() const { return mount.height_m - mount.lever_up_m; }
-  [[nodiscard]] Pose3 T_base_axis() const {
-    return embed(look.T_base_level, axis_m()) *
-           Pose3{{-mount.lever_forward_m, 0.0, 0.0}, Eigen::Quaterniond::Identity()};
+  if (model != nullptr && look.with_linkage) {
+    cycle_.emplace(*model);
+    crank_rad_ = cycle_->shown_crank_rad();
+    PartSizes sizes = suitable_sizes(model->bars);
+    sizes.laser_m = std::min(kLaser_m, sizes.laser_m);
+    sizes.fan_m = 0.0;
+    sizes.with_feet = false;
+    linkage_.emplace(*model, sizes);
+  } else {
+    lone_laser_ = laser_part(kLaser_m);
   }
+  const Body body = body_under(axis_m());
+  add_body(robot_, body);
+  add_wheels(robot_, body);
+  add_mast(body.top_m);
+  move();
+}
 
-  void build_robot() {
-    const Body body = body_under(axis_m());
-    add_body(robot, body);
-    add_wheels(robot, body);
-    Part mast;
-    add_mast(mast, body);
-    mast.move(embed(look.T_base_level));
-    for (const auto& actor : mast.actors) masts.actors.push_back(actor);
+Pose3 MountModel::T_base_axis() const {
+  return embed(T_base_level_, axis_m()) * Pose3{{-mount_.lever_forward_m, 0.0, 0.0}, Eigen::Quaterniond::Identity()};
+}
+
+void MountModel::add_mast(double body_top_m) {
+  const double laser_m = linkage_ ? linkage_->sizes().laser_m : kLaser_m;
+  const double axis_z = axis_m();
+  const double x = -mount_.lever_forward_m;
+  if (!linkage_) {
+    const double top_z = axis_z - 0.6 * laser_m;
+    if (top_z <= body_top_m) return;
+    mast_.add(
+        upright(rectangle_outline({-0.3 * laser_m, -0.3 * laser_m}, {0.3 * laser_m, 0.3 * laser_m}, 0.05 * laser_m),
+                body_top_m, top_z, 0.0),
+        kFrame);
+    return;
   }
-
-  /// Two cheeks that carry the axle, the right one with the crank's pivot.
-  void add_mast(Part& part, const Body& body) const {
-    const double laser_m = linkage ? linkage->sizes().laser_m : kLaser_m;
-    const double axis_z = axis_m();
-    const double x = -mount.lever_forward_m;
-    if (!linkage) {
-      const double top_z = axis_z - 0.6 * laser_m;
-      if (top_z <= body.top_m) return;
-      part.add(
-          upright(rectangle_outline({-0.3 * laser_m, -0.3 * laser_m}, {0.3 * laser_m, 0.3 * laser_m}, 0.05 * laser_m),
-                  body.top_m, top_z, 0.0),
-          kFrame);
-      return;
-    }
-    const double neck_z = std::max(axis_z - 1.05 * laser_m, body.top_m);
-    const Point2 half(0.55 * laser_m, 0.634 * laser_m);
-    part.add(upright(rectangle_outline(Point2(x, 0.0) - half, Point2(x, 0.0) + half, 0.2 * laser_m), body.top_m - 0.01,
-                     neck_z, 0.0),
-             kFrame);
-    // Between the cradle's plates and the linkage's ground.
-    for (const double middle_y : {-0.612 * laser_m, 0.612 * laser_m}) {
-      part.add(plate(bar_outline({x, axis_z}, {x, neck_z}, 0.26 * laser_m), middle_y - 0.022 * laser_m,
-                     middle_y + 0.022 * laser_m, 0.004 * laser_m),
-               kFrame, Finish::kPaint);
-    }
+  const double neck_z = std::max(axis_z - 1.05 * laser_m, body_top_m);
+  const Point2 half(0.55 * laser_m, 0.634 * laser_m);
+  mast_.add(upright(rectangle_outline(Point2(x, 0.0) - half, Point2(x, 0.0) + half, 0.2 * laser_m), body_top_m - 0.01,
+                    neck_z, 0.0),
+            kFrame);
+  // Between the cradle's plates and the linkage's ground.
+  for (const double middle_y : {-0.612 * laser_m, 0.612 * laser_m}) {
+    mast_.add(extruded(bar_outline({x, axis_z}, {x, neck_z}, 0.26 * laser_m), middle_y - 0.022 * laser_m,
+                       middle_y + 0.022 * laser_m, 0.004 * laser_m),
+              kFrame, Finish::kPaint);
   }
+}
 
-  void move() {
-    const Pose3 T_map_robot = embed(T_map_base);
-    robot.move(T_map_robot);
-    masts.move(T_map_robot * embed(look.T_base_level));
-    if (linkage) linkage->pose(T_map_robot * T_base_axis(), crank_rad);
-    lone_laser.move(T_map_robot * T_base_axis() * T_axis_laser(mount, elevation_rad));
-  }
-
-  MountLook look;
-  NoddingMount mount;
-  std::optional<LinkageCycle> cycle;
-  std::optional<LinkageParts> linkage;
-  Part robot;
-  Part masts;
-  Part lone_laser;             ///< of a robot without a linkage,
-  double elevation_rad = 0.0;  ///< and where it looks
-  Pose2 T_map_base;
-  double crank_rad = 0.0;
-};
-
-MountModel::MountModel(const calib::SweepModel* model, const MountLook& look)
-    : state_(std::make_unique<State>(model, look)) {}
-
-MountModel::~MountModel() = default;
+void MountModel::move() {
+  const Pose3 T_map_robot = embed(T_map_base_);
+  robot_.move(T_map_robot);
+  mast_.move(T_map_robot * embed(T_base_level_));
+  if (linkage_) linkage_->pose(T_map_robot * T_base_axis(), crank_rad_);
+  lone_laser_.move(T_map_robot * T_base_axis() * T_axis_laser(mount_, elevation_rad_));
+}
 
 void MountModel::add_to(vtkRenderer& renderer) {
-  state_->robot.add_to(renderer);
-  state_->masts.add_to(renderer);
-  state_->lone_laser.add_to(renderer);
-  if (state_->linkage) state_->linkage->add_to(renderer);
+  for (const Part* part : {&robot_, &mast_, &lone_laser_}) part->add_to(renderer);
+  if (linkage_) linkage_->add_to(renderer);
 }
 
 void MountModel::place(const Pose2& T_map_base) {
-  state_->T_map_base = T_map_base;
-  state_->move();
+  T_map_base_ = T_map_base;
+  move();
 }
 
 void MountModel::set_crank(double crank_rad) {
-  if (!state_->cycle || !state_->cycle->at(crank_rad)) return;
-  state_->crank_rad = crank_rad;
-  state_->move();
+  if (!cycle_ || !cycle_->at(crank_rad)) return;
+  crank_rad_ = crank_rad;
+  move();
 }
 
 void MountModel::set_elevation(double elevation_rad, bool is_rising) {
-  if (!state_->cycle) {
-    state_->elevation_rad = elevation_rad;
-    state_->move();
+  if (cycle_) {
+    set_crank(cycle_->crank_of(elevation_rad, is_rising, cycle_->model().encoder.direction));
     return;
   }
-  set_crank(state_->cycle->crank_of(elevation_rad, is_rising, state_->cycle->model().encoder.direction));
+  elevation_rad_ = elevation_rad;
+  move();
 }
-
-bool MountModel::has_linkage() const { return state_->cycle.has_value(); }
 
 void MountModel::set_visible(bool is_visible) {
-  state_->robot.show(is_visible);
-  state_->masts.show(is_visible);
-  state_->lone_laser.show(is_visible);
-  if (!state_->linkage) return;
-  state_->linkage->show(is_visible);
-  state_->linkage->show_fan(is_visible && state_->look.with_fan);
-}
-
-void MountModel::set_fan_visible(bool is_visible) {
-  state_->look.with_fan = is_visible;
-  if (state_->linkage) state_->linkage->show_fan(is_visible);
+  for (Part* part : {&robot_, &mast_, &lone_laser_}) part->show(is_visible);
+  if (linkage_) linkage_->show(is_visible);
 }
 
 Pose3 MountModel::T_map_laser() const {
-  double elevation_rad = state_->elevation_rad;
-  if (state_->cycle) elevation_rad = calib::elevation_rad(state_->cycle->model(), state_->crank_rad).value_or(0.0);
-  return embed(state_->T_map_base) * state_->T_base_axis() * T_axis_laser(state_->mount, elevation_rad);
+  double elevation_rad = elevation_rad_;
+  if (cycle_) elevation_rad = calib::elevation_rad(cycle_->model(), crank_rad_).value_or(0.0);
+  return embed(T_map_base_) * T_base_axis() * T_axis_laser(mount_, elevation_rad);
 }
 
 }  // namespace gdtslam

@@ -1,30 +1,24 @@
 // A small differential-drive robot with the nodding mount on its mast, as VTK props: body, wheels, caster, mast, the
-// four bars with their joints, the laser with its fan of beams. Built once; crank and pose move the parts without
-// building anything. Frame: base_link (x forward, y left, z up, on the floor); metres, radians. One object belongs to
-// one thread; moving costs a few dozen small matrices.
+// four bars with their joints, the laser. Built once; crank and pose move the parts without building anything. Frame:
+// base_link (x forward, y left, z up, on the floor); metres, radians. One object belongs to one thread; moving costs a
+// few dozen small matrices.
 #pragma once
 
-#include <memory>
+#include <optional>
 
-#include "gdtslam/calib/sweep_model.hpp"
-#include "gdtslam/core/pose3.hpp"
-
-class vtkRenderer;
+#include "linkage_parts.hpp"
 
 namespace gdtslam {
 
 struct MountLook {
   bool with_linkage = true;  ///< false: the laser tilts by itself, and of the model only the mount counts
-  bool with_fan = true;
-  double fan_m = 0.9;       ///< length of the beams that are shown
-  Pose2 T_base_level = {};  ///< of the laser at elevation 0, as the log gives it
+  Pose2 T_base_level = {};   ///< of the laser at elevation 0, as the log gives it
 };
 
 class MountModel {
  public:
   /// Without a model: a robot with a laser at 0.3 m. Throws ConfigError where the loop closes nowhere.
   explicit MountModel(const calib::SweepModel* model, const MountLook& look = {});
-  ~MountModel();
   MountModel(const MountModel&) = delete;
   MountModel& operator=(const MountModel&) = delete;
 
@@ -36,15 +30,28 @@ class MountModel {
   /// The linkage as it stands at this elevation while that rises or falls; the nearest that it can reach. Without a
   /// linkage the laser alone.
   void set_elevation(double elevation_rad, bool is_rising = true);
-  [[nodiscard]] bool has_linkage() const;
+  [[nodiscard]] bool has_linkage() const { return cycle_.has_value(); }
   void set_visible(bool is_visible);
-  void set_fan_visible(bool is_visible);
   /// The sensor's centre and the direction of its forward beam, in the map.
   [[nodiscard]] Pose3 T_map_laser() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  [[nodiscard]] double axis_m() const { return mount_.height_m - mount_.lever_up_m; }
+  [[nodiscard]] Pose3 T_base_axis() const;
+  /// Two cheeks that carry the axle, the right one with the crank's pivot.
+  void add_mast(double body_top_m);
+  void move();
+
+  Pose2 T_base_level_;
+  NoddingMount mount_;
+  std::optional<calib::LinkageCycle> cycle_;
+  std::optional<LinkageParts> linkage_;
+  Part robot_;
+  Part mast_;
+  Part lone_laser_;             ///< of a robot without a linkage,
+  double elevation_rad_ = 0.0;  ///< and where it looks
+  Pose2 T_map_base_;
+  double crank_rad_ = 0.0;
 };
 
 }  // namespace gdtslam

@@ -17,11 +17,6 @@ namespace {
 constexpr int kQuarterSteps = 10;
 constexpr int kTubeSides = 8;
 
-Point2 direction(double angle_rad) {
-  const SinCos<double> unit = sin_cos(angle_rad);
-  return {unit.cos, unit.sin};
-}
-
 void add_arc(Outline& outline, const Point2& centre, double radius, double from_rad, double span_rad, int steps) {
   for (int i = 0; i <= steps; ++i) {
     const Point2 normal = direction(from_rad + span_rad * i / steps);
@@ -44,6 +39,11 @@ Point3 sideways(const Point3& along, const Point3& last) {
 }
 
 }  // namespace
+
+Point2 direction(double angle_rad) {
+  const SinCos<double> unit = sin_cos(angle_rad);
+  return {unit.cos, unit.sin};
+}
 
 Outline circle_outline(const Point2& centre, double radius, int steps) {
   Outline outline;
@@ -112,6 +112,12 @@ void Mesh::extrude(const Outline& outline, double front_y, double back_y, double
   cap(inner, back_y, 1.0);
 }
 
+Mesh extruded(const Outline& outline, double front_y, double back_y, double chamfer) {
+  Mesh mesh;
+  mesh.extrude(outline, front_y, back_y, chamfer);
+  return mesh;
+}
+
 void Mesh::cap(const std::vector<Point2>& ring, double y, double normal_y) {
   Point2 centre = Point2::Zero();
   for (const Point2& place : ring) centre += place / static_cast<double>(ring.size());
@@ -176,15 +182,6 @@ void Mesh::ball(const Point3& centre, double radius) {
 void Mesh::move(const Pose3& T_frame_mesh) {
   for (Point3& place : places_) place = T_frame_mesh * place;
   for (Point3& normal : normals_) normal = Pose3{Point3::Zero(), T_frame_mesh.rotation} * normal;
-}
-
-void Mesh::add(const Mesh& other) {
-  const auto shift = static_cast<vtkIdType>(places_.size());
-  places_.insert(places_.end(), other.places_.begin(), other.places_.end());
-  normals_.insert(normals_.end(), other.normals_.begin(), other.normals_.end());
-  for (const auto& corner : other.triangles_) {
-    triangles_.push_back({corner[0] + shift, corner[1] + shift, corner[2] + shift});
-  }
 }
 
 vtkSmartPointer<vtkPolyData> Mesh::poly_data() const {

@@ -16,6 +16,8 @@ class vtkPolyData;
 
 namespace gdtslam {
 
+Point2 direction(double angle_rad);
+
 /// A closed convex curve, counter-clockwise as seen from negative y, with its outward normals.
 struct Outline {
   std::vector<Point2> points;
@@ -37,7 +39,6 @@ class Mesh {
   void band(const std::vector<Point3>& inner, const std::vector<Point3>& outer);
   void ball(const Point3& centre, double radius);
   void move(const Pose3& T_frame_mesh);
-  void add(const Mesh& other);
 
   [[nodiscard]] vtkSmartPointer<vtkPolyData> poly_data() const;
 
@@ -53,5 +54,6 @@ class Mesh {
   std::vector<Point3> normals_;
   std::vector<std::array<vtkIdType, 3>> triangles_;
 };
+Mesh extruded(const Outline& outline, double front_y, double back_y, double chamfer);
 
 }  // namespace gdtslam

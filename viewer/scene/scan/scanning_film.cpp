@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "engine/core/elementary.hpp"
+#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"
 #include "scanning_overlay.hpp"
 #include "scanning_scene.hpp"
-#include "viewer/scene/linkage/linkage_cycle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -93,7 +93,7 @@ class ScanningFilm : public Film {
   PictureSize size_;
   std::size_t frames_;
   ScanningTrack track_;
-  std::optional<LinkageCycle> cycle_;
+  std::optional<calib::LinkageCycle> cycle_;
   ScanningScene scene_;
   ScanningOverlay overlay_;
   double distance_m_;

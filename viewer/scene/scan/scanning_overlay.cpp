@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/plot.hpp"
@@ -30,11 +31,6 @@ std::string with_commas(std::uint64_t number) {
     digits.insert(at, ",");
   }
   return digits;
-}
-
-std::string degrees(double angle_rad) {
-  const double rounded_deg = std::round(10.0 * deg_from_rad(angle_rad)) / 10.0;
-  return fmt::format("{:.1f}°", rounded_deg == 0.0 ? 0.0 : rounded_deg);
 }
 
 }  // namespace
@@ -119,7 +115,7 @@ void ScanningOverlay::draw_figures(Canvas& canvas, const ScanningMoment& moment,
 
 void ScanningOverlay::draw_plot(Canvas& canvas, const ScanningMoment& moment) const {
   draw_card(canvas, plot_);
-  const std::string value = degrees(moment.elevation_rad);
+  const std::string value = degrees_text(moment.elevation_rad) + "°";
   canvas.text(plot_.corner + Point2(plot_.width - 1.1 * text_, 1.75 * text_), value,
               {.size = 1.45 * text_,
                .colour = look_.is_dark ? theme_.curve(4) : ink::kLaserText,

@@ -14,7 +14,6 @@
 #include "viewer/scene/cloud/cloud_level.hpp"
 #include "viewer/scene/cloud/cloud_path.hpp"
 #include "viewer/scene/cloud/cloud_points.hpp"
-#include "viewer/scene/linkage/linkage_surroundings.hpp"
 #include "viewer/scene/linkage/mount_model.hpp"
 
 namespace gdtslam {
@@ -60,9 +59,7 @@ struct ScanningScene::State {
         points(view.renderer()),
         path(view.renderer(), with_look.is_dark),
         beams(view.renderer()),
-        robot(&model, {.with_linkage = has_linkage,
-                       .with_fan = false,
-                       .T_base_level = {track.sensor_forward_m(model.mount), 0.0, 0.0}}) {
+        robot(&model, {.with_linkage = has_linkage, .T_base_level = {track.sensor_forward_m(model.mount), 0.0, 0.0}}) {
     view.set_background(look.is_dark ? ink::kNight : ink::kPage, look.is_transparent);
     view.set_eye_dome(look.with_eye_dome);
     view.set_samples(look.samples);

@@ -6,10 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "tools/gdtslam/drawings/linkage_drawing.hpp"
-#include "tools/gdtslam/drawings/linkage_table.hpp"
 #include "tools/lab/reproduce/draw.hpp"
 
 namespace gdtslam::reproduce {
@@ -20,19 +19,19 @@ constexpr std::array<const char*, 3> kReadings{"paper-a", "paper-b", "paper-c"};
 std::string both(const std::string& nominal, const std::string& calibrated) { return nominal + " / " + calibrated; }
 
 std::vector<std::string> row_of(const std::string& preset) {
-  const LinkageSummary nominal = summary_of(resolve_linkage(preset));
-  const LinkageSummary calibrated = summary_of(resolve_linkage(preset + "-calibrated"));
-  const calib::CrankRockerReport& n = nominal.report.value();
-  const calib::CrankRockerReport& c = calibrated.report.value();
+  const calib::LinkageCycle nominal(resolve_linkage(preset));
+  const calib::LinkageCycle calibrated(resolve_linkage(preset + "-calibrated"));
+  const calib::CrankRockerReport& n = nominal.report().value();
+  const calib::CrankRockerReport& c = calibrated.report().value();
   const auto degrees = [](double a, double b) { return both(degrees_text(a), degrees_text(b)) + "\u00b0"; };
   const auto number = [](double a, double b) { return fmt::format("{:.2f} / {:.2f}", a, b); };
-  const calib::FourBar& bars = nominal.model.bars;
+  const calib::FourBar& bars = nominal.model().bars;
   return {preset,
           fmt::format("{:.1f}, {:.1f}, {:.1f}, {:.1f} cm", 100.0 * bars.crank_m, 100.0 * bars.coupler_m,
                       100.0 * bars.rocker_m, 100.0 * bars.ground_m),
           degrees(n.swing_rad, c.swing_rad),
-          degrees(nominal.begin.elevation_rad, calibrated.begin.elevation_rad),
-          degrees(nominal.end.elevation_rad, calibrated.end.elevation_rad),
+          degrees(nominal.begin().elevation_rad, calibrated.begin().elevation_rad),
+          degrees(nominal.end().elevation_rad, calibrated.end().elevation_rad),
           number(n.time_ratio, c.time_ratio),
           degrees(n.least_transmission_rad, c.least_transmission_rad),
           number(n.most_rocker_rate, c.most_rocker_rate)};
@@ -55,19 +54,20 @@ std::string sums_text(const calib::FourBar& bars) {
 }
 
 void add_rows(Part& part) {
-  const LinkageSummary b = summary_of(resolve_linkage("paper-b"));
-  const double swing_deg = deg_from_rad(b.report->swing_rad);
-  const double ratio = b.report->time_ratio;
-  const calib::FourBar& bars = b.model.bars;
+  const calib::LinkageCycle b(resolve_linkage("paper-b"));
+  const double swing_deg = deg_from_rad(b.report()->swing_rad);
+  const double ratio = b.report()->time_ratio;
+  const calib::FourBar& bars = b.model().bars;
   part.rows.push_back({"a link turns all the way (Grashof)", "s + l < p + q", sums_text(bars),
-                       verdict_of(b.grashof == calib::GrashofClass::kCrankRocker), "reading paper-b, nominal lengths"});
+                       verdict_of(b.grashof() == calib::GrashofClass::kCrankRocker),
+                       "reading paper-b, nominal lengths"});
   part.rows.push_back({"swing of the laser", "0\u00b0 to 90\u00b0", fmt::format("{:.1f}\u00b0", swing_deg),
                        verdict_of(swing_deg >= 85.0 && swing_deg <= 95.0),
                        "within 5\u00b0 of the paper\u2019s 90\u00b0; reading paper-b"});
   part.rows.push_back({"lifts slowly, returns quickly", "yes", fmt::format("{:.2f} times as long up as down", ratio),
                        verdict_of(ratio > 1.0), "reading paper-b"});
   part.rows.push_back({"least transmission angle", "",
-                       fmt::format("{:.1f}\u00b0", deg_from_rad(b.report->least_transmission_rad)), Verdict::kOpen,
+                       fmt::format("{:.1f}\u00b0", deg_from_rad(b.report()->least_transmission_rad)), Verdict::kOpen,
                        "below 30\u00b0 a joint transmits poorly: the paper\u2019s lengths are mechanically weak"});
 }
 
@@ -82,7 +82,7 @@ Part make_linkages(const PartContext& place) {
   double share = 0.25;
   for (const char* preset : kReadings) {
     add_picture(
-        part, place, drawing_of(summary_of(resolve_linkage(preset))),
+        part, place, linkage_drawing(calib::LinkageCycle(resolve_linkage(preset))),
         {fmt::format("{}.svg", preset),
          fmt::format("Reading {}: positions over the lift with the dead points, elevation and transmission angle over "
                      "one turn of the crank.",

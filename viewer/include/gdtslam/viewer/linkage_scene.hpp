@@ -36,8 +36,6 @@ class LinkageScene {
   Canvas picture(double crank_rad, const PictureSize& size);
   /// The crank angle that a still shows best: in the lift, where coupler and rocker are nearest to a right angle.
   [[nodiscard]] double shown_crank_rad() const;
-  /// Where a joint is seen in render(): 0 crank's pivot, 1 crank's end A, 2 coupler's end B, 3 rocker's pivot.
-  [[nodiscard]] Point2 joint_px(std::size_t joint, double crank_rad, const PictureSize& size) const;
 
  private:
   struct State;

@@ -1,34 +1,62 @@
-#include "linkage_cycle.hpp"
+#include "gdtslam/calib/linkage_cycle.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
-namespace gdtslam {
+namespace gdtslam::calib {
 namespace {
 
 constexpr int kSteps = 720;
 constexpr int kHalvings = 50;
 constexpr double kWholeTurn = kTwoPi - 1e-6;
 
+Point2 along(double length_m, double angle_rad) {
+  const SinCos<double> unit = sin_cos(angle_rad);
+  return length_m * Point2(unit.cos, unit.sin);
+}
+
 }  // namespace
 
-LinkageCycle::LinkageCycle(const calib::SweepModel& model)
-    : model_(model), grashof_(calib::GrashofClass::kTripleRocker) {
-  const std::vector<std::string> wrong = calib::violations(model.bars);
+Point2 place_in_mount(const SweepModel& model, const Point2& place) {
+  const SinCos<double> by = sin_cos(model.elevation_offset_rad);
+  const double x = place.x() - model.bars.ground_m;
+  const double y = model.elevation_sign * place.y();
+  return {by.cos * x - by.sin * y, by.sin * x + by.cos * y};
+}
+
+std::optional<LinkagePosition> position_at(const SweepModel& model, double crank_rad) {
+  const FourBar& bars = model.bars;
+  const std::optional<LinkagePose> pose = solve(bars, model.assembly, crank_rad);
+  const std::optional<double> elevation_rad = calib::elevation_rad(model, crank_rad);
+  const auto middle = coupler_point(bars, model.assembly, crank_rad, 0.5 * bars.coupler_m, 0.0);
+  if (!pose || !elevation_rad || !middle) return std::nullopt;
+  const Point2 crank_end = along(bars.crank_m, crank_rad);
+  const Point2 coupler_end = crank_end + along(bars.coupler_m, pose->coupler_rad);
+  return LinkagePosition{.crank_rad = crank_rad,
+                         .elevation_rad = *elevation_rad,
+                         .pose = *pose,
+                         .joints = {place_in_mount(model, Point2::Zero()), place_in_mount(model, crank_end),
+                                    place_in_mount(model, coupler_end), Point2::Zero()},
+                         .middle = place_in_mount(model, *middle)};
+}
+
+LinkageCycle::LinkageCycle(const SweepModel& model) : model_(model), grashof_(GrashofClass::kTripleRocker) {
+  const std::vector<std::string> wrong = violations(model.bars);
   if (!wrong.empty()) throw ConfigError(wrong.front());
-  grashof_ = calib::grashof_class(model.bars);
+  grashof_ = grashof_class(model.bars);
   choose_span();
-  double last_rad = 0.0;
   for (int i = 0; i <= kSteps; ++i) {
-    const double crank_rad = from_rad_ + span_rad_ * i / kSteps;
-    const std::optional<calib::LinkagePose> pose = calib::solve(model_.bars, model_.assembly, crank_rad);
-    const std::optional<double> elevation_rad = calib::elevation_rad(model_, crank_rad);
-    if (!pose || !elevation_rad) continue;
-    last_rad = positions_.empty() ? *elevation_rad : last_rad + wrap_angle(*elevation_rad - last_rad);
-    positions_.push_back({.crank_rad = crank_rad, .elevation_rad = last_rad, .pose = *pose});
+    std::optional<LinkagePosition> position = position_at(model_, from_rad_ + span_rad_ * i / kSteps);
+    if (!position) continue;
+    if (!positions_.empty()) {
+      const double last_rad = positions_.back().elevation_rad;
+      position->elevation_rad = last_rad + wrap_angle(position->elevation_rad - last_rad);
+    }
+    positions_.push_back(*position);
   }
   if (positions_.empty()) throw ConfigError("the loop closes in no stretch of the crank's turn");
   centre_elevations();
@@ -38,23 +66,28 @@ LinkageCycle::LinkageCycle(const calib::SweepModel& model)
     span_rad_ = positions_.back().crank_rad - from_rad_;
   }
   begin_ = positions_.front();
-  end_ = at(from_rad_ + lift_span_rad()).value_or(positions_.back());
+  const LinkagePosition lift_end = at(from_rad_ + lift_span_rad()).value_or(positions_.back());
+  end_ = lift_end;
+  if (report_) {
+    const DeadPoint& dead = model_.elevation_sign > 0 ? report_->highest : report_->lowest;
+    end_ = at(dead.crank_rad).value_or(lift_end);
+  }
   // With the very end of the lift among them, every elevation that is reached lies between two of these.
   branches_ = positions_;
   const auto behind = std::find_if(branches_.begin(), branches_.end(), [&](const LinkagePosition& position) {
     return std::fabs(position.crank_rad - from_rad_) > std::fabs(lift_span_rad());
   });
-  branches_.insert(behind, end_);
+  branches_.insert(behind, lift_end);
 }
 
 void LinkageCycle::choose_span() {
-  if (grashof_ == calib::GrashofClass::kCrankRocker) {
-    report_ = calib::analyse(model_.bars, model_.assembly);
+  if (grashof_ == GrashofClass::kCrankRocker) {
+    report_ = analyse(model_.bars, model_.assembly);
     const bool is_rising = model_.elevation_sign > 0;
     from_rad_ = is_rising ? report_->lowest.crank_rad : report_->highest.crank_rad;
     span_rad_ = kTwoPi * report_->lift_direction * (is_rising ? 1 : -1);
   } else {
-    const std::vector<calib::CrankRange> ranges = calib::crank_ranges(model_.bars);
+    const std::vector<CrankRange> ranges = crank_ranges(model_.bars);
     if (ranges.empty()) throw ConfigError("the loop closes at no crank angle");
     from_rad_ = ranges.front().from_rad;
     span_rad_ = ranges.front().to_rad - from_rad_;
@@ -81,16 +114,23 @@ bool LinkageCycle::sweeps_all_around() const { return highest_rad_ - lowest_rad_
 double LinkageCycle::lift_span_rad() const { return report_ ? span_rad_ * report_->lift_share : span_rad_; }
 
 std::optional<LinkagePosition> LinkageCycle::at(double crank_rad) const {
-  const std::optional<calib::LinkagePose> pose = calib::solve(model_.bars, model_.assembly, crank_rad);
-  const std::optional<double> elevation_rad = calib::elevation_rad(model_, crank_rad);
-  if (!pose || !elevation_rad) return std::nullopt;
+  std::optional<LinkagePosition> position = position_at(model_, crank_rad);
+  if (!position) return std::nullopt;
   const double since_rad = since_begin_rad(crank_rad);
   const auto nearest = std::min_element(positions_.begin(), positions_.end(), [&](const auto& a, const auto& b) {
     return std::fabs(std::fabs(a.crank_rad - from_rad_) - since_rad) <
            std::fabs(std::fabs(b.crank_rad - from_rad_) - since_rad);
   });
-  const double continuous_rad = nearest->elevation_rad + wrap_angle(*elevation_rad - nearest->elevation_rad);
-  return LinkagePosition{.crank_rad = crank_rad, .elevation_rad = continuous_rad, .pose = *pose};
+  position->elevation_rad = nearest->elevation_rad + wrap_angle(position->elevation_rad - nearest->elevation_rad);
+  return position;
+}
+
+std::vector<LinkagePosition> LinkageCycle::stretch(double span_rad, int steps) const {
+  std::vector<LinkagePosition> reached;
+  for (int i = 0; i <= steps; ++i) {
+    if (const auto position = at(from_rad_ + span_rad * i / steps)) reached.push_back(*position);
+  }
+  return reached;
 }
 
 double LinkageCycle::crank_at(double share) const {
@@ -144,4 +184,4 @@ double LinkageCycle::shown_crank_rad() const {
   return best->crank_rad;
 }
 
-}  // namespace gdtslam
+}  // namespace gdtslam::calib

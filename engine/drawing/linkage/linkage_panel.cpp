@@ -1,4 +1,4 @@
-#include "linkage_panel.hpp"
+#include "linkage_drawing.hpp"
 
 #include <fmt/format.h>
 
@@ -11,13 +11,14 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kPoor_deg = 40.0;  ///< calib::kPoorTransmission_rad as it is written
-std::string degrees(double angle_deg) {
-  const double rounded = std::round(10.0 * angle_deg) / 10.0;
-  return fmt::format("{:.1f}°", rounded == 0.0 ? 0.0 : rounded);
-}
-
-double turned_into_axis(double angle_deg) { return angle_deg - 360.0 * std::floor(angle_deg / 360.0); }
+constexpr double kLeastText = 10.5;
+constexpr double kTextShare = 0.0182;  ///< of the picture's height: 13 pixels of 720
+constexpr double kPanelShare = 0.39;   ///< of a wide picture's width
+/// Below these a panel would leave no room for the linkage.
+constexpr double kLeastWidth = 360.0;
+constexpr double kLeastHeight = 240.0;
+constexpr double kRoomyHeight = 38.0;  ///< of the panel, in letters: enough for a plot of the transmission angle
+constexpr double kPoor_deg = 40.0;     ///< calib::kPoorTransmission_rad as it is written
 
 /// By the crank, with a gap where a curve leaves the axis at one side and comes back on the other.
 std::vector<Point2> in_order(std::vector<Point2> curve, bool is_turning, double most_jump) {
@@ -38,23 +39,72 @@ std::vector<Point2> in_order(std::vector<Point2> curve, bool is_turning, double 
   return whole;
 }
 
+void lay_out_panel(LinkageSheet& sheet, const DrawingArea& panel) {
+  const double text = sheet.text;
+  const double gap = text;
+  const bool is_roomy = panel.height >= kRoomyHeight * text;
+  sheet.figures = {panel.corner, panel.width, (is_roomy ? 6.6 : 7.4) * text};
+  const double rest = panel.height - sheet.figures.height - gap;
+  const double elevation = is_roomy ? std::floor(0.56 * (rest - gap)) : rest;
+  sheet.elevation = {panel.corner + Point2(0.0, sheet.figures.height + gap), panel.width, elevation};
+  if (!is_roomy) return;
+  sheet.transmission = {sheet.elevation.corner + Point2(0.0, elevation + gap), panel.width, rest - elevation - gap};
+}
+
 }  // namespace
 
-struct LinkagePanel::Figure {
-  std::string symbol;
-  std::string index;  ///< small, below the line
-  std::string meaning;
-  std::string value;
-  Colour colour;
-};
+LinkageSheet linkage_sheet(double width, double height, bool with_panel) {
+  LinkageSheet sheet;
+  sheet.text = std::max(kLeastText, kTextShare * std::min(height, 0.75 * width));
+  sheet.scene = {Point2::Zero(), width, height};
+  if (!with_panel || std::max(width, height) < kLeastWidth || std::min(width, height) < kLeastHeight) return sheet;
+  const double text = sheet.text;
+  const double margin = std::round(1.4 * text);
+  const bool is_small = height < 45.0 * text;
+  const double header = std::round((is_small ? 2.4 : 4.4) * text);
+  sheet.header = {{margin, margin}, width - 2.0 * margin, header};
+  DrawingArea body{{margin, margin + header}, width - 2.0 * margin, height - 2.0 * margin - header};
+  DrawingArea panel;
+  DrawingArea& card = sheet.card = body;
+  if (width > 1.15 * height) {
+    panel.width = std::round(std::max(kPanelShare * width, 25.0 * text));
+    panel.height = body.height;
+    card.width = body.width - panel.width - text;
+    panel.corner = body.corner + Point2(card.width + text, 0.0);
+  } else {
+    card.height = std::round(0.5 * body.height);
+    panel = {body.corner + Point2(0.0, card.height + text), body.width, body.height - card.height - text};
+  }
+  lay_out_panel(sheet, panel);
+  // One row, two rows, or no room for the bars' lengths.
+  const double rows = card.width > 46.0 * text ? 2.6 : (card.width > 30.0 * text ? 4.2 : 0.6);
+  const double bars = std::round(rows * text);
+  // One pixel inside the card, whose edge stays.
+  sheet.scene = {card.corner + Point2(1.0, std::round(0.6 * text)), card.width - 2.0,
+                 std::floor(card.height - bars - 0.6 * text)};
+  sheet.bars = {card.corner + Point2(0.0, card.height - bars), card.width, bars};
+  // As high as what is on it: the scene has whole pixels.
+  card.height = sheet.scene.height + 0.6 * text + bars;
+  card.corner.y() = sheet.bars.corner.y() + bars - card.height;
+  return sheet;
+}
 
-LinkagePanel::LinkagePanel(const LinkageCycle& cycle, const LinkageLook& look)
-    : cycle_(cycle), look_(look), theme_(look.is_dark ? kDarkTheme : kLightTheme) {
+std::string degrees_text(double angle_rad) {
+  std::string text = fmt::format("{:.1f}", deg_from_rad(angle_rad));
+  return text == "-0.0" ? "0.0" : text;
+}
+
+LinkagePanel::LinkagePanel(const calib::LinkageCycle& cycle, const LinkagePanelLook& look)
+    : cycle_(cycle),
+      look_(look),
+      theme_(look.is_dark ? kDarkTheme : kLightTheme),
+      laser_(look.is_dark ? theme_.curve(4) : ink::kLaser),
+      laser_text_(look.is_dark ? theme_.curve(4) : ink::kLaserText) {
   std::vector<Point2> elevations;
   std::vector<Point2> transmissions;
   const bool is_whole = cycle.turns_fully();
   for (std::size_t i = 0; i + (is_whole ? 1 : 0) < cycle.positions().size(); ++i) {
-    const LinkagePosition& position = cycle.positions()[i];
+    const calib::LinkagePosition& position = cycle.positions()[i];
     const double at_deg = axis_deg(position.crank_rad);
     elevations.emplace_back(at_deg, deg_from_rad(position.elevation_rad));
     transmissions.emplace_back(at_deg, deg_from_rad(position.pose.transmission_rad));
@@ -64,27 +114,45 @@ LinkagePanel::LinkagePanel(const LinkageCycle& cycle, const LinkageLook& look)
 }
 
 double LinkagePanel::axis_deg(double crank_rad) const {
+  if (look_.is_still) return deg_from_rad(cycle_.since_begin_rad(crank_rad));
   const double crank_deg = deg_from_rad(crank_rad);
-  return cycle_.turns_fully() ? turned_into_axis(crank_deg) : crank_deg;
-}
-
-void LinkagePanel::draw_card(Canvas& canvas, const DrawingArea& area) const {
-  constexpr double kRadius = 9.0;
-  if (area.width <= 0.0) return;
-  canvas.rectangle(area.corner, area.width, area.height, Fill{.colour = theme_.card}, Pen{.colour = theme_.edge},
-                   kRadius);
+  return cycle_.turns_fully() ? crank_deg - 360.0 * std::floor(crank_deg / 360.0) : crank_deg;
 }
 
 void LinkagePanel::draw_ground(Canvas& canvas, const LinkageSheet& sheet) const {
+  constexpr double kRadius = 9.0;
   if (!look_.is_transparent) {
     canvas.rectangle(Point2::Zero(), canvas.width(), canvas.height(), Fill{.colour = theme_.page});
   }
-  const double top = 0.6 * sheet.text;
-  draw_card(canvas, {sheet.bars.corner - Point2(0.0, sheet.scene.height + top), sheet.bars.width,
-                     sheet.scene.height + top + sheet.bars.height});
-  for (const DrawingArea* card : {&sheet.figures, &sheet.elevation, &sheet.transmission}) draw_card(canvas, *card);
+  for (const DrawingArea* card : {&sheet.card, &sheet.figures, &sheet.elevation, &sheet.transmission}) {
+    if (card->width <= 0.0) continue;
+    canvas.rectangle(card->corner, card->width, card->height, Fill{.colour = theme_.card}, Pen{.colour = theme_.edge},
+                     kRadius);
+  }
   draw_header(canvas, sheet);
   draw_bars(canvas, sheet);
+}
+
+void LinkagePanel::draw_heading(Canvas& canvas, const LinkageSheet& sheet, const DrawingArea& card,
+                                std::string_view words) const {
+  canvas.text(card.corner + sheet.text * Point2(1.2, 1.75), words,
+              {.size = 1.08 * sheet.text, .colour = theme_.text, .is_bold = true});
+}
+
+void LinkagePanel::draw_sweep_label(Canvas& canvas, const LinkageSheet& sheet, const Point2& rim, const Point2& inner,
+                                    double elevation_rad) const {
+  const Point2 away = (rim - inner).normalized();
+  const double text = 1.05 * sheet.text;
+  const bool is_side = std::fabs(away.x()) > 0.6;
+  const std::string words = degrees_text(elevation_rad) + "°";
+  const double width = text_width(words, text, true);
+  // By its left end, which keeps it within the card where the rim comes close to the edge.
+  const double share = !is_side ? 0.5 : (away.x() > 0.0 ? 0.0 : 1.0);
+  const double left = rim.x() - sheet.scene.corner.x() + 0.6 * text * away.x() - share * width;
+  const double drop = is_side ? 0.35 : (away.y() < 0.0 ? -0.4 : 1.2);
+  const double most = std::max(0.4 * text, sheet.scene.width - width - 0.4 * text);
+  canvas.text({sheet.scene.corner.x() + std::clamp(left, 0.4 * text, most), rim.y() + drop * text}, words,
+              {.size = text, .colour = laser_text_, .is_bold = true, .has_halo = true, .halo = theme_.card});
 }
 
 void LinkagePanel::draw_header(Canvas& canvas, const LinkageSheet& sheet) const {
@@ -134,22 +202,22 @@ void LinkagePanel::draw_bars(Canvas& canvas, const LinkageSheet& sheet) const {
   }
 }
 
-void LinkagePanel::draw_read_outs(Canvas& canvas, const LinkageSheet& sheet, const LinkagePosition& position) const {
-  if (sheet.figures.width <= 0.0) return;
-  draw_figures(canvas, sheet, position);
-  draw_elevation(canvas, sheet, position);
-  if (sheet.transmission.width > 0.0) draw_transmission(canvas, sheet, position);
-}
-
-void LinkagePanel::draw_figures(Canvas& canvas, const LinkageSheet& sheet, const LinkagePosition& position) const {
+void LinkagePanel::draw_figures(Canvas& canvas, const LinkageSheet& sheet,
+                                const calib::LinkagePosition& position) const {
+  struct Figure {
+    std::string symbol;
+    std::string index;  ///< small, below the line
+    std::string meaning;
+    double angle_rad;
+    Colour colour;
+  };
   const double text = sheet.text;
-  const double transmission_deg = deg_from_rad(position.pose.transmission_rad);
   const bool is_poor = position.pose.transmission_rad < calib::kPoorTransmission_rad;
+  const double crank_rad = position.crank_rad - kTwoPi * std::floor(position.crank_rad / kTwoPi);
   const Figure figures[] = {
-      {"θ", "input", "crank", degrees(turned_into_axis(deg_from_rad(position.crank_rad))), theme_.curve(1)},
-      {"θ*", "", "elevation", degrees(deg_from_rad(position.elevation_rad)),
-       look_.is_dark ? theme_.curve(4) : ink::kLaserText},
-      {"µ", "", "transmission", degrees(transmission_deg), is_poor ? theme_.warning : theme_.curve(0)}};
+      {"θ", "input", "crank", crank_rad, theme_.curve(1)},
+      {"θ*", "", "elevation", position.elevation_rad, laser_text_},
+      {"µ", "", "transmission", position.pose.transmission_rad, is_poor ? theme_.warning : theme_.curve(0)}};
   const double step = (sheet.figures.width - 2.4 * text) / 3.0;
   const double value_size = std::min(2.0, 0.88 * step / text_width("000.0°", text, true)) * text;
   Point2 at = sheet.figures.corner + Point2(1.2 * text, 1.9 * text);
@@ -160,7 +228,7 @@ void LinkagePanel::draw_figures(Canvas& canvas, const LinkageSheet& sheet, const
     const double index = figure.index.empty() ? 0.0 : 1.0 + text_width(figure.index, 0.8 * text);
     canvas.text(at + Point2(symbol + index + 0.5 * text, 0.0), figure.meaning,
                 {.size = 0.95 * text, .colour = theme_.quiet});
-    canvas.text(at + Point2(0.0, 2.6 * text), figure.value,
+    canvas.text(at + Point2(0.0, 2.6 * text), degrees_text(figure.angle_rad) + "°",
                 {.size = value_size, .colour = figure.colour, .is_bold = true});
     at.x() += step;
   }

@@ -1,32 +1,41 @@
 // The positions that a linkage runs through, in the order in which they are best seen: a crank-rocker one turn from
 // where the lift begins, in the direction that makes lifting the slow stroke; any other linkage whose crank turns
-// fully one turn; the rest there and back through the first stretch in which the loop closes. Angles in radians, frame
-// of four_bar.hpp. Thread-safe after construction.
+// fully one turn; the rest there and back through the first stretch in which the loop closes. Whatever draws a linkage
+// takes its places from here. Angles in radians. Thread-safe after construction.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 
-namespace gdtslam {
+namespace gdtslam::calib {
 
+/// Angles in the frame of four_bar.hpp. Places as the linkage stands in the mount, in the plane of x (forward) and z
+/// (up), from the rocker's pivot: there the rocker's direction is the elevation.
 struct LinkagePosition {
   double crank_rad = 0.0;
   double elevation_rad = 0.0;  ///< without jumps by whole turns along the cycle
-  calib::LinkagePose pose;
+  LinkagePose pose;
+  std::array<Point2, 4> joints;  ///< crank's pivot, crank's end, coupler's end, rocker's pivot
+  Point2 middle;                 ///< of the coupler
 };
+/// In the mount, of a place in the frame of four_bar.hpp.
+Point2 place_in_mount(const SweepModel& model, const Point2& place);
+/// Nothing where the loop does not close.
+std::optional<LinkagePosition> position_at(const SweepModel& model, double crank_rad);
 
 class LinkageCycle {
  public:
   /// Throws ConfigError where the loop closes nowhere.
-  explicit LinkageCycle(const calib::SweepModel& model);
+  explicit LinkageCycle(const SweepModel& model);
 
-  [[nodiscard]] const calib::SweepModel& model() const { return model_; }
-  [[nodiscard]] calib::GrashofClass grashof() const { return grashof_; }
+  [[nodiscard]] const SweepModel& model() const { return model_; }
+  [[nodiscard]] GrashofClass grashof() const { return grashof_; }
   /// Of a crank-rocker.
-  [[nodiscard]] const std::optional<calib::CrankRockerReport>& report() const { return report_; }
+  [[nodiscard]] const std::optional<CrankRockerReport>& report() const { return report_; }
   [[nodiscard]] double from_rad() const { return from_rad_; }
   [[nodiscard]] double span_rad() const { return span_rad_; }  ///< signed
   [[nodiscard]] bool turns_fully() const { return turns_fully_; }
@@ -34,6 +43,8 @@ class LinkageCycle {
   [[nodiscard]] double lift_span_rad() const;
   /// Evenly over the span, both ends included; places where the loop does not close are left out.
   [[nodiscard]] const std::vector<LinkagePosition>& positions() const { return positions_; }
+  /// The same from the cycle's begin through a part of the span, in so many steps.
+  [[nodiscard]] std::vector<LinkagePosition> stretch(double span_rad, int steps) const;
   /// The two ends of the lift, or of the stretch.
   [[nodiscard]] const LinkagePosition& begin() const { return begin_; }
   [[nodiscard]] const LinkagePosition& end() const { return end_; }
@@ -61,9 +72,9 @@ class LinkageCycle {
   void choose_span();
   void centre_elevations();
 
-  calib::SweepModel model_;
-  calib::GrashofClass grashof_;
-  std::optional<calib::CrankRockerReport> report_;
+  SweepModel model_;
+  GrashofClass grashof_;
+  std::optional<CrankRockerReport> report_;
   double from_rad_ = 0.0;
   double span_rad_ = 0.0;
   bool turns_fully_ = false;
@@ -75,4 +86,4 @@ class LinkageCycle {
   LinkagePosition end_;
 };
 
-}  // namespace gdtslam
+}  // namespace gdtslam::calib

@@ -3,33 +3,33 @@
 
 #include <cmath>
 
+#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "viewer/scene/linkage/linkage_cycle.hpp"
 
-namespace gdtslam {
+namespace gdtslam::calib {
 namespace {
 
-calib::SweepModel model_of(const calib::FourBar& bars) {
-  calib::SweepModel model;
+SweepModel model_of(const FourBar& bars) {
+  SweepModel model;
   model.bars = bars;
   return model;
 }
 
-constexpr calib::FourBar kDoubleRocker{.crank_m = 0.08, .coupler_m = 0.04, .rocker_m = 0.07, .ground_m = 0.09};
-constexpr calib::FourBar kDoubleCrank{.crank_m = 0.07, .coupler_m = 0.06, .rocker_m = 0.08, .ground_m = 0.03};
-constexpr calib::FourBar kTripleRocker{.crank_m = 0.06, .coupler_m = 0.05, .rocker_m = 0.07, .ground_m = 0.12};
+constexpr FourBar kDoubleRocker{.crank_m = 0.08, .coupler_m = 0.04, .rocker_m = 0.07, .ground_m = 0.09};
+constexpr FourBar kDoubleCrank{.crank_m = 0.07, .coupler_m = 0.06, .rocker_m = 0.08, .ground_m = 0.03};
+constexpr FourBar kTripleRocker{.crank_m = 0.06, .coupler_m = 0.05, .rocker_m = 0.07, .ground_m = 0.12};
 
 TEST(LinkageCycle, crank_comes_back_from_its_elevation) {
-  for (const calib::LinkagePreset& preset : calib::linkage_presets()) {
+  for (const LinkagePreset& preset : linkage_presets()) {
     for (const int sign : {1, -1}) {
-      calib::SweepModel model = calib::sweep_model_of_preset(preset.name);
+      SweepModel model = sweep_model_of_preset(preset.name);
       model.elevation_sign *= sign;
       const LinkageCycle cycle(model);
       for (const int direction : {1, -1}) {
         for (int i = 0; i < 200; ++i) {
           const double crank_rad = kTwoPi * (i + 0.37) / 200.0;
-          const auto there = [&](double rad) { return *calib::elevation_rad(model, rad); };
+          const auto there = [&](double rad) { return *elevation_rad(model, rad); };
           const bool is_rising = wrap_angle(there(crank_rad + 1e-5 * direction) - there(crank_rad)) > 0.0;
           const double found_rad = cycle.crank_of(there(crank_rad), is_rising, direction);
           EXPECT_NEAR(wrap_angle(found_rad - crank_rad), 0.0, 1e-5)
@@ -41,8 +41,8 @@ TEST(LinkageCycle, crank_comes_back_from_its_elevation) {
 }
 
 TEST(LinkageCycle, elevations_beyond_its_reach_give_the_nearest_end) {
-  const LinkageCycle cycle(calib::sweep_model_of_preset("paper-b"));
-  const calib::CrankRockerReport report = calib::analyse(cycle.model().bars, cycle.model().assembly);
+  const LinkageCycle cycle(sweep_model_of_preset("paper-b"));
+  const CrankRockerReport report = analyse(cycle.model().bars, cycle.model().assembly);
   for (const bool is_rising : {true, false}) {
     EXPECT_NEAR(wrap_angle(cycle.crank_of(-0.1, is_rising, 1) - report.lowest.crank_rad), 0.0, 0.01);
     EXPECT_NEAR(wrap_angle(cycle.crank_of(report.swing_rad + 0.1, is_rising, 1) - report.highest.crank_rad), 0.0, 0.01);
@@ -50,8 +50,8 @@ TEST(LinkageCycle, elevations_beyond_its_reach_give_the_nearest_end) {
 }
 
 TEST(LinkageCycle, lift_goes_from_dead_point_to_dead_point) {
-  const LinkageCycle cycle(calib::sweep_model_of_preset("paper-a"));
-  const calib::CrankRockerReport report = calib::analyse(cycle.model().bars, cycle.model().assembly);
+  const LinkageCycle cycle(sweep_model_of_preset("paper-a"));
+  const CrankRockerReport report = analyse(cycle.model().bars, cycle.model().assembly);
   EXPECT_TRUE(cycle.turns_fully());
   EXPECT_NEAR(wrap_angle(cycle.begin().crank_rad - report.lowest.crank_rad), 0.0, 1e-9);
   EXPECT_NEAR(wrap_angle(cycle.end().crank_rad - report.highest.crank_rad), 0.0, 1e-9);
@@ -61,8 +61,8 @@ TEST(LinkageCycle, lift_goes_from_dead_point_to_dead_point) {
 }
 
 TEST(LinkageCycle, a_film_turns_evenly_and_ends_where_it_began) {
-  for (const calib::SweepModel& model : {calib::sweep_model_of_preset("paper-c"), model_of(kDoubleRocker),
-                                         model_of(kDoubleCrank), model_of(kTripleRocker)}) {
+  for (const SweepModel& model :
+       {sweep_model_of_preset("paper-c"), model_of(kDoubleRocker), model_of(kDoubleCrank), model_of(kTripleRocker)}) {
     const LinkageCycle cycle(model);
     EXPECT_NEAR(wrap_angle(cycle.crank_at(1.0) - cycle.crank_at(0.0)), 0.0, 1e-12);
     const double step_rad = std::fabs(cycle.crank_at(0.01) - cycle.crank_at(0.0));
@@ -78,7 +78,7 @@ TEST(LinkageCycle, stretch_of_a_double_rocker_is_where_its_loop_closes) {
   EXPECT_FALSE(cycle.turns_fully());
   // A and the rocker's pivot are coupler and rocker apart at the far end, their difference at the near one.
   const auto crank_at_distance = [](double distance_m) {
-    const calib::FourBar& b = kDoubleRocker;
+    const FourBar& b = kDoubleRocker;
     return std::acos((b.crank_m * b.crank_m + b.ground_m * b.ground_m - distance_m * distance_m) /
                      (2.0 * b.crank_m * b.ground_m));
   };
@@ -94,13 +94,13 @@ TEST(LinkageCycle, a_rocker_that_turns_fully_sweeps_all_around) {
   const LinkageCycle cycle(model_of(kDoubleCrank));
   EXPECT_TRUE(cycle.turns_fully());
   EXPECT_TRUE(cycle.sweeps_all_around());
-  EXPECT_FALSE(LinkageCycle(calib::sweep_model_of_preset("paper-b")).sweeps_all_around());
+  EXPECT_FALSE(LinkageCycle(sweep_model_of_preset("paper-b")).sweeps_all_around());
 }
 
 TEST(LinkageCycle, bars_that_never_meet_are_refused) {
-  const calib::FourBar bars{.crank_m = 0.01, .coupler_m = 0.02, .rocker_m = 0.02, .ground_m = 0.09};
+  const FourBar bars{.crank_m = 0.01, .coupler_m = 0.02, .rocker_m = 0.02, .ground_m = 0.09};
   EXPECT_THROW(LinkageCycle{model_of(bars)}, ConfigError);
 }
 
 }  // namespace
-}  // namespace gdtslam
+}  // namespace gdtslam::calib
