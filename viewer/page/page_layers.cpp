@@ -9,9 +9,8 @@
 
 #include "engine/core/base64.hpp"
 #include "engine/core/elementary.hpp"
-#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "page_bytes.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
@@ -19,59 +18,24 @@
 namespace gdtslam::page {
 namespace {
 
-/// From the linkage's own frame to the one in which it is drawn: turned by the elevation's offset, mirrored where the
-/// elevation falls with the rocker's angle.
-struct DrawnFrame {
-  SinCos<double> turn;
-  double sign;
-  explicit DrawnFrame(const calib::SweepModel& model)
-      : turn(sin_cos(model.elevation_offset_rad)), sign(model.elevation_sign) {}
-  [[nodiscard]] Point2 of(const Point2& p) const {
-    const double y = sign * p.y();
-    return {turn.cos * p.x() - turn.sin * y, turn.sin * p.x() + turn.cos * y};
-  }
-};
-
-Point2 at_angle(double length, double angle_rad) {
-  const SinCos<double> s = sin_cos(angle_rad);
-  return {length * s.cos, length * s.sin};
+/// The row of the table that a crank angle belongs to, with its fraction.
+double step_at(double crank_rad) {
+  const double turned = crank_rad / kTwoPi;
+  return (turned - std::floor(turned)) * kCrankSteps;
 }
 
-double crank_at(int step) { return kTwoPi * step / kCrankSteps; }
-
-void append_linkage_step(const calib::SweepModel& model, const DrawnFrame& frame, double crank_rad, ByteWriter& bytes) {
-  const auto pose = calib::solve(model.bars, model.assembly, crank_rad);
-  const auto middle = calib::coupler_point(model.bars, model.assembly, crank_rad, 0.5 * model.bars.coupler_m, 0.0);
-  const auto elevation = calib::elevation_rad(model, crank_rad);
-  const Point2 a = frame.of(at_angle(model.bars.crank_m, crank_rad));
-  bytes.f32(a.x());
-  bytes.f32(a.y());
-  if (!pose || !middle || !elevation) {
-    for (int k = 0; k < 6; ++k) bytes.f32(std::numeric_limits<double>::quiet_NaN());
-    return;
-  }
-  const Point2 rocker_end = Point2(model.bars.ground_m, 0.0) + at_angle(model.bars.rocker_m, pose->rocker_rad);
-  for (const Point2& p : {frame.of(rocker_end), frame.of(*middle)}) {
-    bytes.f32(p.x());
-    bytes.f32(p.y());
-  }
-  bytes.f32(*elevation);
-  bytes.f32(pose->transmission_rad);
-}
-
-/// Dead points as steps of the table; none for a linkage that is no crank-rocker.
-void write_dead_points(const calib::SweepModel& model, JsonWriter& json) {
+/// Begin and end of the lift; none for a linkage that is no crank-rocker. And where the motion starts.
+void write_ends(const calib::LinkageCycle& cycle, JsonWriter& json) {
   json.open("dead_points", '[');
-  if (calib::grashof_class(model.bars) == calib::GrashofClass::kCrankRocker) {
-    const calib::CrankRockerReport report = calib::analyse(model.bars, model.assembly);
-    for (const calib::DeadPoint& dead : {report.lowest, report.highest}) {
-      const double turned = dead.crank_rad / kTwoPi;
-      const double elevation = wrap_angle(model.elevation_sign * dead.rocker_rad + model.elevation_offset_rad);
-      json.open("", '{').number("step", (turned - std::floor(turned)) * kCrankSteps);
-      json.number("elevation", elevation).close();
+  if (cycle.report()) {
+    for (const calib::LinkagePosition* dead : {&cycle.begin(), &cycle.end()}) {
+      json.open("", '{').number("step", step_at(dead->crank_rad));
+      json.number("elevation", wrap_angle(dead->elevation_rad)).close();
     }
   }
   json.close();
+  const double first = step_at(cycle.begin().crank_rad);
+  json.number("first", cycle.report() ? first : std::fmod(std::ceil(first), kCrankSteps));
 }
 
 /// Of the cells that one pixel stands for.
@@ -141,24 +105,46 @@ void write_map(const OccupancyMap& map, JsonWriter& json, std::string& elements)
 }
 
 void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string& elements) {
-  const std::vector<calib::CrankRange> ranges = calib::crank_ranges(model.bars);
-  if (ranges.empty()) throw ConfigError("the loop closes at no crank angle, so a page cannot show the linkage");
-  const DrawnFrame frame(model);
+  const calib::LinkageCycle cycle(model);
+  const calib::FourBar& bars = model.bars;
+  const Point2 rocker_pivot = -calib::place_in_mount(model, Point2::Zero());
+  const double farthest_m =
+      std::max({bars.rocker_m, bars.crank_m + bars.coupler_m - bars.ground_m, 0.5 * (bars.crank_m + bars.ground_m)});
+  const double beam_m = 1.15 * farthest_m + 0.35 * bars.rocker_m;
+  const Point2 corner(bars.crank_m, bars.crank_m);
+  Eigen::AlignedBox2d covered(-corner, corner);
   ByteWriter bytes(std::size_t{32} * kCrankSteps);
   for (int step = 0; step < kCrankSteps; ++step) {
-    append_linkage_step(model, frame, crank_at(step), bytes);
+    const auto position = calib::position_at(model, kTwoPi * step / kCrankSteps);
+    if (!position) {
+      for (int k = 0; k < 8; ++k) bytes.f32(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    for (const Point2& place : {position->joints[1], position->joints[2], position->middle}) {
+      bytes.f32(rocker_pivot.x() + place.x());
+      bytes.f32(rocker_pivot.y() + place.y());
+      covered.extend(rocker_pivot + place);
+    }
+    bytes.f32(position->elevation_rad);
+    bytes.f32(position->pose.transmission_rad);
+    const SinCos<double> beam = sin_cos(position->elevation_rad);
+    covered.extend(rocker_pivot + beam_m * Point2(beam.cos, beam.sin));
   }
   append_bytes_element("linkage", bytes.bytes(), elements);
-  const Point2 rocker_pivot = frame.of({model.bars.ground_m, 0.0});
+  const auto write_place = [&json](std::string_view name, const Point2& place) {
+    json.open(name, '[').number("", place.x()).number("", place.y()).close();
+  };
   json.open("linkage", '{').text("name", model.name).number("steps", kCrankSteps);
-  json.text("class", calib::class_name(calib::grashof_class(model.bars)));
-  json.number("crank", model.bars.crank_m).number("coupler", model.bars.coupler_m);
-  json.number("rocker", model.bars.rocker_m).number("ground", model.bars.ground_m);
+  json.text("class", calib::class_name(cycle.grashof()));
+  json.number("crank", bars.crank_m).number("coupler", bars.coupler_m);
+  json.number("rocker", bars.rocker_m).number("ground", bars.ground_m);
   json.number("direction", model.encoder.direction);
   json.number("sign", model.elevation_sign).number("offset", model.elevation_offset_rad);
-  json.number("height", model.mount.height_m);
-  json.open("rocker_pivot", '[').number("", rocker_pivot.x()).number("", rocker_pivot.y()).close();
-  write_dead_points(model, json);
+  json.number("height", model.mount.height_m).number("beam", beam_m);
+  write_place("rocker_pivot", rocker_pivot);
+  write_place("least", covered.min());
+  write_place("most", covered.max());
+  write_ends(cycle, json);
   json.close();
 }
 

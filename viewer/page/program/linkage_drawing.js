@@ -1,4 +1,4 @@
-// Draws the linkage on a canvas of two dimensions.
+// Draws the linkage, its elevation and its transmission angle on canvases of two dimensions.
 
 const inkOf = (name) => hexColour(name);
 
@@ -39,25 +39,27 @@ function disc(context, [x, y], radius, fill, edge, width = 2) {
   context.stroke();
 }
 
+function polygon(context, points, colour) {
+  context.fillStyle = colour;
+  context.beginPath();
+  points.forEach((p, k) => (k ? context.lineTo(...p) : context.moveTo(...p)));
+  context.fill();
+}
+
+/// How the next words are written, by their middle height.
+function lettering(context, size, align, weight = 400) {
+  context.font = `${weight} ${size}px system-ui, "Segoe UI", "Noto Sans", "DejaVu Sans", Arial, sans-serif`;
+  context.textAlign = align;
+  context.textBaseline = 'middle';
+}
+
 const kHalfFan = 0.09;  // rad, as wide as the fan is drawn
 
 class MechanismDrawing {
   constructor(canvas, linkage) {
     [this.canvas, this.linkage] = [canvas, linkage];
-    const {crank, coupler, rocker, ground} = linkage.about;
-    this.beam = 1.15 * Math.max(rocker, crank + coupler - ground, 0.5 * (crank + ground)) + 0.35 * rocker;
-    [this.least, this.most] = linkage.bounds(this.beam);
-    this.sweep = this.sweepOf();
-    for (const axis of [0, 1]) {
-      this.least[axis] = Math.min(this.least[axis], -crank);
-      this.most[axis] = Math.max(this.most[axis], crank);
-    }
-  }
-
-  /// Least and most elevation, where the rocker's end goes back.
-  sweepOf() {
-    const dead = this.linkage.about.dead_points.map((point) => point.elevation);
-    return dead.length === 2 && dead[1] !== dead[0] ? dead : null;
+    const {beam, least, most, dead_points: deadPoints} = linkage.about;
+    [this.beam, this.least, this.most, this.deadPoints] = [beam, least, most, deadPoints];
   }
 
   /// Pixels from metres, all positions in the middle of the canvas.
@@ -107,11 +109,10 @@ class MechanismDrawing {
     stroke(context, circle, inkOf('crank'), 1.5, [2, 5], 0.7);
     stroke(context, arc, inkOf('rocker'), 1.5, [2, 5], 0.7);
     stroke(context, curve, inkOf('curve'), 2);
-    this.drawDeadPoints(context);
-  }
-
-  font(context, weight, size = this.size) {
-    context.font = `${weight} ${size}px system-ui, "Segoe UI", "Noto Sans", "DejaVu Sans", Arial, sans-serif`;
+    // Where the rocker turns back, on its arc.
+    for (const dead of this.deadPoints) {
+      disc(context, this.at(this.linkage.beamEnd(dead, this.linkage.about.rocker)), 0.9 * this.unit, inkOf('text'));
+    }
   }
 
   /// Letters with a rim of the background.
@@ -126,9 +127,7 @@ class MechanismDrawing {
   /// The bars and their lengths along the lower edge, in as many lines as they need; answers the height.
   drawLegend(context, width, height) {
     const size = clamp(width / 55, 12, 22);
-    this.font(context, 400, size);
-    context.textAlign = 'left';
-    context.textBaseline = 'middle';
+    lettering(context, size, 'left');
     const items = ['crank', 'coupler', 'rocker', 'ground'].map((name) => {
       const text = `${name} ${Number((100 * this.linkage.about[name]).toFixed(2))} cm`;
       return {name, text, width: context.measureText(text).width + 3.6 * size};
@@ -146,81 +145,54 @@ class MechanismDrawing {
     return lines * 1.8 * size;
   }
 
-  /// All that the laser sees in one turn, and where it begins and ends.
-  drawSweep(context) {
-    if (!this.sweep) return;
+  /// A part of the disc about the rocker's pivot.
+  drawSector(context, from, to, opacity) {
     const pivot = this.at(this.linkage.rockerPivot);
-    const radius = this.beam * this.scale;
-    const [from, to] = this.sweep;
     context.save();
-    context.globalAlpha = 0.09;
+    context.globalAlpha = opacity;
     context.fillStyle = inkOf('laser');
     context.beginPath();
     context.moveTo(...pivot);
-    context.arc(...pivot, radius, -from, -to, to > from);
+    context.arc(...pivot, this.beam * this.scale, -from, -to, to > from);
     context.fill();
     context.restore();
-    this.font(context, 600);
-    context.textAlign = 'center';
-    context.textBaseline = 'middle';
-    for (const elevation of this.sweep) {
-      const along = [Math.cos(elevation), -Math.sin(elevation)];
-      const out = (share) => along.map((part, axis) => pivot[axis] + share * part);
-      stroke(context, [pivot, out(radius)], inkOf('laser'), 1.5, [7, 6]);
-      this.words(context, `${fixed(degrees(elevation), 1)}°`, out(radius + 1.9 * this.size), inkOf('laser-text'));
-    }
   }
 
-  /// Where the rocker turns back, on its arc.
-  drawDeadPoints(context) {
-    for (const {elevation} of this.linkage.about.dead_points) {
-      const [x, y] = this.linkage.rockerPivot;
-      const {rocker} = this.linkage.about;
-      disc(context, this.at([x + rocker * Math.cos(elevation), y + rocker * Math.sin(elevation)]), 0.9 * this.unit, inkOf('text'));
+  /// All that the laser sees in one turn, and where it begins and ends.
+  drawSweep(context) {
+    if (this.deadPoints.length === 0) return;
+    const pivot = this.at(this.linkage.rockerPivot);
+    this.drawSector(context, ...this.deadPoints.map((dead) => dead.elevation), 0.09);
+    lettering(context, this.size, 'center', 600);
+    for (const dead of this.deadPoints) {
+      const out = (away) => this.at(this.linkage.beamEnd(dead, this.beam + away / this.scale));
+      stroke(context, [pivot, out(0)], inkOf('laser'), 1.5, [7, 6]);
+      this.words(context, `${fixed(degrees(dead.elevation), 1)}°`, out(1.9 * this.size), inkOf('laser-text'));
     }
   }
 
   /// The laser sits on the rocker's axis and looks along the rocker; its fan is seen from the edge.
   drawLaser(context, pose) {
-    const pivot = this.at(this.linkage.rockerPivot);
-    const end = this.at(this.linkage.beamEnd(pose, this.beam));
-    context.save();
-    context.globalAlpha = 0.3;
-    context.fillStyle = inkOf('laser');
-    context.beginPath();
-    context.moveTo(...pivot);
-    context.arc(...pivot, this.beam * this.scale, -pose.elevation - kHalfFan, -pose.elevation + kHalfFan);
-    context.fill();
-    context.restore();
-    const away = [end[0] - pivot[0], end[1] - pivot[1]].map((value) => value / (this.beam * this.scale));
-    const [x, y] = end.map((value, axis) => value - 2.2 * this.unit * away[axis]);
-    stroke(context, [pivot, [x, y]], inkOf('laser'), 2.5);
-    const [u, v] = [away.map((part) => part * 2.2 * this.unit), [-away[1] * 1.1 * this.unit, away[0] * 1.1 * this.unit]];
-    context.fillStyle = inkOf('laser');
-    context.beginPath();
-    context.moveTo(x + u[0], y + u[1]);
-    context.lineTo(x + v[0], y + v[1]);
-    context.lineTo(x - v[0], y - v[1]);
-    context.fill();
+    const arrow = 2.2 * this.unit;
+    const on = (away, aside = 0) => {
+      const [x, y] = this.at(this.linkage.beamEnd(pose, this.beam + away / this.scale));
+      return [x + aside * Math.sin(pose.elevation), y + aside * Math.cos(pose.elevation)];
+    };
+    this.drawSector(context, pose.elevation + kHalfFan, pose.elevation - kHalfFan, 0.3);
+    stroke(context, [this.at(this.linkage.rockerPivot), on(-arrow)], inkOf('laser'), 2.5);
+    polygon(context, [on(0), on(-arrow, 0.5 * arrow), on(-arrow, -0.5 * arrow)], inkOf('laser'));
   }
 
   drawPivot(context, [x, y]) {
     const u = this.unit;
-    context.fillStyle = inkOf('ground');
-    context.beginPath();
-    context.moveTo(x, y);
-    context.lineTo(x - 2 * u, y + 3.2 * u);
-    context.lineTo(x + 2 * u, y + 3.2 * u);
-    context.fill();
+    polygon(context, [[x, y], [x - 2 * u, y + 3.2 * u], [x + 2 * u, y + 3.2 * u]], inkOf('ground'));
     disc(context, [x, y], 1.2 * u, inkOf('card'), inkOf('ground'), 0.5 * u);
   }
 
   /// Each bar's name beside its middle, away from the loop.
   drawNames(context, crankPivot, rockerPivot, a, b) {
     const {size} = this;
-    this.font(context, 600);
-    context.textAlign = 'center';
-    context.textBaseline = 'middle';
+    lettering(context, size, 'center', 600);
     const centre = [0, 1].map((axis) => (crankPivot[axis] + rockerPivot[axis] + a[axis] + b[axis]) / 4);
     const bars = [[crankPivot, rockerPivot, 'ground'], [crankPivot, a, 'crank'], [a, b, 'coupler'], [rockerPivot, b, 'rocker']];
     for (const [from, to, name] of bars) {
@@ -234,5 +206,96 @@ class MechanismDrawing {
       const at = [0, 1].map((axis) => middle[axis] + away * normal[axis]);
       this.words(context, name, at, inkOf(name));
     }
+  }
+}
+
+/// Column of the table, words and colours; `least`, `most`, `step` and `poor` in degrees.
+const kElevationCurve = {column: 6, key: 'elevation', title: 'Elevation θ*', ink: 'laser', inkOfTitle: 'laser-text'};
+const kTransmissionCurve = {column: 7, key: 'transmission', title: 'Transmission angle µ', ink: 'coupler', inkOfTitle: 'coupler',
+                            least: 0, most: 90, step: 30, poor: 40};
+
+/// A quantity over the crank's angle, with dead points and a mark that runs along.
+class PlotDrawing {
+  constructor(canvas, linkage, curve) {
+    [this.canvas, this.linkage, this.curve] = [canvas, linkage, curve];
+    const rows = Array.from({length: linkage.about.steps}, (_, k) => linkage.row(k)).filter((row) => row);
+    const values = rows.map((row) => degrees(row[curve.column]));
+    const [least, most] = [curve.least ?? Math.min(...values), curve.most ?? Math.max(...values)];
+    this.step = curve.step ?? [5, 10, 15, 30, 45, 90].find((step) => (most - least) / step <= 6) ?? 90;
+    [this.least, this.most] = [Math.floor(least / this.step + 0.05) * this.step, Math.ceil(most / this.step - 0.15) * this.step];
+    if (this.most <= this.least) this.most = this.least + this.step;
+  }
+
+  at(step, value_deg) {
+    const share = (value_deg - this.least) / (this.most - this.least);
+    return [mix(this.left, this.right, step / this.linkage.about.steps), mix(this.bottom, this.top, share)];
+  }
+  stepAt(x) { return clamp((x - this.left) / (this.right - this.left), 0, 1) * this.linkage.about.steps; }
+
+  draw(step, pose) {
+    const {context, width, height} = sharpContext(this.canvas);
+    if (this.canvas.clientWidth === 0) return;
+    const size = width > 700 ? 16 : 12.5;
+    [this.left, this.right, this.top, this.bottom] = [3 * size, width - 1.4 * size, 2.2 * size, height - 3.2 * size];
+    this.drawFrame(context, size, width);
+    this.drawCurve(context);
+    for (const dead of this.curve.key === 'elevation' ? this.linkage.about.dead_points : []) {
+      disc(context, this.at(dead.step, degrees(dead.elevation)), 5, inkOf('text'), inkOf('card'));
+    }
+    if (!pose) return;
+    const mark = this.at(step, degrees(pose[this.curve.key]));
+    stroke(context, [[mark[0], this.bottom], [mark[0], this.top]], inkOf('quiet'), 1);
+    disc(context, mark, 6.5, inkOf(this.curve.ink), inkOf('card'));
+  }
+
+  drawFrame(context, size, width) {
+    lettering(context, size, 'right');
+    if (this.curve.poor) this.drawPoor(context, size);
+    context.fillStyle = inkOf('quiet');
+    for (let value = this.least; value <= this.most + 1e-6; value += this.step) {
+      const y = this.at(0, value)[1];
+      stroke(context, [[this.left, y], [this.right, y]], inkOf('grid'), 1);
+      context.fillText(`${fixed(value, 0)}°`, this.left - 7, y);
+    }
+    context.textAlign = 'center';
+    for (let turn = 0; turn <= 360; turn += width > 26 * size ? 45 : 90) {
+      const x = this.at(turn / 360 * this.linkage.about.steps, this.least)[0];
+      stroke(context, [[x, this.bottom], [x, this.bottom + 4]], inkOf('quiet'), 1);
+      context.fillText(`${turn}°`, x, this.bottom + size);
+    }
+    context.fillText('crank angle θ input', (this.left + this.right) / 2, this.bottom + 2.3 * size);
+    context.fillStyle = inkOf(this.curve.inkOfTitle);
+    context.textAlign = 'left';
+    context.fillText(this.curve.title, this.left, 0.9 * size);
+  }
+
+  /// Below this a linkage passes its force on badly.
+  drawPoor(context, size) {
+    const y = this.at(0, this.curve.poor)[1];
+    context.save();
+    context.globalAlpha = 0.1;
+    context.fillStyle = inkOf('crank');
+    context.fillRect(this.left, y, this.right - this.left, this.bottom - y);
+    context.restore();
+    stroke(context, [[this.left, y], [this.right, y]], inkOf('crank'), 1.2, [5, 4]);
+    context.fillStyle = inkOf('crank');
+    context.fillText(`poor below ${this.curve.poor}°`, this.right, 0.9 * size);
+  }
+
+  drawCurve(context) {
+    const {steps} = this.linkage.about;
+    let stretch = [];
+    let before = null;
+    const flush = () => {
+      if (stretch.length > 1) stroke(context, stretch, inkOf(this.curve.ink), 2.5);
+      stretch = [];
+    };
+    for (let k = 0; k <= steps; ++k) {
+      const row = this.linkage.row(k);
+      if (!row || (before && Math.abs(row[this.curve.column] - before[this.curve.column]) > Math.PI)) flush();
+      if (row) stretch.push(this.at(k, degrees(row[this.curve.column])));
+      before = row;
+    }
+    flush();
   }
 }
