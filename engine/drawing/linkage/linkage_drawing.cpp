@@ -35,7 +35,7 @@ Point2 direction(double angle_rad) {
   return {unit.cos, unit.sin};
 }
 
-Point2 unit_of(const Point2& v) { return v / std::sqrt(v.x() * v.x() + v.y() * v.y()); }
+Point2 unit_vector(const Point2& v) { return v / std::sqrt(v.x() * v.x() + v.y() * v.y()); }
 
 /// The linkage's plane on the page.
 class Stage {
@@ -131,7 +131,7 @@ void draw_labels(Canvas& canvas, const calib::FourBar& bars, const Joints& joint
                      {joints[0], joints[3], ink::kGround, "ground", bars.ground_m}};
   const Point2 centre = 0.25 * (joints[0] + joints[1] + joints[2] + joints[3]);
   for (const Bar& bar : all) {
-    const Point2 along = unit_of(bar.to - bar.from);
+    const Point2 along = unit_vector(bar.to - bar.from);
     Point2 normal(-along.y(), along.x());
     const Point2 middle = 0.5 * (bar.from + bar.to);
     if (normal.dot(middle - centre) < 0.0) normal = -normal;
@@ -162,7 +162,7 @@ void draw_turning(Canvas& canvas, const LinkageCycle& cycle, const Stage& stage,
   }
   canvas.polyline(arc, {.colour = ink::kCrank, .width = 2.0});
   const Point2 tip = arc.back();
-  const Point2 along = 11.0 * unit_of(arc[arc.size() - 4] - tip);
+  const Point2 along = 11.0 * unit_vector(arc[arc.size() - 4] - tip);
   const Point2 across(-0.5 * along.y(), 0.5 * along.x());
   canvas.polygon({tip - 0.4 * along, tip + along + across, tip + along - across}, Fill{ink::kCrank, 1.0});
 }
@@ -249,7 +249,7 @@ struct Figure {
   Colour colour = ink::kText;
 };
 
-std::vector<Figure> figures_of(const LinkageCycle& cycle) {
+std::vector<Figure> key_figures(const LinkageCycle& cycle) {
   const auto degrees = [](double angle_deg) { return fmt::format("{:.1f}°", angle_deg); };
   const calib::FreudensteinCoefficients k = calib::freudenstein(cycle.model().bars);
   const Figure coefficients{fmt::format("{:.3f}  {:.3f}  {:.3f}", k.k1, k.k2, k.k3), "Freudenstein K1, K2, K3"};
@@ -267,7 +267,7 @@ std::vector<Figure> figures_of(const LinkageCycle& cycle) {
 
 void draw_figures(Canvas& canvas, const LinkageCycle& cycle, const DrawingArea& card) {
   constexpr double kColumns[] = {20.0, 168.0, 316.0};
-  const std::vector<Figure> figures = figures_of(cycle);
+  const std::vector<Figure> figures = key_figures(cycle);
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const std::size_t row = i / 3;
     const Point2 at = card.corner + Point2(kColumns[i % 3], 66.0 + 58.0 * static_cast<double>(row));

@@ -31,7 +31,7 @@ void draw_stretch(Plot& plot, double from_deg, double span_deg, const Fill& fill
   }
 }
 
-std::pair<double, double> ends_of(const std::vector<Point2>& curve) {
+std::pair<double, double> least_and_most(const std::vector<Point2>& curve) {
   std::pair ends(std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest());
   for (const Point2& place : curve) {
     if (std::isfinite(place.y())) ends = {std::min(ends.first, place.y()), std::max(ends.second, place.y())};
@@ -96,7 +96,7 @@ void LinkagePanel::draw_elevation(Canvas& canvas, const LinkageSheet& sheet,
   const double text = sheet.text;
   const std::string heading = look_.is_still ? "Elevation in degrees" : "Elevation θ* in degrees";
   draw_heading(canvas, sheet, sheet.elevation, heading);
-  const auto [least, most] = ends_of(elevations_deg_);
+  const auto [least, most] = least_and_most(elevations_deg_);
   const double margin = std::max(0.05 * (most - least), 0.05);
   Plot plot = plot_on(canvas, sheet, sheet.elevation, degrees_axis("", least - margin, most + margin));
   shade_strokes(plot);

@@ -26,7 +26,7 @@ struct Extremes {
   calib::RockerSensitivity by;
 };
 
-Extremes extremes_of(const LinkageCycle& cycle) {
+Extremes extremes_over(const LinkageCycle& cycle) {
   const SweepModel& model = cycle.model();
   Extremes most;
   for (int i = 0; i <= kScanSteps; ++i) {
@@ -89,7 +89,7 @@ std::string crank_rocker_text(const LinkageCycle& cycle, const calib::CrankRocke
                                    "most {:.4f} deg of elevation",
                                    report.most_rocker_rate, cycle.model().encoder.ticks_per_turn,
                                    tick_deg * report.most_rocker_rate));
-  const Extremes extremes = extremes_of(cycle);
+  const Extremes extremes = extremes_over(cycle);
   text += line("acceleration",
                fmt::format("at most {:.2f} per radian of the crank, turning evenly", extremes.acceleration));
   text += line("sensitivity", fmt::format("at most crank {:.2f}, coupler {:.2f}, rocker {:.2f}, ground {:.2f} deg of "
@@ -113,13 +113,13 @@ std::string stretches_text(const LinkageCycle& cycle) {
   return text + line("", end_text(cycle, cycle.end()));
 }
 
-Json json_of_end(const LinkageCycle& cycle, const LinkagePosition& end) {
+Json end_json(const LinkageCycle& cycle, const LinkagePosition& end) {
   return {{"crank_deg", positive_deg(end.crank_rad)},
           {"rocker_deg", deg_from_rad(end.pose.rocker_rad)},
           {"elevation_deg", deg_from_rad(elevation_rad(cycle, end))}};
 }
 
-Json json_of_ranges(const FourBar& bars) {
+Json ranges_json(const FourBar& bars) {
   Json ranges = Json::array();
   for (const calib::CrankRange& range : calib::crank_ranges(bars)) {
     ranges.push_back({{"from_deg", deg_from_rad(range.from_rad)}, {"to_deg", deg_from_rad(range.to_rad)}});
@@ -127,11 +127,11 @@ Json json_of_ranges(const FourBar& bars) {
   return ranges;
 }
 
-Json json_of_report(const LinkageCycle& cycle, const calib::CrankRockerReport& report) {
-  const Extremes extremes = extremes_of(cycle);
+Json report_json(const LinkageCycle& cycle, const calib::CrankRockerReport& report) {
+  const Extremes extremes = extremes_over(cycle);
   return {{"swing_deg", deg_from_rad(report.swing_rad)},
-          {"lift_begin", json_of_end(cycle, cycle.begin())},
-          {"lift_end", json_of_end(cycle, cycle.end())},
+          {"lift_begin", end_json(cycle, cycle.begin())},
+          {"lift_end", end_json(cycle, cycle.end())},
           {"lift_deg", 360.0 * report.lift_share},
           {"lift_direction", cycle.span_rad() > 0.0 ? 1 : -1},
           {"time_ratio", report.time_ratio},
@@ -160,7 +160,7 @@ const char* fault_text(calib::GrashofClass grashof) {
 }
 
 // What a designer should know.
-std::vector<std::string> remarks_of(const LinkageCycle& cycle) {
+std::vector<std::string> all_remarks(const LinkageCycle& cycle) {
   const SweepModel& model = cycle.model();
   if (cycle.report()) return calib::remarks(model.bars, model.assembly);
   return {fmt::format(
@@ -191,7 +191,7 @@ std::string as_text(const LinkageCycle& cycle) {
                fmt::format("{}: {}", calib::class_name(cycle.grashof()), calib::inequality_text(cycle.model().bars)));
   text += cycle.report() ? crank_rocker_text(cycle, *cycle.report()) : stretches_text(cycle);
   text += line("Freudenstein", fmt::format("K1 {:.6f}, K2 {:.6f}, K3 {:.6f}", k.k1, k.k2, k.k3));
-  for (const std::string& remark : remarks_of(cycle)) {
+  for (const std::string& remark : all_remarks(cycle)) {
     text += line("remark", remark);
   }
   return text;
@@ -209,10 +209,10 @@ Json as_json(const LinkageCycle& cycle) {
       {"class", calib::class_name(cycle.grashof())},
       {"shortest_and_longest_m", sums.extremes_m},
       {"other_two_m", sums.middles_m},
-      {"crank_ranges", json_of_ranges(bars)},
+      {"crank_ranges", ranges_json(bars)},
       {"freudenstein", {k.k1, k.k2, k.k3}}};
-  json["crank_rocker"] = cycle.report() ? json_of_report(cycle, *cycle.report()) : Json();
-  json["remarks"] = remarks_of(cycle);
+  json["crank_rocker"] = cycle.report() ? report_json(cycle, *cycle.report()) : Json();
+  json["remarks"] = all_remarks(cycle);
   return json;
 }
 

@@ -77,7 +77,7 @@ bool has_unit(const std::string& text) {
 }
 
 // The unit of "5cm": what follows its last digit.
-std::string unit_of(const std::string& text) {
+std::string written_unit(const std::string& text) {
   const std::size_t digit = text.find_last_of("0123456789.");
   return digit == std::string::npos ? "" : text.substr(digit + 1);
 }
@@ -91,12 +91,12 @@ void read_crank(const std::string& text, calib::DesignGoal& goal) {
   }
   std::string least = text.substr(0, between);
   const std::string most = text.substr(between + kBetween.size());
-  if (!has_unit(least)) least += unit_of(most);
+  if (!has_unit(least)) least += written_unit(most);
   goal.least_crank_m = quantity_of("--crank", least, Unit::kMetre);
   goal.most_crank_m = quantity_of("--crank", most, Unit::kMetre);
 }
 
-calib::DesignGoal goal_of(const GoalText& text) {
+calib::DesignGoal design_goal(const GoalText& text) {
   calib::DesignGoal goal;
   const auto read = [](const char* option, const std::string& words, Unit unit, auto& value) {
     if (!words.empty()) value = quantity_of(option, words, unit);
@@ -122,7 +122,7 @@ calib::SweepModel model_of(const calib::Design& design, std::size_t number) {
   return model;
 }
 
-double step_of(const std::string& text) {
+double csv_step(const std::string& text) {
   const double step_rad = quantity_of("--step", text, Unit::kRadian);
   const double step_deg = deg_from_rad(step_rad);
   if (!(step_deg >= kLeastStep_deg && step_deg <= kMostStep_deg)) {
@@ -135,7 +135,7 @@ double step_of(const std::string& text) {
 void write_files(const LinkageCommand& command, const calib::LinkageCycle& cycle) {
   AtomicFileSet files;
   if (!command.csv.empty()) {
-    files.add(command.csv).write(as_csv(cycle.model(), step_of(command.step)));
+    files.add(command.csv).write(as_csv(cycle.model(), csv_step(command.step)));
   }
   if (!command.picture.empty()) {
     files.add(command.picture).write(drawing_bytes(linkage_drawing(cycle), command.picture, kDensePng));
@@ -158,7 +158,7 @@ int list_presets(const LinkageCommand& command) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-std::string table_of(const std::vector<calib::LinkageCycle>& designs) {
+std::string designs_table(const std::vector<calib::LinkageCycle>& designs) {
   std::string text = "            crank  coupler   rocker   ground  transmission  time ratio  lift\n";
   for (const calib::LinkageCycle& cycle : designs) {
     const calib::FourBar& bars = cycle.model().bars;
@@ -172,7 +172,7 @@ std::string table_of(const std::vector<calib::LinkageCycle>& designs) {
 
 int run_design(const LinkageCommand& command) {
   std::vector<calib::LinkageCycle> designs;
-  for (const calib::Design& design : calib::design(goal_of(command.goal), command.count)) {
+  for (const calib::Design& design : calib::design(design_goal(command.goal), command.count)) {
     designs.emplace_back(model_of(design, designs.size() + 1));
   }
   write_files(command, designs.front());
@@ -183,7 +183,8 @@ int run_design(const LinkageCommand& command) {
     }
     print_result(json_text(all));
   } else {
-    print_result(designs.size() > 1 ? table_of(designs) + "\n" + as_text(designs.front()) : as_text(designs.front()));
+    print_result(designs.size() > 1 ? designs_table(designs) + "\n" + as_text(designs.front())
+                                    : as_text(designs.front()));
   }
   if (designs.size() < command.count) {
     print_remark(fmt::format("{} of {} crank lengths meet the goal; longer cranks transmit worse in the same room",

@@ -13,9 +13,9 @@
 #include "cloud_map.hpp"
 #include "cloud_path.hpp"
 #include "cloud_points.hpp"
-#include "cloud_robot.hpp"
 #include "gdtslam/core/error.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
+#include "viewer/scene/linkage/mount_model.hpp"
 
 namespace gdtslam {
 namespace {
@@ -57,11 +57,7 @@ Bounds bounds_of_surfaces(std::span<const CloudPoint> cloud, std::span<const std
 
 struct CloudScene::State {
   State(const GraphicsContext& graphics, const CloudLook& with)
-      : look(with),
-        view(graphics),
-        points(view.renderer()),
-        path(view.renderer(), with.is_dark),
-        robot(view.renderer()) {
+      : look(with), view(graphics), points(view.renderer()), path(view.renderer(), with.is_dark) {
     view.set_background(look.is_dark ? ink::kNight : ink::kPage, look.is_transparent);
     view.set_eye_dome(look.with_eye_dome);
     view.set_samples(look.samples);
@@ -71,11 +67,27 @@ struct CloudScene::State {
     return surfaces.floor ? height_m(surfaces.floor->plane, at) : 0.0;
   }
 
+  /// Hidden without a pose; built when its model is another one than before.
+  void set_robot(const std::optional<Pose2>& T_map_base, const calib::SweepModel* model, double elevation_rad) {
+    if (T_map_base && (!robot || robot_model != model)) {
+      if (robot) robot->set_visible(false);
+      robot = std::make_unique<MountModel>(model);
+      robot_model = model;
+      robot->add_to(view.renderer());
+    }
+    if (!robot) return;
+    robot->set_visible(T_map_base.has_value());
+    if (!T_map_base) return;
+    robot->place(*T_map_base);
+    robot->set_elevation(elevation_rad);
+  }
+
   CloudLook look;
   OffscreenView view;
   CloudPoints points;
   CloudPath path;
-  CloudRobot robot;
+  std::unique_ptr<MountModel> robot;
+  const calib::SweepModel* robot_model = nullptr;
   std::optional<Point3> robot_at;
   LevelSurfaces surfaces;
   Bounds cloud_bounds;
@@ -135,7 +147,7 @@ void CloudScene::set_map(const OccupancyMap& map) {
 
 void CloudScene::set_robot(const std::optional<Pose2>& T_map_base, const calib::SweepModel* model,
                            double elevation_rad) {
-  state_->robot.set(T_map_base, model, elevation_rad);
+  state_->set_robot(T_map_base, model, elevation_rad);
   state_->robot_at.reset();
   if (!T_map_base) return;
   const Point2 at = T_map_base->translation();
