@@ -31,8 +31,8 @@ function(gdtslam_find_vulkan_tools)
   endif()
 endfunction()
 
-# gdtslam_shaders(TARGET): gives TARGET the header shaders.hpp, which defines gdtslam::shader::<stem>_spirv, a constant
-# array of words, for every shaders/<stem>.comp, and builds anew what an edit of a shader or of common/*.glsl touches.
+# gdtslam_shaders(TARGET): gives TARGET the header shaders.hpp, which defines gdtslam::shader::<stem>, a constant
+# ShaderSource, for every shaders/<stem>.comp, and builds anew what an edit of a shader or of common/*.glsl touches.
 function(gdtslam_shaders target)
   set(source_dir ${PROJECT_SOURCE_DIR}/shaders)
   set(binary_dir ${CMAKE_CURRENT_BINARY_DIR}/shaders)

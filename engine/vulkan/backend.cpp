@@ -231,7 +231,7 @@ VulkanBackendImpl::Bound VulkanBackendImpl::bind(const KernelInfo& kernel, std::
 void VulkanBackendImpl::check_groups(const ShaderVariant& variant, GroupCount groups) const {
   const auto& most = engine_->device.properties().limits.maxComputeWorkGroupCount;
   if (groups.x > most[0] || groups.y > most[1] || groups.z > most[2]) {
-    throw DeviceError(device_info_.name, std::string(variant.name),
+    throw DeviceError(device_info_.name, std::string(variant.shader.name),
                       "no launch: " + std::to_string(groups.x) + " x " + std::to_string(groups.y) + " x " +
                           std::to_string(groups.z) + " work groups exceed the limits " + std::to_string(most[0]) +
                           " x " + std::to_string(most[1]) + " x " + std::to_string(most[2]));

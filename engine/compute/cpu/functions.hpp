@@ -31,6 +31,12 @@ struct CellRange {
   std::uint32_t y_end;
 };
 
+/// The things of a launch along one dimension: [begin, end).
+struct Slice {
+  std::uint32_t begin;
+  std::uint32_t end;
+};
+
 /// Cells that the row passes search together, and offsets between two looks whether more can matter.
 constexpr std::uint32_t kEdtTile = 64;
 constexpr std::uint32_t kEdtOffsets = 4;
@@ -47,62 +53,46 @@ static constexpr std::size_t edt_rows_scratch(const EdtRows::Params& params) {
   return tiled + tiled / kEdtTile + 2 * static_cast<std::size_t>(edt_rows_margin(params));
 }
 
-/// The buffers of sweep_points, in the order of its bindings.
-struct SweepBuffers {
-  const BeamRange* beams;
-  const BeamStrip* strips;
-  const float* tables;
-  float* points;
-};
-
+/// Behind the parameters come the buffers in the order of the bindings, then what the launch is about: the cells of a
+/// grid or a slice of its things (columns, rows, samples, cells of a list, starts, candidates, poses, tiles, beams).
 struct IsaFunctions {
-  /// Columns [begin, end).
-  void (*edt_columns)(const EdtColumns::Params&, const std::uint8_t* seeds, std::uint8_t* distance, std::uint32_t begin,
-                      std::uint32_t end);
-  /// Rows [begin, end).
-  void (*edt_rows)(const EdtRows::Params&, const std::uint8_t* distance, std::uint16_t* sq_distance,
-                   std::uint32_t begin, std::uint32_t end, std::uint16_t* scratch);
+  void (*edt_columns)(const EdtColumns::Params&, const std::uint8_t* seeds, std::uint8_t* distance, Slice);
+  void (*edt_rows)(const EdtRows::Params&, const std::uint8_t* distance, std::uint16_t* sq_distance, Slice,
+                   std::uint16_t* scratch);
   void (*distance_field)(const DistanceField::Params&, const std::uint16_t* sq_distance, const std::uint16_t* table,
                          std::uint16_t* field, CellRange);
   void (*pose_cost)(const PoseCost::Params&, const std::uint16_t* field, const PointCells* points,
-                    const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost);
+                    const PoseCandidate* candidates, std::uint32_t* cost, Slice);
   void (*gdt_merge)(const GdtMerge::Params&, std::uint16_t* global, const std::uint16_t* scan, CellRange);
   void (*jump_flood_init)(const JumpFloodInit::Params&, const std::uint8_t* seeds, std::uint32_t* nearest, CellRange);
   void (*jump_flood_step)(const JumpFloodStep::Params&, const std::uint32_t* source, std::uint32_t* target, CellRange);
   void (*jump_flood_distance)(const JumpFloodDistance::Params&, const std::uint32_t* nearest,
                               std::uint16_t* sq_distance, CellRange);
-  /// Samples [begin, end).
-  void (*pose_lattice)(const PoseLattice::Params&, PoseCandidate* candidates, std::uint32_t begin, std::uint32_t end);
-  /// Samples [begin, end).
-  void (*lattice_minima)(const LatticeMinima::Params&, const std::uint32_t* cost, std::uint32_t* minima,
-                         std::uint32_t begin, std::uint32_t end);
+  void (*pose_lattice)(const PoseLattice::Params&, PoseCandidate* candidates, Slice);
+  void (*lattice_minima)(const LatticeMinima::Params&, const std::uint32_t* cost, std::uint32_t* minima, Slice);
   void (*smallest_values)(const SmallestValues::Params&, const std::uint32_t* values, std::uint32_t* picks);
-  /// Entries [begin, end) of the list.
-  void (*seed_scatter)(const SeedScatter::Params&, const std::uint32_t* cells, std::uint8_t* seeds, std::uint32_t begin,
-                       std::uint32_t end);
+  void (*seed_scatter)(const SeedScatter::Params&, const std::uint32_t* cells, std::uint8_t* seeds, Slice);
   void (*field_grow)(const FieldGrow::Params&, const std::uint16_t* old_field, std::uint16_t* field, CellRange);
-  /// Starts [begin, end).
   void (*pose_starts)(const PoseStarts::Params&, const PoseCandidate* candidates, const std::uint32_t* picks,
-                      PolishedPose* poses, std::uint32_t begin, std::uint32_t end);
+                      PolishedPose* poses, Slice);
   void (*pose_simplex)(const PoseSimplex::Params&, const std::uint16_t* field, const PointCells* points,
-                       PolishedPose* poses, std::uint32_t count);
+                       PolishedPose* poses, Slice);
   /// `values` and `voters` are scratch, one of each a point.
   void (*choose_pose)(const ChoosePose::Params&, const std::uint16_t* field, const PointCells* points,
                       const PolishedPose* poses, MatchVerdict* verdict, std::uint16_t* values, PointCells* voters);
   void (*pose_bounds)(const PoseBounds::Params&, const std::uint8_t* field, const BoundPoint* points,
-                      const PoseCandidate* tiles, std::uint32_t count, std::uint32_t* sums);
+                      const PoseCandidate* tiles, std::uint32_t* sums, Slice);
+  void (*sweep_points)(const SweepPoints::Params&, const BeamRange* beams, const BeamStrip* strips, const float* tables,
+                       float* points, Slice);
+  // On the host only.
   void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
                         const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
-  /// Rows [begin, end) of the minorants.
-  void (*field_minorant)(const FieldMinorant::Params&, const std::uint16_t* field, std::uint32_t* minorants,
-                         std::uint32_t begin, std::uint32_t end);
+  void (*field_minorant)(const FieldMinorant::Params&, const std::uint16_t* field, std::uint32_t* minorants);
   void (*pose_minorant_wide)(const PoseMinorantWide::Params&, const std::uint32_t* minorants, const BoundPoint* points,
                              const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
   /// totals: PoseSlope::kSums of them.
   void (*pose_slope)(const PoseSlope::Params&, const std::uint16_t* field, const PointCells* points,
                      const PoseSlope::Pose&, double* totals);
-  /// Beams [begin, end).
-  void (*sweep_points)(const SweepPoints::Params&, const SweepBuffers&, std::uint32_t begin, std::uint32_t end);
 };
 
 extern const IsaFunctions kBaselineFunctions;

@@ -1,15 +1,17 @@
 // What the kernels' adapters share: typed views of a launch, the checks of its sizes, and the rows of the registry.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "functions.hpp"
 #include "gdtslam/compute/kernel.hpp"
-#include "kernel_calls.hpp"
 
 namespace gdtslam {
 
@@ -35,6 +37,20 @@ inline const IsaFunctions& functions_of(Isa isa) {
   return kBaselineFunctions;
 }
 
+// The count of calls of CPU kernels, by which `verify` proves that a device used none of them. Each thread counts for
+// itself, in a word that only it writes: a call costs a load and a store, without a locked instruction.
+
+/// This thread's word; null before its first call.
+extern constinit thread_local std::atomic<std::uint64_t>* calls_of_this_thread;
+
+/// Gives this thread a word.
+std::atomic<std::uint64_t>& enlist_this_thread();
+
+inline void count_kernel_call() {
+  std::atomic<std::uint64_t>& calls = calls_of_this_thread != nullptr ? *calls_of_this_thread : enlist_this_thread();
+  calls.store(calls.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
 /// The parameters of a launch; their bytes need no alignment.
 template <class Params>
 Params params_of(std::span<const std::byte> bytes) {
@@ -56,6 +72,31 @@ inline CellRange cell_range(const CpuLaunch& launch) {
   }
   return {launch.begin, launch.end, 0, 1};
 }
+
+/// What a kernel's function takes at a place behind its parameters: a buffer, or what the launch is about.
+template <class T>
+T launch_argument(const CpuLaunch& launch, std::size_t place) {
+  if constexpr (std::is_pointer_v<T>) {
+    return buffer_of<std::remove_pointer_t<T>>(launch, place);
+  } else if constexpr (std::is_same_v<T, CellRange>) {
+    return cell_range(launch);
+  } else {
+    return Slice{launch.begin, launch.end};
+  }
+}
+
+template <class Params, class... Arguments>
+void call_function(void (*function)(const Params&, Arguments...), const CpuLaunch& launch) {
+  [&]<std::size_t... kPlaces>(std::index_sequence<kPlaces...>) {
+    function(params_of<Params>(launch.params), launch_argument<Arguments>(launch, kPlaces)...);
+  }
+  (std::index_sequence_for<Arguments...>{});
+}
+
+/// Turns a launch into a call of the kernel's function, where its arguments are the bindings and nothing more.
+template <auto kFunction>
+inline constexpr auto kCall =
+    [](const IsaFunctions& functions, const CpuLaunch& launch) { call_function(functions.*kFunction, launch); };
 
 /// Scratch of this thread, at least `count` values, contents undefined. One per type: a kernel uses it to its end.
 template <class T>
@@ -84,6 +125,8 @@ class LaunchCheck {
   [[nodiscard]] Extent threads() const { return shape_.threads; }
   /// What PriorParams promises, finite means besides.
   void prior(const PriorParams& prior) const;
+  /// The limits of PoseCost, whose field is buffer 0 and whose points are buffer 1.
+  void cost(const PoseCost::Params& params) const;
   void require(bool condition, const char* message) const;
 
  private:
@@ -98,8 +141,8 @@ inline constexpr std::uint32_t kNoLimit = 0x7FFFFFFFU;
 /// none.
 const IsaFunctions& functions_or_throw(Isa isa);
 
-/// The adapter of an instruction set, or nullptr where the build has none. `Adapter` turns a launch into a call.
-template <class Adapter>
+/// The call for an instruction set, or nullptr where the build has none.
+template <class Call>
 constexpr std::array<CpuFunction, kIsaCount> per_isa() {
   constexpr auto function = []<Isa isa>() -> CpuFunction {
     if constexpr (!is_compiled(isa)) {
@@ -107,7 +150,7 @@ constexpr std::array<CpuFunction, kIsaCount> per_isa() {
     } else {
       return +[](const CpuLaunch& launch) {
         count_kernel_call();
-        Adapter::call(functions_of(isa), launch);
+        Call{}(functions_of(isa), launch);
       };
     }
   };
@@ -115,22 +158,36 @@ constexpr std::array<CpuFunction, kIsaCount> per_isa() {
           function.template operator()<Isa::kAvx512>()};
 }
 
-/// The registry's row of kernel K, whose adapter has name, source, unit, call, check and work.
-template <class K, class Adapter>
-KernelInfo kernel_info() {
+/// Elementary steps of the launches that do as much for each cell of a grid, or for each thing along x.
+inline constexpr auto kCells = [](const auto& params, Extent /*threads*/) {
+  return std::uint64_t{params.width} * params.height;
+};
+inline constexpr auto kThings = [](const auto& /*params*/, Extent threads) { return std::uint64_t{threads.x}; };
+
+/// What the registry says of a kernel.
+struct KernelText {
+  std::string_view name;
+  std::string_view work_unit;
+  std::string_view source;
+};
+
+/// The registry's row of kernel K. `call` turns a launch into a call (kCall), `work` counts its elementary steps and
+/// `check` throws where sizes do not fit; none of the three captures anything.
+template <class K, class Call, class Work, class Check>
+KernelInfo kernel_info(const KernelText& text, Call /*call*/, Work /*work*/, Check /*check*/) {
   KernelInfo info;
-  info.name = Adapter::kName;
+  info.name = text.name;
   info.bindings = K::kBindings;
   info.params_bytes = sizeof(typename K::Params);
-  info.cpu = per_isa<Adapter>();
+  info.cpu = per_isa<Call>();
   info.check = [](const LaunchShape& shape) {
-    Adapter::check(params_of<typename K::Params>(shape.params), LaunchCheck(Adapter::kName, shape));
+    Check{}(params_of<typename K::Params>(shape.params), LaunchCheck(K::info().name, shape));
   };
   info.work = [](const LaunchShape& shape) {
-    return Adapter::work(params_of<typename K::Params>(shape.params), shape.threads);
+    return Work{}(params_of<typename K::Params>(shape.params), shape.threads);
   };
-  info.work_unit = Adapter::kWorkUnit;
-  info.source = Adapter::kSource;
+  info.work_unit = text.work_unit;
+  info.source = text.source;
   return info;
 }
 

@@ -10,8 +10,22 @@
 namespace gdtslam {
 namespace {
 
+// Own minimum and maximum: those of the library are templates (cpu/functions.hpp).
+constexpr std::uint8_t lesser(std::uint8_t a, std::uint8_t b) { return a < b ? a : b; }
+constexpr std::uint16_t lesser(std::uint16_t a, std::uint16_t b) { return a < b ? a : b; }
+constexpr std::uint32_t lesser(std::uint32_t a, std::uint32_t b) { return a < b ? a : b; }
+constexpr std::uint32_t greater(std::uint32_t a, std::uint32_t b) { return a > b ? a : b; }
+constexpr std::uint16_t greater(std::uint16_t a, std::uint16_t b) { return a > b ? a : b; }
+constexpr std::int32_t clamped(std::int32_t value, std::int32_t low, std::int32_t high) {
+  const std::int32_t raised = value < low ? low : value;
+  return raised > high ? high : raised;
+}
+constexpr std::uint8_t u8(std::uint32_t value) { return static_cast<std::uint8_t>(value); }
+constexpr std::uint16_t u16(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
+constexpr std::uint32_t u32(std::uint16_t value) { return value; }
+constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_cast<std::size_t>(stride) * y; }
+
 // clang-format off
-#include "common.inl"
 #if GDTSLAM_ISA_LEVEL == 2
 #include "lanes_avx512.inl"
 #elif GDTSLAM_ISA_LEVEL == 1
@@ -23,10 +37,8 @@ namespace {
 #include "engine/compute/kernels/gdt_merge/gdt_merge.inl"
 #include "engine/compute/kernels/jump_flood/jump_flood.inl"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.inl"
-#include "engine/compute/kernels/smallest_values/smallest_values.inl"
 #include "engine/compute/kernels/seed_scatter/seed_scatter.inl"
 #include "engine/compute/kernels/field_grow/field_grow.inl"
-#include "engine/compute/kernels/pose_starts/pose_starts.inl"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.inl"
 #include "engine/compute/kernels/choose_pose/choose_pose.inl"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.inl"
@@ -57,11 +69,11 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .pose_simplex = pose_simplex,
     .choose_pose = choose_pose,
     .pose_bounds = pose_bounds,
+    .sweep_points = sweep_points,
     .pose_minorant = pose_minorant,
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,
     .pose_slope = pose_slope,
-    .sweep_points = sweep_points,
 };
 
 }  // namespace gdtslam

@@ -101,9 +101,9 @@ const VariantPipeline& Pipelines::pipeline_of(const KernelInfo& kernel, const Sh
 }
 
 vk::raii::ShaderModule Pipelines::make_module(const ShaderVariant& variant) {
-  std::vector<std::uint32_t> spirv(variant.spirv.begin(), variant.spirv.end());
+  std::vector<std::uint32_t> spirv(variant.shader.spirv.begin(), variant.shader.spirv.end());
   if (edit_shader_) {
-    edit_shader_(variant.name, spirv);
+    edit_shader_(variant.shader.name, spirv);
   }
   vk::ShaderModuleCreateInfo info;
   info.setCode(spirv);

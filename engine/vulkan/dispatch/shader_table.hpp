@@ -1,5 +1,5 @@
-// Which shader serves a kernel on a device: one row per shader, in files variants/<kernel>.cpp, so that a kernel's
-// variants, their group sizes and the rule that chooses between them stand together.
+// Which shader serves a kernel on a device. The rows stand in variants/variants.cpp, so that the variants of all
+// kernels, their group sizes and the rules that choose between them stand together.
 #pragma once
 
 #include <array>
@@ -30,10 +30,23 @@ struct VariantContext {
   }
 };
 
-struct ShaderVariant {
-  std::string_view kernel;  ///< name in the registry
-  std::string_view name;    ///< stem of its file in shaders/
+/// A shader of the build: gdtslam::shader::<stem> in the header that the build makes of each file of shaders/.
+struct ShaderSource {
+  std::string_view name;  ///< stem of its file
   std::span<const std::uint32_t> spirv;
+  /// The kernel that it is named after: the stem, less what tells its two variants apart.
+  [[nodiscard]] constexpr std::string_view kernel() const {
+    for (const std::string_view variant : {"_narrow", "_wide"}) {
+      if (name.ends_with(variant)) {
+        return name.substr(0, name.size() - variant.size());
+      }
+    }
+    return name;
+  }
+};
+
+struct ShaderVariant {
+  ShaderSource shader;
   std::array<std::uint32_t, 3> local_size;   ///< specialisation constants 0, 1, 2
   std::array<std::uint32_t, 2> constants{};  ///< specialisation constants 10, 11 where the shader has them
   int uniform_binding = -1;                  ///< the binding that is a uniform buffer; -1: none
@@ -50,13 +63,10 @@ inline std::uint32_t push_constant_bytes(const ShaderVariant& variant, std::size
   return static_cast<std::uint32_t>(params_bytes + (variant.takes_count ? sizeof(std::uint32_t) : 0));
 }
 
-/// All rows, grouped by kernel; the first row of a kernel that suits is taken, and its last row always does.
+/// All rows, grouped by kernel in the order of the registry; the first row of a kernel that suits is taken, and its
+/// last row always does.
 std::span<const ShaderVariant> shader_variants();
 /// The rows of one kernel; none when the build has no shader for it.
 std::span<const ShaderVariant> variants_of(std::string_view kernel);
-
-/// Groups of a one-dimensional launch of `count` groups: folded into rows of at most 65535, so a shader's linear group
-/// is gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x and may be beyond the count.
-GroupCount folded(std::uint64_t count);
 
 }  // namespace gdtslam

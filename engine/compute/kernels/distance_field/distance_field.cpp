@@ -18,28 +18,6 @@ std::uint32_t integer_sqrt(std::uint64_t n) {
   return static_cast<std::uint32_t>(root);
 }
 
-struct Adapter {
-  static constexpr std::string_view kName = "distance_field";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "square root of paper equation (1) by an integer table";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.distance_field(params_of<DistanceField::Params>(launch.params), buffer_of<std::uint16_t>(launch, 0),
-                             buffer_of<std::uint16_t>(launch, 1), buffer_of<std::uint16_t>(launch, 2),
-                             cell_range(launch));
-  }
-  static void check(const DistanceField::Params& params, const LaunchCheck& check) {
-    check.grid(params.width, params.height, params.stride, kNoLimit);
-    check.require(params.table_size > 0, "the table is empty");
-    check.buffer(0, grid_bytes(params.width, params.height, params.stride, 2));
-    check.buffer(1, std::size_t{params.table_size} * 2);
-    check.buffer(2, grid_bytes(params.width, params.height, params.stride, 2));
-    check.extent({params.width, params.height, 1});
-  }
-  static std::uint64_t work(const DistanceField::Params& params, Extent) {
-    return std::uint64_t{params.width} * params.height;
-  }
-};
-
 }  // namespace
 
 std::vector<std::uint16_t> distance_table(std::uint32_t radius) {
@@ -52,7 +30,16 @@ std::vector<std::uint16_t> distance_table(std::uint32_t radius) {
 }
 
 const KernelInfo& DistanceField::info() {
-  static const KernelInfo row = kernel_info<DistanceField, Adapter>();
+  static const KernelInfo row = kernel_info<DistanceField>(
+      {"distance_field", "cell", "square root of paper equation (1) by an integer table"},
+      kCall<&IsaFunctions::distance_field>, kCells, [](const Params& params, const LaunchCheck& check) {
+        check.grid(params.width, params.height, params.stride, kNoLimit);
+        check.require(params.table_size > 0, "the table is empty");
+        check.buffer(0, grid_bytes(params.width, params.height, params.stride, 2));
+        check.buffer(1, std::size_t{params.table_size} * 2);
+        check.buffer(2, grid_bytes(params.width, params.height, params.stride, 2));
+        check.extent({params.width, params.height, 1});
+      });
   return row;
 }
 

@@ -8,8 +8,6 @@
 namespace gdtslam {
 namespace {
 
-std::uint64_t cells(const EdtColumns::Params& params) { return std::uint64_t{params.width} * params.height; }
-
 /// A pass reads bytes and writes values of `out_bytes`.
 void check_pass(const EdtColumns::Params& params, const LaunchCheck& check, std::size_t out_bytes) {
   check.grid(params.width, params.height, params.stride, kNoLimit);
@@ -18,45 +16,30 @@ void check_pass(const EdtColumns::Params& params, const LaunchCheck& check, std:
   check.require(params.radius >= 1 && params.radius <= 255, "the radius must be 1 to 255 cells");
 }
 
-struct ColumnsAdapter {
-  static constexpr std::string_view kName = "edt_columns";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "[Meijster2000], first phase, truncated; paper equation (1)";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.edt_columns(params_of<EdtColumns::Params>(launch.params), buffer_of<std::uint8_t>(launch, 0),
-                          buffer_of<std::uint8_t>(launch, 1), launch.begin, launch.end);
-  }
-  static void check(const EdtColumns::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, 1);
-    check.extent({params.width, 1, 1});
-  }
-  static std::uint64_t work(const EdtColumns::Params& params, Extent) { return cells(params); }
-};
-
-struct RowsAdapter {
-  static constexpr std::string_view kName = "edt_rows";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "separable minimum over a window of 2R+1 cells; paper equation (1)";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    const auto params = params_of<EdtRows::Params>(launch.params);
-    functions.edt_rows(params, buffer_of<std::uint8_t>(launch, 0), buffer_of<std::uint16_t>(launch, 1), launch.begin,
-                       launch.end, thread_scratch<std::uint16_t>(edt_rows_scratch(params)));
-  }
-  static void check(const EdtRows::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, 2);
-    check.extent({1, params.height, 1});
-  }
-  static std::uint64_t work(const EdtRows::Params& params, Extent) { return cells(params); }
-};
-
 }  // namespace
 
 const KernelInfo& EdtColumns::info() {
-  static const KernelInfo row = kernel_info<EdtColumns, ColumnsAdapter>();
+  static const KernelInfo row = kernel_info<EdtColumns>(
+      {"edt_columns", "cell", "[Meijster2000], first phase, truncated; paper equation (1)"},
+      kCall<&IsaFunctions::edt_columns>, kCells, [](const Params& params, const LaunchCheck& check) {
+        check_pass(params, check, 1);
+        check.extent({params.width, 1, 1});
+      });
   return row;
 }
 const KernelInfo& EdtRows::info() {
-  static const KernelInfo row = kernel_info<EdtRows, RowsAdapter>();
+  static const KernelInfo row = kernel_info<EdtRows>(
+      {"edt_rows", "cell", "separable minimum over a window of 2R+1 cells; paper equation (1)"},
+      [](const IsaFunctions& functions, const CpuLaunch& launch) {
+        const auto params = params_of<EdtRows::Params>(launch.params);
+        functions.edt_rows(params, buffer_of<std::uint8_t>(launch, 0), buffer_of<std::uint16_t>(launch, 1),
+                           {launch.begin, launch.end}, thread_scratch<std::uint16_t>(edt_rows_scratch(params)));
+      },
+      kCells,
+      [](const Params& params, const LaunchCheck& check) {
+        check_pass(params, check, 2);
+        check.extent({1, params.height, 1});
+      });
   return row;
 }
 
@@ -67,8 +50,8 @@ void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* see
     return;
   }
   const IsaFunctions& functions = functions_or_throw(isa);
-  functions.edt_columns(params, seeds, column_distance, 0, params.width);
-  functions.edt_rows(params, column_distance, sq_distance, 0, params.height,
+  functions.edt_columns(params, seeds, column_distance, {0, params.width});
+  functions.edt_rows(params, column_distance, sq_distance, {0, params.height},
                      thread_scratch<std::uint16_t>(edt_rows_scratch(params)));
 }
 

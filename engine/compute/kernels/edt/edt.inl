@@ -20,22 +20,21 @@ inline void sweep_up(const std::uint8_t* __restrict below, std::uint8_t* __restr
   }
 }
 
-void edt_columns(const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* distance,
-                 std::uint32_t begin, std::uint32_t end) {
+void edt_columns(const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* distance, Slice columns) {
   if (params.height == 0) {
     return;
   }
   const std::uint8_t radius = u8(params.radius);
-  for (std::uint32_t x = begin; x < end; ++x) {
+  for (std::uint32_t x = columns.begin; x < columns.end; ++x) {
     distance[x] = seeds[x] != 0 ? std::uint8_t{0} : radius;
   }
   for (std::uint32_t y = 1; y < params.height; ++y) {
     std::uint8_t* row = distance + at(params.stride, y);
-    sweep_down(seeds + at(params.stride, y), row - params.stride, row, begin, end, radius);
+    sweep_down(seeds + at(params.stride, y), row - params.stride, row, columns.begin, columns.end, radius);
   }
   for (std::uint32_t y = params.height - 1; y-- > 0;) {
     std::uint8_t* row = distance + at(params.stride, y);
-    sweep_up(row + params.stride, row, begin, end, radius);
+    sweep_up(row + params.stride, row, columns.begin, columns.end, radius);
   }
 }
 
@@ -114,8 +113,8 @@ inline void copy_cells(const std::uint16_t* __restrict from, std::uint16_t* __re
   __builtin_memcpy(to, from, count * sizeof(std::uint16_t));
 }
 
-void edt_rows(const EdtRows::Params& params, const std::uint8_t* distance, std::uint16_t* sq_distance,
-              std::uint32_t begin, std::uint32_t end, std::uint16_t* scratch) {
+void edt_rows(const EdtRows::Params& params, const std::uint8_t* distance, std::uint16_t* sq_distance, Slice rows,
+              std::uint16_t* scratch) {
   const std::uint32_t margin = edt_rows_margin(params);
   const std::uint16_t sq_radius = u16(params.radius * params.radius);
   EdtRow row{scratch + margin, nullptr, static_cast<std::uint32_t>(edt_tiled_width(params.width) / kEdtTile)};
@@ -127,7 +126,7 @@ void edt_rows(const EdtRows::Params& params, const std::uint8_t* distance, std::
   for (std::uint32_t x = params.width; x < row.tiles * kEdtTile; ++x) {
     row.squares[x] = sq_radius;
   }
-  for (std::uint32_t y = begin; y < end; ++y) {
+  for (std::uint32_t y = rows.begin; y < rows.end; ++y) {
     square_cells(distance + at(params.stride, y), row.squares, params.width);
     for (std::uint32_t tile = 0; tile < row.tiles; ++tile) {
       row.least[tile] = smallest(row.squares + tile * kEdtTile);

@@ -4,39 +4,27 @@
 #include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam {
-namespace {
-
-struct Adapter {
-  static constexpr std::string_view kName = "gdt_merge";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "paper equations (9) to (11)";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.gdt_merge(params_of<GdtMerge::Params>(launch.params), buffer_of<std::uint16_t>(launch, 0),
-                        buffer_of<std::uint16_t>(launch, 1), cell_range(launch));
-  }
-  static void check(const GdtMerge::Params& params, const LaunchCheck& check) {
-    check.grid(params.scan_width, params.scan_height, params.scan_stride, kNoLimit);
-    check.require(params.global_stride % 4 == 0, "the global field's stride must be a multiple of 4");
-    check.require(std::uint64_t{params.offset_x} + params.scan_width <= params.global_stride,
-                  "the scan field sticks out of the global field's rows");
-    check.require(std::uint64_t{params.offset_y} + params.scan_height <= kNoLimit, "the row offset is too large");
-    check.require(params.lift <= params.threshold, "the lift exceeds the threshold");
-    check.require(params.cap <= 65535, "the cap exceeds 16 bits");
-    check.require(params.rule == MergeRule::kWorking || params.rule == MergeRule::kLiteral, "unknown rule");
-    check.buffer(0, grid_bytes(params.offset_x + params.scan_width, params.offset_y + params.scan_height,
-                               params.global_stride, 2));
-    check.buffer(1, grid_bytes(params.scan_width, params.scan_height, params.scan_stride, 2));
-    check.extent({params.scan_width, params.scan_height, 1});
-  }
-  static std::uint64_t work(const GdtMerge::Params& params, Extent) {
-    return std::uint64_t{params.scan_width} * params.scan_height;
-  }
-};
-
-}  // namespace
 
 const KernelInfo& GdtMerge::info() {
-  static const KernelInfo row = kernel_info<GdtMerge, Adapter>();
+  static const KernelInfo row = kernel_info<GdtMerge>(
+      {"gdt_merge", "cell", "paper equations (9) to (11)"}, kCall<&IsaFunctions::gdt_merge>,
+      [](const Params& params, Extent) -> std::uint64_t {
+        return std::uint64_t{params.scan_width} * params.scan_height;
+      },
+      [](const Params& params, const LaunchCheck& check) {
+        check.grid(params.scan_width, params.scan_height, params.scan_stride, kNoLimit);
+        check.require(params.global_stride % 4 == 0, "the global field's stride must be a multiple of 4");
+        check.require(std::uint64_t{params.offset_x} + params.scan_width <= params.global_stride,
+                      "the scan field sticks out of the global field's rows");
+        check.require(std::uint64_t{params.offset_y} + params.scan_height <= kNoLimit, "the row offset is too large");
+        check.require(params.lift <= params.threshold, "the lift exceeds the threshold");
+        check.require(params.cap <= 65535, "the cap exceeds 16 bits");
+        check.require(params.rule == MergeRule::kWorking || params.rule == MergeRule::kLiteral, "unknown rule");
+        check.buffer(0, grid_bytes(params.offset_x + params.scan_width, params.offset_y + params.scan_height,
+                                   params.global_stride, 2));
+        check.buffer(1, grid_bytes(params.scan_width, params.scan_height, params.scan_stride, 2));
+        check.extent({params.scan_width, params.scan_height, 1});
+      });
   return row;
 }
 

@@ -17,11 +17,6 @@ constexpr std::uint32_t kMostSide = 32767;
 
 double distance_cells(std::uint32_t sq) { return std::sqrt(static_cast<double>(sq)); }
 
-template <class Params>
-std::uint64_t cells(const Params& params) {
-  return std::uint64_t{params.width} * params.height;
-}
-
 /// Bindings of `in_bytes` and `out_bytes` a cell.
 template <class Params>
 void check_pass(const Params& params, const LaunchCheck& check, std::size_t in_bytes, std::size_t out_bytes) {
@@ -31,76 +26,36 @@ void check_pass(const Params& params, const LaunchCheck& check, std::size_t in_b
   check.extent({params.width, params.height, 1});
 }
 
-struct InitAdapter {
-  static constexpr std::string_view kName = "jump_flood_init";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "[Rong2006]";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.jump_flood_init(params_of<JumpFloodInit::Params>(launch.params), buffer_of<std::uint8_t>(launch, 0),
-                              buffer_of<std::uint32_t>(launch, 1), cell_range(launch));
-  }
-  static void check(const JumpFloodInit::Params& params, const LaunchCheck& check) { check_pass(params, check, 1, 4); }
-  static std::uint64_t work(const JumpFloodInit::Params& params, Extent) { return cells(params); }
-};
-
-struct StepAdapter {
-  static constexpr std::string_view kName = "jump_flood_step";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "[Rong2006], variants [Rong2007]";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.jump_flood_step(params_of<JumpFloodStep::Params>(launch.params), buffer_of<std::uint32_t>(launch, 0),
-                              buffer_of<std::uint32_t>(launch, 1), cell_range(launch));
-  }
-  static void check(const JumpFloodStep::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, 4, 4);
-    check.require(params.step >= 1 && params.step <= kMostSide, "the step must be 1 to 32767 cells");
-  }
-  static std::uint64_t work(const JumpFloodStep::Params& params, Extent) { return cells(params); }
-};
-
-struct DistanceAdapter {
-  static constexpr std::string_view kName = "jump_flood_distance";
-  static constexpr std::string_view kWorkUnit = "cell";
-  static constexpr std::string_view kSource = "[Rong2006]";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.jump_flood_distance(params_of<JumpFloodDistance::Params>(launch.params),
-                                  buffer_of<std::uint32_t>(launch, 0), buffer_of<std::uint16_t>(launch, 1),
-                                  cell_range(launch));
-  }
-  static void check(const JumpFloodDistance::Params& params, const LaunchCheck& check) {
-    check_pass(params, check, 4, 2);
-    check.require(params.radius >= 1 && params.radius <= 255, "the radius must be 1 to 255 cells");
-  }
-  static std::uint64_t work(const JumpFloodDistance::Params& params, Extent) { return cells(params); }
-};
-
 }  // namespace
 
 const KernelInfo& JumpFloodInit::info() {
-  static const KernelInfo row = kernel_info<JumpFloodInit, InitAdapter>();
+  static const KernelInfo row = kernel_info<JumpFloodInit>(
+      {"jump_flood_init", "cell", "[Rong2006]"}, kCall<&IsaFunctions::jump_flood_init>, kCells,
+      [](const Params& params, const LaunchCheck& check) { check_pass(params, check, 1, 4); });
   return row;
 }
 const KernelInfo& JumpFloodStep::info() {
-  static const KernelInfo row = kernel_info<JumpFloodStep, StepAdapter>();
+  static const KernelInfo row = kernel_info<JumpFloodStep>(
+      {"jump_flood_step", "cell", "[Rong2006], variants [Rong2007]"}, kCall<&IsaFunctions::jump_flood_step>, kCells,
+      [](const Params& params, const LaunchCheck& check) {
+        check_pass(params, check, 4, 4);
+        check.require(params.step >= 1 && params.step <= kMostSide, "the step must be 1 to 32767 cells");
+      });
   return row;
 }
 const KernelInfo& JumpFloodDistance::info() {
-  static const KernelInfo row = kernel_info<JumpFloodDistance, DistanceAdapter>();
+  static const KernelInfo row = kernel_info<JumpFloodDistance>(
+      {"jump_flood_distance", "cell", "[Rong2006]"}, kCall<&IsaFunctions::jump_flood_distance>, kCells,
+      [](const Params& params, const LaunchCheck& check) {
+        check_pass(params, check, 4, 2);
+        check.require(params.radius >= 1 && params.radius <= 255, "the radius must be 1 to 255 cells");
+      });
   return row;
 }
 
 std::string_view to_string(JumpFloodVariant variant) {
-  switch (variant) {
-    case JumpFloodVariant::kPlain:
-      return "jfa";
-    case JumpFloodVariant::kOnePlus:
-      return "1+jfa";
-    case JumpFloodVariant::kPlusTwo:
-      return "jfa+2";
-    case JumpFloodVariant::kSquared:
-      return "jfa^2";
-  }
-  return "unknown";
+  constexpr std::string_view kNames[] = {"jfa", "1+jfa", "jfa+2", "jfa^2"};
+  return kNames[static_cast<std::size_t>(variant)];
 }
 
 std::vector<std::uint32_t> jump_flood_steps(JumpFloodVariant variant, std::uint32_t width, std::uint32_t height) {
@@ -145,7 +100,7 @@ void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span
 JumpFloodError jump_flood_error(std::span<const std::uint16_t> exact, std::span<const std::uint16_t> approximate,
                                 const JumpFloodInit::Params& shape) {
   JumpFloodError error;
-  error.cells = cells(shape);
+  error.cells = std::uint64_t{shape.width} * shape.height;
   for (std::uint32_t y = 0; y < shape.height; ++y) {
     for (std::uint32_t x = 0; x < shape.width; ++x) {
       const std::size_t cell = std::size_t{y} * shape.stride + x;

@@ -71,15 +71,13 @@ void block_minorants(const std::int32_t (*around)[kGathered], std::int32_t unit,
   }
 }
 
-/// Rows [begin, end) of the result.
-void field_minorant(const FieldMinorant::Params& params, const std::uint16_t* field, std::uint32_t* minorants,
-                    std::uint32_t begin, std::uint32_t end) {
+void field_minorant(const FieldMinorant::Params& params, const std::uint16_t* field, std::uint32_t* minorants) {
   const std::uint32_t width = params.width + 2 * kFieldMargin;
   const auto unit = static_cast<std::int32_t>(params.constant_unit);
   const std::uint32_t nothing = params.cap / params.constant_unit;
   std::int32_t around[kFieldRows][kGathered];
   std::uint32_t block[kFieldBlock];
-  for (std::uint32_t row = begin; row < end; ++row) {
+  for (std::uint32_t row = 0; row < params.height + 2 * kFieldMargin; ++row) {
     for (std::uint32_t column = 0; column < width; column += kFieldBlock) {
       const std::uint32_t count = lesser(kFieldBlock, width - column);
       std::uint32_t* to = minorants + at(width, row) + column;

@@ -74,10 +74,10 @@ void add_wide_row(const std::uint8_t* field, const std::uint32_t* offsets, std::
 }
 
 void pose_bounds(const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,
-                 const PoseCandidate* tiles, std::uint32_t count, std::uint32_t* sums) {
+                 const PoseCandidate* tiles, std::uint32_t* sums, Slice slice) {
   const std::uint32_t boxes = params.tile_width * params.tile_height;
   alignas(64) std::uint32_t offsets[kBoundBlock];
-  for (std::uint32_t t = 0; t < count; ++t) {
+  for (std::uint32_t t = slice.begin; t < slice.end; ++t) {
     std::uint32_t* tile_sums = sums + std::size_t{t} * boxes;
     for (std::uint32_t i = 0; i < boxes; ++i) {
       tile_sums[i] = 0;

@@ -93,9 +93,8 @@ std::uint32_t point_sum(const CostContext& context, const CostPose& pose) {
 }
 
 template <bool kBilinear, bool kSquared>
-void candidate_costs(const CostContext& context, const PoseCandidate* candidates, std::uint32_t count,
-                     std::uint32_t* cost) {
-  for (std::uint32_t i = 0; i < count; ++i) {
+void candidate_costs(const CostContext& context, const PoseCandidate* candidates, std::uint32_t* cost, Slice slice) {
+  for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
     const SinCos<float> rotation = sin_cos(candidates[i].theta);
     const std::uint32_t sum =
         point_sum<kBilinear, kSquared>(context, {rotation.sin, rotation.cos, candidates[i].x, candidates[i].y});
@@ -119,14 +118,14 @@ CostContext cost_context(const PoseCost::Params& params, const std::uint16_t* fi
 }
 
 void pose_cost(const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
-               const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost) {
+               const PoseCandidate* candidates, std::uint32_t* cost, Slice slice) {
   const bool squared = params.form == CostForm::kSquared;
   const CostContext context = cost_context(params, field, points);
   if (params.interpolation == Interpolation::kBilinear) {
-    squared ? candidate_costs<true, true>(context, candidates, count, cost)
-            : candidate_costs<true, false>(context, candidates, count, cost);
+    squared ? candidate_costs<true, true>(context, candidates, cost, slice)
+            : candidate_costs<true, false>(context, candidates, cost, slice);
   } else {
-    squared ? candidate_costs<false, true>(context, candidates, count, cost)
-            : candidate_costs<false, false>(context, candidates, count, cost);
+    squared ? candidate_costs<false, true>(context, candidates, cost, slice)
+            : candidate_costs<false, false>(context, candidates, cost, slice);
   }
 }

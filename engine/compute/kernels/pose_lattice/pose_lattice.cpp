@@ -20,52 +20,44 @@ std::uint32_t checked_samples(std::uint32_t count_xy, std::uint32_t count_theta,
   return count_xy * count_xy * count_theta;
 }
 
-struct LatticeAdapter {
-  static constexpr std::string_view kName = "pose_lattice";
-  static constexpr std::string_view kWorkUnit = "value";
-  static constexpr std::string_view kSource = "candidates of paper equation (4), a window of them";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.pose_lattice(params_of<PoseLattice::Params>(launch.params), buffer_of<PoseCandidate>(launch, 0),
-                           launch.begin, launch.end);
-  }
-  static void check(const PoseLattice::Params& params, const LaunchCheck& check) {
-    const std::uint32_t samples = checked_samples(params.count_xy, params.count_theta, check);
-    check.require(std::isfinite(params.centre_x) && std::isfinite(params.centre_y) &&
-                      std::isfinite(params.centre_theta) && std::isfinite(params.step_cells) &&
-                      std::isfinite(params.step_rad),
-                  "the window's centre or a step is not finite");
-    check.prior(params.prior);
-    check.buffer(0, samples * sizeof(PoseCandidate));
-    check.extent({samples, 1, 1});
-  }
-  static std::uint64_t work(const PoseLattice::Params&, Extent threads) { return threads.x; }
-};
-
-struct MinimaAdapter {
-  static constexpr std::string_view kName = "lattice_minima";
-  static constexpr std::string_view kWorkUnit = "value";
-  static constexpr std::string_view kSource = "local minima of paper equation (4) over a window";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    functions.lattice_minima(params_of<LatticeMinima::Params>(launch.params), buffer_of<std::uint32_t>(launch, 0),
-                             buffer_of<std::uint32_t>(launch, 1), launch.begin, launch.end);
-  }
-  static void check(const LatticeMinima::Params& params, const LaunchCheck& check) {
-    const std::uint32_t samples = checked_samples(params.count_xy, params.count_theta, check);
-    check.buffer(0, samples * sizeof(std::uint32_t));
-    check.buffer(1, samples * sizeof(std::uint32_t));
-    check.extent({samples, 1, 1});
-  }
-  static std::uint64_t work(const LatticeMinima::Params&, Extent threads) { return threads.x; }
-};
-
 }  // namespace
 
 const KernelInfo& PoseLattice::info() {
-  static const KernelInfo row = kernel_info<PoseLattice, LatticeAdapter>();
+  static const KernelInfo row = kernel_info<PoseLattice>(
+      {"pose_lattice", "value", "candidates of paper equation (4), a window of them"},
+      kCall<&IsaFunctions::pose_lattice>, kThings, [](const Params& params, const LaunchCheck& check) {
+        const std::uint32_t samples = checked_samples(params.count_xy, params.count_theta, check);
+        check.require(std::isfinite(params.centre_x) && std::isfinite(params.centre_y) &&
+                          std::isfinite(params.centre_theta) && std::isfinite(params.step_cells) &&
+                          std::isfinite(params.step_rad),
+                      "the window's centre or a step is not finite");
+        check.prior(params.prior);
+        check.buffer(0, samples * sizeof(PoseCandidate));
+        check.extent({samples, 1, 1});
+      });
   return row;
 }
 const KernelInfo& LatticeMinima::info() {
-  static const KernelInfo row = kernel_info<LatticeMinima, MinimaAdapter>();
+  static const KernelInfo row = kernel_info<LatticeMinima>(
+      {"lattice_minima", "value", "local minima of paper equation (4) over a window"},
+      kCall<&IsaFunctions::lattice_minima>, kThings, [](const Params& params, const LaunchCheck& check) {
+        const std::uint32_t samples = checked_samples(params.count_xy, params.count_theta, check);
+        check.buffer(0, samples * sizeof(std::uint32_t));
+        check.buffer(1, samples * sizeof(std::uint32_t));
+        check.extent({samples, 1, 1});
+      });
+  return row;
+}
+const KernelInfo& SmallestValues::info() {
+  static const KernelInfo row = kernel_info<SmallestValues>(
+      {"smallest_values", "value", "arg min of paper equation (4), the best few"},
+      kCall<&IsaFunctions::smallest_values>, [](const Params& params, Extent) -> std::uint64_t { return params.count; },
+      [](const Params& params, const LaunchCheck& check) {
+        check.require(params.wanted >= 1 && params.wanted <= SmallestValues::kMost, "wanted must be 1 to 16");
+        check.buffer(0, std::size_t{params.count} * 4);
+        check.buffer(1, std::size_t{params.wanted} * 8);
+        check.extent({1, 1, 1});
+      });
   return row;
 }
 

@@ -1,4 +1,4 @@
-// The samples of a window, and which of them are local minima.
+// The samples of a window, which of them are local minima, and the few smallest of many values.
 
 /// The prior's cost of one coordinate's share: `square` is not negative or NaN, which counts as the limit.
 inline float limited(float cost, float limit) { return cost < limit ? cost : limit; }
@@ -37,13 +37,12 @@ void lattice_row(const PoseLattice::Params& params, const LatticeRow& row, std::
   }
 }
 
-void pose_lattice(const PoseLattice::Params& params, PoseCandidate* candidates, std::uint32_t begin,
-                  std::uint32_t end) {
+void pose_lattice(const PoseLattice::Params& params, PoseCandidate* candidates, Slice samples) {
   const std::uint32_t n = params.count_xy;
-  for (std::uint32_t first = begin; first < end;) {
+  for (std::uint32_t first = samples.begin; first < samples.end;) {
     const std::uint32_t row = first / n;
     const std::uint32_t column = first % n;
-    const std::uint32_t last = lesser(end, first - column + n);
+    const std::uint32_t last = lesser(samples.end, first - column + n);
     LatticeRow shared{};
     shared.y = lattice_coordinate(params.centre_y, row % n, n, params.step_cells);
     shared.theta = lattice_coordinate(params.centre_theta, row / n, params.count_theta, params.step_rad);
@@ -133,13 +132,67 @@ void minima_of_tile(const LatticeMinima::Params& params, const std::uint32_t* co
 }
 
 void lattice_minima(const LatticeMinima::Params& params, const std::uint32_t* cost, std::uint32_t* minima,
-                    std::uint32_t begin, std::uint32_t end) {
+                    Slice samples) {
   const std::uint32_t n = params.count_xy;
-  for (std::uint32_t first = begin; first < end;) {
+  for (std::uint32_t first = samples.begin; first < samples.end;) {
     const std::uint32_t row = first / n;
     const std::uint32_t column = first % n;
-    const std::uint32_t count = lesser(lesser(n - column, end - first), kMinimaTile);
+    const std::uint32_t count = lesser(lesser(n - column, samples.end - first), kMinimaTile);
     minima_of_tile(params, cost, row, column, column + count, minima);
     first += count;
+  }
+}
+
+/// Whole blocks are looked at for anything that could enter the list, which is rare.
+constexpr std::uint32_t kSmallestBlock = 64;
+
+/// The smallest values so far, ascending; entries that are missing are kNoCost.
+struct SmallestList {
+  std::uint32_t value[SmallestValues::kMost];
+  std::uint32_t index[SmallestValues::kMost];
+  std::uint32_t wanted;
+};
+
+/// Puts a value below the last one into its place, behind its equals: they came earlier.
+void insert_small(SmallestList& list, std::uint32_t value, std::uint32_t index) {
+  std::uint32_t place = list.wanted - 1;
+  while (place > 0 && list.value[place - 1] > value) {
+    list.value[place] = list.value[place - 1];
+    list.index[place] = list.index[place - 1];
+    --place;
+  }
+  list.value[place] = value;
+  list.index[place] = index;
+}
+
+void insert_smaller(SmallestList& list, const std::uint32_t* values, std::uint32_t begin, std::uint32_t end) {
+  for (std::uint32_t i = begin; i < end; ++i) {
+    if (values[i] < list.value[list.wanted - 1]) {
+      insert_small(list, values[i], i);
+    }
+  }
+}
+
+void smallest_values(const SmallestValues::Params& params, const std::uint32_t* values, std::uint32_t* picks) {
+  SmallestList list;
+  list.wanted = params.wanted;
+  for (std::uint32_t i = 0; i < params.wanted; ++i) {
+    list.value[i] = kNoCost;
+    list.index[i] = kNoCost;
+  }
+  const std::uint32_t whole = params.count - params.count % kSmallestBlock;
+  for (std::uint32_t first = 0; first < whole; first += kSmallestBlock) {
+    std::uint32_t least = kNoCost;
+    for (std::uint32_t i = 0; i < kSmallestBlock; ++i) {
+      least = lesser(least, values[first + i]);
+    }
+    if (least < list.value[list.wanted - 1]) {
+      insert_smaller(list, values, first, first + kSmallestBlock);
+    }
+  }
+  insert_smaller(list, values, whole, params.count);
+  for (std::uint32_t i = 0; i < params.wanted; ++i) {
+    picks[2 * i] = list.value[i];
+    picks[2 * i + 1] = list.index[i];
   }
 }

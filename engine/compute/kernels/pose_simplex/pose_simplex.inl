@@ -1,4 +1,18 @@
-// The downhill simplex on the cost of a pose. The order of the operations is that of the header, bit for bit.
+// The downhill simplex on the cost of a pose, and where its walks start. The order of the operations is that of the
+// header, bit for bit.
+
+void pose_starts(const PoseStarts::Params& params, const PoseCandidate* candidates, const std::uint32_t* picks,
+                 PolishedPose* poses, Slice starts) {
+  for (std::uint32_t i = starts.begin; i < starts.end; ++i) {
+    const std::uint32_t index = i == 0 ? params.candidate_count : picks[2 * i - 1];
+    if (index < params.candidate_count) {
+      const PoseCandidate& picked = candidates[index];
+      poses[i] = {picked.x, picked.y, picked.theta};
+    } else {
+      poses[i] = {params.x, params.y, params.theta};
+    }
+  }
+}
 
 /// Sum of the points' terms, for one interpolation and form.
 using PointSum = std::uint32_t (*)(const CostContext&, const CostPose&);
@@ -172,9 +186,9 @@ class SimplexWalk {
 };
 
 void pose_simplex(const PoseSimplex::Params& params, const std::uint16_t* field, const PointCells* points,
-                  PolishedPose* poses, std::uint32_t count) {
+                  PolishedPose* poses, Slice slice) {
   const PoseObjective objective{cost_context(params.cost, field, points), point_sum_of(params.cost), params.prior};
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (std::uint32_t i = slice.begin; i < slice.end; ++i) {
     SimplexWalk(objective, params).run(poses[i]);
   }
 }

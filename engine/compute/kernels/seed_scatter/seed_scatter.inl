@@ -1,8 +1,7 @@
 // Seeds of a list of cells, paper equation (1).
 
-void seed_scatter(const SeedScatter::Params& params, const std::uint32_t* cells, std::uint8_t* seeds,
-                  std::uint32_t begin, std::uint32_t end) {
-  for (std::uint32_t i = begin; i < end; ++i) {
+void seed_scatter(const SeedScatter::Params& params, const std::uint32_t* cells, std::uint8_t* seeds, Slice list) {
+  for (std::uint32_t i = list.begin; i < list.end; ++i) {
     const std::uint32_t x = cells[i] & 0xFFFFU;
     const std::uint32_t y = cells[i] >> 16U;
     if (x < params.width && y < params.height) {

@@ -13,39 +13,30 @@ constexpr std::uint32_t kMostBeams = 1U << 27U;
 /// So that the tables' values can be counted in 32 bits.
 constexpr std::uint32_t kMostDirections = 1U << 28U;
 
-struct Adapter {
-  static constexpr std::string_view kName = "sweep_points";
-  static constexpr std::string_view kWorkUnit = "beam";
-  static constexpr std::string_view kSource = "paper equations (12), (13) and (14)";
-  static void call(const IsaFunctions& functions, const CpuLaunch& launch) {
-    const SweepBuffers buffers{.beams = buffer_of<BeamRange>(launch, 0),
-                               .strips = buffer_of<BeamStrip>(launch, 1),
-                               .tables = buffer_of<float>(launch, 2),
-                               .points = buffer_of<float>(launch, 3)};
-    functions.sweep_points(params_of<SweepPoints::Params>(launch.params), buffers, launch.begin, launch.end);
-  }
-  static void check(const SweepPoints::Params& params, const LaunchCheck& check) {
-    check.require(params.table_bits <= kMostBits, "a table of elevations of more than 2^20 + 1 entries");
-    check.require(params.beams <= kMostBeams, "more than 2^27 beams");
-    check.require(params.form == SweepForm::kWorking || params.form == SweepForm::kLiteral, "an unknown form of (14)");
-    check.require(std::isfinite(params.lever_x_m) && std::isfinite(params.lever_z_m) && std::isfinite(params.height_m),
-                  "a length of the mount is not finite");
-    check.require(params.directions <= kMostDirections, "more than 2^28 directions");
-    check.require(params.beams == 0 || (params.strips > 0 && params.directions > 0),
-                  "beams without a strip or without a direction");
-    check.buffer(0, std::size_t{params.beams} * sizeof(BeamRange));
-    check.buffer(1, std::size_t{params.strips} * sizeof(BeamStrip));
-    check.buffer(2, (SweepPoints::elevations(params.table_bits) + 3 * std::size_t{params.directions}) * sizeof(float));
-    check.buffer(3, std::size_t{params.beams} * 4 * sizeof(float));
-    check.extent({params.beams, 1, 1});
-  }
-  static std::uint64_t work(const SweepPoints::Params& params, Extent) { return params.beams; }
-};
-
 }  // namespace
 
 const KernelInfo& SweepPoints::info() {
-  static const KernelInfo row = kernel_info<SweepPoints, Adapter>();
+  static const KernelInfo row = kernel_info<SweepPoints>(
+      {"sweep_points", "beam", "paper equations (12), (13) and (14)"}, kCall<&IsaFunctions::sweep_points>,
+      [](const Params& params, Extent) -> std::uint64_t { return params.beams; },
+      [](const Params& params, const LaunchCheck& check) {
+        check.require(params.table_bits <= kMostBits, "a table of elevations of more than 2^20 + 1 entries");
+        check.require(params.beams <= kMostBeams, "more than 2^27 beams");
+        check.require(params.form == SweepForm::kWorking || params.form == SweepForm::kLiteral,
+                      "an unknown form of (14)");
+        check.require(
+            std::isfinite(params.lever_x_m) && std::isfinite(params.lever_z_m) && std::isfinite(params.height_m),
+            "a length of the mount is not finite");
+        check.require(params.directions <= kMostDirections, "more than 2^28 directions");
+        check.require(params.beams == 0 || (params.strips > 0 && params.directions > 0),
+                      "beams without a strip or without a direction");
+        check.buffer(0, std::size_t{params.beams} * sizeof(BeamRange));
+        check.buffer(1, std::size_t{params.strips} * sizeof(BeamStrip));
+        check.buffer(2,
+                     (SweepPoints::elevations(params.table_bits) + 3 * std::size_t{params.directions}) * sizeof(float));
+        check.buffer(3, std::size_t{params.beams} * 4 * sizeof(float));
+        check.extent({params.beams, 1, 1});
+      });
   return row;
 }
 

@@ -112,24 +112,24 @@ __attribute__((flatten)) void sweep_tile(const SweepPoints::Params& params, cons
   }
 }
 
-void sweep_points(const SweepPoints::Params& params, const SweepBuffers& buffers, std::uint32_t begin,
-                  std::uint32_t end) {
+void sweep_points(const SweepPoints::Params& params, const BeamRange* all_beams, const BeamStrip* strips,
+                  const float* tables, float* points, Slice slice) {
   SweepTile tile;
-  const float* directions = buffers.tables + (std::size_t{1} << params.table_bits) + 1;
-  for (std::uint32_t first = begin; first < end;) {
-    const BeamRange* beams = buffers.beams + first;
-    const std::uint32_t most = lesser(end - first, kSweepTile);
+  const float* directions = tables + (std::size_t{1} << params.table_bits) + 1;
+  for (std::uint32_t first = slice.begin; first < slice.end;) {
+    const BeamRange* beams = all_beams + first;
+    const std::uint32_t most = lesser(slice.end - first, kSweepTile);
     const std::uint32_t named = beams[0].strip;
     std::uint32_t count = 0;
     for (; count < most && beams[count].strip == named; ++count) {
       tile.range[count] = beams[count].range_m;
     }
-    const BeamStrip& strip = buffers.strips[lesser(named, params.strips - 1)];
+    const BeamStrip& strip = strips[lesser(named, params.strips - 1)];
     const std::uint32_t offset = first - strip.first_beam;
-    sweep_elevations(strip, offset, params.table_bits, buffers.tables, count, tile.elevation);
+    sweep_elevations(strip, offset, params.table_bits, tables, count, tile.elevation);
     sweep_directions(strip, offset, params.directions, directions, count, tile);
     const auto run = params.form == SweepForm::kLiteral ? sweep_tile<true> : sweep_tile<false>;
-    run(params, strip, offset, tile, count, buffers.points + 4 * static_cast<std::size_t>(first));
+    run(params, strip, offset, tile, count, points + 4 * static_cast<std::size_t>(first));
     first += count;
   }
 }
