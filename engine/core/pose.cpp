@@ -1,10 +1,11 @@
+// Poses of the plane, and what turns them: angles, and the drive of a robot.
 #include "gdtslam/core/pose.hpp"
 
 #include <cmath>
 
 #include "elementary.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "sinc.hpp"
+#include "gdtslam/core/differential_drive.hpp"
 
 namespace gdtslam {
 namespace {
@@ -17,7 +18,29 @@ Point2 rotate_back(const SinCos<double>& angle, double x, double y) {
   return {angle.cos * x + angle.sin * y, angle.cos * y - angle.sin * x};
 }
 
+/// sin(a)/a with the sine and the cosine of the same angle: what an arc and its chord have in common.
+struct HalfTurn {
+  double sin = 0.0;
+  double cos = 1.0;
+  double sinc = 1.0;  ///< sin(a) / a, 1 at 0
+};
+
+/// The chord of an arc that turns by 2a is the arc's length times sinc, pointing a to the left of the start.
+HalfTurn half_turn(double a_rad) {
+  const SinCos<double> value = sin_cos(a_rad);
+  return {value.sin, value.cos, a_rad == 0.0 ? 1.0 : value.sin / a_rad};
+}
+
 }  // namespace
+
+double wrap_angle(double angle_rad) {
+  if (angle_rad > -kPi && angle_rad <= kPi) {
+    return angle_rad;
+  }
+  // IEEE 754 remainder is exact, hence the same everywhere.
+  const double wrapped_rad = std::remainder(angle_rad, kTwoPi);
+  return wrapped_rad <= -kPi ? kPi : wrapped_rad;
+}
 
 bool Pose2::is_finite() const { return std::isfinite(x_m) && std::isfinite(y_m) && std::isfinite(theta_rad); }
 
@@ -64,6 +87,24 @@ Eigen::Matrix3d adjoint(const Pose2& T) {
       angle.sin, angle.cos, -T.x_m,        //
       0.0, 0.0, 1.0;
   return result;
+}
+
+// The axle's middle moves along an arc of length s that turns by theta; O swings about it with the lever c:
+// x = s sinc(a) cos(a) + c (cos(theta) - 1), y = s sinc(a) sin(a) + c sin(theta), a = theta / 2.
+Pose2 wheel_displacement(const DifferentialDrive& drive, double left_m, double right_m) {
+  const double arc_m = 0.5 * (left_m + right_m);
+  const double theta_rad = (right_m - left_m) / drive.track_width_m;
+  const HalfTurn half = half_turn(0.5 * theta_rad);
+  const double chord_m = arc_m * half.sinc;
+  const double swing_m = 2.0 * drive.centre_ahead_of_axle_m * half.sin;
+  return {chord_m * half.cos - swing_m * half.sin, chord_m * half.sin + swing_m * half.cos, wrap_angle(theta_rad)};
+}
+
+Pose2 wheel_displacement_literal(const DifferentialDrive& drive, double left_m, double right_m) {
+  const double radius_m = drive.track_width_m * left_m / (right_m - left_m);
+  const double theta_rad = left_m / radius_m;
+  const SinCos<double> angle = sin_cos(theta_rad);
+  return {radius_m * angle.cos, radius_m * angle.sin, wrap_angle(theta_rad)};
 }
 
 }  // namespace gdtslam

@@ -10,7 +10,6 @@
 #include "engine/vulkan/device/driver_calls.hpp"
 #include "engine/vulkan/device/environment.hpp"
 #include "engine/vulkan/device/instance.hpp"
-#include "engine/vulkan/device/validation_log.hpp"
 #include "engine/vulkan/dispatch/descriptor_sets.hpp"
 #include "engine/vulkan/dispatch/pipelines.hpp"
 #include "engine/vulkan/memory/buffers.hpp"

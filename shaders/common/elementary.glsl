@@ -1,6 +1,6 @@
 // Sine and cosine in single precision, the same bits in C++ and in every shader (docs/numerics.md).
 //
-// This file is valid GLSL 450 and, behind the prelude of engine/core/sin_cos_f32.hpp, valid C++. Only additions,
+// This file is valid GLSL 450 and, behind the prelude of engine/core/elementary.cpp, valid C++. Only additions,
 // multiplications and integer operations, all of them `precise`: no contraction, no reordering. Radians.
 // At most 1 ulp off for |angle| <= 64; the error grows with the angle beyond. Numbers: make_elementary_tables.py --float.
 #ifndef GDTSLAM_ELEMENTARY_GLSL

@@ -34,6 +34,16 @@ inline constexpr std::uint32_t kSmallSide = 15;
 
 inline std::string size_name(CaseSize size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
 
+/// Calls add(size) for kCaseSizes less those that for_each_small_size has as well.
+template <class Add>
+void for_each_size(Add add) {
+  for (const CaseSize& size : kCaseSizes) {
+    if (size.width > kSmallSide || size.height > kSmallSide) {
+      add(size);
+    }
+  }
+}
+
 /// Calls add(size, turn) for all pairs of sides from 0 to kSmallSide. Strides and `turn` change from size to size, the
 /// latter to take another parameter from a list each time.
 template <class Add>
@@ -87,6 +97,14 @@ CaseBuffer list_buffer(const std::vector<T>& values) {
   return grid_buffer(CaseSize{count, 1, count}, values);
 }
 
+/// Seeds of a pattern, from what the case is called.
+inline std::vector<std::uint8_t> seeds_for(SeedPattern pattern, CaseSize size, const std::string& name) {
+  return make_seeds(pattern, size.width, size.height, size.stride, seed_from(name));
+}
+
+/// A list of words of noise.
+CaseBuffer noise_buffer(std::uint32_t words, Random& random);
+
 /// A grid of noise: what a kernel must overwrite, or must be able to read whatever it is.
 template <class T>
 std::vector<T> noise(CaseSize size, std::uint64_t random_seed) {
@@ -111,15 +129,21 @@ KernelCase make_case(std::string name, const typename K::Params& params, Extent 
   return result;
 }
 
-/// Appends a row whose contents `make(name)` builds when they are asked for.
-template <class K, class Make>
-void add_case(std::vector<KernelCaseSource>& list, std::string name, Make make, bool benchmark = false) {
-  list.push_back({&K::info(), name, benchmark, false, [name, make] { return make(name); }});
+/// What a case is for: quick runs leave large ones out.
+enum class CaseUse : std::uint8_t { kTest, kBenchmark, kLarge };
+
+/// Appends the case of a shape: what a case varies, with its Kernel, its name() and make(name), which builds the
+/// contents when they are asked for. `what` is added to the name.
+template <class Shape>
+void add_case(std::vector<KernelCaseSource>& list, const Shape& shape, const std::string& what = {},
+              CaseUse use = CaseUse::kTest) {
+  const std::string name = shape.name() + what;
+  list.push_back({&Shape::Kernel::info(), name, use == CaseUse::kBenchmark, use == CaseUse::kLarge,
+                  [shape, name] { return shape.make(name); }});
 }
-/// The same for a case that quick runs leave out.
-template <class K, class Make>
-void add_large_case(std::vector<KernelCaseSource>& list, std::string name, Make make) {
-  list.push_back({&K::info(), name, false, true, [name, make] { return make(name); }});
+template <class Shape>
+void add_case(std::vector<KernelCaseSource>& list, const Shape& shape, CaseUse use) {
+  add_case(list, shape, "", use);
 }
 
 /// A kernel and how a case of it is drawn at random.
@@ -133,33 +157,29 @@ std::uint32_t draw_count(Random& random, std::uint32_t most);
 /// A size: mostly up to 80 cells a side, seldom up to 300, seldom long and thin; sides of at least `least`.
 CaseSize draw_size(Random& random, std::uint32_t least = 0);
 SeedPattern draw_pattern(Random& random);
+/// Some 32 bits, and a number of -most to most.
+std::uint32_t draw_word(Random& random);
+float draw_real(Random& random, double most);
 template <class T, std::size_t kCount>
 T draw_from(Random& random, const T (&list)[kCount]) {
   return list[random.below(kCount)];
 }
 
-void add_edt_cases(std::vector<KernelCaseSource>& list);
-void add_jump_flood_cases(std::vector<KernelCaseSource>& list);
-void add_field_cases(std::vector<KernelCaseSource>& list);
-void add_pose_cost_cases(std::vector<KernelCaseSource>& list);
-void add_merge_cases(std::vector<KernelCaseSource>& list);
-void add_lattice_cases(std::vector<KernelCaseSource>& list);
-void add_map_cases(std::vector<KernelCaseSource>& list);
-
-void add_edt_draws(std::vector<RandomKernel>& list);
-void add_jump_flood_draws(std::vector<RandomKernel>& list);
-void add_field_draws(std::vector<RandomKernel>& list);
-void add_pose_cost_draws(std::vector<RandomKernel>& list);
-void add_merge_draws(std::vector<RandomKernel>& list);
-void add_lattice_draws(std::vector<RandomKernel>& list);
-void add_map_draws(std::vector<RandomKernel>& list);
-void add_pose_simplex_draws(std::vector<RandomKernel>& list);
-void add_choose_pose_draws(std::vector<RandomKernel>& list);
-void add_pose_simplex_cases(std::vector<KernelCaseSource>& list);
-void add_choose_pose_cases(std::vector<KernelCaseSource>& list);
-void add_sweep_points_cases(std::vector<KernelCaseSource>& list);
-void add_sweep_points_draws(std::vector<RandomKernel>& list);
-void add_pose_bounds_cases(std::vector<KernelCaseSource>& list);
-void add_pose_bounds_draws(std::vector<RandomKernel>& list);
+/// The cases of one or more kernels, and how cases of them are drawn at random.
+struct CaseGroup {
+  void (*add)(std::vector<KernelCaseSource>& list) = nullptr;
+  std::vector<RandomKernel> draws;
+};
+CaseGroup edt_cases();
+CaseGroup jump_flood_cases();
+CaseGroup field_cases();
+CaseGroup pose_cost_cases();
+CaseGroup merge_cases();
+CaseGroup lattice_cases();
+CaseGroup map_cases();
+CaseGroup pose_simplex_cases();
+CaseGroup choose_pose_cases();
+CaseGroup sweep_points_cases();
+CaseGroup pose_bounds_cases();
 
 }  // namespace gdtslam

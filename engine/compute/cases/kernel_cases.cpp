@@ -64,21 +64,32 @@ Buffer guarded_buffer(Backend& backend, const std::vector<std::byte>& content) {
   return buffer;
 }
 
+/// In the order of the registry, but for kernels that share a group.
+const std::vector<CaseGroup>& case_groups() {
+  static const std::vector<CaseGroup> groups{
+      edt_cases(), jump_flood_cases(),   field_cases(),       pose_cost_cases(),    merge_cases(),      lattice_cases(),
+      map_cases(), pose_simplex_cases(), choose_pose_cases(), sweep_points_cases(), pose_bounds_cases()};
+  return groups;
+}
+
+const std::vector<RandomKernel>& random_kernels() {
+  static const std::vector<RandomKernel> list = [] {
+    std::vector<RandomKernel> kernels;
+    for (const CaseGroup& group : case_groups()) {
+      kernels.insert(kernels.end(), group.draws.begin(), group.draws.end());
+    }
+    return kernels;
+  }();
+  return list;
+}
+
 }  // namespace
 
 std::vector<KernelCaseSource> kernel_cases() {
   std::vector<KernelCaseSource> list;
-  add_edt_cases(list);
-  add_jump_flood_cases(list);
-  add_field_cases(list);
-  add_pose_cost_cases(list);
-  add_merge_cases(list);
-  add_lattice_cases(list);
-  add_map_cases(list);
-  add_pose_simplex_cases(list);
-  add_choose_pose_cases(list);
-  add_sweep_points_cases(list);
-  add_pose_bounds_cases(list);
+  for (const CaseGroup& group : case_groups()) {
+    group.add(list);
+  }
   return list;
 }
 
@@ -112,6 +123,57 @@ std::optional<CaseDifference> difference(const KernelCase& kernel_case, const Ca
     compare_buffer(kernel_case.buffers[i].layout, i, expected.contents[i], found.contents[i], result);
   }
   return result.values == 0 ? std::nullopt : std::optional(result);
+}
+
+std::uint32_t draw_count(Random& random, std::uint32_t most) {
+  const std::uint64_t bits = random.below(33);
+  const std::uint64_t limit = std::min<std::uint64_t>(most, (std::uint64_t{1} << bits) - 1);
+  return static_cast<std::uint32_t>(random.below(limit + 1));
+}
+
+CaseSize draw_size(Random& random, std::uint32_t least) {
+  constexpr std::pair<std::uint32_t, std::uint32_t> kMost[] = {{3, 3},   {20, 20},   {80, 80},   {80, 80},
+                                                               {80, 80}, {300, 300}, {2000, 16}, {16, 2000}};
+  const auto [most_x, most_y] = draw_from(random, kMost);
+  CaseSize size{};
+  size.width = least + static_cast<std::uint32_t>(random.below(most_x + 1));
+  size.height = least + static_cast<std::uint32_t>(random.below(most_y + 1));
+  const auto padding = static_cast<std::uint32_t>(random.below(2) == 0 ? 0 : random.below(10));
+  size.stride = (size.width + 3) / 4 * 4 + 4 * padding;
+  return size;
+}
+
+SeedPattern draw_pattern(Random& random) {
+  constexpr SeedPattern kAll[] = {SeedPattern::kNone, SeedPattern::kOne,     SeedPattern::kSparse, SeedPattern::kHalf,
+                                  SeedPattern::kAll,  SeedPattern::kCorners, SeedPattern::kChecks, SeedPattern::kWalls};
+  return draw_from(random, kAll);
+}
+
+KernelCaseSource random_kernel_case(std::uint64_t seed, std::uint32_t index) {
+  Random random = Random(seed).split(index);
+  const RandomKernel& drawn = random_kernels()[random.below(random_kernels().size())];
+  const std::string name = "random " + std::to_string(seed) + "/" + std::to_string(index);
+  return {drawn.kernel, name, false, false, [drawn, name, random] {
+            Random contents = random;
+            return drawn.draw(name, contents);
+          }};
+}
+
+std::vector<KernelCaseSource> random_kernel_cases(std::uint64_t seed, std::uint32_t count) {
+  std::vector<KernelCaseSource> list;
+  list.reserve(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    list.push_back(random_kernel_case(seed, i));
+  }
+  return list;
+}
+
+std::uint32_t draw_word(Random& random) { return static_cast<std::uint32_t>(random.bits() >> 32U); }
+
+float draw_real(Random& random, double most) { return static_cast<float>(random.uniform(-most, most)); }
+
+CaseBuffer noise_buffer(std::uint32_t words, Random& random) {
+  return list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()));
 }
 
 }  // namespace gdtslam

@@ -102,4 +102,13 @@ std::vector<CaseBuffer> scene_buffers(CaseSize size, bool room, std::uint32_t ca
   return {grid_buffer(size, field), list_buffer(points)};
 }
 
+void make_subnormal(std::vector<PoseCandidate>& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const float value = i % 2 == 0 ? kSubnormal : -kSubnormal;
+    poses[i].x = i % 7 % 4 == 0 ? value : poses[i].x;
+    poses[i].y = i % 7 % 4 < 2 ? -value : poses[i].y;
+    poses[i].theta = i % 7 < 4 ? value : poses[i].theta;
+  }
+}
+
 }  // namespace gdtslam

@@ -39,6 +39,9 @@ inline constexpr PoseCandidate kTruePose{2.5F, -1.25F, 0.3F, 0};
 /// A field, of the room or slow, and the points of a scan in it, in the room from kTruePose.
 std::vector<CaseBuffer> scene_buffers(CaseSize size, bool room, std::uint32_t cap, std::uint32_t count, Random& random);
 
+/// Makes coordinates of each pose subnormal, in all combinations and with both signs.
+void make_subnormal(std::vector<PoseCandidate>& poses);
+
 /// Parameters of the cost in such a scene.
 inline PoseCost::Params cost_params(CaseSize field, std::uint32_t points, std::uint32_t cap,
                                     Interpolation interpolation, CostForm form) {

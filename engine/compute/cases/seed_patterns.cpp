@@ -85,25 +85,8 @@ void draw(SeedPattern pattern, const Canvas& canvas, Random& random) {
 }  // namespace
 
 std::string_view to_string(SeedPattern pattern) {
-  switch (pattern) {
-    case SeedPattern::kNone:
-      return "none";
-    case SeedPattern::kOne:
-      return "one";
-    case SeedPattern::kSparse:
-      return "1%";
-    case SeedPattern::kHalf:
-      return "50%";
-    case SeedPattern::kAll:
-      return "all";
-    case SeedPattern::kCorners:
-      return "corners";
-    case SeedPattern::kChecks:
-      return "checks";
-    case SeedPattern::kWalls:
-      return "walls";
-  }
-  return "unknown";
+  constexpr std::string_view kNames[] = {"none", "one", "1%", "50%", "all", "corners", "checks", "walls"};
+  return kNames[static_cast<std::size_t>(pattern)];
 }
 
 std::vector<std::uint8_t> make_seeds(SeedPattern pattern, std::uint32_t width, std::uint32_t height,

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "engine/vulkan/device/driver_calls.hpp"
 #include "engine/vulkan/device/environment.hpp"
-#include "engine/vulkan/device/errors.hpp"
 
 namespace gdtslam {
 namespace {

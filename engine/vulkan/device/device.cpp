@@ -2,10 +2,139 @@
 
 #include <algorithm>
 
-#include "device_info.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
+namespace {
+
+std::string kind_of(vk::PhysicalDeviceType type) {
+  switch (type) {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return "discrete";
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return "integrated";
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return "virtual";
+    case vk::PhysicalDeviceType::eCpu:
+      return "lavapipe";
+    default:
+      return "other";
+  }
+}
+
+std::string to_text(std::uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
+         std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+std::string driver_text(const vk::PhysicalDeviceDriverProperties& driver) {
+  const std::string name = driver.driverName;
+  const std::string info = driver.driverInfo;
+  return info.empty() ? name : name + " " + info;
+}
+
+std::string uuid_text(const vk::PhysicalDeviceIDProperties& ids) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : ids.deviceUUID) {
+    text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
+  }
+  return text;
+}
+
+std::size_t largest_local_heap(const vk::PhysicalDeviceMemoryProperties& memory) {
+  vk::DeviceSize largest = 0;
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i) {
+    if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal) {
+      largest = std::max(largest, memory.memoryHeaps[i].size);
+    }
+  }
+  return largest;
+}
+
+/// Words of a uniform texel buffer (VK_FORMAT_R32_UINT, as the shaders read one).
+std::size_t max_texel_words(const vk::raii::PhysicalDevice& device, const vk::PhysicalDeviceLimits& limits) {
+  const vk::FormatFeatureFlags features = device.getFormatProperties(kTexelFormat).bufferFeatures;
+  return features & vk::FormatFeatureFlagBits::eUniformTexelBuffer ? limits.maxTexelBufferElements : 0;
+}
+
+std::string problem_of(const vk::raii::PhysicalDevice& device, std::uint32_t api_version) {
+  if (api_version < VK_API_VERSION_1_2) {
+    return "offers Vulkan " + to_text(api_version) + ", 1.2 is needed";
+  }
+  if (!compute_family(device)) {
+    return "has no queue that computes";
+  }
+  const auto features = device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceTimelineSemaphoreFeatures>();
+  if (features.get<vk::PhysicalDeviceTimelineSemaphoreFeatures>().timelineSemaphore == VK_FALSE) {
+    return "has no timeline semaphores";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> compute_family(const vk::raii::PhysicalDevice& device) {
+  const std::vector<vk::QueueFamilyProperties> families = device.getQueueFamilyProperties();
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
+    if (families[i].queueCount > 0 && (families[i].queueFlags & vk::QueueFlagBits::eCompute)) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index) {
+  const vk::PhysicalDeviceProperties basic = device.getProperties();
+  VulkanDeviceInfo info;
+  info.index = index;
+  info.name = std::string(basic.deviceName.data());
+  info.kind = kind_of(basic.deviceType);
+  info.api_version = to_text(basic.apiVersion);
+  info.vendor_id = basic.vendorID;
+  info.device_id = basic.deviceID;
+  info.memory_bytes = largest_local_heap(device.getMemoryProperties());
+  info.max_storage_buffer_bytes = basic.limits.maxStorageBufferRange;
+  info.max_uniform_buffer_bytes = basic.limits.maxUniformBufferRange;
+  info.max_texel_words = max_texel_words(device, basic.limits);
+  info.shared_memory_bytes = basic.limits.maxComputeSharedMemorySize;
+  info.max_group_invocations = basic.limits.maxComputeWorkGroupInvocations;
+  info.max_push_constant_bytes = basic.limits.maxPushConstantsSize;
+  info.problem = problem_of(device, basic.apiVersion);
+  if (basic.apiVersion >= VK_API_VERSION_1_2) {
+    const auto more = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
+                                            vk::PhysicalDeviceSubgroupProperties, vk::PhysicalDeviceIDProperties>();
+    info.uuid = uuid_text(more.get<vk::PhysicalDeviceIDProperties>());
+    info.driver = driver_text(more.get<vk::PhysicalDeviceDriverProperties>());
+    info.subgroup_size = more.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize;
+  }
+  const auto family = compute_family(device);
+  if (family && device.getQueueFamilyProperties()[*family].timestampValidBits > 0) {
+    info.timestamp_ns = static_cast<double>(basic.limits.timestampPeriod);
+  }
+  return info;
+}
+
+VulkanListing list_vulkan_devices() {
+  VulkanListing listing;
+  try {
+    DriverCalls calls(vulkan_entry(), VulkanFault{});
+    with_driver(calls, "vulkan", [&] {
+      const VulkanInstance instance = make_instance(nullptr);
+      for (const vk::raii::PhysicalDevice& device : vk::raii::PhysicalDevices(instance.handle)) {
+        listing.devices.push_back(describe(device, static_cast<unsigned>(listing.devices.size())));
+      }
+    });
+    if (listing.devices.empty()) {
+      listing.problem =
+          "Vulkan finds no device on this machine; VK_LOADER_DEBUG=error in the environment shows what its drivers say";
+    }
+  } catch (const Error& error) {
+    listing.problem = error.what();
+  }
+  return listing;
+}
+
 namespace {
 
 /// "vulkan:0 NAME (KIND)" of each device, for the message that the one asked for is not there.

@@ -1,7 +1,9 @@
-// The logical device with its queue and the timeline that says how far it is.
+// What is asked of a physical device before it is used, and the logical device with its queue and the timeline that
+// says how far it is.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "driver_calls.hpp"
@@ -9,6 +11,14 @@
 #include "instance.hpp"
 
 namespace gdtslam {
+
+/// Of uniform texel buffers: a texel is a word.
+inline constexpr vk::Format kTexelFormat = vk::Format::eR32Uint;
+
+/// Within a DriverCalls::Scope.
+VulkanDeviceInfo describe(const vk::raii::PhysicalDevice& device, unsigned index);
+/// The queue family that work is given to: the first that computes.
+std::optional<std::uint32_t> compute_family(const vk::raii::PhysicalDevice& device);
 
 class Device {
  public:

@@ -1,5 +1,7 @@
 #include "driver_calls.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cassert>
 #include <tuple>
@@ -181,6 +183,25 @@ VkResult DriverCalls::wait_past_faults(VkDevice device, const VkSemaphoreWaitInf
   const auto row = std::find_if(table.begin(), table.end(), [](const Row& r) { return r.name == "vkWaitSemaphores"; });
   const PFN_vkVoidFunction real = real_[static_cast<std::size_t>(row - table.begin())];
   return real == nullptr ? VK_SUCCESS : reinterpret_cast<PFN_vkWaitSemaphores>(real)(device, &wait, timeout_ns);
+}
+
+PFN_vkGetInstanceProcAddr vulkan_entry() {
+  void* library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    throw UnavailableError(
+        "the Vulkan loader libvulkan.so.1 cannot be opened; install it (Debian package libvulkan1) or use the CPU");
+  }
+  const auto entry = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+  if (entry == nullptr) {
+    throw UnavailableError("libvulkan.so.1 has no vkGetInstanceProcAddr, so it is no Vulkan loader");
+  }
+  return entry;
+}
+
+void check(VkResult result, const char* call) {
+  if (result != VK_SUCCESS) {
+    throw vk::SystemError(vk::make_error_code(static_cast<vk::Result>(result)), call);
+  }
 }
 
 }  // namespace gdtslam

@@ -5,9 +5,12 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "api.hpp"
+#include "gdtslam/core/error.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 
 namespace gdtslam {
@@ -61,5 +64,24 @@ class DriverCalls {
   std::string_view last_failed_;
   std::array<PFN_vkVoidFunction, kMostFunctions> real_{};
 };
+
+/// The entry of libvulkan.so.1; throws UnavailableError where it is not installed. Thread-safe. The library stays open
+/// until the process ends, because drivers leave threads and thread-local destructors behind.
+PFN_vkGetInstanceProcAddr vulkan_entry();
+
+/// Runs `action` with its calls of Vulkan going through the layer; what they throw becomes DeviceError.
+template <class Action>
+decltype(auto) with_driver(DriverCalls& calls, const std::string& device, Action&& action) {
+  const DriverCalls::Scope scope(calls);
+  try {
+    return std::forward<Action>(action)();
+  } catch (const vk::SystemError& error) {
+    throw DeviceError(device, std::string(calls.last_failed()),
+                      vk::to_string(static_cast<vk::Result>(error.code().value())));
+  }
+}
+
+/// Throws what vk::raii would have thrown, for the calls that are made without it.
+void check(VkResult result, const char* call);
 
 }  // namespace gdtslam

@@ -1,10 +1,46 @@
-// The connection to Vulkan, with the validation layers where they are asked for.
+// The connection to Vulkan, with the validation layers where they are asked for, and what these say about a backend,
+// from the making of its instance to its end.
 #pragma once
 
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "api.hpp"
-#include "validation_log.hpp"
 
 namespace gdtslam {
+
+/// Whether a message is a fault of ours: what validation and the search for slow use report from warnings on, and
+/// errors of a general kind. `id_name` is the message's own. What the loader says is never one: it speaks, as of
+/// errors, of every driver file on the machine that it passes over, and what fails for us shows in the result of our
+/// call.
+bool counts_as_fault(vk::DebugUtilsMessageSeverityFlagBitsEXT severity, vk::DebugUtilsMessageTypeFlagsEXT types,
+                     std::string_view id_name);
+
+/// Warnings and errors, each one text. What nobody has taken by the end is handed out, so none is lost: those of the
+/// last objects that are destroyed come when no verb of the backend can throw them any more. Not thread-safe.
+class ValidationLog {
+ public:
+  /// Takes a message that came too late to be thrown; must not throw. Empty: they end the process.
+  using Sink = std::function<void(std::string_view message)>;
+
+  explicit ValidationLog(Sink on_message) : on_message_(std::move(on_message)) {}
+  ValidationLog(const ValidationLog&) = delete;
+  ValidationLog& operator=(const ValidationLog&) = delete;
+  ~ValidationLog() { hand_out(); }
+
+  void add(std::string message) { messages_.push_back(std::move(message)); }
+  /// All messages so far as one text, "" where there are none; they are then gone from the log.
+  [[nodiscard]] std::string take();
+  /// Gives what is there to the sink.
+  void hand_out() noexcept;
+
+ private:
+  Sink on_message_;
+  std::vector<std::string> messages_;
+};
 
 struct VulkanInstance {
   vk::raii::Context context;

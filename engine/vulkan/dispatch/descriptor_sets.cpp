@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/vulkan/device/errors.hpp"
+#include "engine/vulkan/device/driver_calls.hpp"
 
 namespace gdtslam {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/vulkan/device/device_info.hpp"
+#include "engine/vulkan/device/device.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -201,7 +201,7 @@ TEST_F(LesserDevices, SmallGroupsGiveTheSameBytes) {
     ASSERT_FALSE(difference(kernel_case, run_case(*cpu, kernel_case), found)) << source.name;
     ASSERT_TRUE(found.guards_intact && found.inputs_intact) << source.name;
   }
-  EXPECT_EQ(shaders, std::set<std::string>{"smallest_values_wide"});
+  EXPECT_EQ(shaders, std::set<std::string>{"smallest_values"});
 }
 
 TEST_F(LesserDevices, ThatRunNoGroupOfAKernelAreRefused) {

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "engine/vulkan/device/driver_calls.hpp"
-#include "engine/vulkan/device/errors.hpp"
-#include "engine/vulkan/device/loader.hpp"
 #include "engine/vulkan/engine.hpp"
 #include "gdtslam/core/error.hpp"
 #include "small_job.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/vulkan/device/validation_log.hpp"
+#include "engine/vulkan/device/instance.hpp"
 #include "small_job.hpp"
 #include "support/vulkan_device.hpp"
 

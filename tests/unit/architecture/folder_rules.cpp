@@ -53,7 +53,6 @@ Arrows make_arrows() {
       {"engine/runs/streams", {}},
       {"engine/vulkan",
        {"engine/vulkan/commands", "engine/vulkan/device", "engine/vulkan/dispatch", "engine/vulkan/memory"}},
-      {"engine/vulkan/variants", {"engine/vulkan/dispatch"}},
       {"engine/vulkan/dispatch", {"engine/vulkan/commands", "engine/vulkan/device", "engine/vulkan/memory"}},
       {"engine/vulkan/memory", {"engine/vulkan/commands", "engine/vulkan/device"}},
       {"engine/vulkan/commands", {"engine/vulkan/device"}},

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "engine/compute/cases/case_builder.hpp"
@@ -12,6 +13,7 @@ using Poses = std::vector<PolishedPose>;
 
 /// What a case of choose_pose varies.
 struct ChoiceCase {
+  using Kernel = ChoosePose;
   CaseSize field{256, 200, 256};
   bool room = true;    ///< else a field without any shape
   bool steps = false;  ///< the field in whole cells, so that values meet limits
@@ -21,15 +23,17 @@ struct ChoiceCase {
   std::uint32_t wide = 10 * 256;
   Interpolation interpolation = Interpolation::kBilinear;
   CostForm form = CostForm::kDistance;
-};
+  /// Makes the case what it is called.
+  std::function<void(ChoosePose::Params&, Poses&)> change = [](ChoosePose::Params&, Poses&) {};
 
-std::string to_string(const ChoiceCase& shape) {
-  return size_name(shape.field) + (shape.room ? " room " : " slow ") + (shape.steps ? "steps " : "") +
-         std::to_string(shape.poses) + " poses " + std::to_string(shape.points) + " points caps " +
-         std::to_string(shape.map_cap) + " " + std::to_string(shape.wide) +
-         (shape.interpolation == Interpolation::kNearest ? " nearest" : " bilinear") +
-         (shape.form == CostForm::kSquared ? " squared" : "");
-}
+  [[nodiscard]] std::string name() const {
+    return size_name(field) + (room ? " room " : " slow ") + (steps ? "steps " : "") + std::to_string(poses) +
+           " poses " + std::to_string(points) + " points caps " + std::to_string(map_cap) + " " + std::to_string(wide) +
+           (interpolation == Interpolation::kNearest ? " nearest" : " bilinear") +
+           (form == CostForm::kSquared ? " squared" : "");
+  }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
+};
 
 PolishedPose pose_at(float x, float y, float theta) {
   PolishedPose pose;
@@ -49,7 +53,7 @@ Poses make_poses(std::uint32_t count, Random& random) {
     poses.push_back(pose_at(near(kTruePose.x, 3.0), near(kTruePose.y, 3.0), near(kTruePose.theta, 0.1)));
     for (std::uint32_t* member : {&poses.back().cost, &poses.back().evaluations, &poses.back().stop,
                                   &poses.back().reserved[0], &poses.back().reserved[1]}) {
-      *member = static_cast<std::uint32_t>(random.bits() >> 32U);
+      *member = draw_word(random);
     }
   }
   return poses;
@@ -65,61 +69,54 @@ void cut_to_cells(CaseBuffer& field) {
   std::memcpy(field.content.data(), values.data(), field.content.size());
 }
 
-template <class Change>
-KernelCase choice_case(const std::string& name, const ChoiceCase& shape, Change change) {
-  Random random(seed_from(name));
+KernelCase ChoiceCase::make(const std::string& named) const {
+  Random random(seed_from(named));
   ChoosePose::Params params{
-      .cost = cost_params(shape.field, shape.points, shape.wide, shape.interpolation, shape.form),
+      .cost = cost_params(field, points, wide, interpolation, form),
       .prior = {.mean_x = 2.0F, .mean_y = -1.0F, .mean_theta = 0.28F, .weight_xy = 900.0F, .weight_theta = 4.0e5F},
-      .map_cap = shape.map_cap,
+      .map_cap = map_cap,
       .gate = 256,
       .contradiction_q16 = 65536,
       .overlap_q16 = 0,
       .leap_q8 = 0,
       .far_sq_cells = 4.0F,
       .far_rad = 0.05F};
-  Poses poses = make_poses(shape.poses, random);
-  change(params, poses);
-  params.pose_count = static_cast<std::uint32_t>(poses.size());
-  auto buffers = scene_buffers(shape.field, shape.room, shape.map_cap, shape.points, random);
-  if (shape.steps) {
+  Poses tried = make_poses(poses, random);
+  change(params, tried);
+  params.pose_count = static_cast<std::uint32_t>(tried.size());
+  auto buffers = scene_buffers(field, room, map_cap, points, random);
+  if (steps) {
     cut_to_cells(buffers[0]);
   }
-  buffers.push_back(words_buffer(poses));
+  buffers.push_back(words_buffer(tried));
   constexpr auto kWords = static_cast<std::uint32_t>(sizeof(MatchVerdict) / 4);
-  buffers.push_back(list_buffer(noise<std::uint32_t>({kWords, 1, kWords}, random.bits())));
-  return make_case<ChoosePose>(name, params, {1, 1, 1}, std::move(buffers));
+  buffers.push_back(noise_buffer(kWords, random));
+  return make_case<ChoosePose>(named, params, {1, 1, 1}, std::move(buffers));
 }
 
-/// Adds a case; `change(params, poses)` makes it what it is called.
 template <class Change>
-void add_choice(std::vector<KernelCaseSource>& list, const ChoiceCase& shape, const std::string& what, Change change,
-                bool benchmark = false) {
-  add_case<ChoosePose>(
-      list, to_string(shape) + what,
-      [shape, change](const std::string& name) { return choice_case(name, shape, change); }, benchmark);
+void add_choice(std::vector<KernelCaseSource>& list, ChoiceCase shape, const std::string& what, Change change) {
+  shape.change = change;
+  add_case(list, shape, what);
 }
-
-constexpr auto kNoChange = [](ChoosePose::Params&, Poses&) {};
 
 void add_sizes(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
     for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) {
       for (const std::uint32_t points : {0U, 1U, 15U, 16U, 17U, 180U, 361U}) {
         ChoiceCase shape{.points = points, .interpolation = interpolation, .form = form};
-        add_choice(list, shape, "", kNoChange);
+        add_case(list, shape);
         shape.room = false;
         shape.poses = 1 + points % 17;
-        add_choice(list, shape, "", kNoChange);
+        add_case(list, shape);
       }
-      add_choice(list, {.field = {2, 2, 4}, .interpolation = interpolation, .form = form}, "", kNoChange);
-      add_choice(list, {.field = {7, 9, 8}, .room = false, .interpolation = interpolation, .form = form}, "",
-                 kNoChange);
+      add_case(list, ChoiceCase{.field = {2, 2, 4}, .interpolation = interpolation, .form = form});
+      add_case(list, ChoiceCase{.field = {7, 9, 8}, .room = false, .interpolation = interpolation, .form = form});
     }
   }
-  add_choice(list, {.wide = 200, .form = CostForm::kSquared}, ", squares of 16 bits", kNoChange);
+  add_case(list, ChoiceCase{.wide = 200, .form = CostForm::kSquared}, ", squares of 16 bits");
   for (std::uint32_t poses = 1; poses <= SmallestValues::kMost + 1; ++poses) {
-    add_choice(list, {.points = 33, .poses = poses}, "", kNoChange);
+    add_case(list, ChoiceCase{.points = 33, .poses = poses});
   }
 }
 
@@ -149,10 +146,10 @@ void add_voters(std::vector<KernelCaseSource>& list) {
   }
   add_choice(list, {}, ", gate 0", [](ChoosePose::Params& p, Poses&) { p.gate = 0; });
   add_choice(list, {}, ", gate 65535", [](ChoosePose::Params& p, Poses&) { p.gate = 65535; });
-  add_choice(list, {.wide = 65535}, "", kNoChange);
-  add_choice(list, {.map_cap = 65535, .wide = 65535}, "", kNoChange);
-  add_choice(list, {.wide = 0}, "", kNoChange);
-  add_choice(list, {.map_cap = 0}, ", nothing known", kNoChange);
+  add_case(list, ChoiceCase{.wide = 65535});
+  add_case(list, ChoiceCase{.map_cap = 65535, .wide = 65535});
+  add_case(list, ChoiceCase{.wide = 0});
+  add_case(list, ChoiceCase{.map_cap = 0}, ", nothing known");
   add_choice(list, {}, ", pose 0 off the map", [](ChoosePose::Params&, Poses& poses) { poses[0].x = 3000.0F; });
   add_choice(list, {}, ", pose 0 off the map, all vote", [](ChoosePose::Params& p, Poses& poses) {
     poses[0].x = 3000.0F;
@@ -328,19 +325,18 @@ KernelCase draw_choice(const std::string& name, Random& random) {
   shape.wide = random.below(2) == 0 ? 2560 : draw_count(random, 65535);
   shape.interpolation = random.below(2) == 0 ? Interpolation::kBilinear : Interpolation::kNearest;
   shape.form = random.below(2) == 0 ? CostForm::kDistance : CostForm::kSquared;
-  return choice_case(name, shape, [&](ChoosePose::Params& params, Poses&) {
+  shape.change = [&random](ChoosePose::Params& params, Poses&) {
     params.gate = draw_count(random, 5120);
     params.contradiction_q16 = draw_count(random, 65536);
     params.overlap_q16 = draw_count(random, 65536);
     params.leap_q8 = draw_count(random, 1024);
     params.far_sq_cells = static_cast<float>(random.uniform(0.0, 9.0));
     params.far_rad = static_cast<float>(random.uniform(0.0, 0.1));
-  });
+  };
+  return shape.make(name);
 }
 
-}  // namespace
-
-void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
+void add_cases(std::vector<KernelCaseSource>& list) {
   add_sizes(list);
   add_angles(list);
   add_voters(list);
@@ -350,11 +346,13 @@ void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
   add_extremes(list);
   add_subnormals(list);
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
-    add_choice(list, {.field = {1024, 1024, 1024}, .points = 361, .poses = 8, .interpolation = interpolation}, "",
-               kNoChange, true);
+    add_case(list, ChoiceCase{.field = {1024, 1024, 1024}, .points = 361, .poses = 8, .interpolation = interpolation},
+             CaseUse::kBenchmark);
   }
 }
 
-void add_choose_pose_draws(std::vector<RandomKernel>& list) { list.push_back({&ChoosePose::info(), draw_choice}); }
+}  // namespace
+
+CaseGroup choose_pose_cases() { return {add_cases, {{&ChoosePose::info(), draw_choice}}}; }
 
 }  // namespace gdtslam

@@ -6,8 +6,6 @@ namespace {
 
 constexpr std::uint32_t kRadii[] = {1, 20, 255};
 
-std::string field_name(CaseSize size, std::uint32_t radius) { return size_name(size) + " R" + std::to_string(radius); }
-
 /// Squares of which half lie within the table and half are anything.
 KernelCase table_case(const std::string& name, CaseSize size, const std::vector<std::uint16_t>& table) {
   std::vector<std::uint16_t> squares = noise<std::uint16_t>(size, seed_from(name));
@@ -21,11 +19,15 @@ KernelCase table_case(const std::string& name, CaseSize size, const std::vector<
       {grid_buffer(size, squares), list_buffer(table), grid_buffer(size, noise<std::uint16_t>(size, 8))});
 }
 
-void add_field(std::vector<KernelCaseSource>& list, CaseSize size, std::uint32_t radius, bool benchmark = false) {
-  add_case<DistanceField>(
-      list, field_name(size, radius),
-      [=](const std::string& name) { return table_case(name, size, distance_table(radius)); }, benchmark);
-}
+struct TableCase {
+  using Kernel = DistanceField;
+  CaseSize size;
+  std::uint32_t radius = 20;
+  [[nodiscard]] std::string name() const { return size_name(size) + " R" + std::to_string(radius); }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    return table_case(named, size, distance_table(radius));
+  }
+};
 
 /// Any table: its entries are not those of distances.
 KernelCase draw_field(const std::string& name, Random& random) {
@@ -34,27 +36,24 @@ KernelCase draw_field(const std::string& name, Random& random) {
   return table_case(name, size, noise<std::uint16_t>({entries, 1, entries}, random.bits()));
 }
 
-}  // namespace
-
-void add_field_cases(std::vector<KernelCaseSource>& list) {
+void add_cases(std::vector<KernelCaseSource>& list) {
   for (const std::uint32_t radius : kRadii) {
-    for (const CaseSize& size : kCaseSizes) {
-      if (size.width > kSmallSide || size.height > kSmallSide) {
-        add_field(list, size, radius);
-      }
-    }
+    for_each_size([&](CaseSize size) { add_case(list, TableCase{size, radius}); });
   }
-  for_each_small_size([&](CaseSize size, std::uint32_t turn) { add_field(list, size, in_turn(kRadii, turn)); });
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+    add_case(list, TableCase{size, in_turn(kRadii, turn)});
+  });
   for (const CaseSize& size : kLongSizes) {
-    add_field(list, size, 20);
+    add_case(list, TableCase{size});
   }
   for (const CaseSize& size : kLargeSizes) {
-    add_large_case<DistanceField>(list, field_name(size, 20),
-                                  [=](const std::string& name) { return table_case(name, size, distance_table(20)); });
+    add_case(list, TableCase{size}, CaseUse::kLarge);
   }
-  add_field(list, {1024, 1024, 1024}, 20, true);
+  add_case(list, TableCase{{1024, 1024, 1024}}, CaseUse::kBenchmark);
 }
 
-void add_field_draws(std::vector<RandomKernel>& list) { list.push_back({&DistanceField::info(), draw_field}); }
+}  // namespace
+
+CaseGroup field_cases() { return {add_cases, {{&DistanceField::info(), draw_field}}}; }
 
 }  // namespace gdtslam

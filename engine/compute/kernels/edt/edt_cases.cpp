@@ -18,9 +18,6 @@ struct EdtGrid {
     return size_name(size) + " " + std::string(to_string(pattern)) + " R" + std::to_string(radius);
   }
   [[nodiscard]] EdtColumns::Params params() const { return {size.width, size.height, size.stride, radius}; }
-  [[nodiscard]] std::vector<std::uint8_t> seeds(const std::string& named) const {
-    return make_seeds(pattern, size.width, size.height, size.stride, seed_from(named));
-  }
 };
 
 /// Distances along the columns as the first pass leaves them, by the plainest loop: the input of the second pass.
@@ -43,58 +40,46 @@ std::vector<std::uint8_t> column_distances(CaseSize size, const std::vector<std:
   return distances;
 }
 
-struct Columns {
+struct Columns : EdtGrid {
   using Kernel = EdtColumns;
-  static KernelCase make(const std::string& name, const EdtGrid& grid) {
+  [[nodiscard]] KernelCase make(const std::string& named) const {
     return make_case<EdtColumns>(
-        name, grid.params(), {grid.size.width, 1, 1},
-        {grid_buffer(grid.size, grid.seeds(name)), grid_buffer(grid.size, noise<std::uint8_t>(grid.size, 1))});
+        named, params(), {size.width, 1, 1},
+        {grid_buffer(size, seeds_for(pattern, size, named)), grid_buffer(size, noise<std::uint8_t>(size, 1))});
   }
 };
-struct Rows {
+struct Rows : EdtGrid {
   using Kernel = EdtRows;
-  static KernelCase make(const std::string& name, const EdtGrid& grid) {
-    return make_case<EdtRows>(name, grid.params(), {1, grid.size.height, 1},
-                              {grid_buffer(grid.size, column_distances(grid.size, grid.seeds(name), grid.radius)),
-                               grid_buffer(grid.size, noise<std::uint16_t>(grid.size, 3))});
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    return make_case<EdtRows>(named, params(), {1, size.height, 1},
+                              {grid_buffer(size, column_distances(size, seeds_for(pattern, size, named), radius)),
+                               grid_buffer(size, noise<std::uint16_t>(size, 3))});
   }
 };
-
-template <class Pass>
-void add_grid(std::vector<KernelCaseSource>& list, const EdtGrid& grid, bool benchmark = false) {
-  add_case<typename Pass::Kernel>(
-      list, grid.name(), [grid](const std::string& name) { return Pass::make(name, grid); }, benchmark);
-}
 
 /// Every size with every pattern and every radius, every small size with two patterns and one radius.
 template <class Pass>
 void add_grids(std::vector<KernelCaseSource>& list) {
   for (const SeedPattern pattern : kCasePatterns) {
     for (const std::uint32_t radius : kRadii) {
-      for (const CaseSize& size : kCaseSizes) {
-        if (size.width > kSmallSide || size.height > kSmallSide) {
-          add_grid<Pass>(list, {size, pattern, radius});
-        }
-      }
+      for_each_size([&](CaseSize size) { add_case(list, Pass{{size, pattern, radius}}); });
     }
   }
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
-    add_grid<Pass>(list, {size, in_turn(kCasePatterns, turn), in_turn(kRadii, turn / 2)});
-    add_grid<Pass>(list, {size, in_turn(kCasePatterns, turn + 3), in_turn(kRadii, turn / 3)});
+    add_case(list, Pass{{size, in_turn(kCasePatterns, turn), in_turn(kRadii, turn / 2)}});
+    add_case(list, Pass{{size, in_turn(kCasePatterns, turn + 3), in_turn(kRadii, turn / 3)}});
   });
   for (const CaseSize& size : kLongSizes) {
-    add_grid<Pass>(list, {size, SeedPattern::kNone, kLargestRadius});
-    add_grid<Pass>(list, {size, SeedPattern::kOne, kLargestRadius});
-    add_grid<Pass>(list, {size, SeedPattern::kSparse, kRadii[0]});
-    add_grid<Pass>(list, {size, SeedPattern::kCorners, kLargestRadius});  // all that is near is at the edges
+    add_case(list, Pass{{size, SeedPattern::kNone, kLargestRadius}});
+    add_case(list, Pass{{size, SeedPattern::kOne, kLargestRadius}});
+    add_case(list, Pass{{size, SeedPattern::kSparse, kRadii[0]}});
+    add_case(list, Pass{{size, SeedPattern::kCorners, kLargestRadius}});  // all that is near is at the edges
   }
   for (const CaseSize& size : {CaseSize{257, 131, 288}, CaseSize{129, 40, 132}, CaseSize{33, 19, 36}}) {
-    add_grid<Pass>(list, {size, SeedPattern::kCorners, kLargestRadius});
+    add_case(list, Pass{{size, SeedPattern::kCorners, kLargestRadius}});
   }
   for (const CaseSize& size : kLargeSizes) {
-    const EdtGrid grid{size, SeedPattern::kWalls, kRadii[1]};
-    add_large_case<typename Pass::Kernel>(list, grid.name(),
-                                          [grid](const std::string& name) { return Pass::make(name, grid); });
+    add_case(list, Pass{{size, SeedPattern::kWalls, kRadii[1]}}, CaseUse::kLarge);
   }
 }
 
@@ -102,22 +87,21 @@ template <class Pass>
 KernelCase draw(const std::string& name, Random& random) {
   const CaseSize size = draw_size(random);
   const SeedPattern pattern = draw_pattern(random);
-  return Pass::make(name, {size, pattern, 1 + draw_count(random, 254)});
+  return Pass{{size, pattern, 1 + draw_count(random, 254)}}.make(name);
+}
+
+void add_both_passes(std::vector<KernelCaseSource>& list) {
+  add_grids<Columns>(list);
+  add_case(list, Columns{{kBenchSize, SeedPattern::kWalls, 20}}, CaseUse::kBenchmark);
+  add_grids<Rows>(list);
+  add_case(list, Rows{{kBenchSize, SeedPattern::kWalls, 20}}, CaseUse::kBenchmark);
+  add_case(list, Rows{{kBenchSize, SeedPattern::kWalls, 255}}, CaseUse::kBenchmark);
 }
 
 }  // namespace
 
-void add_edt_cases(std::vector<KernelCaseSource>& list) {
-  add_grids<Columns>(list);
-  add_grid<Columns>(list, {kBenchSize, SeedPattern::kWalls, 20}, true);
-  add_grids<Rows>(list);
-  add_grid<Rows>(list, {kBenchSize, SeedPattern::kWalls, 20}, true);
-  add_grid<Rows>(list, {kBenchSize, SeedPattern::kWalls, 255}, true);
-}
-
-void add_edt_draws(std::vector<RandomKernel>& list) {
-  list.push_back({&EdtColumns::info(), draw<Columns>});
-  list.push_back({&EdtRows::info(), draw<Rows>});
+CaseGroup edt_cases() {
+  return {add_both_passes, {{&EdtColumns::info(), draw<Columns>}, {&EdtRows::info(), draw<Rows>}}};
 }
 
 }  // namespace gdtslam

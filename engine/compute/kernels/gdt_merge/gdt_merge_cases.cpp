@@ -8,6 +8,7 @@ constexpr std::uint32_t kCap = 20 * 256;
 
 /// Where the scan's field lies in the global one, and the rule.
 struct MergeCase {
+  using Kernel = GdtMerge;
   CaseSize scan;
   std::uint32_t offset_x = 0;
   std::uint32_t offset_y = 0;
@@ -21,6 +22,7 @@ struct MergeCase {
            (rule == MergeRule::kWorking ? " working" : " literal") + " T" + std::to_string(threshold) + " L" +
            std::to_string(lift) + (cap == kCap ? "" : " cap " + std::to_string(cap));
   }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
 /// A field of which a quarter is unknown; values crowd around the thresholds' differences.
@@ -35,67 +37,58 @@ std::vector<std::uint16_t> field_values(CaseSize size, std::uint32_t cap, std::u
   return values;
 }
 
-KernelCase merge_case(const std::string& name, const MergeCase& merge) {
-  const CaseSize scan = merge.scan;
+KernelCase MergeCase::make(const std::string& named) const {
   constexpr std::uint32_t kBeyond =
       3;  // cells of the global field behind the window and above it, which must not change
-  const std::uint32_t width = merge.offset_x + scan.width + kBeyond;
-  const CaseSize global{width, merge.offset_y + scan.height + kBeyond, grid_stride(width)};
-  const std::uint64_t random_seed = seed_from(name);
-  const GdtMerge::Params params{scan.width,     scan.height,     scan.stride, global.stride, merge.offset_x,
-                                merge.offset_y, merge.threshold, merge.lift,  merge.cap,     merge.rule};
-  return make_case<GdtMerge>(name, params, {scan.width, scan.height, 1},
-                             {grid_buffer(global, field_values(global, merge.cap, random_seed)),
-                              grid_buffer(scan, field_values(scan, merge.cap, random_seed + 2))});
-}
-
-void add_merge(std::vector<KernelCaseSource>& list, const MergeCase& merge, bool benchmark = false) {
-  add_case<GdtMerge>(
-      list, merge.name(), [merge](const std::string& name) { return merge_case(name, merge); }, benchmark);
+  const std::uint32_t width = offset_x + scan.width + kBeyond;
+  const CaseSize global{width, offset_y + scan.height + kBeyond, grid_stride(width)};
+  const std::uint64_t random_seed = seed_from(named);
+  const GdtMerge::Params params{scan.width, scan.height, scan.stride, global.stride, offset_x,
+                                offset_y,   threshold,   lift,        cap,           rule};
+  return make_case<GdtMerge>(named, params, {scan.width, scan.height, 1},
+                             {grid_buffer(global, field_values(global, cap, random_seed)),
+                              grid_buffer(scan, field_values(scan, cap, random_seed + 2))});
 }
 
 KernelCase draw_merge(const std::string& name, Random& random) {
-  MergeCase merge{draw_size(random)};
+  MergeCase merge{.scan = draw_size(random)};
   merge.offset_x = draw_count(random, 100);
   merge.offset_y = draw_count(random, 100);
   merge.rule = random.below(2) == 0 ? MergeRule::kWorking : MergeRule::kLiteral;
   merge.threshold = draw_count(random, 70000);
   merge.lift = draw_count(random, merge.threshold);
   merge.cap = random.below(4) == 0 ? draw_count(random, 65535) : kCap;
-  return merge_case(name, merge);
+  return merge.make(name);
+}
+
+void add_cases(std::vector<KernelCaseSource>& list) {
+  for (const MergeRule rule : {MergeRule::kWorking, MergeRule::kLiteral}) {
+    for_each_size([&](CaseSize size) {
+      add_case(list, MergeCase{size, 0, 0, rule});
+      add_case(list, MergeCase{size, 5, 3, rule, 256, 256});
+      add_case(list, MergeCase{size, 2, 1, rule, 0, 0});
+    });
+    for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+      const std::uint32_t threshold = turn % 5 == 0 ? 0 : 256;
+      add_case(list, MergeCase{size, turn % 3, turn / 3 % 4, rule, threshold, threshold / (1 + turn % 2)});
+    });
+    for (const CaseSize& size : kLongSizes) {
+      add_case(list, MergeCase{size, 1, 1, rule});
+    }
+  }
+  add_case(list, MergeCase{{17, 16, 32}, 3, 0, MergeRule::kWorking, 70000, 70000});
+  add_case(list, MergeCase{{31, 5, 32}, 4001, 2});  // far from the left edge, in groups of any size
+  add_case(list, MergeCase{{33, 16, 36}, 1, 2, MergeRule::kLiteral, 300, 200, 65535});
+  add_case(list, MergeCase{{33, 16, 36}, 1, 2, MergeRule::kWorking, 300, 200, 0});
+  for (const CaseSize& size : kLargeSizes) {
+    add_case(list, MergeCase{size, 3, 1}, CaseUse::kLarge);
+  }
+  add_case(list, MergeCase{{512, 512, 512}, 37, 41, MergeRule::kWorking}, CaseUse::kBenchmark);
+  add_case(list, MergeCase{{512, 512, 512}, 37, 41, MergeRule::kLiteral}, CaseUse::kBenchmark);
 }
 
 }  // namespace
 
-void add_merge_cases(std::vector<KernelCaseSource>& list) {
-  for (const MergeRule rule : {MergeRule::kWorking, MergeRule::kLiteral}) {
-    for (const CaseSize& size : kCaseSizes) {
-      if (size.width > kSmallSide || size.height > kSmallSide) {
-        add_merge(list, {size, 0, 0, rule});
-        add_merge(list, {size, 5, 3, rule, 256, 256});
-        add_merge(list, {size, 2, 1, rule, 0, 0});
-      }
-    }
-    for_each_small_size([&](CaseSize size, std::uint32_t turn) {
-      const std::uint32_t threshold = turn % 5 == 0 ? 0 : 256;
-      add_merge(list, {size, turn % 3, turn / 3 % 4, rule, threshold, threshold / (1 + turn % 2)});
-    });
-    for (const CaseSize& size : kLongSizes) {
-      add_merge(list, {size, 1, 1, rule});
-    }
-  }
-  add_merge(list, {{17, 16, 32}, 3, 0, MergeRule::kWorking, 70000, 70000});
-  add_merge(list, {{31, 5, 32}, 4001, 2});  // far from the left edge, in groups of any size
-  add_merge(list, {{33, 16, 36}, 1, 2, MergeRule::kLiteral, 300, 200, 65535});
-  add_merge(list, {{33, 16, 36}, 1, 2, MergeRule::kWorking, 300, 200, 0});
-  for (const CaseSize& size : kLargeSizes) {
-    const MergeCase merge{size, 3, 1};
-    add_large_case<GdtMerge>(list, merge.name(), [merge](const std::string& name) { return merge_case(name, merge); });
-  }
-  add_merge(list, {{512, 512, 512}, 37, 41, MergeRule::kWorking}, true);
-  add_merge(list, {{512, 512, 512}, 37, 41, MergeRule::kLiteral}, true);
-}
-
-void add_merge_draws(std::vector<RandomKernel>& list) { list.push_back({&GdtMerge::info(), draw_merge}); }
+CaseGroup merge_cases() { return {add_cases, {{&GdtMerge::info(), draw_merge}}}; }
 
 }  // namespace gdtslam

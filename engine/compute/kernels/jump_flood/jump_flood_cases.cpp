@@ -6,15 +6,6 @@ namespace {
 
 constexpr std::uint32_t kSteps[] = {1, 2, 16, 128};
 constexpr std::uint32_t kRadii[] = {1, 20, 255};
-constexpr CaseSize kBenchSize{1024, 1024, 1024};
-
-std::string pattern_name(CaseSize size, SeedPattern pattern) {
-  return size_name(size) + " " + std::string(to_string(pattern));
-}
-
-std::vector<std::uint8_t> seeds_for(SeedPattern pattern, CaseSize size, const std::string& name) {
-  return make_seeds(pattern, size.width, size.height, size.stride, seed_from(name));
-}
 
 /// A state of the flood: seeds know themselves, a quarter of the other cells the latest seed before them, a quarter any
 /// of the first 64, so that among equally far seeds the first one that is offered is not always the one of lower index.
@@ -43,62 +34,52 @@ std::vector<std::uint32_t> half_flooded(SeedPattern pattern, CaseSize size, cons
   return nearest;
 }
 
-KernelCase init_case(const std::string& name, CaseSize size, SeedPattern pattern) {
-  return make_case<JumpFloodInit>(
-      name, {size.width, size.height, size.stride}, {size.width, size.height, 1},
-      {grid_buffer(size, seeds_for(pattern, size, name)), grid_buffer(size, noise<std::uint32_t>(size, 5))});
-}
+struct FloodGrid {
+  CaseSize size;
+  SeedPattern pattern;
+  [[nodiscard]] std::string name() const { return size_name(size) + " " + std::string(to_string(pattern)); }
+  [[nodiscard]] Extent threads() const { return {size.width, size.height, 1}; }
+};
 
-KernelCase step_case(const std::string& name, CaseSize size, SeedPattern pattern, std::uint32_t step) {
-  return make_case<JumpFloodStep>(
-      name, {size.width, size.height, size.stride, step}, {size.width, size.height, 1},
-      {grid_buffer(size, half_flooded(pattern, size, name)), grid_buffer(size, noise<std::uint32_t>(size, 6))});
-}
+struct InitCase : FloodGrid {
+  using Kernel = JumpFloodInit;
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    return make_case<JumpFloodInit>(
+        named, {size.width, size.height, size.stride}, threads(),
+        {grid_buffer(size, seeds_for(pattern, size, named)), grid_buffer(size, noise<std::uint32_t>(size, 5))});
+  }
+};
 
-KernelCase distance_case(const std::string& name, CaseSize size, SeedPattern pattern, std::uint32_t radius) {
-  return make_case<JumpFloodDistance>(
-      name, {size.width, size.height, size.stride, radius}, {size.width, size.height, 1},
-      {grid_buffer(size, half_flooded(pattern, size, name)), grid_buffer(size, noise<std::uint16_t>(size, 7))});
-}
+struct StepCase : FloodGrid {
+  using Kernel = JumpFloodStep;
+  std::uint32_t step = 1;
+  [[nodiscard]] std::string name() const { return FloodGrid::name() + " step " + std::to_string(step); }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    return make_case<JumpFloodStep>(
+        named, {size.width, size.height, size.stride, step}, threads(),
+        {grid_buffer(size, half_flooded(pattern, size, named)), grid_buffer(size, noise<std::uint32_t>(size, 6))});
+  }
+};
 
-std::string step_name(CaseSize size, SeedPattern pattern, std::uint32_t step) {
-  return pattern_name(size, pattern) + " step " + std::to_string(step);
-}
-
-void add_init(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pattern, bool benchmark = false) {
-  add_case<JumpFloodInit>(
-      list, pattern_name(size, pattern), [=](const std::string& name) { return init_case(name, size, pattern); },
-      benchmark);
-}
-
-void add_step(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pattern, std::uint32_t step,
-              bool benchmark = false) {
-  add_case<JumpFloodStep>(
-      list, step_name(size, pattern, step),
-      [=](const std::string& name) { return step_case(name, size, pattern, step); }, benchmark);
-}
-
-std::string distance_name(CaseSize size, SeedPattern pattern, std::uint32_t radius) {
-  return pattern_name(size, pattern) + " R" + std::to_string(radius);
-}
-
-void add_distance(std::vector<KernelCaseSource>& list, CaseSize size, SeedPattern pattern, std::uint32_t radius,
-                  bool benchmark = false) {
-  add_case<JumpFloodDistance>(
-      list, distance_name(size, pattern, radius),
-      [=](const std::string& name) { return distance_case(name, size, pattern, radius); }, benchmark);
-}
+struct DistanceCase : FloodGrid {
+  using Kernel = JumpFloodDistance;
+  std::uint32_t radius = 1;
+  [[nodiscard]] std::string name() const { return FloodGrid::name() + " R" + std::to_string(radius); }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    return make_case<JumpFloodDistance>(
+        named, {size.width, size.height, size.stride, radius}, threads(),
+        {grid_buffer(size, half_flooded(pattern, size, named)), grid_buffer(size, noise<std::uint16_t>(size, 7))});
+  }
+};
 
 /// add(size, pattern, turn): every size with every pattern, every small size with two patterns.
 template <class Add>
 void for_each_grid(Add add) {
-  for (const CaseSize& size : kCaseSizes) {
+  for_each_size([&](CaseSize size) {
     for (const SeedPattern pattern : kCasePatterns) {
-      if (size.width > kSmallSide || size.height > kSmallSide) {
-        add(size, pattern, 0);
-      }
+      add(size, pattern, 0);
     }
-  }
+  });
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
     add(size, in_turn(kCasePatterns, turn), turn / 2);
     add(size, in_turn(kCasePatterns, turn + 3), turn / 3);
@@ -109,66 +90,55 @@ void for_each_grid(Add add) {
   }
 }
 
-void add_large(std::vector<KernelCaseSource>& list, CaseSize size) {
-  constexpr SeedPattern kWalls = SeedPattern::kWalls;
-  add_large_case<JumpFloodInit>(list, pattern_name(size, kWalls),
-                                [=](const std::string& name) { return init_case(name, size, kWalls); });
-  add_large_case<JumpFloodStep>(list, step_name(size, kWalls, 512),
-                                [=](const std::string& name) { return step_case(name, size, kWalls, 512); });
-  add_large_case<JumpFloodDistance>(list, distance_name(size, kWalls, 255),
-                                    [=](const std::string& name) { return distance_case(name, size, kWalls, 255); });
+/// A case of every grid: with each number of the list on the larger ones, with one in turn on the small ones.
+template <class Shape, std::size_t kCount>
+void add_grids(std::vector<KernelCaseSource>& list, const std::uint32_t (&numbers)[kCount]) {
+  for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t turn) {
+    if (size.width > kSmallSide || size.height > kSmallSide) {
+      for (const std::uint32_t number : numbers) {
+        add_case(list, Shape{{size, pattern}, number});
+      }
+    } else {
+      add_case(list, Shape{{size, pattern}, in_turn(numbers, turn)});
+    }
+  });
 }
 
 KernelCase draw_init(const std::string& name, Random& random) {
   const CaseSize size = draw_size(random);
-  return init_case(name, size, draw_pattern(random));
+  return InitCase{{size, draw_pattern(random)}}.make(name);
 }
-KernelCase draw_step(const std::string& name, Random& random) {
+template <class Shape, std::uint32_t kMostNumber>
+KernelCase draw_with(const std::string& name, Random& random) {
   const CaseSize size = draw_size(random);
   const SeedPattern pattern = draw_pattern(random);
-  return step_case(name, size, pattern, 1 + draw_count(random, 32766));
+  return Shape{{size, pattern}, 1 + draw_count(random, kMostNumber - 1)}.make(name);
 }
-KernelCase draw_distance(const std::string& name, Random& random) {
-  const CaseSize size = draw_size(random);
-  const SeedPattern pattern = draw_pattern(random);
-  return distance_case(name, size, pattern, 1 + draw_count(random, 254));
+
+void add_all_passes(std::vector<KernelCaseSource>& list) {
+  constexpr FloodGrid kBench{{1024, 1024, 1024}, SeedPattern::kWalls};
+  for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t) { add_case(list, InitCase{{size, pattern}}); });
+  add_case(list, InitCase{kBench}, CaseUse::kBenchmark);
+  add_grids<StepCase>(list, kSteps);
+  add_case(list, StepCase{kBench, 1}, CaseUse::kBenchmark);
+  add_case(list, StepCase{kBench, 256}, CaseUse::kBenchmark);
+  add_grids<DistanceCase>(list, kRadii);
+  add_case(list, DistanceCase{kBench, 255}, CaseUse::kBenchmark);
+  for (const CaseSize& size : kLargeSizes) {
+    const FloodGrid grid{size, SeedPattern::kWalls};
+    add_case(list, InitCase{grid}, CaseUse::kLarge);
+    add_case(list, StepCase{grid, 512}, CaseUse::kLarge);
+    add_case(list, DistanceCase{grid, 255}, CaseUse::kLarge);
+  }
 }
 
 }  // namespace
 
-void add_jump_flood_cases(std::vector<KernelCaseSource>& list) {
-  for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t) { add_init(list, size, pattern); });
-  add_init(list, kBenchSize, SeedPattern::kWalls, true);
-  for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t turn) {
-    if (size.width > kSmallSide || size.height > kSmallSide) {
-      for (const std::uint32_t step : kSteps) {
-        add_step(list, size, pattern, step);
-      }
-    } else {
-      add_step(list, size, pattern, in_turn(kSteps, turn));
-    }
-  });
-  add_step(list, kBenchSize, SeedPattern::kWalls, 1, true);
-  add_step(list, kBenchSize, SeedPattern::kWalls, 256, true);
-  for_each_grid([&](CaseSize size, SeedPattern pattern, std::uint32_t turn) {
-    if (size.width > kSmallSide || size.height > kSmallSide) {
-      for (const std::uint32_t radius : kRadii) {
-        add_distance(list, size, pattern, radius);
-      }
-    } else {
-      add_distance(list, size, pattern, in_turn(kRadii, turn));
-    }
-  });
-  add_distance(list, kBenchSize, SeedPattern::kWalls, 255, true);
-  for (const CaseSize& size : kLargeSizes) {
-    add_large(list, size);
-  }
-}
-
-void add_jump_flood_draws(std::vector<RandomKernel>& list) {
-  list.push_back({&JumpFloodInit::info(), draw_init});
-  list.push_back({&JumpFloodStep::info(), draw_step});
-  list.push_back({&JumpFloodDistance::info(), draw_distance});
+CaseGroup jump_flood_cases() {
+  return {add_all_passes,
+          {{&JumpFloodInit::info(), draw_init},
+           {&JumpFloodStep::info(), draw_with<StepCase, 32767>},
+           {&JumpFloodDistance::info(), draw_with<DistanceCase, 255>}}};
 }
 
 }  // namespace gdtslam

@@ -15,6 +15,7 @@ enum class BoundData : std::uint8_t { kPlain, kHigh, kOdd, kSubnormal };
 
 /// What a case varies.
 struct BoundCase {
+  using Kernel = PoseBounds;
   std::uint32_t width = 0;  ///< of a plane
   std::uint32_t height = 0;
   TileShape shape = TileShape::kWide;
@@ -34,6 +35,7 @@ struct BoundCase {
            std::to_string(static_cast<int>(spread_cells)) + kData[static_cast<std::size_t>(data)] +
            (shift != 0 ? " anchor " + std::to_string(shift) : "");
   }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
 /// What fields have for points at growing ranges; their size is mostly no whole number of words.
@@ -54,14 +56,12 @@ PoseBounds::Params bound_params(const BoundCase& shape) {
           .tile_height = wide ? 4U : 2U};
 }
 
-float real(Random& random, double most) { return static_cast<float>(random.uniform(-most, most)); }
-
 /// Points of which the farther ones take the later dilations; every seventh lies where samples meet.
 std::vector<BoundPoint> bound_points(const BoundCase& shape, const PoseBounds::Params& params, Random& random) {
   std::vector<BoundPoint> points(shape.points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto dilation = static_cast<std::uint32_t>(random.below(kDilations));
-    points[i] = {real(random, shape.spread_cells), real(random, shape.spread_cells),
+    points[i] = {draw_real(random, shape.spread_cells), draw_real(random, shape.spread_cells),
                  dilation * (params.last_field / (kDilations - 1))};
     if (i % 7 == 3) {
       points[i].x = static_cast<float>(static_cast<int>(points[i].x));
@@ -75,7 +75,7 @@ std::vector<BoundPoint> bound_points(const BoundCase& shape, const PoseBounds::P
 std::vector<PoseCandidate> bound_tiles(const BoundCase& shape, Random& random) {
   std::vector<PoseCandidate> tiles(shape.tiles);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    tiles[i] = {real(random, shape.spread_cells), real(random, shape.spread_cells), real(random, 3.2),
+    tiles[i] = {draw_real(random, shape.spread_cells), draw_real(random, shape.spread_cells), draw_real(random, 3.2),
                 static_cast<std::uint32_t>(random.below(1000))};
     if (i % 16 == 3) {
       tiles[i] = {2.0F, -1.5F, 0.0F, 9};
@@ -99,45 +99,35 @@ void spoil(std::vector<BoundPoint>& points) {
 }
 
 /// Makes coordinates subnormal, in all combinations and with both signs.
-void make_subnormal(std::vector<BoundPoint>& points, std::vector<PoseCandidate>& tiles) {
+void make_subnormal(std::vector<BoundPoint>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float value = i % 2 == 0 ? kSubnormal : -kSubnormal;
     points[i].x = i % 5 < 3 ? value : points[i].x;
     points[i].y = i % 5 > 1 ? -value : points[i].y;
   }
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const float value = i % 2 == 0 ? kSubnormal : -kSubnormal;
-    tiles[i].x = i % 7 % 4 == 0 ? value : tiles[i].x;
-    tiles[i].y = i % 7 % 4 < 2 ? -value : tiles[i].y;
-    tiles[i].theta = i % 7 < 4 ? value : tiles[i].theta;
-  }
 }
 
-KernelCase bound_case(const std::string& name, const BoundCase& shape) {
-  Random random(seed_from(name));
-  const PoseBounds::Params params = bound_params(shape);
+KernelCase BoundCase::make(const std::string& named) const {
+  Random random(seed_from(named));
+  const PoseBounds::Params params = bound_params(*this);
   const std::uint32_t samples = params.last_field / (kDilations - 1) * kDilations;
   const std::uint32_t room = (samples + 3) / 4 * 4;
   std::vector<std::uint8_t> field = noise<std::uint8_t>({samples, 1, room}, random.bits());
-  if (shape.data == BoundData::kHigh) {
+  if (data == BoundData::kHigh) {
     field.assign(field.size(), 255);
   }
-  std::vector<BoundPoint> points = bound_points(shape, params, random);
-  std::vector<PoseCandidate> tiles = bound_tiles(shape, random);
-  if (shape.data == BoundData::kOdd) {
-    spoil(points);
-  } else if (shape.data == BoundData::kSubnormal) {
-    make_subnormal(points, tiles);
+  std::vector<BoundPoint> scan = bound_points(*this, params, random);
+  std::vector<PoseCandidate> tried = bound_tiles(*this, random);
+  if (data == BoundData::kOdd) {
+    spoil(scan);
+  } else if (data == BoundData::kSubnormal) {
+    make_subnormal(scan);
+    make_subnormal(tried);
   }
-  const std::uint32_t sums = shape.tiles * params.tile_width * params.tile_height;
-  return make_case<PoseBounds>(name, params, {shape.tiles, 1, 1},
-                               {grid_buffer(CaseSize{samples, 1, room}, field), words_buffer(points),
-                                list_buffer(tiles), list_buffer(noise<std::uint32_t>({sums, 1, sums}, random.bits()))});
-}
-
-void add_bounds(std::vector<KernelCaseSource>& list, const BoundCase& shape, bool benchmark = false) {
-  add_case<PoseBounds>(
-      list, shape.name(), [shape](const std::string& name) { return bound_case(name, shape); }, benchmark);
+  const std::uint32_t sums = tiles * params.tile_width * params.tile_height;
+  return make_case<PoseBounds>(named, params, {tiles, 1, 1},
+                               {grid_buffer(CaseSize{samples, 1, room}, field), words_buffer(scan), list_buffer(tried),
+                                noise_buffer(sums, random)});
 }
 
 constexpr TileShape kShapes[] = {TileShape::kSmall, TileShape::kWide};
@@ -152,26 +142,26 @@ void add_shape(std::vector<KernelCaseSource>& list, TileShape shape) {
   for (const auto& [points, tiles] : kCounts) {
     const std::uint32_t phase_bits = turn % 4;
     const std::int32_t sample_bits = static_cast<std::int32_t>(turn % 5) - 1;
-    add_bounds(list, {97, 83, shape, points, tiles, phase_bits, sample_bits, 60.0, in_turn(kAllData, turn / 5)});
-    add_bounds(list, {46, 51, shape, points, tiles, 2, 0, 25.0});
+    add_case(list, BoundCase{97, 83, shape, points, tiles, phase_bits, sample_bits, 60.0, in_turn(kAllData, turn / 5)});
+    add_case(list, BoundCase{46, 51, shape, points, tiles, 2, 0, 25.0});
     ++turn;
   }
   for (std::uint32_t phase_bits = 0; phase_bits <= 4; ++phase_bits) {
     for (std::int32_t sample_bits = -2; sample_bits <= 3; ++sample_bits) {
       const BoundData data = in_turn(kAllData, turn++);
-      add_bounds(list, {33, 29, shape, 90, 19, phase_bits, sample_bits, 30.0, data});
+      add_case(list, BoundCase{33, 29, shape, 90, 19, phase_bits, sample_bits, 30.0, data});
     }
   }
   for (const BoundData data : kAllData) {
-    add_bounds(list, {17, 19, shape, 300, 40, 1, 0, 12.0, data});
-    add_bounds(list, {40, 31, shape, 65, 12, 2, 1, 2000.0, data});  // most points off the field
+    add_case(list, BoundCase{17, 19, shape, 300, 40, 1, 0, 12.0, data});
+    add_case(list, BoundCase{40, 31, shape, 65, 12, 2, 1, 2000.0, data});  // most points off the field
   }
-  add_bounds(list, {23, 21, shape, 65537, 2, 1, 0, 15.0, BoundData::kHigh});
-  add_bounds(list, {23, 21, shape, 65537, 3, 1, 0, 15.0});
+  add_case(list, BoundCase{23, 21, shape, 65537, 2, 1, 0, 15.0, BoundData::kHigh});
+  add_case(list, BoundCase{23, 21, shape, 65537, 3, 1, 0, 15.0});
   for (const std::int32_t shift : {-(1 << 20), 1 << 20, -30, 30}) {
-    add_bounds(list, {64, 60, shape, 9, 5, 2, 1, 60.0, BoundData::kPlain, shift});
+    add_case(list, BoundCase{64, 60, shape, 9, 5, 2, 1, 60.0, BoundData::kPlain, shift});
   }
-  add_bounds(list, {64, 60, shape, 5, 70001, 2, 1, 60.0});  // more groups than a row of them
+  add_case(list, BoundCase{64, 60, shape, 5, 70001, 2, 1, 60.0});  // more groups than a row of them
 }
 
 KernelCase draw_bounds(const std::string& name, Random& random) {
@@ -187,29 +177,29 @@ KernelCase draw_bounds(const std::string& name, Random& random) {
   shape.spread_cells = random.uniform(0.0, 200.0);
   shape.shift = static_cast<std::int32_t>(draw_count(random, 1000)) - 20;
   shape.data = random.below(3) == 0 ? draw_from(random, kAllData) : BoundData::kPlain;
-  return bound_case(name, shape);
+  return shape.make(name);
 }
 
-}  // namespace
-
-void add_pose_bounds_cases(std::vector<KernelCaseSource>& list) {
+void add_cases(std::vector<KernelCaseSource>& list) {
   for (const TileShape shape : kShapes) {
     add_shape(list, shape);
   }
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
     if (size.width >= 2 && size.height >= 2) {
-      add_bounds(list, {size.width, size.height, TileShape::kSmall, turn % 41, turn % 6, turn % 3, 0, 9.0});
+      add_case(list, BoundCase{size.width, size.height, TileShape::kSmall, turn % 41, turn % 6, turn % 3, 0, 9.0});
     }
     if (size.height >= 4) {
-      add_bounds(list, {16 + size.width, size.height, TileShape::kWide, turn % 41, turn % 6, turn % 3, 1, 19.0});
+      add_case(list, BoundCase{16 + size.width, size.height, TileShape::kWide, turn % 41, turn % 6, turn % 3, 1, 19.0});
     }
   });
   // What searches do: a whole map's first boxes of 8 cells, and a box's children.
-  add_bounds(list, {182, 182, TileShape::kWide, 361, 2344, 2, 1, 300.0}, true);
-  add_bounds(list, {632, 632, TileShape::kSmall, 361, 4096, 1, 0, 300.0}, true);
-  add_bounds(list, {632, 632, TileShape::kSmall, 361, 2, 1, 0, 300.0}, true);
+  add_case(list, BoundCase{182, 182, TileShape::kWide, 361, 2344, 2, 1, 300.0}, CaseUse::kBenchmark);
+  add_case(list, BoundCase{632, 632, TileShape::kSmall, 361, 4096, 1, 0, 300.0}, CaseUse::kBenchmark);
+  add_case(list, BoundCase{632, 632, TileShape::kSmall, 361, 2, 1, 0, 300.0}, CaseUse::kBenchmark);
 }
 
-void add_pose_bounds_draws(std::vector<RandomKernel>& list) { list.push_back({&PoseBounds::info(), draw_bounds}); }
+}  // namespace
+
+CaseGroup pose_bounds_cases() { return {add_cases, {{&PoseBounds::info(), draw_bounds}}}; }
 
 }  // namespace gdtslam

@@ -9,6 +9,7 @@ namespace {
 
 /// What a case of pose_cost varies.
 struct CostCase {
+  using Kernel = PoseCost;
   CaseSize field;
   std::uint32_t points = 0;
   std::uint32_t candidates = 0;
@@ -28,6 +29,7 @@ struct CostCase {
            (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "") +
            (is_subnormal ? " subnormal" : "");
   }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
 /// Puts what is no number, infinite, huge and at the limits of the clamp among the points.
@@ -54,16 +56,6 @@ void make_subnormal(std::vector<PointCells>& points) {
   }
 }
 
-/// Makes coordinates of each pose subnormal, in all combinations and with both signs.
-void make_subnormal(std::vector<PoseCandidate>& poses) {
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const float value = i % 2 == 0 ? kSubnormal : -kSubnormal;
-    poses[i].x = i % 7 % 4 == 0 ? value : poses[i].x;
-    poses[i].y = i % 7 % 4 < 2 ? -value : poses[i].y;
-    poses[i].theta = i % 7 < 4 ? value : poses[i].theta;
-  }
-}
-
 /// Poses around the anchor; one lies on whole cells without rotation, one far off, one has a bias that saturates.
 std::vector<PoseCandidate> make_candidates(const CostCase& shape, Random& random) {
   std::vector<PoseCandidate> poses(shape.candidates);
@@ -83,31 +75,24 @@ std::vector<PoseCandidate> make_candidates(const CostCase& shape, Random& random
   return poses;
 }
 
-KernelCase cost_case(const std::string& name, const CostCase& shape) {
-  Random random(seed_from(name));
-  PoseCost::Params params = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form);
-  params.anchor_x += shape.anchor_shift;
-  params.anchor_y -= shape.anchor_shift;
-  const std::vector<std::uint16_t> field =
-      slow_field(shape.field, shape.field_cap != 0 ? shape.field_cap : shape.cap, random);
-  std::vector<PointCells> points = scattered_points(shape.field, shape.points, random);
-  if (shape.odd_points) {
-    spoil(points);
+KernelCase CostCase::make(const std::string& named) const {
+  Random random(seed_from(named));
+  PoseCost::Params params = cost_params(field, points, cap, interpolation, form);
+  params.anchor_x += anchor_shift;
+  params.anchor_y -= anchor_shift;
+  const std::vector<std::uint16_t> cells = slow_field(field, field_cap != 0 ? field_cap : cap, random);
+  std::vector<PointCells> scan = scattered_points(field, points, random);
+  if (odd_points) {
+    spoil(scan);
   }
-  std::vector<PoseCandidate> poses = make_candidates(shape, random);
-  if (shape.is_subnormal) {
-    make_subnormal(points);
+  std::vector<PoseCandidate> poses = make_candidates(*this, random);
+  if (is_subnormal) {
+    make_subnormal(scan);
     make_subnormal(poses);
   }
   return make_case<PoseCost>(
-      name, params, {shape.candidates, 1, 1},
-      {grid_buffer(shape.field, field), list_buffer(points), list_buffer(poses),
-       list_buffer(noise<std::uint32_t>({shape.candidates, 1, shape.candidates}, random.bits()))});
-}
-
-void add_cost(std::vector<KernelCaseSource>& list, const CostCase& shape, bool benchmark = false) {
-  add_case<PoseCost>(
-      list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); }, benchmark);
+      named, params, {candidates, 1, 1},
+      {grid_buffer(field, cells), list_buffer(scan), list_buffer(poses), noise_buffer(candidates, random)});
 }
 
 constexpr Interpolation kInterpolations[] = {Interpolation::kBilinear, Interpolation::kNearest};
@@ -118,30 +103,31 @@ void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation,
   constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 3},  {1, 1},   {7, 4},   {15, 8},  {16, 1},
                                                                  {17, 5}, {33, 17}, {180, 3}, {361, 70}};
   for (const auto& [points, candidates] : kCounts) {
-    add_cost(list, {{97, 83, 100}, points, candidates, 20 * 256, 60.0, interpolation, form});
-    add_cost(list, {{256, 200, 256}, points, candidates, 65535, 20.0, interpolation, form});
+    add_case(list, CostCase{{97, 83, 100}, points, candidates, 20 * 256, 60.0, interpolation, form});
+    add_case(list, CostCase{{256, 200, 256}, points, candidates, 65535, 20.0, interpolation, form});
   }
-  add_cost(list, {{2, 2, 4}, 9, 6, 1000, 3.0, interpolation, form});
-  add_cost(list, {{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form});
-  add_cost(list, {{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form});
-  add_cost(list, {{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
-  add_cost(list, {{97, 83, 100}, 33, 17, 700, 60.0, interpolation, form, 0, false, 5120});
-  add_cost(list, {{97, 83, 100}, 2101, 40, 5120, 60.0, interpolation, form});  // more than a uniform buffer takes
-  add_cost(list, {.field = {97, 83, 100},
-                  .points = 40,
-                  .candidates = 70,
-                  .cap = 5120,
-                  .spread_cells = 30.0,
-                  .interpolation = interpolation,
-                  .form = form,
-                  .is_subnormal = true});
+  add_case(list, CostCase{{2, 2, 4}, 9, 6, 1000, 3.0, interpolation, form});
+  add_case(list, CostCase{{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form});
+  add_case(list, CostCase{{64, 64, 64}, 65537, 2, 65535, 300.0, interpolation, form});
+  add_case(list, CostCase{{97, 83, 100}, 40, 17, 5120, 60.0, interpolation, form, 0, true});
+  add_case(list, CostCase{{97, 83, 100}, 33, 17, 700, 60.0, interpolation, form, 0, false, 5120});
+  add_case(list,
+           CostCase{{97, 83, 100}, 2101, 40, 5120, 60.0, interpolation, form});  // more than a uniform buffer takes
+  add_case(list, CostCase{.field = {97, 83, 100},
+                          .points = 40,
+                          .candidates = 70,
+                          .cap = 5120,
+                          .spread_cells = 30.0,
+                          .interpolation = interpolation,
+                          .form = form,
+                          .is_subnormal = true});
   for (const std::int32_t shift : {-(1 << 20), 1 << 20}) {
-    add_cost(list, {{97, 83, 100}, 9, 5, 5120, 60.0, interpolation, form, shift});
+    add_case(list, CostCase{{97, 83, 100}, 9, 5, 5120, 60.0, interpolation, form, shift});
   }
 }
 
 KernelCase draw_cost(const std::string& name, Random& random) {
-  CostCase shape{draw_size(random, 2)};
+  CostCase shape{.field = draw_size(random, 2)};
   shape.points = draw_count(random, 500);
   shape.candidates = draw_count(random, 60);
   shape.cap = random.below(2) == 0 ? 5120 : draw_count(random, 65535);
@@ -150,12 +136,10 @@ KernelCase draw_cost(const std::string& name, Random& random) {
   shape.form = draw_from(random, kForms);
   shape.anchor_shift = static_cast<std::int32_t>(draw_count(random, 1000)) - 20;
   shape.odd_points = random.below(8) == 0;
-  return cost_case(name, shape);
+  return shape.make(name);
 }
 
-}  // namespace
-
-void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
+void add_cases(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : kInterpolations) {
     for (const CostForm form : kForms) {
       add_costs(list, interpolation, form);
@@ -164,30 +148,36 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
     if (size.width >= 2 && size.height >= 2) {
       const std::uint32_t cap = turn % 5 == 0 ? 65535 : 5120;
-      add_cost(list, {size, turn % 41, turn % 6, cap, 9.0, in_turn(kInterpolations, turn), in_turn(kForms, turn / 2)});
+      add_case(list, CostCase{size, turn % 41, turn % 6, cap, 9.0, in_turn(kInterpolations, turn),
+                              in_turn(kForms, turn / 2)});
     }
   });
   for (const CaseSize& size : kLargeSizes) {
-    const CostCase shape{size, 361, 20000, 5120, 900.0, Interpolation::kBilinear, CostForm::kDistance};
-    add_large_case<PoseCost>(list, shape.name(), [shape](const std::string& name) { return cost_case(name, shape); });
+    add_case(list, CostCase{size, 361, 20000, 5120, 900.0}, CaseUse::kLarge);
   }
   // As many candidates as fill a GPU with an invocation each.
   for (const Interpolation interpolation : kInterpolations) {
     for (const std::uint32_t points : {9U, 2053U}) {
-      add_cost(list, {{97, 83, 100}, points, 16387, 5120, 60.0, interpolation, CostForm::kDistance});
+      add_case(list, CostCase{{97, 83, 100}, points, 16387, 5120, 60.0, interpolation, CostForm::kDistance});
     }
-    add_cost(list, {{97, 83, 100}, 9, 16387, 5120, 60.0, interpolation, CostForm::kSquared});
+    add_case(list, CostCase{{97, 83, 100}, 9, 16387, 5120, 60.0, interpolation, CostForm::kSquared});
     for (const auto& [points, candidates] : {std::pair{9U, 16387U}, std::pair{2101U, 40U}, std::pair{9U, 40U}}) {
-      add_cost(list, {{97, 83, 100}, points, candidates, 200, 60.0, interpolation, CostForm::kSquared});  // 16 bits
+      add_case(list,
+               CostCase{{97, 83, 100}, points, candidates, 200, 60.0, interpolation, CostForm::kSquared});  // 16 bits
     }
   }
   for (const Interpolation interpolation : kInterpolations) {
-    add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, interpolation, CostForm::kDistance}, true);
+    add_case(list, CostCase{kBenchField, 361, 4096, 20 * 256, 40.0, interpolation, CostForm::kDistance},
+             CaseUse::kBenchmark);
   }
-  add_cost(list, {kBenchField, 361, 4096, 20 * 256, 40.0, Interpolation::kBilinear, CostForm::kSquared}, true);
-  add_cost(list, {kBenchField, 180, 2, 20 * 256, 4.0, Interpolation::kBilinear, CostForm::kDistance}, true);
+  add_case(list, CostCase{kBenchField, 361, 4096, 20 * 256, 40.0, Interpolation::kBilinear, CostForm::kSquared},
+           CaseUse::kBenchmark);
+  add_case(list, CostCase{kBenchField, 180, 2, 20 * 256, 4.0, Interpolation::kBilinear, CostForm::kDistance},
+           CaseUse::kBenchmark);
 }
 
-void add_pose_cost_draws(std::vector<RandomKernel>& list) { list.push_back({&PoseCost::info(), draw_cost}); }
+}  // namespace
+
+CaseGroup pose_cost_cases() { return {add_cases, {{&PoseCost::info(), draw_cost}}}; }
 
 }  // namespace gdtslam

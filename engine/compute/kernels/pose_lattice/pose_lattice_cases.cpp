@@ -34,25 +34,13 @@ void for_each_small_window(Add add) {
 /// Priors: none, one as a scan has it, one that is at its limit everywhere but near the mean, one of subnormal numbers.
 enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep, kSubnormal };
 
-std::string_view to_string(PriorKind kind) {
-  switch (kind) {
-    case PriorKind::kNone:
-      return "no prior";
-    case PriorKind::kWeak:
-      return "weak prior";
-    case PriorKind::kSteep:
-      return "steep prior";
-    case PriorKind::kSubnormal:
-      break;
-  }
-  return "subnormal prior";
-}
+constexpr std::string_view kPriorNames[] = {"no prior", "weak prior", "steep prior", "subnormal prior"};
 
 PriorParams make_prior(PriorKind kind, Random& random) {
   PriorParams prior;
-  prior.mean_x = static_cast<float>(random.uniform(-9.0, 9.0));
-  prior.mean_y = static_cast<float>(random.uniform(-9.0, 9.0));
-  prior.mean_theta = static_cast<float>(random.uniform(-0.3, 0.3));
+  prior.mean_x = draw_real(random, 9.0);
+  prior.mean_y = draw_real(random, 9.0);
+  prior.mean_theta = draw_real(random, 0.3);
   if (kind == PriorKind::kWeak) {
     prior.weight_xy = static_cast<float>(random.uniform(10.0, 500.0));
     prior.weight_theta = static_cast<float>(random.uniform(1.0e4, 1.0e6));
@@ -69,40 +57,54 @@ PriorParams make_prior(PriorKind kind, Random& random) {
   return prior;
 }
 
-KernelCase lattice_case(const std::string& name, WindowSize window, PriorKind kind) {
-  Random random(seed_from(name));
-  PoseLattice::Params params;
-  params.centre_x = static_cast<float>(random.uniform(-20.0, 20.0));
-  params.centre_y = static_cast<float>(random.uniform(-20.0, 20.0));
-  params.centre_theta = static_cast<float>(random.uniform(-3.2, 3.2));
-  params.step_cells = static_cast<float>(random.uniform(0.1, 2.0));
-  params.step_rad = static_cast<float>(random.uniform(0.001, 0.05));
-  params.count_xy = window.xy;
-  params.count_theta = window.theta;
-  params.prior = make_prior(kind, random);
-  const std::uint32_t words = 4 * window.samples();
-  return make_case<PoseLattice>(name, params, {window.samples(), 1, 1},
-                                {list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()))});
+KernelCase lattice_of(const std::string& named, WindowSize window, const PoseLattice::Params& params, Random& random) {
+  return make_case<PoseLattice>(named, params, {window.samples(), 1, 1}, {noise_buffer(4 * window.samples(), random)});
 }
+
+struct LatticeCase {
+  using Kernel = PoseLattice;
+  WindowSize window;
+  PriorKind kind = PriorKind::kWeak;
+  [[nodiscard]] std::string name() const {
+    return window.name() + " " + std::string(kPriorNames[static_cast<std::size_t>(kind)]);
+  }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    PoseLattice::Params params;
+    params.centre_x = draw_real(random, 20.0);
+    params.centre_y = draw_real(random, 20.0);
+    params.centre_theta = draw_real(random, 3.2);
+    params.step_cells = static_cast<float>(random.uniform(0.1, 2.0));
+    params.step_rad = static_cast<float>(random.uniform(0.001, 0.05));
+    params.count_xy = window.xy;
+    params.count_theta = window.theta;
+    params.prior = make_prior(kind, random);
+    return lattice_of(named, window, params, random);
+  }
+};
 
 /// A window around 0 whose samples' differences to the prior's mean, or their squares, are subnormal; the samples are
 /// not, since they are what is written.
-KernelCase subnormal_lattice(const std::string& name, WindowSize window, float step, PriorKind kind) {
-  Random random(seed_from(name));
-  PoseLattice::Params params{.step_cells = step, .step_rad = step, .count_xy = window.xy, .count_theta = window.theta};
-  params.prior = make_prior(kind, random);
-  params.prior.mean_x = kSubnormal;
-  params.prior.mean_y = params.prior.mean_theta = -kSubnormal;
-  const std::uint32_t words = 4 * window.samples();
-  return make_case<PoseLattice>(name, params, {window.samples(), 1, 1},
-                                {list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()))});
-}
-
-void add_lattice(std::vector<KernelCaseSource>& list, WindowSize window, PriorKind kind, bool benchmark = false) {
-  add_case<PoseLattice>(
-      list, window.name() + " " + std::string(to_string(kind)),
-      [=](const std::string& name) { return lattice_case(name, window, kind); }, benchmark);
-}
+struct SubnormalLattice {
+  using Kernel = PoseLattice;
+  PriorKind kind;
+  std::string_view steps;
+  float step;
+  [[nodiscard]] std::string name() const {
+    return "subnormal mean, steps of " + std::string(steps) + ", " +
+           std::string(kPriorNames[static_cast<std::size_t>(kind)]);
+  }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    constexpr WindowSize kWindow{9, 5};
+    PoseLattice::Params params{
+        .step_cells = step, .step_rad = step, .count_xy = kWindow.xy, .count_theta = kWindow.theta};
+    params.prior = make_prior(kind, random);
+    params.prior.mean_x = kSubnormal;
+    params.prior.mean_y = params.prior.mean_theta = -kSubnormal;
+    return lattice_of(named, kWindow, params, random);
+  }
+};
 
 /// Costs of a window: how many values there are decides how many ties; 0 stands for kNoCost everywhere.
 std::vector<std::uint32_t> window_costs(std::uint32_t count, std::uint32_t range, Random& random) {
@@ -120,29 +122,35 @@ std::string range_name(std::uint32_t range) {
   return range == 0 ? " no cost" : range == 1 ? " all equal" : " of " + std::to_string(range);
 }
 
-KernelCase minima_case(const std::string& name, WindowSize window, std::uint32_t range) {
-  Random random(seed_from(name));
-  const std::uint32_t count = window.samples();
-  std::vector<std::uint32_t> costs = window_costs(count, range, random);
-  if (range == 1) {
-    costs.assign(count, 7);
-  }
-  return make_case<LatticeMinima>(
-      name, {window.xy, window.theta}, {count, 1, 1},
-      {list_buffer(costs), list_buffer(noise<std::uint32_t>({count, 1, count}, random.bits()))});
+KernelCase minima_of(const std::string& named, WindowSize window, const std::vector<std::uint32_t>& costs,
+                     Random& random) {
+  return make_case<LatticeMinima>(named, {window.xy, window.theta}, {window.samples(), 1, 1},
+                                  {list_buffer(costs), noise_buffer(window.samples(), random)});
 }
 
-void add_minima(std::vector<KernelCaseSource>& list, WindowSize window, std::uint32_t range, bool benchmark = false) {
-  add_case<LatticeMinima>(
-      list, window.name() + range_name(range),
-      [=](const std::string& name) { return minima_case(name, window, range); }, benchmark);
-}
+struct MinimaCase {
+  using Kernel = LatticeMinima;
+  WindowSize window;
+  std::uint32_t range;
+  [[nodiscard]] std::string name() const { return window.name() + range_name(range); }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    std::vector<std::uint32_t> costs = window_costs(window.samples(), range, random);
+    if (range == 1) {
+      costs.assign(costs.size(), 7);
+    }
+    return minima_of(named, window, costs, random);
+  }
+};
 
 /// A window whose lowest samples lie in its corners and in the middles of its edges and faces.
-void add_corner_minima(std::vector<KernelCaseSource>& list, WindowSize window) {
-  add_case<LatticeMinima>(list, window.name() + " corners", [=](const std::string& named) {
-    const std::uint32_t count = window.samples();
-    std::vector<std::uint32_t> costs(count, 1000);
+struct CornerMinima {
+  using Kernel = LatticeMinima;
+  WindowSize window;
+  [[nodiscard]] std::string name() const { return window.name() + " corners"; }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    std::vector<std::uint32_t> costs(window.samples(), 1000);
     const auto ends = [](std::uint32_t n) { return std::vector<std::uint32_t>{0, n / 2, n - 1}; };
     for (const std::uint32_t t : ends(window.theta)) {
       for (const std::uint32_t y : ends(window.xy)) {
@@ -151,39 +159,49 @@ void add_corner_minima(std::vector<KernelCaseSource>& list, WindowSize window) {
         }
       }
     }
-    return make_case<LatticeMinima>(named, {window.xy, window.theta}, {count, 1, 1},
-                                    {list_buffer(costs), list_buffer(std::vector<std::uint32_t>(count, 5))});
-  });
+    return minima_of(named, window, costs, random);
+  }
+};
+
+KernelCase smallest_of(const std::string& named, const std::vector<std::uint32_t>& values, std::uint32_t wanted,
+                       Random& random) {
+  return make_case<SmallestValues>(named, {static_cast<std::uint32_t>(values.size()), wanted}, {1, 1, 1},
+                                   {list_buffer(values), noise_buffer(2 * wanted, random)});
 }
 
-KernelCase smallest_case(const std::string& name, std::uint32_t count, std::uint32_t wanted, std::uint32_t range) {
-  Random random(seed_from(name));
-  return make_case<SmallestValues>(name, {count, wanted}, {1, 1, 1},
-                                   {list_buffer(window_costs(count, range, random)),
-                                    list_buffer(noise<std::uint32_t>({2 * wanted, 1, 2 * wanted}, random.bits()))});
-}
-
-void add_smallest(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t wanted, std::uint32_t range,
-                  bool benchmark = false) {
-  add_case<SmallestValues>(
-      list, std::to_string(wanted) + " among " + std::to_string(count) + range_name(range),
-      [=](const std::string& name) { return smallest_case(name, count, wanted, range); }, benchmark);
-}
+struct SmallestCase {
+  using Kernel = SmallestValues;
+  std::uint32_t count;
+  std::uint32_t wanted;
+  std::uint32_t range;
+  [[nodiscard]] std::string name() const {
+    return std::to_string(wanted) + " among " + std::to_string(count) + range_name(range);
+  }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    return smallest_of(named, window_costs(count, range, random), wanted, random);
+  }
+};
 
 /// Values that fall by one every `every` values, so that many enter the list, each just below the last one; every
 /// fourth is kNoCost.
-void add_falling(std::vector<KernelCaseSource>& list, std::uint32_t count, std::uint32_t wanted, std::uint32_t every) {
-  const std::string name =
-      std::to_string(wanted) + " among " + std::to_string(count) + " falling every " + std::to_string(every);
-  add_case<SmallestValues>(list, name, [=](const std::string& named) {
+struct FallingCase {
+  using Kernel = SmallestValues;
+  std::uint32_t count;
+  std::uint32_t wanted;
+  std::uint32_t every;
+  [[nodiscard]] std::string name() const {
+    return std::to_string(wanted) + " among " + std::to_string(count) + " falling every " + std::to_string(every);
+  }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
     std::vector<std::uint32_t> values(count);
     for (std::uint32_t i = 0; i < count; ++i) {
       values[i] = i % 4 == 3 ? kNoCost : kNoCost - 1 - i / every;
     }
-    return make_case<SmallestValues>(named, {count, wanted}, {1, 1, 1},
-                                     {list_buffer(values), list_buffer(std::vector<std::uint32_t>(2 * wanted, 9))});
-  });
-}
+    return smallest_of(named, values, wanted, random);
+  }
+};
 
 WindowSize draw_window(Random& random) {
   const std::uint32_t xy = 1 + draw_count(random, 40);
@@ -195,95 +213,89 @@ constexpr std::uint32_t kRanges[] = {0, 1, 3, 1U << 30U};
 
 KernelCase draw_lattice(const std::string& name, Random& random) {
   const WindowSize window = draw_window(random);
-  return lattice_case(name, window, draw_from(random, kPriors));
+  return LatticeCase{window, draw_from(random, kPriors)}.make(name);
 }
 KernelCase draw_minima(const std::string& name, Random& random) {
   const WindowSize window = draw_window(random);
-  return minima_case(name, window, draw_count(random, 1U << 31U));
+  return MinimaCase{window, draw_count(random, 1U << 31U)}.make(name);
 }
 KernelCase draw_smallest(const std::string& name, Random& random) {
   const std::uint32_t count = draw_count(random, 100000);
   const auto wanted = static_cast<std::uint32_t>(1 + random.below(SmallestValues::kMost));
-  return smallest_case(name, count, wanted, draw_count(random, 1U << 31U));
+  return SmallestCase{count, wanted, draw_count(random, 1U << 31U)}.make(name);
 }
 
 void add_lattices(std::vector<KernelCaseSource>& list) {
   for (const WindowSize& window : kWindows) {
     for (const PriorKind kind : kPriors) {
-      add_lattice(list, window, kind);
+      add_case(list, LatticeCase{window, kind});
     }
   }
-  for_each_small_window(
-      [&](WindowSize window, std::uint32_t turn) { add_lattice(list, window, in_turn(kPriors, turn)); });
-  for (const PriorKind kind : {PriorKind::kWeak, PriorKind::kSubnormal}) {
-    for (const float step : {1.0F, 1.0e-22F, 1.0e-37F}) {
-      const std::string steps = step == 1.0F ? "1" : step == 1.0e-22F ? "1e-22" : "1e-37";
-      add_case<PoseLattice>(list, "subnormal mean, steps of " + steps + ", " + std::string(to_string(kind)),
-                            [=](const std::string& name) {
-                              return subnormal_lattice(name, {9, 5}, step, kind);
-                            });
-    }
-  }
-  add_large_case<PoseLattice>(list, kLargeWindow.name(), [](const std::string& name) {
-    return lattice_case(name, kLargeWindow, PriorKind::kWeak);
+  for_each_small_window([&](WindowSize window, std::uint32_t turn) {
+    add_case(list, LatticeCase{window, in_turn(kPriors, turn)});
   });
-  add_lattice(list, kBenchWindow, PriorKind::kWeak, true);
+  for (const PriorKind kind : {PriorKind::kWeak, PriorKind::kSubnormal}) {
+    add_case(list, SubnormalLattice{kind, "1", 1.0F});
+    add_case(list, SubnormalLattice{kind, "1e-22", 1.0e-22F});
+    add_case(list, SubnormalLattice{kind, "1e-37", 1.0e-37F});
+  }
+  add_case(list, LatticeCase{kLargeWindow}, CaseUse::kLarge);
+  add_case(list, LatticeCase{kBenchWindow, PriorKind::kWeak}, CaseUse::kBenchmark);
 }
 
 void add_window_minima(std::vector<KernelCaseSource>& list) {
   for (const WindowSize& window : kWindows) {
     for (const std::uint32_t range : kRanges) {
-      add_minima(list, window, range);
+      add_case(list, MinimaCase{window, range});
     }
-    add_corner_minima(list, window);
+    add_case(list, CornerMinima{window});
   }
   for_each_small_window([&](WindowSize window, std::uint32_t turn) {
-    add_minima(list, window, in_turn(kRanges, turn));
-    add_minima(list, window, in_turn(kRanges, turn + 2));
+    add_case(list, MinimaCase{window, in_turn(kRanges, turn)});
+    add_case(list, MinimaCase{window, in_turn(kRanges, turn + 2)});
   });
-  add_large_case<LatticeMinima>(list, kLargeWindow.name(),
-                                [](const std::string& name) { return minima_case(name, kLargeWindow, 1U << 12U); });
-  add_minima(list, kBenchWindow, 1U << 20U, true);
+  add_case(list, MinimaCase{kLargeWindow, 1U << 12U}, CaseUse::kLarge);
+  add_case(list, MinimaCase{kBenchWindow, 1U << 20U}, CaseUse::kBenchmark);
 }
 
 void add_smallest_lists(std::vector<KernelCaseSource>& list) {
   for (const std::uint32_t count : {0U, 1U, 2U, 15U, 16U, 17U, 63U, 64U, 65U, 255U, 1000U, 70001U}) {
     for (const std::uint32_t wanted : {1U, 2U, 8U, 16U}) {
       for (const std::uint32_t range : kRanges) {
-        add_smallest(list, count, wanted, range);
+        add_case(list, SmallestCase{count, wanted, range});
       }
-      add_falling(list, count, wanted, 1);
-      add_falling(list, count, wanted, 64);
+      add_case(list, FallingCase{count, wanted, 1});
+      add_case(list, FallingCase{count, wanted, 64});
     }
   }
   // The least value is the last one, at every place of a block that an invocation of a group of some size takes at
   // once.
   for (const auto& [group, wanted] : {std::pair{8U, 3U}, std::pair{128U, 4U}, std::pair{1024U, 5U}}) {
     for (std::uint32_t place = 1; place < SmallestValues::kMost; ++place) {
-      add_falling(list, group * place + 1, wanted, 1);
+      add_case(list, FallingCase{group * place + 1, wanted, 1});
     }
   }
   for (std::uint32_t count = 18; count < 63; ++count) {
-    add_smallest(list, count, 1 + count % SmallestValues::kMost,
-                 in_turn(kRanges, count + count / SmallestValues::kMost));
+    add_case(list, SmallestCase{count, 1 + count % SmallestValues::kMost,
+                                in_turn(kRanges, count + count / SmallestValues::kMost)});
   }
-  add_large_case<SmallestValues>(list, "16 among 16777259",
-                                 [](const std::string& name) { return smallest_case(name, 16777259, 16, 1U << 31U); });
-  add_smallest(list, kBenchWindow.samples(), 8, 1U << 30U, true);
+  add_case(list, SmallestCase{16777259, 16, 1U << 31U}, CaseUse::kLarge);
+  add_case(list, SmallestCase{kBenchWindow.samples(), 8, 1U << 30U}, CaseUse::kBenchmark);
 }
 
-}  // namespace
-
-void add_lattice_cases(std::vector<KernelCaseSource>& list) {
+void add_cases(std::vector<KernelCaseSource>& list) {
   add_lattices(list);
   add_window_minima(list);
   add_smallest_lists(list);
 }
 
-void add_lattice_draws(std::vector<RandomKernel>& list) {
-  list.push_back({&PoseLattice::info(), draw_lattice});
-  list.push_back({&LatticeMinima::info(), draw_minima});
-  list.push_back({&SmallestValues::info(), draw_smallest});
+}  // namespace
+
+CaseGroup lattice_cases() {
+  return {add_cases,
+          {{&PoseLattice::info(), draw_lattice},
+           {&LatticeMinima::info(), draw_minima},
+           {&SmallestValues::info(), draw_smallest}}};
 }
 
 }  // namespace gdtslam

@@ -6,33 +6,33 @@
 namespace gdtslam {
 namespace {
 
-std::uint32_t any_word(Random& random) { return static_cast<std::uint32_t>(random.bits() >> 32U); }
 float around(float middle, double spread, Random& random) {
   return middle + static_cast<float>(random.uniform(-spread, spread));
 }
 
-KernelCase starts_case(const std::string& name, std::uint32_t starts, std::uint32_t candidates) {
-  Random random(seed_from(name));
+struct StartsCase {
+  using Kernel = PoseStarts;
+  std::uint32_t starts;
+  std::uint32_t candidates;
+  [[nodiscard]] std::string name() const { return std::to_string(starts) + " starts of " + std::to_string(candidates); }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
+};
+
+KernelCase StartsCase::make(const std::string& named) const {
+  Random random(seed_from(named));
   std::vector<PoseCandidate> poses(candidates);
   for (PoseCandidate& pose : poses) {
-    pose = {around(0, 9, random), around(0, 9, random), around(0, 3, random), any_word(random)};
+    pose = {around(0, 9, random), around(0, 9, random), around(0, 3, random), draw_word(random)};
   }
   std::vector<std::uint32_t> picks;
   for (std::uint32_t i = 0; i + 1 < starts; ++i) {
     const std::uint32_t odd[] = {kNoCost, candidates, candidates - 1, 0, 0x80000000U};
     const auto any = static_cast<std::uint32_t>(random.below(std::uint64_t{candidates} + 1));
-    picks.insert(picks.end(), {any_word(random), i % 2 == 0 ? any : odd[i / 2 % 5]});
+    picks.insert(picks.end(), {draw_word(random), i % 2 == 0 ? any : odd[i / 2 % 5]});
   }
-  return make_case<PoseStarts>(name, {.x = 1.5F, .y = -0.0F, .theta = -3.0F, .candidate_count = candidates},
+  return make_case<PoseStarts>(named, {.x = 1.5F, .y = -0.0F, .theta = -3.0F, .candidate_count = candidates},
                                {starts, 1, 1},
-                               {list_buffer(poses), list_buffer(picks),
-                                list_buffer(noise<std::uint32_t>({8 * starts, 1, 8 * starts}, random.bits()))});
-}
-
-void add_starts(std::vector<KernelCaseSource>& list, std::uint32_t starts, std::uint32_t candidates, bool benchmark) {
-  add_case<PoseStarts>(
-      list, std::to_string(starts) + " starts of " + std::to_string(candidates),
-      [=](const std::string& name) { return starts_case(name, starts, candidates); }, benchmark);
+                               {list_buffer(poses), list_buffer(picks), noise_buffer(8 * starts, random)});
 }
 
 /// Priors: none, one that weighs about as much as the points, one at its limit everywhere but near the mean.
@@ -40,6 +40,7 @@ enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep };
 
 /// What a case of pose_simplex varies.
 struct DescentCase {
+  using Kernel = PoseSimplex;
   CaseSize field{256, 200, 256};
   bool room = true;  ///< else a field without any shape
   std::uint32_t points = 180;
@@ -55,16 +56,17 @@ struct DescentCase {
   float stop_rad = 0.0002F;
   bool odd_poses = true;  ///< some of them far off
   float turned = 0.0F;    ///< of all poses, out of the truth
-};
 
-std::string to_string(const DescentCase& shape) {
-  std::string name = size_name(shape.field) + (shape.room ? " room " : " slow ") + std::to_string(shape.poses) +
-                     " poses " + std::to_string(shape.points) + " points cap " + std::to_string(shape.cap);
-  name += shape.interpolation == Interpolation::kNearest ? " nearest" : " bilinear";
-  name += shape.form == CostForm::kSquared ? " squared" : "";
-  name += shape.prior == PriorKind::kWeak ? " weak prior" : shape.prior == PriorKind::kSteep ? " steep prior" : "";
-  return name + " limit " + std::to_string(shape.max_evaluations);
-}
+  [[nodiscard]] std::string name() const {
+    std::string text = size_name(field) + (room ? " room " : " slow ") + std::to_string(poses) + " poses " +
+                       std::to_string(points) + " points cap " + std::to_string(cap);
+    text += interpolation == Interpolation::kNearest ? " nearest" : " bilinear";
+    text += form == CostForm::kSquared ? " squared" : "";
+    text += prior == PriorKind::kWeak ? " weak prior" : prior == PriorKind::kSteep ? " steep prior" : "";
+    return text + " limit " + std::to_string(max_evaluations);
+  }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
+};
 
 PriorParams make_prior(PriorKind kind, std::uint32_t points) {
   PriorParams prior{.mean_x = 2.0F, .mean_y = -1.0F, .mean_theta = 0.28F};
@@ -91,34 +93,27 @@ std::vector<PolishedPose> make_poses(std::uint32_t count, bool odd, float turned
     } else if (odd && i % 8 == 6) {
       poses[i] = {4000.0F, -500.0F, -3.0F};
     }
-    poses[i].cost = any_word(random);
+    poses[i].cost = draw_word(random);
     poses[i].evaluations = i % 4 == 1 ? 0xFFFFFFF0U : static_cast<std::uint32_t>(random.below(1000));
     poses[i].stop = static_cast<std::uint32_t>(random.below(3));
-    poses[i].reserved[0] = any_word(random);
-    poses[i].reserved[1] = any_word(random);
+    poses[i].reserved[0] = draw_word(random);
+    poses[i].reserved[1] = draw_word(random);
   }
   return poses;
 }
 
-KernelCase descent_case(const std::string& name, const DescentCase& shape) {
-  Random random(seed_from(name));
-  const PoseSimplex::Params params{
-      .cost = cost_params(shape.field, shape.points, shape.cap, shape.interpolation, shape.form),
-      .prior = make_prior(shape.prior, shape.points),
-      .step_cells = shape.step_cells,
-      .step_rad = shape.step_rad,
-      .stop_cells = shape.stop_cells,
-      .stop_rad = shape.stop_rad,
-      .max_evaluations = shape.max_evaluations};
-  auto buffers = scene_buffers(shape.field, shape.room, shape.cap, shape.points, random);
-  buffers.push_back(words_buffer(make_poses(shape.poses, shape.odd_poses, shape.turned, random)));
-  return make_case<PoseSimplex>(name, params, {shape.poses, 1, 1}, std::move(buffers));
-}
-
-void add_descent(std::vector<KernelCaseSource>& list, const DescentCase& shape, const std::string& what = {},
-                 bool benchmark = false) {
-  add_case<PoseSimplex>(
-      list, to_string(shape) + what, [shape](const std::string& name) { return descent_case(name, shape); }, benchmark);
+KernelCase DescentCase::make(const std::string& named) const {
+  Random random(seed_from(named));
+  const PoseSimplex::Params params{.cost = cost_params(field, points, cap, interpolation, form),
+                                   .prior = make_prior(prior, points),
+                                   .step_cells = step_cells,
+                                   .step_rad = step_rad,
+                                   .stop_cells = stop_cells,
+                                   .stop_rad = stop_rad,
+                                   .max_evaluations = max_evaluations};
+  auto buffers = scene_buffers(field, room, cap, points, random);
+  buffers.push_back(words_buffer(make_poses(poses, odd_poses, turned, random)));
+  return make_case<PoseSimplex>(named, params, {poses, 1, 1}, std::move(buffers));
 }
 
 // Numbers of points and poses around the sizes of work groups, with and without a shape to find.
@@ -128,22 +123,23 @@ void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpol
   for (const auto& [points, poses] : kCounts) {
     const DescentCase shape{
         .points = points, .poses = poses, .interpolation = interpolation, .form = form, .prior = PriorKind::kWeak};
-    add_descent(list, shape);
+    add_case(list, shape);
     DescentCase slow = shape;
     slow.field = {97, 83, 100};
     slow.room = false;
     slow.prior = PriorKind::kNone;
-    add_descent(list, slow);
+    add_case(list, slow);
   }
   // More points than a uniform buffer takes, and few enough evaluations for an invocation a pose.
-  add_descent(list, {.points = 2101,
-                     .poses = 3,
-                     .interpolation = interpolation,
-                     .form = form,
-                     .prior = PriorKind::kWeak,
-                     .max_evaluations = 60});
-  add_descent(list, {.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
-  add_descent(list, {.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
+  add_case(list, DescentCase{.points = 2101,
+                             .poses = 3,
+                             .interpolation = interpolation,
+                             .form = form,
+                             .prior = PriorKind::kWeak,
+                             .max_evaluations = 60});
+  add_case(list, DescentCase{.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
+  add_case(list,
+           DescentCase{.field = {5, 5, 8}, .room = false, .points = 50, .interpolation = interpolation, .form = form});
 }
 
 // At angles of every quarter turn, and at ones that no wrapping brought near zero; few points and more than a uniform
@@ -152,65 +148,70 @@ void add_turned_descents(std::vector<KernelCaseSource>& list) {
   std::uint32_t turn = 0;
   for (const float turned : {1.1F, 2.7F, -1.6F, -2.9F, 9.7F, -40.3F}) {
     for (const std::uint32_t points : {61U, 2099U}) {
-      add_descent(list,
-                  {.room = false,
-                   .points = points,
-                   .poses = 2,
-                   .interpolation = turn++ % 2 == 0 ? Interpolation::kBilinear : Interpolation::kNearest,
-                   .max_evaluations = 60,
-                   .odd_poses = false,
-                   .turned = turned},
-                  ", turned " + std::to_string(turned));
+      add_case(list,
+               DescentCase{.room = false,
+                           .points = points,
+                           .poses = 2,
+                           .interpolation = turn++ % 2 == 0 ? Interpolation::kBilinear : Interpolation::kNearest,
+                           .max_evaluations = 60,
+                           .odd_poses = false,
+                           .turned = turned},
+               ", turned " + std::to_string(turned));
     }
     ++turn;  // so that either number of points meets either interpolation
   }
   for (const std::uint32_t points : {61U, 2099U}) {
-    add_descent(list, {.room = false, .points = points, .cap = 200, .form = CostForm::kSquared, .max_evaluations = 60},
-                ", squares of 16 bits");
+    add_case(
+        list,
+        DescentCase{.room = false, .points = points, .cap = 200, .form = CostForm::kSquared, .max_evaluations = 60},
+        ", squares of 16 bits");
   }
 }
 
 // Descents that really take so many evaluations that a device which ends loops by itself would cut them short.
 void add_longest_descents(std::vector<KernelCaseSource>& list) {
-  add_descent(list, {.points = 17, .poses = 5, .max_evaluations = PoseSimplex::kMostEvaluations});
-  add_descent(list, {.poses = 2, .max_evaluations = 4000, .stop_cells = 0.0F, .stop_rad = 0.0F, .odd_poses = false},
-              ", to the limit");
-  add_descent(list,
-              {.points = 65537,
-               .poses = 2,
-               .cap = 65535,
-               .max_evaluations = 150,
-               .stop_cells = 0.0F,
-               .stop_rad = 0.0F,
-               .odd_poses = false},
-              ", to the limit");
+  add_case(list, DescentCase{.points = 17, .poses = 5, .max_evaluations = PoseSimplex::kMostEvaluations});
+  add_case(list,
+           DescentCase{.poses = 2, .max_evaluations = 4000, .stop_cells = 0.0F, .stop_rad = 0.0F, .odd_poses = false},
+           ", to the limit");
+  add_case(list,
+           DescentCase{.points = 65537,
+                       .poses = 2,
+                       .cap = 65535,
+                       .max_evaluations = 150,
+                       .stop_cells = 0.0F,
+                       .stop_rad = 0.0F,
+                       .odd_poses = false},
+           ", to the limit");
 }
 
 void add_descents_with_odd_sizes(std::vector<KernelCaseSource>& list) {
   // The fourth start lies on whole cells: its edges are halved without rounding and get just as long as these sizes.
-  add_descent(list, {.points = 0, .poses = 4, .stop_cells = 0x1p-7F, .stop_rad = 1.0F}, ", size in x and y met");
-  add_descent(list, {.points = 0, .poses = 4, .stop_cells = 9.0F, .stop_rad = 0.03F * 0x1p-8F}, ", size in theta met");
-  add_descent(list, {.step_cells = 0.0F, .step_rad = 0.0F}, ", no steps");
-  add_descent(list, {.step_cells = -3.0F, .step_rad = -0.1F}, ", steps backwards");
-  add_descent(list, {.stop_cells = 3.0e38F, .stop_rad = 3.0e38F}, ", any size is small");
-  add_descent(list, {.max_evaluations = 90, .stop_cells = 0.0F}, ", no size in x and y is small");
-  add_descent(list, {.max_evaluations = 90, .stop_rad = 0.0F}, ", no size in theta is small");
+  add_case(list, DescentCase{.points = 0, .poses = 4, .stop_cells = 0x1p-7F, .stop_rad = 1.0F},
+           ", size in x and y met");
+  add_case(list, DescentCase{.points = 0, .poses = 4, .stop_cells = 9.0F, .stop_rad = 0.03F * 0x1p-8F},
+           ", size in theta met");
+  add_case(list, DescentCase{.step_cells = 0.0F, .step_rad = 0.0F}, ", no steps");
+  add_case(list, DescentCase{.step_cells = -3.0F, .step_rad = -0.1F}, ", steps backwards");
+  add_case(list, DescentCase{.stop_cells = 3.0e38F, .stop_rad = 3.0e38F}, ", any size is small");
+  add_case(list, DescentCase{.max_evaluations = 90, .stop_cells = 0.0F}, ", no size in x and y is small");
+  add_case(list, DescentCase{.max_evaluations = 90, .stop_rad = 0.0F}, ", no size in theta is small");
 }
 
 // Without a size to stop at, each goes to its limit, and rates are of look-ups that were made.
 void add_benchmark_descents(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
-    add_descent(list,
-                {.field = {1024, 1024, 1024},
-                 .points = 361,
-                 .poses = 8,
-                 .interpolation = interpolation,
-                 .prior = PriorKind::kWeak,
-                 .max_evaluations = 100,
-                 .stop_cells = 0.0F,
-                 .stop_rad = 0.0F,
-                 .odd_poses = false},
-                ", to the limit", true);
+    add_case(list,
+             DescentCase{.field = {1024, 1024, 1024},
+                         .points = 361,
+                         .poses = 8,
+                         .interpolation = interpolation,
+                         .prior = PriorKind::kWeak,
+                         .max_evaluations = 100,
+                         .stop_cells = 0.0F,
+                         .stop_rad = 0.0F,
+                         .odd_poses = false},
+             ", to the limit", CaseUse::kBenchmark);
   }
 }
 
@@ -219,13 +220,15 @@ void add_descents(std::vector<KernelCaseSource>& list) {
     for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) add_descents_of(list, interpolation, form);
   }
   add_turned_descents(list);
-  add_descent(list, {.poses = 0});
-  add_descent(list, {.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
-  add_descent(list, {.points = 361, .poses = 7});
-  add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 9});
-  add_descent(list, {.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 0});
+  add_case(list, DescentCase{.poses = 0});
+  add_case(list, DescentCase{.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
+  add_case(list, DescentCase{.points = 361, .poses = 7});
+  add_case(list,
+           DescentCase{.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 9});
+  add_case(list,
+           DescentCase{.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 0});
   for (std::uint32_t limit = 0; limit < 14; ++limit) {
-    add_descent(list, {.poses = 5, .max_evaluations = limit});
+    add_case(list, DescentCase{.poses = 5, .max_evaluations = limit});
   }
   add_longest_descents(list);
   add_descents_with_odd_sizes(list);
@@ -234,7 +237,7 @@ void add_descents(std::vector<KernelCaseSource>& list) {
 
 KernelCase draw_starts(const std::string& name, Random& random) {
   const auto starts = static_cast<std::uint32_t>(random.below(SmallestValues::kMost + 2));
-  return starts_case(name, starts, draw_count(random, 3000));
+  return StartsCase{starts, draw_count(random, 3000)}.make(name);
 }
 
 KernelCase draw_descent(const std::string& name, Random& random) {
@@ -253,24 +256,23 @@ KernelCase draw_descent(const std::string& name, Random& random) {
   shape.stop_cells = static_cast<float>(random.uniform(0.0, 0.1));
   shape.stop_rad = static_cast<float>(random.uniform(0.0, 0.002));
   shape.odd_poses = random.below(4) == 0;
-  return descent_case(name, shape);
+  return shape.make(name);
+}
+
+void add_cases(std::vector<KernelCaseSource>& list) {
+  for (std::uint32_t starts = 0; starts <= SmallestValues::kMost + 1; ++starts) {
+    add_case(list, StartsCase{starts, 100});
+  }
+  add_case(list, StartsCase{17, 1});
+  add_case(list, StartsCase{3, 0});
+  add_case(list, StartsCase{17, 1U << 17U}, CaseUse::kBenchmark);
+  add_descents(list);
 }
 
 }  // namespace
 
-void add_pose_simplex_cases(std::vector<KernelCaseSource>& list) {
-  for (std::uint32_t starts = 0; starts <= SmallestValues::kMost + 1; ++starts) {
-    add_starts(list, starts, 100, false);
-  }
-  add_starts(list, 17, 1, false);
-  add_starts(list, 3, 0, false);
-  add_starts(list, 17, 1U << 17U, true);
-  add_descents(list);
-}
-
-void add_pose_simplex_draws(std::vector<RandomKernel>& list) {
-  list.push_back({&PoseStarts::info(), draw_starts});
-  list.push_back({&PoseSimplex::info(), draw_descent});
+CaseGroup pose_simplex_cases() {
+  return {add_cases, {{&PoseStarts::info(), draw_starts}, {&PoseSimplex::info(), draw_descent}}};
 }
 
 }  // namespace gdtslam

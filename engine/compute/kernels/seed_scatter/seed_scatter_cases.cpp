@@ -25,25 +25,22 @@ std::vector<std::uint32_t> scatter_cells(CaseSize size, std::uint32_t count, Ran
   return cells;
 }
 
-KernelCase scatter_case(const std::string& name, CaseSize size, std::uint32_t count) {
-  Random random(seed_from(name));
-  const std::vector<std::uint32_t> cells = scatter_cells(size, count, random);
-  return make_case<SeedScatter>(name, {count, size.width, size.height, size.stride}, {count, 1, 1},
-                                {list_buffer(cells), grid_buffer(size, noise<std::uint8_t>(size, random.bits()))});
-}
-
-std::string scatter_name(CaseSize size, std::uint32_t count) {
-  return size_name(size) + " " + std::to_string(count) + " points";
-}
-
-void add_scatter(std::vector<KernelCaseSource>& list, CaseSize size, std::uint32_t count, bool benchmark = false) {
-  add_case<SeedScatter>(
-      list, scatter_name(size, count), [=](const std::string& name) { return scatter_case(name, size, count); },
-      benchmark);
-}
+struct ScatterCase {
+  using Kernel = SeedScatter;
+  CaseSize size;
+  std::uint32_t count = 361;
+  [[nodiscard]] std::string name() const { return size_name(size) + " " + std::to_string(count) + " points"; }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    const std::vector<std::uint32_t> cells = scatter_cells(size, count, random);
+    return make_case<SeedScatter>(named, {count, size.width, size.height, size.stride}, {count, 1, 1},
+                                  {list_buffer(cells), grid_buffer(size, noise<std::uint8_t>(size, random.bits()))});
+  }
+};
 
 /// A field, and what the new one has beyond it.
 struct GrowCase {
+  using Kernel = FieldGrow;
   CaseSize old_size;
   std::uint32_t left = 0;
   std::uint32_t below = 0;
@@ -59,97 +56,83 @@ struct GrowCase {
     return size_name(old_size) + " to " + size_name(size()) + " at " + std::to_string(left) + "," +
            std::to_string(below);
   }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
-KernelCase grow_case(const std::string& name, const GrowCase& grow) {
-  const CaseSize old_size = grow.old_size;
-  const CaseSize size = grow.size();
-  const std::uint64_t random_seed = seed_from(name);
-  const FieldGrow::Params params{old_size.width, old_size.height, old_size.stride, size.width, size.height,
-                                 size.stride,    grow.left,       grow.below,      grow.cap};
-  return make_case<FieldGrow>(name, params, {size.width, size.height, 1},
+KernelCase GrowCase::make(const std::string& named) const {
+  const CaseSize grown = size();
+  const std::uint64_t random_seed = seed_from(named);
+  const FieldGrow::Params params{
+      old_size.width, old_size.height, old_size.stride, grown.width, grown.height, grown.stride, left, below, cap};
+  return make_case<FieldGrow>(named, params, {grown.width, grown.height, 1},
                               {grid_buffer(old_size, noise<std::uint16_t>(old_size, random_seed)),
-                               grid_buffer(size, noise<std::uint16_t>(size, random_seed + 1))});
-}
-
-void add_grow(std::vector<KernelCaseSource>& list, const GrowCase& grow, bool benchmark = false) {
-  add_case<FieldGrow>(
-      list, grow.name(), [grow](const std::string& name) { return grow_case(name, grow); }, benchmark);
+                               grid_buffer(grown, noise<std::uint16_t>(grown, random_seed + 1))});
 }
 
 KernelCase draw_scatter(const std::string& name, Random& random) {
   const CaseSize size = draw_size(random);
-  return scatter_case(name, size, draw_count(random, 5000));
+  return ScatterCase{size, draw_count(random, 5000)}.make(name);
 }
 
 KernelCase draw_grow(const std::string& name, Random& random) {
-  GrowCase grow{draw_size(random)};
+  GrowCase grow{.old_size = draw_size(random)};
   grow.left = draw_count(random, 80);
   grow.below = draw_count(random, 80);
   grow.right = draw_count(random, 80);
   grow.above = draw_count(random, 80);
   grow.cap = draw_count(random, 65535);
-  return grow_case(name, grow);
+  return grow.make(name);
 }
 
 void add_scatters(std::vector<KernelCaseSource>& list) {
   constexpr std::uint32_t kCounts[] = {0, 1, 2, 17, 361};
-  for (const CaseSize& size : kCaseSizes) {
+  for_each_size([&](CaseSize size) {
     for (const std::uint32_t count : kCounts) {
-      if (size.width > kSmallSide || size.height > kSmallSide) {
-        add_scatter(list, size, count);
-      }
+      add_case(list, ScatterCase{size, count});
     }
-  }
+  });
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
-    add_scatter(list, size, in_turn(kCounts, turn));
-    add_scatter(list, size, in_turn(kCounts, turn + 2));
+    add_case(list, ScatterCase{size, in_turn(kCounts, turn)});
+    add_case(list, ScatterCase{size, in_turn(kCounts, turn + 2)});
   });
   for (const CaseSize& size : kLongSizes) {
-    add_scatter(list, size, 361);
+    add_case(list, ScatterCase{size});
   }
-  add_scatter(list, {512, 512, 512}, 40000);
+  add_case(list, ScatterCase{{512, 512, 512}, 40000});
   for (const CaseSize& size : kLargeSizes) {
-    add_large_case<SeedScatter>(list, scatter_name(size, 65537),
-                                [=](const std::string& name) { return scatter_case(name, size, 65537); });
+    add_case(list, ScatterCase{size, 65537}, CaseUse::kLarge);
   }
-  add_scatter(list, {1024, 1024, 1024}, 361, true);
+  add_case(list, ScatterCase{{1024, 1024, 1024}}, CaseUse::kBenchmark);
 }
 
 void add_grows(std::vector<KernelCaseSource>& list) {
-  for (const CaseSize& size : kCaseSizes) {
-    if (size.width > kSmallSide || size.height > kSmallSide) {
-      add_grow(list, {size});
-      add_grow(list, {size, 1});
-      add_grow(list, {size, 3, 5, 2, 1, 65535});
-      add_grow(list, {size, 32, 2, 7, 0, 0});
-      add_grow(list, {size, 0, 1, 64, 33});
-    }
-  }
+  for_each_size([&](CaseSize size) {
+    add_case(list, GrowCase{size});
+    add_case(list, GrowCase{size, 1});
+    add_case(list, GrowCase{size, 3, 5, 2, 1, 65535});
+    add_case(list, GrowCase{size, 32, 2, 7, 0, 0});
+    add_case(list, GrowCase{size, 0, 1, 64, 33});
+  });
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
-    add_grow(list, {size, turn % 3, turn % 2, turn / 2 % 5, turn / 3 % 2, 100 * turn});
+    add_case(list, GrowCase{size, turn % 3, turn % 2, turn / 2 % 5, turn / 3 % 2, 100 * turn});
   });
   for (const CaseSize& size : kLongSizes) {
-    add_grow(list, {size, 3, 2, 1, 4});
+    add_case(list, GrowCase{size, 3, 2, 1, 4});
   }
-  add_grow(list, {{4096, 1, 4096}, 3, 0, 5, 0});  // one row: cut along it
+  add_case(list, GrowCase{{4096, 1, 4096}, 3, 0, 5, 0});  // one row: cut along it
   for (const CaseSize& size : kLargeSizes) {
-    const GrowCase grow{size, 33, 1, 0, 2};
-    add_large_case<FieldGrow>(list, grow.name(), [grow](const std::string& name) { return grow_case(name, grow); });
+    add_case(list, GrowCase{size, 33, 1, 0, 2}, CaseUse::kLarge);
   }
-  add_grow(list, {{1024, 1024, 1024}, 128, 128, 128, 128}, true);
+  add_case(list, GrowCase{{1024, 1024, 1024}, 128, 128, 128, 128}, CaseUse::kBenchmark);
 }
 
-}  // namespace
-
-void add_map_cases(std::vector<KernelCaseSource>& list) {
+void add_cases(std::vector<KernelCaseSource>& list) {
   add_scatters(list);
   add_grows(list);
 }
 
-void add_map_draws(std::vector<RandomKernel>& list) {
-  list.push_back({&SeedScatter::info(), draw_scatter});
-  list.push_back({&FieldGrow::info(), draw_grow});
-}
+}  // namespace
+
+CaseGroup map_cases() { return {add_cases, {{&SeedScatter::info(), draw_scatter}, {&FieldGrow::info(), draw_grow}}}; }
 
 }  // namespace gdtslam

@@ -10,6 +10,7 @@ namespace {
 
 /// What a launch is made of.
 struct SweepCase {
+  using Kernel = SweepPoints;
   std::uint32_t beams = 0;
   std::uint32_t strips = 1;
   std::uint32_t directions = 1;
@@ -25,10 +26,8 @@ struct SweepCase {
            " directions " + std::to_string(bits) + " bits" + (form == SweepForm::kLiteral ? " literal" : "") +
            kKinds[static_cast<std::size_t>(kind)];
   }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
 };
-
-float real(Random& random, double most) { return static_cast<float>(random.uniform(-most, most)); }
-std::uint32_t word(Random& random) { return static_cast<std::uint32_t>(random.bits() >> 32U); }
 
 /// Mostly ranges of a scanner; some that are none, and the extremes of what counts as one.
 float sweep_range(Random& random) {
@@ -55,7 +54,7 @@ std::vector<float> sweep_table(const SweepCase& sweep, Random& random) {
   for (std::size_t i = 0; i <= cells; ++i) {
     const double turn = static_cast<double>(i) / static_cast<double>(cells);
     table[i] = sweep.kind == SweepCase::Kind::kScans ? static_cast<float>(0.7 - 0.8 * sin_cos(6.28318 * turn).cos)
-                                                     : real(random, 6.0);
+                                                     : draw_real(random, 6.0);
   }
   if (sweep.kind != SweepCase::Kind::kScans) {
     table[random.below(cells + 1)] = std::numeric_limits<float>::quiet_NaN();
@@ -83,21 +82,21 @@ void append_directions(const SweepCase& sweep, Random& random, std::vector<float
 /// The part of a strip that every kind draws alike.
 BeamStrip sweep_strip(Random& random, double far) {
   BeamStrip strip;
-  strip.phase = word(random);
+  strip.phase = draw_word(random);
   strip.phase_step = static_cast<std::uint32_t>(random.below(1U << 20U)) - (1U << 19U);
-  strip.x_m = real(random, far);
-  strip.y_m = real(random, far);
-  strip.yaw_rad = real(random, 3.2);
-  strip.x_step_m = real(random, 0.001);
-  strip.y_step_m = real(random, 0.001);
-  strip.yaw_step_rad = real(random, 0.001);
-  strip.outer_x_m = real(random, far);
-  strip.outer_y_m = real(random, far);
+  strip.x_m = draw_real(random, far);
+  strip.y_m = draw_real(random, far);
+  strip.yaw_rad = draw_real(random, 3.2);
+  strip.x_step_m = draw_real(random, 0.001);
+  strip.y_step_m = draw_real(random, 0.001);
+  strip.yaw_step_rad = draw_real(random, 0.001);
+  strip.outer_x_m = draw_real(random, far);
+  strip.outer_y_m = draw_real(random, far);
   const SinCos<double> outer = sin_cos(random.uniform(-3.2, 3.2));
   strip.outer_cos = static_cast<float>(outer.cos);
   strip.outer_sin = static_cast<float>(outer.sin);
-  strip.unused_0 = word(random);
-  strip.unused_1 = word(random);
+  strip.unused_0 = draw_word(random);
+  strip.unused_1 = draw_word(random);
   return strip;
 }
 
@@ -129,56 +128,51 @@ void add_wild_strips(const SweepCase& sweep, Random& random, std::vector<BeamStr
   const double far = sweep.kind == SweepCase::Kind::kHuge ? 1.0e37 : 100.0;
   for (std::uint32_t s = 0; s < sweep.strips; ++s) {
     BeamStrip strip = sweep_strip(random, far);
-    strip.first_beam = random.below(2) == 0 ? static_cast<std::uint32_t>(random.below(sweep.beams + 1)) : word(random);
+    strip.first_beam =
+        random.below(2) == 0 ? static_cast<std::uint32_t>(random.below(sweep.beams + 1)) : draw_word(random);
     strip.first_direction =
-        random.below(2) == 0 ? static_cast<std::uint32_t>(random.below(sweep.directions)) : word(random);
-    strip.phase_step = word(random);
+        random.below(2) == 0 ? static_cast<std::uint32_t>(random.below(sweep.directions)) : draw_word(random);
+    strip.phase_step = draw_word(random);
     if (sweep.kind == SweepCase::Kind::kHuge) {
-      strip.yaw_rad = real(random, 1.0e6);
-      strip.x_step_m = real(random, 1.0e37);
-      strip.outer_cos = real(random, 20.0);
-      strip.outer_y_m = real(random, 3.4e38);
+      strip.yaw_rad = draw_real(random, 1.0e6);
+      strip.x_step_m = draw_real(random, 1.0e37);
+      strip.outer_cos = draw_real(random, 20.0);
+      strip.outer_y_m = draw_real(random, 3.4e38);
     }
     strips.push_back(strip);
   }
   while (beams.size() < sweep.beams) {
     const std::uint32_t named =
-        random.below(8) == 0 ? word(random) : static_cast<std::uint32_t>(random.below(sweep.strips + 1));
+        random.below(8) == 0 ? draw_word(random) : static_cast<std::uint32_t>(random.below(sweep.strips + 1));
     const std::uint64_t run = std::min<std::uint64_t>(1 + random.below(40), sweep.beams - beams.size());
     append_beams(run, named, random, beams);
   }
 }
 
-KernelCase sweep_case(const std::string& name, const SweepCase& sweep) {
-  Random random(seed_from(name));
+KernelCase SweepCase::make(const std::string& named) const {
+  Random random(seed_from(named));
   SweepPoints::Params params;
-  params.beams = sweep.beams;
-  params.strips = sweep.strips;
-  params.directions = sweep.directions;
-  params.table_bits = sweep.bits;
-  params.lever_x_m = random.below(4) == 0 ? 0.0F : real(random, 0.2);
-  params.lever_z_m = random.below(4) == 0 ? 0.0F : real(random, 0.2);
-  params.height_m = real(random, 1.0);
-  params.form = sweep.form;
-  std::vector<BeamStrip> strips;
-  std::vector<BeamRange> beams;
-  if (sweep.kind == SweepCase::Kind::kScans) {
-    add_scan_strips(sweep, random, strips, beams);
+  params.beams = beams;
+  params.strips = strips;
+  params.directions = directions;
+  params.table_bits = bits;
+  params.lever_x_m = random.below(4) == 0 ? 0.0F : draw_real(random, 0.2);
+  params.lever_z_m = random.below(4) == 0 ? 0.0F : draw_real(random, 0.2);
+  params.height_m = draw_real(random, 1.0);
+  params.form = form;
+  std::vector<BeamStrip> strip_list;
+  std::vector<BeamRange> ranges;
+  if (kind == SweepCase::Kind::kScans) {
+    add_scan_strips(*this, random, strip_list, ranges);
   } else {
-    add_wild_strips(sweep, random, strips, beams);
+    add_wild_strips(*this, random, strip_list, ranges);
   }
-  std::vector<float> tables = sweep_table(sweep, random);
-  append_directions(sweep, random, tables);
-  const std::uint32_t words = 4 * sweep.beams;
-  CaseBuffer points = list_buffer(noise<std::uint32_t>({words, 1, words}, random.bits()));
-  points.layout = {16, sweep.beams, 1, sweep.beams};
-  return make_case<SweepPoints>(name, params, {sweep.beams, 1, 1},
-                                {list_buffer(beams), list_buffer(strips), list_buffer(tables), points});
-}
-
-void add_sweep(std::vector<KernelCaseSource>& list, const SweepCase& sweep, bool benchmark = false) {
-  add_case<SweepPoints>(
-      list, sweep.name(), [sweep](const std::string& name) { return sweep_case(name, sweep); }, benchmark);
+  std::vector<float> tables = sweep_table(*this, random);
+  append_directions(*this, random, tables);
+  CaseBuffer points = noise_buffer(4 * beams, random);
+  points.layout = {16, beams, 1, beams};
+  return make_case<SweepPoints>(named, params, {beams, 1, 1},
+                                {list_buffer(ranges), list_buffer(strip_list), list_buffer(tables), points});
 }
 
 constexpr SweepForm kForms[] = {SweepForm::kWorking, SweepForm::kLiteral};
@@ -192,35 +186,34 @@ KernelCase draw_sweep(const std::string& name, Random& random) {
   sweep.bits = static_cast<std::uint32_t>(random.below(13));
   sweep.form = draw_from(random, kForms);
   sweep.kind = draw_from(random, kKinds);
-  return sweep_case(name, sweep);
+  return sweep.make(name);
 }
 
-}  // namespace
-
-void add_sweep_points_cases(std::vector<KernelCaseSource>& list) {
+void add_cases(std::vector<KernelCaseSource>& list) {
   // Below, at and beyond vectors, tiles and work groups.
   std::uint32_t turn = 0;
   for (const std::uint32_t beams : {0U,  1U,  2U,  3U,   4U,   5U,   7U,   8U,   9U,   15U,  16U,  17U,   31U,
                                     32U, 33U, 63U, 127U, 128U, 129U, 255U, 256U, 257U, 511U, 961U, 1021U, 4099U}) {
     for (const SweepCase::Kind kind : kKinds) {
-      add_sweep(list, {beams, 1 + turn % 5, 1 + 31 * (turn % 40), turn % 14, in_turn(kForms, turn), kind});
+      add_case(list, SweepCase{beams, 1 + turn % 5, 1 + 31 * (turn % 40), turn % 14, in_turn(kForms, turn), kind});
       ++turn;
     }
   }
   for (std::uint32_t bits = 0; bits <= 20; ++bits) {
     for (const SweepForm form : kForms) {
-      add_sweep(list, {300, 7, 50, bits, form, SweepCase::Kind::kScans});
-      add_sweep(list, {300, 7, 50, bits, form, SweepCase::Kind::kAnything});
+      add_case(list, SweepCase{300, 7, 50, bits, form, SweepCase::Kind::kScans});
+      add_case(list, SweepCase{300, 7, 50, bits, form, SweepCase::Kind::kAnything});
     }
   }
-  add_sweep(list, {5000, 5000, 1, 5, SweepForm::kWorking, SweepCase::Kind::kScans});  // a strip a beam
-  add_sweep(list, {5000, 1, 5000, 5, SweepForm::kLiteral, SweepCase::Kind::kScans});
-  add_large_case<SweepPoints>(list, "more beams than one row of groups", [](const std::string& name) {
-    return sweep_case(name, {65535 * 128 + 77, 300, 961, 15, SweepForm::kWorking, SweepCase::Kind::kScans});
-  });
-  add_sweep(list, {961 * 273, 273 * 4, 961, 15, SweepForm::kWorking, SweepCase::Kind::kScans}, true);
+  add_case(list, SweepCase{5000, 5000, 1, 5});  // a strip a beam
+  add_case(list, SweepCase{5000, 1, 5000, 5, SweepForm::kLiteral, SweepCase::Kind::kScans});
+  // More beams than one row of groups.
+  add_case(list, SweepCase{65535 * 128 + 77, 300, 961, 15}, CaseUse::kLarge);
+  add_case(list, SweepCase{961 * 273, 273 * 4, 961, 15}, CaseUse::kBenchmark);
 }
 
-void add_sweep_points_draws(std::vector<RandomKernel>& list) { list.push_back({&SweepPoints::info(), draw_sweep}); }
+}  // namespace
+
+CaseGroup sweep_points_cases() { return {add_cases, {{&SweepPoints::info(), draw_sweep}}}; }
 
 }  // namespace gdtslam
