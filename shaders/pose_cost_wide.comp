@@ -14,10 +14,10 @@ void main() {
   uint index = linear_group();
   bool is_in_batch = index < count;  // the same for the whole group
   Candidate candidate = candidates[is_in_batch ? index : 0];
-  Context context = context_of(candidate);
+  Costing costing = costing_of(candidate);
   uint sum = 0;
   for (uint i = own; i < (is_in_batch ? point_count : 0); i += gl_WorkGroupSize.x) {
-    sum += term(context, points[i]);
+    sum += term(costing, points[i]);
   }
   sum_of[own] = sum;
   for (uint half_size = gl_WorkGroupSize.x / 2; half_size > 0; half_size /= 2) {
@@ -27,6 +27,6 @@ void main() {
     }
   }
   if (own == 0 && is_in_batch) {
-    cost[index] = saturating_sum(sum_of[0], candidate.bias);
+    cost[index] = saturating_add(sum_of[0], candidate.bias);
   }
 }

@@ -14,7 +14,7 @@ vec2 point(uint i) { return vec2(points[i / 2u][(i & 1u) * 2u], points[i / 2u][(
 #include "common/pose_simplex.glsl"
 
 uint two_costs(Costing costing, vec4 points) {
-  return point_cost(costing, points.xy) + point_cost(costing, points.zw);
+  return term(costing, points.xy) + term(costing, points.zw);
 }
 
 uint pose_cost(vec3 pose) {
@@ -28,7 +28,7 @@ uint pose_cost(vec3 pose) {
     sum += two_costs(costing, points[4u * i + 3u]);
   }
   for (uint i = 8u * eights; i < params.point_count; ++i) {
-    sum += point_cost(costing, point(i));
+    sum += term(costing, point(i));
   }
   return saturating_add(sum, prior_cost(pose_prior(), pose));
 }

@@ -21,12 +21,12 @@ uint own_sum(vec3 pose) {
   uint sum = 0u;
   uint step_width = gl_WorkGroupSize.x;
   for (uint i = gl_LocalInvocationID.x; i < params.point_count; i += kPointsATurn * step_width) {
-    sum += point_cost(costing, points[i]);
+    sum += term(costing, points[i]);
     if (kPointsATurn > 1u) {
 #define ADD(k)                                                                                    \
   {                                                                                               \
     uint beyond = i + (k) * step_width;                                                           \
-    uint cost = point_cost(costing, points[min(beyond, params.point_count - 1u)]);                \
+    uint cost = term(costing, points[min(beyond, params.point_count - 1u)]);                \
     sum += beyond < params.point_count ? cost : 0u;                                               \
   }
       ADD(1u) ADD(2u) ADD(3u) ADD(4u) ADD(5u) ADD(6u) ADD(7u) ADD(8u)

@@ -4,14 +4,12 @@
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
-#include "engine/compute/kernels/field_grow/field_grow.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
-#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 #include "gdtslam/compute/kernel.hpp"
 

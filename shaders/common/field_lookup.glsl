@@ -3,7 +3,8 @@
 //
 // The includer defines FIELD_WORD(i): 32-bit word i of the field, two cells of a row, the left one in the low half.
 // Offers: FieldView and field_view() (what does not change from point to point), CellRotation and cell_rotation(),
-// point_position() (1/256 cell from the field's corner), nearest_value() and bilinear_value() there, cost_term().
+// point_position() (1/256 cell from the field's corner), nearest_value() and bilinear_value() there, cost_term(),
+// saturating_add(). Costing and point_cost() are all of it, for shaders whose interpolation is a constant.
 #ifndef GDTSLAM_FIELD_LOOKUP_GLSL
 #define GDTSLAM_FIELD_LOOKUP_GLSL
 
@@ -95,6 +96,29 @@ uint squared_shift(uint cap) {
 uint cost_term(uint value, uint cap, uint form, uint square_shift) {
   uint capped = min(value, cap);
   return form == kSquared ? (capped * capped) >> square_shift : capped;
+}
+
+/// a + b, at most 2^32 - 1.
+uint saturating_add(uint a, uint b) {
+  uint sum = a + b;
+  return sum < a ? 0xFFFFFFFFu : sum;
+}
+
+/// A pose whose points are costed: what does not change from point to point.
+struct Costing {
+  FieldView view;
+  CellRotation rotation;
+  vec2 translation;
+  uint cap;
+  uint form;
+  uint square_shift;
+};
+
+uint point_cost(Costing costing, uint interpolation, vec2 point) {
+  ivec2 position = point_position(costing.view, costing.rotation, costing.translation, point);
+  uint value = interpolation == kBilinear ? bilinear_value(costing.view, position)
+                                          : nearest_value(costing.view, position);
+  return cost_term(value, costing.cap, costing.form, costing.square_shift);
 }
 
 #endif

@@ -28,31 +28,11 @@ layout(set = 0, binding = 3, std430) writeonly buffer Cost { uint cost[]; };
 #include "common/field_words.glsl"
 #include "common/field_lookup.glsl"
 
-// What does not change from point to point.
-struct Context {
-  FieldView view;
-  CellRotation rotation;
-  vec2 translation;
-  uint cap;
-  uint form;
-  uint square_shift;
-};
-
-Context context_of(Candidate candidate) {
-  return Context(field_view(width, height, stride, anchor_x, anchor_y), cell_rotation(candidate.theta),
+Costing costing_of(Candidate candidate) {
+  return Costing(field_view(width, height, stride, anchor_x, anchor_y), cell_rotation(candidate.theta),
                  vec2(candidate.x, candidate.y), cap, form, squared_shift(cap));
 }
 
-uint term(Context context, vec2 point) {
-  ivec2 position = point_position(context.view, context.rotation, context.translation, point);
-  uint value = kInterpolation == kBilinear ? bilinear_value(context.view, position)
-                                           : nearest_value(context.view, position);
-  return cost_term(value, context.cap, context.form, context.square_shift);
-}
-
-uint saturating_sum(uint sum, uint bias) {
-  uint total = sum + bias;
-  return total < sum ? 0xFFFFFFFFu : total;
-}
+uint term(Costing costing, vec2 point) { return point_cost(costing, kInterpolation, point); }
 
 #endif

@@ -52,25 +52,12 @@ Prior pose_prior() {
 
 WalkLimits walk_limits() { return WalkLimits(params.stop_cells, params.stop_rad, params.max_evaluations); }
 
-// A pose on its way to a cost.
-struct Costing {
-  FieldView view;
-  CellRotation rotation;
-  vec2 translation;
-  uint square_shift;
-};
-
 Costing costing_of(vec3 pose) {
   return Costing(field_view(params.width, params.height, params.stride, params.anchor_x, params.anchor_y),
-                 cell_rotation(pose.z), pose.xy, squared_shift(params.cap));
+                 cell_rotation(pose.z), pose.xy, params.cap, params.form, squared_shift(params.cap));
 }
 
-uint point_cost(Costing costing, vec2 point) {
-  ivec2 position = point_position(costing.view, costing.rotation, costing.translation, point);
-  uint value = kInterpolation == kBilinear ? bilinear_value(costing.view, position)
-                                           : nearest_value(costing.view, position);
-  return cost_term(value, params.cap, params.form, costing.square_shift);
-}
+uint term(Costing costing, vec2 point) { return point_cost(costing, kInterpolation, point); }
 
 Walk begin_walk(uint pose) {
   vec3 start = vec3(poses[pose].x, poses[pose].y, poses[pose].theta);

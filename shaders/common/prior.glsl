@@ -23,10 +23,4 @@ uint prior_cost(Prior prior, vec3 pose) {
   return uint(sum);
 }
 
-/// a + b, at most 2^32 - 1.
-uint saturating_add(uint a, uint b) {
-  uint sum = a + b;
-  return sum < a ? 0xFFFFFFFFu : sum;
-}
-
 #endif

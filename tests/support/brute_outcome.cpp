@@ -14,8 +14,7 @@
 #include "brute_sweep.hpp"
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
-#include "engine/compute/kernels/field_grow/field_grow.hpp"
-#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 
 namespace gdtslam::test {
 namespace {

@@ -176,7 +176,6 @@ CaseGroup field_cases();
 CaseGroup pose_cost_cases();
 CaseGroup merge_cases();
 CaseGroup lattice_cases();
-CaseGroup map_cases();
 CaseGroup pose_simplex_cases();
 CaseGroup choose_pose_cases();
 CaseGroup sweep_points_cases();

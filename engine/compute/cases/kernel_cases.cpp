@@ -67,8 +67,8 @@ Buffer guarded_buffer(Backend& backend, const std::vector<std::byte>& content) {
 /// In the order of the registry, but for kernels that share a group.
 const std::vector<CaseGroup>& case_groups() {
   static const std::vector<CaseGroup> groups{
-      edt_cases(), jump_flood_cases(),   field_cases(),       pose_cost_cases(),    merge_cases(),      lattice_cases(),
-      map_cases(), pose_simplex_cases(), choose_pose_cases(), sweep_points_cases(), pose_bounds_cases()};
+      edt_cases(),     jump_flood_cases(),   field_cases(),       pose_cost_cases(),    merge_cases(),
+      lattice_cases(), pose_simplex_cases(), choose_pose_cases(), sweep_points_cases(), pose_bounds_cases()};
   return groups;
 }
 

@@ -9,7 +9,6 @@
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
-#include "engine/compute/kernels/field_grow/field_grow.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
@@ -17,7 +16,6 @@
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
 #include "engine/compute/kernels/pose_slope/pose_slope.hpp"
-#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
 #include "engine/core/elementary.hpp"
 

@@ -37,8 +37,6 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #include "engine/compute/kernels/gdt_merge/gdt_merge.inl"
 #include "engine/compute/kernels/jump_flood/jump_flood.inl"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.inl"
-#include "engine/compute/kernels/seed_scatter/seed_scatter.inl"
-#include "engine/compute/kernels/field_grow/field_grow.inl"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.inl"
 #include "engine/compute/kernels/choose_pose/choose_pose.inl"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.inl"

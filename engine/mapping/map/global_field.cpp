@@ -6,7 +6,7 @@
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
-#include "engine/compute/kernels/field_grow/field_grow.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "gdtslam/core/error.hpp"
 #include "growth.hpp"
 #include "host_copy.hpp"

@@ -9,7 +9,6 @@
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
-#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
 
 namespace gdtslam {
 

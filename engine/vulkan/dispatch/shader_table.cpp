@@ -8,7 +8,6 @@
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
-#include "engine/compute/kernels/field_grow/field_grow.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"

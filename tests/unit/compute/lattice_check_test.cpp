@@ -4,10 +4,10 @@
 
 #include <limits>
 
-#include "engine/compute/kernels/field_grow/field_grow.hpp"
+#include "engine/compute/kernels/edt/edt.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
-#include "engine/compute/kernels/seed_scatter/seed_scatter.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/compute/kernels/field_grow/field_grow.hpp"
+#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"

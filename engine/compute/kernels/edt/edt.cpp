@@ -16,6 +16,8 @@ void check_pass(const EdtColumns::Params& params, const LaunchCheck& check, std:
   check.require(params.radius >= 1 && params.radius <= 255, "the radius must be 1 to 255 cells");
 }
 
+constexpr std::uint32_t kMostSideOfList = 65535;  // a coordinate of a listed cell has 16 bits
+
 }  // namespace
 
 const KernelInfo& EdtColumns::info() {
@@ -39,6 +41,18 @@ const KernelInfo& EdtRows::info() {
       [](const Params& params, const LaunchCheck& check) {
         check_pass(params, check, 2);
         check.extent({1, params.height, 1});
+      });
+  return row;
+}
+const KernelInfo& SeedScatter::info() {
+  static const KernelInfo row = kernel_info<SeedScatter>(
+      {"seed_scatter", "cell", "seeds of paper equation (1)"}, kCall<&IsaFunctions::seed_scatter>,
+      [](const Params& params, Extent) -> std::uint64_t { return params.count; },
+      [](const Params& params, const LaunchCheck& check) {
+        check.grid(params.width, params.height, params.stride, kMostSideOfList);
+        check.buffer(0, std::size_t{params.count} * 4);
+        check.buffer(1, grid_bytes(params.width, params.height, params.stride, 1));
+        check.extent({params.count, 1, 1});
       });
   return row;
 }

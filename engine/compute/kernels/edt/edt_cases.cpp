@@ -90,18 +90,79 @@ KernelCase draw(const std::string& name, Random& random) {
   return Pass{{size, pattern, 1 + draw_count(random, 254)}}.make(name);
 }
 
-void add_both_passes(std::vector<KernelCaseSource>& list) {
+/// Cells: mostly inside, some named twice, some just outside and some far outside.
+std::vector<std::uint32_t> scatter_cells(CaseSize size, std::uint32_t count, Random& random) {
+  const auto cell = [](std::uint64_t x, std::uint64_t y) { return static_cast<std::uint32_t>(y << 16U | x); };
+  std::vector<std::uint32_t> cells(count);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::uint64_t kind = random.below(8);
+    if (kind == 0 && i > 0) {
+      cells[i] = cells[random.below(i)];
+    } else if (kind == 1) {
+      cells[i] = random.below(2) == 0 ? cell(size.width, random.below(size.height + 1))
+                                      : cell(random.below(size.width + 1), size.height);
+    } else if (kind == 2) {
+      cells[i] = static_cast<std::uint32_t>(random.bits());
+    } else {
+      cells[i] = cell(random.below(size.width + 1), random.below(size.height + 1));
+    }
+  }
+  return cells;
+}
+
+struct ScatterCase {
+  using Kernel = SeedScatter;
+  CaseSize size;
+  std::uint32_t count = 361;
+  [[nodiscard]] std::string name() const { return size_name(size) + " " + std::to_string(count) + " points"; }
+  [[nodiscard]] KernelCase make(const std::string& named) const {
+    Random random(seed_from(named));
+    const std::vector<std::uint32_t> cells = scatter_cells(size, count, random);
+    return make_case<SeedScatter>(named, {count, size.width, size.height, size.stride}, {count, 1, 1},
+                                  {list_buffer(cells), grid_buffer(size, noise<std::uint8_t>(size, random.bits()))});
+  }
+};
+
+KernelCase draw_scatter(const std::string& name, Random& random) {
+  const CaseSize size = draw_size(random);
+  return ScatterCase{size, draw_count(random, 5000)}.make(name);
+}
+
+void add_scatters(std::vector<KernelCaseSource>& list) {
+  constexpr std::uint32_t kCounts[] = {0, 1, 2, 17, 361};
+  for_each_size([&](CaseSize size) {
+    for (const std::uint32_t count : kCounts) {
+      add_case(list, ScatterCase{size, count});
+    }
+  });
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+    add_case(list, ScatterCase{size, in_turn(kCounts, turn)});
+    add_case(list, ScatterCase{size, in_turn(kCounts, turn + 2)});
+  });
+  for (const CaseSize& size : kLongSizes) {
+    add_case(list, ScatterCase{size});
+  }
+  add_case(list, ScatterCase{{512, 512, 512}, 40000});
+  for (const CaseSize& size : kLargeSizes) {
+    add_case(list, ScatterCase{size, 65537}, CaseUse::kLarge);
+  }
+  add_case(list, ScatterCase{{1024, 1024, 1024}}, CaseUse::kBenchmark);
+}
+
+void add_cases(std::vector<KernelCaseSource>& list) {
   add_grids<Columns>(list);
   add_case(list, Columns{{kBenchSize, SeedPattern::kWalls, 20}}, CaseUse::kBenchmark);
   add_grids<Rows>(list);
   add_case(list, Rows{{kBenchSize, SeedPattern::kWalls, 20}}, CaseUse::kBenchmark);
   add_case(list, Rows{{kBenchSize, SeedPattern::kWalls, 255}}, CaseUse::kBenchmark);
+  add_scatters(list);
 }
 
 }  // namespace
 
 CaseGroup edt_cases() {
-  return {add_both_passes, {{&EdtColumns::info(), draw<Columns>}, {&EdtRows::info(), draw<Rows>}}};
+  return {add_cases,
+          {{&EdtColumns::info(), draw<Columns>}, {&EdtRows::info(), draw<Rows>}, {&SeedScatter::info(), draw_scatter}}};
 }
 
 }  // namespace gdtslam

@@ -61,6 +61,68 @@ KernelCase draw_merge(const std::string& name, Random& random) {
   return merge.make(name);
 }
 
+/// A field, and what the new one has beyond it.
+struct GrowCase {
+  using Kernel = FieldGrow;
+  CaseSize old_size;
+  std::uint32_t left = 0;
+  std::uint32_t below = 0;
+  std::uint32_t right = 0;
+  std::uint32_t above = 0;
+  std::uint32_t cap = 5120;
+
+  [[nodiscard]] CaseSize size() const {
+    const std::uint32_t width = left + old_size.width + right;
+    return {width, below + old_size.height + above, grid_stride(width)};
+  }
+  [[nodiscard]] std::string name() const {
+    return size_name(old_size) + " to " + size_name(size()) + " at " + std::to_string(left) + "," +
+           std::to_string(below);
+  }
+  [[nodiscard]] KernelCase make(const std::string& named) const;
+};
+
+KernelCase GrowCase::make(const std::string& named) const {
+  const CaseSize grown = size();
+  const std::uint64_t random_seed = seed_from(named);
+  const FieldGrow::Params params{
+      old_size.width, old_size.height, old_size.stride, grown.width, grown.height, grown.stride, left, below, cap};
+  return make_case<FieldGrow>(named, params, {grown.width, grown.height, 1},
+                              {grid_buffer(old_size, noise<std::uint16_t>(old_size, random_seed)),
+                               grid_buffer(grown, noise<std::uint16_t>(grown, random_seed + 1))});
+}
+
+KernelCase draw_grow(const std::string& name, Random& random) {
+  GrowCase grow{.old_size = draw_size(random)};
+  grow.left = draw_count(random, 80);
+  grow.below = draw_count(random, 80);
+  grow.right = draw_count(random, 80);
+  grow.above = draw_count(random, 80);
+  grow.cap = draw_count(random, 65535);
+  return grow.make(name);
+}
+
+void add_grows(std::vector<KernelCaseSource>& list) {
+  for_each_size([&](CaseSize size) {
+    add_case(list, GrowCase{size});
+    add_case(list, GrowCase{size, 1});
+    add_case(list, GrowCase{size, 3, 5, 2, 1, 65535});
+    add_case(list, GrowCase{size, 32, 2, 7, 0, 0});
+    add_case(list, GrowCase{size, 0, 1, 64, 33});
+  });
+  for_each_small_size([&](CaseSize size, std::uint32_t turn) {
+    add_case(list, GrowCase{size, turn % 3, turn % 2, turn / 2 % 5, turn / 3 % 2, 100 * turn});
+  });
+  for (const CaseSize& size : kLongSizes) {
+    add_case(list, GrowCase{size, 3, 2, 1, 4});
+  }
+  add_case(list, GrowCase{{4096, 1, 4096}, 3, 0, 5, 0});  // one row: cut along it
+  for (const CaseSize& size : kLargeSizes) {
+    add_case(list, GrowCase{size, 33, 1, 0, 2}, CaseUse::kLarge);
+  }
+  add_case(list, GrowCase{{1024, 1024, 1024}, 128, 128, 128, 128}, CaseUse::kBenchmark);
+}
+
 void add_cases(std::vector<KernelCaseSource>& list) {
   for (const MergeRule rule : {MergeRule::kWorking, MergeRule::kLiteral}) {
     for_each_size([&](CaseSize size) {
@@ -85,10 +147,11 @@ void add_cases(std::vector<KernelCaseSource>& list) {
   }
   add_case(list, MergeCase{{512, 512, 512}, 37, 41, MergeRule::kWorking}, CaseUse::kBenchmark);
   add_case(list, MergeCase{{512, 512, 512}, 37, 41, MergeRule::kLiteral}, CaseUse::kBenchmark);
+  add_grows(list);
 }
 
 }  // namespace
 
-CaseGroup merge_cases() { return {add_cases, {{&GdtMerge::info(), draw_merge}}}; }
+CaseGroup merge_cases() { return {add_cases, {{&GdtMerge::info(), draw_merge}, {&FieldGrow::info(), draw_grow}}}; }
 
 }  // namespace gdtslam
