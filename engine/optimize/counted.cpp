@@ -62,6 +62,17 @@ bool Counted::holds(const Point& point) const {
   return true;
 }
 
+Point Counted::random_point(Random& random) const {
+  return clamped(optimize::random_point(box_->least, box_->most, random));
+}
+
+bool Counted::is_small(std::span<const Valued> points, double share) const {
+  for (std::size_t k = 0; k < dimensions(); ++k) {
+    if (extent(points, k) > share * width(k)) return false;
+  }
+  return true;
+}
+
 bool Counted::must_stop() const { return evaluations_ >= limits_.max_evaluations || best_.value <= limits_.target; }
 
 Minimum Counted::result() const {
@@ -79,6 +90,28 @@ double extent(std::span<const Valued> points, std::size_t k) {
     most = std::max(most, one.point[k]);
   }
   return most - least;
+}
+
+Point random_point(const Point& least, const Point& most, Random& random) {
+  Point point(least.size());
+  for (std::size_t k = 0; k < point.size(); ++k) point[k] = random.uniform(least[k], most[k]);
+  return point;
+}
+
+Point centre_of(std::span<const Valued> points) {
+  const std::size_t n = points.size() - 1;
+  Point centre(points.front().point.size(), 0.0);
+  for (std::size_t k = 0; k < centre.size(); ++k) {
+    for (std::size_t i = 0; i < n; ++i) centre[k] += points[i].point[k];
+    centre[k] /= static_cast<double>(n);
+  }
+  return centre;
+}
+
+Point along(const Point& centre, const Point& worst, double factor) {
+  Point point(centre.size());
+  for (std::size_t k = 0; k < point.size(); ++k) point[k] = centre[k] + factor * (worst[k] - centre[k]);
+  return point;
 }
 
 std::string_view to_string(Stop stop) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gdtslam/core/random.hpp"
 #include "gdtslam/optimize/minimise.hpp"
 
 namespace gdtslam::optimize {
@@ -31,6 +32,10 @@ class Counted {
   /// Nearest point of the box.
   [[nodiscard]] Point clamped(Point point) const;
   [[nodiscard]] bool holds(const Point& point) const;
+  /// Evenly at random in the box.
+  [[nodiscard]] Point random_point(Random& random) const;
+  /// Whether the points are, in each dimension, no further apart than this share of the box.
+  [[nodiscard]] bool is_small(std::span<const Valued> points, double share) const;
   [[nodiscard]] double width(std::size_t k) const { return box_->most[k] - box_->least[k]; }
   [[nodiscard]] const Box& box() const { return *box_; }
   [[nodiscard]] const Point& start() const { return start_; }
@@ -55,5 +60,11 @@ class Counted {
 
 /// Largest extent of the points in dimension k.
 double extent(std::span<const Valued> points, std::size_t k);
+/// Evenly at random between two corners.
+Point random_point(const Point& least, const Point& most, Random& random);
+/// Centre of all points but the last.
+Point centre_of(std::span<const Valued> points);
+/// centre + factor * (worst - centre): -1 reflects, -2 expands, 1/2 and -1/2 contract.
+Point along(const Point& centre, const Point& worst, double factor);
 
 }  // namespace gdtslam::optimize

@@ -57,13 +57,6 @@ void fly(const Counted& function, Swarm& swarm, const ParticleSwarm& method, dou
   }
 }
 
-bool is_small(const Counted& function, const Swarm& swarm, double tolerance) {
-  for (std::size_t k = 0; k < function.dimensions(); ++k) {
-    if (extent(swarm.now, k) > tolerance * function.width(k)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 Minimum minimise(Function& function, const Box& box, std::span<const double> start, const ParticleSwarm& method,
@@ -83,7 +76,7 @@ Minimum minimise(Function& function, const Box& box, std::span<const double> sta
     for (std::size_t i = 0; i < swarm.now.size(); ++i) {
       if (is_better(swarm.now[i], swarm.own_best[i])) swarm.own_best[i] = swarm.now[i];
     }
-    small_generations = is_small(counted, swarm, method.tolerance) ? small_generations + 1 : 0;
+    small_generations = counted.is_small(swarm.now, method.tolerance) ? small_generations + 1 : 0;
   }
   return counted.result();
 }

@@ -6,7 +6,6 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
-#include "simplex_moves.hpp"
 
 namespace gdtslam::optimize {
 namespace {
@@ -23,12 +22,6 @@ struct Step {
   Point centre;
   bool is_done = false;
 };
-
-Point random_point(const Point& least, const Point& most, Random& random) {
-  Point point(least.size());
-  for (std::size_t k = 0; k < point.size(); ++k) point[k] = random.uniform(least[k], most[k]);
-  return point;
-}
 
 // Within the smallest box that holds the complex.
 Point mutated(const Counted& function, Complex& complex) {
@@ -74,7 +67,7 @@ class Population {
     const std::size_t m = 2 * function.dimensions() + 1;
     points_.push_back({function.start(), 0.0});
     while (points_.size() < method.complexes * m) {
-      points_.push_back({function.clamped(random_point(function.box().least, function.box().most, random_)), 0.0});
+      points_.push_back({function.random_point(random_), 0.0});
     }
     function_.evaluate(points_);
     for (std::size_t c = 0; c < method.complexes; ++c) complexes_.push_back({{}, random_.split(c + 1)});

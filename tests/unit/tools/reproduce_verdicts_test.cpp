@@ -1,5 +1,5 @@
 // What the report of `gdtslam reproduce` says of figures that differ from the paper's.
-#include "tools/lab/reproduce/verdicts.hpp"
+#include "tools/lab/reproduce/paper.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

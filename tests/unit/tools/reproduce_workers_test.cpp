@@ -11,7 +11,7 @@
 
 #include "gdtslam/core/error.hpp"
 #include "tools/lab/reproduce/paper.hpp"
-#include "tools/lab/reproduce/progress.hpp"
+#include "tools/lab/reproduce/run.hpp"
 #include "tools/lab/reproduce/workers.hpp"
 
 namespace gdtslam::reproduce {
@@ -123,7 +123,7 @@ TEST(Workers, AreStoppedWithTheirOwner) {
 }
 
 TEST(ReproduceProgress, NamesAllThatIsInHand) {
-  EXPECT_EQ(Progress::text({{"fig8", {35.0, 0.424}}, {"office-3f", {7.0, 0.0}}}, 3, 11, 61.2),
+  EXPECT_EQ(progress_text({{"fig8", 0.424}, {"office-3f", 0.0}}, 3, 11, 61.2),
             "fig8 42 %, office-3f 0 %  (3 of 11 parts made, 1:02 min left)");
 }
 

@@ -140,8 +140,7 @@ int evaluate(const EvaluateOptions& options) {
   }
   if (options.relations.empty() && cloud.reference.empty()) {
     throw UsageError(
-        "nothing to compare with: give --relations or --reference for a trajectory, --scene or --hits for "
-        "a cloud");
+        "nothing to compare with: give --relations or --reference for a trajectory, --scene or --hits for a cloud");
   }
   return options.relations.empty() ? evaluate_against_reference(options) : evaluate_against_relations(options);
 }
@@ -154,9 +153,9 @@ void add_truths(CLI::App& command, EvaluateOptions& chosen) {
   CLI::Option* reference = command.add_option("--reference", cloud.reference, "True trajectory, TUM, plain or gzip");
   CLI::Option* scene = command.add_option("--scene", cloud.scene,
                                           "Of a cloud: distances to the surfaces of this scene, a file or a sample");
-  CLI::Option* hits = command.add_option("--hits", cloud.hits,
-                                         "Of a cloud: distance of each point to the true hit of its own beam, from "
-                                         "`simulate --truth-hits`");
+  CLI::Option* hits = command.add_option(
+      "--hits", cloud.hits,
+      "Of a cloud: distance of each point to the true hit of its own beam, from `simulate --truth-hits`");
   relations->type_name("FILE")->excludes(reference)->excludes(scene)->excludes(hits);
   scene->type_name("SCENE")->excludes(hits);
   reference->type_name("FILE");

@@ -115,8 +115,8 @@ Measurement measure(const MeasureJob& job, const Cloud& cloud) {
   Measurement measured = measure_cloud(job, cloud);
   if (job.boxes && job.finds_viewpoint && !measured.viewpoint) {
     print_remark(
-        "the cloud does not tell where one standing scanner was; ends of faces are measured without it, "
-        "less exactly (--viewpoint X,Y,Z says where it was)");
+        "the cloud does not tell where one standing scanner was; ends of faces are measured without it, less exactly "
+        "(--viewpoint X,Y,Z says where it was)");
   }
   return measured;
 }

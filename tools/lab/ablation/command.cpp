@@ -132,8 +132,8 @@ int ablation(const AblationOptions& options) {
   }
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   std::string table = fmt::format(
-      "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans per core-second "
-      "inside the mapper on {} ({}, {} thread{}).\n\n"
+      "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans per core-second inside the "
+      "mapper on {} ({}, {} thread{}).\n\n"
       "| variant | options | all relations | short (≤ 20 s) | loops | scans/core-s | keyframes | doubtful |\n"
       "|---|---|---|---|---|---|---|---|\n",
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,

@@ -77,15 +77,12 @@ std::string as_text(const CertifiedBenchJob& job, const CertifiedBench& bench, c
   for (const CertifiedBenchRow& row : bench.rows) text += row_text(row);
   text +=
       "ms: CPU time of a search, from the points to the proof; no other matcher comes before it. boxes: bounded, "
-      "median "
-      "and most.\nknown: within 10 cm and 1 degree of where mapping had the scan, the window's centre being off by up "
-      "to "
-      "80 % of its half width.\n";
+      "median and most.\nknown: within 10 cm and 1 degree of where mapping had the scan, the window's centre being off "
+      "by up to 80 % of its half width.\n";
   if (has_lattice) {
     text +=
         "Right of the bar the peer: all poses of a lattice of 5 cm and 1 degree in the same window, then a descent "
-        "from "
-        "the best.\ntimes: its time over that of the search; best: ended within the gap of the least cost.\n";
+        "from the best.\ntimes: its time over that of the search; best: ended within the gap of the least cost.\n";
   }
   return text;
 }

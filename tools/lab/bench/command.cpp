@@ -163,8 +163,8 @@ std::string cpu_report(const Measured& cpu) {
   for (const BenchRow& row : cpu.rows) text += cpu_row_text(widths, row);
   text += "copy: time of a plain copy of the bytes read and written, over the time. ";
   text += opencv_version().empty() ? "This build has no OpenCV to compare with.\n"
-                                   : "xOpenCV: CPU time of OpenCV's precise transform over ours. "
-                                     "different: cells that are not those of the exact transform.\n";
+                                   : "xOpenCV: CPU time of OpenCV's precise transform over ours. different: cells that "
+                                     "are not those of the exact transform.\n";
   return text;
 }
 
@@ -197,8 +197,8 @@ std::string pair_report(const Measured& cpu, const Measured& device) {
   for (const BenchRow& row : device.rows) text += pair_row_text(widths, row, device, cpu);
   text +=
       "wall us, CPU us: of the process, all its threads; device us: by the device's own clock. G/s: 1e9 units of work "
-      "a second.\ncopy: time that the same processor takes to copy the bytes read and written, over the time. "
-      "x CPU: times as fast as the CPU, by CPU time where the device is a CPU itself, else by wall time.\n";
+      "a second.\ncopy: time that the same processor takes to copy the bytes read and written, over the time. x CPU: "
+      "times as fast as the CPU, by CPU time where the device is a CPU itself, else by wall time.\n";
   return text;
 }
 
@@ -280,11 +280,10 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
   CLI::App* command =
       add_command(app, "bench", "How fast the kernels are here, on the CPU and on a device, beside a plain copy");
   command
-      ->add_option(
-          "filter", options->filter,
-          "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; 'sweep': "
-          "whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage; 'certified': "
-          "certified matching in the merged map of a log, on the CPU")
+      ->add_option("filter", options->filter,
+                   "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; "
+                   "'sweep': whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage; "
+                   "'certified': certified matching in the merged map of a log, on the CPU")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")

@@ -111,10 +111,9 @@ void add_reproduce_command(CLI::App& app, CommandContext& context) {
   command->add_option("--only", options.only, "Make these parts only (see --list)")->delimiter(',')->type_name("PARTS");
   command->add_flag("--list", chosen->lists, "List the parts");
   command
-      ->add_option(
-          "--data", options.data,
-          "Folder of real logs (intel.clf.gz with intel.relations.gz, or slam2d with both), which are added to the "
-          "simulated ones [GDTSLAM_DATA of the environment, else none]")
+      ->add_option("--data", options.data,
+                   "Folder of real logs (intel.clf.gz with intel.relations.gz, or slam2d with both), which are added "
+                   "to the simulated ones [GDTSLAM_DATA of the environment, else none]")
       ->type_name("DIR");
   command->add_flag("--force", options.force, "Make parts anew that are made already");
   command->add_flag("--keep-runs", options.keep_runs, "Leave the simulated logs and their runs in DIR/work");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -49,28 +50,27 @@ void map_quietly(MapRequest request, const DeviceOptions& device, const std::fun
 
 const DriveRecipe& recipe_of(std::string_view name) {
   static const std::vector<DriveRecipe> recipes{
-      {.name = "office-loop", .scene = "office-loop", .waypoints = "", .sets = {}},
-      {.name = "office-loop-2", .scene = "office-loop", .waypoints = "", .sets = {}, .is_mapped = false, .seed = 2},
-      {.name = "office-loop-3", .scene = "office-loop", .waypoints = "", .sets = {}, .is_mapped = false, .seed = 3},
+      {.name = "office-loop", .scene = "office-loop"},
+      {.name = "office-loop-2", .scene = "office-loop", .is_mapped = false, .seed = 2},
+      {.name = "office-loop-3", .scene = "office-loop", .is_mapped = false, .seed = 3},
       {.name = "one-scan",
        .scene = "office-loop",
        .waypoints = kAtCrossing,
        .sets = {"occupancy.min_ends=1"},
        .laser = "hokuyo-961",
        .first = 1},
-      {.name = "three-boxes", .scene = "three-boxes", .waypoints = "", .sets = {"cloud.voxel=0"}, .weight_s = 1.2},
+      {.name = "three-boxes", .scene = "three-boxes", .sets = {"cloud.voxel=0"}, .weight_s = 1.2},
       {.name = "at-elevator",
        .scene = "office-3f",
        .waypoints = kAtElevator,
        .sets = {"cloud.voxel=0"},
        .weight_s = 1.2},
       {.name = "at-plant", .scene = "office-3f", .waypoints = kAtPlant, .sets = {"cloud.voxel=0"}, .weight_s = 1.2},
-      {.name = "office-3f", .scene = "office-3f", .waypoints = "", .sets = {}, .weight_s = 7.0},
-      {.name = "office-7f", .scene = "office-7f", .waypoints = "", .sets = {}, .weight_s = 8.5},
+      {.name = "office-3f", .scene = "office-3f", .weight_s = 7.0},
+      {.name = "office-7f", .scene = "office-7f", .weight_s = 8.5},
       {.name = "wall",
        .scene = "wall",
-       .waypoints = "",
-       .sets = {},
+
        .is_mapped = false,
        .linkage = "paper-b-calibrated"},
   };
@@ -186,6 +186,26 @@ void map_whole(const std::string& log, const std::string& run, const DeviceOptio
 
 ReferenceReport errors_of(const Drive& drive, bool is_aligned) {
   return evaluate_reference(read_tum(drive.run + "/trajectory.tum"), read_tum(drive.truth), {.align = is_aligned});
+}
+
+std::vector<RealLog> real_logs(const std::string& folder) {
+  if (folder.empty()) return {};
+  std::error_code failed;
+  if (!fs::is_directory(folder, failed)) throw FileError(folder, "there is no such folder of real logs");
+  constexpr std::array<std::array<const char*, 2>, 3> kKnown{
+      {{"Intel Research Lab", "intel"}, {"Freiburg 079", "fr079"}, {"MIT CSAIL", "mit-csail"}}};
+  for (const char* const below : {"", "/slam2d"}) {
+    std::vector<RealLog> found;
+    for (const auto& [name, stem] : kKnown) {
+      const std::string start = folder + below + "/" + stem;
+      if (fs::is_regular_file(start + ".clf.gz", failed) && fs::is_regular_file(start + ".relations.gz", failed))
+        found.push_back({name, stem, start + ".clf.gz", start + ".relations.gz"});
+    }
+    if (!found.empty()) return found;
+  }
+  throw FileError(folder,
+                  "holds none of intel.clf.gz, fr079.clf.gz and mit-csail.clf.gz with its NAME.relations.gz, nor does "
+                  "slam2d in it");
 }
 
 }  // namespace gdtslam::reproduce

@@ -1,5 +1,6 @@
-// The simulated drives that parts share: a log with its truth and, where it is mapped, the run, in a folder of its own
-// among the output's working files. Each is made when a part asks for it and once. One object belongs to one thread.
+// The logs that parts work on. Simulated drives, which parts share: a log with its truth and, where it is mapped, the
+// run, in a folder of its own among the output's working files; each is made when a part asks for it and once. And the
+// real logs, which parts take in where they are there. One object belongs to one thread.
 #pragma once
 
 #include <functional>
@@ -17,8 +18,8 @@ namespace gdtslam::reproduce {
 struct DriveRecipe {
   std::string_view name;
   std::string_view scene;
-  std::string_view waypoints;     ///< of a trajectory file; empty: those of the scene
-  std::vector<std::string> sets;  ///< of the map, as --set has them
+  std::string_view waypoints{};     ///< of a trajectory file; empty: those of the scene
+  std::vector<std::string> sets{};  ///< of the map, as --set has them
   bool is_mapped = true;
   std::string_view laser = {};    ///< preset; empty: the scene's
   std::string_view linkage = {};  ///< the mount's; empty: the scene's
@@ -77,5 +78,17 @@ ReferenceReport errors_of(const Drive& drive, bool is_aligned = true);
 void map_whole(const std::string& log, const std::string& run, const DeviceOptions& device,
                const std::function<void(double)>& progress, const std::vector<std::string>& sets = {},
                std::uint64_t first = 0);
+
+struct RealLog {
+  std::string name;       ///< "Intel Research Lab"
+  std::string stem;       ///< "intel"
+  std::string log;        ///< file
+  std::string relations;  ///< file
+};
+
+/// Those of the folder (FOLDER or FOLDER/slam2d) among intel, fr079 and mit-csail, each as NAME.clf.gz with
+/// NAME.relations.gz. Throws FileError where there is no such folder, or none of the logs in it. Nothing without a
+/// folder.
+std::vector<RealLog> real_logs(const std::string& folder);
 
 }  // namespace gdtslam::reproduce

@@ -62,14 +62,14 @@ std::string row_html(const Row& row, const std::string& lead) {
       lead, cell_text(row.quantity), paper, cell_text(row.ours), verdict_html(row.verdict), cell_text(row.remark));
 }
 
-std::string rows_table(const std::string& rows, bool has_lead) {
-  return fmt::format(
-      "<div class=\"table\"><table class=\"rows\"><thead><tr>{}<th scope=\"col\">Quantity</th><th "
-      "scope=\"col\">Paper</th><th "
-      "scope=\"col\">Ours</th><th scope=\"col\">Verdict</th><th "
-      "scope=\"col\">Remark</th></tr></thead><tbody>\n{}</tbody>"
-      "</table></div>\n",
-      has_lead ? "<th scope=\"col\">Part</th>" : "", rows);
+// The caption is text, the rows are HTML.
+std::string table_html(std::string_view style, const std::string& caption, const std::vector<std::string>& heads,
+                       const std::string& rows) {
+  std::string text = fmt::format("<div class=\"table\"><table class=\"{}\">", style);
+  if (!caption.empty()) text += "<caption>" + markup_text(caption) + "</caption>";
+  text += "<thead><tr>";
+  for (const std::string& head : heads) text += "<th scope=\"col\">" + markup_text(head) + "</th>";
+  return text + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
 }
 
 std::string overview_html(const Result& result) {
@@ -81,20 +81,17 @@ std::string overview_html(const Result& result) {
                                         markup_text(state.info->label)));
     }
   }
-  return rows_table(rows, true);
+  return table_html("rows", "", {"Part", "Quantity", "Paper", "Ours", "Verdict", "Remark"}, rows);
 }
 
 std::string table_html(const Table& table) {
-  std::string text = fmt::format("<div class=\"table\"><table class=\"numbers\"><caption>{}</caption><thead><tr>",
-                                 markup_text(table.caption));
-  for (const std::string& head : table.heads) text += "<th scope=\"col\">" + markup_text(head) + "</th>";
-  text += "</tr></thead><tbody>\n";
+  std::string rows;
   for (const auto& row : table.rows) {
-    text += "<tr>";
-    for (const std::string& cell : row) text += "<td>" + markup_text(cell) + "</td>";
-    text += "</tr>\n";
+    rows += "<tr>";
+    for (const std::string& cell : row) rows += "<td>" + markup_text(cell) + "</td>";
+    rows += "</tr>\n";
   }
-  return text + "</tbody></table></div>\n";
+  return table_html("numbers", table.caption, table.heads, rows);
 }
 
 // Drawings stand in the page itself, without the line that says that they are XML.
@@ -109,8 +106,8 @@ std::string picture_html(const Picture& picture, const std::string& folder) {
     append_base64(std::as_bytes(std::span(bytes)), image);
     image += "\">\n";
   }
-  return fmt::format("<figure{}><div class=\"sheet\">\n{}</div><figcaption>{}</figcaption></figure>\n",
-                     fmt::format(" class=\"across{}\"", picture.across), image, markup_text(picture.caption));
+  return fmt::format("<figure class=\"across{}\"><div class=\"sheet\">\n{}</div><figcaption>{}</figcaption></figure>\n",
+                     picture.across, image, markup_text(picture.caption));
 }
 
 std::string command_html(const std::string& command) {
@@ -133,7 +130,7 @@ std::string part_html(const PartState& state, const Store& store) {
   text += "</div>\n";
   std::string rows;
   for (const Row& row : part.rows) rows += row_html(row, "");
-  if (!rows.empty()) text += rows_table(rows, false);
+  if (!rows.empty()) text += table_html("rows", "", {"Quantity", "Paper", "Ours", "Verdict", "Remark"}, rows);
   for (const Table& table : part.tables) text += table_html(table);
   if (!part.notes.empty()) text += "<ul class=\"notes\">\n";
   for (const std::string& note : part.notes) text += "<li>" + markup_text(note) + "</li>\n";
@@ -178,10 +175,8 @@ std::string times_html(const Result& result) {
                         state.kept ? markup_text(state.kept->date) : "");
   }
   return "<section id=\"times\">\n<h2>CPU time of each part</h2>\n<p class=\"quiet\">Of parts that share a simulated "
-         "drive the first one has its time.</p>\n<div class=\"table\"><table class=\"numbers\"><thead><tr><th "
-         "scope=\"col\">Part</th><th scope=\"col\">Shows</th><th scope=\"col\">CPU time</th><th "
-         "scope=\"col\">Made</th></tr></thead><tbody>\n" +
-         rows + "</tbody></table></div>\n</section>\n";
+         "drive the first one has its time.</p>\n" +
+         table_html("numbers", "", {"Part", "Shows", "CPU time", "Made"}, rows) + "</section>\n";
 }
 
 std::string filled(std::string_view skeleton, std::string_view name, std::string_view text) {

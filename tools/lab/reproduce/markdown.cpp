@@ -18,15 +18,15 @@ std::string cell_text(const std::string& text) {
   return out;
 }
 
-std::string row_of(const std::vector<std::string>& cells) {
+std::string table_row(const std::vector<std::string>& cells) {
   std::string text = "|";
   for (const std::string& cell : cells) text += " " + cell_text(cell) + " |";
   return text + "\n";
 }
 
-std::string rule_of(std::size_t columns) {
-  std::string text = "|";
-  for (std::size_t k = 0; k < columns; ++k) text += "---|";
+std::string table_head(const std::vector<std::string>& heads) {
+  std::string text = table_row(heads) + "|";
+  for (std::size_t k = 0; k < heads.size(); ++k) text += "---|";
   return text + "\n";
 }
 
@@ -36,13 +36,13 @@ std::vector<std::string> cells_of(const Row& row) {
 }
 
 std::string overview_of(const Result& result) {
-  std::string text = row_of({"Part", "Quantity", "Paper", "Ours", "Verdict", "Remark"}) + rule_of(6);
+  std::string text = table_head({"Part", "Quantity", "Paper", "Ours", "Verdict", "Remark"});
   for (const PartState& state : result.parts) {
     if (!state.kept) continue;
     for (const Row& row : state.kept->part.rows) {
       std::vector<std::string> cells = cells_of(row);
       cells.insert(cells.begin(), std::string(state.info->label));
-      text += row_of(cells);
+      text += table_row(cells);
     }
   }
   return text;
@@ -50,18 +50,18 @@ std::string overview_of(const Result& result) {
 
 std::string rows_of(const Part& part) {
   if (part.rows.empty()) return "";
-  std::string text = "\n" + row_of({"Quantity", "Paper", "Ours", "Verdict", "Remark"}) + rule_of(5);
-  for (const Row& row : part.rows) text += row_of(cells_of(row));
+  std::string text = "\n" + table_head({"Quantity", "Paper", "Ours", "Verdict", "Remark"});
+  for (const Row& row : part.rows) text += table_row(cells_of(row));
   return text;
 }
 
 std::string times_of(const Result& result) {
   std::string text =
       "\n## CPU time of each part\n\nOf parts that share a simulated drive the first one has its time.\n\n" +
-      row_of({"Part", "Shows", "CPU time", "Made"}) + rule_of(4);
+      table_head({"Part", "Shows", "CPU time", "Made"});
   for (const PartState& state : result.parts) {
-    text += row_of({std::string(state.info->label), std::string(state.info->title),
-                    state.kept ? seconds_text(state.kept->cpu_s) : "not made", state.kept ? state.kept->date : ""});
+    text += table_row({std::string(state.info->label), std::string(state.info->title),
+                       state.kept ? seconds_text(state.kept->cpu_s) : "not made", state.kept ? state.kept->date : ""});
   }
   return text;
 }
@@ -84,8 +84,8 @@ std::string part_text(const PartState& state) {
   }
   text += rows_of(part);
   for (const Table& table : part.tables) {
-    text += fmt::format("\n{}\n\n", cell_text(table.caption)) + row_of(table.heads) + rule_of(table.heads.size());
-    for (const auto& row : table.rows) text += row_of(row);
+    text += fmt::format("\n{}\n\n", cell_text(table.caption)) + table_head(table.heads);
+    for (const auto& row : table.rows) text += table_row(row);
   }
   if (!part.notes.empty()) text += "\n";
   for (const std::string& note : part.notes) text += "* " + cell_text(note) + "\n";

@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <numeric>
 
-#include "verdicts.hpp"
-
 namespace gdtslam::reproduce {
 
 std::string label_of(MatcherKind method) {

@@ -3,39 +3,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
-#include <ctime>
-#include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 
-#include "data.hpp"
 #include "drives.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
-#include "progress.hpp"
 #include "report.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
 #include "workers.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 // A program that was built anew may give something else, whatever its version says.
-std::string key_of_program() { return Sha256().update(read_text<InputError>("/proc/self/exe")).hex(); }
+std::string program_key() { return Sha256().update(read_text<InputError>("/proc/self/exe")).hex(); }
 
-std::string key_of(const PartInfo& info, const std::string& program, const Options& options,
-                   const std::vector<RealLog>& logs) {
+std::string part_key(const PartInfo& info, const std::string& program, const Options& options,
+                     const std::vector<RealLog>& logs) {
   Sha256 key;
   key.update(program).update(info.id).update(options.device.device);
   for (const std::string_view drive : info.drives) key.update(Drives::key_of(drive));
@@ -44,12 +37,6 @@ std::string key_of(const PartInfo& info, const std::string& program, const Optio
       key.update(read_text<InputError>(log.log)).update(read_text<InputError>(log.relations));
   }
   return key.hex();
-}
-
-double process_cpu_s() {
-  timespec time{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 unsigned processors() { return std::max(1U, std::thread::hardware_concurrency()); }
@@ -77,6 +64,7 @@ struct Job {
   std::vector<std::size_t> needs;   ///< jobs of drives
   std::vector<std::size_t> pays{};  ///< of them those whose time counts as this part's
   double cpu_s = 0.0;
+  double share = 0.0;  ///< done
   enum class State : std::uint8_t { kWaiting, kRunning, kDone } state = State::kWaiting;
 };
 
@@ -85,7 +73,7 @@ class Reproduction {
   explicit Reproduction(const Options& options)
       : options_(options),
         logs_(real_logs(options.data)),
-        program_(key_of_program()),
+        program_(program_key()),
         store_(options.folder),
         device_(one_thread(options.device)),
         workers_(options.device.threads == 0 ? processors() : options.device.threads),
@@ -94,26 +82,26 @@ class Reproduction {
     result_.html = options.folder + "/report.html";
     result_.markdown = options.folder + "/report.md";
     for (const PartInfo& info : part_list()) {
-      keys_[std::string(info.id)] = key_of(info, program_, options, logs_);
+      keys_[std::string(info.id)] = part_key(info, program_, options, logs_);
       result_.parts.push_back({&info, store_.find(std::string(info.id), keys_.at(std::string(info.id)))});
     }
   }
 
   Result run() {
-    const Clock::time_point start = Clock::now();
+    Stopwatch watch;
     plan();
     try {
       make_all();
     } catch (const Error& error) {
       find_finished();
-      result_.wall_s = seconds_since(start);
+      watch.add_to(result_.wall_s);
       write_report();
       if (error.code() != ExitCode::kInterrupted) throw;
       throw Error(ExitCode::kInterrupted,
                   fmt::format("interrupted; {} of {} parts are made and kept, the same command goes on",
                               parts_made(result_), result_.parts.size()));
     }
-    result_.wall_s = seconds_since(start);
+    watch.add_to(result_.wall_s);
     write_report();
     if (!options_.keep_runs) drives_.clear();
     return std::move(result_);
@@ -164,28 +152,22 @@ class Reproduction {
   }
 
   void make_all() {
-    std::size_t parts = 0;
-    double total_s = 0.0;
-    for (const Job& job : jobs_) {
-      parts += job.part != nullptr ? 1U : 0U;
-      total_s += job.weight_s;
-    }
-    Progress progress(parts, total_s, workers_, options_.quiet);
+    TerminalLine line(options_.quiet);
     Workers workers(workers_);
     for (;;) {
-      for (Job* job = nullptr; !workers.is_full() && (job = next_job()) != nullptr;) begin(*job, workers, progress);
+      for (Job* job = nullptr; !workers.is_full() && (job = next_job()) != nullptr;) begin(*job, workers);
       if (workers.is_idle()) return;
       const Workers::Event event = workers.wait();
       Job& job = jobs_[event.id];
-      if (event.result) {
-        finish(job, event.cpu_s, progress);
-      } else {
-        progress.update(job.name, event.share);
-      }
+      job.share = std::clamp(event.share, 0.0, 1.0);
+      if (event.result) finish(job, event.cpu_s, line);
+      line.draw([&](double /*elapsed_s*/) {
+        return progress_text(shares(), parts_of_run(true), parts_of_run(), left_s(line));
+      });
     }
   }
 
-  void begin(Job& job, Workers& workers, Progress& progress) {
+  void begin(Job& job, Workers& workers) {
     double paid_s = 0.0;
     for (const std::size_t drive : job.pays) paid_s += jobs_[drive].cpu_s;
     workers.start(static_cast<std::size_t>(&job - jobs_.data()), [&, paid_s](const Workers::Tell& tell) {
@@ -197,23 +179,23 @@ class Reproduction {
       return std::string();
     });
     job.state = Job::State::kRunning;
-    progress.begin(job.name, job.weight_s);
   }
 
   // In the worker.
   void make_part(const PartInfo& info, double paid_s, const Workers::Tell& tell) {
     const std::string id(info.id);
-    const double start_s = process_cpu_s();
     try {
+      Stopwatch watch;
       const PartContext place{.folder = store_.begin(id),
                               .drives = drives_,
                               .device = device_,
                               .data = options_.data,
                               .progress = tell,
                               .stop = [] { return interrupted(); }};
-      KeptPart kept{info.make(place), 0.0, utc_text()};
+      KeptPart kept{info.make(place), paid_s, utc_text()};
       if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");
-      kept.cpu_s = paid_s + process_cpu_s() - start_s;
+      double wall_s = 0.0;
+      watch.add_to(wall_s, kept.cpu_s);
       store_.keep(id, keys_.at(id), kept);
     } catch (...) {
       store_.drop(id);
@@ -221,7 +203,7 @@ class Reproduction {
     }
   }
 
-  void finish(Job& job, double cpu_s, Progress& progress) {
+  void finish(Job& job, double cpu_s, TerminalLine& line) {
     job.cpu_s = cpu_s;
     job.state = Job::State::kDone;
     if (job.part != nullptr) {
@@ -229,7 +211,39 @@ class Reproduction {
       job.part->is_new = true;
       if (!job.part->kept) throw FileError(store_.folder_of(job.name), "was made and cannot be read");
     }
-    progress.finish(job.name, cpu_s, job.part != nullptr);
+    line.clear();
+    if (options_.quiet) return;
+    const std::size_t made = parts_of_run(true);
+    const std::string left = made < parts_of_run() ? fmt::format(", about {} left", time_left_text(left_s(line))) : "";
+    print_remark(job.part == nullptr ? fmt::format("{} simulated, {:.1f} s of CPU time", job.name, cpu_s)
+                                     : fmt::format("{} made, {:.1f} s of CPU time ({} of {}{})", job.name, cpu_s, made,
+                                                   parts_of_run(), left));
+  }
+
+  /// Of what is in hand, by name.
+  [[nodiscard]] std::map<std::string, double> shares() const {
+    std::map<std::string, double> shares;
+    for (const Job& job : jobs_) {
+      if (job.state == Job::State::kRunning) shares[job.name] = job.share;
+    }
+    return shares;
+  }
+  [[nodiscard]] std::size_t parts_of_run(bool is_made = false) const {
+    return static_cast<std::size_t>(std::count_if(jobs_.begin(), jobs_.end(), [is_made](const Job& job) {
+      return job.part != nullptr && (!is_made || job.state == Job::State::kDone);
+    }));
+  }
+  // The weights, at the speed of what is done so far.
+  [[nodiscard]] double left_s(const TerminalLine& line) const {
+    constexpr double kTelling_s = 2.0;  // of what is done before its speed tells more than the weights do
+    double total_s = 0.0;
+    double done_s = 0.0;
+    for (const Job& job : jobs_) {
+      total_s += job.weight_s;
+      done_s += job.state == Job::State::kDone ? job.weight_s : job.share * job.weight_s;
+    }
+    const double pace = done_s > kTelling_s ? line.elapsed_s() / done_s : 1.0 / std::max(1U, workers_);
+    return pace * std::max(0.0, total_s - done_s);
   }
 
   void find(PartState& state) {
@@ -287,6 +301,14 @@ std::vector<std::string> checked_ids(const std::vector<std::string>& names) {
     ids.emplace_back(info->id);
   }
   return ids;
+}
+
+std::string progress_text(const std::map<std::string, double>& shares, std::size_t made, std::size_t parts,
+                          double left_s) {
+  std::string text;
+  for (const auto& [name, share] : shares)
+    text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100.0 * share);
+  return fmt::format("{}  ({} of {} parts made, {} left)", text, made, parts, time_left_text(left_s));
 }
 
 Result reproduce(const Options& options) { return Reproduction(options).run(); }

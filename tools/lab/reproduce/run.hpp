@@ -2,6 +2,7 @@
 // that are there. One run belongs to one thread and, at a time, to one folder.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,11 @@ struct Result {
 
 /// The ids of parts by these names, "fig8" or "table1". Throws UsageError with the nearest one.
 std::vector<std::string> checked_ids(const std::vector<std::string>& names);
+
+/// The line on a terminal while it works, of the share that is done of what is in hand: "fig8 42 %, fig14 3 %  (3 of
+/// 10 parts made, 1:10 min left)".
+std::string progress_text(const std::map<std::string, double>& shares, std::size_t made, std::size_t parts,
+                          double left_s);
 
 /// Throws every typed error; parts that are finished by then are kept, and the report has them.
 Result reproduce(const Options& options);

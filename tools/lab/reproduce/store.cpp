@@ -17,91 +17,52 @@
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::reproduce {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Row, quantity, paper, ours, verdict, remark)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Picture, file, caption, across)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Table, caption, heads, rows)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Part, origin, source, pictures, rows, tables, notes, by_hand)
+
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 constexpr int kVersion = 2;
 constexpr const char* kMaking = ".making";
 
 Json as_json(const std::string& key, const KeptPart& kept) {
-  const Part& part = kept.part;
-  Json json{{"version", kVersion},   {"key", key},
-            {"cpu_s", kept.cpu_s},   {"date", kept.date},
-            {"source", part.source}, {"origin", static_cast<int>(part.origin)},
-            {"notes", part.notes},   {"by_hand", part.by_hand}};
-  for (const Picture& p : part.pictures) {
-    json["pictures"].push_back({{"file", p.file}, {"caption", p.caption}, {"across", p.across}});
-  }
-  for (const Row& r : part.rows) {
-    json["rows"].push_back({{"quantity", r.quantity},
-                            {"paper", r.paper},
-                            {"ours", r.ours},
-                            {"verdict", static_cast<int>(r.verdict)},
-                            {"remark", r.remark}});
-  }
-  for (const Table& t : part.tables) {
-    json["tables"].push_back({{"caption", t.caption}, {"heads", t.heads}, {"rows", t.rows}});
-  }
+  Json json = kept.part;
+  json.update({{"version", kVersion}, {"key", key}, {"cpu_s", kept.cpu_s}, {"date", kept.date}});
   return json;
 }
 
-// Texts of the file are printed and stand in the report: one line each, without control characters.
-std::string text_in(const Json& json) {
-  std::string text = clean_utf8(json.get<std::string>());
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
+// Texts of the file are printed and stand in the report: one line each, without control characters. The other values
+// of a part are whole numbers.
+void clean(Json& json) {
+  if (json.is_number_float()) throw InputError("a number that is not whole");
+  if (json.is_structured()) {
+    for (Json& entry : json) clean(entry);
+  } else if (json.is_string()) {
+    std::string text = clean_utf8(json.get<std::string>());
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    json = std::move(text);
+  }
 }
 
-std::vector<std::string> texts_in(const Json& json) {
-  std::vector<std::string> texts;
-  for (const Json& entry : json) texts.push_back(text_in(entry));
-  return texts;
-}
-
-template <class Action>
-void each(const Json& json, const char* name, Action action) {
-  if (!json.contains(name)) return;
-  for (const Json& entry : json.at(name)) action(entry);
-}
-
-int whole_in(const Json& json) {
-  if (!json.is_number_integer()) throw InputError("a number that is not whole");
-  return json.get<int>();
-}
-
-template <class Enum>
-Enum value_of(const Json& json, Enum last) {
-  const int value = whole_in(json);
-  if (value < 0 || value > static_cast<int>(last)) throw InputError("a value that there is not");
-  return static_cast<Enum>(value);
-}
-
-KeptPart part_of(const Json& json) {
+KeptPart part_of(Json json) {
   KeptPart kept;
-  Part& part = kept.part;
   kept.cpu_s = json.at("cpu_s").get<double>();
+  json.erase("cpu_s");
   constexpr double kMostCpu_s = 1.0e9;
   if (!(kept.cpu_s >= 0.0 && kept.cpu_s < kMostCpu_s)) throw InputError("a time that there is not");
-  kept.date = text_in(json.at("date"));
-  part.source = text_in(json.at("source"));
-  part.origin = value_of<Origin>(json.at("origin"), Origin::kSimulatedAndReal);
-  part.notes = texts_in(json.at("notes"));
-  part.by_hand = texts_in(json.at("by_hand"));
-  each(json, "pictures", [&part](const Json& p) {
-    part.pictures.push_back(
-        {text_in(p.at("file")), text_in(p.at("caption")), std::clamp(whole_in(p.at("across")), 1, 3)});
-  });
-  each(json, "rows", [&part](const Json& r) {
-    part.rows.push_back({text_in(r.at("quantity")), text_in(r.at("paper")), text_in(r.at("ours")),
-                         value_of<Verdict>(r.at("verdict"), Verdict::kOpen), text_in(r.at("remark"))});
-  });
-  each(json, "tables", [&part](const Json& t) {
-    Table table{text_in(t.at("caption")), texts_in(t.at("heads")), {}};
-    each(t, "rows", [&table](const Json& row) { table.rows.push_back(texts_in(row)); });
-    part.tables.push_back(std::move(table));
-  });
+  clean(json);
+  json.at("date").get_to(kept.date);
+  json.get_to(kept.part);
+  bool is_known = kept.part.origin <= Origin::kSimulatedAndReal;
+  for (const Picture& picture : kept.part.pictures) is_known &= picture.across >= 1 && picture.across <= 3;
+  for (const Row& row : kept.part.rows) is_known &= row.verdict <= Verdict::kOpen;
+  if (!is_known) throw InputError("a value that there is not");
   return kept;
 }
 
@@ -129,7 +90,7 @@ std::optional<KeptPart> Store::find(const std::string& id, const std::string& ke
   if (!fs::exists(file, failed)) return std::nullopt;
   try {
     const Json json = read_json(file, kMostBytes);
-    if (whole_in(json.at("version")) != kVersion || json.at("key").get<std::string>() != key) return std::nullopt;
+    if (json.at("version") != kVersion || json.at("key").get<std::string>() != key) return std::nullopt;
     KeptPart kept = part_of(json);
     if (pictures_are_there(kept.part, folder_of(id))) return kept;
   } catch (const Json::exception&) {  // cut or changed by hand: it is made again

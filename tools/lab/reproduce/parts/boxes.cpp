@@ -10,9 +10,9 @@
 #include "engine/runs/measuring/measure_run.hpp"
 #include "tools/gdtslam/drawings/measure_drawing.hpp"
 #include "tools/gdtslam/pictures/source.hpp"
-#include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
-#include "tools/lab/reproduce/verdicts.hpp"
+#include "tools/lab/reproduce/paper.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -97,8 +97,7 @@ Part make_boxes(const PartContext& place) {
   for (Row& row : box_rows(projected)) part.rows.push_back(std::move(row));
   part.notes.push_back(
       "The simulated laser has 1 cm of noise and none of the biases of a real one (dark surfaces, grazing beams, a "
-      "warm-up); "
-      "the paper\u2019s errors of 4 to 8 mm contain those.");
+      "warm-up); the paper\u2019s errors of 4 to 8 mm contain those.");
   part.by_hand = Drives::commands_of("three-boxes");
   part.by_hand.push_back("gdtslam measure three-boxes/cloud.ply --boxes --picture solid.svg");
   part.by_hand.push_back(fmt::format("gdtslam render three-boxes/cloud.ply --view iso --no-path --camera={}", kCamera));

@@ -12,8 +12,8 @@
 #include "gdtslam/core/angle.hpp"
 #include "tools/gdtslam/calibrations/figure.hpp"
 #include "tools/gdtslam/calibrations/run.hpp"
-#include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -95,19 +95,18 @@ double miss_rms_m(const CalibrateOutcome& outcome, const calib::SweepModel& mode
 void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepModel& truth) {
   const double before_m = miss_rms_m(outcome, outcome.start, outcome.start_surfaces.front().distance_m);
   const double after_m = miss_rms_m(outcome, outcome.result.model, outcome.result.surfaces.front().distance_m);
-  part.rows.push_back({"wall\u2019s distance by the ranges, scatter before", "curves differ (figure A(a))",
-                       length_with_unit(before_m) + " rms", Verdict::kOpen,
-                       "with the nominal lengths, up to 60\u00b0; the paper shows curves only"});
-  part.rows.push_back({"the same after the calibration", "best fit (figure A(b))", length_with_unit(after_m) + " rms",
-                       verdict_of(after_m < 0.5 * before_m),
-                       "within: at most half of before; what is left is the noise of the averages"});
+  part.state("wall\u2019s distance by the ranges, scatter before", "curves differ (figure A(a))",
+             length_with_unit(before_m) + " rms",
+             "with the nominal lengths, up to 60\u00b0; the paper shows curves only");
+  part.claim("the same after the calibration", "best fit (figure A(b))", length_with_unit(after_m) + " rms",
+             after_m < 0.5 * before_m, "within: at most half of before; what is left is the noise of the averages");
   const double off_before = elevation_error_deg(outcome.start, truth, outcome.max_elevation_rad);
   const double off_after = elevation_error_deg(outcome.result.model, truth, outcome.max_elevation_rad);
-  part.rows.push_back(
-      {"elevation, off the truth", "", fmt::format("{:.3f}\u00b0 before, {:.3f}\u00b0 after", off_before, off_after),
-       verdict_of(off_after < 0.1 * off_before),
-       fmt::format("rms up to 60\u00b0; the calibration itself states {:.3f}\u00b0; within: a tenth of before",
-                   deg_from_rad(outcome.result.elevation_sigma_rad))});
+  part.claim("elevation, off the truth", "",
+             fmt::format("{:.3f}\u00b0 before, {:.3f}\u00b0 after", off_before, off_after),
+             off_after < 0.1 * off_before,
+             fmt::format("rms up to 60\u00b0; the calibration itself states {:.3f}\u00b0; within: a tenth of before",
+                         deg_from_rad(outcome.result.elevation_sigma_rad)));
 }
 
 // Remarks of the calibration are half sentences, for a terminal.
@@ -128,9 +127,8 @@ Part make_calibration(const PartContext& place) {
       job, [&](double share) { place.progress(0.9 * share); }, place.stop);
   Part part;
   part.source =
-      "The scene wall, seed 1, with the paper\u2019s protocol: the crank stops each 1.8\u00b0 for 250 scans. The "
-      "mount has the "
-      "lengths that the paper found; the calibration starts from the nominal ones.";
+      "The scene wall, seed 1, with the paper\u2019s protocol: the crank stops each 1.8\u00b0 for 250 scans. The mount "
+      "has the lengths that the paper found; the calibration starts from the nominal ones.";
   add_picture(part, place, calibration_figure(outcome),
               {"ranges.svg",
                "Ranges to the wall over the encoder and what is left of them over the elevation, before and after."});

@@ -12,7 +12,7 @@
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/mapping/global_field.hpp"
-#include "tools/lab/reproduce/draw.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -30,21 +30,23 @@ int printed_at(int x, int y) {
   return kPrinted[static_cast<std::size_t>(kSide - 1 - y)][static_cast<std::size_t>(x)] - '0';
 }
 
+template <class Action>
+void for_each_cell(const Action& action) {
+  for (int k = 0; k < kSide * kSide; ++k) action(k % kSide, k / kSide);
+}
+
 KeyframeCells obstacles() {
   KeyframeCells keyframe;
   keyframe.window = {{0, 0}, {kSide, kSide}};
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      if (printed_at(x, y) == 0)
-        keyframe.cells.push_back(static_cast<std::uint32_t>(y) << 16U | static_cast<std::uint32_t>(x));
-    }
-  }
+  for_each_cell([&](int x, int y) {
+    if (printed_at(x, y) != 0) return;
+    keyframe.cells.push_back(static_cast<std::uint32_t>(y) << 16U | static_cast<std::uint32_t>(x));
+  });
   return keyframe;
 }
 
-// By the kernels that make every map: a first keyframe is the map.
-// Cut to the cells of the figure.
-FieldPicture field_of(const KeyframeCells& keyframe, Backend& backend) {
+// By the kernels that make every map: a first keyframe is the map. Cut to the cells of the figure.
+FieldPicture transformed(const KeyframeCells& keyframe, Backend& backend) {
   GlobalField field(backend, 1.0, kRadius_cells, 1U << 20U);
   LocalField local(backend, kRadius_cells);
   const MergeStep step{};
@@ -63,11 +65,9 @@ using Metric = double (*)(int, int);
 // To the nearest obstacle, by definition.
 double least_distance(int x, int y, Metric metric) {
   double least = 2.0 * kSide;
-  for (int v = 0; v < kSide; ++v) {
-    for (int u = 0; u < kSide; ++u) {
-      if (printed_at(u, v) == 0) least = std::min(least, metric(x - u, y - v));
-    }
-  }
+  for_each_cell([&](int u, int v) {
+    if (printed_at(u, v) == 0) least = std::min(least, metric(x - u, y - v));
+  });
   return least;
 }
 
@@ -77,104 +77,77 @@ bool is_printed(int x, int y, Metric metric) {
 
 int agreeing_cells(Metric metric) {
   int agreeing = 0;
-  for (int k = 0; k < kSide * kSide; ++k) agreeing += is_printed(k % kSide, k / kSide, metric) ? 1 : 0;
+  for_each_cell([&](int x, int y) { agreeing += is_printed(x, y, metric) ? 1 : 0; });
   return agreeing;
 }
 
-// Squares with a word each; what is marked stands out.
-class GridSheet {
- public:
-  GridSheet(std::string_view title, std::string_view subtitle)
-      : canvas_(2.0 * kMargin + kSide * kCell, kHeight, title) {
-    canvas_.rectangle({0.0, 0.0}, canvas_.width(), canvas_.height(), Fill{ink::kCard});
-    canvas_.text({kMargin, 46.0}, title, {.size = 22.0, .is_bold = true});
-    canvas_.text({kMargin, 72.0}, subtitle, {.size = 15.0, .colour = ink::kQuiet});
-  }
-  struct CellLook {
-    Colour paper = ink::kCard;
-    Colour text = ink::kText;
-    bool is_bold = false;
-  };
-  static constexpr CellLook kObstacle{ink::kText, ink::kCard, false};
-  static constexpr CellLook kMarked{colour_for(0xffdcc4), ink::kWarning, true};
-
-  void cell(int x, int y, std::string_view text, const CellLook& look) {
-    const Point2 corner(kMargin + kCell * x, kTop + kCell * (kSide - 1 - y));
-    canvas_.rectangle(corner, kCell, kCell, Fill{look.paper}, Pen{.colour = ink::kEdge});
-    canvas_.text(corner + Point2(0.5 * kCell, 0.5 * kCell + 7.0), text,
-                 {.size = 20.0, .colour = look.text, .anchor = Anchor::kMiddle, .is_bold = look.is_bold});
-  }
-  [[nodiscard]] const Canvas& canvas() const { return canvas_; }
-
- private:
-  static constexpr double kMargin = 28.0;
-  static constexpr double kCell = 56.0;
-  static constexpr double kTop = 92.0;
-  static constexpr double kHeight = kTop + kSide * kCell + kMargin;
-  Canvas canvas_;
-};
-
-Canvas before() {
-  GridSheet sheet("Before the transform", "Obstacles hold 0, all other cells infinity");
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const bool is_obstacle = printed_at(x, y) == 0;
-      sheet.cell(x, y, is_obstacle ? "0" : "\u221e", is_obstacle ? GridSheet::kObstacle : GridSheet::CellLook{});
-    }
-  }
-  return sheet.canvas();
-}
-
-Canvas printed() {
-  GridSheet sheet("As the paper prints it", "Marked: not the Euclidean distance, rounded");
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const int value = printed_at(x, y);
-      const bool is_marked = !is_printed(x, y, euclidean);
-      sheet.cell(x, y, std::to_string(value),
-                 value == 0  ? GridSheet::kObstacle
-                 : is_marked ? GridSheet::kMarked
-                             : GridSheet::CellLook{});
-    }
-  }
-  return sheet.canvas();
-}
-
-// Light near the obstacles, so that every number is legible.
-Canvas after(const FieldPicture& field) {
-  GridSheet sheet("After: the exact distance", "Euclidean, in cells, to one decimal");
-  const ColourMap& colours = colour_map("lagoon");
-  constexpr double kFarthest_cells = 5.0;
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const auto index = static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x);
-      const double distance_cells = field.cells[index] / 256.0;
-      const bool is_obstacle = field.cells[index] == 0;
-      const Colour paper = colours.at(1.0 - 0.5 * distance_cells / kFarthest_cells);
-      sheet.cell(x, y, is_obstacle ? "0" : fmt::format("{:.1f}", distance_cells),
-                 is_obstacle ? GridSheet::kObstacle : GridSheet::CellLook{paper, ink::kText, false});
-    }
-  }
-  return sheet.canvas();
+double distance_cells(const FieldPicture& field, int x, int y) {
+  return field.cells[static_cast<std::size_t>(y * kSide + x)] / 256.0;
 }
 
 // Cells of the field that differ from the definition, to half a step of 1/256 cell.
 int wrong_cells(const FieldPicture& field) {
   int wrong = 0;
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const auto index = static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x);
-      wrong += std::abs(field.cells[index] / 256.0 - least_distance(x, y, euclidean)) > 0.5 / 256.0 ? 1 : 0;
-    }
-  }
+  for_each_cell([&](int x, int y) {
+    wrong += std::abs(distance_cells(field, x, y) - least_distance(x, y, euclidean)) > 0.5 / 256.0 ? 1 : 0;
+  });
   return wrong;
+}
+
+struct CellLook {
+  std::string text{};
+  Colour paper = ink::kCard;
+  Colour ink = ink::kText;
+  bool is_bold = false;
+};
+CellLook obstacle_look() { return {"0", ink::kText, ink::kCard}; }
+
+// Squares with a word each; what is marked stands out.
+template <class Look>
+Canvas sheet(std::string_view title, std::string_view subtitle, const Look& look_of_cell) {
+  constexpr double kMargin = 28.0;
+  constexpr double kCell = 56.0;
+  constexpr double kTop = 92.0;
+  Canvas canvas(2.0 * kMargin + kSide * kCell, kTop + kSide * kCell + kMargin, title);
+  canvas.rectangle({0.0, 0.0}, canvas.width(), canvas.height(), Fill{ink::kCard});
+  canvas.text({kMargin, 46.0}, title, {.size = 22.0, .is_bold = true});
+  canvas.text({kMargin, 72.0}, subtitle, {.size = 15.0, .colour = ink::kQuiet});
+  for_each_cell([&](int x, int y) {
+    const CellLook look = printed_at(x, y) == 0 ? obstacle_look() : look_of_cell(x, y);
+    const Point2 corner(kMargin + kCell * x, kTop + kCell * (kSide - 1 - y));
+    canvas.rectangle(corner, kCell, kCell, Fill{look.paper}, Pen{.colour = ink::kEdge});
+    canvas.text(corner + Point2(0.5 * kCell, 0.5 * kCell + 7.0), look.text,
+                {.size = 20.0, .colour = look.ink, .anchor = Anchor::kMiddle, .is_bold = look.is_bold});
+  });
+  return canvas;
+}
+
+Canvas before() {
+  return sheet("Before the transform", "Obstacles hold 0, all other cells infinity",
+               [](int, int) { return CellLook{"\u221e"}; });
+}
+
+Canvas printed() {
+  return sheet("As the paper prints it", "Marked: not the Euclidean distance, rounded", [](int x, int y) {
+    const std::string value = std::to_string(printed_at(x, y));
+    return is_printed(x, y, euclidean) ? CellLook{value} : CellLook{value, colour_for(0xffdcc4), ink::kWarning, true};
+  });
+}
+
+// Light near the obstacles, so that every number is legible.
+Canvas after(const FieldPicture& field) {
+  return sheet("After: the exact distance", "Euclidean, in cells, to one decimal", [&field](int x, int y) {
+    constexpr double kFarthest_cells = 5.0;
+    const double distance = distance_cells(field, x, y);
+    return CellLook{fmt::format("{:.1f}", distance), colour_map("lagoon").at(1.0 - 0.5 * distance / kFarthest_cells)};
+  });
 }
 
 }  // namespace
 
 Part make_cells(const PartContext& place) {
   const std::unique_ptr<Backend> backend = make_backend(place.device);
-  const FieldPicture field = field_of(obstacles(), *backend);
+  const FieldPicture field = transformed(obstacles(), *backend);
   Part part;
   part.origin = Origin::kComputed;
   part.source =
@@ -185,18 +158,16 @@ Part make_cells(const PartContext& place) {
   add_picture(part, place, printed(),
               {"printed.svg", "(b) of the paper, for comparison. Marked: not the Euclidean distance, rounded.", 3});
   const int wrong = wrong_cells(field);
-  part.rows.push_back(
-      {"cells off the Euclidean distance", "", fmt::format("{} of 100", wrong), verdict_of(wrong == 0),
-       "the paper states the Euclidean distance; held against the minimum over all obstacles, to half of 1/256 cell"});
-  part.rows.push_back({"print = Euclidean, rounded", "100 of 100 (claimed)",
-                       fmt::format("{} of 100", agreeing_cells(euclidean)), Verdict::kOutside,
-                       "what is printed is not what equation (1) and the text say"});
-  part.rows.push_back({"print = city block", "", fmt::format("{} of 100", agreeing_cells(city_block)), Verdict::kOpen,
-                       "the metric that comes nearest to the print; it is no reference for either"});
+  part.claim(
+      "cells off the Euclidean distance", "", fmt::format("{} of 100", wrong), wrong == 0,
+      "the paper states the Euclidean distance; held against the minimum over all obstacles, to half of 1/256 cell");
+  part.claim("print = Euclidean, rounded", "100 of 100 (claimed)", fmt::format("{} of 100", agreeing_cells(euclidean)),
+             false, "what is printed is not what equation (1) and the text say");
+  part.state("print = city block", "", fmt::format("{} of 100", agreeing_cells(city_block)),
+             "the metric that comes nearest to the print; it is no reference for either");
   part.notes.push_back(
       "Equation (1) as printed is a minimum over all cells and so zero everywhere; \"(i, j) an obstacle\" is added. It "
-      "is a "
-      "square, while (8) compares it with metres: maps hold the distance.");
+      "is a square, while (8) compares it with metres: maps hold the distance.");
   part.by_hand = {"gdtslam render RUN --view cells -o cells.svg        # the same of any map"};
   return part;
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "tools/lab/reproduce/verdicts.hpp"
+#include "tools/lab/reproduce/paper.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

@@ -16,9 +16,9 @@
 #include "tools/gdtslam/scenes/scene_errors.hpp"
 #include "tools/gdtslam/scenes/scene_file.hpp"
 #include "tools/gdtslam/shell/asset_folder.hpp"
-#include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
-#include "tools/lab/reproduce/verdicts.hpp"
+#include "tools/lab/reproduce/paper.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -55,8 +55,8 @@ void add_standing(Part& part, const PartContext& place, const std::string& name,
        fmt::format("The scanner stands in the corridor; {}. Without the ceiling; what hides behind walls stays empty.",
                    where)});
   const SceneErrors errors = surface_errors(drive, place, false, from + 0.3, 0.2);
-  part.rows.push_back({fmt::format("points, {} ahead", what), "", with_commas(errors.distances.count()), Verdict::kOpen,
-                       "every beam that returned, in 40 s"});
+  part.state(fmt::format("points, {} ahead", what), "", with_commas(errors.distances.count()),
+             "every beam that returned, in 40 s");
   part.rows.push_back(surface_row(fmt::format("distance to surfaces, {} ahead", what), errors));
   for (const std::string& command : Drives::commands_of(name)) part.by_hand.push_back(command);
   part.by_hand.push_back(fmt::format("gdtslam render {} --view iso --camera={}", name, camera));
@@ -104,21 +104,19 @@ void add_floor_views(Part& part, const PartContext& place, const Drive& drive, c
 void add_floor_rows(Part& part, const PartContext& place, const Drive& drive) {
   const RunSummary summary = RunReader(drive.run).summary();
   const ReferenceReport path = errors_of(drive);
-  part.rows.push_back(
-      {"points in the map", "", with_commas(summary.cloud_points), Verdict::kOpen,
-       fmt::format("thinned, from {} scans along {:.0f} m", with_commas(summary.scans), summary.path_m)});
+  part.state("points in the map", "", with_commas(summary.cloud_points),
+             fmt::format("thinned, from {} scans along {:.0f} m", with_commas(summary.scans), summary.path_m));
   part.rows.push_back(surface_row("distance to surfaces", surface_errors(drive, place, true, 0.5, 0.5)));
-  part.rows.push_back(
-      {"error of the robot\u2019s path (ATE)", "",
-       fmt::format("{} mean, {} at most", length_with_unit(path.ate_m.mean), length_with_unit(path.ate_m.max)),
-       Verdict::kOpen, "best rigid alignment with the true path"});
+  part.state("error of the robot\u2019s path (ATE)", "",
+             fmt::format("{} mean, {} at most", length_with_unit(path.ate_m.mean), length_with_unit(path.ate_m.max)),
+             "best rigid alignment with the true path");
   const RunReader run(drive.run);
   const ContourShares shares = contour_shares(run.map(), read_whole_cloud(run.cloud_file().value(), {}),
                                               true_contour(drive, path.T_reference_estimate));
   const auto add_share = [&part](const std::string& quantity, double share, const std::string& what) {
     constexpr double kAlmost = 0.9;
-    part.rows.push_back({quantity, "contours almost the same", fmt::format("{:.1f} %", 100.0 * share),
-                         verdict_of(share >= kAlmost), what + "; within: 90 % and more"});
+    part.claim(quantity, "contours almost the same", fmt::format("{:.1f} %", 100.0 * share), share >= kAlmost,
+               what + "; within: 90 % and more");
   };
   add_share("walls of the 2D map that the 3D map has", shares.of_map,
             "occupied cells with points of raised scans within 5 cm");
@@ -132,9 +130,8 @@ Part make_floor(const PartContext& place, const std::string& scene, const std::s
   const Drive drive = place.drives.drive(scene);
   Part part;
   part.source = fmt::format(
-      "The scene {}, seed 1, a floor like that of the figure, drawn by us; the laser nods on the linkage "
-      "paper-b "
-      "while the robot drives.",
+      "The scene {}, seed 1, a floor like that of the figure, drawn by us; the laser nods on the linkage paper-b while "
+      "the robot drives.",
       scene);
   add_floor_views(part, place, drive, title);
   place.progress(0.5);
@@ -152,8 +149,7 @@ Part make_floor(const PartContext& place, const std::string& scene, const std::s
 Part make_standing(const PartContext& place) {
   Part part;
   part.source =
-      "The scanner stands at two places of the scene office-3f, seed 1, which has an open elevator and "
-      "plants.";
+      "The scanner stands at two places of the scene office-3f, seed 1, which has an open elevator and plants.";
   add_standing(part, place, "at-elevator", "an open elevator",
                "the open elevator is the recess in the wall on the left", "-4.2,-2.2,3.6,3.2,0.9,0.7,46", 0.0);
   add_standing(part, place, "at-plant", "a plant", "the plant stands before the wall ahead",

@@ -9,7 +9,7 @@
 #include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "tools/lab/reproduce/draw.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -58,17 +58,15 @@ void add_rows(Part& part) {
   const double swing_deg = deg_from_rad(b.report()->swing_rad);
   const double ratio = b.report()->time_ratio;
   const calib::FourBar& bars = b.model().bars;
-  part.rows.push_back({"a link turns all the way (Grashof)", "s + l < p + q", sums_text(bars),
-                       verdict_of(b.grashof() == calib::GrashofClass::kCrankRocker),
-                       "reading paper-b, nominal lengths"});
-  part.rows.push_back({"swing of the laser", "0\u00b0 to 90\u00b0", fmt::format("{:.1f}\u00b0", swing_deg),
-                       verdict_of(swing_deg >= 85.0 && swing_deg <= 95.0),
-                       "within 5\u00b0 of the paper\u2019s 90\u00b0; reading paper-b"});
-  part.rows.push_back({"lifts slowly, returns quickly", "yes", fmt::format("{:.2f} times as long up as down", ratio),
-                       verdict_of(ratio > 1.0), "reading paper-b"});
-  part.rows.push_back({"least transmission angle", "",
-                       fmt::format("{:.1f}\u00b0", deg_from_rad(b.report()->least_transmission_rad)), Verdict::kOpen,
-                       "below 30\u00b0 a joint transmits poorly: the paper\u2019s lengths are mechanically weak"});
+  part.claim("a link turns all the way (Grashof)", "s + l < p + q", sums_text(bars),
+             b.grashof() == calib::GrashofClass::kCrankRocker, "reading paper-b, nominal lengths");
+  part.claim("swing of the laser", "0\u00b0 to 90\u00b0", fmt::format("{:.1f}\u00b0", swing_deg),
+             swing_deg >= 85.0 && swing_deg <= 95.0, "within 5\u00b0 of the paper\u2019s 90\u00b0; reading paper-b");
+  part.claim("lifts slowly, returns quickly", "yes", fmt::format("{:.2f} times as long up as down", ratio), ratio > 1.0,
+             "reading paper-b");
+  part.state("least transmission angle", "",
+             fmt::format("{:.1f}\u00b0", deg_from_rad(b.report()->least_transmission_rad)),
+             "below 30\u00b0 a joint transmits poorly: the paper\u2019s lengths are mechanically weak");
 }
 
 }  // namespace
@@ -94,10 +92,8 @@ Part make_linkages(const PartContext& place) {
   add_rows(part);
   part.notes.push_back(
       "Figure and appendix number the links differently: with the lengths of the appendix, (L3, L12, L5, L4) of the "
-      "text is no "
-      "crank-rocker, whatever L12 means. Three readings are; paper-b fits what is said of the motion best and is the "
-      "default, "
-      "though nothing establishes it.");
+      "text is no crank-rocker, whatever L12 means. Three readings are; paper-b fits what is said of the motion best "
+      "and is the default, though nothing establishes it.");
   part.by_hand.push_back("gdtslam render paper-b --view scene -o scene.png");
   return part;
 }

@@ -11,9 +11,8 @@
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/pictures/studio.hpp"
 #include "tools/gdtslam/shell/temporary_folder.hpp"
-#include "tools/lab/reproduce/data.hpp"
-#include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -96,18 +95,17 @@ void add_loop_rows(Part& part, const Drive& drive) {
   const Trajectory path = until(read_tum(drive.run + "/trajectory.tum"), until_s);
   const ReferenceReport errors = errors_of(drive);
   const EndError end = end_error(path.front().T_map_base, path.back().T_map_base, truth);
-  part.rows.push_back(
-      {fmt::format("back at the start after {:.0f} m of path", path_length_m(truth)), "start and end coincide",
-       as_text(end), verdict_of(end.distance_m < kClosedShare * path_length_m(truth)),
-       "off the truth, seen from the start; within: at most 0.1 % of the path. No loop closure is done, matching alone "
-       "keeps the loop. The drive goes on from there"});
+  part.claim(fmt::format("back at the start after {:.0f} m of path", path_length_m(truth)), "start and end coincide",
+             as_text(end), end.distance_m < kClosedShare * path_length_m(truth),
+             "off the truth, seen from the start; within: at most 0.1 % of the path. No loop closure is done, matching "
+             "alone keeps the loop. The drive goes on from there");
   const WheelPath wheels = wheel_path_of(drive.log, until_s);
-  part.rows.push_back({"the same by the wheels alone", "", as_text(end_error(*wheels.first, wheels.last, truth)),
-                       Verdict::kOpen, "what matching corrects"});
-  part.rows.push_back(
-      {"error of all poses (ATE)", "",
-       fmt::format("{} mean, {} at most", length_with_unit(errors.ate_m.mean), length_with_unit(errors.ate_m.max)),
-       Verdict::kOpen, "best rigid alignment with the true path; the paper had no truth to compare with"});
+  part.state("the same by the wheels alone", "", as_text(end_error(*wheels.first, wheels.last, truth)),
+             "what matching corrects");
+  part.state(
+      "error of all poses (ATE)", "",
+      fmt::format("{} mean, {} at most", length_with_unit(errors.ate_m.mean), length_with_unit(errors.ate_m.max)),
+      "best rigid alignment with the true path; the paper had no truth to compare with");
 }
 
 void add_real_log(Part& part, const PartContext& place, const RealLog& real, double from, double span) {
@@ -122,13 +120,12 @@ void add_real_log(Part& part, const PartContext& place, const RealLog& real, dou
     add_view(part, place, {.inputs = {run}, .view = "field", .size = "1190x820", .options = look},
              {real.stem + "-field.png", fmt::format("Real log, {}: distance transform as intensity.", real.name)});
   }
-  part.rows.push_back(
-      {real.name + " (real): error of verified relations", "",
-       fmt::format("{} and {:.2f}\u00b0 mean", length_with_unit(report.all.translation_m.mean),
-                   report.all.rotation_deg.mean),
-       Verdict::kOpen,
-       fmt::format("{} relations of [Kuemmerle2009]; loops alone {}. Not a log of the paper\u2019s",
-                   with_commas(report.all.translation_m.count), length_with_unit(report.loops.translation_m.mean))});
+  part.state(
+      real.name + " (real): error of verified relations", "",
+      fmt::format("{} and {:.2f}\u00b0 mean", length_with_unit(report.all.translation_m.mean),
+                  report.all.rotation_deg.mean),
+      fmt::format("{} relations of [Kuemmerle2009]; loops alone {}. Not a log of the paper\u2019s",
+                  with_commas(report.all.translation_m.count), length_with_unit(report.loops.translation_m.mean)));
   part.by_hand.push_back(fmt::format("gdtslam map {0}.clf.gz -o {0} && gdtslam render {0} --view map", real.stem));
   part.by_hand.push_back(fmt::format("gdtslam evaluate {0}/trajectory.tum --relations {0}.relations.gz", real.stem));
   part.origin = Origin::kSimulatedAndReal;
@@ -168,8 +165,8 @@ Part make_loop(const PartContext& place) {
   const Drive drive = place.drives.drive("office-loop");
   Part part;
   part.source =
-      "A drive through the scene office-loop, seed 1, an office floor with a loop of corridors like the "
-      "paper\u2019s 7F.";
+      "A drive through the scene office-loop, seed 1, an office floor with a loop of corridors like the paper\u2019s "
+      "7F.";
   add_view(part, place,
            {.inputs = {drive.run}, .view = "map", .size = "1190x820", .options = titled("2D map and path", true)},
            {"map.png", "(a) Occupancy map with the robot\u2019s path in the colours of time."});

@@ -15,10 +15,9 @@
 #include "tools/lab/matchers/figures.hpp"
 #include "tools/lab/matchers/picture.hpp"
 #include "tools/lab/matchers/run.hpp"
-#include "tools/lab/reproduce/data.hpp"
-#include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
 #include "tools/lab/reproduce/paper.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -144,8 +143,8 @@ std::string why(const Ends& ends) {
   const bool holds = ends.figures.distance_m.mean < kClaimed_m && ends.figures.distance_m.deviation < kClaimed_m;
   if (holds) return text;
   text += fmt::format(
-      ". The mean is{}, the deviation is {}: {} of {} scans end farther off, one of them {:.1f} cm, {:.0f} s "
-      "into the drive{}",
+      ". The mean is{}, the deviation is {}: {} of {} scans end farther off, one of them {:.1f} cm, {:.0f} s into the "
+      "drive{}",
       ends.figures.distance_m.mean < kClaimed_m ? "" : " not",
       ends.figures.distance_m.deviation < kClaimed_m ? "as well" : "not", far, ends.over_time.size(),
       100.0 * ends.figures.distance_m.max, ends.farthest_s,
@@ -163,15 +162,14 @@ void add_error_rows(Part& part, const std::vector<Ends>& all) {
     names.emplace_back(kPaper[k].name);
     means.push_back(e.mean);
     missed.push_back(static_cast<double>(all[k].over_time.size() - all[k].near));
-    part.rows.push_back({fmt::format("{}: distance from the best solution", kPaper[k].name),
-                         fmt::format("{} cm", kPaper[k].distance), fmt::format("{} cm", cm_text(e)),
-                         verdict_of(e.mean < kClaimed_m && e.deviation < kClaimed_m), why(all[k])});
+    part.claim(fmt::format("{}: distance from the best solution", kPaper[k].name),
+               fmt::format("{} cm", kPaper[k].distance), fmt::format("{} cm", cm_text(e)),
+               e.mean < kClaimed_m && e.deviation < kClaimed_m, why(all[k]));
   }
   const bool holds = std::max(means[0], means[1]) < std::min(means[2], means[3]);
-  part.rows.push_back({"who is nearest to it", "PSO and SCE before SIMPSA and simplex", ranking(names, means),
-                       verdict_of(holds),
-                       fmt::format("by the mean, which few scans in other valleys decide; by the scans within 1 cm: {}",
-                                   ranking(names, missed))});
+  part.claim("who is nearest to it", "PSO and SCE before SIMPSA and simplex", ranking(names, means), holds,
+             fmt::format("by the mean, which few scans in other valleys decide; by the scans within 1 cm: {}",
+                         ranking(names, missed)));
 }
 
 void add_real_log(Part& part, const RealLog& real, const CompareJob& job, const CompareOutcome& outcome, Table& table) {
@@ -189,14 +187,13 @@ void add_real_log(Part& part, const RealLog& real, const CompareJob& job, const 
                           share_text(all[k].near, all[k].over_time.size()),
                           fmt::format("{:.1f} %", 100.0 * f.optimal.value()), fmt::format("{:.2f}", f.time_ratio)});
   }
-  part.rows.push_back({fmt::format("{} (real): distance of all four", real.name), "below 1 cm",
-                       fmt::format("at most {:.2f} \u00b1 {:.2f} cm", 100.0 * mean_m, 100.0 * deviation_m),
-                       verdict_of(mean_m < kClaimed_m && deviation_m < kClaimed_m),
-                       fmt::format("within: each mean and standard deviation below 1 cm. {} scans that are held in "
-                                   "every direction; {} weak along a "
-                                   "corridor and {} without a proof are left out",
-                                   count_of(outcome, ScanKind::kHeld), count_of(outcome, ScanKind::kWeak),
-                                   count_of(outcome, ScanKind::kUncertain))});
+  part.claim(fmt::format("{} (real): distance of all four", real.name), "below 1 cm",
+             fmt::format("at most {:.2f} \u00b1 {:.2f} cm", 100.0 * mean_m, 100.0 * deviation_m),
+             mean_m < kClaimed_m && deviation_m < kClaimed_m,
+             fmt::format("within: each mean and standard deviation below 1 cm. {} scans that are held in every "
+                         "direction; {} weak along a corridor and {} without a proof are left out",
+                         count_of(outcome, ScanKind::kHeld), count_of(outcome, ScanKind::kWeak),
+                         count_of(outcome, ScanKind::kUncertain)));
   part.by_hand.push_back(fmt::format("gdtslam compare {}.clf.gz --matchers {} --starts-at none --scans {}", real.stem,
                                      kMethods, kRealScans));
 }
@@ -249,18 +246,16 @@ Part make_optimizer_errors(const PartContext& place) {
   add_picture(
       part, place, errors_over_time(job, all),
       {"figure8.svg", "Figure 8: how far from the proven solution each optimizer ends, on a logarithmic axis."});
-  add_picture(
-      part, place, compare_picture(job, outcome, "office-loop"),
-      {"basins.svg",
-       "From how far away each optimizer still finds the solution: what \u201cconvergence is not attained in every "
-       "situation\u201d means for each."});
+  add_picture(part, place, compare_picture(job, outcome, "office-loop"),
+              {"basins.svg",
+               "From how far away each optimizer still finds the solution: what \u201cconvergence is not attained in "
+               "every situation\u201d means for each."});
   part.tables.push_back(errors_table(job, all));
   add_error_rows(part, all);
   part.notes.push_back(scans_note(outcome));
   part.notes.push_back(
       "\u201cWithin 1 cm\u201d counts scans, \u201cproven best\u201d those whose cost is the least to the gap of the "
-      "proof. "
-      "Time is CPU time of one minimisation; the paper\u2019s is that of table 2. gauss-newton is ours.");
+      "proof. Time is CPU time of one minimisation; the paper\u2019s is that of table 2. gauss-newton is ours.");
   part.by_hand = {Drives::commands_of("office-loop").front(),
                   fmt::format("gdtslam compare office-loop.log --matchers {} --starts-at "
                               "2cm/0.5deg,5cm/1deg,10cm/2deg,20cm/5deg,40cm/10deg --scans {}",

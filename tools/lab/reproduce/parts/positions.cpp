@@ -17,11 +17,9 @@
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/lab/matchers/picture.hpp"
 #include "tools/lab/matchers/whole.hpp"
-#include "tools/lab/reproduce/data.hpp"
-#include "tools/lab/reproduce/draw.hpp"
 #include "tools/lab/reproduce/drives.hpp"
 #include "tools/lab/reproduce/paper.hpp"
-#include "tools/lab/reproduce/verdicts.hpp"
+#include "tools/lab/reproduce/part.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -117,19 +115,17 @@ void add_distance_rows(Part& part, const std::vector<MethodRuns>& all) {
     const bool holds = 100.0 * e.mean <= kPaper[k].truth_mean;
     names.emplace_back(kPaper[k].name);
     means.push_back(e.mean);
-    part.rows.push_back(
-        {fmt::format("{}: distance from the true position", kPaper[k].name), fmt::format("{} cm", kPaper[k].truth),
-         fmt::format("{} cm", cm_text(e)), verdict_of(holds),
-         fmt::format(
-             "within: the mean is not above the paper\u2019s, on another floor with another laser. The {} drives: "
-             "{} cm",
-             kDrives.size(), means_text(all[k]))});
+    part.claim(
+        fmt::format("{}: distance from the true position", kPaper[k].name), fmt::format("{} cm", kPaper[k].truth),
+        fmt::format("{} cm", cm_text(e)), holds,
+        fmt::format(
+            "within: the mean is not above the paper\u2019s, on another floor with another laser. The {} drives: {} cm",
+            kDrives.size(), means_text(all[k])));
   }
   const bool holds = std::max(means[0], means[1]) < std::min(means[2], means[3]);
-  part.rows.push_back(
-      {"who is nearest to the truth", "PSO, SCE, Simplex, SIMPSA", ranking(names, means), verdict_of(holds),
-       "within: PSO and SCE before the others. The truth need not be where the cost is least, so a more "
-       "thorough search need not end nearer to it"});
+  part.claim("who is nearest to the truth", "PSO, SCE, Simplex, SIMPSA", ranking(names, means), holds,
+             "within: PSO and SCE before the others. The truth need not be where the cost is least, so a more thorough "
+             "search need not end nearer to it");
 }
 
 void add_time_rows(Part& part, const std::vector<MethodRuns>& all) {
@@ -142,7 +138,7 @@ void add_time_rows(Part& part, const std::vector<MethodRuns>& all) {
   for (std::size_t k = 0; k < kSimplexPlace; ++k) part.rows.push_back(time_row(kPaper[k], ratio_of(all, k)));
   const std::string ours = ranking(names, times);
   const std::string paper = "Simplex, SIMPSA, SCE, PSO";
-  part.rows.push_back({"who is fastest", paper, ours, verdict_of(ours == paper), "within: the same order"});
+  part.claim("who is fastest", paper, ours, ours == paper, "within: the same order");
 }
 
 /// How far apart the values of a row are.
@@ -160,10 +156,10 @@ void add_spread_note(Part& part, const std::vector<MethodRuns>& all) {
     means.push_back(all[k].position_m.mean);
   }
   if (of_drives_m < spread_of(means)) return;
-  part.notes.push_back(fmt::format(
-      "From drive to drive one method\u2019s mean differs by {} on average, from method to method the means of all "
-      "drives by {} at most: one drive, as in the paper, ranks no method.",
-      length_with_unit(of_drives_m), length_with_unit(spread_of(means))));
+  part.notes.push_back(
+      fmt::format("From drive to drive one method\u2019s mean differs by {} on average, from method to method the "
+                  "means of all drives by {} at most: one drive, as in the paper, ranks no method.",
+                  length_with_unit(of_drives_m), length_with_unit(spread_of(means))));
 }
 
 Canvas positions_over_time(const std::vector<MethodRuns>& all) {
@@ -229,8 +225,8 @@ void add_real_log(Part& part, const PartContext& place, double from) {
     part.origin = Origin::kSimulatedAndReal;
     part.source += fmt::format(" Real: the log {}.", real.name);
     part.by_hand.push_back(
-        fmt::format("gdtslam compare {0}.clf.gz --matchers pso,sce,simpsa,simplex,gauss-newton --starts-at "
-                    "none --scans 1 --relations {0}.relations.gz",
+        fmt::format("gdtslam compare {0}.clf.gz --matchers pso,sce,simpsa,simplex,gauss-newton --starts-at none "
+                    "--scans 1 --relations {0}.relations.gz",
                     real.stem));
   }
 }
@@ -253,13 +249,11 @@ Part make_optimizer_positions(const PartContext& place) {
   add_spread_note(part, all);
   part.notes.push_back(
       "The paper\u2019s print of SCE\u2019s time is damaged in the copy at hand (9.0972 or 8.0873). Times depend on "
-      "how each "
-      "optimizer is stopped; its settings here are the literature\u2019s. gauss-newton is ours.");
+      "how each optimizer is stopped; its settings here are the literature\u2019s. gauss-newton is ours.");
   for (const char* name : kDrives) part.by_hand.push_back(Drives::commands_of(name).front());
   part.by_hand.emplace_back(
       "for m in pso sce simpsa simplex gauss-newton; do for d in office-loop office-loop-2 office-loop-3; do gdtslam "
-      "map "
-      "$d.log -o $d-$m --matcher $m && gdtslam evaluate $d-$m/trajectory.tum --reference $d.truth.tum; done; done");
+      "map $d.log -o $d-$m --matcher $m && gdtslam evaluate $d-$m/trajectory.tum --reference $d.truth.tum; done; done");
   add_real_log(part, place, simulated);
   return part;
 }
