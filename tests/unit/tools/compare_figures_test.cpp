@@ -1,5 +1,5 @@
 // What a comparison adds up to, against published intervals and hand-made trials.
-#include "tools/lab/matchers/figures.hpp"
+#include "tools/lab/matchers/run.hpp"
 
 #include <algorithm>
 
@@ -7,9 +7,9 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "tools/lab/matchers/global.hpp"
+#include "tools/lab/matchers/methods.hpp"
 #include "tools/lab/matchers/scan_constraint.hpp"
-#include "tools/lab/matchers/table.hpp"
+#include "tools/lab/matchers/output.hpp"
 
 namespace gdtslam {
 namespace {

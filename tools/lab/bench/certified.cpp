@@ -81,15 +81,166 @@ class CertifiedBenchRun {
   CertifiedBenchRun(const CertifiedBenchJob& job, Backend& backend, const std::function<bool()>& stop)
       : job_(job), stop_(stop), isa_(backend.host_isa()), mapper_(job.mapper, backend) {}
 
-  CertifiedBench run();
+  CertifiedBench run() {
+    map_log();
+    prepare();
+    for (const WindowSize& size : kWindows) measure(size);
+    return std::move(bench_);
+  }
 
  private:
-  void map_log();
-  void prepare();
-  void measure(const WindowSize& size);
-  [[nodiscard]] PoseWindow window_around(const KnownScan& scan, const WindowSize& size, std::size_t index) const;
-  [[nodiscard]] Found search_lattice(const KnownScan& scan, const PoseWindow& window) const;
-  void measure_lattice(const WindowSize& size, std::span<const CertifiedResult> found, CertifiedBenchRow& row) const;
+  void map_log() {
+    const std::uint64_t count = count_scans(job_);
+    if (count == 0) throw InputError(FilePosition{log_name(job_.log), 0}, "holds no laser scan");
+    const std::uint64_t every = std::max<std::uint64_t>(count / job_.scans, 1);
+    ScanStream scans({job_.log}, {}, {});
+    while (const std::optional<ScanRecord> record = scans.next()) {
+      stop_if(stop_);
+      const MatchResult match = mapper_.process(record->scan, record->T_odom_base);
+      const bool is_chosen = bench_.log_scans % every == every / 2 && scans_.size() < job_.scans;
+      ++bench_.log_scans;
+      if (!is_chosen || !match.accepted) continue;
+      std::vector<PointCells> points =
+          in_cells(points_of(record->scan, valid_ranges(job_.mapper)), job_.mapper.map.resolution_m);
+      if (points.size() < static_cast<std::size_t>(job_.mapper.scan.min_points)) continue;
+      if (points.size() <= kMostCertifiedPoints) scans_.push_back({std::move(points), match.T_map_base});
+    }
+    bench_.scans = scans_.size();
+    if (!scans_.empty()) return;
+    throw InputError(FilePosition{log_name(job_.log), 0},
+                     fmt::format("none of its {} scans can be looked for: they were not matched, or have fewer than {} "
+                                 "or more than {} returns",
+                                 count, job_.mapper.scan.min_points, kMostCertifiedPoints));
+  }
+
+  void prepare() {
+    const FieldView field = field_view(mapper_.field());
+    bench_.map_width = field.width;
+    bench_.map_height = field.height;
+    bench_.map_bytes = std::uint64_t{field.width} * field.height * sizeof(std::uint16_t);
+    Stopwatch watch;
+    map_.emplace(field, isa_);
+    bench_.prepare_s = cpu_of(watch);
+    bench_.prepared_bytes = map_->bytes();
+    std::vector<double> points;
+    for (const KnownScan& scan : scans_) points.push_back(static_cast<double>(scan.points.size()));
+    bench_.median_points = at_share(std::move(points), 0.5);
+  }
+
+  PoseWindow window_around(const KnownScan& scan, const WindowSize& size, std::size_t index) const {
+    Random random = Random(kSeed).split(index);
+    const auto off = [&random](double half) { return random.uniform(-kOffShare, kOffShare) * half; };
+    Pose2 centre = scan.T_map_base;
+    centre.x_m += off(size.half_m);
+    centre.y_m += off(size.half_m);
+    centre.theta_rad = wrap_angle(centre.theta_rad + off(size.half_rad));
+    return {.centre = centre, .half_x_m = size.half_m, .half_y_m = size.half_m, .half_theta_rad = size.half_rad};
+  }
+
+  // One layer of a heading after the other, so that the costs of a layer stay in the cache.
+  Found search_lattice(const KnownScan& scan, const PoseWindow& window) const {
+    const FieldView& field = map_->field();
+    const double r = field.resolution_m;
+    const CellIndex anchor = map_cell_of(window.centre.translation(), r);
+    PoseSimplex::Params walk;
+    walk.cost = {.width = field.width,
+                 .height = field.height,
+                 .stride = field.stride,
+                 .anchor_x = anchor.x - field.first_cell.x,
+                 .anchor_y = anchor.y - field.first_cell.y,
+                 .point_count = static_cast<std::uint32_t>(scan.points.size()),
+                 .cap = field.cap};
+    walk.step_cells = static_cast<float>(kLatticeStep_m / r);
+    walk.step_rad = static_cast<float>(kLatticeStep_rad);
+    const auto steps = [](double half, double step) {
+      return static_cast<std::int32_t>(std::floor(half / step + 1e-9));
+    };
+    const std::int32_t along = steps(window.half_x_m, kLatticeStep_m);
+    const std::int32_t turns = steps(window.half_theta_rad, kLatticeStep_rad);
+    std::vector<PoseCandidate> layer;
+    std::vector<std::uint32_t> costs;
+    PoseCandidate best{};
+    std::uint32_t best_cost = std::numeric_limits<std::uint32_t>::max();
+    Stopwatch watch;
+    for (std::int32_t t = -turns; t <= turns; ++t) {
+      stop_if(stop_);
+      layer.clear();
+      for (std::int32_t y = -along; y <= along; ++y) {
+        for (std::int32_t x = -along; x <= along; ++x) {
+          layer.push_back({static_cast<float>((window.centre.x_m + x * kLatticeStep_m) / r - anchor.x),
+                           static_cast<float>((window.centre.y_m + y * kLatticeStep_m) / r - anchor.y),
+                           static_cast<float>(window.centre.theta_rad + t * kLatticeStep_rad), 0});
+        }
+      }
+      costs.resize(layer.size());
+      pose_cost_host(isa_, walk.cost, field.cells, scan.points.data(), layer.data(),
+                     static_cast<std::uint32_t>(layer.size()), costs.data());
+      const auto least = std::min_element(costs.begin(), costs.end());
+      if (*least >= best_cost) continue;
+      best_cost = *least;
+      best = layer[static_cast<std::size_t>(least - costs.begin())];
+    }
+    PolishedPose end{best.x, best.y, best.theta};
+    pose_simplex_host(isa_, walk, field.cells, scan.points.data(), &end, 1);
+    return {cpu_of(watch), std::min(best_cost, end.cost)};
+  }
+
+  void measure_lattice(const WindowSize& size, std::span<const CertifiedResult> found, CertifiedBenchRow& row) const {
+    const auto along = static_cast<std::uint64_t>(2.0 * std::floor(size.half_m / kLatticeStep_m + 1e-9) + 1.0);
+    const auto turns = static_cast<std::uint64_t>(2.0 * std::floor(size.half_rad / kLatticeStep_rad + 1e-9) + 1.0);
+    row.lattice_poses = along * along * turns;
+    std::vector<double> times;
+    double spent_s = 0.0;
+    std::uint64_t best = 0;
+    // In an order that a short share of them is spread over the log, too.
+    const std::size_t stride = scans_.size() / 2 + 1;
+    for (std::size_t k = 0; k < scans_.size() && (k == 0 || spent_s < job_.lattice_s); ++k) {
+      const std::size_t index = k * stride % scans_.size();
+      const Found end = search_lattice(scans_[index], window_around(scans_[index], size, index));
+      spent_s += end.cpu_s;
+      times.push_back(end.cpu_s);
+      const double excess = static_cast<double>(end.cost) - static_cast<double>(found[index].cost);
+      const double unit_m = map_->field().resolution_m / 256.0 / static_cast<double>(scans_[index].points.size());
+      best += excess * unit_m <= job_.gap_m ? 1U : 0U;
+    }
+    row.lattice_scans = times.size();
+    row.lattice_median_s = at_share(std::move(times), 0.5);
+    row.lattice_best_share = static_cast<double>(best) / static_cast<double>(row.lattice_scans);
+  }
+
+  void measure(const WindowSize& size) {
+    CertifiedBenchRow row;
+    row.half_m = size.half_m;
+    row.half_rad = size.half_rad;
+    std::vector<CertifiedResult> found;
+    std::vector<double> times;
+    std::vector<std::uint64_t> boxes;
+    std::vector<std::uint64_t> evaluations;
+    std::uint64_t proven = 0;
+    std::uint64_t known = 0;
+    for (std::size_t index = 0; index < scans_.size(); ++index) {
+      stop_if(stop_);
+      const KnownScan& scan = scans_[index];
+      const PoseWindow window = window_around(scan, size, index);
+      if (index == 0) find_pose(*map_, scan.points, window, {.gap_m = job_.gap_m});  // pages and clock speed
+      Stopwatch watch;
+      found.push_back(find_pose(*map_, scan.points, window, {.gap_m = job_.gap_m}));
+      times.push_back(cpu_of(watch));
+      boxes.push_back(found.back().boxes);
+      evaluations.push_back(found.back().evaluations);
+      proven += found.back().certified() ? 1U : 0U;
+      known += is_known(found.back().T_map_base, scan.T_map_base) ? 1U : 0U;
+    }
+    const auto count = static_cast<double>(scans_.size());
+    row.certified = {at_share(times, 0.5), at_share(times, 0.9), at_share(times, 1.0)};
+    row.median_boxes = static_cast<double>(at_share(boxes, 0.5));
+    row.most_boxes = at_share(boxes, 1.0);
+    row.median_evaluations = at_share(evaluations, 0.5);
+    row.proven_share = static_cast<double>(proven) / count;
+    row.known_share = static_cast<double>(known) / count;
+    if (job_.lattice_s > 0.0) measure_lattice(size, found, row);
+    bench_.rows.push_back(row);
+  }
 
   const CertifiedBenchJob& job_;
   const std::function<bool()>& stop_;
@@ -99,165 +250,6 @@ class CertifiedBenchRun {
   std::optional<CertifiedMap> map_;
   CertifiedBench bench_;
 };
-
-void CertifiedBenchRun::map_log() {
-  const std::uint64_t count = count_scans(job_);
-  if (count == 0) throw InputError(FilePosition{log_name(job_.log), 0}, "holds no laser scan");
-  const std::uint64_t every = std::max<std::uint64_t>(count / job_.scans, 1);
-  ScanStream scans({job_.log}, {}, {});
-  while (const std::optional<ScanRecord> record = scans.next()) {
-    stop_if(stop_);
-    const MatchResult match = mapper_.process(record->scan, record->T_odom_base);
-    const bool is_chosen = bench_.log_scans % every == every / 2 && scans_.size() < job_.scans;
-    ++bench_.log_scans;
-    if (!is_chosen || !match.accepted) continue;
-    std::vector<PointCells> points =
-        in_cells(points_of(record->scan, valid_ranges(job_.mapper)), job_.mapper.map.resolution_m);
-    if (points.size() < static_cast<std::size_t>(job_.mapper.scan.min_points)) continue;
-    if (points.size() <= kMostCertifiedPoints) scans_.push_back({std::move(points), match.T_map_base});
-  }
-  bench_.scans = scans_.size();
-  if (!scans_.empty()) return;
-  throw InputError(FilePosition{log_name(job_.log), 0},
-                   fmt::format("none of its {} scans can be looked for: they were not matched, or have fewer than {} "
-                               "or more than {} returns",
-                               count, job_.mapper.scan.min_points, kMostCertifiedPoints));
-}
-
-void CertifiedBenchRun::prepare() {
-  const FieldView field = field_view(mapper_.field());
-  bench_.map_width = field.width;
-  bench_.map_height = field.height;
-  bench_.map_bytes = std::uint64_t{field.width} * field.height * sizeof(std::uint16_t);
-  Stopwatch watch;
-  map_.emplace(field, isa_);
-  bench_.prepare_s = cpu_of(watch);
-  bench_.prepared_bytes = map_->bytes();
-  std::vector<double> points;
-  for (const KnownScan& scan : scans_) points.push_back(static_cast<double>(scan.points.size()));
-  bench_.median_points = at_share(std::move(points), 0.5);
-}
-
-PoseWindow CertifiedBenchRun::window_around(const KnownScan& scan, const WindowSize& size, std::size_t index) const {
-  Random random = Random(kSeed).split(index);
-  const auto off = [&random](double half) { return random.uniform(-kOffShare, kOffShare) * half; };
-  Pose2 centre = scan.T_map_base;
-  centre.x_m += off(size.half_m);
-  centre.y_m += off(size.half_m);
-  centre.theta_rad = wrap_angle(centre.theta_rad + off(size.half_rad));
-  return {.centre = centre, .half_x_m = size.half_m, .half_y_m = size.half_m, .half_theta_rad = size.half_rad};
-}
-
-// One layer of a heading after the other, so that the costs of a layer stay in the cache.
-Found CertifiedBenchRun::search_lattice(const KnownScan& scan, const PoseWindow& window) const {
-  const FieldView& field = map_->field();
-  const double r = field.resolution_m;
-  const CellIndex anchor = map_cell_of(window.centre.translation(), r);
-  PoseSimplex::Params walk;
-  walk.cost = {.width = field.width,
-               .height = field.height,
-               .stride = field.stride,
-               .anchor_x = anchor.x - field.first_cell.x,
-               .anchor_y = anchor.y - field.first_cell.y,
-               .point_count = static_cast<std::uint32_t>(scan.points.size()),
-               .cap = field.cap};
-  walk.step_cells = static_cast<float>(kLatticeStep_m / r);
-  walk.step_rad = static_cast<float>(kLatticeStep_rad);
-  const auto steps = [](double half, double step) { return static_cast<std::int32_t>(std::floor(half / step + 1e-9)); };
-  const std::int32_t along = steps(window.half_x_m, kLatticeStep_m);
-  const std::int32_t turns = steps(window.half_theta_rad, kLatticeStep_rad);
-  std::vector<PoseCandidate> layer;
-  std::vector<std::uint32_t> costs;
-  PoseCandidate best{};
-  std::uint32_t best_cost = std::numeric_limits<std::uint32_t>::max();
-  Stopwatch watch;
-  for (std::int32_t t = -turns; t <= turns; ++t) {
-    stop_if(stop_);
-    layer.clear();
-    for (std::int32_t y = -along; y <= along; ++y) {
-      for (std::int32_t x = -along; x <= along; ++x) {
-        layer.push_back({static_cast<float>((window.centre.x_m + x * kLatticeStep_m) / r - anchor.x),
-                         static_cast<float>((window.centre.y_m + y * kLatticeStep_m) / r - anchor.y),
-                         static_cast<float>(window.centre.theta_rad + t * kLatticeStep_rad), 0});
-      }
-    }
-    costs.resize(layer.size());
-    pose_cost_host(isa_, walk.cost, field.cells, scan.points.data(), layer.data(),
-                   static_cast<std::uint32_t>(layer.size()), costs.data());
-    const auto least = std::min_element(costs.begin(), costs.end());
-    if (*least >= best_cost) continue;
-    best_cost = *least;
-    best = layer[static_cast<std::size_t>(least - costs.begin())];
-  }
-  PolishedPose end{best.x, best.y, best.theta};
-  pose_simplex_host(isa_, walk, field.cells, scan.points.data(), &end, 1);
-  return {cpu_of(watch), std::min(best_cost, end.cost)};
-}
-
-void CertifiedBenchRun::measure_lattice(const WindowSize& size, std::span<const CertifiedResult> found,
-                                        CertifiedBenchRow& row) const {
-  const auto along = static_cast<std::uint64_t>(2.0 * std::floor(size.half_m / kLatticeStep_m + 1e-9) + 1.0);
-  const auto turns = static_cast<std::uint64_t>(2.0 * std::floor(size.half_rad / kLatticeStep_rad + 1e-9) + 1.0);
-  row.lattice_poses = along * along * turns;
-  std::vector<double> times;
-  double spent_s = 0.0;
-  std::uint64_t best = 0;
-  // In an order that a short share of them is spread over the log, too.
-  const std::size_t stride = scans_.size() / 2 + 1;
-  for (std::size_t k = 0; k < scans_.size() && (k == 0 || spent_s < job_.lattice_s); ++k) {
-    const std::size_t index = k * stride % scans_.size();
-    const Found end = search_lattice(scans_[index], window_around(scans_[index], size, index));
-    spent_s += end.cpu_s;
-    times.push_back(end.cpu_s);
-    const double excess = static_cast<double>(end.cost) - static_cast<double>(found[index].cost);
-    const double unit_m = map_->field().resolution_m / 256.0 / static_cast<double>(scans_[index].points.size());
-    best += excess * unit_m <= job_.gap_m ? 1U : 0U;
-  }
-  row.lattice_scans = times.size();
-  row.lattice_median_s = at_share(std::move(times), 0.5);
-  row.lattice_best_share = static_cast<double>(best) / static_cast<double>(row.lattice_scans);
-}
-
-void CertifiedBenchRun::measure(const WindowSize& size) {
-  CertifiedBenchRow row;
-  row.half_m = size.half_m;
-  row.half_rad = size.half_rad;
-  std::vector<CertifiedResult> found;
-  std::vector<double> times;
-  std::vector<std::uint64_t> boxes;
-  std::vector<std::uint64_t> evaluations;
-  std::uint64_t proven = 0;
-  std::uint64_t known = 0;
-  for (std::size_t index = 0; index < scans_.size(); ++index) {
-    stop_if(stop_);
-    const KnownScan& scan = scans_[index];
-    const PoseWindow window = window_around(scan, size, index);
-    if (index == 0) find_pose(*map_, scan.points, window, {.gap_m = job_.gap_m});  // pages and clock speed
-    Stopwatch watch;
-    found.push_back(find_pose(*map_, scan.points, window, {.gap_m = job_.gap_m}));
-    times.push_back(cpu_of(watch));
-    boxes.push_back(found.back().boxes);
-    evaluations.push_back(found.back().evaluations);
-    proven += found.back().certified() ? 1U : 0U;
-    known += is_known(found.back().T_map_base, scan.T_map_base) ? 1U : 0U;
-  }
-  const auto count = static_cast<double>(scans_.size());
-  row.certified = {at_share(times, 0.5), at_share(times, 0.9), at_share(times, 1.0)};
-  row.median_boxes = static_cast<double>(at_share(boxes, 0.5));
-  row.most_boxes = at_share(boxes, 1.0);
-  row.median_evaluations = at_share(evaluations, 0.5);
-  row.proven_share = static_cast<double>(proven) / count;
-  row.known_share = static_cast<double>(known) / count;
-  if (job_.lattice_s > 0.0) measure_lattice(size, found, row);
-  bench_.rows.push_back(row);
-}
-
-CertifiedBench CertifiedBenchRun::run() {
-  map_log();
-  prepare();
-  for (const WindowSize& size : kWindows) measure(size);
-  return std::move(bench_);
-}
 
 }  // namespace
 

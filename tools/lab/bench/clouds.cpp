@@ -103,18 +103,6 @@ std::size_t thin_by_set(const Cloud& cloud) {
   return cells.size();
 }
 
-BenchRow cloud_row(const std::string& name, const std::string& variant, const Work& work,
-                   const TimingOptions& options) {
-  BenchRow row;
-  row.group = "cloud";
-  row.name = name;
-  row.variant = variant;
-  row.unit = "point";
-  row.work = static_cast<double>(kPoints);
-  row.timing = measure(work, options);
-  return row;
-}
-
 }  // namespace
 
 Cloud bench_hall(std::size_t points) {
@@ -151,7 +139,7 @@ std::vector<BenchRow> bench_clouds(const TimingOptions& options) {
   std::vector<char> bytes(kPoints * kPointBytes, 'x');
   std::vector<BenchRow> rows;
   const auto add = [&](const char* name, const char* variant, std::function<void()> step) {
-    rows.push_back(cloud_row(name, variant, {.step = std::move(step)}, options));
+    rows.push_back(measured_row("cloud", name, variant, "point", kPoints, {.step = std::move(step)}, options));
   };
   add("cloud_write", "binary PLY, SHA-256", [&] { write_cloud(file.path(), cloud); });
   add("cloud_read", "binary PLY", [&] { read_cloud_in_pieces(file.path()); });

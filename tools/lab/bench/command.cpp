@@ -4,7 +4,6 @@
 #include <CLI/App.hpp>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -93,9 +92,8 @@ Json row_json(const BenchRow& row, const Measured& measured, const Measured& cpu
             {"copy_ratio", json_or_null(row.copy_ratio)},
             {"times_opencv", json_or_null(row.times_opencv)},
             {"different_cells", json_or_null(row.different)}};
-  const BenchRow* const beside = same_row(cpu, row);
-  const bool has_ratio = &measured != &cpu && beside != nullptr;
-  json["times_cpu"] = has_ratio ? Json(times_cpu(*beside, row, measured.basis)) : Json();
+  const BenchRow* const beside = &measured != &cpu ? same_row(cpu, row) : nullptr;
+  json["times_cpu"] = beside != nullptr ? Json(times_cpu(*beside, row, measured.basis)) : Json();
   return json;
 }
 
@@ -141,25 +139,29 @@ struct NameWidths {
 // Three digits: a rate may be 1e-4 or 40 thousand million a second.
 std::string giga(double rate) { return fmt::format("{:.3g}", rate * 1e-9); }
 
-std::string cpu_line(const NameWidths& widths, const std::string& name, const std::string& variant,
-                     const std::array<std::string, 7>& cells) {
-  return fmt::format("{:<{}}  {:<{}} {:>10} {:>18} {:>10} {:>14} {:>6} {:>8} {:>9}\n", name, widths.name, variant,
-                     widths.variant, cells[0], cells[1], cells[2], cells[3], cells[4], cells[5], cells[6]);
+std::string line(const NameWidths& widths, const std::string& name, const std::string& variant,
+                 const std::string& columns) {
+  return fmt::format("{:<{}}  {:<{}} {}\n", name, widths.name, variant, widths.variant, columns);
 }
 
+constexpr std::string_view kCpuColumns = "{:>10} {:>18} {:>10} {:>14} {:>6} {:>8} {:>9}";
+
 std::string cpu_row_text(const NameWidths& widths, const BenchRow& row) {
-  return cpu_line(
-      widths, row.name, row.variant,
-      {microseconds(row.timing.cpu_s), microseconds(row.timing.fastest_s) + "-" + microseconds(row.timing.slowest_s),
-       microseconds(row.timing.wall_s), giga(rate_of(row, Basis::kCpu)) + " G " + row.unit, share_text(row),
-       row.times_opencv ? fmt::format("{:.1f}", *row.times_opencv) : "",
-       row.different ? fmt::format("{}", *row.different) : ""});
+  const Timing& time = row.timing;
+  return line(widths, row.name, row.variant,
+              fmt::format(kCpuColumns, microseconds(time.cpu_s),
+                          microseconds(time.fastest_s) + "-" + microseconds(time.slowest_s), microseconds(time.wall_s),
+                          giga(rate_of(row, Basis::kCpu)) + " G " + row.unit, share_text(row),
+                          row.times_opencv ? fmt::format("{:.1f}", *row.times_opencv) : "",
+                          row.different ? std::to_string(*row.different) : ""));
 }
 
 std::string cpu_report(const Measured& cpu) {
   const NameWidths widths(cpu.rows);
   std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu);
-  text += cpu_line(widths, "", "", {"CPU us", "spread", "wall us", "per CPU second", "copy", "xOpenCV", "different"});
+  text +=
+      line(widths, "", "",
+           fmt::format(kCpuColumns, "CPU us", "spread", "wall us", "per CPU second", "copy", "xOpenCV", "different"));
   for (const BenchRow& row : cpu.rows) text += cpu_row_text(widths, row);
   text += "copy: time of a plain copy of the bytes read and written, over the time. ";
   text += opencv_version().empty() ? "This build has no OpenCV to compare with.\n"
@@ -168,32 +170,28 @@ std::string cpu_report(const Measured& cpu) {
   return text;
 }
 
-std::string pair_line(const NameWidths& widths, const std::string& name, const std::string& variant,
-                      const std::array<std::string, 10>& cells) {
-  return fmt::format("{:<{}}  {:<{}} {:>9} | {:>10} {:>8} {:>5} | {:>10} {:>10} {:>10} {:>10} {:>5} | {:>7}\n", name,
-                     widths.name, variant, widths.variant, cells[0], cells[1], cells[2], cells[3], cells[4], cells[5],
-                     cells[6], cells[7], cells[8], cells[9]);
-}
+constexpr std::string_view kPairColumns = "{:>9} | {:>10} {:>8} {:>5} | {:>10} {:>10} {:>10} {:>10} {:>5} | {:>7}";
 
 std::string pair_row_text(const NameWidths& widths, const BenchRow& row, const Measured& device, const Measured& cpu) {
   const BenchRow* const beside = same_row(cpu, row);
   const bool has_cpu = beside != nullptr;
-  return pair_line(
+  return line(
       widths, row.name, row.variant,
-      {row.unit, has_cpu ? microseconds(beside->timing.wall_s) : "", has_cpu ? giga(rate_of(*beside, cpu.basis)) : "",
-       has_cpu ? share_text(*beside) : "", microseconds(row.timing.wall_s), microseconds(row.timing.cpu_s),
-       row.timing.device_s ? microseconds(*row.timing.device_s) : "-", giga(rate_of(row, device.basis)),
-       share_text(row), has_cpu ? fmt::format("{:.2f}", times_cpu(*beside, row, device.basis)) : ""});
+      fmt::format(kPairColumns, row.unit, has_cpu ? microseconds(beside->timing.wall_s) : "",
+                  has_cpu ? giga(rate_of(*beside, cpu.basis)) : "", has_cpu ? share_text(*beside) : "",
+                  microseconds(row.timing.wall_s), microseconds(row.timing.cpu_s),
+                  row.timing.device_s ? microseconds(*row.timing.device_s) : "-", giga(rate_of(row, device.basis)),
+                  share_text(row), has_cpu ? fmt::format("{:.2f}", times_cpu(*beside, row, device.basis)) : ""));
 }
 
 std::string pair_report(const Measured& cpu, const Measured& device) {
   const NameWidths widths(device.rows);
   std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu) + device_line(device);
   text += fmt::format("{:<{}} | {:^25} | {:^49} |\n", "", widths.name + widths.variant + 12, "cpu", device.name);
-  text +=
-      pair_line(widths, "", "",
-                {"unit", "wall us", "G/CPU s", "copy", "wall us", "CPU us", "device us",
-                 fmt::format("G/{} s", device.basis == Basis::kCpu ? "CPU" : as_text(device.basis)), "copy", "x CPU"});
+  text += line(
+      widths, "", "",
+      fmt::format(kPairColumns, "unit", "wall us", "G/CPU s", "copy", "wall us", "CPU us", "device us",
+                  fmt::format("G/{} s", device.basis == Basis::kCpu ? "CPU" : as_text(device.basis)), "copy", "x CPU"));
   for (const BenchRow& row : device.rows) text += pair_row_text(widths, row, device, cpu);
   text +=
       "wall us, CPU us: of the process, all its threads; device us: by the device's own clock. G/s: 1e9 units of work "

@@ -60,13 +60,10 @@ BenchRow bench_case(Backend& backend, const KernelCase& kernel_case, const Timin
     sizes.push_back(buffer.content.size());
   }
   const auto dispatch = [&] { backend.dispatch(*kernel_case.kernel, bound, kernel_case.params, kernel_case.threads); };
-  BenchRow row;
-  row.group = "kernel";
-  row.name = kernel_case.kernel->name;
-  row.variant = kernel_case.name;
-  row.unit = kernel_case.kernel->work_unit;
-  row.work = static_cast<double>(kernel_case.kernel->work({sizes, kernel_case.params, kernel_case.threads}));
-  row.timing = measure(work_on(backend, buffers.back(), dispatch), options);
+  BenchRow row =
+      measured_row("kernel", kernel_case.kernel->name, kernel_case.name, kernel_case.kernel->work_unit,
+                   static_cast<double>(kernel_case.kernel->work({sizes, kernel_case.params, kernel_case.threads})),
+                   work_on(backend, buffers.back(), dispatch), options);
   if (row.unit != "look-up" && touches_most(kernel_case, row.work)) {  // look-ups are bound by latency, not by bytes
     row.copy_ratio =
         copy_seconds(backend, traffic_bytes(kernel_case), options) / seconds_of(row.timing, basis_of(backend));

@@ -1,6 +1,7 @@
 // What `gdtslam bench` measures on a backend: the kernels on the benchmark cases of the shared list, whole distance
 // transforms, whole scans and sweeps, clouds in files and thinned, and OpenCV's distance transform beside them when the
-// build has it.
+// build has it. Times are taken on a machine that does other things as well: of many samples the median counts and the
+// spread is told.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +13,38 @@
 
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/cloud.hpp"
-#include "timing.hpp"
 
 namespace gdtslam {
+
+struct TimingOptions {
+  int samples = 15;         ///< at most
+  double sample_s = 0.004;  ///< a sample repeats the work until it takes this long
+  double longest_s = 2.0;   ///< no further sample after this long, once there are kFewestSamples
+  static constexpr int kFewestSamples = 3;
+};
+
+/// Something to be timed. Steps are put in line, then waited for together, so that what a wait costs does not count for
+/// each of them; the times are those of one step.
+struct Work {
+  std::function<void()> step;
+  std::function<void()> wait{};  ///< empty: a step is done when it returns
+  std::function<double()>
+      device_ns{};  ///< the device's time for what was waited for last, negative where it cannot tell
+  int most_in_line = 1 << 20;
+};
+
+/// Seconds for one step.
+struct Timing {
+  double wall_s = 0.0;     ///< median
+  double cpu_s = 0.0;      ///< median over the samples, all threads of the process
+  double fastest_s = 0.0;  ///< CPU time of the fastest and of the slowest sample
+  double slowest_s = 0.0;
+  std::optional<double> device_s;  ///< median, by the device's clock
+  int samples = 0;
+};
+
+/// Throws Error(kInterrupted) where a signal came in between.
+Timing measure(const Work& work, const TimingOptions& options);
 
 /// One measurement.
 struct BenchRow {
@@ -28,6 +58,10 @@ struct BenchRow {
   std::optional<double> times_opencv;  ///< OpenCV's CPU time over ours, for the same result
   std::optional<std::uint64_t> different;  ///< cells that differ from the exact transform
 };
+
+/// Measures what does so many units of work. Throws as measure().
+BenchRow measured_row(std::string_view group, std::string_view name, std::string_view variant, std::string_view unit,
+                      double work, const Work& timed, const TimingOptions& options);
 
 /// Whose seconds a rate is per: CPU time where a CPU does the work, be it as a Vulkan device; else the device's own
 /// clock; else wall time.
@@ -83,13 +117,5 @@ std::vector<FloodErrorRow> flood_errors(Backend& backend, std::uint32_t size);
 
 /// The version of OpenCV that is measured, or empty.
 std::string opencv_version();
-
-/// Seeds as OpenCV's distance transform takes them: it measures the distance to zeros.
-std::vector<std::uint8_t> opencv_input(const std::vector<std::uint8_t>& seeds);
-/// OpenCV's distance transform on one thread: fills `distance` (one float a cell, `size` a row). Throws
-/// UnavailableError without OpenCV.
-enum class OpenCvMask { kPrecise, kFive };
-void opencv_distance(std::vector<std::uint8_t>& input, std::uint32_t size, OpenCvMask mask,
-                     std::vector<float>& distance);
 
 }  // namespace gdtslam

@@ -136,41 +136,32 @@ class ScanBench {
   Buffer costs_;
 };
 
-BenchRow scan_row(const std::string& variant, std::string unit, double work, const Work& timed,
-                  const TimingOptions& options) {
-  BenchRow row;
-  row.group = "scan";
-  row.name = "scan";
-  row.variant = variant;
-  row.unit = std::move(unit);
-  row.work = work;
-  row.timing = measure(timed, options);
-  return row;
-}
-
 }  // namespace
 
 std::vector<BenchRow> bench_scans(Backend& backend, const TimingOptions& options) {
   ScanBench bench(backend);
   const std::string size = "361 points, 1e5 candidates";
   std::vector<BenchRow> rows;
+  const auto add = [&](const std::string& variant, const char* unit, double work, const Work& timed) {
+    rows.push_back(measured_row("scan", "scan", variant, unit, work, timed, options));
+  };
   // A match waits for its own result.
   const Work match{.step = [&bench] { bench.match(); }, .device_ns = clock_of(backend), .most_in_line = 1};
-  rows.push_back(scan_row("match: " + size, "candidate", kCandidates, match, options));
+  add("match: " + size, "candidate", kCandidates, match);
   bench.require_found();
   const Work merge = work_on(backend, bench.map_buffer(), [&bench] { bench.merge(); });
-  rows.push_back(scan_row("merge: 512x512 window", "cell", bench.window_cells(), merge, options));
+  add("merge: 512x512 window", "cell", bench.window_cells(), merge);
   Work both = work_on(backend, bench.map_buffer(), [&bench] {
     bench.match();
     bench.merge();
   });
   both.device_ns = nullptr;  // two submissions: the clock tells of the last
-  rows.push_back(scan_row("match and merge: " + size, "candidate", kCandidates, both, options));
+  add("match and merge: " + size, "candidate", kCandidates, both);
   bench.require_found();
   bench.prepare_costs();
   Work costs = work_on(backend, bench.costs(), [&bench] { bench.cost_many(); });
   costs.most_in_line = 1;  // one of them keeps a slow device busy for seconds
-  rows.push_back(scan_row("cost: 361 points, 1e6 candidates", "look-up", bench.many_look_ups(), costs, options));
+  add("cost: 361 points, 1e6 candidates", "look-up", bench.many_look_ups(), costs);
   return rows;
 }
 

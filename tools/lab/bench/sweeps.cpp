@@ -65,14 +65,9 @@ std::vector<BenchRow> bench_sweeps(Backend& backend, const TimingOptions& option
   };
   sweep();
   if (sink.count != kScans * kBeams) throw Error(ExitCode::kFailed, "bench: beams of a sweep were lost");
-  BenchRow row;
-  row.group = "sweep";
-  row.name = "assemble_sweep";
-  row.variant = std::to_string(kScans) + " scans of " + std::to_string(kBeams) + " beams";
-  row.unit = "beam";
-  row.work = static_cast<double>(kScans * kBeams);
-  row.timing = measure({.step = sweep}, options);
-  return {row};
+  return {measured_row("sweep", "assemble_sweep",
+                       std::to_string(kScans) + " scans of " + std::to_string(kBeams) + " beams", "beam",
+                       static_cast<double>(kScans * kBeams), {.step = sweep}, options)};
 }
 
 }  // namespace gdtslam

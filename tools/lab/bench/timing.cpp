@@ -1,27 +1,18 @@
-#include "timing.hpp"
-
 #include <algorithm>
 #include <chrono>
-#include <ctime>
+#include <string>
 #include <vector>
 
+#include "engine/core/quantile.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
+#include "rows.hpp"
 #include "tools/gdtslam/shell/interrupt.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr int kMostRepeats = 1 << 20;
-
-double cpu_now_s() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double wall_now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Seconds for one step.
 struct Sample {
@@ -31,10 +22,10 @@ struct Sample {
 };
 
 Sample take_sample(const Work& work, int repeats) {
+  Sample sample;
   double device_ns = 0.0;
   bool has_device_ns = static_cast<bool>(work.device_ns);
-  const double wall_start = wall_now_s();
-  const double cpu_start = cpu_now_s();
+  Stopwatch watch;
   for (int done = 0; done < repeats;) {
     const int end = std::min(repeats, done + work.most_in_line);
     for (; done < end; ++done) work.step();
@@ -44,8 +35,11 @@ Sample take_sample(const Work& work, int repeats) {
     has_device_ns = has_device_ns && ns >= 0.0;
     device_ns += ns;
   }
-  return {(wall_now_s() - wall_start) / repeats, (cpu_now_s() - cpu_start) / repeats,
-          has_device_ns ? device_ns * 1e-9 / repeats : -1.0};
+  watch.add_to(sample.wall_s, sample.cpu_s);
+  if (has_device_ns) sample.device_s = device_ns * 1e-9 / repeats;
+  sample.wall_s /= repeats;
+  sample.cpu_s /= repeats;
+  return sample;
 }
 
 /// Repeats that fill a sample; the trials warm caches and pages up.
@@ -55,22 +49,23 @@ int repeats_for(const Work& work, double sample_s) {
   return repeats;
 }
 
-double median(std::vector<Sample> samples, double Sample::*time) {
-  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-  std::nth_element(samples.begin(), middle, samples.end(),
-                   [time](const Sample& a, const Sample& b) { return a.*time < b.*time; });
-  return (*middle).*time;
+double median(const std::vector<Sample>& samples, double Sample::*time) {
+  std::vector<double> times;
+  for (const Sample& sample : samples) times.push_back(sample.*time);
+  return value_at_share(times, 0.5);
 }
 
 }  // namespace
 
 Timing measure(const Work& work, const TimingOptions& options) {
   const int repeats = repeats_for(work, options.sample_s);
-  const double start_s = wall_now_s();
+  const auto start = std::chrono::steady_clock::now();
   std::vector<Sample> samples;
   for (int i = 0; i < options.samples; ++i) {
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is printed");
-    if (i >= TimingOptions::kFewestSamples && wall_now_s() - start_s > options.longest_s) break;
+    if (i >= TimingOptions::kFewestSamples &&
+        std::chrono::steady_clock::now() - start > std::chrono::duration<double>(options.longest_s))
+      break;
     samples.push_back(take_sample(work, repeats));
   }
   const auto [fastest, slowest] = std::minmax_element(
@@ -81,6 +76,19 @@ Timing measure(const Work& work, const TimingOptions& options) {
   const double device_s = median(samples, &Sample::device_s);
   if (device_s > 0.0) timing.device_s = device_s;
   return timing;
+}
+
+BenchRow measured_row(std::string_view group, std::string_view name, std::string_view variant, std::string_view unit,
+                      double work, const Work& timed, const TimingOptions& options) {
+  return {.group = std::string(group),
+          .name = std::string(name),
+          .variant = std::string(variant),
+          .unit = std::string(unit),
+          .work = work,
+          .timing = measure(timed, options),
+          .copy_ratio = {},
+          .times_opencv = {},
+          .different = {}};
 }
 
 }  // namespace gdtslam

@@ -8,6 +8,10 @@
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "rows.hpp"
 
+#ifdef GDTSLAM_HAVE_OPENCV
+#include <opencv2/imgproc.hpp>
+#endif
+
 namespace gdtslam {
 namespace {
 
@@ -68,16 +72,10 @@ class Square {
   Buffer result_;
 };
 
-BenchRow transform_row(std::string name, const std::string& variant, std::uint32_t size, const Work& work,
+BenchRow transform_row(std::string_view name, const std::string& variant, std::uint32_t size, const Work& work,
                        const TimingOptions& options) {
-  BenchRow row;
-  row.group = "transform";
-  row.name = std::move(name);
-  row.variant = std::to_string(size) + "x" + std::to_string(size) + " " + variant;
-  row.unit = "cell";
-  row.work = static_cast<double>(size) * size;
-  row.timing = measure(work, options);
-  return row;
+  return measured_row("transform", name, std::to_string(size) + "x" + std::to_string(size) + " " + variant, "cell",
+                      static_cast<double>(size) * size, work, options);
 }
 
 std::uint64_t count_different(const std::vector<std::uint16_t>& exact, const std::vector<std::uint16_t>& found,
@@ -89,18 +87,22 @@ std::uint64_t count_different(const std::vector<std::uint16_t>& exact, const std
   return different;
 }
 
-void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<std::uint16_t>& exact,
+#ifdef GDTSLAM_HAVE_OPENCV
+// The peer, on one thread. OpenCV is optional and serves this comparison only.
+void add_opencv(std::vector<BenchRow>& rows, const Square& square, const std::vector<std::uint16_t>& exact,
                 std::uint32_t size, const TimingOptions& options) {
-  if (opencv_version().empty() || square.cells() != std::size_t{size} * size) return;
-  std::vector<std::uint8_t> input = opencv_input(square.seeds());
-  struct Mask {
-    OpenCvMask mask;
-    const char* name;
-  };
-  for (const Mask& peer : {Mask{OpenCvMask::kPrecise, "DIST_MASK_PRECISE"}, Mask{OpenCvMask::kFive, "DIST_MASK_5"}}) {
-    std::vector<float> distance;
-    BenchRow row = transform_row("OpenCV " + opencv_version(), peer.name, size,
-                                 {.step = [&] { opencv_distance(input, size, peer.mask, distance); }}, options);
+  if (square.cells() != std::size_t{size} * size) return;
+  std::vector<std::uint8_t> input;  // OpenCV measures the distance to zeros
+  for (const std::uint8_t seed : square.seeds()) input.push_back(seed == 0 ? 1 : 0);
+  std::vector<float> distance(input.size());
+  const int side = static_cast<int>(size);
+  const cv::Mat source(side, side, CV_8UC1, input.data());
+  cv::Mat target(side, side, CV_32FC1, distance.data());
+  cv::setNumThreads(1);
+  for (const auto& [mask, name] :
+       {std::pair{cv::DIST_MASK_PRECISE, "DIST_MASK_PRECISE"}, std::pair{cv::DIST_MASK_5, "DIST_MASK_5"}}) {
+    const auto transform = [&, mask = mask] { cv::distanceTransform(source, target, cv::DIST_L2, mask); };
+    BenchRow row = transform_row("OpenCV " + opencv_version(), name, size, {.step = transform}, options);
     row.group = "peer";
     row.different = 0;
     for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -110,8 +112,17 @@ void add_opencv(std::vector<BenchRow>& rows, Square& square, const std::vector<s
     rows.push_back(std::move(row));
   }
 }
+#endif
 
 }  // namespace
+
+std::string opencv_version() {
+#ifdef GDTSLAM_HAVE_OPENCV
+  return CV_VERSION;
+#else
+  return {};
+#endif
+}
 
 std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, const TimingOptions& options) {
   Square square(backend, SeedPattern::kWalls, size);
@@ -134,7 +145,9 @@ std::vector<BenchRow> bench_transforms(Backend& backend, std::uint32_t size, con
                                  square.work([&] { square.flood(steps, kFarRadius); }), options));
     rows.back().different = jump_flood_error(exact, square.distances(), square.shape()).wrong_cells;
   }
+#ifdef GDTSLAM_HAVE_OPENCV
   if (backend.device().kind == "cpu") add_opencv(rows, square, exact, size, options);
+#endif
   for (const BenchRow& peer : rows) {
     if (peer.group != "peer" || !peer.variant.ends_with("PRECISE")) continue;
     for (BenchRow& row : rows) row.times_opencv = peer.timing.cpu_s / row.timing.cpu_s;

@@ -21,10 +21,8 @@
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/gdtslam/shell/whole_number.hpp"
 #include "tools/gdtslam/shell/written_files.hpp"
-#include "tools/lab/matchers/picture.hpp"
+#include "tools/lab/matchers/output.hpp"
 #include "tools/lab/matchers/run.hpp"
-#include "tools/lab/matchers/table.hpp"
-#include "tools/lab/matchers/whole.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "gdtslam/core/angle.hpp"
-#include "tools/lab/matchers/table.hpp"
+#include "tools/lab/matchers/output.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,36 +1,34 @@
-#include "figures.hpp"
-
 #include <algorithm>
-#include <cmath>
+#include <functional>
 
 #include "gdtslam/core/angle.hpp"
+#include "run.hpp"
 
 namespace gdtslam {
 namespace {
 
-struct Values {
-  std::vector<double> distance_m;
-  std::vector<double> x_m;
-  std::vector<double> y_m;
-  std::vector<double> theta_deg;
-  std::vector<double> evaluations;
-  std::vector<double> seconds;
-  Share success;
-  Share optimal;
-
-  void add(const CompareTrial& trial) {
-    distance_m.push_back(trial.distance_m);
-    x_m.push_back(trial.x_m);
-    y_m.push_back(trial.y_m);
-    theta_deg.push_back(deg_from_rad(trial.theta_rad));
-    evaluations.push_back(trial.evaluations);
-    seconds.push_back(trial.seconds);
-    success.count += trial.is_success() ? 1U : 0U;
-    ++success.of;
-    optimal.count += trial.is_optimal ? 1U : 0U;
-    ++optimal.of;
+std::vector<CompareTrial> trials_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
+                                    ScanKind kind) {
+  std::vector<CompareTrial> trials;
+  for (const CompareTrial& trial : outcome.trials) {
+    const bool is_meant = trial.method == method && trial.level == level;
+    if (is_meant && kind_of(outcome.scans[trial.scan]) == kind) trials.push_back(trial);
   }
-};
+  return trials;
+}
+
+// Of a member or a function of them.
+template <class Value>
+std::vector<double> values_of(const std::vector<CompareTrial>& trials, const Value& value) {
+  std::vector<double> values;
+  for (const CompareTrial& trial : trials) values.push_back(static_cast<double>(std::invoke(value, trial)));
+  return values;
+}
+
+template <class Test>
+Share share_of(const std::vector<CompareTrial>& trials, const Test& test) {
+  return {static_cast<std::uint64_t>(std::count_if(trials.begin(), trials.end(), std::mem_fn(test))), trials.size()};
+}
 
 }  // namespace
 
@@ -46,23 +44,20 @@ std::uint64_t count_of(const CompareOutcome& outcome, ScanKind kind) {
 
 std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
                                       ScanKind kind) {
-  std::vector<Values> values(job.methods.size());
-  for (const CompareTrial& trial : outcome.trials) {
-    if (trial.level == level && kind_of(outcome.scans[trial.scan]) == kind) values[trial.method].add(trial);
-  }
   std::vector<MethodFigures> figures;
   double simplex_s = 0.0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const Values& v = values[k];
+  for (std::uint32_t k = 0; k < job.methods.size(); ++k) {
+    const std::vector<CompareTrial> trials = trials_of(outcome, k, level, kind);
+    const auto summary = [&trials](const auto& value) { return summarise(values_of(trials, value)); };
     figures.push_back({.method = std::string(to_string(job.methods[k])),
-                       .distance_m = summarise(v.distance_m),
-                       .x_m = summarise(v.x_m),
-                       .y_m = summarise(v.y_m),
-                       .theta_deg = summarise(v.theta_deg),
-                       .success = v.success,
-                       .optimal = v.optimal,
-                       .evaluations = summarise(v.evaluations),
-                       .seconds = summarise(v.seconds)});
+                       .distance_m = summary(&CompareTrial::distance_m),
+                       .x_m = summary(&CompareTrial::x_m),
+                       .y_m = summary(&CompareTrial::y_m),
+                       .theta_deg = summary([](const CompareTrial& trial) { return deg_from_rad(trial.theta_rad); }),
+                       .success = share_of(trials, &CompareTrial::is_success),
+                       .optimal = share_of(trials, &CompareTrial::is_optimal),
+                       .evaluations = summary(&CompareTrial::evaluations),
+                       .seconds = summary(&CompareTrial::seconds)});
     if (job.methods[k] == MatcherKind::kSimplex) simplex_s = figures.back().seconds.mean;
   }
   for (MethodFigures& method : figures) method.time_ratio = simplex_s > 0.0 ? method.seconds.mean / simplex_s : 0.0;
@@ -71,13 +66,7 @@ std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcom
 
 std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
                                  ScanKind kind) {
-  std::vector<double> distances;
-  for (const CompareTrial& trial : outcome.trials) {
-    if (trial.method == method && trial.level == level && kind_of(outcome.scans[trial.scan]) == kind) {
-      distances.push_back(trial.distance_m);
-    }
-  }
-  return distances;
+  return values_of(trials_of(outcome, method, level, kind), &CompareTrial::distance_m);
 }
 
 }  // namespace gdtslam

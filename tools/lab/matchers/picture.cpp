@@ -1,5 +1,3 @@
-#include "picture.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +6,7 @@
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/drawing/plot.hpp"
-#include "table.hpp"
+#include "output.hpp"
 
 namespace gdtslam {
 namespace {

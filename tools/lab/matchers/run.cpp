@@ -77,16 +77,144 @@ class Comparison {
     outcome_.every = every;
   }
 
-  CompareOutcome run(ScanStream& scans, const CompareProgress& progress, const std::function<bool()>& stop);
+  CompareOutcome run(ScanStream& scans, const CompareProgress& progress, const std::function<bool()>& stop) {
+    for (std::optional<ScanRecord> record = scans.next(); record; record = scans.next()) {
+      if (stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+      const Pose2 predicted = motion_.predict(record->T_odom_base).T_map_base;
+      // The first scan is the map; it cannot be matched.
+      const bool is_chosen = outcome_.scans_read % outcome_.every == outcome_.every / 2 && outcome_.scans_read > 0;
+      const std::size_t trials = outcome_.trials.size();
+      const bool is_measured = is_chosen && measure(*record, predicted);
+      outcome_.too_few += is_chosen && !is_measured ? 1 : 0;
+      const MatchResult match = mapper_.process(record->scan, record->T_odom_base);
+      motion_.correct(match.T_map_base, match.accepted);
+      if (is_measured && !match.accepted) {
+        outcome_.scans.pop_back();
+        outcome_.trials.resize(trials);
+        ++outcome_.refused;
+      }
+      ++outcome_.scans_read;
+      progress(outcome_.scans_read, scans.progress());
+    }
+    return std::move(outcome_);
+  }
 
  private:
-  bool measure(const ScanRecord& record, const Pose2& predicted);
-  bool choose_points(const ScanRecord& record, const Pose2& predicted);
-  End run_method(MatcherKind method, const CompareProblem& problem, const Start& start);
-  [[nodiscard]] std::vector<End> run_methods(const CompareProblem& problem, const std::vector<Start>& starts);
-  void settle(GlobalSolution& global, const std::vector<End>& ends);
-  void note(const ScanRecord& record, const GlobalSolution& global, const std::vector<End>& ends);
-  [[nodiscard]] CompareTrial trial_of(const End& end, const GlobalSolution& global) const;
+  // Equation (8) with the widest threshold there is: points that lie, where the odometry says, over cells that know
+  // nothing cannot tell where the robot is. The same points for all methods and starts.
+  bool choose_points(const ScanRecord& record, const Pose2& predicted) {
+    const std::vector<PointCells> all =
+        in_cells(points_of(record.scan, valid_ranges(job_.mapper)), job_.mapper.map.resolution_m);
+    objective_.set_anchor(map_cell_of(predicted.translation(), job_.mapper.map.resolution_m));
+    objective_.set_cap(mapper_.field().cap());
+    objective_.residuals(objective_.to_cells(predicted), all, values_);
+    points_.clear();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (values_[i] < mapper_.field().cap()) points_.push_back(all[i]);
+    }
+    const std::size_t every = (points_.size() + kMostCertifiedPoints - 1) / kMostCertifiedPoints;
+    if (every > 1) {
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < points_.size(); i += every) points_[kept++] = points_[i];
+      points_.resize(kept);
+    }
+    objective_.set_points(points_);
+    return points_.size() >= static_cast<std::size_t>(job_.mapper.scan.min_points);
+  }
+
+  bool measure(const ScanRecord& record, const Pose2& predicted) {
+    if (!choose_points(record, predicted)) return false;
+    const CertifiedMap map(field_view(mapper_.field()), isa_);
+    const CompareProblem problem{objective_, map, job_.mapper};
+    const CellPose from = objective_.to_cells(predicted);
+    GlobalSolution global = global_solution(problem, from, widest_reach(job_), job_.global);
+    const std::vector<End> ends = run_methods(problem, starts_of(job_, from, global.pose, outcome_.scans_read));
+    settle(global, ends);
+    note(record, global, ends);
+    return true;
+  }
+
+  End run_method(MatcherKind method, const CompareProblem& problem, const Start& start) {
+    End end;
+    end.start = start;
+    double wall_s = 0.0;
+    Stopwatch watch;
+    end.found = minimise_by(method, problem, start.pose, start.reach);
+    watch.add_to(wall_s, end.seconds);
+    end.found.cost = objective_.evaluate(end.found.pose);
+    return end;
+  }
+
+  std::vector<End> run_methods(const CompareProblem& problem, const std::vector<Start>& starts) {
+    std::vector<End> ends;
+    for (const Start& start : starts) {
+      // Once unmeasured: the fastest methods would pay for fetching the field, the points, their code and the clock's.
+      run_method(MatcherKind::kSimplexNewton, problem, start);
+      for (std::uint32_t method = 0; method < job_.methods.size(); ++method) {
+        End end = run_method(job_.methods[method], problem, start);
+        end.method = method;
+        ends.push_back(end);
+      }
+    }
+    return ends;
+  }
+
+  // A method may have ended below the solution, by less than the gap where that is proven: nothing in the window is
+  // better than the best pose known.
+  void settle(GlobalSolution& global, const std::vector<End>& ends) {
+    const auto best = std::min_element(ends.begin(), ends.end(),
+                                       [](const End& a, const End& b) { return a.found.cost < b.found.cost; });
+    if (best == ends.end() || best->found.cost >= global.cost ||
+        !global.window.holds(objective_.to_metres(best->found.pose))) {
+      return;
+    }
+    const LocalMinimum end = polished(objective_, best->found.pose);
+    global.pose = end.pose;
+    global.cost = end.cost;
+    global.bound = std::min(global.bound, end.cost);
+    ++outcome_.better;
+  }
+
+  CompareTrial trial_of(const End& end, const GlobalSolution& global) const {
+    const Pose2 solution = objective_.to_metres(global.pose);
+    const Pose2 from = objective_.to_metres(end.start.pose);
+    const Pose2 to = objective_.to_metres(end.found.pose);
+    const std::uint32_t excess = end.found.cost - std::min(global.bound, end.found.cost);
+    const double resolution_m = job_.mapper.map.resolution_m;
+    CompareTrial trial;
+    trial.scan = static_cast<std::uint32_t>(outcome_.scans.size() - 1);
+    trial.method = end.method;
+    trial.level = end.start.level;
+    trial.start = end.start.number;
+    trial.start_m = (from.translation() - solution.translation()).norm();
+    trial.start_rad = std::fabs(wrap_angle(from.theta_rad - solution.theta_rad));
+    trial.x_m = std::fabs(to.x_m - solution.x_m);
+    trial.y_m = std::fabs(to.y_m - solution.y_m);
+    trial.theta_rad = std::fabs(wrap_angle(to.theta_rad - solution.theta_rad));
+    trial.distance_m = (to.translation() - solution.translation()).norm();
+    trial.excess_m = mean_cost_m(excess, points_.size(), resolution_m);
+    trial.is_optimal = global.is_certified && excess <= cost_of(job_.global.gap_m, points_.size(), resolution_m);
+    trial.evaluations = end.found.evaluations;
+    trial.seconds = end.seconds;
+    return trial;
+  }
+
+  void note(const ScanRecord& record, const GlobalSolution& global, const std::vector<End>& ends) {
+    const double resolution_m = job_.mapper.map.resolution_m;
+    CompareScan scan;
+    scan.index = outcome_.scans_read;
+    scan.stamp_s = record.scan.stamp_s;
+    scan.points = static_cast<std::uint32_t>(points_.size());
+    scan.T_map_base = objective_.to_metres(global.pose);
+    scan.mean_cost_m = mean_cost_m(global.cost, points_.size(), resolution_m);
+    scan.mean_bound_m = mean_cost_m(global.bound, points_.size(), resolution_m);
+    scan.is_certified = global.is_certified;
+    scan.hold = constraint_strength(line_information(points_, resolution_m));
+    scan.boxes = global.boxes;
+    scan.seconds = global.seconds;
+    outcome_.scans.push_back(scan);
+    for (const End& end : ends) outcome_.trials.push_back(trial_of(end, global));
+  }
 
   const CompareJob& job_;
   Isa isa_;
@@ -97,144 +225,6 @@ class Comparison {
   std::vector<std::uint16_t> values_;
   CompareOutcome outcome_;
 };
-
-// Equation (8) with the widest threshold there is: points that lie, where the odometry says, over cells that know
-// nothing cannot tell where the robot is. The same points for all methods and starts.
-bool Comparison::choose_points(const ScanRecord& record, const Pose2& predicted) {
-  const std::vector<PointCells> all =
-      in_cells(points_of(record.scan, valid_ranges(job_.mapper)), job_.mapper.map.resolution_m);
-  objective_.set_anchor(map_cell_of(predicted.translation(), job_.mapper.map.resolution_m));
-  objective_.set_cap(mapper_.field().cap());
-  objective_.residuals(objective_.to_cells(predicted), all, values_);
-  points_.clear();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (values_[i] < mapper_.field().cap()) points_.push_back(all[i]);
-  }
-  const std::size_t every = (points_.size() + kMostCertifiedPoints - 1) / kMostCertifiedPoints;
-  if (every > 1) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < points_.size(); i += every) points_[kept++] = points_[i];
-    points_.resize(kept);
-  }
-  objective_.set_points(points_);
-  return points_.size() >= static_cast<std::size_t>(job_.mapper.scan.min_points);
-}
-
-bool Comparison::measure(const ScanRecord& record, const Pose2& predicted) {
-  if (!choose_points(record, predicted)) return false;
-  const CertifiedMap map(field_view(mapper_.field()), isa_);
-  const CompareProblem problem{objective_, map, job_.mapper};
-  const CellPose from = objective_.to_cells(predicted);
-  GlobalSolution global = global_solution(problem, from, widest_reach(job_), job_.global);
-  const std::vector<End> ends = run_methods(problem, starts_of(job_, from, global.pose, outcome_.scans_read));
-  settle(global, ends);
-  note(record, global, ends);
-  return true;
-}
-
-End Comparison::run_method(MatcherKind method, const CompareProblem& problem, const Start& start) {
-  End end;
-  end.start = start;
-  double wall_s = 0.0;
-  Stopwatch watch;
-  end.found = minimise_by(method, problem, start.pose, start.reach);
-  watch.add_to(wall_s, end.seconds);
-  end.found.cost = objective_.evaluate(end.found.pose);
-  return end;
-}
-
-std::vector<End> Comparison::run_methods(const CompareProblem& problem, const std::vector<Start>& starts) {
-  std::vector<End> ends;
-  for (const Start& start : starts) {
-    // Once unmeasured: the fastest methods would pay for fetching the field, the points, their code and the clock's.
-    run_method(MatcherKind::kSimplexNewton, problem, start);
-    for (std::uint32_t method = 0; method < job_.methods.size(); ++method) {
-      End end = run_method(job_.methods[method], problem, start);
-      end.method = method;
-      ends.push_back(end);
-    }
-  }
-  return ends;
-}
-
-// A method may have ended below the solution, by less than the gap where that is proven: nothing in the window is
-// better than the best pose known.
-void Comparison::settle(GlobalSolution& global, const std::vector<End>& ends) {
-  const auto best = std::min_element(ends.begin(), ends.end(),
-                                     [](const End& a, const End& b) { return a.found.cost < b.found.cost; });
-  if (best == ends.end() || best->found.cost >= global.cost ||
-      !global.window.holds(objective_.to_metres(best->found.pose))) {
-    return;
-  }
-  const LocalMinimum end = polished(objective_, best->found.pose);
-  global.pose = end.pose;
-  global.cost = end.cost;
-  global.bound = std::min(global.bound, end.cost);
-  ++outcome_.better;
-}
-
-CompareTrial Comparison::trial_of(const End& end, const GlobalSolution& global) const {
-  const Pose2 solution = objective_.to_metres(global.pose);
-  const Pose2 from = objective_.to_metres(end.start.pose);
-  const Pose2 to = objective_.to_metres(end.found.pose);
-  const std::uint32_t excess = end.found.cost - std::min(global.bound, end.found.cost);
-  const double resolution_m = job_.mapper.map.resolution_m;
-  CompareTrial trial;
-  trial.scan = static_cast<std::uint32_t>(outcome_.scans.size() - 1);
-  trial.method = end.method;
-  trial.level = end.start.level;
-  trial.start = end.start.number;
-  trial.start_m = (from.translation() - solution.translation()).norm();
-  trial.start_rad = std::fabs(wrap_angle(from.theta_rad - solution.theta_rad));
-  trial.x_m = std::fabs(to.x_m - solution.x_m);
-  trial.y_m = std::fabs(to.y_m - solution.y_m);
-  trial.theta_rad = std::fabs(wrap_angle(to.theta_rad - solution.theta_rad));
-  trial.distance_m = (to.translation() - solution.translation()).norm();
-  trial.excess_m = mean_cost_m(excess, points_.size(), resolution_m);
-  trial.is_optimal = global.is_certified && excess <= cost_of(job_.global.gap_m, points_.size(), resolution_m);
-  trial.evaluations = end.found.evaluations;
-  trial.seconds = end.seconds;
-  return trial;
-}
-
-void Comparison::note(const ScanRecord& record, const GlobalSolution& global, const std::vector<End>& ends) {
-  const double resolution_m = job_.mapper.map.resolution_m;
-  CompareScan scan;
-  scan.index = outcome_.scans_read;
-  scan.stamp_s = record.scan.stamp_s;
-  scan.points = static_cast<std::uint32_t>(points_.size());
-  scan.T_map_base = objective_.to_metres(global.pose);
-  scan.mean_cost_m = mean_cost_m(global.cost, points_.size(), resolution_m);
-  scan.mean_bound_m = mean_cost_m(global.bound, points_.size(), resolution_m);
-  scan.is_certified = global.is_certified;
-  scan.hold = constraint_strength(line_information(points_, resolution_m));
-  scan.boxes = global.boxes;
-  scan.seconds = global.seconds;
-  outcome_.scans.push_back(scan);
-  for (const End& end : ends) outcome_.trials.push_back(trial_of(end, global));
-}
-
-CompareOutcome Comparison::run(ScanStream& scans, const CompareProgress& progress, const std::function<bool()>& stop) {
-  for (std::optional<ScanRecord> record = scans.next(); record; record = scans.next()) {
-    if (stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
-    const Pose2 predicted = motion_.predict(record->T_odom_base).T_map_base;
-    // The first scan is the map; it cannot be matched.
-    const bool is_chosen = outcome_.scans_read % outcome_.every == outcome_.every / 2 && outcome_.scans_read > 0;
-    const std::size_t trials = outcome_.trials.size();
-    const bool is_measured = is_chosen && measure(*record, predicted);
-    outcome_.too_few += is_chosen && !is_measured ? 1 : 0;
-    const MatchResult match = mapper_.process(record->scan, record->T_odom_base);
-    motion_.correct(match.T_map_base, match.accepted);
-    if (is_measured && !match.accepted) {
-      outcome_.scans.pop_back();
-      outcome_.trials.resize(trials);
-      ++outcome_.refused;
-    }
-    ++outcome_.scans_read;
-    progress(outcome_.scans_read, scans.progress());
-  }
-  return std::move(outcome_);
-}
 
 // Scans of the run, so that those that are measured lie evenly over it.
 std::uint64_t count_scans(const CompareJob& job, const std::function<bool()>& stop) {

@@ -1,18 +1,22 @@
 // The protocol of the paper's tables 1 and 2 on a log: the log is mapped, and at every so many scans, before the scan
 // is matched, all methods minimise the same cost on the map as it is then, from the same starts: where the odometry
 // says, and at growing distances from the global solution. Frame: map. One run belongs to one thread; the trials depend
-// on the log, the configuration and the seed alone, the times on the machine.
+// on the log, the configuration and the seed alone, the times on the machine. And what the trials add up to, for each
+// method and each kind of start; and table 2: the log mapped from end to end with each matcher.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/runs/evaluation/share.hpp"
+#include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
 #include "gdtslam/mapping/mapper.hpp"
-#include "global.hpp"
 #include "methods.hpp"
 #include "scan_constraint.hpp"
 
@@ -88,5 +92,65 @@ using CompareProgress = std::function<void(std::uint64_t, double)>;
 /// Throws InputError, FileError, DeviceError; Error(kInterrupted) when stop() became true.
 CompareOutcome compare(const CompareJob& job, Backend& backend, const CompareProgress& progress,
                        const std::function<bool()>& stop);
+
+struct MethodFigures {
+  std::string method;
+  ErrorSummary distance_m;
+  ErrorSummary x_m;
+  ErrorSummary y_m;
+  ErrorSummary theta_deg;
+  Share success;
+  Share optimal;  ///< of all trials; what the certificate does not cover is no optimum
+  ErrorSummary evaluations;
+  ErrorSummary seconds;
+  double time_ratio = 0.0;  ///< mean time over that of simplex; 0 where simplex was not run
+};
+
+/// Which scans count.
+enum class ScanKind : std::uint8_t {
+  kHeld,       ///< solution proven, held in every direction
+  kWeak,       ///< proven, weak along a corridor
+  kUncertain,  ///< not proven within the limit
+};
+ScanKind kind_of(const CompareScan& scan);
+std::uint64_t count_of(const CompareOutcome& outcome, ScanKind kind);
+
+/// The figures of one level of starts (0: the prediction) on scans of a kind, in the order of the methods.
+std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcome& outcome, std::uint32_t level,
+                                      ScanKind kind);
+
+/// The distances (m) that one method's trials ended from the solution, in the order of the trials.
+std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
+                                 ScanKind kind);
+
+/// What a whole run is held against; at most one of both.
+struct CompareTruth {
+  std::optional<Trajectory> reference;
+  std::string reference_file;
+  std::vector<Relation> relations;
+  std::string relations_file;
+  [[nodiscard]] bool is_given() const { return reference.has_value() || !relations.empty(); }
+};
+
+struct WholeRun {
+  std::string method;
+  ErrorSummary position_m;
+  ErrorSummary heading_deg;
+  double cpu_s = 0.0;        ///< inside the mapper, all threads
+  double time_ratio = 0.0;   ///< over simplex; 0 where simplex was not run
+  double evaluations = 0.0;  ///< a scan
+  std::uint64_t scans = 0;
+  std::uint64_t doubtful = 0;
+};
+
+/// Methods that are no matcher of `map` are left out. Throws as compare() does, InputError where the truth belongs to
+/// another log.
+std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& truth, Backend& backend,
+                                 const std::function<CompareProgress(const std::string&)>& progress_of,
+                                 const std::function<bool()>& stop);
+
+/// The log mapped from end to end by a matcher. Throws as compare() does. Cost: a whole `gdtslam map`.
+MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
+                    const std::function<bool()>& stop);
 
 }  // namespace gdtslam

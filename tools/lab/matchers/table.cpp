@@ -1,23 +1,13 @@
-#include "table.hpp"
-
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "gdtslam/core/angle.hpp"
+#include "output.hpp"
 
 namespace gdtslam {
 namespace {
 
 std::string spread(const ErrorSummary& e, double factor, int digits) {
   return fmt::format("{:.{}f} ± {:.{}f}", factor * e.mean, digits, factor * e.deviation, digits);
-}
-
-// fmt counts bytes where a letter has two, so the widths are made here.
-std::string padded(std::string text, std::size_t width) {
-  const auto letters = static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-  return letters < width ? std::string(width - letters, ' ') + text : text;
 }
 
 std::string share_text(const Share& share) {
@@ -30,22 +20,19 @@ std::string name_column(std::string_view method) { return fmt::format("  {:<14}"
 
 std::string error_row(const MethodFigures& f) {
   constexpr double kCm = 100.0;
-  const std::string name = name_column(f.method);
-  if (f.distance_m.count == 0) return name + "  no scan\n";
-  return name + padded(fmt::format("{:.2f}", kCm * f.distance_m.max), 8) + padded(spread(f.distance_m, kCm, 2), 15) +
-         padded(fmt::format("{:.2f}", kCm * f.x_m.max), 8) + padded(spread(f.x_m, kCm, 2), 14) +
-         padded(fmt::format("{:.2f}", kCm * f.y_m.max), 8) + padded(spread(f.y_m, kCm, 2), 14) +
-         padded(fmt::format("{:.2f}", f.theta_deg.max), 8) + padded(spread(f.theta_deg, 1.0, 3), 16) + "\n";
+  if (f.distance_m.count == 0) return name_column(f.method) + "  no scan\n";
+  return name_column(f.method) + fmt::format("{:>8.2f}{:>15}{:>8.2f}{:>14}{:>8.2f}{:>14}{:>8.2f}{:>16}\n",
+                                             kCm * f.distance_m.max, spread(f.distance_m, kCm, 2), kCm * f.x_m.max,
+                                             spread(f.x_m, kCm, 2), kCm * f.y_m.max, spread(f.y_m, kCm, 2),
+                                             f.theta_deg.max, spread(f.theta_deg, 1.0, 3));
 }
 
 std::string work_row(const MethodFigures& f) {
-  const std::string name = name_column(f.method);
-  if (f.distance_m.count == 0) return name + "  no scan\n";
-  return name + padded(share_text(f.success), 21) + padded(share_text(f.optimal), 21) +
-         padded(fmt::format("{:.1f}", f.evaluations.mean), 12) +
-         padded(fmt::format("{:.0f}", f.evaluations.median), 9) +
-         padded(fmt::format("{:.1f}", 1e6 * f.seconds.mean), 12) +
-         padded(fmt::format("{:.1f}", 1e6 * f.seconds.median), 10) + padded(ratio_text(f.time_ratio), 10) + "\n";
+  if (f.distance_m.count == 0) return name_column(f.method) + "  no scan\n";
+  return name_column(f.method) + fmt::format("{:>21}{:>21}{:>12.1f}{:>9.0f}{:>12.1f}{:>10.1f}{:>10}\n",
+                                             share_text(f.success), share_text(f.optimal), f.evaluations.mean,
+                                             f.evaluations.median, 1e6 * f.seconds.mean, 1e6 * f.seconds.median,
+                                             ratio_text(f.time_ratio));
 }
 
 std::string table_of(const std::vector<MethodFigures>& figures) {
@@ -63,13 +50,13 @@ std::string table_of(const std::vector<MethodFigures>& figures) {
 }
 
 std::string basin_of(const CompareJob& job, const CompareOutcome& outcome) {
-  std::string text = "  " + padded("start", 14);
-  for (const MatcherKind method : job.methods) text += padded(std::string(to_string(method)), 16);
+  std::string text = fmt::format("  {:>14}", "start");
+  for (const MatcherKind method : job.methods) text += fmt::format("{:>16}", to_string(method));
   text += "\n";
   for (std::uint32_t level = 0; level <= job.levels.size(); ++level) {
-    text += "  " + padded(level_text(job, level), 14);
+    text += fmt::format("  {:>14}", level_text(job, level));
     for (const MethodFigures& f : figures_of(job, outcome, level, ScanKind::kHeld)) {
-      text += padded(fmt::format("{:.1f}", 100.0 * f.success.value()), 16);
+      text += fmt::format("{:>16.1f}", 100.0 * f.success.value());
     }
     text += "\n";
   }
@@ -114,11 +101,10 @@ std::string as_text(const std::vector<WholeRun>& runs, const CompareTruth& truth
       "                     max     mean ± std          max     mean ± std                              a scan\n",
       truth.reference ? "the reference (ATE)" : "the verified relations");
   for (const WholeRun& run : runs) {
-    text += name_column(run.method) + padded(fmt::format("{:.2f}", 100.0 * run.position_m.max), 8) +
-            padded(spread(run.position_m, 100.0, 2), 15) + padded(fmt::format("{:.3f}", run.heading_deg.max), 13) +
-            padded(spread(run.heading_deg, 1.0, 3), 15) + padded(fmt::format("{:.2f}", run.cpu_s), 13) +
-            padded(ratio_text(run.time_ratio), 11) + padded(fmt::format("{:.1f}", run.evaluations), 13) +
-            padded(std::to_string(run.doubtful), 10) + "\n";
+    text += name_column(run.method) + fmt::format("{:>8.2f}{:>15}{:>13.3f}{:>15}{:>13.2f}{:>11}{:>13.1f}{:>10}\n",
+                                                  100.0 * run.position_m.max, spread(run.position_m, 100.0, 2),
+                                                  run.heading_deg.max, spread(run.heading_deg, 1.0, 3), run.cpu_s,
+                                                  ratio_text(run.time_ratio), run.evaluations, run.doubtful);
   }
   return text;
 }

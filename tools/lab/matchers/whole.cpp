@@ -1,9 +1,7 @@
-#include "whole.hpp"
-
 #include <fmt/format.h>
 
-#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
+#include "run.hpp"
 
 namespace gdtslam {
 namespace {
@@ -25,6 +23,8 @@ void evaluate(const MapOutcome& outcome, const CompareTruth& truth, const Compar
   run.heading_deg = report.all.rotation_deg;
 }
 
+}  // namespace
+
 MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
                     const std::function<bool()>& stop) {
   MapJob whole{.logs = job.logs,
@@ -40,8 +40,6 @@ MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   return outcome;
 }
-
-}  // namespace
 
 std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& truth, Backend& backend,
                                  const std::function<CompareProgress(const std::string&)>& progress_of,

@@ -20,17 +20,6 @@ namespace {
 
 constexpr PictureSize kSize{1280, 720};
 
-BenchRow frame_row(std::string name, std::string variant, std::function<void()> step, const TimingOptions& options) {
-  BenchRow row;
-  row.group = "viewer";
-  row.name = std::move(name);
-  row.variant = std::move(variant);
-  row.unit = "frame";
-  row.work = 1.0;
-  row.timing = measure({.step = std::move(step)}, options);
-  return row;
-}
-
 BenchRow cloud_frames(const GraphicsContext& graphics, std::size_t points, std::uint32_t samples,
                       const std::string& variant, const TimingOptions& options) {
   CloudLook look;
@@ -38,13 +27,11 @@ BenchRow cloud_frames(const GraphicsContext& graphics, std::size_t points, std::
   CloudScene scene(graphics, look);
   scene.set_cloud(bench_hall(points));
   Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
-  return frame_row(
-      "cloud_frame", variant,
-      [&scene, camera]() mutable {
-        camera = turned(camera, 0.01);
-        (void)scene.render(camera, kSize);
-      },
-      options);
+  const auto frame = [&scene, camera]() mutable {
+    camera = turned(camera, 0.01);
+    (void)scene.render(camera, kSize);
+  };
+  return measured_row("viewer", "cloud_frame", variant, "frame", 1.0, {.step = frame}, options);
 }
 
 }  // namespace
@@ -64,9 +51,9 @@ std::vector<BenchRow> bench_viewer(const TimingOptions& options) {
   const calib::SweepModel model = calib::sweep_model_of_preset(calib::kDefaultLinkage);
   LinkageScene linkage(*graphics, model, {});
   double crank_rad = 0.0;
-  rows.push_back(frame_row(
-      "linkage_frame", "scene and panel, 1280x720",
-      [&linkage, &crank_rad] { (void)raster_of(linkage.picture(crank_rad += 0.01, kSize)); }, options));
+  const auto frame = [&] { (void)raster_of(linkage.picture(crank_rad += 0.01, kSize)); };
+  rows.push_back(
+      measured_row("viewer", "linkage_frame", "scene and panel, 1280x720", "frame", 1.0, {.step = frame}, options));
   return rows;
 }
 

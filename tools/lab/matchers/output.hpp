@@ -1,15 +1,14 @@
 // A comparison as it is printed: text in the units of the paper's tables (cm, degrees), JSON and CSV in metres and
-// degrees. Times stand apart from what is the same on every machine: in JSON under "times", in CSV in the last column.
-// Thread-safe.
+// degrees, and as a picture. Times stand apart from what is the same on every machine: in JSON under "times", in CSV in
+// the last column. Thread-safe.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "figures.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "run.hpp"
-#include "whole.hpp"
 
 namespace gdtslam {
 
@@ -22,5 +21,12 @@ nlohmann::ordered_json as_json(const CompareJob& job, const CompareOutcome& outc
 std::string as_csv(const CompareJob& job, const CompareOutcome& outcome);
 /// "20 cm, 5°"; "prediction" for level 0.
 std::string level_text(const CompareJob& job, std::uint32_t level);
+
+/// Success against the start's distance from the solution, with its 95 % intervals, and the errors of the starts at the
+/// odometry's prediction as boxes and as distribution. Pixels.
+Canvas compare_picture(const CompareJob& job, const CompareOutcome& outcome, const std::string& log);
+
+/// One for each method, the same in all figures.
+Colour colour_of_method(MatcherKind method);
 
 }  // namespace gdtslam
