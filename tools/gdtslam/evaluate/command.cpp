@@ -6,14 +6,23 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "evaluate_cloud.hpp"
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
+#include "engine/runs/evaluation/hit_errors.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
+#include "tools/gdtslam/shell/asset_folder.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/progress.hpp"
 #include "tools/gdtslam/shell/quantity_option.hpp"
+#ifdef GDTSLAM_HAS_SIM
+#include "tools/gdtslam/scenes/scene_errors.hpp"
+#endif
 
 namespace gdtslam {
 namespace {
@@ -23,8 +32,18 @@ using Json = nlohmann::ordered_json;
 struct EvaluateOptions {
   std::string file;  ///< a trajectory, or with scene or hits a cloud
   std::string relations;
+  std::string reference;      ///< of a cloud: with `trajectory`, else both frames are the same
+  double tolerance_s = -1.0;  ///< negative: the default
   double distance_m = ReferenceOptions{}.rpe_distance_m;
-  EvaluateCloudOptions cloud;  ///< and what a trajectory's evaluation shares with it
+  bool no_align = false;
+  bool json = false;
+  // Of a cloud.
+  std::string scene;       ///< one of these two
+  std::string hits;        ///< likewise
+  std::string trajectory;  ///< of the run that made the cloud
+  std::string linkage;     ///< with hits: for the quantisation bound
+  std::string resolution;  ///< of the ranges, a length; with linkage
+  std::string csv;
 };
 
 constexpr double kMost_s = 1e9;
@@ -76,15 +95,15 @@ Json relation_json(const RelationReport& report) {
 int evaluate_against_relations(const EvaluateOptions& options) {
   const Trajectory trajectory = read_tum(options.file);
   const std::vector<Relation> relations = read_relations(options.relations);
-  const RelationReport report = options.cloud.tolerance_s < 0.0
+  const RelationReport report = options.tolerance_s < 0.0
                                     ? evaluate_relations(trajectory, relations)
-                                    : evaluate_relations(trajectory, relations, options.cloud.tolerance_s);
+                                    : evaluate_relations(trajectory, relations, options.tolerance_s);
   if (report.all.translation_m.count == 0) {
     throw InputError({options.relations, 0},
                      fmt::format("none of its {} relations has stamps of {}; do both belong to the same log?",
                                  relations.size(), options.file));
   }
-  print_result(options.cloud.json ? relation_json(report).dump(2) + "\n" : relation_text(report));
+  print_result(options.json ? json_text(relation_json(report)) : relation_text(report));
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -118,43 +137,157 @@ Json reference_json(const ReferenceReport& report, const ReferenceOptions& optio
           {"unmatched", report.unmatched}};
 }
 
+ReferenceOptions reference_options(const EvaluateOptions& options) {
+  ReferenceOptions reference{.rpe_distance_m = options.distance_m, .align = !options.no_align};
+  if (options.tolerance_s >= 0.0) reference.tolerance_s = options.tolerance_s;
+  return reference;
+}
+
 int evaluate_against_reference(const EvaluateOptions& options) {
-  ReferenceOptions reference{.rpe_distance_m = options.distance_m, .align = !options.cloud.no_align};
-  if (options.cloud.tolerance_s >= 0.0) reference.tolerance_s = options.cloud.tolerance_s;
-  const ReferenceReport report =
-      evaluate_reference(read_tum(options.file), read_tum(options.cloud.reference), reference);
-  print_result(options.cloud.json ? reference_json(report, reference).dump(2) + "\n"
-                                  : reference_text(report, reference));
+  const ReferenceOptions reference = reference_options(options);
+  const ReferenceReport report = evaluate_reference(read_tum(options.file), read_tum(options.reference), reference);
+  print_result(options.json ? json_text(reference_json(report, reference)) : reference_text(report, reference));
   return static_cast<int>(ExitCode::kDone);
 }
 
-int evaluate(const EvaluateOptions& options) {
-  const EvaluateCloudOptions& cloud = options.cloud;
-  if (!cloud.scene.empty() || !cloud.hits.empty()) {
-    EvaluateCloudOptions job = cloud;
-    job.cloud = options.file;
-    return evaluate_cloud(job);
+void check_cloud_usage(const EvaluateOptions& options) {
+  if (options.trajectory.empty() != options.reference.empty()) {
+    throw UsageError("a cloud is aligned by two trajectories: give both --trajectory and --reference, or neither");
   }
-  if (!cloud.trajectory.empty() || !cloud.linkage.empty() || !cloud.resolution.empty() || !cloud.csv.empty()) {
+  if (options.linkage.empty() != options.resolution.empty()) {
+    throw UsageError("the quantisation bound needs both --linkage and --resolution");
+  }
+  if (!options.linkage.empty() && options.hits.empty()) throw UsageError("--linkage belongs to --hits");
+}
+
+CloudFrame frame_of(const EvaluateOptions& options) {
+  CloudFrame frame;
+  if (options.trajectory.empty()) return frame;
+  frame.trajectory =
+      evaluate_reference(read_tum(options.trajectory), read_tum(options.reference), reference_options(options));
+  frame.T_truth_map = frame.trajectory->T_reference_estimate;
+  return frame;
+}
+
+Json frame_json(const CloudFrame& frame) {
+  if (!frame.trajectory) return nullptr;
+  const Pose2& T = frame.T_truth_map;
+  return {{"x_m", T.x_m},
+          {"y_m", T.y_m},
+          {"theta_rad", T.theta_rad},
+          {"ate_mean_m", frame.trajectory->ate_m.mean},
+          {"ate_max_m", frame.trajectory->ate_m.max}};
+}
+
+std::string frame_text(const CloudFrame& frame, bool no_align) {
+  if (!frame.trajectory) return "the frames of cloud and truth taken as the same\n";
+  const Pose2& T = frame.T_truth_map;
+  return fmt::format("{}: {:.4f} m, {:.4f} m, {:.4f} deg; ATE of the trajectory {:.4f} m\n",
+                     no_align ? "first poses made to agree" : "rigid alignment of the trajectory", T.x_m, T.y_m,
+                     deg_from_rad(T.theta_rad), frame.trajectory->ate_m.mean);
+}
+
+double resolution_of(const std::string& text) {
+  const double length_m = quantity_of("--resolution", text, Unit::kMetre);
+  if (length_m < 0.0) throw UsageError("--resolution: '" + text + "' is below zero");
+  return length_m;
+}
+
+int finish(const EvaluateOptions& options, const DistanceHistogram& distances, const std::string& text,
+           const Json& json, bool was_interrupted) {
+  if (was_interrupted) return static_cast<int>(ExitCode::kInterrupted);
+  if (!options.csv.empty()) write_file_atomically(options.csv, distances.csv());
+  print_result(options.json ? json_text(json) : text);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+#ifdef GDTSLAM_HAS_SIM
+int against_scene(const EvaluateOptions& options) {
+  ProgressLine line("points", options.json);
+  SceneErrorsJob job{.cloud = options.file,
+                     .scene = options.scene,
+                     .scene_folders = asset_folders("scenes"),
+                     .frame = frame_of(options)};
+  job.progress = [&line](std::uint64_t count, double share) { line.update(count, share); };
+  job.stop = [] { return interrupted(); };
+  const SceneErrors errors = scene_errors(job);
+  line.clear();
+  if (errors.distances.count() == 0 && !errors.interrupted) {
+    throw InputError({options.file, 0}, "holds no point with finite coordinates");
+  }
+  std::string text = errors.distances.text() + frame_text(job.frame, options.no_align);
+  if (errors.skipped > 0) text += fmt::format("{} points with values that are not finite left out\n", errors.skipped);
+  const Json json{{"metric", "scene"},
+                  {"scene", errors.scene_file},
+                  {"triangles", errors.triangles},
+                  {"distance_m", errors.distances.json()},
+                  {"skipped", errors.skipped},
+                  {"alignment", frame_json(job.frame)}};
+  return finish(options, errors.distances, text, json, errors.interrupted);
+}
+#else
+int against_scene(const EvaluateOptions& /*options*/) {
+  throw UnavailableError("this build cannot read scenes; configure it with -DGDTSLAM_BUILD_SIM=ON");
+}
+#endif
+
+Json bound_json(const std::optional<BoundCheck>& bound) {
+  if (!bound) return nullptr;
+  return {{"beyond", bound->beyond}, {"largest_share", bound->largest_share}, {"largest_m", bound->largest_bound_m}};
+}
+
+int against_hits(const EvaluateOptions& options) {
+  ProgressLine line("points", options.json);
+  HitErrorsJob job{.cloud = options.file, .hits = options.hits, .frame = frame_of(options)};
+  if (!options.linkage.empty()) {
+    job.quantisation = {resolve_linkage(options.linkage), resolution_of(options.resolution)};
+  }
+  job.progress = [&line](std::uint64_t count, double share) { line.update(count, share); };
+  job.stop = [] { return interrupted(); };
+  const HitErrors errors = hit_errors(job);
+  line.clear();
+  std::string text = errors.distances.text();
+  text += fmt::format("each to the true hit of its beam, of which there are {}; {} points without one\n", errors.hits,
+                      errors.without_hit);
+  if (errors.bound) {
+    text += fmt::format("quantisation bound, at most {:.6f} m: {} points beyond it, the worst at {:.1f} % of its own\n",
+                        errors.bound->largest_bound_m, errors.bound->beyond, 100.0 * errors.bound->largest_share);
+  }
+  text += frame_text(job.frame, options.no_align);
+  const Json json{{"metric", "hits"},
+                  {"distance_m", errors.distances.json()},
+                  {"hits", errors.hits},
+                  {"without_hit", errors.without_hit},
+                  {"quantisation_bound", bound_json(errors.bound)},
+                  {"alignment", frame_json(job.frame)}};
+  return finish(options, errors.distances, text, json, errors.interrupted);
+}
+
+int evaluate(const EvaluateOptions& options) {
+  if (!options.scene.empty() || !options.hits.empty()) {
+    check_cloud_usage(options);
+    return options.scene.empty() ? against_hits(options) : against_scene(options);
+  }
+  if (!options.trajectory.empty() || !options.linkage.empty() || !options.resolution.empty() || !options.csv.empty()) {
     throw UsageError("--trajectory, --linkage, --resolution and --csv belong to a cloud: give --scene or --hits too");
   }
-  if (options.relations.empty() && cloud.reference.empty()) {
+  if (options.relations.empty() && options.reference.empty()) {
     throw UsageError(
-        "nothing to compare with: give --relations or --reference for a trajectory, --scene or --hits for a cloud");
+        "nothing to compare with: give --relations or --reference for a trajectory, --scene or --hits for "
+        "a cloud");
   }
   return options.relations.empty() ? evaluate_against_reference(options) : evaluate_against_relations(options);
 }
 
 // What the file is compared with.
 void add_truths(CLI::App& command, EvaluateOptions& chosen) {
-  EvaluateCloudOptions& cloud = chosen.cloud;
   CLI::Option* relations = command.add_option("--relations", chosen.relations,
                                               "Verified relations, rows `t1 t2 x y z roll pitch yaw`, plain or gzip");
-  CLI::Option* reference = command.add_option("--reference", cloud.reference, "True trajectory, TUM, plain or gzip");
-  CLI::Option* scene = command.add_option("--scene", cloud.scene,
+  CLI::Option* reference = command.add_option("--reference", chosen.reference, "True trajectory, TUM, plain or gzip");
+  CLI::Option* scene = command.add_option("--scene", chosen.scene,
                                           "Of a cloud: distances to the surfaces of this scene, a file or a sample");
   CLI::Option* hits = command.add_option(
-      "--hits", cloud.hits,
+      "--hits", chosen.hits,
       "Of a cloud: distance of each point to the true hit of its own beam, from `simulate --truth-hits`");
   relations->type_name("FILE")->excludes(reference)->excludes(scene)->excludes(hits);
   scene->type_name("SCENE")->excludes(hits);
@@ -162,16 +295,16 @@ void add_truths(CLI::App& command, EvaluateOptions& chosen) {
   hits->type_name("FILE");
 }
 
-void add_cloud_options(CLI::App& command, EvaluateCloudOptions& cloud) {
+void add_cloud_options(CLI::App& command, EvaluateOptions& chosen) {
   command
-      .add_option("--trajectory", cloud.trajectory,
+      .add_option("--trajectory", chosen.trajectory,
                   "Of a cloud: its run's trajectory; with --reference it tells where the cloud is in the scene")
       ->type_name("FILE");
-  command.add_option("--linkage", cloud.linkage, "With --hits: also tell the quantisation bound of this linkage")
+  command.add_option("--linkage", chosen.linkage, "With --hits: also tell the quantisation bound of this linkage")
       ->type_name("PRESET|FILE");
-  command.add_option("--resolution", cloud.resolution, "With --linkage: the step of the ranges, as \"1 mm\"")
+  command.add_option("--resolution", chosen.resolution, "With --linkage: the step of the ranges, as \"1 mm\"")
       ->type_name("LENGTH");
-  command.add_option("--csv", cloud.csv, "Of a cloud: write the histogram of the distances")->type_name("FILE");
+  command.add_option("--csv", chosen.csv, "Of a cloud: write the histogram of the distances")->type_name("FILE");
 }
 
 }  // namespace
@@ -182,15 +315,15 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
   command->add_option("file", options->file, "Trajectory, TUM: stamp x y z qx qy qz qw; or cloud, PLY or PCD")
       ->required();
   add_truths(*command, *options);
-  add_quantity_option(*command, "--tolerance", options->cloud.tolerance_s, Unit::kSecond, {0.0, kMost_s},
+  add_quantity_option(*command, "--tolerance", options->tolerance_s, Unit::kSecond, {0.0, kMost_s},
                       "Stamps further apart do not match (default: 0.1 ms for relations, 10 ms for a reference)");
   add_quantity_option(*command, "--distance", options->distance_m, Unit::kMetre, {kLeastDistance_m, kMostDistance_m},
                       "Path length that the relative pose error is taken over")
       ->default_str(format_quantity(options->distance_m, Unit::kMetre));
-  command->add_flag("--no-align", options->cloud.no_align,
+  command->add_flag("--no-align", options->no_align,
                     "Against a reference: make the first poses agree instead of the best rigid alignment");
-  add_cloud_options(*command, options->cloud);
-  command->add_flag("--json", options->cloud.json, "Print JSON");
+  add_cloud_options(*command, *options);
+  command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "Relations: the error is the norm of the translation difference and the wrapped yaw difference, for all\n"
       "relations, those of at most 20 s and loops (Kuemmerle et al. 2009). Reference: absolute trajectory error\n"

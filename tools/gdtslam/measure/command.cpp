@@ -161,21 +161,11 @@ void add_search_options(CLI::App& command, MeasureCommand& chosen, CLI::Option* 
   add_length("--thickness", chosen.thickness, "A point farther from a plane is not on it; about three times the noise")
       ->capture_default_str();
   add_length("--gap", chosen.gap, "Points of one plane have a neighbour this close [10cm for boxes, 25cm for planes]");
-  command.add_option("--min-points", chosen.min_points, "Of a plane or a box's face [50 for boxes, 200 for planes]")
-      ->type_name("N")
-      ->check(whole_number_from(3));
-  command.add_option("--max-planes", chosen.max_planes, "No more than the largest N")
-      ->type_name("N")
-      ->check(whole_number_from(1))
-      ->capture_default_str();
-  command.add_option("--trials", chosen.trials, "At most, for each plane")
-      ->type_name("N")
-      ->check(whole_number_from(1))
-      ->capture_default_str();
-  command.add_option("--seed", chosen.seed, "Of the trials")
-      ->type_name("N")
-      ->check(whole_number_from(0))
-      ->capture_default_str();
+  add_count_option(command, "--min-points", chosen.min_points, 3,
+                   "Of a plane or a box's face [50 for boxes, 200 for planes]");
+  add_count_option(command, "--max-planes", chosen.max_planes, 1, "No more than the largest N")->capture_default_str();
+  add_count_option(command, "--trials", chosen.trials, 1, "At most, for each plane")->capture_default_str();
+  add_count_option(command, "--seed", chosen.seed, 0, "Of the trials")->capture_default_str();
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Options that are counts. CLI11 alone takes "-1" for an unsigned number and wraps it. Thread-safe.
 #pragma once
 
-#include <CLI/Validators.hpp>
+#include <CLI/App.hpp>
 #include <charconv>
 #include <cstdint>
 #include <string>
@@ -17,6 +17,13 @@ inline CLI::Validator whole_number_from(std::uint64_t minimum) {
     return "'" + text + "' is no whole number of at least " + std::to_string(minimum);
   };
   return {fault_of, ""};
+}
+
+/// An option that is a count of at least `minimum`.
+template <class Count>
+CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count& count, std::uint64_t minimum,
+                              const std::string& doc) {
+  return command.add_option(name, count, doc)->type_name("N")->check(whole_number_from(minimum));
 }
 
 }  // namespace gdtslam

@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include <iterator>
 #include <memory>
-#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -37,14 +38,8 @@ struct AblationOptions {
 };
 
 std::vector<std::string> words_of(const std::string& text) {
-  std::vector<std::string> words;
-  std::size_t end = 0;
-  for (std::size_t begin = text.find_first_not_of(' '); begin != std::string::npos;
-       begin = text.find_first_not_of(' ', end)) {
-    end = std::min(text.find(' ', begin), text.size());
-    words.push_back(text.substr(begin, end - begin));
-  }
-  return words;
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 std::vector<AblationVariant> variants_of(const AblationOptions& options) {
@@ -52,6 +47,12 @@ std::vector<AblationVariant> variants_of(const AblationOptions& options) {
   std::vector<AblationVariant> variants{{"as configured", {}}};
   for (const std::string& text : options.variants) variants.push_back({text, words_of(text)});
   return variants;
+}
+
+Settings settings_of(const AblationOptions& options, const AblationVariant& variant) {
+  SettingsOptions chosen = options.settings;
+  chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
+  return load_settings(chosen);
 }
 
 std::string sets_text(const std::vector<std::string>& sets) {
@@ -83,16 +84,10 @@ RelationReport evaluated(const MapOutcome& outcome, const std::vector<Relation>&
                                relations.size(), options.log));
 }
 
-struct VariantResult {
-  std::string row;
-  std::size_t unmatched = 0;  ///< relations whose stamps the log does not have
-};
-
-VariantResult run_variant(const AblationVariant& variant, const AblationOptions& options,
-                          const std::vector<Relation>& relations, Backend& backend) {
-  SettingsOptions chosen = options.settings;
-  chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
-  const Settings settings = load_settings(chosen);
+/// A row of the table; `unmatched`: relations whose stamps the log does not have.
+std::string variant_row(const AblationVariant& variant, const AblationOptions& options,
+                        const std::vector<Relation>& relations, Backend& backend, std::size_t& unmatched) {
+  const Settings settings = settings_of(options, variant);
   MapJob job{.logs = {options.log},
              .read = read_options_of(settings.log, false),
              .range = options.range,
@@ -106,18 +101,8 @@ VariantResult run_variant(const AblationVariant& variant, const AblationOptions&
                                       [] { return interrupted(); });
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; no table is written");
   const RelationReport report = evaluated(outcome, relations, options);
-  return {row_of(variant, outcome, report), report.unmatched};
-}
-
-// The first variant shows whether the log and the relations can be used at all. Where a later one cannot map what the
-// first one could, that is a result: its row says why.
-std::string row_after_the_first(const AblationVariant& variant, const AblationOptions& options,
-                                const std::vector<Relation>& relations, Backend& backend) {
-  try {
-    return run_variant(variant, options, relations, backend).row;
-  } catch (const InputError& error) {
-    return fmt::format("| {} | {} | failed: {} | | | | | |\n", variant.name, sets_text(variant.sets), error.what());
-  }
+  unmatched = report.unmatched;
+  return row_of(variant, outcome, report);
 }
 
 int ablation(const AblationOptions& options) {
@@ -125,11 +110,7 @@ int ablation(const AblationOptions& options) {
     throw UsageError("ablation reads the log once for each variant: give a file, not standard input");
   const std::vector<Relation> relations = read_relations(options.relations);
   const std::vector<AblationVariant> variants = variants_of(options);
-  for (const AblationVariant& variant : variants) {  // a misspelt option must not show after an hour
-    SettingsOptions chosen = options.settings;
-    chosen.sets.insert(chosen.sets.end(), variant.sets.begin(), variant.sets.end());
-    load_settings(chosen);
-  }
+  for (const AblationVariant& variant : variants) settings_of(options, variant);  // no misspelt option after an hour
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   std::string table = fmt::format(
       "Mean ± standard deviation of the relation errors on `{}`, no loop closure; scans per core-second inside the "
@@ -142,12 +123,13 @@ int ablation(const AblationOptions& options) {
   std::size_t unmatched = 0;
   for (const AblationVariant& variant : variants) {
     std::string row;
-    if (&variant == &variants.front()) {
-      VariantResult first = run_variant(variant, options, relations, *backend);
-      row = std::move(first.row);
-      unmatched = first.unmatched;
-    } else {
-      row = row_after_the_first(variant, options, relations, *backend);
+    try {
+      row = variant_row(variant, options, relations, *backend, unmatched);
+    } catch (const InputError& error) {
+      // The first variant shows whether the log and the relations can be used at all. Where a later one cannot map what
+      // the first one could, that is a result: its row says why.
+      if (&variant == &variants.front()) throw;
+      row = fmt::format("| {} | {} | failed: {} | | | | | |\n", variant.name, sets_text(variant.sets), error.what());
     }
     if (!options.quiet) print_result(row);
     table += row;
@@ -175,10 +157,8 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
       ->allow_extra_args(false);
   add_settings_options(*command, options->settings);
   add_device_options(*command, options->device);
-  command->add_option("--skip", options->range.skip, "Leave out the first N scans")
-      ->type_name("N")
-      ->check(whole_number_from(0));
-  command->add_option("--first", options->range.count, "Map N scans only")->type_name("N")->check(whole_number_from(1));
+  add_count_option(*command, "--skip", options->range.skip, 0, "Leave out the first N scans");
+  add_count_option(*command, "--first", options->range.count, 1, "Map N scans only");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Every variant maps the whole log with the configuration of -c and --set and its own assignments on top.\n"

@@ -183,18 +183,11 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
                   "Starts off the global solution, distance/angle each, besides the odometry's prediction; none")
       ->type_name("D/A,...")
       ->capture_default_str();
-  command.add_option("--starts", options.starts, "Starts of each distance at each scan")
-      ->type_name("N")
-      ->check(whole_number_from(1))
+  add_count_option(command, "--starts", options.starts, 1, "Starts of each distance at each scan")
       ->capture_default_str();
-  command.add_option("--scans", options.scans, "Scans to measure, evenly over the log")
-      ->type_name("N")
-      ->check(whole_number_from(1))
+  add_count_option(command, "--scans", options.scans, 1, "Scans to measure, evenly over the log")
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of the directions of the starts")
-      ->type_name("N")
-      ->check(whole_number_from(0))
-      ->capture_default_str();
+  add_count_option(command, "--seed", options.seed, 0, "Seed of the directions of the starts")->capture_default_str();
   command.add_option("--gap", options.gap, "Of the mean distance: the proof that is asked of the global solution")
       ->type_name("LENGTH")
       ->capture_default_str();
@@ -224,12 +217,8 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
       ->required()
       ->type_name("LOG");
   command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
-  command->add_option("--skip", options->range.skip, "Leave out the first N scans")
-      ->type_name("N")
-      ->check(whole_number_from(0));
-  command->add_option("--first", options->range.count, "Read N scans only")
-      ->type_name("N")
-      ->check(whole_number_from(1));
+  add_count_option(*command, "--skip", options->range.skip, 0, "Leave out the first N scans");
+  add_count_option(*command, "--first", options->range.count, 1, "Read N scans only");
   add_protocol_options(*command, *options);
   add_settings_options(*command, options->settings);
   add_device_options(*command, options->device, false);

@@ -11,10 +11,8 @@
 #include <vector>
 
 #include "engine/runs/evaluation/trajectory_errors.hpp"
-#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/drawing/plot.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/lab/matchers/output.hpp"
 #include "tools/lab/matchers/run.hpp"
 #include "tools/lab/reproduce/drives.hpp"
@@ -43,14 +41,10 @@ struct MethodRuns {
 void add_run(MethodRuns& runs, MatcherKind method, const Drive& drive, const PartContext& place,
              const std::function<void(double)>& progress) {
   const std::unique_ptr<Backend> backend = make_backend(place.device);
-  MapJob job;
+  CompareJob job;
   job.logs = {drive.log};
-  job.mapper = load_settings({"", {"match.matcher=" + std::string(gdtslam::to_string(method))}}).mapper;
-  job.with_occupancy = false;
-  job.with_pictures = false;
-  const MapOutcome outcome =
-      MapRun(job, *backend).run([&](std::uint64_t, double share) { progress(share); }, place.stop);
-  if (outcome.interrupted) go_on(place);
+  const MapOutcome outcome = map_with(
+      method, job, *backend, [&](std::uint64_t, double share) { progress(share); }, place.stop);
   runs.drives.push_back(errors_against(outcome.trajectory, read_tum(drive.truth)));
   std::vector<double> values;
   for (const TrajectoryError& error : runs.drives.back()) values.push_back(error.position_m);
