@@ -31,29 +31,15 @@ namespace {
 constexpr std::uint64_t kMostPoints = 200'000'000;
 
 struct MeasureCommand {
-  std::string cloud;
-  bool boxes = false;
-  bool planes = false;
-  bool is_projection = false;
+  MeasureJob job;
+  PlaneSearch search;            ///< of planes and of the faces of boxes: thickness, trials, seed and number of planes
+  double gap_m = 0.0;            ///< 0: as each search has it
+  std::uint32_t min_points = 0;  ///< likewise
   bool json = false;
   std::string viewpoint;
-  std::string thickness = "3cm";
-  std::string gap;
-  std::string min_size = "10cm";
-  std::string max_size = "1.5m";
-  std::uint32_t min_points = 0;  ///< 0: as the search has it
-  std::uint32_t max_planes = 32;
-  std::uint32_t trials = 2000;
-  std::uint64_t seed = 1;
   std::string csv;
   std::string picture;
 };
-
-double length_of(const std::string& option, const std::string& text, double least_m, double most_m) {
-  const double length_m = quantity_of(option, text, Unit::kMetre);
-  if (length_m >= least_m && length_m <= most_m) return length_m;
-  throw UsageError(fmt::format("{}: {} is not between {:g} and {:g} m", option, text, least_m, most_m));
-}
 
 // "x,y,z", each with its unit.
 Point3 viewpoint_of(const std::string& text) {
@@ -70,42 +56,30 @@ Point3 viewpoint_of(const std::string& text) {
     throw UsageError("--viewpoint: '" + text + "' is not X,Y,Z, for example 0,0,30cm, nor none");
   Point3 point;
   for (std::size_t k = 0; k < words.size(); ++k) {
-    point[static_cast<Eigen::Index>(k)] = length_of("--viewpoint", words[k], -1e5, 1e5);
+    double& length_m = point[static_cast<Eigen::Index>(k)];
+    length_m = quantity_of("--viewpoint", words[k], Unit::kMetre);
+    if (!(std::abs(length_m) <= 1e5))
+      throw UsageError("--viewpoint: " + words[k] + " is not between -100000 and 100000 m");
   }
   return point;
 }
 
-PlaneSearch plane_search_of(const MeasureCommand& command, PlaneSearch search) {
-  search.thickness_m = length_of("--thickness", command.thickness, 1e-3, 1.0);
-  if (!command.gap.empty()) search.gap_m = length_of("--gap", command.gap, 1e-3, 10.0);
-  if (command.min_points > 0) search.min_points = command.min_points;
-  search.max_planes = command.max_planes;
-  search.trials = command.trials;
-  search.seed = command.seed;
-  return search;
-}
-
-BoxSearch box_search_of(const MeasureCommand& command) {
-  BoxSearch search;
-  search.planes = plane_search_of(command, search.planes);
-  search.min_face_points = search.planes.min_points;
-  search.min_size_m = length_of("--min-size", command.min_size, 1e-2, 100.0);
-  search.max_size_m = length_of("--max-size", command.max_size, 1e-2, 100.0);
-  if (search.min_size_m >= search.max_size_m) {
-    throw UsageError("--min-size " + command.min_size + " is not below --max-size " + command.max_size);
-  }
-  search.is_projection = command.is_projection;
-  return search;
-}
-
 // What the command line asks for, checked before the cloud is read.
 MeasureJob job_of(const MeasureCommand& command) {
-  MeasureJob job;
-  job.cloud = command.cloud;
-  job.boxes = command.boxes;
-  job.planes = command.planes;
-  job.box_search = box_search_of(command);
-  job.plane_search = plane_search_of(command, {});
+  MeasureJob job = command.job;
+  for (PlaneSearch* const search : {&job.box_search.planes, &job.plane_search}) {
+    search->thickness_m = command.search.thickness_m;
+    search->max_planes = command.search.max_planes;
+    search->trials = command.search.trials;
+    search->seed = command.search.seed;
+    if (command.gap_m > 0.0) search->gap_m = command.gap_m;
+    if (command.min_points > 0) search->min_points = command.min_points;
+  }
+  BoxSearch& boxes = job.box_search;
+  boxes.min_face_points = boxes.planes.min_points;
+  if (boxes.min_size_m >= boxes.max_size_m) {
+    throw UsageError(fmt::format("--min-size {:g}m is not below --max-size {:g}m", boxes.min_size_m, boxes.max_size_m));
+  }
   job.finds_viewpoint = command.viewpoint.empty();
   if (!command.viewpoint.empty() && command.viewpoint != "none") job.viewpoint = viewpoint_of(command.viewpoint);
   return job;
@@ -122,19 +96,19 @@ Measurement measure(const MeasureJob& job, const Cloud& cloud) {
 }
 
 int run_measure(const MeasureCommand& command) {
-  if (!command.boxes && !command.planes) throw UsageError("say what to measure: --boxes, --planes or both");
-  if (command.boxes && command.planes && !command.csv.empty()) {
+  if (!command.job.boxes && !command.job.planes) throw UsageError("say what to measure: --boxes, --planes or both");
+  if (command.job.boxes && command.job.planes && !command.csv.empty()) {
     throw UsageError("--csv writes one table: ask for --boxes or for --planes");
   }
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
   const MeasureJob job = job_of(command);
   std::uint64_t skipped = 0;
   std::array<double, 3> origin_m{};
-  const Cloud cloud = read_cloud(command.cloud, kMostPoints, &skipped, &origin_m);
-  remark_origin(command.cloud, origin_m);
+  const Cloud cloud = read_cloud(job.cloud, kMostPoints, &skipped, &origin_m);
+  remark_origin(job.cloud, origin_m);
   if (skipped > 0)
-    print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, command.cloud));
-  if (cloud.empty()) throw InputError({command.cloud, 0}, "holds no point to measure");
+    print_remark(fmt::format("warning: {} points of {} are not finite and left out", skipped, job.cloud));
+  if (cloud.empty()) throw InputError({job.cloud, 0}, "holds no point to measure");
   const Measurement measured = measure(job, cloud);
   AtomicFileSet files;
   if (!command.csv.empty()) files.add(command.csv).write(as_csv(measured));
@@ -152,20 +126,30 @@ void add_search_options(CLI::App& command, MeasureCommand& chosen, CLI::Option* 
                   "Where the scanner stood, or none [found from the elevations of the points]")
       ->type_name("X,Y,Z")
       ->needs(boxes);
-  command.add_flag("--projection", chosen.is_projection, "Faces as lines of the projection to the floor")->needs(boxes);
-  const auto add_length = [&command](const char* name, std::string& text, const char* doc) {
-    return command.add_option(name, text, doc)->type_name("LENGTH");
+  command
+      .add_flag("--projection", chosen.job.box_search.is_projection, "Faces as lines of the projection to the floor")
+      ->needs(boxes);
+  BoxSearch& box = chosen.job.box_search;
+  const auto add_length = [&command](const char* name, double& length_m, const QuantityBounds& bounds,
+                                     const char* doc) {
+    return add_quantity_option(command, name, length_m, Unit::kMetre, bounds, doc);
   };
-  add_length("--min-size", chosen.min_size, "Smallest width and height of a box")->needs(boxes)->capture_default_str();
-  add_length("--max-size", chosen.max_size, "Largest")->needs(boxes)->capture_default_str();
-  add_length("--thickness", chosen.thickness, "A point farther from a plane is not on it; about three times the noise")
-      ->capture_default_str();
-  add_length("--gap", chosen.gap, "Points of one plane have a neighbour this close [10cm for boxes, 25cm for planes]");
+  constexpr QuantityBounds kSizes{1e-2, 100.0};
+  add_length("--min-size", box.min_size_m, kSizes, "Smallest width and height of a box")
+      ->needs(boxes)
+      ->default_str("10cm");
+  add_length("--max-size", box.max_size_m, kSizes, "Largest")->needs(boxes)->default_str("1.5m");
+  add_length("--thickness", chosen.search.thickness_m, {1e-3, 1.0},
+             "A point farther from a plane is not on it; about three times the noise")
+      ->default_str("3cm");
+  add_length("--gap", chosen.gap_m, {1e-3, 10.0},
+             "Points of one plane have a neighbour this close [10cm for boxes, 25cm for planes]");
   add_count_option(command, "--min-points", chosen.min_points, 3,
                    "Of a plane or a box's face [50 for boxes, 200 for planes]");
-  add_count_option(command, "--max-planes", chosen.max_planes, 1, "No more than the largest N")->capture_default_str();
-  add_count_option(command, "--trials", chosen.trials, 1, "At most, for each plane")->capture_default_str();
-  add_count_option(command, "--seed", chosen.seed, 0, "Of the trials")->capture_default_str();
+  add_count_option(command, "--max-planes", chosen.search.max_planes, 1, "No more than the largest N")
+      ->capture_default_str();
+  add_count_option(command, "--trials", chosen.search.trials, 1, "At most, for each plane")->capture_default_str();
+  add_count_option(command, "--seed", chosen.search.seed, 0, "Of the trials")->capture_default_str();
 }
 
 }  // namespace
@@ -173,9 +157,11 @@ void add_search_options(CLI::App& command, MeasureCommand& chosen, CLI::Option* 
 void add_measure_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<MeasureCommand>();
   CLI::App* command = add_command(app, "measure", "Boxes and planes of a 3D cloud, with their dimensions");
-  command->add_option("cloud", chosen->cloud, "A cloud: .ply or .pcd, plain or gzip")->required()->type_name("CLOUD");
-  CLI::Option* const boxes = command->add_flag("--boxes", chosen->boxes, "Upright boxes: width, depth, height");
-  command->add_flag("--planes", chosen->planes, "The largest planes");
+  command->add_option("cloud", chosen->job.cloud, "A cloud: .ply or .pcd, plain or gzip")
+      ->required()
+      ->type_name("CLOUD");
+  CLI::Option* const boxes = command->add_flag("--boxes", chosen->job.boxes, "Upright boxes: width, depth, height");
+  command->add_flag("--planes", chosen->job.planes, "The largest planes");
   add_search_options(*command, *chosen, boxes);
   command->add_option("--csv", chosen->csv, "Write a table of the boxes or of the planes")->type_name("FILE");
   command

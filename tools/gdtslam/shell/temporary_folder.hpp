@@ -1,4 +1,4 @@
-// A folder of its own below $TMPDIR (else /tmp) that is gone with its object, with all that is in it.
+// A folder of its own below another one, else $TMPDIR or /tmp, that is gone with its object, with all that is in it.
 #pragma once
 
 #include <cerrno>
@@ -14,9 +14,10 @@ namespace gdtslam {
 class TemporaryFolder {
  public:
   /// Throws FileError.
-  explicit TemporaryFolder(const std::string& name) {
+  explicit TemporaryFolder(const std::string& name, std::string below = "") {
     const char* const variable = std::getenv("TMPDIR");
-    path_ = (variable != nullptr && *variable != '\0' ? std::string(variable) : "/tmp") + "/" + name + "-XXXXXX";
+    if (below.empty()) below = variable != nullptr && *variable != '\0' ? variable : "/tmp";
+    path_ = below + "/" + name + "-XXXXXX";
     if (::mkdtemp(path_.data()) == nullptr) {
       throw FileError(path_, "cannot be created: " + std::generic_category().message(errno));
     }

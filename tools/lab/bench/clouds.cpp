@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
+#include <string>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -15,6 +15,7 @@
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "rows.hpp"
+#include "tools/gdtslam/shell/temporary_folder.hpp"
 
 namespace gdtslam {
 namespace {
@@ -23,27 +24,6 @@ constexpr std::size_t kPoints = 1'000'000;
 constexpr std::size_t kPiece = 65536;
 constexpr std::size_t kPointBytes = 28;
 constexpr double kVoxel_m = 0.02;
-
-/// A file of the bench's own, in memory where the system has such a folder: the disk is not what is measured.
-class BenchFile {
- public:
-  BenchFile() {
-    const std::filesystem::path memory = "/dev/shm";
-    const bool has_memory = ::access(memory.c_str(), W_OK) == 0;
-    const std::filesystem::path folder = has_memory ? memory : std::filesystem::temp_directory_path();
-    path_ = (folder / ("gdtslam-bench-" + std::to_string(::getpid()) + ".ply")).string();
-  }
-  BenchFile(const BenchFile&) = delete;
-  BenchFile& operator=(const BenchFile&) = delete;
-  ~BenchFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 void write_cloud(const std::string& path, const Cloud& cloud) {
   CloudWriter writer(path, CloudFormat::kPlyBinary);
@@ -135,16 +115,18 @@ Cloud bench_hall(std::size_t points) {
 
 std::vector<BenchRow> bench_clouds(const TimingOptions& options) {
   const Cloud cloud = bench_hall(kPoints);
-  const BenchFile file;
+  // In memory where the system has such a folder: the disk is not what is measured.
+  const TemporaryFolder folder("gdtslam-bench", ::access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "");
+  const std::string file = folder.path() + "/cloud.ply";
   std::vector<char> bytes(kPoints * kPointBytes, 'x');
   std::vector<BenchRow> rows;
   const auto add = [&](const char* name, const char* variant, std::function<void()> step) {
     rows.push_back(measured_row("cloud", name, variant, "point", kPoints, {.step = std::move(step)}, options));
   };
-  add("cloud_write", "binary PLY, SHA-256", [&] { write_cloud(file.path(), cloud); });
-  add("cloud_read", "binary PLY", [&] { read_cloud_in_pieces(file.path()); });
-  add("cloud_write", "peer: fwrite", [&] { plain_write(file.path(), bytes); });
-  add("cloud_read", "peer: fread", [&] { plain_read(file.path(), bytes); });
+  add("cloud_write", "binary PLY, SHA-256", [&] { write_cloud(file, cloud); });
+  add("cloud_read", "binary PLY", [&] { read_cloud_in_pieces(file); });
+  add("cloud_write", "peer: fwrite", [&] { plain_write(file, bytes); });
+  add("cloud_read", "peer: fread", [&] { plain_read(file, bytes); });
   if (thin(cloud) != thin_by_set(cloud)) throw Error(ExitCode::kFailed, "bench: the thinnings differ");
   add("cloud_thin", "2 cm", [&] { thin(cloud); });
   add("cloud_thin", "peer: unordered_set", [&] { thin_by_set(cloud); });

@@ -1,6 +1,7 @@
 #include "drives.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -162,11 +163,6 @@ void Drives::simulate_drive(const DriveRecipe& recipe, const Drive& drive, const
 
 void Drives::require_own(std::string_view name) const { require_own_folder(folder_of(name)); }
 
-void Drives::prepare() const {
-  std::error_code failed;
-  if (!fs::exists(folder_, failed)) make_marked_folder(folder_);
-}
-
 void Drives::clear() const {
   std::error_code failed;
   for (fs::directory_iterator entry(folder_, failed); !failed && entry != end(entry); entry.increment(failed)) {
@@ -174,7 +170,7 @@ void Drives::clear() const {
   }
   if (failed && failed != std::errc::no_such_file_or_directory)
     throw FileError(folder_, "cannot be listed: " + failed.message());
-  remove_bare_folder(folder_);
+  ::rmdir(folder_.c_str());  // which fails where anything else is in it
 }
 
 void map_whole(const std::string& log, const std::string& run, const DeviceOptions& device,

@@ -54,13 +54,6 @@ void remove_own_folder(const std::string& path) {
   if (failed) throw FileError(path, "cannot be removed: " + failed.message());
 }
 
-void remove_bare_folder(const std::string& path) {
-  if (!is_marked_folder(path)) return;
-  std::error_code failed;
-  fs::directory_iterator entry(path, failed);
-  if (!failed && entry.increment(failed) == fs::directory_iterator() && !failed) remove_own_folder(path);
-}
-
 void replace_own_folder(const std::string& from, const std::string& to) {
   require_own_folder(to);
   std::error_code failed;

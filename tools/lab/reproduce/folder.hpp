@@ -14,8 +14,6 @@ void require_own_folder(const std::string& path);
 void make_marked_folder(const std::string& path);
 /// The folder goes with all that is in it.
 void remove_own_folder(const std::string& path);
-/// The folder goes where it has the mark and nothing else is in it.
-void remove_bare_folder(const std::string& path);
 /// The folder takes the name `to`, and what had that name goes afterwards: at each moment one of both has the name.
 void replace_own_folder(const std::string& from, const std::string& to);
 
