@@ -8,7 +8,6 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/lab/matchers/methods.hpp"
-#include "tools/lab/matchers/scan_constraint.hpp"
 #include "tools/lab/matchers/output.hpp"
 
 namespace gdtslam {

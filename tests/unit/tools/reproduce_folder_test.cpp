@@ -1,5 +1,5 @@
 // Folders of `gdtslam reproduce` beside those of its user: which go and which stay.
-#include "tools/lab/reproduce/folder.hpp"
+#include "tools/lab/reproduce/store.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

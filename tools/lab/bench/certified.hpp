@@ -22,18 +22,13 @@ struct CertifiedBenchJob {
   double lattice_s = 5.0;  ///< CPU time that the peer may take for a window, of one scan at least; 0: no peer
 };
 
-/// CPU time of many searches, seconds.
-struct SearchTimes {
-  double median_s = 0.0;
-  double p90_s = 0.0;
-  double most_s = 0.0;
-};
-
 /// One size of window.
 struct CertifiedBenchRow {
   double half_m = 0.0;
   double half_rad = 0.0;  ///< pi: every heading
-  SearchTimes certified;  ///< from the points to the proof, nothing known before
+  double median_s = 0.0;  ///< CPU time of a search, from the points to the proof, nothing known before
+  double p90_s = 0.0;
+  double most_s = 0.0;
   double median_boxes = 0.0;
   std::uint64_t most_boxes = 0;
   std::uint64_t median_evaluations = 0;
@@ -44,7 +39,7 @@ struct CertifiedBenchRow {
   std::uint64_t lattice_poses = 0;  ///< of one window
   double lattice_median_s = 0.0;
   double lattice_best_share = 0.0;  ///< that ended within the gap of the least cost
-  [[nodiscard]] double times_lattice() const { return lattice_median_s / certified.median_s; }
+  [[nodiscard]] double times_lattice() const { return lattice_median_s / median_s; }
 };
 
 struct CertifiedBench {

@@ -166,7 +166,6 @@ GlobalSolution global_solution(const CompareProblem& problem, const CellPose& pr
     best.cost = end.cost;
     best.bound = std::min(found.bound, end.cost);
     best.window = window;
-    best.boxes += found.boxes;
     const Pose2 pose = objective.to_metres(end.pose);
     if (holds_reach(window, pose, reach)) break;
     window.centre = pose;

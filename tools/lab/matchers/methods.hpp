@@ -53,7 +53,6 @@ struct GlobalSolution {
   std::uint32_t bound = 0;    ///< no pose of the window costs less
   bool is_certified = false;  ///< cost and bound are no further apart than the gap
   PoseWindow window;          ///< of the proof
-  std::uint64_t boxes = 0;
   double seconds = 0.0;
 };
 

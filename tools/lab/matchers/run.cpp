@@ -172,7 +172,6 @@ class Comparison {
     global.pose = end.pose;
     global.cost = end.cost;
     global.bound = std::min(global.bound, end.cost);
-    ++outcome_.better;
   }
 
   CompareTrial trial_of(const End& end, const GlobalSolution& global) const {
@@ -210,7 +209,6 @@ class Comparison {
     scan.mean_bound_m = mean_cost_m(global.bound, points_.size(), resolution_m);
     scan.is_certified = global.is_certified;
     scan.hold = constraint_strength(line_information(points_, resolution_m));
-    scan.boxes = global.boxes;
     scan.seconds = global.seconds;
     outcome_.scans.push_back(scan);
     for (const End& end : ends) outcome_.trials.push_back(trial_of(end, global));

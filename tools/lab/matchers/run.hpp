@@ -5,9 +5,11 @@
 // method and each kind of start; and table 2: the log mapped from end to end with each matcher.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,9 +20,23 @@
 #include "gdtslam/mapping/evaluation.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 #include "methods.hpp"
-#include "scan_constraint.hpp"
 
 namespace gdtslam {
+
+// How well a scan can tell where the robot stands, from the scan alone: along a bare corridor it cannot. Frame: robot,
+// cells; the result does not depend on the frame.
+
+/// The normal equations of sliding and turning a scan along its own lines (point to line [Censi2008]): xx, xy, xt, yy,
+/// yt, tt, in cells and radians. Each point's line is the main axis of its neighbours within 25 cm among the eight
+/// beams on either side; a point with fewer than two such neighbours does not count. Points in the order of the beams.
+std::array<double, 6> line_information(std::span<const PointCells> points, double resolution_m);
+
+/// The ratio of the smaller to the larger eigenvalue of such normal equations over x and y with the heading left free
+/// (Schur complement). 0 in a corridor without an end, 1 where all directions are alike.
+double constraint_strength(const std::array<double, 6>& information);
+
+/// Below this a scan counts as weak along a corridor: less than one point in twenty lies across.
+inline constexpr double kWeakHold = 0.05;
 
 /// How far a start is from the global solution: in a random direction, to a random side.
 struct StartLevel {
@@ -51,7 +67,6 @@ struct CompareScan {
   double mean_bound_m = 0.0;  ///< no pose of the window costs less
   bool is_certified = false;
   double hold = 0.0;  ///< constraint_strength()
-  std::uint64_t boxes = 0;
   double seconds = 0.0;  ///< that the global solution took
   [[nodiscard]] bool is_weak() const { return hold < kWeakHold; }
 };
@@ -84,7 +99,6 @@ struct CompareOutcome {
   std::uint64_t every = 1;    ///< of them one was measured
   std::uint64_t refused = 0;  ///< measured, but then not matched by the mapper: left out
   std::uint64_t too_few = 0;  ///< had too few points near the map to be measured
-  std::uint64_t better = 0;   ///< ends of methods that were taken as global solution, within the gap below the first
 };
 
 /// Called after each scan with the number of scans and the share done (negative when unknown).

@@ -1,9 +1,9 @@
-#include "scan_constraint.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+
+#include "run.hpp"
 
 namespace gdtslam {
 namespace {

@@ -12,7 +12,7 @@
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/error.hpp"
-#include "report.hpp"
+#include "run.hpp"
 
 namespace gdtslam::report_text {
 std::string_view skeleton();

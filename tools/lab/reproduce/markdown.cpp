@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "report.hpp"
+#include "run.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

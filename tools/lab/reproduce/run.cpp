@@ -15,7 +15,6 @@
 #include "engine/io/yaml/yaml_text.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
-#include "report.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/interrupt.hpp"
 #include "tools/gdtslam/shell/progress.hpp"
