@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "certified.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/device_json.hpp"
 #include "gdtslam/core/error.hpp"
@@ -36,9 +35,7 @@ struct BenchOptions {
   std::string filter;
   std::uint32_t size = 1024;
   TimingOptions timing;
-  std::string log{};  ///< of certified matching; empty: the sample
-  std::uint64_t scans = 100;
-  double lattice_s = 5.0;
+  CertifiedBenchJob certified{};  ///< no log: the sample
   bool json = false;
   bool flood_errors = false;
   [[nodiscard]] bool is_certified() const { return filter == "certified"; }
@@ -245,17 +242,16 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
 }
 
 int print_certified(Backend& cpu, const BenchOptions& options) {
-  const CertifiedBenchJob job{.log = options.log.empty() ? sample_log_file() : options.log,
-                              .mapper = load_settings({}).mapper,
-                              .scans = options.scans,
-                              .lattice_s = options.lattice_s};
-  const CertifiedBench bench = bench_certified(job, cpu, [] { return interrupted(); });
-  print_result(options.json ? json_text_of(job, bench, cpu) : as_text(job, bench, cpu));
+  CertifiedBenchJob job = options.certified;
+  if (job.log.empty()) job.log = sample_log_file();
+  job.mapper = load_settings({}).mapper;
+  print_result(bench_certified(
+      job, cpu, [] { return interrupted(); }, options.json));
   return static_cast<int>(ExitCode::kDone);
 }
 
 int bench(const BenchOptions& options) {
-  if (!options.is_certified() && !options.log.empty()) {
+  if (!options.is_certified() && !options.certified.log.empty()) {
     throw UsageError("bench: --log is for 'gdtslam bench certified'");
   }
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
@@ -291,15 +287,17 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000).description(""))
       ->capture_default_str();
-  command->add_option("--log", options->log, "certified: the log that is mapped (default: the sample that comes along)")
+  command
+      ->add_option("--log", options->certified.log,
+                   "certified: the log that is mapped (default: the sample that comes along)")
       ->type_name("LOG");
-  command->add_option("--scans", options->scans, "certified: scans that are looked for, evenly over the log")
+  command->add_option("--scans", options->certified.scans, "certified: scans that are looked for, evenly over the log")
       ->type_name("N")
       ->check(CLI::Range(1, 100000).description(""))
       ->capture_default_str();
-  add_quantity_option(*command, "--lattice", options->lattice_s, Unit::kSecond, {0.0, 1.0e6},
+  add_quantity_option(*command, "--lattice", options->certified.lattice_s, Unit::kSecond, {0.0, 1.0e6},
                       "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
-      ->default_str(format_quantity(options->lattice_s, Unit::kSecond));
+      ->default_str(format_quantity(options->certified.lattice_s, Unit::kSecond));
   command->add_flag("--flood-errors", options->flood_errors,
                     "Instead of times: the errors of jump flooding from 512 to --size, as a table");
   command->add_flag("--json", options->json, "Print JSON");

@@ -13,6 +13,7 @@
 
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/cloud.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 
@@ -117,5 +118,22 @@ std::vector<FloodErrorRow> flood_errors(Backend& backend, std::uint32_t size);
 
 /// The version of OpenCV that is measured, or empty.
 std::string opencv_version();
+
+/// What `gdtslam bench certified` measures: a log is mapped, and scans of it are looked for again in its merged map, in
+/// windows of growing size whose centres are off the pose that mapping found, by the matcher `certified` and by a plain
+/// lattice of poses. Frame: map. One thread; the poses depend on the log and the configuration alone, the times on the
+/// machine.
+struct CertifiedBenchJob {
+  std::string log;
+  MapperConfig mapper;
+  std::uint64_t scans = 100;  ///< that are looked for, evenly over the log
+  double gap_m = 0.005;
+  double lattice_s = 5.0;  ///< CPU time that the peer may take for a window, of one scan at least; 0: no peer
+};
+
+/// As the command prints it, a table for people or JSON. The backend is the CPU's. Throws InputError, FileError;
+/// Error(kInterrupted) when stop() became true.
+std::string bench_certified(const CertifiedBenchJob& job, Backend& backend, const std::function<bool()>& stop,
+                            bool is_json);
 
 }  // namespace gdtslam

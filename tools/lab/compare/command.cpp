@@ -30,12 +30,10 @@ namespace {
 constexpr const char* kDefaultLevels = "2cm/0.5deg,5cm/1deg,10cm/2deg,20cm/5deg,40cm/10deg,80cm/20deg";
 
 struct CompareOptions {
-  std::vector<std::string> logs;
+  CompareJob job;  ///< the logs, their range, scans and seed; the rest is told by the texts below
   std::string methods;
   std::string levels = kDefaultLevels;
-  std::uint64_t scans = 200;
   std::uint64_t starts = 1;
-  std::uint64_t seed = 1;
   std::string gap = "0.5mm";
   std::string reference;
   std::string relations;
@@ -43,7 +41,6 @@ struct CompareOptions {
   std::string picture;
   SettingsOptions settings;
   DeviceOptions device{.device = "cpu"};
-  ScanRange range;
   bool lenient = false;
   bool json = false;
   bool quiet = false;
@@ -86,24 +83,20 @@ std::vector<StartLevel> levels_of(const std::string& text) {
 }
 
 CompareJob job_of(const CompareOptions& options) {
-  for (const std::string& log : options.logs) {
+  for (const std::string& log : options.job.logs) {
     if (log == "-") throw UsageError("compare reads the log more than once: give a file, not standard input");
   }
   constexpr std::uint64_t kMostStarts = 1000;
   if (options.starts > kMostStarts) {
     throw UsageError(fmt::format("--starts: {} is more than {}", options.starts, kMostStarts));
   }
-  CompareJob job;
-  job.logs = options.logs;
+  CompareJob job = options.job;
   const Settings settings = load_settings(options.settings);
   job.read = read_options_of(settings.log, options.lenient);
-  job.range = options.range;
   job.mapper = settings.mapper;
   job.methods = compare_methods_of("--matchers", options.methods);
   job.levels = levels_of(options.levels);
   job.starts = static_cast<std::uint32_t>(options.starts);
-  job.scans = options.scans;
-  job.seed = options.seed;
   job.global.gap_m = quantity_between("--gap", options.gap, Unit::kMetre, 1e-5, 0.1, "0.01mm to 10cm");
   return job;
 }
@@ -137,7 +130,7 @@ std::vector<WholeRun> map_wholly(const CompareOptions& options, const CompareJob
 }
 
 void check_files(const CompareOptions& options) {
-  std::vector<std::string> inputs = options.logs;
+  std::vector<std::string> inputs = options.job.logs;
   inputs.insert(inputs.end(), {options.reference, options.relations});
   check_written_file("--csv", options.csv, inputs);
   check_written_file("--picture", options.picture, inputs);
@@ -185,9 +178,10 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
       ->capture_default_str();
   add_count_option(command, "--starts", options.starts, 1, "Starts of each distance at each scan")
       ->capture_default_str();
-  add_count_option(command, "--scans", options.scans, 1, "Scans to measure, evenly over the log")
+  add_count_option(command, "--scans", options.job.scans, 1, "Scans to measure, evenly over the log")
       ->capture_default_str();
-  add_count_option(command, "--seed", options.seed, 0, "Seed of the directions of the starts")->capture_default_str();
+  add_count_option(command, "--seed", options.job.seed, 0, "Seed of the directions of the starts")
+      ->capture_default_str();
   command.add_option("--gap", options.gap, "Of the mean distance: the proof that is asked of the global solution")
       ->type_name("LENGTH")
       ->capture_default_str();
@@ -213,12 +207,12 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       add_command(app, "compare", "The methods that match a scan, on the same scans, against proven solutions");
-  command->add_option("log", options->logs, "CARMEN logs, plain or gzip, one after the other")
+  command->add_option("log", options->job.logs, "CARMEN logs, plain or gzip, one after the other")
       ->required()
       ->type_name("LOG");
   command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
-  add_count_option(*command, "--skip", options->range.skip, 0, "Leave out the first N scans");
-  add_count_option(*command, "--first", options->range.count, 1, "Read N scans only");
+  add_count_option(*command, "--skip", options->job.range.skip, 0, "Leave out the first N scans");
+  add_count_option(*command, "--first", options->job.range.count, 1, "Read N scans only");
   add_protocol_options(*command, *options);
   add_settings_options(*command, options->settings);
   add_device_options(*command, options->device, false);

@@ -38,15 +38,6 @@ constexpr double kSimulationShare = 0.35;
 
 [[noreturn]] void throw_interrupted() { throw Error(ExitCode::kInterrupted, "interrupted"); }
 
-// Without pictures and without a word.
-void map_quietly(MapRequest request, const DeviceOptions& device, const std::function<void(double)>& progress) {
-  request.with_pictures = false;
-  request.on_failure = on_failure_of(device);
-  request.progress = [&](std::uint64_t, double share) { progress(share); };
-  request.stop = [] { return interrupted(); };
-  if (map_logs(request, *make_backend(device)).outcome.interrupted) throw_interrupted();
-}
-
 }  // namespace
 
 const DriveRecipe& recipe_of(std::string_view name) {
@@ -177,7 +168,11 @@ void map_whole(const std::string& log, const std::string& run, const DeviceOptio
                const std::function<void(double)>& progress, const std::vector<std::string>& sets, std::uint64_t first) {
   MapRequest request{.logs = {log}, .folder = run, .settings = load_settings({.file = "", .sets = sets})};
   if (first > 0) request.range.count = first;
-  map_quietly(std::move(request), device, progress);
+  request.with_pictures = false;
+  request.on_failure = on_failure_of(device);
+  request.progress = [&](std::uint64_t, double share) { progress(share); };
+  request.stop = [] { return interrupted(); };
+  if (map_logs(request, *make_backend(device)).outcome.interrupted) throw_interrupted();
 }
 
 ReferenceReport errors_of(const Drive& drive, bool is_aligned) {

@@ -17,12 +17,17 @@
 namespace gdtslam::reproduce {
 namespace {
 
-// A view with its words, without the path.
-RenderOptions titled(const std::string& title, bool has_path) {
-  RenderOptions options;
-  options.title = title;
-  options.no_path = !has_path;
-  return options;
+struct MapView {
+  std::string view;
+  std::string size = "1190x820";
+  std::string title;
+  bool has_path = true;
+};
+void add_map_view(Part& part, const PartContext& place, const std::string& run, const MapView& map, Picture picture) {
+  RenderOptions look;
+  look.title = map.title;
+  look.no_path = !map.has_path;
+  add_view(part, place, {.inputs = {run}, .view = map.view, .size = map.size, .options = look}, std::move(picture));
 }
 
 /// First and last pose that the wheels alone give.
@@ -113,12 +118,12 @@ void add_real_log(Part& part, const PartContext& place, const RealLog& real, dou
   const std::string run = folder.path() + "/run";
   map_whole(real.log, run, place.device, [&](double share) { place.progress(from + span * share); });
   const RelationReport report = evaluate_relations(read_tum(run + "/trajectory.tum"), read_relations(real.relations));
-  const RenderOptions look = titled(real.name + " (real)", true);
-  add_view(part, place, {.inputs = {run}, .view = "map", .size = "1190x820", .options = look},
-           {real.stem + "-map.png", fmt::format("Real log, {}: occupancy map and path.", real.name)});
+  const std::string title = real.name + " (real)";
+  add_map_view(part, place, run, {.view = "map", .title = title},
+               {real.stem + "-map.png", fmt::format("Real log, {}: occupancy map and path.", real.name)});
   if (part.origin != Origin::kSimulatedAndReal) {  // one is enough to see
-    add_view(part, place, {.inputs = {run}, .view = "field", .size = "1190x820", .options = look},
-             {real.stem + "-field.png", fmt::format("Real log, {}: distance transform as intensity.", real.name)});
+    add_map_view(part, place, run, {.view = "field", .title = title},
+                 {real.stem + "-field.png", fmt::format("Real log, {}: distance transform as intensity.", real.name)});
   }
   part.state(
       real.name + " (real): error of verified relations", "",
@@ -147,13 +152,11 @@ Part make_local_scan(const PartContext& place) {
   const Drive drive = place.drives.drive("one-scan");
   Part part;
   part.source = "One scan of 961 beams over 240\u00b0 at a crossing of the scene office-loop, seed 1.";
-  add_view(part, place,
-           {.inputs = {drive.run}, .view = "map", .size = "1190x680", .options = titled("One scan", false)},
-           {"scan.png", "(a) What one scan tells: walls, free space, unknown."});
-  add_view(
-      part, place,
-      {.inputs = {drive.run}, .view = "field", .size = "1190x680", .options = titled("Its distance transform", false)},
-      {"field.png", "(b) Its distance transform as intensity: bright near obstacles, as in the paper."});
+  add_map_view(part, place, drive.run, {.view = "map", .size = "1190x680", .title = "One scan", .has_path = false},
+               {"scan.png", "(a) What one scan tells: walls, free space, unknown."});
+  add_map_view(part, place, drive.run,
+               {.view = "field", .size = "1190x680", .title = "Its distance transform", .has_path = false},
+               {"field.png", "(b) Its distance transform as intensity: bright near obstacles, as in the paper."});
   part.notes.push_back("A picture to be compared by eye: the paper gives no number for it.");
   part.by_hand = Drives::commands_of("one-scan");
   part.by_hand.push_back(
@@ -167,12 +170,10 @@ Part make_loop(const PartContext& place) {
   part.source =
       "A drive through the scene office-loop, seed 1, an office floor with a loop of corridors like the paper\u2019s "
       "7F.";
-  add_view(part, place,
-           {.inputs = {drive.run}, .view = "map", .size = "1190x820", .options = titled("2D map and path", true)},
-           {"map.png", "(a) Occupancy map with the robot\u2019s path in the colours of time."});
-  add_view(part, place,
-           {.inputs = {drive.run}, .view = "field", .size = "1190x820", .options = titled("GDT and path", true)},
-           {"field.png", "(b) The global distance transform as intensity, with the path."});
+  add_map_view(part, place, drive.run, {.view = "map", .title = "2D map and path"},
+               {"map.png", "(a) Occupancy map with the robot\u2019s path in the colours of time."});
+  add_map_view(part, place, drive.run, {.view = "field", .title = "GDT and path"},
+               {"field.png", "(b) The global distance transform as intensity, with the path."});
   add_loop_rows(part, drive);
   part.by_hand = Drives::commands_of("office-loop");
   part.by_hand.push_back("gdtslam render office-loop --view map && gdtslam render office-loop --view field");
