@@ -10,8 +10,8 @@
 namespace gdtslam {
 namespace {
 
-std::vector<CompareTrial> trials_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
-                                    ScanKind kind) {
+std::vector<CompareTrial> select_trials(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
+                                        ScanKind kind) {
   std::vector<CompareTrial> trials;
   for (const CompareTrial& trial : outcome.trials) {
     const bool is_meant = trial.method == method && trial.level == level;
@@ -22,14 +22,14 @@ std::vector<CompareTrial> trials_of(const CompareOutcome& outcome, std::uint32_t
 
 // Of a member or a function of them.
 template <class Value>
-std::vector<double> values_of(const std::vector<CompareTrial>& trials, const Value& value) {
+std::vector<double> collect_values(const std::vector<CompareTrial>& trials, const Value& value) {
   std::vector<double> values;
   for (const CompareTrial& trial : trials) values.push_back(static_cast<double>(std::invoke(value, trial)));
   return values;
 }
 
 template <class Test>
-Share share_of(const std::vector<CompareTrial>& trials, const Test& test) {
+Share share_that(const std::vector<CompareTrial>& trials, const Test& test) {
   return {static_cast<std::uint64_t>(std::count_if(trials.begin(), trials.end(), std::mem_fn(test))), trials.size()};
 }
 
@@ -67,15 +67,15 @@ std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcom
   std::vector<MethodFigures> figures;
   double simplex_s = 0.0;
   for (std::uint32_t k = 0; k < job.methods.size(); ++k) {
-    const std::vector<CompareTrial> trials = trials_of(outcome, k, level, kind);
-    const auto summary = [&trials](const auto& value) { return summarise(values_of(trials, value)); };
+    const std::vector<CompareTrial> trials = select_trials(outcome, k, level, kind);
+    const auto summary = [&trials](const auto& value) { return summarise(collect_values(trials, value)); };
     figures.push_back({.method = std::string(to_string(job.methods[k])),
                        .distance_m = summary(&CompareTrial::distance_m),
                        .x_m = summary(&CompareTrial::x_m),
                        .y_m = summary(&CompareTrial::y_m),
                        .theta_deg = summary([](const CompareTrial& trial) { return deg_from_rad(trial.theta_rad); }),
-                       .success = share_of(trials, &CompareTrial::is_success),
-                       .optimal = share_of(trials, &CompareTrial::is_optimal),
+                       .success = share_that(trials, &CompareTrial::is_success),
+                       .optimal = share_that(trials, &CompareTrial::is_optimal),
                        .evaluations = summary(&CompareTrial::evaluations),
                        .seconds = summary(&CompareTrial::seconds)});
     if (job.methods[k] == MatcherKind::kSimplex) simplex_s = figures.back().seconds.mean;
@@ -86,7 +86,7 @@ std::vector<MethodFigures> figures_of(const CompareJob& job, const CompareOutcom
 
 std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t method, std::uint32_t level,
                                  ScanKind kind) {
-  return values_of(trials_of(outcome, method, level, kind), &CompareTrial::distance_m);
+  return collect_values(select_trials(outcome, method, level, kind), &CompareTrial::distance_m);
 }
 
 MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,

@@ -54,7 +54,7 @@ void clean(Json& json) {
   }
 }
 
-KeptPart part_of(Json json) {
+KeptPart read_part(Json json) {
   KeptPart kept;
   kept.cpu_s = json.at("cpu_s").get<double>();
   json.erase("cpu_s");
@@ -103,7 +103,7 @@ std::optional<KeptPart> Store::find(const std::string& id, const std::string& ke
   try {
     const Json json = read_json(file, kMostBytes);
     if (json.at("version") != kVersion || json.at("key").get<std::string>() != key) return std::nullopt;
-    KeptPart kept = part_of(json);
+    KeptPart kept = read_part(json);
     if (pictures_are_there(kept.part, folder_of(id))) return kept;
   } catch (const Json::exception&) {  // cut or changed by hand: it is made again
   } catch (const InputError&) {
