@@ -186,7 +186,8 @@ def write_data():
     (DATA / "drive.relations.gz").write_bytes(gzip.compress(relations.encode(), mtime=0))
 
 
-OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", "overview.png", "report.json", "trajectory.tum"]
+OVERVIEW = "overview.png" if os.environ.get("GDTSLAM_VIEWER") == "1" else "overview.svg"
+OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum"]
 # Of a laser that nods; the picture of the cloud where the viewer is built in.
 NODDING_OUTPUTS = sorted([*OUTPUTS, "linkage.yaml"])
 CLOUD_PICTURE = ["cloud.png"] if os.environ.get("GDTSLAM_VIEWER") == "1" else []

@@ -101,7 +101,7 @@ def render_without_opengl():
     expect(json.loads(process.stdout)["warnings"] == {} and sorted(digests(drive.folder / "again")) == cli.CLOUD_OUTPUTS, process.stderr)
     process = command("map", drive.log, "-o", drive.folder / "again", "-q", "--no-pictures")
     files = sorted(digests(drive.folder / "again"))
-    expect("overview.png" not in files and "cloud.png" not in files and "cloud.ply" in files, f"pictures of the run before: {files}")
+    expect(cli.OVERVIEW not in files and "cloud.png" not in files and "cloud.ply" in files, f"pictures of the run before: {files}")
 
 
 def fake_ffmpeg(folder, script):

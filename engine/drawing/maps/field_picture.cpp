@@ -30,7 +30,7 @@ MapArea shown_area(const FieldPicture& field, const Trajectory& trajectory) {
   if (box.empty()) box = box_of(geometry, [&](CellIndex cell) { return value_at(cell) < field.cap; });
   if (box.empty()) box = {{0, 0}, {geometry.width, geometry.height}};
   const double reach_m = geometry.resolution_m * field.cap / kCell;
-  return with_path(area_of(geometry, box), trajectory, std::max(reach_m, 2.0 * geometry.resolution_m));
+  return with_path(area_of(geometry, box), geometry, trajectory, std::max(reach_m, 2.0 * geometry.resolution_m));
 }
 
 /// How the field's values become colours.

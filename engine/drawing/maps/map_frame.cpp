@@ -71,14 +71,20 @@ MapArea area_of(const GridGeometry& geometry, const CellBox& box) {
           geometry.origin_x_m + cell_m * box.end.x, geometry.origin_y_m + cell_m * box.end.y};
 }
 
-MapArea with_path(const MapArea& area, const Trajectory& trajectory, double margin_m) {
+MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Trajectory& trajectory, double margin_m) {
+  const MapArea grid = area_of(geometry, {{0, 0}, {geometry.width, geometry.height}});
+  const double reach_m = std::max(grid.width_m(), grid.height_m());
   MapArea all = area;
   for (const StampedPose& pose : trajectory) {
-    if (!pose.T_map_base.is_finite()) continue;
-    all.min_x_m = std::min(all.min_x_m, pose.T_map_base.x_m);
-    all.min_y_m = std::min(all.min_y_m, pose.T_map_base.y_m);
-    all.max_x_m = std::max(all.max_x_m, pose.T_map_base.x_m);
-    all.max_y_m = std::max(all.max_y_m, pose.T_map_base.y_m);
+    const double x_m = pose.T_map_base.x_m;
+    const double y_m = pose.T_map_base.y_m;
+    const bool is_near = x_m >= grid.min_x_m - reach_m && x_m <= grid.max_x_m + reach_m &&
+                         y_m >= grid.min_y_m - reach_m && y_m <= grid.max_y_m + reach_m;
+    if (!is_near || !pose.T_map_base.is_finite()) continue;
+    all.min_x_m = std::min(all.min_x_m, x_m);
+    all.min_y_m = std::min(all.min_y_m, y_m);
+    all.max_x_m = std::max(all.max_x_m, x_m);
+    all.max_y_m = std::max(all.max_y_m, y_m);
   }
   return {all.min_x_m - margin_m, all.min_y_m - margin_m, all.max_x_m + margin_m, all.max_y_m + margin_m};
 }

@@ -62,7 +62,8 @@ using CellTest = std::function<bool(CellIndex)>;
 /// none passes.
 CellBox box_of(const GridGeometry& geometry, const CellTest& test);
 MapArea area_of(const GridGeometry& geometry, const CellBox& box);
-/// The area with the whole path in it and a margin around.
-MapArea with_path(const MapArea& area, const Trajectory& trajectory, double margin_m);
+/// The area with the whole path in it and a margin around; without poses that lie farther outside the grid than it is
+/// long, beside which nothing of the map would be seen.
+MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Trajectory& trajectory, double margin_m);
 
 }  // namespace gdtslam::picture

@@ -25,11 +25,20 @@ MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
   if (box.empty()) box = {{0, 0}, {map.geometry.width, map.geometry.height}};
   const MapArea area = area_of(map.geometry, box);
   constexpr double kMarginShare = 0.02;
-  return with_path(area, trajectory,
+  return with_path(area, map.geometry, trajectory,
                    std::max(2.0 * map.geometry.resolution_m, kMarginShare * std::max(area.width_m(), area.height_m())));
 }
 
 }  // namespace
+
+PictureSize size_for_content(double width, double height) {
+  constexpr std::uint32_t kWidth_px = 1600;
+  constexpr double kCaption_px = 240.0;  // title above, bars below
+  constexpr double kLowest_px = 500.0;
+  constexpr double kHighest_px = 1600.0;
+  const double rows = height / std::max(width, 1e-3) * 0.92 * kWidth_px + kCaption_px;
+  return {kWidth_px, static_cast<std::uint32_t>(std::clamp(rows, kLowest_px, kHighest_px))};
+}
 
 Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size) {
   check(overlay);

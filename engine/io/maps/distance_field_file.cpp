@@ -34,10 +34,11 @@ void check_writable(const std::string& yaml_path, const DistanceFieldView& field
   }
 }
 
-std::vector<std::uint16_t> levels_from_top(const std::string& yaml_path, const DistanceFieldView& field) {
+Grey16Image image_of(const std::string& yaml_path, const DistanceFieldView& field) {
   const int scale = levels_per_unit(field.cap);
-  std::vector<std::uint16_t> levels;
-  levels.reserve(field.geometry.cell_count());
+  Grey16Image image{
+      static_cast<std::uint32_t>(field.geometry.width), static_cast<std::uint32_t>(field.geometry.height), {}};
+  image.pixels.reserve(field.geometry.cell_count());
   const auto width = static_cast<std::size_t>(field.geometry.width);
   for (auto y = static_cast<std::size_t>(field.geometry.height); y-- > 0;) {
     for (const std::uint16_t value : field.cells.subspan(y * field.stride, width)) {
@@ -45,10 +46,10 @@ std::vector<std::uint16_t> levels_from_top(const std::string& yaml_path, const D
         throw InputError({yaml_path, 0}, fmt::format("the distance {} in row {} lies above the field's cap of {}",
                                                      value, y, field.cap));
       }
-      levels.push_back(static_cast<std::uint16_t>(value * scale));
+      image.pixels.push_back(static_cast<std::uint16_t>(value * scale));
     }
   }
-  return levels;
+  return image;
 }
 
 std::string description_of(const DistanceFieldView& field, const std::string& image) {
@@ -116,10 +117,7 @@ DistanceFieldView view_of(const GlobalField& field) {
 void write_distance_field(const std::string& yaml_path, const DistanceFieldView& field) {
   check_writable(yaml_path, field);
   const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".png");
-  const std::vector<std::uint16_t> pixels = levels_from_top(yaml_path, field);
-  const std::string png =
-      encode_png({static_cast<std::uint32_t>(field.geometry.width), static_cast<std::uint32_t>(field.geometry.height),
-                  PixelFormat::kGrey16, std::as_bytes(std::span(pixels))});
+  const std::string png = encode_png(image_of(yaml_path, field));
   AtomicFileSet files;
   files.add(image_path.string()).write(png);
   files.add(yaml_path).write(description_of(field, image_path.filename().string()));

@@ -8,45 +8,54 @@
 #include <csetjmp>
 #include <cstring>
 
-#include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
 
-// libpng reports errors by longjmp, which must not pass over C++ objects: the functions that call setjmp hold none.
+// Not libpng's simplified interface, which needs no setjmp: it takes 16-bit grey for linear light, notes so in the file
+// and converts what other programs noted, and these are distances.
 
-/// Where libpng's message goes; of trivial type for the jump.
-struct ErrorText {
-  char text[128] = {};
-};
+enum class Direction : std::uint8_t { kRead, kWrite };
 
-void on_error(png_structp png, png_const_charp message) {
-  auto* const error = static_cast<ErrorText*>(png_get_error_ptr(png));
-  std::strncpy(error->text, message, sizeof(error->text) - 1);
-  png_longjmp(png, 1);
-}
-void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}  // what is only odd is still readable
+/// What libpng keeps of a file that is read or written, and the message of its error.
+struct Codec {
+  explicit Codec(Direction which)
+      : direction(which),
+        png(which == Direction::kRead ? png_create_read_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning)
+                                      : png_create_write_struct(PNG_LIBPNG_VER_STRING, message, on_error, on_warning)),
+        info(png_create_info_struct(png)) {}
+  Codec(const Codec&) = delete;
+  Codec& operator=(const Codec&) = delete;
+  ~Codec() {
+    if (direction == Direction::kRead) {
+      png_destroy_read_struct(&png, &info, nullptr);
+    } else {
+      png_destroy_write_struct(&png, &info);
+    }
+  }
 
-struct Writer {
-  explicit Writer(ErrorText& error)
-      : png(png_create_write_struct(PNG_LIBPNG_VER_STRING, &error, on_error, on_warning)),
-        info(png != nullptr ? png_create_info_struct(png) : nullptr) {}
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  ~Writer() { png_destroy_write_struct(&png, &info); }
-  png_structp png;
-  png_infop info;
-};
+  /// Makes calls of libpng; false where one fails. libpng then jumps back here, which must not pass over C++ objects:
+  /// `calls` has none of its own.
+  template <class Calls>
+  bool run(const Calls& calls) {
+    if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT(cert-err52-cpp): libpng's only way
+      return false;
+    }
+    calls();
+    return true;
+  }
 
-struct Reader {
-  explicit Reader(ErrorText& error)
-      : png(png_create_read_struct(PNG_LIBPNG_VER_STRING, &error, on_error, on_warning)),
-        info(png != nullptr ? png_create_info_struct(png) : nullptr) {}
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
-  ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+  static constexpr std::size_t kMessageBytes = 128;
+  static void on_error(png_structp png, png_const_charp text) {
+    std::strncpy(static_cast<char*>(png_get_error_ptr(png)), text, kMessageBytes - 1);
+    png_longjmp(png, 1);
+  }
+  static void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}  // what is only odd is still readable
+
+  char message[kMessageBytes] = {};
+  Direction direction;
   png_structp png;
   png_infop info;
 };
@@ -65,38 +74,32 @@ void append_bytes(png_structp png, png_bytep data, std::size_t size) {
 }
 void flush_nothing(png_structp /*png*/) {}
 
-int colour_type(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb8:
-      return PNG_COLOR_TYPE_RGB;
-    case PixelFormat::kRgba8:
-      return PNG_COLOR_TYPE_RGBA;
-    case PixelFormat::kGrey8:
-    case PixelFormat::kGrey16:
-      break;
+std::string encode(std::uint32_t width, std::uint32_t height, int colour_type, std::span<const std::byte> pixels) {
+  const bool is_grey16 = colour_type == PNG_COLOR_TYPE_GRAY;
+  const std::size_t row_bytes = std::size_t{is_grey16 ? 2U : 4U} * width;
+  Codec codec(Direction::kWrite);
+  if (codec.info == nullptr || width == 0 || height == 0 || pixels.size() != row_bytes * height) {
+    throw Error(ExitCode::kFailed, fmt::format("an image of {} x {} pixels in {} bytes cannot be made a PNG", width,
+                                               height, pixels.size()));
   }
-  return PNG_COLOR_TYPE_GRAY;
-}
-
-bool write_image(const Writer& writer, const ImageView& image, std::string* out, png_const_bytep first_row) {
-  if (setjmp(png_jmpbuf(writer.png)) != 0) {  // NOLINT(cert-err52-cpp): libpng's only way
-    return false;
+  std::string out;
+  const bool is_done = codec.run([&] {
+    png_set_write_fn(codec.png, &out, append_bytes, flush_nothing);
+    png_set_user_limits(codec.png, 0x7fffffffU, 0x7fffffffU);
+    png_set_IHDR(codec.png, codec.info, width, height, is_grey16 ? 16 : 8, colour_type, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(codec.png, codec.info);
+    if (is_grey16 && std::endian::native == std::endian::little) png_set_swap(codec.png);
+    for (std::uint32_t y = 0; y < height; ++y) {
+      png_write_row(codec.png, reinterpret_cast<png_const_bytep>(pixels.data() + y * row_bytes));
+    }
+    png_write_end(codec.png, codec.info);
+  });
+  if (!is_done) {
+    throw Error(ExitCode::kFailed, fmt::format("libpng cannot encode an image of {} x {} pixels: {}", width, height,
+                                               static_cast<const char*>(codec.message)));
   }
-  png_set_write_fn(writer.png, out, append_bytes, flush_nothing);
-  png_set_user_limits(writer.png, 0x7fffffffU, 0x7fffffffU);
-  const int depth = image.format == PixelFormat::kGrey16 ? 16 : 8;
-  png_set_IHDR(writer.png, writer.info, image.width, image.height, depth, colour_type(image.format), PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_write_info(writer.png, writer.info);
-  if (depth == 16 && std::endian::native == std::endian::little) {
-    png_set_swap(writer.png);
-  }
-  const std::size_t row_bytes = image.width * bytes_per_pixel(image.format);
-  for (std::uint32_t y = 0; y < image.height; ++y) {
-    png_write_row(writer.png, first_row + y * row_bytes);
-  }
-  png_write_end(writer.png, writer.info);
-  return true;
+  return out;
 }
 
 struct Input {
@@ -122,60 +125,29 @@ struct Header {
   int interlace = 0;
 };
 
-bool read_header(const Reader& reader, Input* input, Header* header) {
-  if (setjmp(png_jmpbuf(reader.png)) != 0) {  // NOLINT(cert-err52-cpp)
-    return false;
-  }
-  png_set_read_fn(reader.png, input, take_bytes);
-  png_set_user_limits(reader.png, 0x7fffffffU, 0x7fffffffU);
-  png_set_chunk_malloc_max(reader.png, png_alloc_size_t{1} << 20U);
-  png_set_chunk_cache_max(reader.png, 16);
-  png_read_info(reader.png, reader.info);
-  png_get_IHDR(reader.png, reader.info, &header->width, &header->height, &header->depth, &header->colour,
-               &header->interlace, nullptr, nullptr);
-  return true;
-}
-
-bool begin_rows(const Reader& reader) {
-  if (setjmp(png_jmpbuf(reader.png)) != 0) {  // NOLINT(cert-err52-cpp)
-    return false;
-  }
-  if (std::endian::native == std::endian::little) {
-    png_set_swap(reader.png);
-  }
-  png_read_update_info(reader.png, reader.info);
-  return true;
-}
-
-bool read_row(const Reader& reader, std::uint16_t* pixels) {
-  if (setjmp(png_jmpbuf(reader.png)) != 0) {  // NOLINT(cert-err52-cpp)
-    return false;
-  }
-  png_read_row(reader.png, reinterpret_cast<png_bytep>(pixels), nullptr);
-  return true;
-}
-
-bool finish_rows(const Reader& reader) {
-  if (setjmp(png_jmpbuf(reader.png)) != 0) {  // NOLINT(cert-err52-cpp)
-    return false;
-  }
-  png_read_end(reader.png, nullptr);
-  return true;
+bool read_header(Codec& codec, Input& input, Header& header) {
+  return codec.run([&] {
+    png_set_read_fn(codec.png, &input, take_bytes);
+    png_set_user_limits(codec.png, 0x7fffffffU, 0x7fffffffU);
+    png_set_chunk_malloc_max(codec.png, png_alloc_size_t{1} << 20U);
+    png_set_chunk_cache_max(codec.png, 16);
+    png_read_info(codec.png, codec.info);
+    png_get_IHDR(codec.png, codec.info, &header.width, &header.height, &header.depth, &header.colour, &header.interlace,
+                 nullptr, nullptr);
+  });
 }
 
 /// Memory grows with the rows that are really there.
-bool read_rows(const Reader& reader, Grey16Image& image) {
-  if (!begin_rows(reader)) {
-    return false;
-  }
-  for (std::uint32_t y = 0; y < image.height; ++y) {
-    const std::size_t row = image.pixels.size();
-    image.pixels.resize(row + image.width);
-    if (!read_row(reader, image.pixels.data() + row)) {
-      return false;
+bool read_rows(Codec& codec, Grey16Image& image) {
+  return codec.run([&] {
+    if (std::endian::native == std::endian::little) png_set_swap(codec.png);
+    png_read_update_info(codec.png, codec.info);
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+      image.pixels.resize(image.pixels.size() + image.width);
+      png_read_row(codec.png, reinterpret_cast<png_bytep>(&image.pixels[std::size_t{y} * image.width]), nullptr);
     }
-  }
-  return finish_rows(reader);
+    png_read_end(codec.png, nullptr);
+  });
 }
 
 void check_header(const Header& header, std::size_t file_bytes, std::uint64_t max_pixels, const std::string& name) {
@@ -196,44 +168,28 @@ void check_header(const Header& header, std::size_t file_bytes, std::uint64_t ma
 
 }  // namespace
 
-std::size_t bytes_per_pixel(PixelFormat format) {
-  constexpr std::size_t kBytes[] = {1, 3, 4, 2};
-  return kBytes[static_cast<std::size_t>(format)];
+std::string encode_png(const Grey16Image& image) {
+  return encode(image.width, image.height, PNG_COLOR_TYPE_GRAY, std::as_bytes(std::span(image.pixels)));
 }
 
-std::string encode_png(const ImageView& image) {
-  std::string out;
-  ErrorText error;
-  const Writer writer(error);
-  if (writer.info == nullptr || image.width == 0 || image.height == 0 ||
-      image.pixels.size() != bytes_per_pixel(image.format) * image.width * image.height) {
-    throw Error(ExitCode::kFailed, fmt::format("an image of {} x {} pixels in {} bytes cannot be made a PNG",
-                                               image.width, image.height, image.pixels.size()));
-  }
-  if (!write_image(writer, image, &out, reinterpret_cast<png_const_bytep>(image.pixels.data()))) {
-    throw Error(ExitCode::kFailed, fmt::format("libpng cannot encode an image of {} x {} pixels: {}", image.width,
-                                               image.height, static_cast<const char*>(error.text)));
-  }
-  return out;
+std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
+  return encode(width, height, PNG_COLOR_TYPE_RGBA, std::as_bytes(rgba));
 }
-
-void write_png(const std::string& path, const ImageView& image) { write_file_atomically(path, encode_png(image)); }
 
 Grey16Image decode_png_grey16(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels) {
-  ErrorText error;
-  const Reader reader(error);
-  if (reader.info == nullptr) {
+  Codec codec(Direction::kRead);
+  if (codec.info == nullptr) {
     throw Error(ExitCode::kFailed, located({name, 0}, "libpng cannot be started"));
   }
   Input input{data.data(), data.size()};
   Header header;
-  if (!read_header(reader, &input, &header)) {
-    throw InputError({name, 0}, fmt::format("is no readable PNG: {}", static_cast<const char*>(error.text)));
+  if (!read_header(codec, input, header)) {
+    throw InputError({name, 0}, fmt::format("is no readable PNG: {}", static_cast<const char*>(codec.message)));
   }
   check_header(header, data.size(), max_pixels, name);
   Grey16Image image{header.width, header.height, {}};
-  if (!read_rows(reader, image)) {
-    throw InputError({name, 0}, fmt::format("is a damaged PNG: {}", static_cast<const char*>(error.text)));
+  if (!read_rows(codec, image)) {
+    throw InputError({name, 0}, fmt::format("is a damaged PNG: {}", static_cast<const char*>(codec.message)));
   }
   return image;
 }

@@ -21,8 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
-constexpr std::array kRunFiles{"trajectory.tum", "map.yaml",     "map.pgm",   "gdt.yaml",  "gdt.png",    "overview.png",
-                               "config.yaml",    "linkage.yaml", "cloud.ply", "cloud.png", "report.json"};
+constexpr std::array kRunFiles{"trajectory.tum", "map.yaml",     "map.pgm",      "gdt.yaml",
+                               "gdt.png",        "overview.png", "overview.svg", "config.yaml",
+                               "linkage.yaml",   "cloud.ply",    "cloud.png",    "report.json"};
 
 std::string as_text(int code) { return std::generic_category().message(code); }
 

@@ -28,7 +28,7 @@ struct MapJob {
   MapperConfig mapper;
   OccupancyConfig occupancy;
   bool with_occupancy = true;
-  bool with_pictures = true;  ///< overview.png
+  bool with_pictures = true;  ///< the overview of the map
   MapperOptions on_failure;   ///< of the device
 };
 

@@ -123,7 +123,7 @@ RC_GTEST_PROP(ImageLaws, PgmAndPngReadBack, ()) {
     grey.pixels.push_back(static_cast<std::uint8_t>(cell));
   }
   RC_ASSERT(decode_pgm(bytes_of(encode_pgm(grey)), "prop").pixels == grey.pixels);
-  const std::string png = encode_png({width, height, PixelFormat::kGrey16, std::as_bytes(std::span(cells))});
+  const std::string png = encode_png({width, height, cells});
   const Grey16Image image = decode_png_grey16(bytes_of(png), "prop", 10000);
   RC_ASSERT(image.width == width && image.height == height);
   RC_ASSERT(image.pixels == cells);

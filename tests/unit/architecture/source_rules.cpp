@@ -27,7 +27,7 @@ const std::map<std::string, Parts, std::less<>>& allowed_parts() {
       {"calib", {"core", "cloud"}},
       {"cloud", {"core"}},
       {"drawing", {"core", "compute", "mapping", "calib"}},
-      {"runs", {"core", "compute", "mapping", "io", "cloud", "calib"}},
+      {"runs", {"core", "compute", "mapping", "io", "cloud", "calib", "drawing"}},
       {"optimize", {"core"}},
       {"viewer", {"core", "mapping", "calib", "cloud", "drawing"}},
       {"tools", all},

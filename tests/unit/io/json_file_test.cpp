@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -81,6 +82,21 @@ TEST_F(JsonFileTest, WhatCannotBeReadIsAnErrorOfTheFile) {
   EXPECT_THROW(read_json(path(), kMostBytes), FileError);  // there is none
   EXPECT_THROW(read_json(folder_.path().string(), kMostBytes), FileError);
   EXPECT_THROW(read_json("/proc/self/mem", kMostBytes), FileError);  // the first byte cannot be read: EIO
+}
+
+TEST(JsonFile, NumbersReadBackAndTextIsMadeUtf8) {
+  const nlohmann::ordered_json value = {{"z", 0.1},
+                                        {"a", std::nan("")},
+                                        {"path",
+                                         "bad\xff"
+                                         "byte"}};
+  const std::string text = json_text(value);
+  EXPECT_EQ(text,
+            "{\n  \"z\": 0.1,\n  \"a\": null,\n  \"path\": \"bad\xef\xbf\xbd"
+            "byte\"\n}\n");
+  const TemporaryFolder folder;
+  write_json(folder / "r.json", value);
+  EXPECT_EQ(get_file(folder / "r.json"), text);
 }
 
 }  // namespace

@@ -30,33 +30,20 @@ std::vector<std::uint8_t> decode_8_bit(const std::string& file, png_uint_32 form
   return pixels;
 }
 
-template <class T>
-std::string encoded(std::uint32_t width, std::uint32_t height, PixelFormat format, const std::vector<T>& pixels) {
-  return encode_png({width, height, format, std::as_bytes(std::span(pixels))});
-}
-
 TEST(Png, OtherDecodersReadTheSamePixels) {
-  struct Case {
-    PixelFormat format;
-    png_uint_32 libpng_format;
-    std::size_t bytes;
-  };
-  for (const Case& c : {Case{PixelFormat::kGrey8, PNG_FORMAT_GRAY, 1}, Case{PixelFormat::kRgb8, PNG_FORMAT_RGB, 3},
-                        Case{PixelFormat::kRgba8, PNG_FORMAT_RGBA, 4}}) {
-    std::vector<std::uint8_t> pixels;
-    for (std::size_t i = 0; i < 7 * 5 * c.bytes; ++i) {
-      pixels.push_back(static_cast<std::uint8_t>(i * 37));
-    }
-    png_image image;
-    EXPECT_EQ(decode_8_bit(encoded(7, 5, c.format, pixels), c.libpng_format, image), pixels);
-    EXPECT_EQ(image.width, 7U);
-    EXPECT_EQ(image.height, 5U);
+  std::vector<std::uint8_t> pixels;
+  for (std::size_t i = 0; i < 7 * 5 * 4; ++i) {
+    pixels.push_back(static_cast<std::uint8_t>(i * 37));
   }
+  png_image image;
+  EXPECT_EQ(decode_8_bit(encode_png(7, 5, pixels), PNG_FORMAT_RGBA, image), pixels);
+  EXPECT_EQ(image.width, 7U);
+  EXPECT_EQ(image.height, 5U);
 }
 
 TEST(Png, SixteenBitsStandInTheFileWithTheHighByteFirst) {
   // The only pixel has no neighbours, so whatever the row's filter, its bytes are the pixel's own.
-  const std::string file = encoded<std::uint16_t>(1, 1, PixelFormat::kGrey16, {0x1234});
+  const std::string file = encode_png({1, 1, {0x1234}});
   const std::size_t chunk = file.find("IDAT") + 4;
   std::array<Bytef, 16> row{};
   uLongf size = row.size();
@@ -70,13 +57,13 @@ TEST(Png, SixteenBitsStandInTheFileWithTheHighByteFirst) {
 
 TEST(Png, SixteenBitsReadBack) {
   const std::vector<std::uint16_t> pixels = {0x1234, 0xfedc, 0, 65535, 256, 255};
-  const std::string file = encoded(3, 2, PixelFormat::kGrey16, pixels);
+  const std::string file = encode_png({3, 2, pixels});
   EXPECT_THAT(decode_png_grey16(bytes_of(file), "t.png", 100).pixels, ElementsAreArray(pixels));
 }
 
 TEST(Png, RefusesImagesThatCannotBe) {
-  EXPECT_THROW(encoded<std::uint8_t>(0, 1, PixelFormat::kGrey8, {}), Error);
-  EXPECT_THROW(encoded<std::uint8_t>(2, 2, PixelFormat::kGrey8, {1, 2, 3}), Error);
+  EXPECT_THROW(encode_png({0, 1, {}}), Error);
+  EXPECT_THROW(encode_png({2, 2, {1, 2, 3}}), Error);
 }
 
 TEST(Png, DamagedFilesAreInputErrors) {
@@ -84,7 +71,7 @@ TEST(Png, DamagedFilesAreInputErrors) {
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     pixels[i] = static_cast<std::uint16_t>(i * 40503U);
   }
-  const std::string file = encoded(64, 64, PixelFormat::kGrey16, pixels);
+  const std::string file = encode_png({64, 64, pixels});
   for (std::size_t size = 0; size < file.size(); size += size < 60 ? 1 : 97) {
     EXPECT_THROW(decode_png_grey16(bytes_of(file.substr(0, size)), "t.png", 1 << 20), InputError) << size;
   }
@@ -96,7 +83,7 @@ TEST(Png, DamagedFilesAreInputErrors) {
 }
 
 TEST(Png, SizeIsBoundedBeforeMemoryIsTaken) {
-  std::string file = encoded<std::uint16_t>(4, 4, PixelFormat::kGrey16, std::vector<std::uint16_t>(16));
+  std::string file = encode_png({4, 4, std::vector<std::uint16_t>(16)});
   EXPECT_THROW(decode_png_grey16(bytes_of(file), "t.png", 15), InputError);
   const std::array<unsigned char, 8> huge = {0x00, 0x0f, 0xff, 0xff, 0x00, 0x0f, 0xff, 0xff};
   std::memcpy(file.data() + 16, huge.data(), huge.size());
@@ -117,7 +104,7 @@ TEST(Png, SizeIsBoundedBeforeMemoryIsTaken) {
 }
 
 TEST(Png, OtherKindsAreRefused) {
-  const std::string file = encoded<std::uint8_t>(1, 1, PixelFormat::kGrey8, {7});
+  const std::string file = encode_png(1, 1, std::vector<std::uint8_t>{7, 7, 7, 255});
   EXPECT_THROW(decode_png_grey16(bytes_of(file), "t.png", 100), InputError);
 }
 
@@ -165,8 +152,7 @@ TEST(DistanceFieldFile, EveryValueUnderEveryKindOfCapReadsBack) {
 
 TEST(DistanceFieldFile, VersionOneIsRead) {
   const TemporaryFolder folder;
-  const std::vector<std::uint16_t> levels = {7, 5120, 0, 1};
-  write_png(folder / "gdt.png", {2, 2, PixelFormat::kGrey16, std::as_bytes(std::span(levels))});
+  put_file(folder / "gdt.png", encode_png({2, 2, {7, 5120, 0, 1}}));
   put_file(folder / "gdt.yaml",
            "version: 1\nimage: gdt.png\nresolution: 0.05  # m per pixel\norigin: [-1.5, 2.25, 0.0]  # m, lower left "
            "corner\nunit: 0.0001953125  # m per grey level, 1/256 cell\ncap: 5120  # level that means this far or "
@@ -210,8 +196,7 @@ TEST(DistanceFieldFile, WhatContradictsItselfIsRefused) {
   EXPECT_THAT(with("image: gdt.png", "image: ../gdt.png"), HasSubstr("leads out"));
   put_file(folder / "gdt.yaml", text);
   for (const std::uint16_t level : {std::uint16_t{13}, std::uint16_t{61452}}) {
-    const std::vector<std::uint16_t> levels = {level};
-    write_png(folder / "gdt.png", {1, 1, PixelFormat::kGrey16, std::as_bytes(std::span(levels))});
+    put_file(folder / "gdt.png", encode_png({1, 1, {level}}));
     EXPECT_THAT(input_error_of([&] { read_distance_field(folder / "gdt.yaml"); }),
                 HasSubstr(level == 13 ? "level 13, which is no multiple of the scale 12" : "above the cap 61440"));
   }

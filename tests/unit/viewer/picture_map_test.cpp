@@ -1,5 +1,6 @@
 // The picture of a map: where things are, that nothing thin is lost, what the legend says.
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -111,6 +112,61 @@ TEST(MapPicture, nothing_seen_is_still_a_picture) {
     const RgbaImage image = raster_of(map_picture(map, {}, {}, size));
     EXPECT_EQ(image.width, size.width);
     EXPECT_EQ(image.height, size.height);
+  }
+}
+
+/// Of the picture's pixels in one row or column of cells: how many are darker than what is free.
+std::size_t dark_pixels(const RgbaImage& image) {
+  std::size_t count = 0;
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) count += brightness(image.at(x, y)) < 100.0 ? 1U : 0U;
+  }
+  return count;
+}
+
+/// The building of 8 x 4 m at (1, 2), walls one cell thick, within unknown land.
+OccupancyMap building() {
+  OccupancyMap map = free_map(120, 80, 0.1, 0.0, 0.0);
+  for (CellState& cell : map.cells) cell = CellState::kUnknown;
+  for (std::int32_t y = 20; y < 60; ++y) {
+    for (std::int32_t x = 10; x < 90; ++x) {
+      const bool is_wall = x == 10 || x == 89 || y == 20 || y == 59;
+      set(map, x, y, is_wall ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  return map;
+}
+
+TEST(MapPicture, is_cropped_to_the_building_though_beams_leave_it) {
+  OccupancyMap map = building();
+  const RgbaImage without = raster_of(map_picture(map, {}, {}, kBare));
+  // A cell is 2.27 pixels large where the building and its margin of 20 cm, 84 cells, are 190 pixels wide.
+  EXPECT_NEAR(static_cast<double>(dark_pixels(without)), 236.0 * 2.27 * 2.27, 60.0);
+  // A fan of free cells to the edge of the grid, and one return.
+  for (std::int32_t x = 90; x < 120; ++x) {
+    for (std::int32_t y = 33; y < 47; ++y) set(map, x, y, CellState::kFree);
+  }
+  set(map, 119, 40, CellState::kOccupied);
+  EXPECT_EQ(dark_pixels(raster_of(map_picture(map, {}, {}, kBare))), dark_pixels(without));
+}
+
+TEST(MapPicture, poses_of_no_sense_do_not_shrink_it) {
+  const OccupancyMap map = building();
+  PathOverlay overlay = line_from({3.0, 4.0}, {5.0, 4.0});
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  overlay.trajectory.insert(overlay.trajectory.begin() + 1, {{0.2, {kNan, 4.0, 0.0}}, {0.4, {1e300, -1e300, 0.0}}});
+  overlay.keyframes = overlay.doubtful = {1, 2};
+  EXPECT_NEAR(static_cast<double>(dark_pixels(raster_of(map_picture(map, overlay, {}, kBare)))),
+              static_cast<double>(dark_pixels(raster_of(map_picture(map, {}, {}, kBare)))), 150.0);
+}
+
+TEST(MapPicture, the_longest_legend_fits_a_narrow_picture) {
+  PathOverlay overlay = line_from({-1.0, 0.0}, {1.0, 0.0});
+  overlay.keyframes.assign(88888, 1);
+  overlay.doubtful = overlay.keyframes;
+  const RgbaImage image = raster_of(map_picture(free_map(40, 400), overlay, {}, {400, 1600}));
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    for (std::uint32_t x = image.width - 6; x < image.width; ++x) ASSERT_GT(brightness(image.at(x, y)), 200.0) << y;
   }
 }
 

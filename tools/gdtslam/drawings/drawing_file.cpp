@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <span>
 
 #include "engine/io/maps/png.hpp"
 #include "gdtslam/core/error.hpp"
@@ -53,11 +52,6 @@ std::string drawing_bytes(const Canvas& drawing, const std::string& file, double
   return svg_of(drawing, png_bytes);
 }
 
-std::string png_bytes(const RgbaImage& image) {
-  return encode_png({.width = image.width,
-                     .height = image.height,
-                     .format = PixelFormat::kRgba8,
-                     .pixels = std::as_bytes(std::span(image.pixels))});
-}
+std::string png_bytes(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
 
 }  // namespace gdtslam

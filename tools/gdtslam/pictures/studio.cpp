@@ -40,14 +40,6 @@ PictureSize size_for(const RenderView& view, const Bounds& bounds) {
 
 }  // namespace
 
-PictureSize size_for_content(double width, double height) {
-  constexpr double kCaption_px = 240.0;  // title above, bars below
-  constexpr double kLowest_px = 500.0;
-  constexpr double kHighest_px = 1600.0;
-  const double rows = height / std::max(width, 1e-3) * 0.92 * kStillSize.width + kCaption_px;
-  return {kStillSize.width, static_cast<std::uint32_t>(std::clamp(rows, kLowest_px, kHighest_px))};
-}
-
 std::string with_commas(std::uint64_t value) {
   std::string text = std::to_string(value);
   for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");

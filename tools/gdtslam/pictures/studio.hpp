@@ -31,8 +31,6 @@ inline constexpr std::uint64_t kFilmPoints = 500'000;
 inline constexpr std::uint64_t kFollowPoints = 1'000'000;  ///< seen from near
 /// Of a still where --size does not say otherwise and the content has no shape of its own.
 inline constexpr PictureSize kStillSize{1600, 1000};
-/// As wide, as high as content of these proportions needs.
-PictureSize size_for_content(double width, double height);
 
 class RenderStudio {
  public:

@@ -174,8 +174,7 @@ class FrameFolder : public FilmWriter {
 
   void add(const RgbaImage& frame) override {
     require_size(target_, frame);
-    write_png(frame_path(target_.path, count_++),
-              {frame.width, frame.height, PixelFormat::kRgba8, std::as_bytes(std::span(frame.pixels))});
+    write_file_atomically(frame_path(target_.path, count_++), encode_png(frame.width, frame.height, frame.pixels));
   }
 
   void finish() override { remove_frames_beyond(); }

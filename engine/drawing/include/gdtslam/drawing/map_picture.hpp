@@ -45,6 +45,8 @@ struct MapLook {
   bool is_transparent = false;
 };
 
+/// Of a still whose size nobody asks for: 1600 pixels wide, as high as content of these proportions needs.
+PictureSize size_for_content(double width, double height);
 /// The occupancy map: walls, what was seen free, and the path in the colours of time. Cropped to walls and path; what
 /// was seen beyond is shown as far as the sheet goes. Throws InputError where an index is beyond the trajectory.
 Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size);
