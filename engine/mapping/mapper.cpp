@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "device_map.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "engine/mapping/map/stage_timer.hpp"
-#include "engine/mapping/match/matcher.hpp"
+#include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_model.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -23,16 +23,23 @@ const MapperConfig& checked(const MapperConfig& config) {
   throw ConfigError(text);
 }
 
+bool is_cpu(const Backend& backend) { return backend.device().kind == "cpu"; }
+
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
 double turn(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.theta_rad - b.theta_rad)); }
 
 }  // namespace
 
 struct Mapper::State {
-  State(const MapperConfig& c, Backend& backend, MapperOptions options)
-      : config(checked(c)), map(config, backend, std::move(options)), motion(config.odometry) {}
+  State(const MapperConfig& c, Backend& backend, MapperOptions o);
 
-  void start(PointScan scan, const std::optional<Pose2>& T_odom_base);
+  template <class Step>
+  auto on_device(const Step& step);
+  void require_device() const;
+  void fall_back(const DeviceError& error);
+  void open_matcher();
+  void count_work_of(Backend& backend);
+
   void see(PointScan scan);
   void predict(const std::optional<Pose2>& T_odom_base);
   void begin_match();
@@ -41,11 +48,18 @@ struct Mapper::State {
   [[nodiscard]] bool wants_search(const Pose2& predicted) const;
   void update_map(MatchResult& result);
   void merge(const Pose2& pose);
-  void note_keyframe(const Pose2& pose);
   void count(const MatchResult& result);
 
   MapperConfig config;
-  DeviceMap map;
+  MapperOptions options;
+  std::unique_ptr<Backend> own_cpu;  // where the backend that was given is a device
+  KeyframeMap host;                  // the map on the CPU
+  std::optional<DeviceMap> device;   // and on the device, where the matcher works there
+  std::unique_ptr<Matcher> matcher;
+  std::optional<DeviceError> loss;
+  std::string loss_text;
+  Backend* at_work = nullptr;  // the backend that the matcher works on
+
   MotionModel motion;
   MapperStatistics statistics;
   bool started = false;
@@ -55,12 +69,73 @@ struct Mapper::State {
 
   // The scan in hand, from start() to finish().
   bool in_hand = false;
-  bool is_matched = false;  // the matcher is at work on it
+  bool is_matched = false;  // there is enough of it, and a map
+  bool is_begun = false;    // the matcher is at work on it
   double stamp_s = 0.0;
   Prediction prediction;
   std::vector<Point2> points_m;
   std::vector<PointCells> points;
 };
+
+// The one place where a device may fail: what was being done is done again on the CPU, with the map as the host knows
+// it and the scan in hand; or, without leave to fall back, the error goes to the caller. The device is asked for
+// nothing after its first error.
+template <class Step>
+auto Mapper::State::on_device(const Step& step) {
+  try {
+    return step();
+  } catch (const DeviceError& error) {
+    fall_back(error);
+  }
+  return step();
+}
+
+// A matcher that walks on the host has its map there, whatever the device, which then has nothing to do.
+Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
+    : config(checked(c)),
+      options(std::move(o)),
+      own_cpu(is_cpu(backend) ? nullptr : make_cpu_backend(options.cpu)),
+      host(config, own_cpu ? *own_cpu : backend),
+      motion(config.odometry) {
+  const bool wants_device = own_cpu && matcher_info(config.match.matcher).place == MatcherPlace::kDevice;
+  count_work_of(wants_device ? backend : host.field.backend());
+  on_device([&] {
+    if (wants_device && !loss) device.emplace(config, backend, host);
+    open_matcher();
+  });
+}
+
+void Mapper::State::open_matcher() {
+  matcher = matcher_info(config.match.matcher).make(config, device ? device->field() : host.field);
+}
+
+void Mapper::State::fall_back(const DeviceError& error) {
+  loss = error;
+  loss_text = error.what();
+  matcher.reset();
+  is_begun = false;
+  if (device) device->update_host();
+  device.reset();
+  count_work_of(host.field.backend());
+  if (!options.fall_back) throw DeviceError(error);
+  open_matcher();
+  if (options.warn) options.warn(loss_text + "; going on with the CPU, which gives the same results");
+}
+
+void Mapper::State::require_device() const {
+  if (loss && !options.fall_back) throw DeviceError(*loss);
+}
+
+// The counts of a mapper are those of the backends that it worked on, while it did.
+void Mapper::State::count_work_of(Backend& backend) {
+  if (at_work != nullptr) {
+    statistics.dispatches += at_work->dispatch_count();
+    statistics.submissions += at_work->submit_count();
+  }
+  at_work = &backend;
+  statistics.dispatches -= backend.dispatch_count();
+  statistics.submissions -= backend.submit_count();
+}
 
 // The returns of the scan in the robot's frame, the P of equation (6). A scan with more than a matcher takes is thinned
 // for matching, not for the map.
@@ -68,6 +143,7 @@ void Mapper::State::see(PointScan scan) {
   stamp_s = scan.stamp_s;
   points_m = std::move(scan.points_base_m);
   points = in_cells(points_m, config.map.resolution_m);
+  is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (points.size() <= Matcher::kMostPoints) return;
   const std::size_t every = (points.size() + Matcher::kMostPoints - 1) / Matcher::kMostPoints;
   std::size_t kept = 0;
@@ -82,16 +158,19 @@ void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
 
 // Equations (6) to (8) and (4) for a scan that can be matched; the first one is the map's origin.
 void Mapper::State::begin_match() {
-  is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (!is_matched) return;
   const StageTimer timer(statistics.stages.match_s);
-  map.start_match(points, prediction, wants_search(prediction.T_map_base));
+  matcher->start(points, prediction, wants_search(prediction.T_map_base));
+  is_begun = true;
 }
 
 MatchResult Mapper::State::locate() {
   if (is_matched) {
+    if (!is_begun) begin_match();  // the device had it
     const StageTimer timer(statistics.stages.match_s);
-    return map.finish_match();
+    MatchResult result = matcher->finish();
+    if (device) device->take_checkpoint_piece();  // it stood in line before this scan, so it is there
+    return result;
   }
   MatchResult result;
   result.T_map_base = result.T_map_predicted = prediction.T_map_base;
@@ -126,22 +205,19 @@ void Mapper::State::update_map(MatchResult& result) {
   }
 }
 
+// A keyframe that was noted is in the map, whatever becomes of the device.
 void Mapper::State::merge(const Pose2& pose) {
   const KeyframeCells keyframe =
       keyframe_of(in_map(points_m, pose), config.map.resolution_m, config.map.radius_cells());
-  try {
-    map.merge(keyframe, statistics.stages);
-  } catch (const DeviceError&) {
-    note_keyframe(pose);
-    throw;
-  }
-  note_keyframe(pose);
-}
-
-void Mapper::State::note_keyframe(const Pose2& pose) {
+  host.field.grow_to_hold(keyframe.window);
   last_keyframe = pose;
   started = true;
   ++statistics.keyframes;
+  if (!device) return host.merge(keyframe, statistics.stages);
+  device->note(keyframe);
+  on_device([this] {
+    if (device) device->merge(statistics.stages);
+  });
 }
 
 void Mapper::State::count(const MatchResult& result) {
@@ -160,48 +236,44 @@ Mapper::Mapper(const MapperConfig& config, Backend& backend, MapperOptions optio
     : state_(std::make_unique<State>(config, backend, std::move(options))) {}
 Mapper::~Mapper() = default;
 const MapperConfig& Mapper::config() const { return state_->config; }
-const GlobalField& Mapper::field() const { return state_->map.field(); }
-const std::string& Mapper::device_loss() const { return state_->map.loss(); }
-std::vector<std::uint16_t> Mapper::download_device_cells() { return state_->map.download_device_cells(); }
+const std::string& Mapper::device_loss() const { return state_->loss_text; }
 
-const MapperStatistics& Mapper::statistics() const {
-  state_->map.count_work(state_->statistics);
-  return state_->statistics;
+const GlobalField& Mapper::field() const {
+  if (state_->device) state_->device->update_host();
+  return state_->host.field;
+}
+
+std::vector<std::uint16_t> Mapper::download_device_cells() {
+  state_->require_device();
+  return state_->device ? state_->device->field().download() : state_->host.field.download();
+}
+
+MapperStatistics Mapper::statistics() const {
+  MapperStatistics statistics = state_->statistics;
+  statistics.dispatches += state_->at_work->dispatch_count();
+  statistics.submissions += state_->at_work->submit_count();
+  return statistics;
 }
 
 void Mapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  state_->start({scan.stamp_s, points_of(scan, valid_ranges(state_->config))}, T_odom_base);
+  start({scan.stamp_s, points_of(scan, valid_ranges(state_->config))}, T_odom_base);
 }
 
 void Mapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
-  state_->start(std::move(scan), T_odom_base);
-}
-
-void Mapper::State::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
-  assert(!in_hand);
-  map.require_device();
-  see(std::move(scan));
-  predict(T_odom_base);  // (5)
-  try {
-    begin_match();  // (6), (7), (8), (4)
-  } catch (const DeviceError&) {
-    motion.correct(prediction.T_map_base, false);  // the scan is lost, its motion is not
-    throw;
-  }
-  in_hand = true;
+  State& s = *state_;
+  assert(!s.in_hand);
+  s.require_device();
+  s.see(std::move(scan));
+  s.predict(T_odom_base);                  // (5)
+  s.on_device([&s] { s.begin_match(); });  // (6), (7), (8), (4)
+  s.in_hand = true;
 }
 
 MatchResult Mapper::finish() {
   State& s = *state_;
   assert(s.in_hand);
   s.in_hand = false;
-  MatchResult result;
-  try {
-    result = s.locate();
-  } catch (const DeviceError&) {
-    s.motion.correct(s.prediction.T_map_base, false);
-    throw;
-  }
+  MatchResult result = s.on_device([&s] { return s.locate(); });
   s.motion.correct(result.T_map_base, result.accepted);
   s.update_map(result);  // (1), (9), (10), (11)
   s.count(result);

@@ -40,8 +40,8 @@ void add_prior(const PosePrior& prior, const CellPose& pose, Linearisation& at) 
 
 }  // namespace
 
-Objective::Objective(Backend& backend, const GlobalField& map, Interpolation interpolation, CostForm form)
-    : backend_(&backend), map_(&map), interpolation_(interpolation), form_(form) {}
+Objective::Objective(const GlobalField& map, Interpolation interpolation, CostForm form)
+    : backend_(&map.backend()), map_(&map), interpolation_(interpolation), form_(form) {}
 
 PoseCost::Params Objective::params(Interpolation interpolation, std::size_t points) const {
   const GridGeometry grid = map_->geometry();

@@ -50,7 +50,8 @@ struct Linearisation {
 
 class Objective {
  public:
-  Objective(Backend& backend, const GlobalField& map, Interpolation interpolation, CostForm form);
+  /// The map must outlive this and have cells().
+  Objective(const GlobalField& map, Interpolation interpolation, CostForm form);
 
   /// Where poses are relative to, in map cells.
   void set_anchor(CellIndex map_cell) { anchor_ = map_cell; }

@@ -12,8 +12,8 @@ namespace gdtslam {
 namespace {
 
 template <class M>
-std::unique_ptr<Matcher> make(const MapperConfig& config, Backend& backend, const GlobalField& map) {
-  return std::make_unique<M>(config, backend, map);
+std::unique_ptr<Matcher> make(const MapperConfig& config, const GlobalField& map) {
+  return std::make_unique<M>(config, map);
 }
 
 LocalMinimum by_simplex(Objective& objective, const CellPose& start, const SimplexOptions& steps,

@@ -27,7 +27,7 @@ struct MatcherInfo {
   std::string_view name;
   std::string_view doc;  ///< what it does, for the help
   MatcherPlace place;
-  std::unique_ptr<Matcher> (*make)(const MapperConfig& config, Backend& backend, const GlobalField& map);
+  std::unique_ptr<Matcher> (*make)(const MapperConfig& config, const GlobalField& map);
   /// One walk from a start to a minimum of (4), on the host. The first edges of `steps` tell how far off the start may
   /// be; null where the matcher knows windows only.
   LocalMinimum (*descend)(Objective& objective, const CellPose& start, const SimplexOptions& steps,

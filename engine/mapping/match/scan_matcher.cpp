@@ -15,7 +15,7 @@ constexpr SimplexOptions kCoarsePolish{.step_cells = 1.0F, .step_rad = 0.01F, .s
 
 }  // namespace
 
-ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
+ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
     : matcher_(&matcher_info(config.match.matcher)),
       optimizer_(config.optimizer),
       gate_(config.gate),
@@ -23,8 +23,8 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, Backend& backend, const Glo
       leap_gain_(config.doubt.leap_gain),
       map_(&map),
       rules_(config),
-      objective_(backend, map, config.match.interpolation, config.match.cost),
-      isa_(backend.host_isa()) {
+      objective_(map, config.match.interpolation, config.match.cost),
+      isa_(map.backend().host_isa()) {
   if (matcher_->proves_windows) crop_ = std::make_unique<CertifiedCrop>(rules_.wide_gate());
 }
 

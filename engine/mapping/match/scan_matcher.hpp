@@ -1,7 +1,7 @@
-// The matchers that work on the host (matchers.hpp), on the map's copy there. Steps (6) to (8) and the minimisation of
+// The matchers that work on the host (matchers.hpp), where their map lives. Steps (6) to (8) and the minimisation of
 // (4) for one scan, from a predicted pose down through narrowing gates, and through a window of poses where that
-// descent may have ended in the wrong valley. Only samples of a window, generations and complexes go to the device.
-// Frame: map. Not thread-safe.
+// descent may have ended in the wrong valley. Samples of a window, generations and complexes are costed by all threads
+// of the CPU. Frame: map. Not thread-safe.
 #pragma once
 
 #include <memory>
@@ -23,8 +23,8 @@ struct MatcherInfo;
 
 class ScanMatcher final : public Matcher {
  public:
-  /// The map must outlive the matcher and live on the backend.
-  ScanMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map);
+  /// The map must outlive the matcher and live on the CPU.
+  ScanMatcher(const MapperConfig& config, const GlobalField& map);
   ~ScanMatcher() override;
 
   void start(std::span<const PointCells> points, const Prediction& prediction, bool search) override;

@@ -34,16 +34,16 @@ void require_room(std::uint32_t samples, const DeviceInfo& device) {
 
 }  // namespace
 
-WindowMatcher::WindowMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map)
+WindowMatcher::WindowMatcher(const MapperConfig& config, const GlobalField& map)
     : match_(config.match),
       search_(config.search),
       doubt_(config.doubt),
-      backend_(&backend),
+      backend_(&map.backend()),
       map_(&map),
       rules_(config),
-      picks_(backend.allocate(std::size_t{SmallestValues::kMost} * 2 * sizeof(std::uint32_t))),
-      poses_(backend.allocate(std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
-      verdict_(backend.allocate(sizeof(MatchVerdict))) {}
+      picks_(backend_->allocate(std::size_t{SmallestValues::kMost} * 2 * sizeof(std::uint32_t))),
+      poses_(backend_->allocate(std::size_t{SmallestValues::kMost + 1} * sizeof(PolishedPose))),
+      verdict_(backend_->allocate(sizeof(MatchVerdict))) {}
 
 void WindowMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool /*search*/) {
   by_odometry_ = prediction.by_odometry;

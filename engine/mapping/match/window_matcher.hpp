@@ -17,8 +17,8 @@ namespace gdtslam {
 
 class WindowMatcher final : public Matcher {
  public:
-  /// The map must outlive the matcher and live on the backend.
-  WindowMatcher(const MapperConfig& config, Backend& backend, const GlobalField& map);
+  /// The map must outlive the matcher, which works where it lives.
+  WindowMatcher(const MapperConfig& config, const GlobalField& map);
 
   /// Sets the device to work and returns at once. A window is always searched. Throws DeviceError where its poses, 16
   /// bytes each, are more than the backend's largest buffer holds, as finish() does for the windows that follow.

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/global_field.hpp"
 #include "support/queued_backend.hpp"
 #include "support/vulkan_device.hpp"
 
@@ -122,27 +122,27 @@ TEST(ForgottenDownloadsOfVulkan, AreForgottenAlsoWhenTheDeviceIsLost) {
 /// A map whose journal is long, so that a checkpoint is under way.
 class DroppedCheckpoints : public testing::Test {
  protected:
-  static std::unique_ptr<GlobalField> map_with_checkpoint(Backend& backend) {
-    auto map = std::make_unique<GlobalField>(backend, 0.025, 20, std::uint64_t{1} << 24U);
+  std::unique_ptr<DeviceMap> map_with_checkpoint(Backend& backend) {
+    auto map = std::make_unique<DeviceMap>(MapperConfig{}, backend, host_);
     const KeyframeCells keyframe{.window = {{0, 0}, {40, 40}}, .cells = {20U * 65536U + 20U}};
     for (int i = 0; i < 200; ++i) {
-      map->add_keyframe(keyframe, {.rule = MergeRule::kWorking, .threshold = 256, .lift = 200});
+      map->note(keyframe);
     }
-    map->continue_checkpoint();
+    StageTimes stages;
+    map->merge(stages);
     return map;
   }
-  static void expect_no_growth(Backend& backend) {
+  void expect_no_growth(Backend& backend) {
     for (int round = 0; round < 10; ++round) {
       auto map = map_with_checkpoint(backend);
       ASSERT_EQ(backend.pending_downloads(), 1U) << "no checkpoint is under way";
-      if (round % 2 == 0) {
-        map->leave_device();
-        EXPECT_EQ(backend.pending_downloads(), 0U) << "round " << round;
-      }
       map.reset();
       EXPECT_EQ(backend.pending_downloads(), 0U) << "round " << round;
     }
   }
+
+  std::unique_ptr<Backend> cpu_ = make_cpu_backend({});
+  KeyframeMap host_{{}, *cpu_};
 };
 
 TEST_F(DroppedCheckpoints, LeaveNothingOnADeviceOfTheCpu) {

@@ -31,8 +31,8 @@ std::uint64_t share() {
 }
 
 /// As cheap as a drive can be that has windows searched again, keyframes and a map that grows.
-MapperConfig cheap_config(MatcherKind matcher) {
-  MapperConfig config = quick_config(matcher);
+MapperConfig cheap_config() {
+  MapperConfig config = quick_config(MatcherKind::kExhaustive);
   config.map.resolution_m = 0.06;
   config.merge.threshold_m = 0.06;
   config.search.max_points = 24;
@@ -55,7 +55,7 @@ std::string code_name(VulkanFault::Code code) {
   return code == VulkanFault::Code::kDeviceLost ? "ErrorDeviceLost" : "ErrorOutOfDeviceMemory";
 }
 
-using Parameters = std::tuple<MatcherKind, VulkanFault::Code, std::uint64_t>;
+using Parameters = std::tuple<VulkanFault::Code, std::uint64_t>;
 
 class MapperFaults : public testing::TestWithParam<Parameters> {
  protected:
@@ -101,10 +101,9 @@ class MapperFaults : public testing::TestWithParam<Parameters> {
     EXPECT_EQ(device->call_count(), at);
   }
 
-  const MatcherKind matcher_ = std::get<0>(GetParam());
-  const VulkanFault::Code code_ = std::get<1>(GetParam());
-  const std::uint64_t shard_ = std::get<2>(GetParam());
-  const MapperConfig config_ = cheap_config(matcher_);
+  const VulkanFault::Code code_ = std::get<0>(GetParam());
+  const std::uint64_t shard_ = std::get<1>(GetParam());
+  const MapperConfig config_ = cheap_config();
   const std::vector<DriveScan> scans_ = cheap_scans();
   mutable std::string loss_;
 };
@@ -129,14 +128,12 @@ TEST_P(MapperFaults, OfEveryCallOfADrive) {
 }
 
 std::string name_of_shard(const testing::TestParamInfo<Parameters>& info) {
-  const auto [matcher, code, shard] = info.param;
-  return std::string(matcher == MatcherKind::kSimplex ? "simplex" : "exhaustive") + "_" + code_name(code) + "_" +
-         std::to_string(shard);
+  const auto [code, shard] = info.param;
+  return "exhaustive_" + code_name(code) + "_" + std::to_string(shard);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MapperFaults,
-                         testing::Combine(testing::Values(MatcherKind::kSimplex, MatcherKind::kExhaustive),
-                                          testing::Values(VulkanFault::Code::kDeviceLost,
+                         testing::Combine(testing::Values(VulkanFault::Code::kDeviceLost,
                                                           VulkanFault::Code::kOutOfDeviceMemory),
                                           testing::Range(std::uint64_t{0}, kShards)),
                          name_of_shard);

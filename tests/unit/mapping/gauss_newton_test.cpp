@@ -27,7 +27,7 @@ struct MappedRoom {
       const KeyframeCells keyframe = keyframe_of(in_map(points_of(test::scan_of(walls, pose, 0.0), {0.1, 40.0}), pose),
                                                  kResolution_m, map.radius_cells());
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
-      map.add_keyframe(keyframe, step);
+      map.grow_to_hold(keyframe.window);
       local.compute(keyframe);
       local.merge_into(map, step);
     }
@@ -41,7 +41,7 @@ struct MappedRoom {
   std::unique_ptr<Backend> backend;
   GlobalField map{*backend, kResolution_m, 20, 1U << 24U};
   LocalField local{*backend, 20};
-  Objective objective{*backend, map, Interpolation::kBilinear, CostForm::kDistance};
+  Objective objective{map, Interpolation::kBilinear, CostForm::kDistance};
 };
 
 // The robust cost by its definition: bilinear between the centres of cells, in double.

@@ -45,7 +45,7 @@ class Map {
       for (int k = 0; k <= steps; ++k) points.push_back(wall.from + way * (static_cast<double>(k) / steps));
     }
     const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
-    field_.add_keyframe(keyframe, kStep);
+    field_.grow_to_hold(keyframe.window);
     LocalField local(*backend_, kRadius);
     local.compute(keyframe);
     local.merge_into(field_, kStep);

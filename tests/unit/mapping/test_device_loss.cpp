@@ -18,7 +18,7 @@ using test::map_drive;
 using test::MappedDrive;
 using test::QueuedBackend;
 
-class DeviceLoss : public testing::TestWithParam<MatcherKind> {
+class DeviceLoss : public testing::Test {
  protected:
   [[nodiscard]] MappedDrive drive(Backend& backend) const { return map_drive(scans_, config_, backend); }
 
@@ -33,12 +33,12 @@ class DeviceLoss : public testing::TestWithParam<MatcherKind> {
     EXPECT_TRUE(!found.warnings.empty() && found.warnings[0].starts_with(found.loss));
   }
 
-  MapperConfig config_ = test::quick_config(GetParam());
+  MapperConfig config_ = test::quick_config(MatcherKind::kExhaustive);
   std::vector<DriveScan> scans_ = test::room_scans(24, 4);
   std::unique_ptr<Backend> cpu_ = make_cpu_backend({});
 };
 
-TEST_P(DeviceLoss, EveryCallOfADriveMayFail) {
+TEST_F(DeviceLoss, EveryCallOfADriveMayFail) {
   const MappedDrive expected = drive(*cpu_);
   QueuedBackend device;
   const MappedDrive whole = drive(device);
@@ -54,20 +54,19 @@ TEST_P(DeviceLoss, EveryCallOfADriveMayFail) {
   }
 }
 
-TEST_P(DeviceLoss, WhileTheJournalIsBeingCutShort) {
+TEST_F(DeviceLoss, WhileTheJournalIsBeingCutShort) {
   config_.keyframe.every_scan = true;
   scans_ = test::room_scans(160, 1);
   const MappedDrive expected = drive(*cpu_);
   QueuedBackend device;
   expect_same(drive(device), expected);
-  // The host matcher replays each keyframe at once and needs no checkpoint; the other's begins with a copy of the
-  // field.
+  // A checkpoint begins with a copy of the field.
   const auto& calls = device.calls();
   std::vector<std::uint64_t> checkpoints;
   for (std::size_t i = 1; i < calls.size(); ++i) {
     if (calls[i] == "start_download" && calls[i - 1] == "field_grow") checkpoints.push_back(i + 1);
   }
-  ASSERT_EQ(checkpoints.size(), GetParam() == MatcherKind::kExhaustive ? 2U : 0U);
+  ASSERT_EQ(checkpoints.size(), 2U);
   for (const std::uint64_t checkpoint : checkpoints) {
     for (std::uint64_t call = checkpoint - 3; call < checkpoint + 25; ++call) {
       SCOPED_TRACE("call " + std::to_string(call) + ", " + calls[call - 1]);
@@ -77,7 +76,7 @@ TEST_P(DeviceLoss, WhileTheJournalIsBeingCutShort) {
   }
 }
 
-TEST_P(DeviceLoss, WithoutLeaveToFallBackTheErrorComesAndTheMapIsWhole) {
+TEST_F(DeviceLoss, WithoutLeaveToFallBackTheErrorComesAndTheMapIsWhole) {
   // The map after each keyframe, from the CPU.
   Mapper reference(config_, *cpu_);
   std::vector<std::vector<std::uint16_t>> maps{{}};
@@ -111,7 +110,7 @@ TEST_P(DeviceLoss, WithoutLeaveToFallBackTheErrorComesAndTheMapIsWhole) {
   EXPECT_GT(failures_after_construction, 50U);
 }
 
-TEST_P(DeviceLoss, AMapBeyondTheLargestBufferGoesOnOnTheCpu) {
+TEST_F(DeviceLoss, AMapBeyondTheLargestBufferGoesOnOnTheCpu) {
   const MappedDrive expected = drive(*cpu_);
   QueuedBackend device;
   // The rows of the map need some more than this.
@@ -122,10 +121,18 @@ TEST_P(DeviceLoss, AMapBeyondTheLargestBufferGoesOnOnTheCpu) {
   EXPECT_NE(found.loss.find("too large"), std::string::npos) << found.loss;
 }
 
-INSTANTIATE_TEST_SUITE_P(Matchers, DeviceLoss, testing::Values(MatcherKind::kSimplex, MatcherKind::kExhaustive),
-                         [](const auto& kind) {
-                           return kind.param == MatcherKind::kSimplex ? "simplex" : "exhaustive";
-                         });
+// A matcher that walks on the host has its map there, so whatever happens to the device is no loss.
+TEST(DeviceOfAHostMatcher, IsAskedForNothing) {
+  const MapperConfig config = test::quick_config(MatcherKind::kSimplex);
+  const std::vector<DriveScan> scans = test::room_scans(24, 4);
+  const auto cpu = make_cpu_backend({});
+  QueuedBackend device(1);
+  const MappedDrive found = map_drive(scans, config, device);
+  expect_same(found, map_drive(scans, config, *cpu));
+  EXPECT_EQ(found.loss, "");
+  EXPECT_TRUE(found.warnings.empty());
+  EXPECT_TRUE(device.calls().empty());
+}
 
 }  // namespace
 }  // namespace gdtslam

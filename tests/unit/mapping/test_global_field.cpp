@@ -28,7 +28,7 @@ class Fields : public testing::Test {
   // Merges a keyframe and returns it.
   KeyframeCells merge(const std::vector<Point2>& points) {
     const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
-    map_.add_keyframe(keyframe, kStep);
+    map_.grow_to_hold(keyframe.window);
     local_.compute(keyframe);
     local_.merge_into(map_, kStep);
     return keyframe;
@@ -69,9 +69,9 @@ TEST(LocalFieldByJumpFlooding, IsTheExactOneButForCellsThatAreTooLarge) {
   const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
   const auto backend = make_cpu_backend({});
   const auto mapped = [&](DistanceTransform transform, std::uint64_t kernels) {
-    GlobalField map(*backend, kResolution, kRadius, 1U << 20U, transform);
+    GlobalField map(*backend, kResolution, kRadius, 1U << 20U);
     LocalField local(*backend, kRadius, transform);
-    map.add_keyframe(keyframe, kStep);
+    map.grow_to_hold(keyframe.window);
     const std::uint64_t before = backend->dispatch_count();
     local.compute(keyframe);
     EXPECT_EQ(backend->dispatch_count() - before, kernels);
@@ -143,7 +143,7 @@ TEST_F(Fields, AMarginIsGivenUpWhereItIsInTheWay) {
        {Point2{0.525, 0.525}, Point2{19.025, 0.525}, Point2{0.525, 19.025}, Point2{19.025, 19.025}}) {
     const KeyframeCells keyframe = keyframe_of({point}, kResolution, kRadius);
     for (GlobalField* field : {&map, &large}) {
-      field->add_keyframe(keyframe, kStep);
+      field->grow_to_hold(keyframe.window);
       local.compute(keyframe);
       local.merge_into(*field, kStep);
     }

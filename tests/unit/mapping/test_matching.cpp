@@ -28,7 +28,7 @@ class Matching : public testing::Test {
       const auto points = in_map(points_of(test::scan_of(walls_, pose, 0.0), {0.1, 40.0}), pose);
       const KeyframeCells keyframe = keyframe_of(points, resolution_m_, radius_);
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
-      map_.add_keyframe(keyframe, step);
+      map_.grow_to_hold(keyframe.window);
       local_.compute(keyframe);
       local_.merge_into(map_, step);
     }
@@ -50,7 +50,7 @@ class Matching : public testing::Test {
 TEST_F(Matching, SimplexFindsThePoseFromNearby) {
   const Pose2 truth{0.31, -0.17, 0.21};
   const auto points = scan_from(truth);
-  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  Objective objective(map_, Interpolation::kBilinear, CostForm::kDistance);
   objective.set_points(points);
   objective.set_cap(map_.cap());
   const LocalMinimum found = minimise_simplex(objective, objective.to_cells({0.24, -0.11, 0.24}), {});
@@ -61,7 +61,7 @@ TEST_F(Matching, SimplexFindsThePoseFromNearby) {
 
 TEST_F(Matching, SimplexNeverEndsWorseThanItStartsAndKeepsToItsLimit) {
   const auto points = scan_from({0.3, 0.1, 0.0});
-  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  Objective objective(map_, Interpolation::kBilinear, CostForm::kDistance);
   objective.set_points(points);
   objective.set_cap(map_.cap());
   for (int i = 0; i < 50; ++i) {
@@ -74,7 +74,7 @@ TEST_F(Matching, SimplexNeverEndsWorseThanItStartsAndKeepsToItsLimit) {
 
 TEST_F(Matching, WindowSearchFindsTheLowestSampleOfTheWindow) {
   const auto points = scan_from({0.4, -0.3, 0.5});
-  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  Objective objective(map_, Interpolation::kBilinear, CostForm::kDistance);
   objective.set_points(points);
   objective.set_cap(map_.cap());
   const SearchWindow window{.centre = objective.to_cells({0.2, 0.0, 0.3}),
@@ -103,7 +103,7 @@ TEST_F(Matching, WindowSearchFindsTheLowestSampleOfTheWindow) {
 
 TEST_F(Matching, APriorPullsTowardsItsMeanAndOnlyThen) {
   const auto points = scan_from({0.3, 0.0, 0.1});
-  Objective objective(*backend_, map_, Interpolation::kBilinear, CostForm::kDistance);
+  Objective objective(map_, Interpolation::kBilinear, CostForm::kDistance);
   objective.set_points(points);
   objective.set_cap(map_.cap());
   const CellPose pose = objective.to_cells({0.5, 0.1, 0.2});
@@ -121,9 +121,9 @@ class Matchers : public Matching, public testing::WithParamInterface<MatcherKind
   void SetUp() override {
     Matching::SetUp();
     if (GetParam() == MatcherKind::kExhaustive) {
-      matcher_ = std::make_unique<WindowMatcher>(config_, *backend_, map_);
+      matcher_ = std::make_unique<WindowMatcher>(config_, map_);
     } else {
-      matcher_ = std::make_unique<ScanMatcher>(config_, *backend_, map_);
+      matcher_ = std::make_unique<ScanMatcher>(config_, map_);
     }
   }
 
@@ -214,13 +214,13 @@ TEST_F(Matching, NoSampleOfTheWindowBeatsWhatExhaustiveFinds) {
   const std::vector<PointCells> points = scan_from(truth);
   const Prediction prediction{
       .T_map_base = truth * Pose2{0.15, 0.1, -0.1}, .travelled_m = 0.3, .turned_rad = 0.2, .by_odometry = true};
-  WindowMatcher matcher(config_, *backend_, map_);
+  WindowMatcher matcher(config_, map_);
   const MatchResult result = matcher.match(points, prediction, false);
   EXPECT_EQ(result.attempts, 1U);
 
   MatchRules rules(config_);
   rules.begin(prediction, points.size());
-  Objective objective(*backend_, map_, config_.match.interpolation, config_.match.cost);
+  Objective objective(map_, config_.match.interpolation, config_.match.cost);
   objective.set_points(points);
   objective.set_anchor(rules.anchor());
   objective.set_prior(rules.prior());

@@ -47,12 +47,12 @@ Outcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
   const auto seen = in_map(points_of(test::scan_of(walls, seen_from, 0.0), {0.1, 40.0}), seen_from);
   const KeyframeCells keyframe = keyframe_of(seen, map_config.resolution_m, map_config.radius_cells());
   const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
-  map.add_keyframe(keyframe, step);
+  map.grow_to_hold(keyframe.window);
   local.compute(keyframe);
   local.merge_into(map, step);
   if (max_buffer_bytes != 0) device.set_max_buffer_bytes(max_buffer_bytes);
   const std::size_t before = device.calls().size();
-  WindowMatcher matcher(scene.config, device, map);
+  WindowMatcher matcher(scene.config, map);
   Outcome outcome{matcher.match(scene.points, scene.prediction, true), {}};
   outcome.calls.assign(device.calls().begin() + static_cast<std::ptrdiff_t>(before), device.calls().end());
   return outcome;

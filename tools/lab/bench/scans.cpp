@@ -61,12 +61,12 @@ class ScanBench {
         config_(wide_search()),
         map_(backend, config_.map.resolution_m, config_.map.radius_cells(), kMostCells),
         local_(backend, config_.map.radius_cells()),
-        matcher_(config_, backend, map_) {
+        matcher_(config_, map_) {
     const double half_cells = 0.5 * kWindowCells - config_.map.radius_cells() - 0.5;
     const std::vector<Point2> points_m = points_of_room(half_cells * config_.map.resolution_m);
     points_ = in_cells(points_m, config_.map.resolution_m);
     keyframe_ = keyframe_of(points_m, config_.map.resolution_m, config_.map.radius_cells());
-    map_.add_keyframe(keyframe_, merge_step());
+    map_.grow_to_hold(keyframe_.window);
     merge();
   }
 

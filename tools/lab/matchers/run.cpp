@@ -73,7 +73,7 @@ class Comparison {
         isa_(backend.host_isa()),
         mapper_(job.mapper, backend, {.fall_back = false, .cpu = {}, .warn = {}}),
         motion_(job.mapper.odometry),
-        objective_(backend, mapper_.field(), Interpolation::kBilinear, CostForm::kDistance) {
+        objective_(mapper_.field(), Interpolation::kBilinear, CostForm::kDistance) {
     outcome_.every = every;
   }
 

@@ -50,7 +50,7 @@ FieldPicture transformed(const KeyframeCells& keyframe, Backend& backend) {
   GlobalField field(backend, 1.0, kRadius_cells, 1U << 20U);
   LocalField local(backend, kRadius_cells);
   const MergeStep step{};
-  field.add_keyframe(keyframe, step);
+  field.grow_to_hold(keyframe.window);
   local.compute(keyframe);
   local.merge_into(field, step);
   FieldPicture picture{GridGeometry{1.0, 0.0, 0.0, kSide, kSide}, {}, field.cap()};

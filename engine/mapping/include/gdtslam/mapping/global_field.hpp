@@ -1,15 +1,10 @@
 // The map: the global distance transform (GDT), a field of 1/256 cell that grows with what is seen. Cells hold the
 // distance to the nearest obstacle that scans agree on, the cap where nothing is known. Its two outermost rows and
-// columns always hold the cap. Cell (0, 0) has fixed map coordinates: growing moves the origin by whole cells.
-//
-// The field lives on the device. Where the host does not share its memory, the host keeps a copy and a journal of the
-// keyframes that the copy does not hold yet: every keyframe is written there before the device is asked for anything,
-// so that what a lost device took along is known, and replaying it on the host gives the same bits. Not thread-safe.
+// columns always hold the cap. Cell (0, 0) has fixed map coordinates: growing moves the origin by whole cells. The
+// field lives on one backend. Not thread-safe.
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,86 +24,53 @@ struct MergeStep {
 
 class GlobalField {
  public:
-  /// Resolution in metres, truncation radius in cells, the most cells that the map may take, and the transform of the
-  /// keyframes that are merged, for the host's copy.
-  GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells,
-              DistanceTransform transform = DistanceTransform::kExact);
+  /// Resolution in metres, truncation radius in cells and the most cells that the map may take.
+  GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells)
+      : backend_(&backend), resolution_m_(resolution_m), radius_(radius_cells), max_cells_(max_cells) {}
   GlobalField(const GlobalField&) = delete;
   GlobalField& operator=(const GlobalField&) = delete;
-  ~GlobalField();
 
+  [[nodiscard]] Backend& backend() const { return *backend_; }
   /// Geometry of the stored grid; its origin is a whole number of cells from the map's origin.
   [[nodiscard]] GridGeometry geometry() const;
   [[nodiscard]] std::uint32_t stride() const { return stride_; }
   [[nodiscard]] std::uint32_t radius_cells() const { return radius_; }
   [[nodiscard]] std::uint16_t cap() const;
-  /// Lower left cell in map cells (cell (0, 0) of the map frame has its lower left corner at the map's origin).
+  /// Map cells that are stored; cell (0, 0) of the map frame has its lower left corner at the map's origin.
+  [[nodiscard]] const CellBox& box() const { return box_; }
   [[nodiscard]] CellIndex first_cell() const { return box_.min; }
-  /// The cells on the host, row-major, stride() from row to row, what lies between the rows unspecified; valid until
-  /// the next grow or merge. Brings the host's copy up to date where there is one, and never asks the device.
-  [[nodiscard]] std::span<const std::uint16_t> cells() const;
-  /// Field value at a cell in map cells; the cap outside.
+  /// The cells where they lie, row-major, stride() from row to row, what lies between the rows unspecified; valid until
+  /// the field grows. Empty on a backend whose memory the host does not see.
+  [[nodiscard]] std::span<const std::uint16_t> cells() const { return cells_; }
+  /// Value at a cell in map cells; the cap outside. Of a field with cells().
   [[nodiscard]] std::uint16_t at(CellIndex map_cell) const;
-  /// The cells on the device.
   [[nodiscard]] const Buffer& buffer() const { return buffer_; }
-  /// Whether the host sees the device's memory, so that no copy is kept.
-  [[nodiscard]] bool shares_memory() const { return !shared_.empty(); }
 
-  /// Makes the grid hold the box (map cells) and its guard. Throws InputError when it would pass max_cells.
+  /// Makes the grid hold the box (map cells) and its guard. Throws InputError when it would pass max_cells; nothing has
+  /// changed then.
   void grow_to_hold(const CellBox& map_box);
-  /// Makes room for a keyframe and notes it for the host's copy; the caller then merges it on the device
-  /// (LocalField::merge_into). Throws InputError as grow_to_hold() does, and then nothing has changed; a DeviceError
-  /// leaves the keyframe in the journal.
-  void add_keyframe(const KeyframeCells& keyframe, const MergeStep& step);
 
-  /// Where the journal has become long: copies the field on the device, and asks for one piece of the copy after the
-  /// other, behind the work in line; each is small, so that it needs no submission of its own.
-  void continue_checkpoint();
-  /// Takes the piece that was asked for, if one was; after the last forgets the keyframes that the copy holds.
-  void take_checkpoint_piece();
-  /// Keyframes that the host's copy does not hold yet.
-  [[nodiscard]] std::size_t journal_length() const;
-
-  /// The device's own cells, like cells(), the cap between the rows: to be compared with the copy.
-  [[nodiscard]] std::vector<std::uint16_t> download_device_cells();
-
-  /// Goes over to another backend with what the host knows; the one before is not asked for anything.
-  void move_to(Backend& backend);
-  /// Gives the device up; cells() still has the whole map.
-  void leave_device();
+  /// A copy of the field in the backend's memory.
+  [[nodiscard]] Buffer snapshot() const;
+  /// The cells from any backend, like cells(), the cap between the rows.
+  [[nodiscard]] std::vector<std::uint16_t> download() const;
+  /// Takes over the cells of another field, of that box.
+  void adopt(const std::vector<std::uint16_t>& cells, const CellBox& box);
 
  private:
-  class HostCopy;
-  // A state of the field on its way to the host.
-  struct Checkpoint {
-    Buffer snapshot;
-    CellBox box;
-    std::uint64_t keyframes = 0;  // that it holds
-    std::vector<std::uint16_t> cells;
-    std::size_t arrived = 0;  // cells
-    std::optional<PendingDownload> under_way;
-  };
-
-  void start_checkpoint();
-  void resize_to_hold(const CellBox& map_box);
-  void resize_buffer();
-  void copy_field(const Buffer& target) const;
-  void look_for_shared_memory();
+  [[nodiscard]] Buffer allocate_for(const CellBox& box) const;
+  void move_to(const CellBox& box);
+  void copy_into(const Buffer& target, const CellBox& box) const;
 
   Backend* backend_;
-  Isa isa_;
   double resolution_m_;
   std::uint32_t radius_;
   std::uint64_t max_cells_;
-  DistanceTransform transform_;
   CellBox content_{};  // map cells that have been asked for, their guard included
-  CellBox box_{};      // map cells that are stored
+  CellBox box_{};
   std::uint32_t stride_ = 0;
   Buffer buffer_;
-  CellBox buffer_box_{};  // what the buffer holds; box_ but for the moment of growing
-  std::span<const std::uint16_t> shared_;
-  std::unique_ptr<HostCopy> copy_;
-  std::optional<Checkpoint> checkpoint_;
+  std::span<const std::uint16_t> cells_;
 };
 
 }  // namespace gdtslam

@@ -56,7 +56,9 @@ struct MapperOptions {
 
 class Mapper {
  public:
-  /// Throws ConfigError that names every violation. The backend must outlive the mapper.
+  /// Throws ConfigError that names every violation. The backend must outlive the mapper. The map lives where the
+  /// matcher walks from pose to pose: on the backend for `exhaustive`, else on the CPU, and then a device has nothing
+  /// to do.
   ///
   /// Where the backend throws DeviceError, at any time from here on, the mapper goes over to a CPU backend of its own:
   /// the map is rebuilt there from what the host knows, the scan in hand is matched again, and the device is asked for
@@ -89,13 +91,13 @@ class Mapper {
   MatchResult finish();
 
   [[nodiscard]] const MapperConfig& config() const;
-  [[nodiscard]] const MapperStatistics& statistics() const;
-  /// The global distance transform, on the host.
+  [[nodiscard]] MapperStatistics statistics() const;
+  /// The global distance transform, on the host; valid until the next scan. Never asks the device.
   [[nodiscard]] const GlobalField& field() const;
   /// Whether the device failed, and the text of its error; empty while it works.
   [[nodiscard]] bool lost_device() const { return !device_loss().empty(); }
   [[nodiscard]] const std::string& device_loss() const;
-  /// The device's own cells (GlobalField::download_device_cells), to be compared with the host's copy.
+  /// The device's own cells, those of field() where the matcher walks on the host: to be compared with field().
   [[nodiscard]] std::vector<std::uint16_t> download_device_cells();
 
  private:
