@@ -12,7 +12,6 @@
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/linkage/linkage_sidecar.hpp"
 #include "engine/runs/mapping/map_run.hpp"
-#include "engine/runs/mapping/nodding_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
@@ -21,20 +20,6 @@ namespace gdtslam {
 namespace {
 
 bool stopped(const MapRequest& request) { return request.stop && request.stop(); }
-
-MapRun::Progress progress_of(const MapRequest& request) {
-  return request.progress ? request.progress : [](std::uint64_t, double) {};
-}
-
-MapResult map_flat(const MapRequest& request, const MapJob& job, Backend& backend, ScanStream scans,
-                   RunFolder& folder) {
-  MapRun run(job, backend, std::move(scans));
-  MapResult result;
-  result.outcome = run.run(progress_of(request), [&request] { return stopped(request); });
-  for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
-  result.report = write_run(folder, job, result.outcome, nullptr, run.mapper(), backend.device(), request.settings);
-  return result;
-}
 
 // The cloud as a picture beside it. Where nothing can draw, the run is as good without.
 void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, const std::string& cloud_file,
@@ -53,25 +38,30 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
   folder.without("cloud.png");
 }
 
-MapResult map_nodding(const MapRequest& request, const MapJob& job, const NoddingJob& nodding, Backend& backend,
-                      ScanStream scans, RunFolder& folder) {
+// `nodding` is null where the laser does not nod.
+MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& job, const NoddingJob* nodding,
+                   Backend& backend, ScanStream scans) {
   std::unique_ptr<CloudOutput> cloud;
   std::string cloud_file;
-  if (request.with_cloud) {
+  if (nodding != nullptr && request.with_cloud) {
     cloud_file = folder.staged("cloud.ply");
     cloud = std::make_unique<CloudOutput>(request.settings.cloud, cloud_file);
   } else {
     folder.without("cloud.ply");
   }
-  NoddingRun run(job, nodding, backend, std::move(scans), std::move(cloud));
+  MapRun run(job, backend, std::move(scans), nodding, std::move(cloud));
   MapResult result;
-  result.linkage = nodding.linkage;
-  result.outcome = run.run(progress_of(request), [&request] { return stopped(request); });
-  add_cloud_picture(request, nodding, cloud_file, result.outcome, folder);
-  write_linkage(folder.staged("linkage.yaml"), nodding.model);
-  const NoddingReport extra{nodding, run.outcome()};
-  result.report = write_run(folder, job, result.outcome, &extra, run.mapper(), backend.device(), request.settings);
-  result.nodding = run.outcome();
+  result.outcome = run.run(
+      request.progress ? request.progress : [](std::uint64_t, double) {}, [&request] { return stopped(request); });
+  if (nodding != nullptr) {
+    result.linkage = nodding->linkage;
+    add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);
+    write_linkage(folder.staged("linkage.yaml"), nodding->model);
+  } else {
+    folder.without("cloud.png");
+    folder.without("linkage.yaml");
+  }
+  result.report = write_run(folder, job, nodding, result.outcome, run.mapper(), backend.device(), request.settings);
   return result;
 }
 
@@ -86,7 +76,7 @@ std::string default_linkage_warning(NodKind kind, const NoddingJob& job) {
 }
 
 // What was given, else the file that lies beside the log, else the default.
-NoddingJob nodding_job_of(const MapRequest& request, NodKind kind) {
+NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   NoddingJob job;
   job.kind = kind;
   job.nodding = request.settings.nodding;
@@ -115,8 +105,9 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
                     ScanStream::kMostAhead));
   }
   RunFolder folder(request.folder);
-  if (kind == NodKind::kNone) return map_flat(request, job, backend, std::move(scans), folder);
-  return map_nodding(request, job, nodding_job_of(request, kind), backend, std::move(scans), folder);
+  if (kind == NodKind::kNone) return map_into(folder, request, job, nullptr, backend, std::move(scans));
+  const NoddingJob nodding = nodding_job(request, kind);
+  return map_into(folder, request, job, &nodding, backend, std::move(scans));
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ void write_overview(RunFolder& folder, const Canvas& overview) {
 
 }  // namespace
 
-std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding,
+std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
                       const Mapper& mapper, const DeviceInfo& device, Settings settings) {
   const auto start = std::chrono::steady_clock::now();
   // The order in which the files take their names: what others refer to first, then the YAML that refers to them, and
@@ -76,7 +76,7 @@ std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& ou
   write_distance_field(field, view_of(mapper.field()));
   write_config(config, option_table(settings));
   const double written_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::string report = json_text(report_of(job, outcome, nodding, mapper, device, written_s));
+  std::string report = json_text(run_report(job, nodding, outcome, mapper, device, written_s));
   write_file_atomically(report_file, report);
   folder.commit();
   return report;

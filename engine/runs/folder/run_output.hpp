@@ -13,7 +13,7 @@ namespace gdtslam {
 
 /// All files of the run, all or nothing; returns the text of report.json. Throws FileError.
 /// `nodding` is null for a laser that does not nod; its cloud has been written by now.
-std::string write_run(RunFolder& folder, const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding,
+std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
                       const Mapper& mapper, const DeviceInfo& device, Settings settings);
 
 }  // namespace gdtslam

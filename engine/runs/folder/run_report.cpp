@@ -71,11 +71,11 @@ Json check_json(const SweepCheck& check) {
           {"wall_s", check.wall_s}};
 }
 
-Json nodding_json(const NoddingReport& nodding) {
-  const NoddingStatistics& statistics = nodding.outcome.statistics;
-  const CloudSummary& cloud = nodding.outcome.cloud;
-  Json json{{"linkage", nodding.job.linkage},
-            {"told_by", nodding.job.kind == NodKind::kTilt ? "TILT" : "ENCODER"},
+Json nodding_json(const NoddingJob& job, const NoddingOutcome& outcome) {
+  const NoddingStatistics& statistics = outcome.statistics;
+  const CloudSummary& cloud = outcome.cloud;
+  Json json{{"linkage", job.linkage},
+            {"told_by", job.kind == NodKind::kTilt ? "TILT" : "ENCODER"},
             {"sweeps", statistics.sweeps},
             {"fixes", statistics.fixes},
             {"between", statistics.between},
@@ -86,8 +86,8 @@ Json nodding_json(const NoddingReport& nodding) {
             {"without_nod", statistics.without_nod},
             {"smooth_s", statistics.smooth_s},
             {"assemble_s", statistics.assemble_s},
-            {"sweep_check", check_json(nodding.outcome.check)}};
-  if (nodding.outcome.has_cloud) {
+            {"sweep_check", check_json(outcome.check)}};
+  if (outcome.has_cloud) {
     json["cloud"] = {{"measured", cloud.measured},
                      {"after_thinning", cloud.thinned},
                      {"removed", cloud.removed},
@@ -109,8 +109,8 @@ void add_match_distances(Json& report, std::vector<double> distances_m) {
 
 }  // namespace
 
-Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport* nodding, const Mapper& mapper,
-               const DeviceInfo& device, double written_s) {
+Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome, const Mapper& mapper,
+                const DeviceInfo& device, double written_s) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(scans_of(outcome));
   Json report;
@@ -144,8 +144,8 @@ Json report_of(const MapJob& job, const MapOutcome& outcome, const NoddingReport
   report["trajectory_sha256"] = sha256_of(outcome.trajectory);
   report["gdt"] = geometry_json(mapper.field().geometry());
   report["map"] = geometry_json(outcome.occupancy.geometry);
-  report["cloud_points"] = nodding != nullptr ? nodding->outcome.cloud.written : 0;
-  if (nodding != nullptr) report["nodding"] = nodding_json(*nodding);
+  report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
+  if (nodding != nullptr) report["nodding"] = nodding_json(*nodding, *outcome.nodding);
   report["warnings"] = warnings_json(outcome.warnings);
   report["stages"] = stages_json(outcome, written_s);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);

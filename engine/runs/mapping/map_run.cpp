@@ -5,14 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
+#include "engine/mapping/nodding/level_scan.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "gdtslam/core/error.hpp"
-#include "stopwatch.hpp"
 
 namespace gdtslam {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
   return {.resolution_m = config.map.resolution_m,
@@ -21,99 +23,211 @@ OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
           .max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U};
 }
 
-MapRun::MapRun(const MapJob& job, Backend& backend) : MapRun(job, backend, {job.logs, job.read, job.range}) {}
+// Linkage and mount of the model, or its mount alone where the elevation itself was measured.
+NoddingScanner scanner_for(const NoddingJob& job) {
+  return {
+      .mount = job.model.mount,
+      .table = job.kind == NodKind::kTilt ? ElevationTable::identity() : calib::elevation_table(job.model),
+      .mirror_rate_hz = job.model.mirror_rate_hz,
+      .stamp_share = job.model.stamp_share,
+  };
+}
 
-MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans)
+}  // namespace
+
+/// What there is besides where the laser nods. Points go to the cloud, where there is one, and to the check of the
+/// sweeps.
+struct MapRun::Nodding : CloudSink {
+  Nodding(const NoddingJob& job, std::unique_ptr<CloudOutput> output, Backend& backend, MapRun& run)
+      : scanner(scanner_for(job)),
+        stream(run.scans_, job.kind, job.model, job.limits),
+        cloud(std::move(output)),
+        sampler(job.check),
+        mapper(
+            job.nodding, scanner, run.mapper_, backend, *this,
+            [&run](const NoddingPose& pose, const NoddingScan& scan) { run.take(pose, scan); }, run.job_.on_failure) {}
+
+  void add(std::span<const CloudPoint> points) override {
+    if (cloud) cloud->add(points);
+    sampler.add(points);
+  }
+  NoddingOutcome finish(std::vector<LogReader::Warning>& warnings);
+
+  NoddingScanner scanner;
+  NoddingStream stream;
+  std::unique_ptr<CloudOutput> cloud;
+  SweepSampler sampler;
+  NoddingMapper mapper;
+};
+
+NoddingOutcome MapRun::Nodding::finish(std::vector<LogReader::Warning>& warnings) {
+  NoddingOutcome outcome;
+  outcome.statistics = mapper.statistics();
+  outcome.check = sampler.finish();
+  if (std::string doubt = outcome.check.doubt(); !doubt.empty()) {
+    warnings.push_back({"sweeps that do not agree", 1, std::move(doubt)});
+  }
+  if (!cloud) return outcome;
+  outcome.cloud = cloud->finish();
+  outcome.has_cloud = true;
+  if (const double asked_m = cloud->config().voxel_m; outcome.cloud.voxel_m > asked_m) {
+    warnings.push_back({"cloud thinned more than asked for", 1,
+                        fmt::format("its cubes filled cloud.max_megavoxels; the last ones have {:g} m, "
+                                    "cloud.voxel is {:g} m",
+                                    outcome.cloud.voxel_m, asked_m)});
+  }
+  return outcome;
+}
+
+MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const NoddingJob* nodding,
+               std::unique_ptr<CloudOutput> cloud)
     : job_(job),
       scans_(std::move(scans)),
-      mapper_(job.mapper, backend, job.on_failure),
-      occupancy_(job.occupancy, occupancy_limits(job.mapper)) {}
+      mapper_(nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper, backend,
+              job.on_failure),
+      occupancy_(job.occupancy, occupancy_limits(job.mapper)),
+      nodding_(nodding != nullptr ? std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this) : nullptr),
+      first_s_(kNever),
+      last_s_(-kNever) {}
+
+MapRun::~MapRun() = default;
 
 // A signal may cut the input in the middle of a line; what the reader says of that is not the user's concern.
-std::optional<ScanRecord> MapRun::next_scan(const std::function<bool()>& stop) {
+template <class Stream>
+auto MapRun::next_of(Stream& stream) {
   try {
-    return scans_.next();
+    return stream.next();
   } catch (const InputError&) {
-    if (!stop()) throw;
-    return std::nullopt;
+    if (!stop_()) throw;
+    return decltype(stream.next())();
   }
 }
 
-void note_match(const MatchResult& result, const Pose2& T_map_base, MapOutcome& outcome) {
+void MapRun::note_stamp(double stamp_s) {
+  first_s_ = std::min(first_s_, stamp_s);
+  last_s_ = std::max(last_s_, stamp_s);
+}
+
+// The pose is the one given, which may be better than the match.
+void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
+  if (job_.with_occupancy && result.accepted) occupancy_.add(scan, T_map_base);
   if (result.doubt != Doubt::kNone) {
-    const Pose2 off = between(result.T_map_predicted, result.T_map_base);
-    outcome.doubtful.push_back({outcome.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
-                                off.translation().norm(), std::fabs(off.theta_rad)});
+    const Pose2 off = between(result.T_map_predicted, T_map_base);
+    outcome_.doubtful.push_back({outcome_.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
+                                 off.translation().norm(), std::fabs(off.theta_rad)});
   }
-  if (result.accepted && result.evaluations > 0) outcome.match_distances_m.push_back(result.mean_cost_m);
-  if (result.merged) outcome.keyframes.push_back(outcome.trajectory.size());
-  outcome.trajectory.push_back({result.stamp_s, T_map_base});
-}
-
-void require_a_map(const MapJob& job, const MapOutcome& outcome, std::uint64_t scans_read) {
-  if (outcome.statistics.keyframes > 0) return;
-  const FilePosition place{log_name(job.logs.front()), 0};
-  if (outcome.interrupted) {
-    throw Error(ExitCode::kInterrupted, outcome.trajectory.empty()
-                                            ? "interrupted before the first scan; nothing is written"
-                                            : "interrupted before a scan could be mapped; nothing is written");
-  }
-  if (!outcome.trajectory.empty()) {
-    throw InputError(place, nothing_mappable(outcome.trajectory.size(), job.mapper.scan));
-  }
-  if (scans_read > 0) {
-    throw InputError(place, fmt::format("--skip {} leaves none of its {} scans", job.range.skip, scans_read));
-  }
-  throw InputError(place, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
+  if (result.accepted && result.evaluations > 0) outcome_.match_distances_m.push_back(result.mean_cost_m);
+  if (result.merged) outcome_.keyframes.push_back(outcome_.trajectory.size());
+  outcome_.trajectory.push_back({result.stamp_s, T_map_base});
 }
 
 // The next scan is read while the device works on this one. What the reader has to complain of in it counts once this
 // one is done.
-MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop,
-                             Stopwatch& watch, MapOutcome& outcome) {
+MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
   mapper_.start(scan.scan, scan.T_odom_base);
-  watch.add_to(outcome.mapper_s, outcome.mapper_cpu_s);
+  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   try {
-    next.scan = next_scan(stop);
+    next.scan = next_of(scans_);
   } catch (...) {
     next.problem = std::current_exception();
   }
-  watch.add_to(outcome.read_s);
+  watch_.add_to(outcome_.read_s);
   const MatchResult result = mapper_.finish();
-  watch.add_to(outcome.mapper_s, outcome.mapper_cpu_s);
+  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   return result;
 }
 
-MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& stop) {
-  MapOutcome outcome;
-  double first_s = std::numeric_limits<double>::infinity();
-  double last_s = -first_s;
-  Stopwatch whole;
-  Stopwatch watch;
+void MapRun::map_flat(const Progress& progress) {
   NextScan next;
-  if (!stop()) next.scan = next_scan(stop);
-  watch.add_to(outcome.read_s);
-  while (next.scan && !stop()) {
+  if (!stop_()) next.scan = next_of(scans_);
+  watch_.add_to(outcome_.read_s);
+  while (next.scan && !stop_()) {
     const ScanRecord record = *std::exchange(next.scan, std::nullopt);
-    const MatchResult result = map_scan(record, next, stop, watch, outcome);
-    if (job_.with_occupancy && result.accepted) occupancy_.add(record.scan, result.T_map_base);
-    note_match(result, result.T_map_base, outcome);
-    first_s = std::min(first_s, result.stamp_s);
-    last_s = std::max(last_s, result.stamp_s);
-    progress(outcome.trajectory.size(), scans_.progress());
-    watch.add_to(outcome.occupancy_s);
-    if (next.problem && !stop()) std::rethrow_exception(next.problem);
+    const MatchResult result = map_scan(record, next);
+    take_match(result, result.T_map_base, record.scan);
+    note_stamp(result.stamp_s);
+    progress(outcome_.trajectory.size(), scans_.progress());
+    watch_.add_to(outcome_.occupancy_s);
+    if (next.problem && !stop_()) std::rethrow_exception(next.problem);
   }
-  outcome.interrupted = stop();
-  outcome.warnings = scans_.warnings();
-  outcome.statistics = mapper_.statistics();
-  outcome.device_loss = mapper_.device_loss();
-  require_a_map(job_, outcome, scans_.scans_read());
-  if (job_.with_occupancy) outcome.occupancy = occupancy_.build();
-  watch.add_to(outcome.occupancy_s);
-  outcome.log_duration_s = last_s - first_s;
-  whole.add_to(outcome.wall_s, outcome.cpu_s);
-  return outcome;
+  outcome_.interrupted = stop_();
+}
+
+void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
+  if (pose.match) {
+    take_match(*pose.match, pose.T_map_base, level_scan(scan, nodding_->scanner));
+  } else {
+    outcome_.trajectory.push_back({pose.stamp_s, pose.T_map_base});
+  }
+}
+
+void MapRun::map_nodding(const Progress& progress) {
+  std::uint64_t scans = 0;
+  while (!stop_()) {
+    std::optional<NoddingScan> scan = next_of(nodding_->stream);
+    watch_.add_to(outcome_.read_s);
+    if (!scan) break;
+    note_stamp(scan->record.scan.stamp_s);
+    nodding_->mapper.process(std::move(*scan));
+    progress(++scans, scans_.progress());
+    watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+  }
+  outcome_.interrupted = stop_();
+  if (scans == 0) return;
+  try {
+    nodding_->mapper.finish();
+  } catch (const InputError& error) {
+    if (outcome_.interrupted) {
+      throw Error(ExitCode::kInterrupted, "interrupted before a scan could be placed; nothing is written");
+    }
+    throw InputError(FilePosition{log_name(job_.logs.front()), 0}, error.what());
+  }
+  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+}
+
+// Without one merged scan there is no map to write.
+void MapRun::require_a_map() const {
+  if (outcome_.statistics.keyframes > 0) return;
+  const FilePosition place{log_name(job_.logs.front()), 0};
+  if (outcome_.interrupted) {
+    throw Error(ExitCode::kInterrupted, outcome_.trajectory.empty()
+                                            ? "interrupted before the first scan; nothing is written"
+                                            : "interrupted before a scan could be mapped; nothing is written");
+  }
+  if (!outcome_.trajectory.empty()) {
+    throw InputError(place, nothing_mappable(outcome_.trajectory.size(), job_.mapper.scan));
+  }
+  if (scans_.scans_read() > 0) {
+    throw InputError(place, fmt::format("--skip {} leaves none of its {} scans", job_.range.skip, scans_.scans_read()));
+  }
+  throw InputError(place, "holds no laser scan to map; 'gdtslam doctor' says what is in it");
+}
+
+void MapRun::finish() {
+  outcome_.warnings = scans_.warnings();
+  if (nodding_) {
+    for (LogReader::Warning& warning : nodding_->stream.warnings()) outcome_.warnings.push_back(std::move(warning));
+    for (const std::string& text : nodding_->mapper.warnings()) {
+      outcome_.warnings.push_back({"no horizontal scan", 1, text});
+    }
+  }
+  outcome_.statistics = mapper_.statistics();
+  outcome_.device_loss = mapper_.device_loss();
+  require_a_map();
+  if (job_.with_occupancy) outcome_.occupancy = occupancy_.build();
+  watch_.add_to(outcome_.occupancy_s);
+  outcome_.log_duration_s = last_s_ - first_s_;
+  if (nodding_) outcome_.nodding = nodding_->finish(outcome_.warnings);
+}
+
+MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& stop) {
+  stop_ = stop;
+  watch_ = {};
+  Stopwatch whole;
+  nodding_ ? map_nodding(progress) : map_flat(progress);
+  finish();
+  whole.add_to(outcome_.wall_s, outcome_.cpu_s);
+  return std::move(outcome_);
 }
 
 }  // namespace gdtslam

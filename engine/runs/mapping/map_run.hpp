@@ -1,24 +1,31 @@
 // Maps whole logs: feeds every scan to a Mapper, keeps the trajectory, the evidence against doubtful scans and the
-// occupancy map. Used by the commands map and ablation. One run belongs to one thread.
+// occupancy map; where the laser nods also the poses of the scans between the horizontal ones, the 3D cloud, and how
+// well consecutive sweeps agree. Used by the commands map, ablation and calibrate. One run belongs to one thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "cloud_output.hpp"
+#include "engine/runs/streams/nodding_stream.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
+#include "gdtslam/calib/nod_track.hpp"
+#include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/mapper.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/outcome.hpp"
+#include "stopwatch.hpp"
+#include "sweep_check.hpp"
 
 namespace gdtslam {
-
-class Stopwatch;
 
 /// What to map, and how.
 struct MapJob {
@@ -32,24 +39,29 @@ struct MapJob {
   MapperOptions on_failure;   ///< of the device
 };
 
-/// Adds a matched scan to the trajectory, the keyframes, the doubtful scans and the matches.
-/// Its pose is the one given, which may be better than the match.
-void note_match(const MatchResult& result, const Pose2& T_map_base, MapOutcome& outcome);
-/// Without one merged scan there is no map to write: throws InputError that says why.
-void require_a_map(const MapJob& job, const MapOutcome& outcome, std::uint64_t scans_read);
-OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config);
+/// What a nodding log needs besides a MapJob.
+struct NoddingJob {
+  NodKind kind = NodKind::kEncoder;
+  calib::SweepModel model;
+  std::string linkage;  ///< where the model comes from: a preset's name or a file
+  NoddingConfig nodding;
+  calib::NodTrackLimits limits;
+  SweepCheckConfig check;
+};
 
 class MapRun {
  public:
   /// Opens the first log and prepares the mapper. Throws ConfigError, InputError or FileError.
-  MapRun(const MapJob& job, Backend& backend);
-  /// With the logs open already.
-  MapRun(const MapJob& job, Backend& backend, ScanStream scans);
+  MapRun(const MapJob& job, Backend& backend) : MapRun(job, backend, {job.logs, job.read, job.range}) {}
+  /// With the logs open already. For a laser that nods its job, and where the points go, if anywhere.
+  MapRun(const MapJob& job, Backend& backend, ScanStream scans, const NoddingJob* nodding = nullptr,
+         std::unique_ptr<CloudOutput> cloud = nullptr);
+  ~MapRun();
 
   /// Called after each scan with the number of scans and the share done (negative when unknown).
   using Progress = std::function<void(std::uint64_t, double)>;
   /// Runs to the end, or until stop() is true. Throws InputError when the logs
-  /// hold no scan that can be mapped.
+  /// hold no scan that can be mapped, or none that is horizontal where the laser nods.
   MapOutcome run(const Progress& progress, const std::function<bool()>& stop);
 
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
@@ -60,15 +72,29 @@ class MapRun {
     std::optional<ScanRecord> scan;
     std::exception_ptr problem;
   };
+  struct Nodding;
 
-  std::optional<ScanRecord> next_scan(const std::function<bool()>& stop);
-  MatchResult map_scan(const ScanRecord& scan, NextScan& next, const std::function<bool()>& stop, Stopwatch& watch,
-                       MapOutcome& outcome);
+  template <class Stream>
+  auto next_of(Stream& stream);
+  MatchResult map_scan(const ScanRecord& scan, NextScan& next);
+  void map_flat(const Progress& progress);
+  void map_nodding(const Progress& progress);
+  void take(const NoddingPose& pose, const NoddingScan& scan);
+  void take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan);
+  void note_stamp(double stamp_s);
+  void require_a_map() const;
+  void finish();
 
   MapJob job_;
   ScanStream scans_;
   Mapper mapper_;
   OccupancyBuilder occupancy_;
+  std::unique_ptr<Nodding> nodding_;  ///< null: the laser does not nod
+  std::function<bool()> stop_;
+  Stopwatch watch_;
+  double first_s_;
+  double last_s_;
+  MapOutcome outcome_;
 };
 
 }  // namespace gdtslam

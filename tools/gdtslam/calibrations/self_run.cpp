@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/core/elementary.hpp"
-#include "engine/runs/mapping/nodding_run.hpp"
+#include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -44,7 +44,7 @@ Trajectory mapped_poses(const SelfCalibrateJob& job, SelfCalibrateOutcome& found
   if (scans.nod_kind() != NodKind::kEncoder) {
     throw InputError({log_name(job.logs.front()), 0}, "has no ENCODER message, so there is no linkage to calibrate");
   }
-  NoddingRun run(map, nodding, *backend, std::move(scans), nullptr);
+  MapRun run(map, *backend, std::move(scans), &nodding);
   MapOutcome outcome = run.run([&](std::uint64_t, double share) { progress(0.9 * share); }, stop);
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted while mapping; nothing was written");
   found.warnings = std::move(outcome.warnings);

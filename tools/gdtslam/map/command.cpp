@@ -118,7 +118,7 @@ int map(const MapOptions& options) {
   if (options.json) {
     print_result(result.report);
   } else if (!options.quiet) {
-    print_result((result.nodding ? as_text(*result.nodding, result.linkage) : "") +
+    print_result((result.outcome.nodding ? as_text(*result.outcome.nodding, result.linkage) : "") +
                  summary_of(result.outcome, printable(request.folder)));
   }
   if (!result.outcome.interrupted) return static_cast<int>(ExitCode::kDone);

@@ -43,9 +43,8 @@ struct MapRequest {
 
 struct MapResult {
   MapOutcome outcome;
-  std::optional<NoddingOutcome> nodding;  ///< of a laser that nods
-  std::string linkage;                    ///< of a laser that nods: the preset or file that was taken
-  std::string report;                     ///< the text of report.json
+  std::string linkage;  ///< of a laser that nods: the preset or file that was taken
+  std::string report;   ///< the text of report.json
 };
 
 /// Maps the logs and writes the run folder, all files or none. Throws InputError, ConfigError, FileError,

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,28 +29,6 @@ struct DoubtfulScan {
   double from_prediction_rad = 0.0;  ///< likewise, absolute
 };
 
-struct MapOutcome {
-  Trajectory trajectory;
-  std::vector<DoubtfulScan> doubtful;
-  std::vector<std::size_t> keyframes;  ///< indices into the trajectory
-  /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
-  std::vector<double> match_distances_m;
-  OccupancyMap occupancy;
-  MapperStatistics statistics;
-  std::vector<LogReader::Warning> warnings;
-  std::string device_loss;      ///< the error of the device that failed; empty when none did
-  double log_duration_s = 0.0;  ///< between the earliest and the latest stamp
-  double wall_s = 0.0;          ///< of the whole run, reading included
-  double cpu_s = 0.0;           ///< of the process during the run
-  double read_s = 0.0;
-  double mapper_s = 0.0;      ///< inside the mapper
-  double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads
-  double occupancy_s = 0.0;
-  bool interrupted = false;
-};
-
-/// Scans that got a pose, matched or not.
-inline std::uint64_t scans_of(const MapOutcome& outcome) { return outcome.trajectory.size(); }
 /// What became of the points.
 struct CloudSummary {
   std::uint64_t measured = 0;  ///< points that came
@@ -81,12 +60,36 @@ struct SweepCheck {
   [[nodiscard]] std::string doubt() const;
 };
 
-/// What a nodding log gives besides a MapOutcome.
+/// What a nodding log gives besides.
 struct NoddingOutcome {
   NoddingStatistics statistics;
   CloudSummary cloud;
   bool has_cloud = false;
   SweepCheck check;
 };
+
+struct MapOutcome {
+  Trajectory trajectory;
+  std::vector<DoubtfulScan> doubtful;
+  std::vector<std::size_t> keyframes;  ///< indices into the trajectory
+  /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
+  std::vector<double> match_distances_m;
+  OccupancyMap occupancy;
+  MapperStatistics statistics;
+  std::vector<LogReader::Warning> warnings;
+  std::string device_loss;      ///< the error of the device that failed; empty when none did
+  double log_duration_s = 0.0;  ///< between the earliest and the latest stamp
+  double wall_s = 0.0;          ///< of the whole run, reading included
+  double cpu_s = 0.0;           ///< of the process during the run
+  double read_s = 0.0;
+  double mapper_s = 0.0;      ///< inside the mapper
+  double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads
+  double occupancy_s = 0.0;
+  bool interrupted = false;
+  std::optional<NoddingOutcome> nodding;  ///< of a laser that nods
+};
+
+/// Scans that got a pose, matched or not.
+inline std::uint64_t scans_of(const MapOutcome& outcome) { return outcome.trajectory.size(); }
 
 }  // namespace gdtslam
