@@ -1,11 +1,16 @@
 #include "gdtslam/mapping/config.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <optional>
 
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
+#include "gdtslam/mapping/option.hpp"
 
 namespace gdtslam {
 namespace {
@@ -18,29 +23,29 @@ constexpr std::array kCostForms{"distance"sv, "squared"sv};
 constexpr std::array kInterpolations{"bilinear"sv, "nearest"sv};
 constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"sv};
 
-void add_map_options(MapperConfig& c, std::vector<Option>& table) {
-  table.push_back({"map.resolution", "edge of a cell", Unit::kMetre, 0.005, 1.0, &c.map.resolution_m});
-  table.push_back({"map.truncation", "distances are kept up to this radius R, at most 255 cells", Unit::kMetre, 0.01,
-                   255.0, &c.map.truncation_m});
-  table.push_back({"map.transform", "distances of a keyframe: exact, or jump-flood, which errs now and then",
-                   Unit::kNone, 0, 0, Choice(c.map.transform, kTransforms)});
-  table.push_back({"map.max_megacells", "the map may take this many times 2^20 cells", Unit::kNone, 1, 16384,
-                   &c.map.max_megacells});
-  table.push_back({"scan.min_range", "shorter ranges are no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m});
-  table.push_back({"scan.max_range", "ranges at or above are no return; the log's own limit counts too", Unit::kMetre,
-                   0.1, 1000.0, &c.scan.max_range_m});
-  table.push_back(
-      {"scan.min_points", "a scan with fewer returns is not matched", Unit::kNone, 3, 100000, &c.scan.min_points});
-  table.push_back({"merge.rule", "equations (9) to (11): working, or literal as printed", Unit::kNone, 0, 0,
-                   Choice(c.merge.rule, kMergeRules)});
-  table.push_back({"merge.threshold", "Threshold of (9): cells that agree within it are averaged", Unit::kMetre, 0.0,
-                   10.0, &c.merge.threshold_m});
-  table.push_back({"merge.kappa", "share of the threshold that a new obstacle is entered with, (11)", Unit::kShare, 0.0,
-                   1.0, &c.merge.kappa});
-  table.push_back({"keyframe.distance", "a scan is merged when the robot moved this far", Unit::kMetre, 0.0, 100.0,
-                   &c.keyframe.distance_m});
-  table.push_back({"keyframe.angle", "or turned this far", Unit::kRadian, 0.0, 3.2, &c.keyframe.angle_rad});
-  table.push_back({"keyframe.every_scan", "merge every scan", Unit::kNone, 0, 1, &c.keyframe.every_scan});
+std::vector<Option> map_options(MapperConfig& c) {
+  return {
+      {"map.resolution", "edge of a cell", Unit::kMetre, 0.005, 1.0, &c.map.resolution_m},
+      {"map.truncation", "distances are kept up to this radius R, at most 255 cells", Unit::kMetre, 0.01, 255.0,
+       &c.map.truncation_m},
+      {"map.transform", "distances of a keyframe: exact, or jump-flood, which errs now and then", Unit::kNone, 0, 0,
+       Choice(c.map.transform, kTransforms)},
+      {"map.max_megacells", "the map may take this many times 2^20 cells", Unit::kNone, 1, 16384, &c.map.max_megacells},
+      {"scan.min_range", "shorter ranges are no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m},
+      {"scan.max_range", "ranges at or above are no return; the log's own limit counts too", Unit::kMetre, 0.1, 1000.0,
+       &c.scan.max_range_m},
+      {"scan.min_points", "a scan with fewer returns is not matched", Unit::kNone, 3, 100000, &c.scan.min_points},
+      {"merge.rule", "equations (9) to (11): working, or literal as printed", Unit::kNone, 0, 0,
+       Choice(c.merge.rule, kMergeRules)},
+      {"merge.threshold", "Threshold of (9): cells that agree within it are averaged", Unit::kMetre, 0.0, 10.0,
+       &c.merge.threshold_m},
+      {"merge.kappa", "share of the threshold that a new obstacle is entered with, (11)", Unit::kShare, 0.0, 1.0,
+       &c.merge.kappa},
+      {"keyframe.distance", "a scan is merged when the robot moved this far", Unit::kMetre, 0.0, 100.0,
+       &c.keyframe.distance_m},
+      {"keyframe.angle", "or turned this far", Unit::kRadian, 0.0, 3.2, &c.keyframe.angle_rad},
+      {"keyframe.every_scan", "merge every scan", Unit::kNone, 0, 1, &c.keyframe.every_scan},
+  };
 }
 
 std::string matcher_doc() {
@@ -52,104 +57,98 @@ std::string matcher_doc() {
   return text;
 }
 
-void add_match_options(MapperConfig& c, std::vector<Option>& table) {
+std::vector<Option> match_options(MapperConfig& c) {
   static const std::string matcher_text = matcher_doc();
-  table.push_back({"match.matcher", matcher_text, Unit::kNone, 0, 0, Choice(c.match.matcher, matcher_names())});
-  table.push_back(
-      {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)});
-  table.push_back({"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
-                   Choice(c.match.interpolation, kInterpolations)});
-  table.push_back(
+  return {
+      {"match.matcher", matcher_text, Unit::kNone, 0, 0, Choice(c.match.matcher, matcher_names())},
+      {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)},
+      {"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
+       Choice(c.match.interpolation, kInterpolations)},
       {"gate.wide",
        "first gate of (8): points farther from the map do not count; with exhaustive they count as the gate",
-       Unit::kMetre, 0.01, 10.0, &c.gate.wide_m});
-  table.push_back(
-      {"gate.final", "last gate, the paper's 20 m * sin 0.25 deg", Unit::kMetre, 0.01, 10.0, &c.gate.final_m});
-  table.push_back({"gate.narrowing", "factor from one gate to the next", Unit::kShare, 0.05, 0.95, &c.gate.narrowing});
-  table.push_back({"gate.min_share", "a gate of simplex never leaves a smaller share of the points", Unit::kShare, 0.0,
-                   1.0, &c.gate.min_share});
-  table.push_back({"prior.weight", "mean cost in cells of one standard deviation from the prediction", Unit::kCell, 0.0,
-                   10.0, &c.prior.weight});
-  table.push_back({"prior.limit", "beyond so many standard deviations the prior costs no more", Unit::kNone, 0.1,
-                   1000.0, &c.prior.limit_sigmas});
-  table.push_back({"prior.sigma", "standard deviation of the predicted position at rest", Unit::kMetre, 0.001, 100.0,
-                   &c.prior.sigma_m});
-  table.push_back({"prior.sigma_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_m});
-  table.push_back({"prior.sigma_angle", "standard deviation of the predicted heading at rest", Unit::kRadian, 0.0001,
-                   10.0, &c.prior.sigma_rad});
-  table.push_back(
-      {"prior.sigma_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_rad});
+       Unit::kMetre, 0.01, 10.0, &c.gate.wide_m},
+      {"gate.final", "last gate, the paper's 20 m * sin 0.25 deg", Unit::kMetre, 0.01, 10.0, &c.gate.final_m},
+      {"gate.narrowing", "factor from one gate to the next", Unit::kShare, 0.05, 0.95, &c.gate.narrowing},
+      {"gate.min_share", "a gate of simplex never leaves a smaller share of the points", Unit::kShare, 0.0, 1.0,
+       &c.gate.min_share},
+      {"prior.weight", "mean cost in cells of one standard deviation from the prediction", Unit::kCell, 0.0, 10.0,
+       &c.prior.weight},
+      {"prior.limit", "beyond so many standard deviations the prior costs no more", Unit::kNone, 0.1, 1000.0,
+       &c.prior.limit_sigmas},
+      {"prior.sigma", "standard deviation of the predicted position at rest", Unit::kMetre, 0.001, 100.0,
+       &c.prior.sigma_m},
+      {"prior.sigma_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_m},
+      {"prior.sigma_angle", "standard deviation of the predicted heading at rest", Unit::kRadian, 0.0001, 10.0,
+       &c.prior.sigma_rad},
+      {"prior.sigma_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_rad},
+  };
 }
 
-void add_optimizer_options(MapperConfig& c, std::vector<Option>& table) {
-  table.push_back({"optimizer.particles", "size of the swarm of pso", Unit::kNone, 2, 65535, &c.optimizer.particles});
-  table.push_back(
-      {"optimizer.complexes", "complexes of sce, seven points each", Unit::kNone, 1, 1000, &c.optimizer.complexes});
-  table.push_back({"optimizer.moves", "moves of simpsa at one temperature, for each dimension", Unit::kNone, 1, 100000,
-                   &c.optimizer.moves});
-  table.push_back(
-      {"optimizer.cooling", "how fast simpsa cools, its delta", Unit::kNone, 0.001, 1000.0, &c.optimizer.cooling});
-  table.push_back({"optimizer.max_evaluations", "pso, sce and simpsa cost about as many poses at most, each descent",
-                   Unit::kNone, 1, 100000000, &c.optimizer.max_evaluations});
-  table.push_back({"optimizer.seed", "of their random numbers", Unit::kNone, 0, 2147483647, &c.optimizer.seed});
+std::vector<Option> optimizer_options(MapperConfig& c) {
+  return {
+      {"optimizer.particles", "size of the swarm of pso", Unit::kNone, 2, 65535, &c.optimizer.particles},
+      {"optimizer.complexes", "complexes of sce, seven points each", Unit::kNone, 1, 1000, &c.optimizer.complexes},
+      {"optimizer.moves", "moves of simpsa at one temperature, for each dimension", Unit::kNone, 1, 100000,
+       &c.optimizer.moves},
+      {"optimizer.cooling", "how fast simpsa cools, its delta", Unit::kNone, 0.001, 1000.0, &c.optimizer.cooling},
+      {"optimizer.max_evaluations", "pso, sce and simpsa cost about as many poses at most, each descent", Unit::kNone,
+       1, 100000000, &c.optimizer.max_evaluations},
+      {"optimizer.seed", "of their random numbers", Unit::kNone, 0, 2147483647, &c.optimizer.seed},
+  };
 }
 
-void add_search_options(MapperConfig& c, std::vector<Option>& table) {
-  table.push_back({"search.when", "when simplex searches a window; exhaustive always does", Unit::kNone, 0, 0,
-                   Choice(c.search.when, kSearchTimes)});
-  table.push_back(
-      {"search.half_width", "half width of the window at rest", Unit::kMetre, 0.0, 100.0, &c.search.half_m});
-  table.push_back(
-      {"search.half_width_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.search.half_per_m});
-  table.push_back(
-      {"search.half_angle", "half angle of the window at rest", Unit::kRadian, 0.0, 3.15, &c.search.half_rad});
-  table.push_back(
-      {"search.half_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.search.half_per_rad});
-  table.push_back({"search.step", "spacing of the samples", Unit::kMetre, 0.005, 10.0, &c.search.step_m});
-  table.push_back({"search.step_angle", "spacing of the angles", Unit::kRadian, 0.0005, 3.15, &c.search.step_rad});
-  table.push_back({"search.starts", "best local minima that are polished", Unit::kNone, 1, SmallestValues::kMost,
-                   &c.search.starts});
-  table.push_back(
-      {"search.max_half_width", "the window never grows beyond this", Unit::kMetre, 0.0, 1000.0, &c.search.max_half_m});
-  table.push_back({"search.max_points", "a scan is thinned to this many points for the window", Unit::kNone, 8,
-                   Matcher::kMostPoints, &c.search.max_points});
-  table.push_back({"search.attempts", "windows tried, each twice as large, while the match is in doubt", Unit::kNone, 1,
-                   8, &c.search.attempts});
-  table.push_back({"search.gap", "certified: no pose of a window has a mean distance smaller by more than this",
-                   Unit::kMetre, 0.0, 1.0, &c.search.gap_m});
-  table.push_back({"search.max_kiloboxes", "certified: a window is given up after a thousand times so many boxes",
-                   Unit::kNone, 1, 1000000, &c.search.max_kiloboxes});
+std::vector<Option> search_options(MapperConfig& c) {
+  return {
+      {"search.when", "when simplex searches a window; exhaustive always does", Unit::kNone, 0, 0,
+       Choice(c.search.when, kSearchTimes)},
+      {"search.half_width", "half width of the window at rest", Unit::kMetre, 0.0, 100.0, &c.search.half_m},
+      {"search.half_width_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.search.half_per_m},
+      {"search.half_angle", "half angle of the window at rest", Unit::kRadian, 0.0, 3.15, &c.search.half_rad},
+      {"search.half_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.search.half_per_rad},
+      {"search.step", "spacing of the samples", Unit::kMetre, 0.005, 10.0, &c.search.step_m},
+      {"search.step_angle", "spacing of the angles", Unit::kRadian, 0.0005, 3.15, &c.search.step_rad},
+      {"search.starts", "best local minima that are polished", Unit::kNone, 1, SmallestValues::kMost, &c.search.starts},
+      {"search.max_half_width", "the window never grows beyond this", Unit::kMetre, 0.0, 1000.0, &c.search.max_half_m},
+      {"search.max_points", "a scan is thinned to this many points for the window", Unit::kNone, 8,
+       Matcher::kMostPoints, &c.search.max_points},
+      {"search.attempts", "windows tried, each twice as large, while the match is in doubt", Unit::kNone, 1, 8,
+       &c.search.attempts},
+      {"search.gap", "certified: no pose of a window has a mean distance smaller by more than this", Unit::kMetre, 0.0,
+       1.0, &c.search.gap_m},
+      {"search.max_kiloboxes", "certified: a window is given up after a thousand times so many boxes", Unit::kNone, 1,
+       1000000, &c.search.max_kiloboxes},
+  };
 }
 
-void add_doubt_options(MapperConfig& c, std::vector<Option>& table) {
-  table.push_back({"odometry.max_step", "a longer step between two scans is a fault and is not used", Unit::kMetre,
-                   0.01, 1000.0, &c.odometry.max_step_m});
-  table.push_back({"odometry.frozen", "odometry that stands still while the scans move this far counts as missing",
-                   Unit::kMetre, 0.0, 1000.0, &c.odometry.frozen_m});
-  table.push_back({"odometry.frozen_angle", "or turn this far", Unit::kRadian, 0.0, 100.0, &c.odometry.frozen_rad});
-  table.push_back({"odometry.unknown_step", "motion between two scans to allow for without odometry", Unit::kMetre, 0.0,
-                   100.0, &c.odometry.unknown_step_m});
-  table.push_back({"odometry.unknown_turn", "and turn", Unit::kRadian, 0.0, 3.15, &c.odometry.unknown_turn_rad});
-  table.push_back({"doubt.suspect_contradiction",
-                   "a window is searched when a larger share of the points near known obstacles lies beside them",
-                   Unit::kShare, 0.0, 1.0, &c.doubt.suspect_contradiction});
-  table.push_back({"doubt.suspect_overlap", "or a smaller share within the final gate", Unit::kShare, 0.0, 1.0,
-                   &c.doubt.suspect_overlap});
-  table.push_back({"doubt.suspect_sigmas", "or the pose is this many standard deviations from the prediction",
-                   Unit::kNone, 0.0, 1000.0, &c.doubt.suspect_sigmas});
-  table.push_back({"doubt.leap_gain",
-                   "a pose that far is taken only where it costs less than this share of the near one", Unit::kShare,
-                   0.01, 1.0, &c.doubt.leap_gain});
-  table.push_back({"doubt.report_distance", "an accepted match this far from the odometry is reported as doubtful",
-                   Unit::kMetre, 0.0, 1000.0, &c.doubt.report_m});
-  table.push_back({"doubt.report_angle", "or turned this far from it", Unit::kRadian, 0.0, 3.2, &c.doubt.report_rad});
-  table.push_back({"doubt.max_contradiction",
-                   "a match with a larger share of points beside the obstacles near them is refused", Unit::kShare, 0.0,
-                   1.0, &c.doubt.max_contradiction});
-  table.push_back({"doubt.min_overlap", "a match with a smaller share of points within the final gate is refused",
-                   Unit::kShare, 0.0, 1.0, &c.doubt.min_overlap});
-  table.push_back({"doubt.restart", "after this much motion without a match the scan is merged where odometry says",
-                   Unit::kMetre, 0.1, 1000.0, &c.doubt.restart_m});
+std::vector<Option> doubt_options(MapperConfig& c) {
+  return {
+      {"odometry.max_step", "a longer step between two scans is a fault and is not used", Unit::kMetre, 0.01, 1000.0,
+       &c.odometry.max_step_m},
+      {"odometry.frozen", "odometry that stands still while the scans move this far counts as missing", Unit::kMetre,
+       0.0, 1000.0, &c.odometry.frozen_m},
+      {"odometry.frozen_angle", "or turn this far", Unit::kRadian, 0.0, 100.0, &c.odometry.frozen_rad},
+      {"odometry.unknown_step", "motion between two scans to allow for without odometry", Unit::kMetre, 0.0, 100.0,
+       &c.odometry.unknown_step_m},
+      {"odometry.unknown_turn", "and turn", Unit::kRadian, 0.0, 3.15, &c.odometry.unknown_turn_rad},
+      {"doubt.suspect_contradiction",
+       "a window is searched when a larger share of the points near known obstacles lies beside them", Unit::kShare,
+       0.0, 1.0, &c.doubt.suspect_contradiction},
+      {"doubt.suspect_overlap", "or a smaller share within the final gate", Unit::kShare, 0.0, 1.0,
+       &c.doubt.suspect_overlap},
+      {"doubt.suspect_sigmas", "or the pose is this many standard deviations from the prediction", Unit::kNone, 0.0,
+       1000.0, &c.doubt.suspect_sigmas},
+      {"doubt.leap_gain", "a pose that far is taken only where it costs less than this share of the near one",
+       Unit::kShare, 0.01, 1.0, &c.doubt.leap_gain},
+      {"doubt.report_distance", "an accepted match this far from the odometry is reported as doubtful", Unit::kMetre,
+       0.0, 1000.0, &c.doubt.report_m},
+      {"doubt.report_angle", "or turned this far from it", Unit::kRadian, 0.0, 3.2, &c.doubt.report_rad},
+      {"doubt.max_contradiction", "a match with a larger share of points beside the obstacles near them is refused",
+       Unit::kShare, 0.0, 1.0, &c.doubt.max_contradiction},
+      {"doubt.min_overlap", "a match with a smaller share of points within the final gate is refused", Unit::kShare,
+       0.0, 1.0, &c.doubt.min_overlap},
+      {"doubt.restart", "after this much motion without a match the scan is merged where odometry says", Unit::kMetre,
+       0.1, 1000.0, &c.doubt.restart_m},
+  };
 }
 
 constexpr std::int64_t kMostSamples = std::int64_t{1} << 25U;
@@ -162,6 +161,17 @@ std::int64_t most_samples(const MapperConfig& config) {
   return side > 100000 ? kMostSamples + 1 : side * side * angles;
 }
 
+std::optional<double> number_of(const Option& option) {
+  if (const auto* real = std::get_if<double*>(&option.value)) return **real;
+  if (const auto* integer = std::get_if<std::int32_t*>(&option.value)) return static_cast<double>(**integer);
+  return std::nullopt;
+}
+
+using namespace std::string_view_literals;
+
+constexpr std::array kPoseInterpolations{"linear"sv, "geodesic"sv, "odometry"sv};
+constexpr std::array kForms{"working"sv, "literal"sv};
+
 }  // namespace
 
 std::uint32_t MapConfig::radius_cells() const {
@@ -170,11 +180,10 @@ std::uint32_t MapConfig::radius_cells() const {
 
 std::vector<Option> option_table(MapperConfig& config) {
   std::vector<Option> table;
-  add_map_options(config, table);
-  add_match_options(config, table);
-  add_optimizer_options(config, table);
-  add_search_options(config, table);
-  add_doubt_options(config, table);
+  for (const auto& options : {map_options, match_options, optimizer_options, search_options, doubt_options}) {
+    const std::vector<Option> part = options(config);
+    table.insert(table.end(), part.begin(), part.end());
+  }
   return table;
 }
 
@@ -203,6 +212,52 @@ std::vector<std::string> validate(const MapperConfig& config) {
                     " needs match.cost distance and match.interpolation bilinear");
   }
   return found;
+}
+
+bool Choice::set(std::string_view name) const {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) return false;
+  set_(value_, static_cast<std::size_t>(std::distance(names_.begin(), found)));
+  return true;
+}
+
+std::vector<std::string> violations(std::span<const Option> options) {
+  std::vector<std::string> found;
+  for (const Option& option : options) {
+    const std::optional<double> value = number_of(option);
+    if (!value || (*value >= option.min && *value <= option.max)) continue;
+    found.push_back(std::string(option.path) + ": " + format_quantity(*value, option.unit) + " is not in " +
+                    format_quantity(option.min, option.unit) + " to " + format_quantity(option.max, option.unit));
+  }
+  return found;
+}
+
+MapperConfig mapper_config_of(MapperConfig config, const NoddingConfig& nodding) {
+  config.prior.limit_sigmas = nodding.prior_limit_sigmas;
+  return config;
+}
+
+std::vector<Option> option_table(NoddingConfig& config) {
+  return {
+      {"nod.horizontal", "scans whose elevations all lie within this of horizontal fix the pose", Unit::kRadian, 0.0001,
+       0.2, &config.horizontal_rad},
+      {"nod.interpolation", "poses between two fixes, equation (13): linear, geodesic, or odometry", Unit::kNone, 0, 0,
+       Choice(config.interpolation, kPoseInterpolations)},
+      {"nod.form", "equation (14): working, or literal as printed, whose translation is scaled by the height",
+       Unit::kNone, 0, 0, Choice(config.form, kForms)},
+      {"nod.smooth",
+       "between two fixes, where poses follow the odometry, points at the height of walls help to place the robot",
+       Unit::kNone, 0, 1, &config.smoother.is_on},
+      {"nod.band_up", "such points lie at most this much higher than the map", Unit::kMetre, 0.0, 100.0,
+       &config.smoother.band_up_m},
+      {"nod.band_floor", "and at least this much above the floor", Unit::kMetre, -100.0, 100.0,
+       &config.smoother.above_floor_m},
+      {"nod.prior_limit",
+       "takes the place of prior.limit: metres lie between two fixes, and what looks alike far away is no match",
+       Unit::kNone, 0.1, 1000.0, &config.prior_limit_sigmas},
+      {"nod.max_blind", "after this long without a horizontal scan poses come from the odometry alone", Unit::kSecond,
+       0.1, 3600.0, &config.max_blind_s},
+  };
 }
 
 }  // namespace gdtslam

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "engine/mapping/map/keyframe_map.hpp"
-#include "engine/mapping/map/stage_timer.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_model.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -256,7 +255,7 @@ MapperStatistics Mapper::statistics() const {
 }
 
 void Mapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  start({scan.stamp_s, points_of(scan, valid_ranges(state_->config))}, T_odom_base);
+  start({scan.stamp_s, points_of(scan, state_->config.scan)}, T_odom_base);
 }
 
 void Mapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {

@@ -21,17 +21,13 @@ std::int32_t cell_floor(double cells) {
 
 }  // namespace
 
-ValidRange valid_ranges(const MapperConfig& config) {
-  return {.min_m = config.scan.min_range_m, .max_m = config.scan.max_range_m};
-}
-
-std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid) {
-  const double limit = range_limit_m(scan, valid.max_m);
+std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid) {
+  const double limit = range_limit_m(scan, valid.max_range_m);
   std::vector<Point2> points;
   points.reserve(scan.ranges_m.size());
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range = static_cast<double>(scan.ranges_m[beam]);
-    if (!(range >= valid.min_m && range < limit)) continue;  // false for NaN too
+    if (!(range >= valid.min_range_m && range < limit)) continue;  // false for NaN too
     const auto direction = beam_direction(scan, beam);
     const Point2 point = scan.T_base_laser * Point2(range * direction.cos, range * direction.sin);
     if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthest_m) points.push_back(point);

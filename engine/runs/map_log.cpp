@@ -7,10 +7,8 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/folder/run_folder.hpp"
-#include "engine/runs/folder/run_output.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/linkage/linkage_sidecar.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"

@@ -1,9 +1,11 @@
 #include "gdtslam/runs/settings.hpp"
 
+#include <array>
+#include <string_view>
+
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
-
 namespace {
 
 std::vector<Option> option_table(calib::NodTrackLimits& limits) {
@@ -23,6 +25,11 @@ std::vector<Option> options_besides_mapper(Settings& settings) {
   return table;
 }
 
+constexpr std::array<std::string_view, 2> kSourceNames{"log", "stated"};
+constexpr double kMostMount_m = 100.0;
+constexpr double kMostAngle_rad = 6.3;
+constexpr double kMostRange_m = 1000.0;
+
 }  // namespace
 
 std::vector<Option> option_table(Settings& settings) {
@@ -39,6 +46,51 @@ void require_valid(Settings& settings) {
   std::string all;
   for (const std::string& fault : faults) all += (all.empty() ? "" : "; ") + fault;
   if (!all.empty()) throw ConfigError(all);
+}
+
+std::vector<Option> option_table(LogConfig& config) {
+  Pose2& mount = config.T_base_laser;
+  return {{"log.mount", "where the laser sits on the robot: by each line of the log, or stated by the next three",
+           Unit::kNone, 0.0, 0.0, Choice(config.mount, kSourceNames)},
+          {"log.mount_x", "the laser's place ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
+           &mount.x_m},
+          {"log.mount_y", "and to its left", Unit::kMetre, -kMostMount_m, kMostMount_m, &mount.y_m},
+          {"log.mount_angle", "and its heading there, counter-clockwise", Unit::kRadian, -kMostAngle_rad,
+           kMostAngle_rad, &mount.theta_rad},
+          {"log.bearings", "bearings of the beams: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
+           Choice(config.bearings, kSourceNames)},
+          {"log.first_bearing", "of the first beam, counter-clockwise from straight ahead", Unit::kRadian,
+           -kMostAngle_rad, kMostAngle_rad, &config.first_bearing_rad},
+          {"log.bearing_step", "from beam to beam; negative where the laser hangs upside down", Unit::kRadian,
+           -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
+          {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
+           Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m}};
+}
+
+std::vector<std::string> faults_of(const LogConfig& config) {
+  std::vector<std::string> faults;
+  const Pose2& mount = config.T_base_laser;
+  if (config.mount == LogSource::kLog && (mount.x_m != 0.0 || mount.y_m != 0.0 || mount.theta_rad != 0.0)) {
+    faults.emplace_back("log.mount_x, log.mount_y and log.mount_angle count only with log.mount: stated");
+  }
+  if (config.bearings == LogSource::kLog && (config.first_bearing_rad != 0.0 || config.bearing_step_rad != 0.0)) {
+    faults.emplace_back("log.first_bearing and log.bearing_step count only with log.bearings: stated");
+  }
+  if (config.bearings == LogSource::kStated && config.bearing_step_rad == 0.0) {
+    faults.emplace_back("log.bearing_step: stated bearings need a step that is not 0, for example 0.5 deg");
+  }
+  return faults;
+}
+
+ReadOptions read_options_of(const LogConfig& config, bool lenient) {
+  ReadOptions options{.lenient = lenient};
+  if (config.mount == LogSource::kStated) options.T_base_laser = config.T_base_laser;
+  if (config.bearings == LogSource::kStated) {
+    options.first_bearing_rad = config.first_bearing_rad;
+    options.bearing_step_rad = config.bearing_step_rad;
+  }
+  if (config.max_range_m > 0.0) options.max_range_m = config.max_range_m;
+  return options;
 }
 
 }  // namespace gdtslam

@@ -135,7 +135,9 @@ def verify_passes_and_is_remembered():
     for log in target["logs"]:
         for side in ("reference", "device"):
             expect(results(log[side]) == results(shipped[log["matcher"]]), f"{log['matcher']} on {side} is not as shipped")
-        expect(log["device"]["dispatches"] > log["scans"] and log["device"]["submissions"] > 0, f"{log['device']}")
+        # Only exhaustive walks on the device; the map of the other matchers stays on the host.
+        if log["matcher"] == "exhaustive":
+            expect(log["device"]["dispatches"] > log["scans"] and log["device"]["submissions"] > 0, f"{log['device']}")
         expect(log["device"]["copy_equal"], "copy")
     verified = vulkan_devices(env=env)[0]["verified"]
     expect(verified is not None and verified["passed"] and verified["logs"] == 2, f"{verified}")

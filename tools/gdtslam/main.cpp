@@ -1,5 +1,5 @@
-#include "tools/gdtslam/shell/command_line.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 int main(int argc, char** argv) {
   gdtslam::install_interrupt_handlers();

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/compute/kernels/host_kernels.hpp"
-#include "engine/mapping/cost/cell_poses.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "search.hpp"
 

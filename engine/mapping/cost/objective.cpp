@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "cell_poses.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/map/device_memory.hpp"

@@ -9,7 +9,10 @@
 
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/match.hpp"
@@ -102,5 +105,11 @@ class Objective {
   Buffer cost_buffer_;
   std::uint64_t evaluations_ = 0;
 };
+
+/// The pose in metres of one in cells around an anchor.
+inline Pose2 pose_in_metres(const CellPose& pose, CellIndex anchor, double resolution_m) {
+  return {(static_cast<double>(pose.x) + anchor.x) * resolution_m,
+          (static_cast<double>(pose.y) + anchor.y) * resolution_m, wrap_angle(static_cast<double>(pose.theta))};
+}
 
 }  // namespace gdtslam

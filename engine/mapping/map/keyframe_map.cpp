@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "stage_timer.hpp"
-
 namespace gdtslam {
 namespace {
 

@@ -4,6 +4,7 @@
 // known, and the CPU's kernels make the same bits of it. Not thread-safe.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -61,6 +62,21 @@ class DeviceMap {
   std::uint64_t held_ = 0;  // keyframes that the map on the CPU holds
   std::deque<KeyframeCells> journal_;
   std::optional<Checkpoint> checkpoint_;
+};
+
+// Adds the time until the end of its scope to a stage.
+
+class StageTimer {
+ public:
+  explicit StageTimer(double& seconds) : seconds_(&seconds), start_(Clock::now()) {}
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+  ~StageTimer() { *seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double* seconds_;
+  Clock::time_point start_;
 };
 
 }  // namespace gdtslam

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "descents.hpp"
 #include "engine/mapping/cost/objective.hpp"
-#include "simplex.hpp"
 
 namespace gdtslam {
 

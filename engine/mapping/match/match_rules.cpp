@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/mapping/cost/cell_poses.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/match.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
@@ -139,6 +140,36 @@ MatchResult MatchRules::judged(const CellPose& pose, const Evidence& evidence) c
   result.doubt = result.accepted ? reservation_about(pose, evidence) : refusal;
   result.T_map_base = result.accepted ? to_metres(pose) : prediction_.T_map_base;
   return result;
+}
+
+std::string_view to_string(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::kNone:
+      return "none";
+    case Doubt::kFewPoints:
+      return "few-points";
+    case Doubt::kLowOverlap:
+      return "low-overlap";
+    case Doubt::kContradiction:
+      return "contradiction";
+    case Doubt::kWeakEvidence:
+      return "weak-evidence";
+    case Doubt::kFarFromPrediction:
+      return "far-from-prediction";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::kNotRun:
+      return "not-run";
+    case StopReason::kConverged:
+      return "converged";
+    case StopReason::kEvaluationLimit:
+      return "evaluation-limit";
+  }
+  return "unknown";
 }
 
 }  // namespace gdtslam

@@ -3,15 +3,18 @@
 // in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "descents.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "exhaustive.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/match.hpp"
 #include "motion_model.hpp"
-#include "simplex.hpp"
 
 namespace gdtslam {
 
@@ -79,5 +82,24 @@ class MatchRules {
   CellPose predicted_;
   PosePrior prior_;
 };
+
+/// Every n-th point, in order, so that at most `most` are left; all where there are no more.
+inline void thin(std::span<const PointCells> points, std::size_t most, std::vector<PointCells>& thinned) {
+  const std::size_t every = (points.size() + most - 1) / most;
+  thinned.clear();
+  for (std::size_t i = every / 2; i < points.size(); i += every) thinned.push_back(points[i]);
+}
+
+/// All points, those of thin() first; returns how many those are.
+inline std::size_t put_thinned_first(std::span<const PointCells> points, std::size_t most,
+                                     std::vector<PointCells>& ordered) {
+  thin(points, most, ordered);
+  const std::size_t count = ordered.size();
+  const std::size_t every = (points.size() + most - 1) / most;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i % every != every / 2) ordered.push_back(points[i]);
+  }
+  return count;
+}
 
 }  // namespace gdtslam

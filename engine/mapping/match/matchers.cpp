@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "box_search.hpp"
-#include "gauss_newton.hpp"
+#include "descents.hpp"
 #include "scan_matcher.hpp"
 #include "window_matcher.hpp"
 
@@ -37,57 +36,34 @@ LocalMinimum in_box(Objective& objective, const CellPose& start, const SimplexOp
                          kKind, options);
 }
 
+using Descent = decltype(MatcherInfo::descend);
+
+// A matcher that walks on the host.
+constexpr MatcherInfo walker(MatcherKind kind, std::string_view name, std::string_view doc, Descent descend) {
+  return {.kind = kind,
+          .name = name,
+          .doc = doc,
+          .place = MatcherPlace::kHost,
+          .make = make<ScanMatcher>,
+          .descend = descend,
+          .is_refined = kind == MatcherKind::kSimplexNewton,
+          .proves_windows = kind == MatcherKind::kCertified};
+}
+
 constexpr std::array kMatchers{
-    MatcherInfo{.kind = MatcherKind::kSimplex,
-                .name = "simplex",
-                .doc = "downhill simplex",
-                .place = MatcherPlace::kHost,
-                .make = make<ScanMatcher>,
-                .descend = by_simplex},
-    MatcherInfo{.kind = MatcherKind::kPso,
-                .name = "pso",
-                .doc = "particle swarm",
-                .place = MatcherPlace::kHost,
-                .make = make<ScanMatcher>,
-                .descend = in_box<MatcherKind::kPso>},
-    MatcherInfo{.kind = MatcherKind::kSce,
-                .name = "sce",
-                .doc = "shuffled complexes",
-                .place = MatcherPlace::kHost,
-                .make = make<ScanMatcher>,
-                .descend = in_box<MatcherKind::kSce>},
-    MatcherInfo{.kind = MatcherKind::kSimpsa,
-                .name = "simpsa",
-                .doc = "annealed simplex",
-                .place = MatcherPlace::kHost,
-                .make = make<ScanMatcher>,
-                .descend = in_box<MatcherKind::kSimpsa>},
-    MatcherInfo{.kind = MatcherKind::kGaussNewton,
-                .name = "gauss-newton",
-                .doc = "robust least squares",
-                .place = MatcherPlace::kHost,
-                .make = make<ScanMatcher>,
-                .descend = by_gauss_newton},
-    MatcherInfo{.kind = MatcherKind::kSimplexNewton,
-                .name = "simplex-newton",
-                .doc = "simplex, its end refined by gauss-newton",
-                .place = MatcherPlace::kHost,
-                .make = make<ScanMatcher>,
-                .descend = by_simplex,
-                .is_refined = true},
+    walker(MatcherKind::kSimplex, "simplex", "downhill simplex", by_simplex),
+    walker(MatcherKind::kPso, "pso", "particle swarm", in_box<MatcherKind::kPso>),
+    walker(MatcherKind::kSce, "sce", "shuffled complexes", in_box<MatcherKind::kSce>),
+    walker(MatcherKind::kSimpsa, "simpsa", "annealed simplex", in_box<MatcherKind::kSimpsa>),
+    walker(MatcherKind::kGaussNewton, "gauss-newton", "robust least squares", by_gauss_newton),
+    walker(MatcherKind::kSimplexNewton, "simplex-newton", "simplex, its end refined by gauss-newton", by_simplex),
     MatcherInfo{.kind = MatcherKind::kExhaustive,
                 .name = "exhaustive",
                 .doc = "a window for each scan, all on the device",
                 .place = MatcherPlace::kDevice,
                 .make = make<WindowMatcher>,
                 .descend = nullptr},
-    MatcherInfo{.kind = MatcherKind::kCertified,
-                .name = "certified",
-                .doc = "simplex with windows whose best pose is proven",
-                .place = MatcherPlace::kHost,
-                .make = make<ScanMatcher>,
-                .descend = by_simplex,
-                .proves_windows = true},
+    walker(MatcherKind::kCertified, "certified", "simplex with windows whose best pose is proven", by_simplex),
 };
 
 constexpr bool is_in_order() {

@@ -1,6 +1,6 @@
-// The table of the matchers: names for the parser and the help, and how each looks for a pose. A new matcher is a value
-// of MatcherKind (config.hpp), a row of this table in matchers.cpp, its code, and a row in docs/matchers.md; whatever
-// else knows matchers reads them here. Thread-safe.
+// What finds the pose of a scan in the map, and the table of all that do: names for the parser and the help, and how
+// each looks for a pose. A new matcher is a value of MatcherKind (config.hpp), a row of this table in matchers.cpp, its
+// code, and a row in docs/matchers.md; whatever else knows matchers reads them here. The table is thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,39 @@
 #include <span>
 #include <string_view>
 
+#include "descents.hpp"
+#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/global_field.hpp"
-#include "matcher.hpp"
-#include "simplex.hpp"
+#include "gdtslam/mapping/match.hpp"
+#include "motion_model.hpp"
 
 namespace gdtslam {
+
+/// A matcher that works on a device sets it to work in start() and waits for it in finish(), so that the caller can
+/// prepare the next scan meanwhile; one that works on the host does all in finish(). Frame: map. Not thread-safe.
+class Matcher {
+ public:
+  Matcher() = default;
+  Matcher(const Matcher&) = delete;
+  Matcher& operator=(const Matcher&) = delete;
+  virtual ~Matcher() = default;
+
+  /// Begins with the points (cells, robot frame; at least one, at most kMostPoints; they must live until finish()) near
+  /// the prediction. `search` asks for a window even when a descent from the prediction raises no suspicion.
+  virtual void start(std::span<const PointCells> points, const Prediction& prediction, bool search) = 0;
+  /// Best pose of the points, with its evidence.
+  virtual MatchResult finish() = 0;
+
+  MatchResult match(std::span<const PointCells> points, const Prediction& prediction, bool search) {
+    start(points, prediction, search);
+    return finish();
+  }
+
+  /// More terms of 16 bits could overflow the sums of a verdict.
+  static constexpr std::size_t kMostPoints = 65535;
+};
 
 /// Where a matcher's walk from pose to pose is done.
 enum class MatcherPlace : std::uint8_t { kHost, kDevice };

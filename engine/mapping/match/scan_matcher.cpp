@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "descents.hpp"
 #include "engine/mapping/certified/crop.hpp"
-#include "engine/mapping/cost/thinning.hpp"
-#include "gauss_newton.hpp"
+#include "engine/mapping/match/match_rules.hpp"
 #include "matchers.hpp"
 
 namespace gdtslam {

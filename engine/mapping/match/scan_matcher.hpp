@@ -14,7 +14,7 @@
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "match_rules.hpp"
-#include "matcher.hpp"
+#include "matchers.hpp"
 
 namespace gdtslam {
 

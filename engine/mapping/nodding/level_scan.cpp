@@ -40,17 +40,17 @@ Eigen::Vector3d velocity_of(const ScanRecord& record, const std::optional<Odomet
 
 }  // namespace
 
-PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ValidRange& valid,
+PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ScanConfig& valid,
                        const std::optional<Odometry>& before, const HeightBand& band) {
   const LaserScan& laser = scan.record.scan;
-  const double limit_m = range_limit_m(laser, valid.max_m);
+  const double limit_m = range_limit_m(laser, valid.max_range_m);
   const BeamTiming timing = scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
   const Eigen::Vector3d velocity = velocity_of(scan.record, before);
   ElevationCourse course(scan, scanner.table);
   PointScan level{laser.stamp_s, {}};
   for (std::size_t beam = 0; beam < laser.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(laser.ranges_m[beam]);
-    if (!(range_m >= valid.min_m && range_m < limit_m)) continue;  // false for NaN too
+    if (!(range_m >= valid.min_range_m && range_m < limit_m)) continue;  // false for NaN too
     const double offset_s = timing.of_beam_s(beam);
     const auto bearing = beam_direction(laser, beam);
     const Pose3 T_level = T_level_laser(scanner.mount, course.at(offset_s));

@@ -18,7 +18,7 @@ struct HeightBand {
 };
 
 /// `before`: odometry of the scan before this one. Points outside the band are left out.
-PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ValidRange& valid,
+PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, const ScanConfig& valid,
                        const std::optional<Odometry>& before, const HeightBand& band = {});
 /// The same scan as ranges over the floor, for the occupancy map; what the sensor calls no return stays so; bearings
 /// stay, which is exact at elevation zero and off by less than 0.01 deg within 1 deg of it.

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "engine/mapping/map/stage_timer.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "level_scan.hpp"
@@ -152,8 +152,8 @@ Pose2 NoddingMapper::State::rested(const Pose2& T_map_matched, const std::option
 // Figure 10, the horizontal scans: the 2D system of figure 5 fixes the pose, and with it those of the scans before.
 void NoddingMapper::State::fix(Held scan) {
   const ScanRecord& record = scan.scan.record;
-  scan.match = mapper.process(level_points(scan.scan, scanner, valid_ranges(mapper.config()), last_odometry),
-                              record.T_odom_base);
+  scan.match =
+      mapper.process(level_points(scan.scan, scanner, mapper.config().scan, last_odometry), record.T_odom_base);
   const Pose2 T_map_base = rested(scan.match->T_map_base, record.T_odom_base);
   ++statistics.fixes;
   const PoseFix fix{scan.stamp_s(), T_map_base, scan.T_odom_base};
@@ -175,7 +175,7 @@ std::vector<PoseFix> NoddingMapper::State::place(const PoseFix& next) {
     const auto points_of_scan = [&](std::size_t k) {
       const Held& scan = held[k + 1];
       if (scan.scan.knots.empty()) return std::vector<Point2>{};
-      return level_points(scan.scan, scanner, valid_ranges(mapper.config()), scan.odometry_before, band).points_base_m;
+      return level_points(scan.scan, scanner, mapper.config().scan, scan.odometry_before, band).points_base_m;
     };
     statistics.smoothed += smooth_path(config.smoother, mapper.field(), *last_fix, next, inner, points_of_scan);
   }

@@ -11,7 +11,7 @@
 
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
-#include "pose_interpolation.hpp"
+#include "pose_path.hpp"
 
 namespace gdtslam {
 

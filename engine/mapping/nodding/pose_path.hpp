@@ -1,15 +1,28 @@
-// Where the robot was between the poses that are known: evenly along a circle from one to the next. Frame: map. One
-// path belongs to one thread.
+// Where the robot was between the poses that are known, equation (13): by time, never by index. Frame: map. One path
+// belongs to one thread; the functions are thread-safe.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "pose_interpolation.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/mapping/nodding_mapper.hpp"
 #include "sweep_assembler.hpp"
 
 namespace gdtslam {
+
+/// A fix with the odometry at its time.
+struct PoseFix {
+  double stamp_s = 0.0;
+  Pose2 T_map_base;
+  Pose2 T_odom_base;
+};
+
+/// share 0 gives `from`, 1 gives `to`; T_odom_base (of the moment asked for) is read by kOdometry only.
+Pose2 interpolate(PoseInterpolation how, const PoseFix& from, const PoseFix& to, double share,
+                  const Pose2& T_odom_base);
 
 /// The pose that odometry alone tells, seen from a fix before or after it.
 PoseFix by_odometry(const PoseFix& fix, double stamp_s, const Pose2& T_odom_base);
@@ -22,6 +35,7 @@ void place_between(PoseInterpolation how, const PoseFix& from, const PoseFix& to
 /// and both better known than the odometry between them.
 void place_along(const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes);
 
+/// Evenly along a circle from each node to the next.
 class PosePath {
  public:
   void append(const PoseFix& node) { nodes_.push_back(node); }

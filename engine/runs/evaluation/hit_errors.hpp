@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "cloud_frame.hpp"
 #include "distance_histogram.hpp"
+#include "errors.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 
 namespace gdtslam {

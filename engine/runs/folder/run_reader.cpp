@@ -12,7 +12,6 @@
 #include "engine/io/message_text.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/linkage/linkage_sidecar.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"

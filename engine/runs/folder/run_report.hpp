@@ -1,12 +1,16 @@
-// report.json: what a run did, for programs (docs/formats.md gives every key). Thread-safe.
+// What a run leaves in its folder, and report.json: what it did, for programs (docs/formats.md gives every key).
+// Thread-safe.
 #pragma once
 
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
 
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/runs/settings.hpp"
+#include "run_folder.hpp"
 
 namespace gdtslam {
 
@@ -17,5 +21,16 @@ inline constexpr int kReportVersion = 1;
 /// took.
 nlohmann::ordered_json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
                                   const Mapper& mapper, const DeviceInfo& device, double written_s);
+
+/// Writes what a run made into its folder: map, distance field, trajectory, picture, configuration and report, all or
+/// nothing; returns the text of report.json. Throws FileError.
+/// `nodding` is null for a laser that does not nod; its cloud has been written by now.
+std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
+                      const Mapper& mapper, const DeviceInfo& device, Settings settings);
+
+/// What a report says of the device that did the work.
+inline nlohmann::ordered_json device_json(const DeviceInfo& device) {
+  return {{"name", device.name}, {"kind", device.kind}, {"driver", device.driver}, {"threads", device.threads}};
+}
 
 }  // namespace gdtslam

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "engine/io/atomic_file.hpp"
@@ -11,7 +13,6 @@
 #include "engine/io/yaml/checked_yaml.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
-#include "linkage_parameters.hpp"
 
 namespace gdtslam {
 namespace {
@@ -283,6 +284,21 @@ SweepModel resolve_linkage(const std::string& name_or_path) {
 
 void write_linkage(const std::string& file, const SweepModel& model, const std::vector<ParameterSigma>& uncertainty) {
   write_file_atomically(file, linkage_text(model, uncertainty));
+}
+
+std::string sidecar_path(const std::string& log, const std::string& suffix) {
+  std::string_view stem = log;
+  for (const std::string_view ending : {".gz", ".log", ".clf"}) {
+    if (stem.ends_with(ending)) stem.remove_suffix(ending.size());
+  }
+  return std::string(stem) + suffix;
+}
+
+std::string linkage_sidecar(const std::string& log) {
+  if (log == "-") return {};
+  std::string path = sidecar_path(log, ".linkage.yaml");
+  std::error_code none;  // what cannot be looked at is not there
+  return std::filesystem::is_regular_file(path, none) ? path : std::string();
 }
 
 }  // namespace gdtslam

@@ -2,11 +2,13 @@
 // (docs/formats.md). Every message has file and line. Thread-safe; cost: that of the file.
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "gdtslam/calib/sweep_model.hpp"
+#include "gdtslam/core/units.hpp"
 
 namespace gdtslam {
 
@@ -39,5 +41,27 @@ std::string linkage_text(const calib::SweepModel& model, const std::vector<Param
 /// Atomic. Throws FileError.
 void write_linkage(const std::string& file, const calib::SweepModel& model,
                    const std::vector<ParameterSigma>& uncertainty = {});
+
+/// A calibrated parameter that a linkage file may state the uncertainty of.
+struct LinkageParameter {
+  const char* name;  ///< as calib::CalibratedParameter has it
+  Unit unit;
+};
+
+inline constexpr std::array<LinkageParameter, 10> kLinkageParameters{{{"crank", Unit::kMetre},
+                                                                      {"coupler", Unit::kMetre},
+                                                                      {"rocker", Unit::kMetre},
+                                                                      {"ground", Unit::kMetre},
+                                                                      {"zero", Unit::kRadian},
+                                                                      {"offset", Unit::kRadian},
+                                                                      {"lever.forward", Unit::kMetre},
+                                                                      {"lever.up", Unit::kMetre},
+                                                                      {"sensor.roll", Unit::kRadian},
+                                                                      {"sensor.yaw", Unit::kRadian}}};
+
+/// LOG without .gz, .log and .clf, with `suffix`: the name of a file that belongs to a log.
+std::string sidecar_path(const std::string& log, const std::string& suffix);
+/// sidecar_path(log, ".linkage.yaml") where that file exists; empty where not, and for the standard input.
+std::string linkage_sidecar(const std::string& log);
 
 }  // namespace gdtslam

@@ -3,7 +3,6 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "linkage_file.hpp"
-#include "linkage_parameters.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/runs/evaluation/share.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "run.hpp"
 #include "scans.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/mapping/poses_by_stamp.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
 
 namespace gdtslam {
 

@@ -77,7 +77,7 @@ double thread_cpu_s() {
 
 // The proof takes so many points at most: every k-th of more, as the other matchers' scans are thinned.
 std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfig& config, double resolution_m) {
-  std::vector<PointCells> points = in_cells(points_of(scan, valid_ranges(config)), resolution_m);
+  std::vector<PointCells> points = in_cells(points_of(scan, config.scan), resolution_m);
   const std::size_t every = (points.size() + kMostCertifiedPoints - 1) / kMostCertifiedPoints;
   if (every < 2) return points;
   std::size_t kept = 0;

@@ -6,8 +6,6 @@
 #include <system_error>
 #include <utility>
 
-#include "cloud_sample.hpp"
-
 namespace gdtslam {
 namespace {
 

@@ -1,9 +1,9 @@
 #include "measure_table.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "gdtslam/core/angle.hpp"
@@ -106,6 +106,16 @@ std::string cells_of(const Dimension& dimension) {
   return is_known(dimension) ? fmt::format("{},{},{}", dimension.value_m, dimension.sigma_m, is_seen) : ",,0";
 }
 
+void choose_viewpoint(const MeasureJob& job, std::span<const CloudPoint> cloud, Measurement& measured) {
+  if (job.viewpoint) {
+    measured.viewpoint = job.viewpoint;
+    measured.viewpoint_source = ViewpointSource::kGiven;
+  } else if (job.finds_viewpoint) {
+    measured.viewpoint = standing_viewpoint(cloud);
+    if (measured.viewpoint) measured.viewpoint_source = ViewpointSource::kFound;
+  }
+}
+
 }  // namespace
 
 std::string dimension_text(const Dimension& dimension) {
@@ -165,6 +175,23 @@ std::string as_csv(const Measurement& measured) {
                         patch.centre.x(), patch.centre.y(), patch.centre.z());
   }
   return text;
+}
+
+Measurement measure_cloud(const MeasureJob& job, std::span<const CloudPoint> cloud) {
+  Measurement measured;
+  measured.cloud = job.cloud;
+  measured.points = cloud.size();
+  measured.has_boxes = job.boxes;
+  measured.has_planes = job.planes;
+  measured.is_projection = job.box_search.is_projection;
+  if (job.boxes) {
+    choose_viewpoint(job, cloud, measured);
+    BoxSearch search = job.box_search;
+    search.viewpoint = measured.viewpoint;
+    measured.boxes = find_boxes(cloud, search);
+  }
+  if (job.planes) measured.planes = find_planes(cloud, job.plane_search);
+  return measured;
 }
 
 }  // namespace gdtslam

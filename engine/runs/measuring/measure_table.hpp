@@ -1,15 +1,18 @@
 // What `gdtslam measure` found in a cloud, and how it is printed: text in centimetres, JSON and CSV in metres and
-// degrees. Thread-safe; O(boxes and planes).
+// degrees; and the measuring itself. Thread-safe; O(boxes and planes), measure_cloud() that of the searches.
 #pragma once
 
-#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "gdtslam/cloud/box.hpp"
 #include "gdtslam/cloud/plane.hpp"
+#include "gdtslam/core/cloud.hpp"
 
 namespace gdtslam {
 
@@ -34,5 +37,18 @@ std::string as_text(const Measurement& measured);
 nlohmann::ordered_json as_json(const Measurement& measured);
 /// One heading with units and one row for each box; for each plane where no boxes were asked for.
 std::string as_csv(const Measurement& measured);
+
+struct MeasureJob {
+  std::string cloud;  ///< the file, for the record
+  bool boxes = true;
+  bool planes = false;
+  BoxSearch box_search{};  ///< without the viewpoint
+  PlaneSearch plane_search{};
+  bool finds_viewpoint = true;        ///< where none is given
+  std::optional<Point3> viewpoint{};  ///< given
+};
+
+/// Measures as `gdtslam measure` does: finds where the scanner stood unless that is given, then boxes and planes.
+Measurement measure_cloud(const MeasureJob& job, std::span<const CloudPoint> cloud);
 
 }  // namespace gdtslam

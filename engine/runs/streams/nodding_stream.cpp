@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "warning_list.hpp"
+#include "scan_stream.hpp"
 
 namespace gdtslam {
 namespace {

@@ -7,7 +7,6 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/units.hpp"
 #include "gdtslam/io/log.hpp"
-#include "warning_list.hpp"
 
 namespace gdtslam {
 namespace {

@@ -5,6 +5,7 @@
 // logs.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <exception>
@@ -95,5 +96,19 @@ class ScanStream {
   std::optional<Pose2> T_odom_base_last_;  ///< of the scan before, in the frame of the first log
   std::optional<Pose2> T_first_this_;      ///< from this log's odometry frame to that of the first
 };
+
+/// Warnings of several readers as one list, counted by kind: adds the counts; of a kind that the list has, its own
+/// first example stays.
+inline void merge_warnings(std::vector<LogReader::Warning>& list, const std::vector<LogReader::Warning>& more) {
+  for (const LogReader::Warning& warning : more) {
+    const auto same =
+        std::find_if(list.begin(), list.end(), [&warning](const auto& known) { return known.kind == warning.kind; });
+    if (same == list.end()) {
+      list.push_back(warning);
+    } else {
+      same->count += warning.count;
+    }
+  }
+}
 
 }  // namespace gdtslam

@@ -30,7 +30,7 @@ std::vector<KnownScan> map_log(const std::string& log, std::size_t step, const M
     if (scan == nullptr) continue;
     const MatchResult match = mapper.process(scan->scan, scan->T_odom_base);
     if (++scans % step != 0 || !match.accepted) continue;
-    known.push_back({in_cells(points_of(scan->scan, valid_ranges(config)), config.map.resolution_m), match.T_map_base});
+    known.push_back({in_cells(points_of(scan->scan, config.scan), config.map.resolution_m), match.T_map_base});
   }
   return known;
 }

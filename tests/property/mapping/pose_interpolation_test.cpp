@@ -3,7 +3,7 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
-#include "engine/mapping/nodding/pose_interpolation.hpp"
+#include "engine/mapping/nodding/pose_path.hpp"
 #include "property/core/generators.hpp"
 
 namespace gdtslam {

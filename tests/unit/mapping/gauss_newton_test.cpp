@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/mapping/map/local_field.hpp"
-#include "engine/mapping/match/gauss_newton.hpp"
-#include "engine/mapping/match/simplex.hpp"
+#include "engine/mapping/match/descents.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/scan_points.hpp"

@@ -46,7 +46,7 @@ TEST(LevelScan, WhatIsNoReturnStaysNone) {
 }
 
 TEST(LevelPoints, AreTheBeamsEndsOverTheFloorWithinTheBand) {
-  const ValidRange valid{.min_m = 0.1, .max_m = 40.0};
+  const ScanConfig valid;
   const NoddingScan scan = raised({3.0F, 4.0F, 20.0F});
   const PointScan all = level_points(scan, scanner(), valid, std::nullopt);
   ASSERT_EQ(all.points_base_m.size(), 2U);  // the third is no return

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/mapping/nodding/pose_interpolation.hpp"
+#include "engine/mapping/nodding/pose_path.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "support/pose_matchers.hpp"
 

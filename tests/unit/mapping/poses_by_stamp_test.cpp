@@ -1,5 +1,5 @@
 // The pose of a trajectory at a time.
-#include "engine/mapping/poses_by_stamp.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -95,7 +95,7 @@ TEST_F(DeviceMapTest, TheJournalIsCutShort) {
   StageTimes stages;
   std::size_t longest = 0;
   for (std::size_t i = 0; i < truth_.size(); ++i) {
-    const auto points = in_map(points_of(scans_[i], valid_ranges(config_)), truth_[i]);
+    const auto points = in_map(points_of(scans_[i], config_.scan), truth_[i]);
     const KeyframeCells keyframe = keyframe_of(points, config_.map.resolution_m, config_.map.radius_cells());
     host.field.grow_to_hold(keyframe.window);
     map.note(keyframe);

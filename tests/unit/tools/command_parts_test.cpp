@@ -15,7 +15,6 @@
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/lab/ablation/variants.hpp"
 

@@ -1,5 +1,5 @@
 // Which device a name stands for, the folder of the caches and the results of earlier verifications.
-#include "tools/gdtslam/shell/device/device_choice.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 #include <string>
 
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/shell/device/cache_folder.hpp"
 #include "tools/gdtslam/shell/device/verify_record.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 
 namespace gdtslam {
 namespace {

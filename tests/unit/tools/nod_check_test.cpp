@@ -1,5 +1,5 @@
 // What doctor says of a mount's messages.
-#include "engine/runs/streams/nod_check.hpp"
+#include "engine/runs/streams/log_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // The single errors of a trajectory: some by hand, and their sums are those that the evaluation states.
-#include "engine/runs/evaluation/trajectory_errors.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 
 #include <gtest/gtest.h>
 

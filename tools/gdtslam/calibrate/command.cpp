@@ -21,10 +21,8 @@
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/map_remarks.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
 namespace {

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "engine/runs/streams/scan_stream.hpp"
-#include "engine/runs/streams/warning_list.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "surfaces.hpp"

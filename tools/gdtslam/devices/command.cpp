@@ -11,7 +11,7 @@
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/device/device_choice.hpp"
+#include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/device/verify_record.hpp"
 
 namespace gdtslam {

@@ -16,8 +16,6 @@
 #include "gdtslam/io/log.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
 
 namespace gdtslam {
 namespace {

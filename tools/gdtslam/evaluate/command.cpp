@@ -14,12 +14,10 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
-#include "tools/gdtslam/shell/asset_folder.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 #ifdef GDTSLAM_HAS_SIM
 #include "tools/gdtslam/scenes/scene_errors.hpp"
 #endif

@@ -19,8 +19,7 @@
 #include "tools/gdtslam/drawings/linkage_table.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
 namespace {

@@ -13,13 +13,9 @@
 #include "gdtslam/runs/map_log.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/device/device_failure.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/map_remarks.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
 #ifdef GDTSLAM_HAS_VIEWER
 #include "tools/gdtslam/pictures/cloud_picture.hpp"
 #endif

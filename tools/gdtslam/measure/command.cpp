@@ -12,7 +12,6 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/runs/measuring/measure_run.hpp"
 #include "engine/runs/measuring/measure_table.hpp"
 #include "gdtslam/cloud/box.hpp"
 #include "gdtslam/core/error.hpp"
@@ -21,9 +20,7 @@
 #include "tools/gdtslam/drawings/measure_drawing.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/far_cloud.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "engine/runs/linkage/linkage_sidecar.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "source.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "engine/drawing/linkage/linkage_drawing.hpp"
-#include "engine/runs/evaluation/trajectory_errors.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"

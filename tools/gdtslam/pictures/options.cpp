@@ -10,7 +10,7 @@
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
 #include "source.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
 namespace {

@@ -13,15 +13,13 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/linkage/linkage_sidecar.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#include "tools/gdtslam/shell/far_cloud.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
 
 namespace gdtslam {
 namespace {

@@ -18,11 +18,9 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/map_remarks.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
-#include "tools/gdtslam/shell/temporary_folder.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {

@@ -23,8 +23,6 @@
 #include "model_export.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
 #include "viewer/scene/cloud/point_colours.hpp"
 
 namespace gdtslam {

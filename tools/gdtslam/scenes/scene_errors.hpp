@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/evaluation/cloud_frame.hpp"
 #include "engine/runs/evaluation/distance_histogram.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 
 namespace gdtslam {
 

@@ -7,7 +7,7 @@
 #include "engine/io/meshes/mesh_file.hpp"
 #include "engine/io/referenced_file.hpp"
 #include "engine/sim/mesh_placement.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {

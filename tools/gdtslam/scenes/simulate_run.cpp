@@ -11,7 +11,6 @@
 #include "engine/io/logs/carmen_writer.hpp"
 #include "engine/io/logs/gzip_file.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
-#include "engine/runs/linkage/linkage_sidecar.hpp"
 #include "engine/sim/clearance.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"

@@ -7,6 +7,7 @@
 namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace gdtslam {

@@ -1,5 +1,6 @@
-// The sub-commands of `gdtslam`. Each adds its options to the command line; when it was chosen, the parser leaves in
-// the context what to run. The functions only register: nothing is read or written while the command line is parsed.
+// The command `gdtslam`: its sub-commands, its help and how errors become exit codes. Each sub-command adds its options
+// to the command line; when it was chosen, the parser leaves in the context what to run. The functions only register:
+// nothing is read or written while the command line is parsed.
 #pragma once
 
 #include <functional>
@@ -27,5 +28,9 @@ struct CommandRow {
 };
 /// In the order of the help.
 std::span<const CommandRow> command_table();
+
+/// Parses the command line and runs which of the sub-commands it asks for. Every error is one line on standard error;
+/// returns the exit code (core/error.hpp). Never throws.
+int run_command_line(int argc, char** argv, std::span<const CommandRow> commands) noexcept;
 
 }  // namespace gdtslam

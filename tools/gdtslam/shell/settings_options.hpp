@@ -1,10 +1,11 @@
-// The configuration on the command line: -c FILE and --set PATH=VALUE.
+// The configuration on the command line, -c FILE and --set PATH=VALUE, and what there is to say about a mapped log.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "cli.hpp"
+#include "gdtslam/runs/outcome.hpp"
 #include "gdtslam/runs/settings.hpp"
 
 namespace gdtslam {
@@ -19,5 +20,11 @@ void add_settings_options(CLI::App& command, SettingsOptions& options);
 
 /// The defaults, then the file, then each --set in turn. Throws ConfigError that names every fault.
 Settings load_settings(const SettingsOptions& options);
+
+/// On standard error, each kind on a line of its own.
+void print_warnings(const std::vector<LogReader::Warning>& warnings);
+
+/// The warnings, and the first scans in doubt.
+void print_remarks(const MapOutcome& outcome);
 
 }  // namespace gdtslam

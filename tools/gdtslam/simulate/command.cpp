@@ -10,13 +10,10 @@
 #include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/scenes/simulate_run.hpp"
-#include "tools/gdtslam/shell/asset_folder.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
 namespace {

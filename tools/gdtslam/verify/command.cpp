@@ -9,13 +9,13 @@
 #include <string>
 
 #include "engine/io/json_file.hpp"
-#include "engine/runs/folder/device_json.hpp"
+#include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
 #include "run.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/verify_record.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
 namespace {
@@ -67,7 +67,11 @@ std::string log_text(const LogVerdict& log, bool is_vulkan) {
   if (log.faults.empty()) text += log.task.expected ? ": equal, and as shipped" : ": equal";
   for (const std::string& fault : log.faults) text += "; DIFFERENT: " + fault;
   text += fmt::format("\n    {:.2f} s on the CPU, {:.2f} s here", log.reference.wall_s, log.found.wall_s);
-  if (is_vulkan) text += fmt::format("; {} dispatches in {} submissions", log.found.dispatches, log.found.submissions);
+  if (is_vulkan && log.found.dispatches > 0) {
+    text += fmt::format("; {} dispatches in {} submissions", log.found.dispatches, log.found.submissions);
+  } else if (is_vulkan) {
+    text += "; this matcher asks the device for nothing";
+  }
   return text + "\n";
 }
 

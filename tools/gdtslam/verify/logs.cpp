@@ -16,8 +16,8 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/mapper.hpp"
-#include "tools/gdtslam/shell/asset_folder.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {

@@ -10,9 +10,8 @@
 
 #include "engine/mapping/match/matchers.hpp"
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/shell/asset_folder.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 
 namespace gdtslam {
 namespace {

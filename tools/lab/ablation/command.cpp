@@ -15,12 +15,9 @@
 #include "gdtslam/mapping/evaluation.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/device/device_failure.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
 #include "variants.hpp"
 
 namespace gdtslam {

@@ -15,7 +15,7 @@
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "rows.hpp"
-#include "tools/gdtslam/shell/temporary_folder.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 
 namespace gdtslam {
 namespace {

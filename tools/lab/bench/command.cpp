@@ -12,15 +12,14 @@
 #include <vector>
 
 #include "engine/io/json_file.hpp"
-#include "engine/runs/folder/device_json.hpp"
+#include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
 #include "rows.hpp"
-#include "tools/gdtslam/shell/asset_folder.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {

@@ -13,7 +13,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 #include "rows.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {

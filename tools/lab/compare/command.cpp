@@ -15,12 +15,8 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
-#include "tools/gdtslam/shell/quantity_option.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
-#include "tools/gdtslam/shell/whole_number.hpp"
-#include "tools/gdtslam/shell/written_files.hpp"
 #include "tools/lab/matchers/output.hpp"
 #include "tools/lab/matchers/run.hpp"
 

@@ -7,9 +7,8 @@
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/io/did_you_mean.hpp"
+#include "engine/mapping/match/descents.hpp"
 #include "engine/mapping/match/exhaustive.hpp"
-#include "engine/mapping/match/gauss_newton.hpp"
-#include "engine/mapping/match/simplex.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/runs/evaluation/share.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/compute/backend.hpp"
@@ -66,7 +66,7 @@ struct CompareScan {
   double mean_cost_m = 0.0;   ///< there
   double mean_bound_m = 0.0;  ///< no pose of the window costs less
   bool is_certified = false;
-  double hold = 0.0;  ///< constraint_strength()
+  double hold = 0.0;     ///< constraint_strength()
   double seconds = 0.0;  ///< that the global solution took
   [[nodiscard]] bool is_weak() const { return hold < kWeakHold; }
 };

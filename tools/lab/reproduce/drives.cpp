@@ -17,10 +17,9 @@
 #include "store.hpp"
 #include "tools/gdtslam/scenes/scene_file.hpp"
 #include "tools/gdtslam/scenes/simulate_run.hpp"
-#include "tools/gdtslam/shell/asset_folder.hpp"
-#include "tools/gdtslam/shell/device/device_failure.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam::reproduce {

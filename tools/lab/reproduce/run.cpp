@@ -16,8 +16,6 @@
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
-#include "tools/gdtslam/shell/progress.hpp"
 #include "workers.hpp"
 
 namespace gdtslam::reproduce {

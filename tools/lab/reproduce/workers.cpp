@@ -19,7 +19,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/shell/interrupt.hpp"
+#include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

@@ -1,10 +1,14 @@
-// Where the work runs: --device, --threads, --isa and --no-fallback.
+// Where the work runs: --device, --threads, --isa and --no-fallback; which device a name stands for, and what a mapper
+// does when it fails.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/vulkan/vulkan.hpp"
 #include "tools/gdtslam/shell/cli.hpp"
 
@@ -26,7 +30,7 @@ Isa isa_from_name(const std::string& name);
 /// The CPU with its threads and instruction set.
 std::unique_ptr<Backend> make_cpu(const DeviceOptions& options);
 
-/// The Vulkan device that was asked for, or nothing where the CPU is meant (device_choice.hpp has the rules). A
+/// The Vulkan device that was asked for, or nothing where the CPU is meant (choose_device() has the rules). A
 /// pipeline cache is kept in the user's cache folder; the rest is as in `wanted`. Throws UsageError, UnavailableError
 /// and DeviceError.
 std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, VulkanOptions wanted = {});
@@ -34,5 +38,33 @@ std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, VulkanO
 /// The backend that was asked for. A device whose driver fails while it is opened is replaced by the CPU with one
 /// warning, unless no_fallback is set. Throws UnavailableError for a device that this machine does not have.
 std::unique_ptr<Backend> make_backend(const DeviceOptions& options);
+
+// Values in, values out: nothing is opened below.
+
+struct DeviceName {
+  enum class Kind : std::uint8_t { kAuto, kCpu, kVulkan };
+  Kind kind = Kind::kAuto;
+  std::optional<unsigned> index;  ///< N of vulkan:N
+};
+
+/// Throws UsageError.
+DeviceName parse_device_name(const std::string& name);
+
+struct DeviceChoice {
+  std::optional<unsigned> index;  ///< of the listing; the CPU when empty
+  std::string remark;             ///< what the user should know of it; empty as a rule
+};
+
+/// Whether the last `gdtslam verify` of a device found differences, or the device failed in it.
+using IsDistrusted = std::function<bool(const VulkanDeviceInfo&)>;
+
+/// auto: the first hardware GPU that can be used and is not distrusted, else the CPU. vulkan: the first hardware GPU
+/// that can be used, else the first device of any kind, because Vulkan was named. vulkan:N: that one. Throws
+/// UnavailableError where a device was named that is not there or cannot be used.
+DeviceChoice choose_device(const DeviceName& name, const VulkanListing& listing, const IsDistrusted& is_distrusted);
+
+/// What a mapper does when its device fails: goes on with the CPU that the options describe and prints one warning; or,
+/// without fallback, fails.
+MapperOptions on_failure_of(const DeviceOptions& options);
 
 }  // namespace gdtslam

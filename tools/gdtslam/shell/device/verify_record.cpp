@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "cache_folder.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 
 namespace gdtslam {
 namespace {

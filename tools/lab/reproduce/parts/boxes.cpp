@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/runs/measuring/measure_run.hpp"
+#include "engine/runs/measuring/measure_table.hpp"
 #include "tools/gdtslam/drawings/measure_drawing.hpp"
 #include "tools/gdtslam/pictures/source.hpp"
 #include "tools/lab/reproduce/drives.hpp"

@@ -19,7 +19,7 @@
 #include "tools/gdtslam/pictures/studio.hpp"
 #include "tools/gdtslam/scenes/scene_errors.hpp"
 #include "tools/gdtslam/scenes/scene_file.hpp"
-#include "tools/gdtslam/shell/asset_folder.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 #include "tools/lab/reproduce/drives.hpp"
 #include "tools/lab/reproduce/paper.hpp"
 #include "tools/lab/reproduce/part.hpp"

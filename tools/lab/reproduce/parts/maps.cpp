@@ -10,7 +10,7 @@
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/pictures/studio.hpp"
-#include "tools/gdtslam/shell/temporary_folder.hpp"
+#include "tools/gdtslam/shell/folders.hpp"
 #include "tools/lab/reproduce/drives.hpp"
 #include "tools/lab/reproduce/part.hpp"
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/runs/evaluation/trajectory_errors.hpp"
+#include "engine/runs/evaluation/errors.hpp"
 #include "gdtslam/drawing/plot.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/lab/matchers/output.hpp"

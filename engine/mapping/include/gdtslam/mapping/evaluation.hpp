@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,18 @@
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
+
+/// The poses of a trajectory by the time that they belong to. Its order need not be that of time; poses without a
+/// finite stamp are left out. O(n log n) to make, O(log n) to ask.
+class PosesByStamp {
+ public:
+  explicit PosesByStamp(Trajectory trajectory);
+  /// The pose with the nearest stamp within the tolerance; of several with one stamp the last of the log counts.
+  [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const;
+
+ private:
+  Trajectory poses_;
+};
 
 /// The pose of the robot at time t2 in its frame at time t1, as somebody verified it.
 struct Relation {

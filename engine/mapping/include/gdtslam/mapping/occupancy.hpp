@@ -14,7 +14,7 @@
 
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/mapping/option.hpp"
+#include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 
@@ -42,9 +42,9 @@ std::vector<Option> option_table(OccupancyConfig& config);
 class OccupancyBuilder {
  public:
   struct Limits {
-    double resolution_m = 0.05;
-    double min_range_m = 0.1;   ///< shorter ranges are dropped
-    double max_range_m = 40.0;  ///< at or above it, or the sensor's own limit, a range is no return
+    double resolution_m = MapConfig{}.resolution_m;
+    double min_range_m = ScanConfig{}.min_range_m;  ///< shorter ranges are dropped
+    double max_range_m = ScanConfig{}.max_range_m;  ///< at or above it, or the sensor's own limit, a range is no return
     std::uint64_t max_cells = std::uint64_t{512} << 20U;
   };
   OccupancyBuilder(const OccupancyConfig& config, const Limits& limits);

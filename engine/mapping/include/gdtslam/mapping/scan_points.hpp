@@ -12,18 +12,10 @@
 
 namespace gdtslam {
 
-/// Which ranges are returns.
-struct ValidRange {
-  double min_m = 0.0;
-  double max_m = 0.0;  ///< excluded; the scan's own limit counts too where the log states one
-};
-
-/// As a configuration has it.
-ValidRange valid_ranges(const MapperConfig& config);
-
-/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return, nor are
+/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return (the
+/// scan's own limit counts too where the log states one), nor are
 /// points that are not finite or 100 km away because a bearing or the mount is wrong.
-std::vector<Point2> points_of(const LaserScan& scan, const ValidRange& valid);
+std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid);
 
 /// A scan whose returns are points of the robot's plane already.
 struct PointScan {

@@ -1,8 +1,9 @@
-#include "command_line.hpp"
+#include "commands.hpp"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -12,7 +13,6 @@
 #include <string_view>
 #include <vector>
 
-#include "commands.hpp"
 #include "console.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"

@@ -1,0 +1,54 @@
+// How a pose of least cost (4) is found near a start, on this thread: the paper's simplex, its other optimizers, and
+// the field's slope. Adds, multiplies and comparisons in a fixed order, so every host gives the same bits. Thread-safe
+// on objectives of their own.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/mapping/cost/objective.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/match.hpp"
+
+namespace gdtslam {
+
+/// The box around the start, and how small a population has to be to have converged.
+struct PoseBox {
+  float half_cells = 8.0F;
+  float half_rad = 0.12F;
+  float stop_cells = 0.01F;
+  float stop_rad = 0.0002F;
+};
+
+/// `kind` is kPso, kSce or kSimpsa. Never worse than the start.
+LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
+                             const OptimizerConfig& options);
+
+// The matcher `gauss-newton`, and the end of `simplex-newton`: iteratively reweighted least squares on the bilinear
+// field with a robust cost [Huber1964], damped after [Levenberg1944, Marquardt1963]. Ours, not the paper's: it follows
+// the field's slope, so it needs a tenth of a simplex's evaluations. Additions in a fixed order, so every host gives
+// the same bits. Thread-safe on objectives of their own.
+
+struct GaussNewtonOptions {
+  float scale_cells = 1.0F;  ///< distances below count as squares, above as they are
+  float stop_cells = 0.01F;  ///< stops when a step is smaller than this in x and y ...
+  float stop_rad = 0.0002F;  ///< ... and than this in theta
+  std::uint32_t max_evaluations = 50;
+};
+
+LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, const GaussNewtonOptions& options);
+
+// Downhill simplex of Nelder and Mead [Nelder1965] over (x, y, theta), the paper's optimizer ("linear simplex"). Adds,
+// multiplies and comparisons in float32 only, so every host gives the same bits. The walk itself is the kernel
+// pose_simplex. Thread-safe on objectives of their own.
+
+struct SimplexOptions {
+  float step_cells = 2.0F;   ///< edge of the first simplex along x and y
+  float step_rad = 0.03F;    ///< and along theta
+  float stop_cells = 0.01F;  ///< stops when the simplex is smaller than this in x and y ...
+  float stop_rad = 0.0002F;  ///< ... and than this in theta
+  std::uint32_t max_evaluations = 200;
+};
+
+LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options);
+
+}  // namespace gdtslam

@@ -1,0 +1,53 @@
+// What errors are made of: the single ones behind the figures of `gdtslam evaluate`, for plots, shares of trials, and
+// the frame that clouds are compared in. Thread-safe; O(n log n).
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/cloud.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+
+namespace gdtslam {
+
+/// One error of a pose against a reference trajectory, or of a verified relation [Kuemmerle2009], and when it was made
+/// (of a relation: its second stamp).
+struct TrajectoryError {
+  double stamp_s = 0.0;
+  double position_m = 0.0;
+  double angle_deg = 0.0;
+};
+
+/// After the same rigid alignment as evaluate_reference(), in the order of the estimate. Throws InputError when fewer
+/// than two stamps match.
+std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Trajectory& reference);
+/// In the order of the relations, those without their stamps in the trajectory left out.
+std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const std::vector<Relation>& relations);
+
+/// A share of trials: k of n with the 95 % interval of [Wilson1927].
+struct Share {
+  std::uint64_t count = 0;
+  std::uint64_t of = 0;
+  [[nodiscard]] double value() const;
+  [[nodiscard]] double low() const;
+  [[nodiscard]] double high() const;
+};
+
+/// From a map's frame to that of the truth: the rigid alignment of the estimated to the true trajectory, which moves a
+/// cloud as a whole. Heights need none: both frames have the floor's.
+struct CloudFrame {
+  Pose2 T_truth_map;
+  std::optional<ReferenceReport> trajectory{};  ///< of the alignment; nothing where the frames are said to agree
+
+  [[nodiscard]] Eigen::Vector3d in_truth(const CloudPoint& point) const {
+    const Point2 place_m = T_truth_map * Point2(static_cast<double>(point.x_m), static_cast<double>(point.y_m));
+    return {place_m.x(), place_m.y(), static_cast<double>(point.z_m)};
+  }
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,61 @@
+// Folders of the command: of the files that come with it (scenes, the sample log, the results that it must give), of
+// what it may lose, and for the time of a run.
+#pragma once
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+
+/// The folders of that kind ("scenes", "logs", "expected") that exist, best first: beside an installed command
+/// (share/gdtslam), else in the source tree that it was built in.
+std::vector<std::string> asset_folders(std::string_view kind);
+
+/// A file in one of them. Throws FileError that names the folders.
+std::string asset_file(std::string_view kind, const std::string& name);
+
+/// The sample log that comes with the command. Throws FileError.
+std::string sample_log_file();
+
+/// A folder of its own below another one, else $TMPDIR or /tmp, that is gone with its object, with all that is in it.
+class TemporaryFolder {
+ public:
+  /// Throws FileError.
+  explicit TemporaryFolder(const std::string& name, std::string below = "") {
+    const char* const variable = std::getenv("TMPDIR");
+    if (below.empty()) below = variable != nullptr && *variable != '\0' ? variable : "/tmp";
+    path_ = below + "/" + name + "-XXXXXX";
+    if (::mkdtemp(path_.data()) == nullptr) {
+      throw FileError(path_, "cannot be created: " + std::generic_category().message(errno));
+    }
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;  // what cannot be removed is the system's to tidy up
+    std::filesystem::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// Where the command keeps what it may lose: the pipelines that a driver built and the results of `gdtslam verify`.
+struct CacheFolder {
+  std::string path;     ///< empty where there is none
+  std::string problem;  ///< why there is none
+};
+
+/// $XDG_CACHE_HOME/gdtslam, else ~/.cache/gdtslam, made with access for this user alone where it is missing. A home
+/// that does not exist is not made: an account without one shall leave nothing behind.
+CacheFolder cache_folder();
+
+}  // namespace gdtslam

@@ -1,0 +1,130 @@
+#include "options.hpp"
+
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+#include <system_error>
+
+#include "engine/core/stated_quantity.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+std::string type_name_of(Unit unit) {
+  switch (unit) {
+    case Unit::kMetre:
+      return "LENGTH";
+    case Unit::kRadian:
+      return "ANGLE";
+    case Unit::kSecond:
+      return "TIME";
+    case Unit::kNone:
+    case Unit::kCell:
+    case Unit::kShare:
+      break;
+  }
+  return "NUMBER";
+}
+
+constexpr std::string_view kBetween = "..";
+
+bool has_unit(const std::string& text) {
+  const auto last =
+      std::find_if(text.rbegin(), text.rend(), [](unsigned char letter) { return std::isspace(letter) == 0; });
+  return last != text.rend() && std::isdigit(static_cast<unsigned char>(*last)) == 0 && *last != '.';
+}
+
+// The unit of "5cm": what follows its last digit.
+std::string unit_of(const std::string& text) {
+  const std::size_t digit = text.find_last_of("0123456789.");
+  return digit == std::string::npos ? "" : text.substr(digit + 1);
+}
+
+void read_crank(const std::string& text, calib::DesignGoal& goal) {
+  const std::size_t between = text.find(kBetween);
+  if (between == std::string::npos) {
+    goal.least_crank_m = goal.most_crank_m = quantity_of("--crank", text, Unit::kMetre);
+    return;
+  }
+  std::string least = text.substr(0, between);
+  const std::string most = text.substr(between + kBetween.size());
+  if (!has_unit(least)) {
+    least += unit_of(most);
+  }
+  goal.least_crank_m = quantity_of("--crank", least, Unit::kMetre);
+  goal.most_crank_m = quantity_of("--crank", most, Unit::kMetre);
+}
+
+}  // namespace
+
+double quantity_of(const std::string& option, const std::string& text, Unit unit) {
+  std::string why;
+  const std::optional<double> value = parse_stated_quantity(text, unit, &why);
+  if (!value) throw UsageError(option + ": " + why);
+  return *value;
+}
+
+CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, double& value, Unit unit,
+                                 const QuantityBounds& bounds, const std::string& doc) {
+  const auto read = [name, &value, unit, bounds](const std::string& text) {
+    const double number = quantity_of(name, text, unit);
+    if (number < bounds.least || number > bounds.most) {
+      throw UsageError(fmt::format("{}: {} is not between {:g} and {:g} {}", name, text, bounds.least, bounds.most,
+                                   unit_symbol(unit)));
+    }
+    value = number;
+  };
+  return command.add_option_function<std::string>(name, read, doc)->type_name(type_name_of(unit));
+}
+
+void check_written_file(std::string_view option, const std::string& file, const std::vector<std::string>& inputs) {
+  if (file.empty()) return;
+  std::error_code error;  // what cannot be asked about is no input: reading it fails by itself
+  for (const std::string& input : inputs) {
+    if (!input.empty() && std::filesystem::equivalent(file, input, error)) {
+      throw UsageError(fmt::format("{}: '{}' is what is read; give another file", option, file));
+    }
+  }
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  const std::filesystem::file_status status = std::filesystem::status(folder, error);
+  if (folder.empty() || std::filesystem::is_directory(status)) return;
+  throw FileError(file, std::filesystem::exists(status) ? "cannot be created: Not a directory"
+                                                        : "cannot be created: there is no folder " + folder.string());
+}
+
+calib::DesignGoal goal_of(const GoalText& text) {
+  calib::DesignGoal goal;
+  if (!text.swing.empty()) {
+    goal.swing_rad = quantity_of("--swing", text.swing, Unit::kRadian);
+  }
+  if (!text.min_transmission.empty()) {
+    goal.min_transmission_rad = quantity_of("--min-transmission", text.min_transmission, Unit::kRadian);
+  }
+  if (!text.crank.empty()) {
+    read_crank(text.crank, goal);
+  }
+  if (!text.time_ratio.empty()) {
+    goal.time_ratio = quantity_of("--time-ratio", text.time_ratio, Unit::kNone);
+  }
+  if (!text.longest.empty()) {
+    goal.longest_bar_m = quantity_of("--longest", text.longest, Unit::kMetre);
+  }
+  return goal;
+}
+
+CLI::Validator whole_number_from(std::uint64_t minimum) {
+  const auto fault_of = [minimum](const std::string& text) -> std::string {
+    std::uint64_t number = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (code == std::errc{} && end == text.data() + text.size() && number >= minimum) return {};
+    return "'" + text + "' is no whole number of at least " + std::to_string(minimum);
+  };
+  return {fault_of, ""};
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,56 @@
+// What options of the command line name: quantities with their unit, or 0 (core/stated_quantity.hpp), counts, files to
+// be written, the goal of a design. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/units.hpp"
+#include "tools/gdtslam/shell/cli.hpp"
+
+namespace gdtslam {
+
+/// The quantity that an option's text names. Throws UsageError that names the option.
+double quantity_of(const std::string& option, const std::string& text, Unit unit);
+
+/// What an option may be, both ends included.
+struct QuantityBounds {
+  double least = 0.0;
+  double most = 0.0;
+};
+
+/// An option that is read by quantity_of and has to lie between the bounds. `value` keeps its default where the option
+/// is not given; reading throws UsageError.
+CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, double& value, Unit unit,
+                                 const QuantityBounds& bounds, const std::string& doc);
+
+// Options that are counts. CLI11 alone takes "-1" for an unsigned number and wraps it.
+
+/// Accepts whole decimal numbers of at least `minimum` that fit 64 bits.
+CLI::Validator whole_number_from(std::uint64_t minimum);
+
+// Files that a command is told to write, checked before its work begins: a run of minutes should not end with "cannot
+// be created", and none should replace what it reads.
+
+/// Nothing where `file` is empty. Throws UsageError that names the option where `file` is one of `inputs` under
+/// whatever name, FileError where its folder does not exist.
+void check_written_file(std::string_view option, const std::string& file, const std::vector<std::string>& inputs);
+
+// The goal of `gdtslam linkage --design` as the command line has it.
+
+/// Options as text, so that their units can be told; empty: the default.
+struct GoalText {
+  std::string swing;
+  std::string min_transmission;
+  std::string crank;  ///< "3..5cm" or one length
+  std::string time_ratio;
+  std::string longest;
+};
+
+/// Throws UsageError that names the option.
+calib::DesignGoal goal_of(const GoalText& text);
+
+}  // namespace gdtslam
