@@ -1,6 +1,7 @@
 #include "gdtslam/mapping/certified.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -98,21 +99,9 @@ bool ExcludedPoses::hold(const Pose2& pose) const {
 }
 
 std::string_view to_string(CertifiedStop stop) {
-  switch (stop) {
-    case CertifiedStop::kGapReached:
-      return "gap-reached";
-    case CertifiedStop::kBoundReached:
-      return "bound-reached";
-    case CertifiedStop::kBoxLimit:
-      return "box-limit";
-    case CertifiedStop::kTimeLimit:
-      return "time-limit";
-    case CertifiedStop::kResolution:
-      return "resolution";
-    case CertifiedStop::kNothingAllowed:
-      return "nothing-allowed";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 6> kNames{"gap-reached", "bound-reached", "box-limit",
+                                                          "time-limit",  "resolution",    "nothing-allowed"};
+  return kNames.at(static_cast<std::size_t>(stop));
 }
 
 CertifiedResult find_pose(const CertifiedMap& map, std::span<const PointCells> points, const PoseWindow& window,

@@ -15,10 +15,10 @@ namespace {
 constexpr std::size_t kSmallBatch = 64;  // below this a dispatch costs more than it gains
 
 // weight * distance^2 up to the limit, beyond which a prior pulls no more.
-void add_prior(const PosePrior& prior, const CellPose& pose, Linearisation& at) {
-  const double dx = static_cast<double>(pose.x) - static_cast<double>(prior.mean.x);
-  const double dy = static_cast<double>(pose.y) - static_cast<double>(prior.mean.y);
-  const double dt = static_cast<double>(pose.theta) - static_cast<double>(prior.mean.theta);
+void add_prior(const PriorParams& prior, const CellPose& pose, Linearisation& at) {
+  const double dx = static_cast<double>(pose.x) - static_cast<double>(prior.mean_x);
+  const double dy = static_cast<double>(pose.y) - static_cast<double>(prior.mean_y);
+  const double dt = static_cast<double>(pose.theta) - static_cast<double>(prior.mean_theta);
   const double limit = static_cast<double>(prior.limit);
   const double w_xy = static_cast<double>(prior.weight_xy);
   const double w_t = static_cast<double>(prior.weight_theta);
@@ -42,34 +42,26 @@ void add_prior(const PosePrior& prior, const CellPose& pose, Linearisation& at) 
 Objective::Objective(const GlobalField& map, Interpolation interpolation, CostForm form)
     : backend_(&map.backend()), map_(&map), interpolation_(interpolation), form_(form) {}
 
-PoseCost::Params Objective::params(Interpolation interpolation, std::size_t points) const {
-  const GridGeometry grid = map_->geometry();
-  const CellOffset anchor = anchor_ - map_->first_cell();
+PoseCost::Params pose_cost_params(const GlobalField& map, CellIndex anchor_cell, std::size_t points, std::uint32_t cap,
+                                  Interpolation interpolation, CostForm form) {
+  const GridGeometry grid = map.geometry();
+  const CellOffset anchor = anchor_cell - map.first_cell();
   return {.width = static_cast<std::uint32_t>(grid.width),
           .height = static_cast<std::uint32_t>(grid.height),
-          .stride = map_->stride(),
+          .stride = map.stride(),
           .anchor_x = anchor.dx,
           .anchor_y = anchor.dy,
           .point_count = static_cast<std::uint32_t>(points),
-          .cap = cap_,
+          .cap = cap,
           .interpolation = interpolation,
-          .form = form_};
-}
-
-PriorParams Objective::prior_params() const {
-  return {.mean_x = prior_.mean.x,
-          .mean_y = prior_.mean.y,
-          .mean_theta = prior_.mean.theta,
-          .weight_xy = prior_.weight_xy,
-          .weight_theta = prior_.weight_theta,
-          .limit = prior_.limit};
+          .form = form};
 }
 
 // The arithmetic of PriorParams.
 std::uint32_t Objective::prior_cost(const CellPose& pose) const {
-  const float dx = pose.x - prior_.mean.x;
-  const float dy = pose.y - prior_.mean.y;
-  const float dt = pose.theta - prior_.mean.theta;
+  const float dx = pose.x - prior_.mean_x;
+  const float dy = pose.y - prior_.mean_y;
+  const float dt = pose.theta - prior_.mean_theta;
   const auto limited = [this](float cost) { return cost < prior_.limit ? cost : prior_.limit; };
   return static_cast<std::uint32_t>(limited((dx * dx + dy * dy) * prior_.weight_xy) +
                                     limited((dt * dt) * prior_.weight_theta));

@@ -26,14 +26,9 @@ struct CellPose {
   float theta = 0.0F;
 };
 
-/// Quadratic cost around a mean, weight * ((dx^2 + dy^2) / sigma_xy^2 + dtheta^2 / sigma_theta^2), in cost units;
-/// neither part costs more than the limit, so that a prediction that is plainly wrong does not pull.
-struct PosePrior {
-  CellPose mean;
-  float weight_xy = 0.0F;     ///< weight / sigma_xy^2, cost units per squared cell
-  float weight_theta = 0.0F;  ///< weight / sigma_theta^2, cost units per squared radian
-  float limit = 1.0e9F;       ///< cost units, at most 1e9
-};
+/// What kernels are given of a map and points, relative to the anchor cell; values above the cap count as the cap.
+PoseCost::Params pose_cost_params(const GlobalField& map, CellIndex anchor, std::size_t points, std::uint32_t cap,
+                                  Interpolation interpolation, CostForm form);
 
 /// Where a minimiser ended.
 struct LocalMinimum {
@@ -62,7 +57,9 @@ class Objective {
   void set_points(std::span<const PointCells> points) { points_ = points; }
   /// Field values above this count as this, 1/256 cell.
   void set_cap(std::uint32_t cap) { cap_ = cap; }
-  void set_prior(const PosePrior& prior) { prior_ = prior; }
+  /// Quadratic cost around a mean; neither part costs more than the limit, so that a prediction that is plainly wrong
+  /// does not pull.
+  void set_prior(const PriorParams& prior) { prior_ = prior; }
 
   /// Costs of a batch of poses, prior included; one dispatch on the backend when the batch is large.
   void evaluate(std::span<const CellPose> poses, std::span<std::uint32_t> costs);
@@ -72,7 +69,7 @@ class Objective {
 
   /// What kernels are given of this objective.
   [[nodiscard]] PoseCost::Params cost_params() const { return params(interpolation_, points_.size()); }
-  [[nodiscard]] PriorParams prior_params() const;
+  [[nodiscard]] const PriorParams& prior_params() const { return prior_; }
 
   /// Of the bilinear field whatever `interpolation` is. A distance d counts as d^2 / (2 s) below s = scale_cells and as
   /// d - s / 2 above [Huber1964]; at the cap it counts as the cap and pulls no more. O(points), on this thread.
@@ -88,7 +85,9 @@ class Objective {
   [[nodiscard]] std::uint64_t evaluations() const { return evaluations_; }
 
  private:
-  [[nodiscard]] PoseCost::Params params(Interpolation interpolation, std::size_t points) const;
+  [[nodiscard]] PoseCost::Params params(Interpolation interpolation, std::size_t points) const {
+    return pose_cost_params(*map_, anchor_, points, cap_, interpolation, form_);
+  }
   [[nodiscard]] std::uint32_t prior_cost(const CellPose& pose) const;
 
   Backend* backend_;
@@ -98,7 +97,7 @@ class Objective {
   CellIndex anchor_{};
   std::span<const PointCells> points_;
   std::uint32_t cap_ = 0;
-  PosePrior prior_;
+  PriorParams prior_;
   std::vector<PoseCandidate> candidates_;
   Buffer point_buffer_;
   Buffer candidate_buffer_;

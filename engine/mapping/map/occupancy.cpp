@@ -18,14 +18,7 @@ constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
 constexpr double kEvenSteps = 256.0;
 constexpr std::int64_t kFurthestCell = 1 << 30;
 
-void extend(CellBox& box, CellIndex cell) {
-  if (box.empty()) {
-    box = {cell, cell + CellOffset{1, 1}};
-    return;
-  }
-  box.min = {std::min(box.min.x, cell.x), std::min(box.min.y, cell.y)};
-  box.end = {std::max(box.end.x, cell.x + 1), std::max(box.end.y, cell.y + 1)};
-}
+CellBox box_of(CellIndex cell) { return {cell, cell + CellOffset{1, 1}}; }
 
 std::uint64_t cells_of(const CellBox& box) {
   return static_cast<std::uint64_t>(std::int64_t{box.end.x} - box.min.x) *
@@ -110,7 +103,7 @@ CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map
                        T_map_laser.y_m + sine * d.x() + cosine * d.y()};
     if (!end_m.allFinite()) continue;
     rays_.push_back({sub_cell_of(end_m), is_return});
-    extend(touched, rays_.back().end.cell());
+    touched = hull_of(touched, box_of(rays_.back().end.cell()));
   }
   return touched;
 }
@@ -185,7 +178,7 @@ void OccupancyBuilder::add(const LaserScan& scan, const Pose2& T_map_base) {
   CellBox touched = collect_rays(scan, T_map_laser);
   if (rays_.empty()) return;
   const SubCell start = sub_cell_of(T_map_laser.translation());
-  extend(touched, start.cell());
+  touched = hull_of(touched, box_of(start.cell()));
   grow_to_hold(touched);
   ++scan_;
   for (const Ray& ray : rays_) {
@@ -210,7 +203,7 @@ OccupancyMap OccupancyBuilder::build() const {
   CellBox known;
   for (std::int32_t y = box_.min.y; y < box_.end.y; ++y) {
     for (std::int32_t x = box_.min.x; x < box_.end.x; ++x) {
-      if (state_of(cells_[index_of({x, y})]) != CellState::kUnknown) extend(known, {x, y});
+      if (state_of(cells_[index_of({x, y})]) != CellState::kUnknown) known = hull_of(known, box_of({x, y}));
     }
   }
   if (known.empty()) known = {{0, 0}, {1, 1}};

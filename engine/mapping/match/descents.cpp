@@ -105,10 +105,6 @@ CellPose moved(const CellPose& pose, const Step& step) {
           pose.theta + static_cast<float>(step.theta)};
 }
 
-StopReason reason_of(std::uint32_t stop) {
-  return stop == 1 ? StopReason::kConverged : stop == 2 ? StopReason::kEvaluationLimit : StopReason::kNotRun;
-}
-
 }  // namespace
 
 LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
@@ -155,6 +151,10 @@ LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, 
   return {pose, objective.evaluate(pose), evaluations + 1, stop};
 }
 
+StopReason stop_reason(std::uint32_t stop) {
+  return stop == 1 ? StopReason::kConverged : stop == 2 ? StopReason::kEvaluationLimit : StopReason::kNotRun;
+}
+
 LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options) {
   const PolishedPose found = objective.descend(start, {.cost = objective.cost_params(),
                                                        .prior = objective.prior_params(),
@@ -166,7 +166,7 @@ LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const
   return {.pose = {found.x, found.y, found.theta},
           .cost = found.cost,
           .evaluations = found.evaluations,
-          .stop = reason_of(found.stop)};
+          .stop = stop_reason(found.stop)};
 }
 
 }  // namespace gdtslam

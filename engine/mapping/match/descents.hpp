@@ -49,6 +49,8 @@ struct SimplexOptions {
   std::uint32_t max_evaluations = 200;
 };
 
+/// As the kernels that walk say it.
+StopReason stop_reason(std::uint32_t stop);
 LocalMinimum minimise_simplex(Objective& objective, const CellPose& start, const SimplexOptions& options);
 
 }  // namespace gdtslam

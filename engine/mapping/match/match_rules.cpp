@@ -1,6 +1,7 @@
 #include "match_rules.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
@@ -61,7 +62,9 @@ void MatchRules::begin(const Prediction& prediction, std::size_t points) {
   const double sigma_cells = (p.sigma_m + p.sigma_per_m * prediction.travelled_m) / r;
   const double sigma_rad = p.sigma_rad + p.sigma_per_rad * prediction.turned_rad;
   const double weight = p.weight * kFieldOne * static_cast<double>(points);
-  prior_ = {.mean = predicted_,
+  prior_ = {.mean_x = predicted_.x,
+            .mean_y = predicted_.y,
+            .mean_theta = predicted_.theta,
             .weight_xy = static_cast<float>(weight / (sigma_cells * sigma_cells)),
             .weight_theta = static_cast<float>(weight / (sigma_rad * sigma_rad)),
             .limit = static_cast<float>(std::min(weight * p.limit_sigmas * p.limit_sigmas, 1.0e9))};
@@ -143,33 +146,14 @@ MatchResult MatchRules::judged(const CellPose& pose, const Evidence& evidence) c
 }
 
 std::string_view to_string(Doubt doubt) {
-  switch (doubt) {
-    case Doubt::kNone:
-      return "none";
-    case Doubt::kFewPoints:
-      return "few-points";
-    case Doubt::kLowOverlap:
-      return "low-overlap";
-    case Doubt::kContradiction:
-      return "contradiction";
-    case Doubt::kWeakEvidence:
-      return "weak-evidence";
-    case Doubt::kFarFromPrediction:
-      return "far-from-prediction";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 6> kNames{"none",          "few-points",    "low-overlap",
+                                                          "contradiction", "weak-evidence", "far-from-prediction"};
+  return kNames.at(static_cast<std::size_t>(doubt));
 }
 
 std::string_view to_string(StopReason reason) {
-  switch (reason) {
-    case StopReason::kNotRun:
-      return "not-run";
-    case StopReason::kConverged:
-      return "converged";
-    case StopReason::kEvaluationLimit:
-      return "evaluation-limit";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 3> kNames{"not-run", "converged", "evaluation-limit"};
+  return kNames.at(static_cast<std::size_t>(reason));
 }
 
 }  // namespace gdtslam

@@ -49,7 +49,7 @@ class MatchRules {
 
   [[nodiscard]] CellIndex anchor() const { return anchor_; }
   [[nodiscard]] const CellPose& predicted() const { return predicted_; }
-  [[nodiscard]] const PosePrior& prior() const { return prior_; }
+  [[nodiscard]] const PriorParams& prior() const { return prior_; }
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
   /// The window around the prediction, scaled; sampled as the configuration says.
   [[nodiscard]] SearchWindow window(double scale) const;
@@ -80,7 +80,7 @@ class MatchRules {
   std::size_t points_ = 0;
   CellIndex anchor_{};
   CellPose predicted_;
-  PosePrior prior_;
+  PriorParams prior_;
 };
 
 /// Every n-th point, in order, so that at most `most` are left; all where there are no more.

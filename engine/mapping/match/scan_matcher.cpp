@@ -150,12 +150,12 @@ ExhaustiveResult ScanMatcher::prove_in(const SearchWindow& window) {
                          .half_x_m = half_m,
                          .half_y_m = half_m,
                          .half_theta_rad = static_cast<double>(window.half_theta_rad)};
-  const PosePrior& prior = rules_.prior();
+  const PriorParams& prior = rules_.prior();
   CertifiedOptions options;
   options.gap_m = search_.gap_m;
   options.max_boxes = std::uint64_t{1000} * static_cast<std::uint64_t>(search_.max_kiloboxes);
   options.starts = {poses.centre};
-  options.prior = WindowPrior{.mean = objective_.to_metres(prior.mean),
+  options.prior = WindowPrior{.mean = objective_.to_metres(rules_.predicted()),
                               .weight_xy = prior.weight_xy,
                               .weight_theta = prior.weight_theta,
                               .limit = prior.limit};

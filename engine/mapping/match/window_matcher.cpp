@@ -16,11 +16,6 @@ std::uint32_t q16(double share) { return static_cast<std::uint32_t>(std::lround(
 
 CellPose pose_of(const MatchVerdict& verdict) { return {verdict.x, verdict.y, verdict.theta}; }
 
-StopReason stop_of(std::uint32_t stop) {
-  if (stop == 1) return StopReason::kConverged;
-  return stop == 2 ? StopReason::kEvaluationLimit : StopReason::kNotRun;
-}
-
 // A device that has no room for a window gives the work up, as one that fails: the CPU has room.
 void require_room(std::uint32_t samples, const DeviceInfo& device) {
   const std::size_t bytes = std::size_t{samples} * sizeof(PoseCandidate);
@@ -137,7 +132,7 @@ void WindowMatcher::launch_verdict() {
 
 // From all starts down, the gate narrowing.
 void WindowMatcher::launch_descents() {
-  const PriorParams prior = prior_params(1.0);
+  const PriorParams& prior = rules_.prior();
   for (const DescentStage& stage : rules_.stages()) {
     run<PoseSimplex>(*backend_,
                      {.cost = cost_params(points_, stage.gate),
@@ -155,7 +150,7 @@ void WindowMatcher::launch_choice() {
   const double far_cells = rules_.far_m() / map_->geometry().resolution_m;
   run<ChoosePose>(*backend_,
                   {.cost = cost_params(points_, rules_.wide_gate()),
-                   .prior = prior_params(1.0),
+                   .prior = rules_.prior(),
                    .pose_count = pose_count(),
                    .map_cap = map_->cap(),
                    .gate = rules_.final_gate(),
@@ -176,7 +171,7 @@ MatchVerdict WindowMatcher::wait() {
 Evidence WindowMatcher::evidence_of(const MatchVerdict& verdict) const {
   Evidence evidence =
       rules_.evidence({.sum = verdict.sum, .near = verdict.near, .beside = verdict.beside, .known = verdict.known});
-  evidence.stop = stop_of(verdict.stop);
+  evidence.stop = stop_reason(verdict.stop);
   return evidence;
 }
 
@@ -188,33 +183,21 @@ PoseLattice::Params WindowMatcher::lattice_params() const {
           .step_rad = window_.step_rad,
           .count_xy = window_.count_xy(),
           .count_theta = window_.count_theta(),
-          .prior = prior_params(static_cast<double>(thinned_) / points_)};
+          .prior = prior_of_share(static_cast<double>(thinned_) / points_)};
 }
 
 PoseCost::Params WindowMatcher::cost_params(std::uint32_t points, std::uint32_t cap) const {
-  const GridGeometry grid = map_->geometry();
-  const CellOffset anchor = rules_.anchor() - map_->first_cell();
-  return {.width = static_cast<std::uint32_t>(grid.width),
-          .height = static_cast<std::uint32_t>(grid.height),
-          .stride = map_->stride(),
-          .anchor_x = anchor.dx,
-          .anchor_y = anchor.dy,
-          .point_count = points,
-          .cap = cap,
-          .interpolation = match_.interpolation,
-          .form = match_.cost};
+  return pose_cost_params(*map_, rules_.anchor(), points, cap, match_.interpolation, match_.cost);
 }
 
 // The prior of a share of the points: what one point says against it stays the same.
-PriorParams WindowMatcher::prior_params(double share) const {
-  const PosePrior& prior = rules_.prior();
+PriorParams WindowMatcher::prior_of_share(double share) const {
+  PriorParams prior = rules_.prior();
   const auto part = static_cast<float>(share);
-  return {.mean_x = prior.mean.x,
-          .mean_y = prior.mean.y,
-          .mean_theta = prior.mean.theta,
-          .weight_xy = prior.weight_xy * part,
-          .weight_theta = prior.weight_theta * part,
-          .limit = prior.limit * part};
+  prior.weight_xy *= part;
+  prior.weight_theta *= part;
+  prior.limit *= part;
+  return prior;
 }
 
 }  // namespace gdtslam

@@ -39,7 +39,7 @@ class WindowMatcher final : public Matcher {
   [[nodiscard]] Evidence evidence_of(const MatchVerdict& verdict) const;
   [[nodiscard]] PoseLattice::Params lattice_params() const;
   [[nodiscard]] PoseCost::Params cost_params(std::uint32_t points, std::uint32_t cap) const;
-  [[nodiscard]] PriorParams prior_params(double share) const;
+  [[nodiscard]] PriorParams prior_of_share(double share) const;
   [[nodiscard]] std::uint32_t pose_count() const { return static_cast<std::uint32_t>(search_.starts) + 1; }
 
   MatchConfig match_;

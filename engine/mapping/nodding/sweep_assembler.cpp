@@ -9,7 +9,6 @@
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "sweep_assembler_strips.hpp"
 #include "sweep_batch.hpp"
 
 namespace gdtslam {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/compute/kernels/sweep_points/sweep_points.hpp"
@@ -17,17 +18,14 @@
 
 namespace gdtslam {
 
-// Where the beams of a scan point in the nodding frame: one row of unit vectors for each way in which scans lay out
-// their bearings, kept as long as scans use it. Not thread-safe.
-
+/// Where the beams of a scan point in the nodding frame: one row of unit vectors for each way in which scans lay out
+/// their bearings, kept as long as scans use it. Not thread-safe.
 class BeamDirections {
  public:
   explicit BeamDirections(const NoddingMount& mount) : mount_(mount) {}
 
   /// The row of a scan's first beam, if it is there or there is room for it.
   std::optional<std::uint32_t> row_of(const LaserScan& scan);
-  /// Forgets all rows.
-  void clear();
 
   /// x, y, z, as the kernel takes them.
   [[nodiscard]] const std::vector<std::array<float, 3>>& rows() const { return rows_; }
@@ -94,5 +92,34 @@ class SweepDevice {
   std::shared_ptr<const BeamDirections> uploaded_;
   std::size_t uploaded_rows_ = 0;
 };
+
+/// What moved while a scan was taken. At least one knot of either kind, in the order of time.
+struct ScanMotion {
+  std::span<const PhaseKnot> phases;
+  std::span<const PoseKnot> poses;
+  BeamTiming timing;
+  std::size_t beams = 0;
+  Pose2 T_base_level;
+};
+
+/// Beams [first, first + count) of a scan. The pose is that of the sensor's place relative to the fix.
+struct ScanStrip {
+  std::size_t first = 0;
+  std::uint32_t count = 0;
+  Phase phase = 0;
+  std::uint32_t phase_step = 0;
+  Pose2 T_fix_level;
+  Pose2 step;  ///< of x, y and theta, each by itself
+};
+
+/// A step of the phase is a whole number of 2^-32 turns: after so many beams the sum is at most 2^-23 of a turn off
+/// (0.015 mm at 20 m).
+inline constexpr std::uint32_t kMostBeamsOfStrip = 1024;
+/// What a chord may cut off the arc on which the sensor's place goes when the robot turns.
+inline constexpr double kMostSagitta_m = 1.0e-5;
+
+/// A scan cut into strips: runs of neighbouring beams during which the crank turns evenly and the sensor's place moves
+/// evenly, as the kernel sweep_points takes them. How a scan is cut depends on nothing but the scan.
+std::vector<ScanStrip> strips_of(const ScanMotion& motion);
 
 }  // namespace gdtslam

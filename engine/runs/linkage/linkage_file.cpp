@@ -1,6 +1,8 @@
 #include "linkage_file.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string_view>
@@ -13,6 +15,7 @@
 #include "engine/io/yaml/checked_yaml.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -256,6 +259,48 @@ std::string preset_names() {
   return names;
 }
 
+// Centimetres where a round number of them reads back as the same bits, as for the lengths people measure.
+std::string length_text(double length_m) {
+  constexpr double kDecimals = 1e8;
+  const std::string metres = format_quantity(length_m, Unit::kMetre);
+  const double length_cm = std::round(length_m * 100.0 * kDecimals) / kDecimals;
+  const std::string centimetres = format_quantity(length_cm, Unit::kNone) + " cm";
+  const std::optional<double> back = parse_quantity(centimetres, Unit::kMetre, nullptr);
+  return back && *back == length_m && centimetres.size() <= metres.size() + 1 ? centimetres : metres;
+}
+
+std::string quantity_text(double value, Unit unit) {
+  return unit == Unit::kMetre ? length_text(value) : format_quantity(value, unit);
+}
+
+// A scalar of YAML that stays text whatever is in it.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    constexpr const char* kHex = "0123456789abcdef";
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      result.append(1, '\\').append(1, c);
+    } else if (byte < ' ' || c == '\x7f') {
+      result.append("\\x").append(1, kHex[byte >> 4U]).append(1, kHex[byte & 15U]);
+    } else {
+      result.append(1, c);
+    }
+  }
+  return result + '"';
+}
+
+std::string uncertainty_text(const std::vector<ParameterSigma>& uncertainty) {
+  std::string lines;
+  for (const LinkageParameter& parameter : kLinkageParameters) {
+    for (const ParameterSigma& given : uncertainty) {
+      if (given.name != parameter.name) continue;
+      lines += std::string("  ") + parameter.name + ": " + quantity_text(given.sigma, parameter.unit) + "\n";
+    }
+  }
+  return lines.empty() ? lines : "uncertainty:  # standard deviations\n" + lines;
+}
+
 }  // namespace
 
 LinkageFile read_linkage_text(const std::string& text, const std::string& file) {
@@ -299,6 +344,38 @@ std::string linkage_sidecar(const std::string& log) {
   std::string path = sidecar_path(log, ".linkage.yaml");
   std::error_code none;  // what cannot be looked at is not there
   return std::filesystem::is_regular_file(path, none) ? path : std::string();
+}
+
+std::string linkage_text(const calib::SweepModel& model, const std::vector<ParameterSigma>& uncertainty) {
+  std::string text = "gdtslam_linkage: 1\nname: " + quoted(model.name) + "\n";
+  const auto line = [&text](const char* key, const std::string& value) {
+    text.append("  ").append(key).append(": ").append(value).append(1, '\n');
+  };
+  const auto angle = [](double value_rad) { return format_quantity(value_rad, Unit::kRadian); };
+  text += "bars:\n";
+  line("crank", length_text(model.bars.crank_m));
+  line("coupler", length_text(model.bars.coupler_m));
+  line("rocker", length_text(model.bars.rocker_m));
+  line("ground", length_text(model.bars.ground_m));
+  text += std::string("assembly: ") + (model.assembly == calib::Assembly::kOpen ? "open" : "crossed") + "\n";
+  text += "encoder:\n";
+  line("ticks_per_turn", std::to_string(model.encoder.ticks_per_turn));
+  line("zero", angle(model.encoder.zero_rad) + "  # crank angle at tick 0");
+  line("direction", std::to_string(model.encoder.direction) + "  # 1: ticks grow counter-clockwise");
+  line("wraps", model.encoder.wraps ? "true" : "false");
+  text += "elevation:  # sign * rocker angle + offset\n";
+  line("sign", std::to_string(model.elevation_sign));
+  line("offset", angle(model.elevation_offset_rad));
+  text += "mount:\n";
+  line("height", length_text(model.mount.height_m));
+  line("lever_forward", length_text(model.mount.lever_forward_m));
+  line("lever_up", length_text(model.mount.lever_up_m));
+  line("roll", angle(model.mount.sensor_roll_rad));
+  line("yaw", angle(model.mount.sensor_yaw_rad));
+  text += "laser:\n";
+  line("mirror_rate", format_quantity(model.mirror_rate_hz, Unit::kNone) + " Hz");
+  line("stamp", format_quantity(model.stamp_share, Unit::kNone) + "  # 0 first beam, 0.5 middle, 1 last");
+  return text + uncertainty_text(uncertainty);
 }
 
 }  // namespace gdtslam

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "gdtslam/core/angle.hpp"
@@ -15,39 +16,19 @@ constexpr double kLeastKnown = 0.5;
 }  // namespace
 
 std::string_view to_string(LocalizeFault fault) {
-  switch (fault) {
-    case LocalizeFault::kNone:
-      return "none";
-    case LocalizeFault::kTooFewReturns:
-      return "too-few-returns";
-    case LocalizeFault::kNoOverlap:
-      return "no-overlap";
-    case LocalizeFault::kNotProven:
-      return "not-proven";
-    case LocalizeFault::kAsGood:
-      return "as-good";
-    case LocalizeFault::kMapPrefers:
-      return "map-prefers";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 6> kNames{"none",       "too-few-returns", "no-overlap",
+                                                          "not-proven", "as-good",         "map-prefers"};
+  return kNames.at(static_cast<std::size_t>(fault));
 }
 
 std::string_view as_text(LocalizeFault fault) {
-  switch (fault) {
-    case LocalizeFault::kNone:
-      return "right";
-    case LocalizeFault::kTooFewReturns:
-      return "too few returns";
-    case LocalizeFault::kNoOverlap:
-      return "the map has little of what the scan shows at the reference";
-    case LocalizeFault::kNotProven:
-      return "the search was cut short";
-    case LocalizeFault::kAsGood:
-      return "both poses fit alike";
-    case LocalizeFault::kMapPrefers:
-      return "the map prefers the pose found";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 6> kNames{"right",
+                                                          "too few returns",
+                                                          "the map has little of what the scan shows at the reference",
+                                                          "the search was cut short",
+                                                          "both poses fit alike",
+                                                          "the map prefers the pose found"};
+  return kNames.at(static_cast<std::size_t>(fault));
 }
 
 LocalizeFault fault_of(const LocalizedScan& scan, const LocalizeLimits& limits) {

@@ -1,6 +1,7 @@
 #include "run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
@@ -101,17 +102,8 @@ bool looks_like_map(const std::string& path) {
 }
 
 std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kFound:
-      return "found";
-    case Verdict::kAmbiguous:
-      return "ambiguous";
-    case Verdict::kPoorFit:
-      return "poor fit";
-    case Verdict::kNoPose:
-      return "no pose";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, 4> kNames{"found", "ambiguous", "poor fit", "no pose"};
+  return kNames.at(static_cast<std::size_t>(verdict));
 }
 
 Verdict verdict_of(const LocalizedScan& scan, double good_fit_m) {

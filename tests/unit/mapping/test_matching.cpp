@@ -108,8 +108,11 @@ TEST_F(Matching, APriorPullsTowardsItsMeanAndOnlyThen) {
   objective.set_cap(map_.cap());
   const CellPose pose = objective.to_cells({0.5, 0.1, 0.2});
   const std::uint32_t without = objective.evaluate(pose);
-  objective.set_prior(
-      {.mean = {pose.x - 3.0F, pose.y + 4.0F, pose.theta - 0.5F}, .weight_xy = 2.0F, .weight_theta = 8.0F});
+  objective.set_prior({.mean_x = pose.x - 3.0F,
+                       .mean_y = pose.y + 4.0F,
+                       .mean_theta = pose.theta - 0.5F,
+                       .weight_xy = 2.0F,
+                       .weight_theta = 8.0F});
   EXPECT_EQ(objective.evaluate(pose), without + 50 + 2);
   objective.set_prior({});
   EXPECT_EQ(objective.evaluate(pose), without);
@@ -198,7 +201,9 @@ INSTANTIATE_TEST_SUITE_P(All, Matchers, testing::Values(MatcherKind::kSimplex, M
 TEST_F(Matching, APredictionNextToNothingIsZero) {
   MatchRules rules(config_);
   rules.begin({.T_map_base = {1.0e-42, -1.0e-41, 1.0e-40}}, 100);
-  for (const CellPose& pose : {rules.predicted(), rules.window(1.0).centre, rules.prior().mean}) {
+  const PriorParams& prior = rules.prior();
+  const CellPose mean{prior.mean_x, prior.mean_y, prior.mean_theta};
+  for (const CellPose& pose : {rules.predicted(), rules.window(1.0).centre, mean}) {
     EXPECT_EQ(pose.x, 0.0F);
     EXPECT_EQ(pose.theta, 0.0F);
   }
