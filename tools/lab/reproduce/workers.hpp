@@ -27,7 +27,7 @@ class Workers {
   };
 
   explicit Workers(unsigned most) : most_(most) {}
-  /// What still runs is told to stop (SIGTERM, see interrupt.hpp) and waited for.
+  /// What still runs is told to stop (SIGTERM, see console.hpp) and waited for.
   ~Workers();
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
