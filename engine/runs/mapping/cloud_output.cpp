@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "cloud_sample.hpp"
+
 namespace gdtslam {
 namespace {
 
