@@ -13,7 +13,7 @@ from scripts_test import ROOT, ScriptTest
 # preprocessor, by counting uses up to the end of the file, only in main files, or in a header of the project.
 FINDINGS = {
     "readability-identifier-naming": "namespace {\nconst int limit = 3;\n}\nint NAME() { return limit; }",
-    "bugprone-reserved-identifier": "int __NAME() { return 1; }",
+    "clang-diagnostic-reserved-identifier": "int __NAME() { return 1; }",
     "cppcoreguidelines-init-variables": "int NAME(bool b) {\n  int i;\n  if (b) i = 2; else i = 3;\n  return i;\n}",
     "modernize-use-nullptr": "int* NAME() { return 0; }",
     "modernize-deprecated-headers": "#include <stddef.h>\nint NAME() { return 1; }",
