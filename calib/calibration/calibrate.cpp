@@ -8,7 +8,6 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "observability.hpp"
-#include "start_search.hpp"
 
 namespace gdtslam::calib {
 namespace {
@@ -17,8 +16,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
 constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
 constexpr int kFirstRounds = 2;
-constexpr double kNear = 100.0;      // of the cost: then the other assembly is worth a whole fit
-constexpr double kMuchBetter = 0.5;  // of the cost: then the other assembly is the right one
+constexpr double kNear = 100.0;             // of the cost: then the other assembly is worth a whole fit
+constexpr double kMuchBetter = 0.5;         // of the cost: then the other assembly is the right one
+constexpr std::size_t kZeros = 144;         // 2.5 deg apart
+constexpr std::size_t kObservations = 200;  // of all, spread evenly
+constexpr double kMostMiss_m = 0.5;         // a larger one counts as this
+// A wall with things before it gives one outlier in ten; the wrong preset nine in ten.
+constexpr double kMostOutliers = 1.0 / 3.0;
+constexpr double kMostRms = 3.0;  // of all ranges, where a bar was stopped by its bound
 
 /// A start with what came of it.
 struct Attempt {
@@ -81,6 +86,52 @@ Attempt attempt(const Setup& start, const std::vector<RangeObservation>& observa
   Attempt result{.start = start, .parameters = parameters_of(start, options), .fit = {}};
   result.fit = fit(result.start, result.parameters, observations, options, rounds);
   return result;
+}
+
+double mean_miss_m(const Setup& setup, const std::vector<RangeObservation>& observations,
+                   const CalibrationOptions& options) {
+  const std::size_t step = std::max<std::size_t>(1, observations.size() / kObservations);
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < observations.size(); k += step) {
+    const RangeObservation& seen = observations[k];
+    const CalibrationSurface& surface = setup.surfaces[seen.surface];
+    const std::optional<SurfaceMiss> miss = surface_miss(setup.model, surface, seen);
+    if (!miss) continue;
+    const double measured = measured_elevation_rad(setup.model.mount, surface, seen, miss->elevation_rad);
+    if (std::fabs(measured) > options.max_elevation_rad) continue;
+    sum += std::min(std::fabs(miss->miss_m), kMostMiss_m);
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
+}
+
+// The same bars assembled the other way, so that the elevation covers the same range: its course over a turn is that of
+// the start run backwards. psi of the crossed assembly at phi is -psi of the open one at -phi.
+SweepModel other_assembly(const SweepModel& model) {
+  SweepModel other = model;
+  other.assembly = model.assembly == Assembly::kOpen ? Assembly::kCrossed : Assembly::kOpen;
+  other.elevation_sign = -model.elevation_sign;
+  return other;
+}
+
+// The model with the encoder's zero that makes the observations miss their surfaces least, for a start whose zero is
+// not known. O(crank angles x observations).
+SweepModel best_zero(const Setup& setup, const SweepModel& model, const std::vector<RangeObservation>& observations,
+                     const CalibrationOptions& options) {
+  Setup trial{model, setup.surfaces};
+  SweepModel best = model;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < kZeros; ++k) {
+    const double turn = static_cast<double>(k) / static_cast<double>(kZeros);
+    trial.model.encoder.zero_rad = wrap_angle(model.encoder.zero_rad + kTwoPi * turn);
+    const double miss = mean_miss_m(trial, observations, options);
+    if (miss < least) {
+      least = miss;
+      best = trial.model;
+    }
+  }
+  return best;
 }
 
 // The other assembly, fitted to the end only where it comes near; nothing where no range lies within the elevations.
@@ -162,6 +213,13 @@ CalibrationResult result_of(const Attempt& attempt, const CalibrationOptions& op
   return result;
 }
 
+std::string rounded(double value) {
+  const double tenths = std::floor(10.0 * value + 0.5);
+  if (!(tenths < 1e9)) return "over 1e8";
+  const auto whole = static_cast<std::uint64_t>(tenths);
+  return std::to_string(whole / 10) + "." + std::to_string(whole % 10);
+}
+
 }  // namespace
 
 CalibrationResult calibrate(const SweepModel& start, const std::vector<CalibrationSurface>& surfaces,
@@ -185,6 +243,26 @@ CalibrationResult calibrate(const SweepModel& start, const std::vector<Calibrati
     result.remarks.emplace_back("the other assembly fits much better than that of the start, and was taken");
   }
   return result;
+}
+
+bool is_bar(std::string_view name) {
+  return name == "crank" || name == "coupler" || name == "rocker" || name == "ground";
+}
+
+std::string reason_for_distrust(const CalibrationResult& result) {
+  if (static_cast<double>(result.outliers) > kMostOutliers * static_cast<double>(result.observations)) {
+    return std::to_string(result.outliers) + " of " + std::to_string(result.observations) +
+           " ranges do not fit the surfaces";
+  }
+  if (!result.converged) return "the fit did not converge (" + result.reason + ")";
+  if (result.all_rms <= kMostRms) return "";
+  for (const CalibratedParameter& parameter : result.parameters) {
+    if (parameter.at_bound && is_bar(parameter.name)) {
+      return parameter.name + " lies on its bound and the ranges miss the surfaces by " + rounded(result.all_rms) +
+             " sigma";
+    }
+  }
+  return "";
 }
 
 }  // namespace gdtslam::calib

@@ -18,12 +18,13 @@ struct SurfaceMiss {
   double incidence = 0.0;  ///< cosine of the angle between beam and normal: d miss / d range
   double elevation_rad = 0.0;
 
-  // Derivatives of the elevation, by bars (rad per metre) and by the encoder's zero.
+  // Derivatives of the elevation, by bars (rad per metre), by the encoder's zero and by the offset.
   double elevation_by_crank = 0.0;
   double elevation_by_coupler = 0.0;
   double elevation_by_rocker = 0.0;
   double elevation_by_ground = 0.0;
   double elevation_by_zero = 0.0;
+  double elevation_by_offset = 1.0;
   // Derivatives of the miss; those by bars, zero and offset come through the elevation.
   double by_elevation = 0.0;
   double by_lever_forward = 0.0;

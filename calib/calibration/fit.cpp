@@ -13,6 +13,7 @@
 #include <limits>
 #include <set>
 
+#include "engine/core/quantile.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::calib {
@@ -126,9 +127,7 @@ void require_enough(std::size_t used, std::size_t given, std::size_t parameters,
 // 1.4826 times the median of the absolute values: their standard deviation where they are normal.
 double robust_spread(std::vector<double> values) {
   for (double& value : values) value = std::fabs(value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return 1.4826 * *middle;
+  return 1.4826 * upper_median(values);
 }
 
 ceres::Solver::Options solver_options() {

@@ -13,37 +13,39 @@ constexpr double kLeverBound_m = 0.2;
 constexpr double kAngleBound_rad = kPi / 4.0;
 constexpr double kOffsetBound_rad = kPi / 2.0;
 
-// The value of a parameter in a setup.
-double& value_of(Setup& setup, const Parameter& parameter) {
-  SweepModel& model = setup.model;
-  switch (parameter.kind) {
-    case ParameterKind::kCrank:
-      return model.bars.crank_m;
-    case ParameterKind::kCoupler:
-      return model.bars.coupler_m;
-    case ParameterKind::kRocker:
-      return model.bars.rocker_m;
-    case ParameterKind::kGround:
-      return model.bars.ground_m;
-    case ParameterKind::kZero:
-      return model.encoder.zero_rad;
-    case ParameterKind::kOffset:
-      return model.elevation_offset_rad;
-    case ParameterKind::kLeverForward:
-      return model.mount.lever_forward_m;
-    case ParameterKind::kLeverUp:
-      return model.mount.lever_up_m;
-    case ParameterKind::kRoll:
-      return model.mount.sensor_roll_rad;
-    case ParameterKind::kYaw:
-      return model.mount.sensor_yaw_rad;
-    case ParameterKind::kDistance:
-      return setup.surfaces[parameter.surface].distance_m;
-    case ParameterKind::kHeading:
-      break;
-  }
-  return setup.surfaces[parameter.surface].heading_rad;
+template <auto Part, auto Value>
+double& of_model(Setup& setup, std::size_t /*surface*/) {
+  return setup.model.*Part.*Value;
 }
+template <auto Value>
+double& of_surface(Setup& setup, std::size_t surface) {
+  return setup.surfaces[surface].*Value;
+}
+double& offset_of_model(Setup& setup, std::size_t /*surface*/) { return setup.model.elevation_offset_rad; }
+
+constexpr ParameterKind kCrank{"crank", of_model<&SweepModel::bars, &FourBar::crank_m>,
+                               &SurfaceMiss::elevation_by_crank, Effect::kElevation};
+constexpr ParameterKind kCoupler{"coupler", of_model<&SweepModel::bars, &FourBar::coupler_m>,
+                                 &SurfaceMiss::elevation_by_coupler, Effect::kElevation};
+constexpr ParameterKind kRocker{"rocker", of_model<&SweepModel::bars, &FourBar::rocker_m>,
+                                &SurfaceMiss::elevation_by_rocker, Effect::kElevation};
+constexpr ParameterKind kGround{"ground", of_model<&SweepModel::bars, &FourBar::ground_m>,
+                                &SurfaceMiss::elevation_by_ground, Effect::kElevation};
+constexpr ParameterKind kZero{"zero", of_model<&SweepModel::encoder, &CrankEncoder::zero_rad>,
+                              &SurfaceMiss::elevation_by_zero, Effect::kElevation};
+constexpr ParameterKind kOffset{"offset", offset_of_model, &SurfaceMiss::elevation_by_offset, Effect::kElevation};
+constexpr ParameterKind kLeverForward{"lever.forward", of_model<&SweepModel::mount, &NoddingMount::lever_forward_m>,
+                                      &SurfaceMiss::by_lever_forward, Effect::kMiss};
+constexpr ParameterKind kLeverUp{"lever.up", of_model<&SweepModel::mount, &NoddingMount::lever_up_m>,
+                                 &SurfaceMiss::by_lever_up, Effect::kMiss};
+constexpr ParameterKind kRoll{"sensor.roll", of_model<&SweepModel::mount, &NoddingMount::sensor_roll_rad>,
+                              &SurfaceMiss::by_roll, Effect::kMiss};
+constexpr ParameterKind kYaw{"sensor.yaw", of_model<&SweepModel::mount, &NoddingMount::sensor_yaw_rad>,
+                             &SurfaceMiss::by_yaw, Effect::kMiss};
+constexpr ParameterKind kDistance{"distance.", of_surface<&CalibrationSurface::distance_m>, &SurfaceMiss::by_distance,
+                                  Effect::kMissOfItsSurface};
+constexpr ParameterKind kHeading{"heading.", of_surface<&CalibrationSurface::heading_rad>, &SurfaceMiss::by_heading,
+                                 Effect::kMissOfItsSurface};
 
 struct Family {
   std::string unit;
@@ -55,15 +57,15 @@ struct Family {
 class ParameterList {
  public:
   explicit ParameterList(Setup start) : start_(std::move(start)) {}
-  void add(ParameterKind kind, const std::string& name, const Family& family, std::size_t surface = 0) {
-    Parameter parameter{.kind = kind,
+  void add(const ParameterKind& kind, const Family& family, std::size_t surface = 0, const std::string& of = "") {
+    Parameter parameter{.kind = &kind,
                         .surface = surface,
-                        .name = name,
+                        .name = kind.name + of,
                         .unit = family.unit,
                         .scale = family.prior > 0.0 ? family.prior : family.default_scale,
                         .prior_sigma = family.prior,
                         .bound = family.bound};
-    parameter.start = value_of(start_, parameter);
+    parameter.start = kind.value(start_, surface);
     list.push_back(std::move(parameter));
   }
   std::vector<Parameter> list;
@@ -72,7 +74,34 @@ class ParameterList {
   Setup start_;
 };
 
+void check(const char* name, double value, double least, double most, std::vector<std::string>& faults) {
+  if (value >= least && value <= most) return;
+  faults.push_back(std::string(name) + " = " + std::to_string(value) + " must be " + std::to_string(least) + " to " +
+                   std::to_string(most));
+}
+
 }  // namespace
+
+CalibrationOptions CalibrationOptions::without_priors() const {
+  CalibrationOptions options = *this;
+  options.bar_prior_m = options.zero_prior_rad = options.offset_prior_rad = options.distance_prior_m = 0.0;
+  options.lever_prior_m = options.angle_prior_rad = 0.0;
+  return options;
+}
+
+std::vector<std::string> validate(const CalibrationOptions& options) {
+  std::vector<std::string> faults;
+  check("bar_bound_m", options.bar_bound_m, 1e-6, 0.1, faults);
+  check("bar_prior_m", options.bar_prior_m, 0.0, 0.1, faults);
+  check("zero_prior_rad", options.zero_prior_rad, 0.0, kTwoPi, faults);
+  check("offset_prior_rad", options.offset_prior_rad, 0.0, kTwoPi, faults);
+  check("distance_prior_m", options.distance_prior_m, 0.0, 100.0, faults);
+  check("lever_prior_m", options.lever_prior_m, 0.0, 1.0, faults);
+  check("angle_prior_rad", options.angle_prior_rad, 0.0, kTwoPi, faults);
+  check("huber_sigmas", options.huber_sigmas, 0.1, 1000.0, faults);
+  check("max_elevation_rad", options.max_elevation_rad, rad_from_deg(5.0), rad_from_deg(89.0), faults);
+  return faults;
+}
 
 std::vector<Parameter> parameters_of(const Setup& start, const CalibrationOptions& options) {
   const CalibrationOptions defaults;
@@ -83,26 +112,21 @@ std::vector<Parameter> parameters_of(const Setup& start, const CalibrationOption
   const Family angle{"rad", options.angle_prior_rad, defaults.angle_prior_rad, kAngleBound_rad};
   const Family distance{"m", options.distance_prior_m, defaults.distance_prior_m, kDistanceBound_m};
   ParameterList parameters(start);
-  parameters.add(ParameterKind::kCrank, "crank", bar);
-  parameters.add(ParameterKind::kCoupler, "coupler", bar);
-  parameters.add(ParameterKind::kRocker, "rocker", bar);
-  parameters.add(ParameterKind::kGround, "ground", bar);
-  parameters.add(ParameterKind::kZero, "zero", zero);
-  parameters.add(ParameterKind::kOffset, "offset", offset);
+  for (const ParameterKind* kind : {&kCrank, &kCoupler, &kRocker, &kGround}) parameters.add(*kind, bar);
+  parameters.add(kZero, zero);
+  parameters.add(kOffset, offset);
   if (options.free_lever) {
-    parameters.add(ParameterKind::kLeverForward, "lever.forward", lever);
-    parameters.add(ParameterKind::kLeverUp, "lever.up", lever);
+    parameters.add(kLeverForward, lever);
+    parameters.add(kLeverUp, lever);
   }
   if (options.free_sensor_angles) {
-    parameters.add(ParameterKind::kRoll, "sensor.roll", angle);
-    parameters.add(ParameterKind::kYaw, "sensor.yaw", angle);
+    parameters.add(kRoll, angle);
+    parameters.add(kYaw, angle);
   }
   for (std::size_t k = 0; k < start.surfaces.size(); ++k) {
     const CalibrationSurface& surface = start.surfaces[k];
-    if (!surface.distance_known) parameters.add(ParameterKind::kDistance, "distance." + surface.name, distance, k);
-    if (!surface.heading_known && surface.kind == SurfaceKind::kWall) {
-      parameters.add(ParameterKind::kHeading, "heading." + surface.name, angle, k);
-    }
+    if (!surface.distance_known) parameters.add(kDistance, distance, k, surface.name);
+    if (!surface.heading_known && surface.kind == SurfaceKind::kWall) parameters.add(kHeading, angle, k, surface.name);
   }
   return std::move(parameters.list);
 }
@@ -110,48 +134,22 @@ std::vector<Parameter> parameters_of(const Setup& start, const CalibrationOption
 Setup setup_at(const Setup& start, std::span<const Parameter> parameters, std::span<const double> x) {
   Setup setup = start;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    value_of(setup, parameters[i]) = parameters[i].start + parameters[i].scale * x[i];
+    const Parameter& parameter = parameters[i];
+    parameter.kind->value(setup, parameter.surface) = parameter.start + parameter.scale * x[i];
   }
   return setup;
 }
 
 double elevation_derivative(const SurfaceMiss& miss, const Parameter& parameter) {
-  switch (parameter.kind) {
-    case ParameterKind::kCrank:
-      return parameter.scale * miss.elevation_by_crank;
-    case ParameterKind::kCoupler:
-      return parameter.scale * miss.elevation_by_coupler;
-    case ParameterKind::kRocker:
-      return parameter.scale * miss.elevation_by_rocker;
-    case ParameterKind::kGround:
-      return parameter.scale * miss.elevation_by_ground;
-    case ParameterKind::kZero:
-      return parameter.scale * miss.elevation_by_zero;
-    case ParameterKind::kOffset:
-      return parameter.scale;
-    default:
-      return 0.0;
-  }
+  const ParameterKind& kind = *parameter.kind;
+  return kind.effect == Effect::kElevation ? parameter.scale * miss.*kind.by : 0.0;
 }
 
 double derivative(const SurfaceMiss& miss, const Parameter& parameter, std::uint32_t observed_surface) {
-  const bool is_seen = parameter.surface == observed_surface;
-  switch (parameter.kind) {
-    case ParameterKind::kLeverForward:
-      return parameter.scale * miss.by_lever_forward;
-    case ParameterKind::kLeverUp:
-      return parameter.scale * miss.by_lever_up;
-    case ParameterKind::kRoll:
-      return parameter.scale * miss.by_roll;
-    case ParameterKind::kYaw:
-      return parameter.scale * miss.by_yaw;
-    case ParameterKind::kDistance:
-      return is_seen ? parameter.scale * miss.by_distance : 0.0;
-    case ParameterKind::kHeading:
-      return is_seen ? parameter.scale * miss.by_heading : 0.0;
-    default:
-      return miss.by_elevation * elevation_derivative(miss, parameter);
-  }
+  const ParameterKind& kind = *parameter.kind;
+  if (kind.effect == Effect::kElevation) return miss.by_elevation * elevation_derivative(miss, parameter);
+  if (kind.effect == Effect::kMissOfItsSurface && parameter.surface != observed_surface) return 0.0;
+  return parameter.scale * miss.*kind.by;
 }
 
 double closing_room_m(const FourBar& bars) {

@@ -12,23 +12,25 @@
 
 namespace gdtslam::calib {
 
-enum class ParameterKind : std::uint8_t {
-  kCrank,
-  kCoupler,
-  kRocker,
-  kGround,
-  kZero,
-  kOffset,
-  kLeverForward,
-  kLeverUp,
-  kRoll,
-  kYaw,
-  kDistance,
-  kHeading,
+/// What the scanner and its surroundings are believed to be.
+struct Setup {
+  SweepModel model;
+  std::vector<CalibrationSurface> surfaces;
+};
+
+/// What moves when a parameter changes.
+enum class Effect : std::uint8_t { kElevation, kMiss, kMissOfItsSurface };
+
+/// Something that can be estimated: its value in a setup and its derivative.
+struct ParameterKind {
+  const char* name;
+  double& (*value)(Setup& setup, std::size_t surface);
+  double SurfaceMiss::*by;
+  Effect effect;
 };
 
 struct Parameter {
-  ParameterKind kind = ParameterKind::kCrank;
+  const ParameterKind* kind = nullptr;
   std::size_t surface = 0;  ///< of a distance or a heading
   std::string name;
   std::string unit;
@@ -37,12 +39,6 @@ struct Parameter {
   double prior_sigma = 0.0;  ///< 0: none
   double bound = 0.0;        ///< of the change, either way
   [[nodiscard]] double bound_scaled() const { return bound / scale; }
-};
-
-/// What the scanner and its surroundings are believed to be.
-struct Setup {
-  SweepModel model;
-  std::vector<CalibrationSurface> surfaces;
 };
 
 std::vector<Parameter> parameters_of(const Setup& start, const CalibrationOptions& options);

@@ -18,8 +18,6 @@ constexpr double kAliased = 0.1;      // share of an effect that the parameters 
 
 Eigen::Index index(std::size_t k) { return static_cast<Eigen::Index>(k); }
 
-bool is_bar(const Parameter& parameter) { return parameter.kind <= ParameterKind::kGround; }
-
 // With its sign; `digits` decimals, or digits in all with chars_format::general.
 std::string signed_text(double value, std::chars_format format, int digits) {
   std::array<char, 48> text{};
@@ -28,14 +26,10 @@ std::string signed_text(double value, std::chars_format format, int digits) {
 }
 
 // All bars longer by the same share: no angle of the loop changes.
-Eigen::VectorXd scale_direction(const Setup& setup, std::span<const Parameter> parameters) {
-  const FourBar& bars = setup.model.bars;
-  const std::array<double, 4> lengths{bars.crank_m, bars.coupler_m, bars.rocker_m, bars.ground_m};
+Eigen::VectorXd scale_direction(Setup setup, std::span<const Parameter> parameters) {
   Eigen::VectorXd direction = Eigen::VectorXd::Zero(index(parameters.size()));
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (is_bar(parameters[i])) {
-      direction(index(i)) = lengths[static_cast<std::size_t>(parameters[i].kind)] / parameters[i].scale;
-    }
+    if (is_bar(parameters[i].name)) direction(index(i)) = parameters[i].kind->value(setup, 0) / parameters[i].scale;
   }
   return direction.normalized();
 }

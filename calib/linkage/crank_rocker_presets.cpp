@@ -1,6 +1,7 @@
 // The linkages of the paper: its lengths under three readings of its figure, nominal and as calibrated there.
 #include <array>
 
+#include "gdtslam/calib/calibration.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -19,9 +20,8 @@ struct Reading {
   std::size_t rocker;
   std::size_t ground;
 };
-constexpr Reading kReadingA = {2, 4, 5, 3};
-constexpr Reading kReadingB = {2, 4, 5, 6};
-constexpr Reading kReadingC = {2, 4, 6, 5};
+/// A, B and C.
+constexpr std::array<Reading, 3> kReadings{{{2, 4, 5, 3}, {2, 4, 5, 6}, {2, 4, 6, 5}}};
 
 FourBar bars_of(const Reading& reading, bool is_calibrated) {
   const auto length_m = [&](std::size_t number) {
@@ -37,13 +37,13 @@ FourBar bars_of(const Reading& reading, bool is_calibrated) {
 
 const std::vector<LinkagePreset>& linkage_presets() {
   static const std::vector<LinkagePreset> presets = {
-      {"paper-a", "reading A: bars L2, L4, L5, L3; an even sweep of 49 deg", bars_of(kReadingA, false)},
-      {"paper-a-calibrated", "reading A with the paper's calibrated lengths", bars_of(kReadingA, true)},
+      {"paper-a", "reading A: bars L2, L4, L5, L3; an even sweep of 49 deg", bars_of(kReadings[0], false)},
+      {"paper-a-calibrated", "reading A with the paper's calibrated lengths", bars_of(kReadings[0], true)},
       {"paper-b", "reading B, which fits the paper best: bars L2, L4, L5, L6; slow lift by 93 deg, quick return",
-       bars_of(kReadingB, false)},
-      {"paper-b-calibrated", "reading B with the paper's calibrated lengths", bars_of(kReadingB, true)},
-      {"paper-c", "reading C: bars L2, L4, L6, L5; an even sweep of 93 deg", bars_of(kReadingC, false)},
-      {"paper-c-calibrated", "reading C with the paper's calibrated lengths", bars_of(kReadingC, true)}};
+       bars_of(kReadings[1], false)},
+      {"paper-b-calibrated", "reading B with the paper's calibrated lengths", bars_of(kReadings[1], true)},
+      {"paper-c", "reading C: bars L2, L4, L6, L5; an even sweep of 93 deg", bars_of(kReadings[2], false)},
+      {"paper-c-calibrated", "reading C with the paper's calibrated lengths", bars_of(kReadings[2], true)}};
   return presets;
 }
 
@@ -56,6 +56,20 @@ const LinkagePreset& linkage_preset(std::string_view name) {
     known += (known.empty() ? "" : ", ") + std::string(preset.name);
   }
   throw ConfigError("no linkage is named '" + std::string(name) + "'; the presets are " + known);
+}
+
+std::vector<PaperBar> paper_bars(const std::string& model_name) {
+  if (!model_name.starts_with("paper-") || model_name.size() < 7) return {};
+  const auto number = static_cast<std::size_t>(model_name[6] - 'a');
+  if (number >= kReadings.size()) return {};
+  std::vector<PaperBar> bars(kNominal_um.size());
+  for (std::size_t k = 0; k < bars.size(); ++k) bars[k].name = "delta" + std::to_string(k + 1);
+  const Reading& reading = kReadings.at(number);
+  bars[reading.crank - 1].place = "crank";
+  bars[reading.coupler - 1].place = "coupler";
+  bars[reading.rocker - 1].place = "rocker";
+  bars[reading.ground - 1].place = "ground";
+  return bars;
 }
 
 }  // namespace gdtslam::calib

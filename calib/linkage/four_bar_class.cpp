@@ -90,21 +90,9 @@ GrashofClass grashof_class(const FourBar& bars) {
 }
 
 const char* class_name(GrashofClass grashof) {
-  switch (grashof) {
-    case GrashofClass::kCrankRocker:
-      return "crank-rocker";
-    case GrashofClass::kDoubleCrank:
-      return "double crank";
-    case GrashofClass::kRockerCrank:
-      return "rocker-crank";
-    case GrashofClass::kDoubleRocker:
-      return "double rocker";
-    case GrashofClass::kTripleRocker:
-      return "triple rocker";
-    case GrashofClass::kChangePoint:
-      break;
-  }
-  return "change point";
+  constexpr std::array<const char*, 6> kNames{"crank-rocker",  "double crank",  "rocker-crank",
+                                              "double rocker", "triple rocker", "change point"};
+  return kNames.at(static_cast<std::size_t>(grashof));
 }
 
 }  // namespace gdtslam::calib

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "box_ends.hpp"
 #include "box_face.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"

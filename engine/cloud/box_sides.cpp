@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "box_ends.hpp"
+#include "box_face.hpp"
 
 namespace gdtslam {
 namespace {

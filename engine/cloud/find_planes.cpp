@@ -1,5 +1,3 @@
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -43,22 +41,6 @@ PatchCells few_cells(std::span<const CloudPoint> cloud, std::span<const std::uin
   return cells;
 }
 
-Point3 normal_at(const Neighbours& neighbours, std::uint32_t k) {
-  const std::vector<std::uint32_t> near = neighbours.closest(neighbours.point(k), kNearCells);
-  if (near.size() < 5) return Point3::Zero();
-  Point3 mean = Point3::Zero();
-  for (const std::uint32_t other : near) mean += neighbours.point(other);
-  mean /= static_cast<double>(near.size());
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const std::uint32_t other : near) {
-    const Point3 d = neighbours.point(other) - mean;
-    scatter += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
-  const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);
-  return extents[0] < kFlat * kFlat * extents[1] ? Point3(solver.eigenvectors().col(0)) : Point3(Point3::Zero());
-}
-
 ThinnedCloud thinned(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points,
                      const PlaneSearch& search) {
   PatchCells cells = few_cells(cloud, points, search.thickness_m);
@@ -70,7 +52,9 @@ ThinnedCloud thinned(std::span<const CloudPoint> cloud, std::span<const std::uin
   ThinnedCloud result{std::move(cells), std::move(means), {}, std::vector<bool>(all.size(), true), std::move(groups)};
   if (all.empty()) return result;
   const Neighbours neighbours(result.means);
-  for (const std::uint32_t k : all) result.normals.push_back(normal_at(neighbours, k));
+  for (const std::uint32_t k : all) {
+    result.normals.push_back(neighbours.normal(k, kNearCells, kFlat).value_or(Point3::Zero()));
+  }
   return result;
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/error.hpp"
-#include "plane_fit.hpp"
 #include "position_of.hpp"
 
 namespace gdtslam {

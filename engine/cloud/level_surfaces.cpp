@@ -5,8 +5,8 @@
 #include <tuple>
 #include <vector>
 
+#include "engine/core/quantile.hpp"
 #include "gdtslam/cloud/thinning.hpp"
-#include "plane_fit.hpp"
 #include "position_of.hpp"
 
 namespace gdtslam {
@@ -87,9 +87,7 @@ double spread_m(Points points, const PlanePatch& patch) {
   for (const std::uint32_t k : patch.points) {
     distances.push_back(std::fabs(patch.plane.distance_m(position_of(points[k]))));
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return 3.0 * 1.4826 * *middle;
+  return 3.0 * 1.4826 * upper_median(distances);
 }
 
 // The points in columns where nothing rises from the plane or falls from it, as walls do: they have points on one side
@@ -191,6 +189,11 @@ std::optional<PlanePatch> surface_of(Points points, Indices columns, const Level
   return std::nullopt;
 }
 
+// Height of a point over a level plane, whichever way its normal points.
+double height_over_m(const Plane& plane, const Point3& point) {
+  return plane.normal.z() < 0.0 ? -plane.distance_m(point) : plane.distance_m(point);
+}
+
 }  // namespace
 
 LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const LevelSearch& search) {
@@ -208,6 +211,21 @@ LevelSurfaces find_level_surfaces(std::span<const CloudPoint> sample, const Leve
     (below > above ? found.floor : found.ceiling).reset();
   }
   return found;
+}
+
+LevelRemoval::LevelRemoval(const LevelSurfaces& surfaces, double margin_m, CloudSink& next)
+    : surfaces_(surfaces), margin_m_(margin_m), next_(next) {}
+
+void LevelRemoval::add(std::span<const CloudPoint> points) {
+  kept_.clear();
+  for (const CloudPoint& point : points) {
+    const Point3 p = position_of(point);
+    const bool is_floor = surfaces_.floor && height_over_m(surfaces_.floor->plane, p) <= margin_m_;
+    const bool is_ceiling = surfaces_.ceiling && height_over_m(surfaces_.ceiling->plane, p) >= -margin_m_;
+    if (!is_floor && !is_ceiling) kept_.push_back(point);
+  }
+  removed_ += points.size() - kept_.size();
+  if (!kept_.empty()) next_.add(kept_);
 }
 
 }  // namespace gdtslam

@@ -1,5 +1,7 @@
 #include "neighbours.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -68,6 +70,20 @@ std::vector<std::uint32_t> Neighbours::closest(const Point3& point, std::uint32_
   const std::array<double, 3> at{point.x(), point.y(), point.z()};
   found.resize(tree_->index.knnSearch(at.data(), count, found.data(), squared.data()));
   return found;
+}
+
+std::optional<Point3> Neighbours::normal(std::uint32_t k, std::uint32_t count, double flat) const {
+  const std::vector<std::uint32_t> near = closest(point(k), count);
+  if (near.size() < 5) return std::nullopt;
+  Point3 mean = Point3::Zero();
+  for (const std::uint32_t other : near) mean += point(other);
+  mean /= static_cast<double>(near.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const std::uint32_t other : near) scatter += (point(other) - mean) * (point(other) - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+  const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);
+  if (!(extents[0] < flat * flat * extents[1])) return std::nullopt;
+  return Point3(solver.eigenvectors().col(0));
 }
 
 std::vector<std::uint32_t> Neighbours::within(const Point3& point, double distance_m) const {

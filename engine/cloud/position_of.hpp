@@ -1,4 +1,4 @@
-// A point of a cloud in double precision.
+// The place of a point of a cloud, in double precision.
 #pragma once
 
 #include "gdtslam/core/cloud.hpp"
@@ -9,5 +9,8 @@ namespace gdtslam {
 inline Point3 position_of(const CloudPoint& point) {
   return {static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m)};
 }
+
+/// Whether it is a place; its other values do not count.
+inline bool is_finite(const CloudPoint& point) { return position_of(point).allFinite(); }
 
 }  // namespace gdtslam

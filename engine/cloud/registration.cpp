@@ -22,11 +22,6 @@ constexpr double kStill_m = 1.0e-4;
 constexpr double kStill_rad = 2.0e-5;
 constexpr std::size_t kLeastPairs = 20;
 
-struct Normal {
-  Point3 direction = Point3::Zero();
-  bool is_flat = false;
-};
-
 /// A cloud that others are registered to: its points, a search tree, and normals where they have been asked for.
 class Target {
  public:
@@ -36,29 +31,16 @@ class Target {
     return neighbours_.nearest(point, within_m);
   }
   [[nodiscard]] Point3 point(std::uint32_t k) const { return neighbours_.point(k); }
-  const Normal& normal(std::uint32_t k) {
-    if (!is_known_[k]) {
-      normals_[k] = fit(k);
-      is_known_[k] = true;
-    }
+  /// Nothing where the neighbourhood is not flat.
+  const std::optional<Point3>& normal(std::uint32_t k) {
+    if (!is_known_[k]) normals_[k] = neighbours_.normal(k, count_, kFlat);
+    is_known_[k] = true;
     return normals_[k];
   }
 
  private:
-  [[nodiscard]] Normal fit(std::uint32_t k) const {
-    const std::vector<std::uint32_t> near = neighbours_.closest(point(k), count_);
-    Point3 mean = Point3::Zero();
-    for (const std::uint32_t other : near) mean += point(other);
-    mean /= static_cast<double>(near.size());
-    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-    for (const std::uint32_t other : near) scatter += (point(other) - mean) * (point(other) - mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
-    const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0.0);
-    return {solver.eigenvectors().col(0), near.size() >= 5 && extents[0] < kFlat * kFlat * extents[1]};
-  }
-
   Neighbours neighbours_;
-  std::vector<Normal> normals_;
+  std::vector<std::optional<Point3>> normals_;
   std::vector<bool> is_known_;
   std::uint32_t count_;
 };
@@ -81,11 +63,11 @@ Equations equations_at(const Pose3& T, const std::vector<Point3>& source, Target
     const Point3 moved = T * p;
     const std::optional<std::uint32_t> k = target.nearest(moved, within_m);
     if (!k) continue;
-    const Normal& normal = target.normal(*k);
-    if (!normal.is_flat) continue;
-    const double residual = normal.direction.dot(moved - target.point(*k));
+    const std::optional<Point3>& normal = target.normal(*k);
+    if (!normal) continue;
+    const double residual = normal->dot(moved - target.point(*k));
     Tangent3 row;
-    row << normal.direction, (moved - centre).cross(normal.direction);
+    row << *normal, (moved - centre).cross(*normal);
     sums.information += row * row.transpose();
     sums.right -= row * residual;
     sums.sum_squares += residual * residual;

@@ -28,4 +28,13 @@ inline double value_at_share(std::vector<double>& values, double share) {
   return *at;
 }
 
+/// The middle value of at least one, the upper one of the two where there are evenly many. It changes the order of the
+/// values. O(n).
+inline double upper_median(std::vector<double>& values) {
+  assert(!values.empty());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace gdtslam

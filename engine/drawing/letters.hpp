@@ -21,4 +21,7 @@ Letter next_letter(std::string_view words, std::size_t& at);
 /// U+FFFD.
 std::string legible(std::string_view words);
 
+/// Cut to a width in pixels, with three dots where letters are missing.
+std::string shortened(const std::string& words, double size, double room, bool is_bold = false);
+
 }  // namespace gdtslam

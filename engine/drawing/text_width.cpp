@@ -92,4 +92,16 @@ double text_width(std::string_view words, double size, bool is_bold) {
   return thousandths * size / 1000.0;
 }
 
+std::string shortened(const std::string& words, double size, double room, bool is_bold) {
+  if (text_width(words, size, is_bold) <= room) return words;
+  const std::string dots = "\xE2\x80\xA6";
+  std::string cut = words;
+  while (!cut.empty() && text_width(cut + dots, size, is_bold) > room) {
+    // A letter may take several bytes: those that continue it go with it.
+    while (cut.size() > 1 && (static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
+    cut.pop_back();
+  }
+  return cut + dots;
+}
+
 }  // namespace gdtslam

@@ -13,8 +13,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "errno_text.hpp"
 #include "gdtslam/core/error.hpp"
+#include "message_text.hpp"
 
 namespace gdtslam {
 namespace fs = std::filesystem;

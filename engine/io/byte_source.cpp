@@ -9,8 +9,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "engine/io/errno_text.hpp"
 #include "engine/io/file_limits.hpp"
+#include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -1,19 +1,23 @@
-// A hint for a misspelt word of the command line. Thread-safe.
+// "Did you mean": the known name that a misspelt one resembles most. Thread-safe; O(names x length^2).
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "nearest_name.hpp"
-
 namespace gdtslam {
 
+/// Insertions, deletions, replacements and swaps of neighbours between two names (optimal string alignment).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// The nearest of the names, the first of equals; nothing when none resembles (more than a third of the letters
+/// differ). The part after the last dot is compared on its own too, so "resolution" finds "map.resolution".
+std::optional<std::string_view> nearest_name(std::string_view name, std::span<const std::string_view> names);
+
 /// "; did you mean 'name'?" with the nearest of the names, or nothing when none resembles.
-inline std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
-  const std::vector<std::string_view> views(names.begin(), names.end());
-  const auto nearest = nearest_name(word, views);
-  return nearest ? "; did you mean '" + std::string(*nearest) + "'?" : "";
-}
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& names);
 
 }  // namespace gdtslam

@@ -1,8 +1,9 @@
-// Text from files within messages: one line, printable, short. Thread-safe.
+// Text from files and from the system within messages: one line, printable, short. Thread-safe.
 #pragma once
 
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace gdtslam {
 
@@ -11,5 +12,8 @@ std::string one_line(std::string_view text, std::size_t limit = 200);
 
 /// A short piece in quotation marks.
 std::string in_quotes(std::string_view text);
+
+/// The system's text of an error number, independent of the locale's thread-unsafe strerror.
+inline std::string errno_text(int code) { return std::generic_category().message(code); }
 
 }  // namespace gdtslam

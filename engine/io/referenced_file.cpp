@@ -17,6 +17,12 @@ bool is_below(const fs::path& path, const fs::path& folder) {
 
 }  // namespace
 
+std::string extension_of(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return extension;
+}
+
 std::string referenced_path(const std::string& referrer, const std::string& name) {
   return (fs::path(referrer).parent_path() / name).string();
 }

@@ -1,5 +1,5 @@
-// Files that another file names: a map's image, a scene's meshes and linkage. A file from a stranger may have none
-// opened but those beside it. Thread-safe.
+// Names of files, and files that another file names: a map's image, a scene's meshes and linkage. A file from a
+// stranger may have none opened but those beside it. Thread-safe.
 #pragma once
 
 #include <string>
@@ -10,6 +10,9 @@ namespace gdtslam {
 /// by a symbolic link, is no regular file (a pipe would block), or no text to show in a message. Empty when it may be,
 /// or when nothing is there.
 std::string fault_of_reference(const std::string& referrer, const std::string& name);
+
+/// What the name of a file ends in, ".png", in small letters.
+std::string extension_of(const std::string& path);
 
 /// Where that file is: names are relative to the folder of `referrer`.
 std::string referenced_path(const std::string& referrer, const std::string& name);

@@ -13,33 +13,29 @@ namespace {
 // SICK LMS 2xx: 75 turns a second, 1 cm in its 80 m mode. The noise of 1 cm lies between what the maker states for the
 // younger LMS1xx (12 mm) and LMS5xx (6 mm).
 LaserModel sick(std::size_t beam_count, double step_deg) {
-  LaserModel laser;
-  laser.first_bearing_rad = rad_from_deg(-90.0);
-  laser.bearing_step_rad = rad_from_deg(step_deg);
-  laser.beam_count = beam_count;
-  laser.min_range_m = 0.02;
-  laser.max_range_m = 80.0;
-  laser.no_return_m = 81.91;
-  laser.noise_constant_m = 0.01;
-  laser.range_resolution_m = 0.01;
-  laser.drop_out_share = 0.002;
-  laser.mirror_rate_hz = 75.0;
-  return laser;
+  return {.first_bearing_rad = rad_from_deg(-90.0),
+          .bearing_step_rad = rad_from_deg(step_deg),
+          .beam_count = beam_count,
+          .min_range_m = 0.02,
+          .max_range_m = 80.0,
+          .no_return_m = 81.91,
+          .noise_constant_m = 0.01,
+          .range_resolution_m = 0.01,
+          .drop_out_share = 0.002,
+          .mirror_rate_hz = 75.0};
 }
 
 LaserModel hokuyo() {
-  LaserModel laser;
-  laser.first_bearing_rad = rad_from_deg(-120.0);
-  laser.bearing_step_rad = rad_from_deg(0.25);
-  laser.beam_count = 961;
-  laser.min_range_m = 0.06;
-  laser.max_range_m = 20.0;
-  laser.no_return_m = 65.533;
-  laser.noise_constant_m = 0.01;
-  laser.range_resolution_m = 0.001;
-  laser.drop_out_share = 0.002;
-  laser.mirror_rate_hz = 40.0;
-  return laser;
+  return {.first_bearing_rad = rad_from_deg(-120.0),
+          .bearing_step_rad = rad_from_deg(0.25),
+          .beam_count = 961,
+          .min_range_m = 0.06,
+          .max_range_m = 20.0,
+          .no_return_m = 65.533,
+          .noise_constant_m = 0.01,
+          .range_resolution_m = 0.001,
+          .drop_out_share = 0.002,
+          .mirror_rate_hz = 40.0};
 }
 
 }  // namespace
@@ -115,15 +111,6 @@ std::vector<BeamTruth> true_beams(const LaserModel& laser, const RayCaster& cast
   return beams;
 }
 
-std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at) {
-  std::vector<double> ranges_m;
-  ranges_m.reserve(laser.beam_count);
-  for (const BeamTruth& beam : true_beams(laser, caster, T_map_laser_at)) {
-    ranges_m.push_back(beam.range_m);
-  }
-  return ranges_m;
-}
-
 double measured_range(const LaserModel& laser, double true_range_m, Random& random) {
   const double deviate = random.normal();
   const bool is_dropped = random.uniform() < laser.drop_out_share;
@@ -144,11 +131,6 @@ std::vector<float> measured_ranges(const LaserModel& laser, const std::vector<Be
     measured_m.push_back(static_cast<float>(measured_range(laser, beam.range_m, random)));
   }
   return measured_m;
-}
-
-std::vector<float> measured_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at,
-                                   Random& random) {
-  return measured_ranges(laser, true_beams(laser, caster, T_map_laser_at), random);
 }
 
 }  // namespace gdtslam::sim

@@ -8,8 +8,7 @@
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "smooth_turn.hpp"
-#include "speed_profile.hpp"
+#include "motion_shapes.hpp"
 
 namespace gdtslam::sim {
 namespace {
@@ -298,8 +297,7 @@ std::vector<std::string> validate(const MotionLimits& limits) {
   return faults;
 }
 
-MotionPlan::MotionPlan(const std::vector<Waypoint>& waypoints, const MotionLimits& limits)
-    : segments_(std::make_unique<Segments>()) {
+MotionPlan::MotionPlan(const std::vector<Waypoint>& waypoints, const MotionLimits& limits) {
   if (const std::vector<std::string> faults = validate(limits); !faults.empty()) {
     throw ConfigError("motion: " + faults.front());
   }
@@ -308,14 +306,9 @@ MotionPlan::MotionPlan(const std::vector<Waypoint>& waypoints, const MotionLimit
   if (builder.time_s() > kMaxDuration_s) {
     throw ConfigError("the trajectory takes more than a day: raise the speed or shorten it");
   }
-  segments_->list = std::move(builder.segments);
-  segments_->end = builder.at();
-  segments_->duration_s = builder.time_s();
+  segments_ = std::make_shared<const Segments>(
+      Segments{.list = std::move(builder.segments), .end = builder.at(), .duration_s = builder.time_s()});
 }
-
-MotionPlan::~MotionPlan() = default;
-MotionPlan::MotionPlan(MotionPlan&&) noexcept = default;
-MotionPlan& MotionPlan::operator=(MotionPlan&&) noexcept = default;
 
 double MotionPlan::duration_s() const { return segments_->duration_s; }
 

@@ -45,11 +45,7 @@ struct RayCaster::Tree : EmbreeBoxes {
 };
 
 RayCaster::RayCaster(TriangleMesh mesh, const RayCasterOptions& options)
-    : tree_(std::make_unique<Tree>(std::move(mesh), options.embree_isa, meet_triangle)) {}
-
-RayCaster::~RayCaster() = default;
-RayCaster::RayCaster(RayCaster&&) noexcept = default;
-RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
+    : tree_(std::make_shared<const Tree>(std::move(mesh), options.embree_isa, meet_triangle)) {}
 
 const TriangleMesh& RayCaster::mesh() const { return tree_->mesh(); }
 

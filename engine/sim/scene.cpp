@@ -57,6 +57,10 @@ void add_cylinder(TriangleMesh& mesh, const Cylinder& cylinder) {
   add_prism(mesh, outline, cylinder.base_m, cylinder.height_m);
 }
 
+void add_wall(TriangleMesh& mesh, const Wall& wall) {
+  for (const Box& box : boxes_of(wall)) add_box(mesh, box);
+}
+
 void add_mesh(TriangleMesh& mesh, const TriangleMesh& part) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
@@ -93,17 +97,20 @@ void add_slabs(TriangleMesh& mesh, const Scene& scene) {
   }
 }
 
-template <class Part>
-void require_valid(const Part& part, const char* kind, std::size_t index) {
-  const std::vector<std::string> faults = validate(part);
-  if (!faults.empty()) {
-    throw ConfigError(std::string(kind) + " " + std::to_string(index + 1) + " of the scene: " + faults.front());
-  }
-}
+// What a mesh holds is looked at with all vertices, see check_finished().
+std::vector<std::string> validate(const TriangleMesh& /*mesh*/) { return {}; }
 
-void check_count(const TriangleMesh& mesh) {
-  if (mesh.triangles.size() > kMaxTriangles) {
-    throw ConfigError("the scene has more than " + std::to_string(kMaxTriangles) + " triangles: simplify its meshes");
+// Adds the parts one after the other; refuses one that cannot be built, and too many triangles.
+template <class Part, class Add>
+void add_parts(TriangleMesh& mesh, const std::vector<Part>& parts, const char* kind, const Add& add) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (const std::vector<std::string> faults = validate(parts[i]); !faults.empty()) {
+      throw ConfigError(std::string(kind) + " " + std::to_string(i + 1) + " of the scene: " + faults.front());
+    }
+    add(mesh, parts[i]);
+    if (mesh.triangles.size() > kMaxTriangles) {
+      throw ConfigError("the scene has more than " + std::to_string(kMaxTriangles) + " triangles: simplify its meshes");
+    }
   }
 }
 
@@ -120,33 +127,36 @@ void check_finished(const TriangleMesh& mesh) {
   }
 }
 
+Vec3 placed(const std::array<float, 3>& vertex, const MeshPlacement& placement, const SinCos<double>& yaw) {
+  const double x = placement.scale * static_cast<double>(vertex[0]);
+  const double up_or_y = placement.scale * static_cast<double>(vertex[1]);
+  const double z_or_out = placement.scale * static_cast<double>(vertex[2]);
+  const double y = placement.y_is_up ? -z_or_out : up_or_y;
+  const double z = placement.y_is_up ? up_or_y : z_or_out;
+  return {yaw.cos * x - yaw.sin * y + placement.position_m.x(), yaw.sin * x + yaw.cos * y + placement.position_m.y(),
+          z + placement.position_m.z()};
+}
+
 }  // namespace
 
 TriangleMesh triangulate(const Scene& scene) {
   TriangleMesh mesh;
-  for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    require_valid(scene.walls[i], "wall", i);
-    for (const Box& box : boxes_of(scene.walls[i])) {
-      add_box(mesh, box);
-      check_count(mesh);
-    }
-  }
-  for (std::size_t i = 0; i < scene.boxes.size(); ++i) {
-    require_valid(scene.boxes[i], "box", i);
-    add_box(mesh, scene.boxes[i]);
-    check_count(mesh);
-  }
-  for (std::size_t i = 0; i < scene.cylinders.size(); ++i) {
-    require_valid(scene.cylinders[i], "cylinder", i);
-    add_cylinder(mesh, scene.cylinders[i]);
-    check_count(mesh);
-  }
-  for (const TriangleMesh& part : scene.meshes) {
-    add_mesh(mesh, part);
-    check_count(mesh);
-  }
+  add_parts(mesh, scene.walls, "wall", add_wall);
+  add_parts(mesh, scene.boxes, "box", add_box);
+  add_parts(mesh, scene.cylinders, "cylinder", add_cylinder);
+  add_parts(mesh, scene.meshes, "mesh", add_mesh);
   add_slabs(mesh, scene);
   check_finished(mesh);
+  return mesh;
+}
+
+TriangleMesh placed_mesh(std::span<const std::array<float, 3>> vertices,
+                         std::span<const std::array<std::uint32_t, 3>> triangles, const MeshPlacement& placement) {
+  const SinCos<double> yaw = sin_cos(placement.yaw_rad);
+  TriangleMesh mesh;
+  mesh.vertices.reserve(vertices.size());
+  for (const std::array<float, 3>& vertex : vertices) mesh.vertices.push_back(placed(vertex, placement, yaw));
+  mesh.triangles.assign(triangles.begin(), triangles.end());
   return mesh;
 }
 

@@ -70,13 +70,9 @@ struct SurfaceDistance::Tree : EmbreeBoxes {
 };
 
 SurfaceDistance::SurfaceDistance(TriangleMesh mesh, const RayCasterOptions& options)
-    : tree_(std::make_unique<Tree>(std::move(mesh), options.embree_isa, nullptr)) {
+    : tree_(std::make_shared<const Tree>(std::move(mesh), options.embree_isa, nullptr)) {
   if (tree_->mesh().triangles.empty()) throw ConfigError("a scene without any triangle has no surface to measure to");
 }
-
-SurfaceDistance::~SurfaceDistance() = default;
-SurfaceDistance::SurfaceDistance(SurfaceDistance&&) noexcept = default;
-SurfaceDistance& SurfaceDistance::operator=(SurfaceDistance&&) noexcept = default;
 
 const TriangleMesh& SurfaceDistance::mesh() const { return tree_->mesh(); }
 

@@ -28,9 +28,6 @@ class SurfaceDistance {
   /// Throws UnavailableError when Embree cannot start, ConfigError for a mesh that triangulate() would not have made,
   /// one without triangles included.
   explicit SurfaceDistance(TriangleMesh mesh, const RayCasterOptions& options = {});
-  ~SurfaceDistance();
-  SurfaceDistance(SurfaceDistance&&) noexcept;
-  SurfaceDistance& operator=(SurfaceDistance&&) noexcept;
 
   /// Of a point whose coordinates are finite and within 1e150 m.
   [[nodiscard]] NearestSurface nearest(const Vec3& point_m) const;
@@ -38,7 +35,7 @@ class SurfaceDistance {
 
  private:
   struct Tree;
-  std::unique_ptr<Tree> tree_;
+  std::shared_ptr<const Tree> tree_;
 };
 
 }  // namespace gdtslam::sim

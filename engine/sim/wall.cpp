@@ -56,13 +56,11 @@ Leg leg_of(const Wall& wall, std::size_t index) {
 
 // The part of the leg between two distances along it.
 Box piece_of(const Wall& wall, const Leg& leg, double from_m, double to_m, double base_m, double height_m) {
-  Box box;
-  box.centre_m = leg.T_map_leg * Point2(0.5 * (from_m + to_m), 0.0);
-  box.size_m = {to_m - from_m, wall.thickness_m};
-  box.yaw_rad = leg.T_map_leg.theta_rad;
-  box.base_m = base_m;
-  box.height_m = height_m;
-  return box;
+  return {.centre_m = leg.T_map_leg * Point2(0.5 * (from_m + to_m), 0.0),
+          .size_m = {to_m - from_m, wall.thickness_m},
+          .yaw_rad = leg.T_map_leg.theta_rad,
+          .base_m = base_m,
+          .height_m = height_m};
 }
 
 Box leaf_of(const Wall& wall, const Leg& leg, const Door& door, const DoorLeaf& leaf) {
@@ -70,13 +68,11 @@ Box leaf_of(const Wall& wall, const Leg& leg, const Door& door, const DoorLeaf& 
   const double closed_rad = leaf.hinge_at_far ? kPi : 0.0;
   const double opening_rad = leaf.hinge_at_far ? -leaf.angle_rad : leaf.angle_rad;
   const Pose2 T_map_leaf = leg.T_map_leg * Pose2{hinge_m, 0.0, closed_rad + opening_rad};
-  Box box;
-  box.centre_m = T_map_leaf * Point2(0.5 * door.width_m, 0.0);
-  box.size_m = {door.width_m, leaf.thickness_m};
-  box.yaw_rad = T_map_leaf.theta_rad;
-  box.base_m = wall.base_m;
-  box.height_m = std::min(door.height_m, wall.height_m);
-  return box;
+  return {.centre_m = T_map_leaf * Point2(0.5 * door.width_m, 0.0),
+          .size_m = {door.width_m, leaf.thickness_m},
+          .yaw_rad = T_map_leaf.theta_rad,
+          .base_m = wall.base_m,
+          .height_m = std::min(door.height_m, wall.height_m)};
 }
 
 // The openings of all legs, leg after leg, each leg's along it.

@@ -114,47 +114,37 @@ class EglContext : public GlContext {
   EGLSurface surface_ = EGL_NO_SURFACE;
 };
 
-class EglPlatform : public GlPlatform {
- public:
-  EglPlatform(EGLDisplay display, std::string name)
-      : display_(std::make_shared<const DisplayUse>(display, name)), name_(std::move(name)) {
-    has_surface_ = choose_config(EGL_PBUFFER_BIT);
-    if (has_surface_) return;
-    const bool needs_none = has_word(eglQueryString(display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context");
-    if (!needs_none || !choose_config(0)) throw DeviceError(name_, "eglChooseConfig", "no configuration for OpenGL");
-  }
-  [[nodiscard]] std::unique_ptr<GlContext> make_context() const override {
-    return std::make_unique<EglContext>(display_, config_, has_surface_, name_);
-  }
-  [[nodiscard]] std::string name() const override { return name_; }
+// Whether there is a configuration with this kind of surface.
+bool choose_config(EGLDisplay display, EGLint surface_type, const std::string& name, EGLConfig& config) {
+  const std::array<std::array<EGLint, 2>, 7> attributes{{{EGL_SURFACE_TYPE, surface_type},
+                                                         {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT},
+                                                         {EGL_RED_SIZE, 8},
+                                                         {EGL_GREEN_SIZE, 8},
+                                                         {EGL_BLUE_SIZE, 8},
+                                                         {EGL_ALPHA_SIZE, 8},
+                                                         {EGL_NONE, 0}}};
+  EGLint count = 0;
+  if (eglChooseConfig(display, attributes.front().data(), &config, 1, &count) == EGL_FALSE)
+    fail(name, "eglChooseConfig");
+  return count > 0;
+}
 
- private:
-  bool choose_config(EGLint surface_type) {
-    const std::array<EGLint, 13> attributes{EGL_SURFACE_TYPE,
-                                            surface_type,
-                                            EGL_RENDERABLE_TYPE,
-                                            EGL_OPENGL_BIT,
-                                            EGL_RED_SIZE,
-                                            8,
-                                            EGL_GREEN_SIZE,
-                                            8,
-                                            EGL_BLUE_SIZE,
-                                            8,
-                                            EGL_ALPHA_SIZE,
-                                            8,
-                                            EGL_NONE};
-    EGLint count = 0;
-    if (eglChooseConfig(display_->get(), attributes.data(), &config_, 1, &count) == EGL_FALSE) {
-      fail(name_, "eglChooseConfig");
+GlPlatform proven_platform(EGLDisplay native, const std::string& name) {
+  const auto display = std::make_shared<const DisplayUse>(native, name);
+  EGLConfig config = nullptr;
+  const bool has_surface = choose_config(native, EGL_PBUFFER_BIT, name, config);
+  if (!has_surface) {
+    const bool needs_none = has_word(eglQueryString(native, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context");
+    if (!needs_none || !choose_config(native, 0, name, config)) {
+      throw DeviceError(name, "eglChooseConfig", "no configuration for OpenGL");
     }
-    return count > 0;
   }
-
-  std::shared_ptr<const DisplayUse> display_;
-  std::string name_;
-  EGLConfig config_ = nullptr;
-  bool has_surface_ = false;
-};
+  GlPlatform platform{.name = name, .make_context = [display, config, has_surface, name] {
+                        return std::make_unique<EglContext>(display, config, has_surface, name);
+                      }};
+  prove(platform);
+  return platform;
+}
 
 /// A display that may work.
 struct Candidate {
@@ -191,19 +181,17 @@ EGLDisplay display_of(const Candidate& candidate) {
 
 }  // namespace
 
-std::shared_ptr<GlPlatform> open_egl(std::vector<std::string>& failures, GlDriver& driver) {
+std::optional<GlPlatform> open_egl(std::vector<std::string>& failures) {
   for (const Candidate& candidate : egl_candidates()) {
     try {
       EGLDisplay display = display_of(candidate);
       if (display == EGL_NO_DISPLAY) throw DeviceError(candidate.name, "eglGetDisplay", "no display");
-      auto platform = std::make_shared<EglPlatform>(display, candidate.name);
-      driver = proven_driver(*platform);
-      return platform;
+      return proven_platform(display, candidate.name);
     } catch (const DeviceError& error) {
       failures.emplace_back(error.what());
     }
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 }  // namespace gdtslam

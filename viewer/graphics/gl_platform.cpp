@@ -3,11 +3,12 @@
 #include <GL/glew.h>
 
 #include <mutex>
+#include <utility>
 
 #include "gdtslam/core/error.hpp"
+#include "vtk_messages.hpp"
 
 namespace gdtslam {
-
 namespace {
 
 std::string gl_text(GLenum name) {
@@ -37,22 +38,45 @@ std::string load_gl_functions() {
   return text == nullptr ? "error " + std::to_string(result) : std::string(reinterpret_cast<const char*>(text));
 }
 
-GlDriver proven_driver(const GlPlatform& platform) {
+void prove(GlPlatform& platform) {
   const std::unique_ptr<GlContext> context = platform.make_context();
   context->make_current();
   const std::string version = gl_text(GL_VERSION);
-  if (version.empty()) throw DeviceError(platform.name(), "glGetString", "nothing");
+  if (version.empty()) throw DeviceError(platform.name, "glGetString", "nothing");
   const std::string loaded = load_gl_functions();
-  if (!loaded.empty()) throw DeviceError(platform.name(), "glewInit", loaded);
+  if (!loaded.empty()) throw DeviceError(platform.name, "glewInit", loaded);
   GLint major = 0;
   GLint minor = 0;
   glGetIntegerv(GL_MAJOR_VERSION, &major);
   glGetIntegerv(GL_MINOR_VERSION, &minor);
-  const std::string number = std::to_string(major) + "." + std::to_string(minor);
+  platform.renderer = gl_text(GL_RENDERER);
+  platform.version = std::to_string(major) + "." + std::to_string(minor);
   if (major < 3 || (major == 3 && minor < 2)) {
-    throw DeviceError(platform.name(), "a context", "OpenGL " + number + " (" + version + "), and 3.2 is needed");
+    throw DeviceError(platform.name, "a context",
+                      "OpenGL " + platform.version + " (" + version + "), and 3.2 is needed");
   }
-  return {gl_text(GL_RENDERER), number};
 }
+
+GraphicsContext::GraphicsContext() {
+  std::vector<std::string> failures;
+  std::optional<GlPlatform> platform = open_egl(failures);
+  if (!platform) {
+    std::string joined;
+    for (const std::string& failure : failures) joined += (joined.empty() ? "" : "; ") + failure;
+    throw UnavailableError("nothing here can draw with OpenGL: " + joined +
+                           "; install a software renderer (apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri)");
+  }
+  state_ = std::make_unique<State>(State{*std::move(platform)});
+  collect_vtk_messages();
+}
+
+GraphicsContext::~GraphicsContext() = default;
+
+std::string GraphicsContext::description() const {
+  const GlPlatform& platform = state_->platform;
+  return platform.name + ", " + platform.renderer + ", OpenGL " + platform.version;
+}
+
+std::vector<std::string> GraphicsContext::take_warnings() const { return take_vtk_warnings(); }
 
 }  // namespace gdtslam

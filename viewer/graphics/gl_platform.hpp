@@ -1,11 +1,14 @@
-// Ways to an OpenGL context without a window on a screen. A GlPlatform is an opened driver or X server that has been
-// seen to work; it makes contexts of desktop OpenGL 3.2 (core) or newer, each with a surface of its own. Platforms are
-// thread-safe; a context belongs to the thread that makes it current.
+// Ways to a context of desktop OpenGL 3.2 (core) or newer without a window on a screen. A context has a surface of its
+// own and belongs to the thread that makes it current.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "gdtslam/viewer/graphics.hpp"
 
 namespace gdtslam {
 
@@ -20,30 +23,25 @@ class GlContext {
   [[nodiscard]] virtual bool is_current() const = 0;
 };
 
-class GlPlatform {
- public:
-  GlPlatform() = default;
-  virtual ~GlPlatform() = default;
-  GlPlatform(const GlPlatform&) = delete;
-  GlPlatform& operator=(const GlPlatform&) = delete;
+/// An opened driver that has been seen to work. Thread-safe.
+struct GlPlatform {
+  std::string name;  ///< "EGL (surfaceless)"
   /// A new context, not current yet. Throws DeviceError.
-  [[nodiscard]] virtual std::unique_ptr<GlContext> make_context() const = 0;
-  /// "EGL (surfaceless)".
-  [[nodiscard]] virtual std::string name() const = 0;
+  std::function<std::unique_ptr<GlContext>()> make_context;
+  std::string renderer{};  ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string version{};   ///< "4.5"
 };
 
-/// What an OpenGL driver says of itself.
-struct GlDriver {
-  std::string renderer;  ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string version;   ///< "4.5"
+struct GraphicsContext::State {
+  GlPlatform platform;
 };
 
 /// The first platform of EGL whose context works, or none; what fails is added to `failures`, one phrase each.
-std::shared_ptr<GlPlatform> open_egl(std::vector<std::string>& failures, GlDriver& driver);
+std::optional<GlPlatform> open_egl(std::vector<std::string>& failures);
 
 /// Makes a context of the platform, loads OpenGL's functions in it and asks the driver what it is. Throws DeviceError
 /// where any of that fails or OpenGL is older than 3.2.
-GlDriver proven_driver(const GlPlatform& platform);
+void prove(GlPlatform& platform);
 /// Loads OpenGL's functions for the current context; what failed, or an empty text.
 std::string load_gl_functions();
 

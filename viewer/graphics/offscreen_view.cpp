@@ -2,6 +2,7 @@
 
 #include <GL/glew.h>
 #include <vtkCamera.h>
+#include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkNew.h>
 #include <vtkOpenGLFramebufferObject.h>
 #include <vtkPropCollection.h>
@@ -14,15 +15,71 @@
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "graphics_state.hpp"
-#include "render_window.hpp"
+#include "gl_platform.hpp"
 #include "shading.hpp"
 #include "vtk_messages.hpp"
 
 namespace gdtslam {
+namespace {
+
+/// VTK's window upon a context of ours: no window system, nothing on a screen; pictures are read from its framebuffer.
+class RenderWindow : public vtkGenericOpenGLRenderWindow {
+ public:
+  static RenderWindow* New();
+
+  /// The context must outlive the window.
+  void set_context(GlContext* context) { context_ = context; }
+  /// Why OpenGL's functions could not be loaded; empty where they were.
+  [[nodiscard]] const std::string& loading_failure() const { return loading_failure_; }
+
+  void OpenGLInitContext() override;
+  void MakeCurrent() override;
+  bool IsCurrent() override;
+  int SupportsOpenGL() override { return 1; }
+  vtkTypeBool IsDirect() override { return 1; }
+
+ protected:
+  RenderWindow();
+  ~RenderWindow() override = default;
+
+ private:
+  GlContext* context_ = nullptr;
+  std::string loading_failure_;
+};
+
+RenderWindow* RenderWindow::New() {
+  auto* window = new RenderWindow;
+  window->InitializeObjectBase();
+  return window;
+}
+
+RenderWindow::RenderWindow() {
+  this->SetMultiSamples(0);
+  this->SetAlphaBitPlanes(1);
+  this->SetShowWindow(false);
+  this->SetUseOffScreenBuffers(true);  // the picture is read from a framebuffer object, never copied to the surface
+  this->SetSupportsOpenGL(1);
+  this->SetIsDirect(1);
+}
+
+// As VTK's own, but for the one code of glewInit that says "no X display" after everything was loaded.
+void RenderWindow::OpenGLInitContext() {
+  this->ContextCreationTime.Modified();
+  if (this->Initialized) return;
+  loading_failure_ = load_gl_functions();
+  this->GlewInitValid = loading_failure_.empty();
+  this->Initialized = this->GlewInitValid;
+}
+
+void RenderWindow::MakeCurrent() {
+  if (context_ != nullptr && !context_->is_current()) context_->make_current();
+}
+
+bool RenderWindow::IsCurrent() { return context_ != nullptr && context_->is_current(); }
+
+}  // namespace
 
 struct OffscreenView::State {
-  std::shared_ptr<GlPlatform> platform;
   std::unique_ptr<GlContext> context;
   vtkNew<RenderWindow> window;
   vtkNew<vtkRenderer> renderer;
@@ -32,8 +89,7 @@ struct OffscreenView::State {
   std::uint32_t samples = 1;
   std::uint32_t largest_side = 0;
 
-  explicit State(const GraphicsContext& graphics)
-      : platform(graphics.state().platform), context(platform->make_context()) {}
+  explicit State(const GraphicsContext& graphics) : context(graphics.state().platform.make_context()) {}
   ~State() {
     // VTK frees its buffers in the context they belong to.
     context->make_current();

@@ -8,9 +8,14 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "page_cloud.hpp"
-#include "page_escape.hpp"
 #include "page_layers.hpp"
-#include "page_text.hpp"
+
+/// The files of viewer/page as they were when the program was built.
+namespace gdtslam::page_text {
+std::string_view skeleton();  ///< page.html with {{name}} where page_of fills in
+std::string_view style();
+std::string_view program();  ///< all scripts, one after the other
+}  // namespace gdtslam::page_text
 
 namespace gdtslam {
 namespace {
@@ -64,7 +69,7 @@ PageData data_of(const PageInput& input) {
              input.trajectory->front().T_map_base.is_finite()) {
     origin.head<2>() = input.trajectory->front().T_map_base.translation();
   }
-  json.open("origin", '[').number("", origin.x()).number("", origin.y()).number("", origin.z()).close();
+  json.point("origin", origin);
   if (input.trajectory != nullptr) page::write_path(*input.trajectory, origin, json, data.elements);
   if (input.map != nullptr) page::write_map(*input.map, json, data.elements);
   if (input.linkage != nullptr) page::write_linkage(*input.linkage, json, data.elements);

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/cloud/position_of.hpp"
 #include "gdtslam/core/error.hpp"
+#include "viewer/scene/cloud/cloud_colours.hpp"
 #include "viewer/scene/cloud/cloud_level.hpp"
 
 namespace gdtslam::page {
@@ -15,17 +17,8 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kStrayShare = 0.001;          // at either end of each axis
 constexpr double kGoldenShare = 0.6180339887;  // consecutive multiples fill a circle evenly
 
-Point3 position(const CloudPoint& point) { return {point.x_m, point.y_m, point.z_m}; }
-
-bool is_finite(const CloudPoint& point) {
-  return position(point).allFinite() && std::isfinite(point.elevation_rad) && std::isfinite(point.stamp_s);
-}
-
-/// The value at a share of the sorted values, of the rank that pictures of clouds take (scene/cloud_colours.hpp).
-double percentile(std::vector<double>& values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::floor(share * static_cast<double>(values.size() - 1) + 0.5));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
+bool is_whole(const CloudPoint& point) {
+  return is_finite(point) && std::isfinite(point.elevation_rad) && std::isfinite(point.stamp_s);
 }
 
 /// `value` as a share of the range in 0 to `steps`, rounded.
@@ -36,10 +29,6 @@ std::uint16_t quantised(double value, double least, double extent, double steps)
 }
 std::uint8_t quantised_byte(double value, const Range& range) {
   return static_cast<std::uint8_t>(quantised(value, range.least, range.extent(), 255.0));
-}
-
-void describe_point(JsonWriter& json, std::string_view key, const Point3& point) {
-  json.open(key, '[').number("", point.x()).number("", point.y()).number("", point.z()).close();
 }
 
 void describe_range(JsonWriter& json, std::string_view key, const Range& range) {
@@ -69,7 +58,7 @@ PagedCloud::PagedCloud(const Cloud& cloud, const std::vector<float>* distances_m
 void PagedCloud::keep_points() {
   std::vector<std::uint32_t> finite;
   for (std::size_t k = 0; k < cloud_.size(); ++k) {
-    if (is_finite(cloud_[k])) finite.push_back(static_cast<std::uint32_t>(k));
+    if (is_whole(cloud_[k])) finite.push_back(static_cast<std::uint32_t>(k));
   }
   if (finite.empty()) throw InputError("the cloud has no point that a page could show");
   Point3 low;
@@ -77,7 +66,7 @@ void PagedCloud::keep_points() {
   const std::size_t stride = finite.size() / kSample + 1;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
-    for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(position(cloud_[finite[k]])[axis]);
+    for (std::size_t k = 0; k < finite.size(); k += stride) values.push_back(position_of(cloud_[finite[k]])[axis]);
     const double beyond = std::floor(kStrayShare * static_cast<double>(values.size() - 1));  // of few points none
     const double last = static_cast<double>(values.size() - 1);
     low[axis] = percentile(values, last > 0.0 ? beyond / last : 0.0);
@@ -89,7 +78,7 @@ void PagedCloud::keep_points() {
   least_.setConstant(std::numeric_limits<double>::infinity());
   most_ = -least_;
   for (const std::uint32_t index : finite) {
-    const Point3 at = position(cloud_[index]);
+    const Point3 at = position_of(cloud_[index]);
     if ((at - low).minCoeff() < -reach || (at - high).maxCoeff() > reach) continue;
     kept_.push_back(index);
     least_ = least_.cwiseMin(at);
@@ -142,8 +131,8 @@ void PagedCloud::find_levels() {
 }
 
 LevelCode PagedCloud::level_of(const CloudPoint& point) const {
-  if (floor_ && floor_->distance_m(position(point)) <= kFloorMargin_m) return LevelCode::kFloor;
-  if (ceiling_ && ceiling_->distance_m(position(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
+  if (floor_ && floor_->distance_m(position_of(point)) <= kFloorMargin_m) return LevelCode::kFloor;
+  if (ceiling_ && ceiling_->distance_m(position_of(point)) >= -kCeilingMargin_m) return LevelCode::kCeiling;
   return LevelCode::kNone;
 }
 
@@ -151,10 +140,8 @@ void PagedCloud::describe(JsonWriter& json) const {
   json.open("cloud", '{').number("count", static_cast<double>(kept_.size()));
   json.number("of", static_cast<double>(cloud_.size())).number("step", static_cast<double>(step_));
   json.number("elements", static_cast<double>(elements()));
-  describe_point(json, "least", least_);
-  describe_point(json, "most", most_);
-  describe_point(json, "middle_least", middle_least_);
-  describe_point(json, "middle_most", middle_most_);
+  json.point("least", least_).point("most", most_);
+  json.point("middle_least", middle_least_).point("middle_most", middle_most_);
   describe_range(json, "height", height_);
   describe_range(json, "time", time_);
   describe_range(json, "elevation", elevation_);
@@ -163,9 +150,8 @@ void PagedCloud::describe(JsonWriter& json) const {
   const auto describe_level = [&](std::string_view key, const std::optional<Plane>& plane, std::uint64_t points) {
     if (!plane) return;
     const Point3 middle = 0.5 * (least_ + most_);
-    const Point3& n = plane->normal;  // upright within a few degrees
-    const double height_m = (plane->offset_m - n.x() * middle.x() - n.y() * middle.y()) / n.z();
-    json.open(key, '{').number("height", height_m).number("points", static_cast<double>(points)).close();
+    json.open(key, '{').number("height", height_m(*plane, middle.head<2>()));
+    json.number("points", static_cast<double>(points)).close();
   };
   describe_level("floor", floor_, floor_points_);
   describe_level("ceiling", ceiling_, ceiling_points_);
@@ -174,7 +160,7 @@ void PagedCloud::describe(JsonWriter& json) const {
 
 void PagedCloud::append_point(std::size_t index, ByteWriter& bytes) const {
   const CloudPoint& point = cloud_[index];
-  const Point3 at = position(point);
+  const Point3 at = position_of(point);
   for (int axis = 0; axis < 3; ++axis) {
     bytes.u16(quantised(at[axis], least_[axis], most_[axis] - least_[axis], 65535.0));
   }

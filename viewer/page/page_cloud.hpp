@@ -16,8 +16,7 @@
 #include "gdtslam/cloud/plane.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/pose3.hpp"
-#include "page_bytes.hpp"
-#include "page_escape.hpp"
+#include "page_writers.hpp"
 
 namespace gdtslam::page {
 
@@ -48,7 +47,6 @@ class PagedCloud {
   [[nodiscard]] std::size_t elements() const { return (kept_.size() + kPointsPerElement - 1) / kPointsPerElement; }
   [[nodiscard]] const Point3& least() const { return least_; }
   [[nodiscard]] std::size_t count() const { return kept_.size(); }
-  [[nodiscard]] double first_stamp_s() const { return time_.least; }
 
  private:
   void keep_points();

@@ -7,12 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "calib/linkage/linkage_cycle.hpp"
 #include "engine/core/base64.hpp"
 #include "engine/core/elementary.hpp"
-#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "page_bytes.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
 
 namespace gdtslam::page {

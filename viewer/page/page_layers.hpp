@@ -8,7 +8,7 @@
 #include "gdtslam/core/pose3.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
-#include "page_escape.hpp"
+#include "page_writers.hpp"
 
 namespace gdtslam::page {
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "gdtslam/calib/linkage_cycle.hpp"
+#include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/theme.hpp"
 

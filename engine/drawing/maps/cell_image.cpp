@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
-#include "mixed.hpp"
+#include "gdtslam/core/error.hpp"
+#include "path_layer.hpp"
 
 namespace gdtslam::picture {
 namespace {
@@ -181,6 +183,15 @@ PlacedImage occupancy_image(const OccupancyMap& map, const MapFrame& frame, cons
     }
     return {colours.unknown, static_cast<std::uint8_t>(colours.is_unknown_clear ? 0 : 255)};
   });
+}
+
+void check(const FieldPicture& field) {
+  const GridGeometry& geometry = field.geometry;
+  if (geometry.width < 1 || geometry.height < 1 || field.cells.size() != geometry.cell_count()) {
+    throw InputError("the distance field has " + std::to_string(field.cells.size()) + " values for " +
+                     std::to_string(geometry.width) + " x " + std::to_string(geometry.height) + " cells");
+  }
+  if (field.cap == 0) throw InputError("the distance field has cap 0: no cell could be known");
 }
 
 PlacedImage field_image(const FieldPicture& field, const MapFrame& frame, const FieldColours& colours) {

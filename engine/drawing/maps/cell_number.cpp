@@ -14,15 +14,8 @@ namespace {
 constexpr double kUnit = 1.0 / 256.0;  // cells
 constexpr std::uint16_t kHalfCell = 128;
 
-/// A channel of sRGB as light.
-double linear(std::uint8_t channel) {
-  const double value = channel / 255.0;
-  if (value <= 0.04045) return value / 12.92;
-  return gdtslam::exp(2.4 * gdtslam::log((value + 0.055) / 1.055));
-}
-
 double luminance(Colour colour) {
-  return 0.2126 * linear(colour.red) + 0.7152 * linear(colour.green) + 0.0722 * linear(colour.blue);
+  return 0.2126 * linear_of(colour.red) + 0.7152 * linear_of(colour.green) + 0.0722 * linear_of(colour.blue);
 }
 
 void write(CellNumber& number, double value, double tolerance) {
@@ -48,6 +41,11 @@ CellNumber cell_number(std::uint16_t value, std::uint16_t cap, bool is_squared) 
     write(number, number.distance, 0.0);
   }
   return number;
+}
+
+double linear_of(std::uint8_t channel) {
+  const double value = channel / 255.0;
+  return value <= 0.04045 ? value / 12.92 : gdtslam::exp(2.4 * gdtslam::log((value + 0.055) / 1.055));
 }
 
 double contrast_of(Colour a, Colour b) {

@@ -20,6 +20,8 @@ CellNumber cell_number(std::uint16_t value, std::uint16_t cap, bool is_squared);
 
 /// Of black and white the one that stands out more from the ground, by the contrast ratio of WCAG 2.
 Colour legible_on(Colour ground);
+/// A channel of sRGB (IEC 61966-2-1) as light, 0 to 1.
+double linear_of(std::uint8_t channel);
 /// (L1 + 0.05) / (L2 + 0.05) of the relative luminances, 1 to 21.
 double contrast_of(Colour a, Colour b);
 

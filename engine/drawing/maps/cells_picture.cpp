@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cell_image.hpp"
 #include "cell_number.hpp"
-#include "field_check.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/theme.hpp"

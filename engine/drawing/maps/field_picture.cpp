@@ -3,11 +3,9 @@
 #include <vector>
 
 #include "cell_image.hpp"
-#include "field_check.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/ticks.hpp"
-#include "legend_items.hpp"
 #include "map_sheet.hpp"
 #include "path_layer.hpp"
 

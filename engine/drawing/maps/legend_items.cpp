@@ -1,11 +1,10 @@
-#include "legend_items.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <utility>
 
 #include "gdtslam/drawing/ticks.hpp"
+#include "map_sheet.hpp"
 
 namespace gdtslam::picture {
 namespace {
@@ -75,12 +74,6 @@ LegendItem keyframe_item(const std::string& words, const PathColours& colours, c
             }
             write(canvas, {left.x() + indent, left.y()}, words, look);
           }};
-}
-
-std::string counted(std::size_t count, const std::string& noun) {
-  std::string text = std::to_string(count);
-  for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");
-  return fmt::format("{} {}{}", text, noun, count == 1 ? "" : "s");
 }
 
 void draw_axes(Canvas& canvas, const Point2& origin, double arm, const LegendLook& look) {

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "cell_image.hpp"
-#include "legend_items.hpp"
 #include "map_sheet.hpp"
 #include "path_layer.hpp"
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/drawing/letters.hpp"
+
 namespace gdtslam::picture {
 namespace {
 
@@ -174,15 +176,7 @@ FittedWords fitted_words(const std::string& words, double size_px, double least_
   const double width = text_width(words, size_px, is_bold);
   if (width <= room_px) return {words, size_px};
   const double smaller_px = std::max(std::min(size_px, least_px), size_px * room_px / width);
-  const auto fits = [&](const std::string& text) { return text_width(text, smaller_px, is_bold) <= room_px; };
-  if (fits(words)) return {words, smaller_px};
-  std::string kept = words;
-  while (!kept.empty() && !fits(kept + "…")) {
-    // A letter may take several bytes: those that continue it go with it.
-    while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0U) == 0x80U) kept.pop_back();
-    if (!kept.empty()) kept.pop_back();
-  }
-  return {kept + "…", smaller_px};
+  return {shortened(words, smaller_px, room_px, is_bold), smaller_px};
 }
 
 MapFrame whole_sheet(const Sheet& sheet) {

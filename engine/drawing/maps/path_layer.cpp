@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
-#include "mixed.hpp"
 
 namespace gdtslam::picture {
 namespace {
@@ -125,6 +124,14 @@ const PathColours& path_colours(bool is_dark) {
       colour_for(0xffffff),
       colour_for(0xffe14d)};
   return is_dark ? dark : light;
+}
+
+std::uint8_t mixed(std::uint8_t from, std::uint8_t to, double share) {
+  return static_cast<std::uint8_t>(std::floor(from + share * (static_cast<double>(to) - from) + 0.5));
+}
+
+Colour mixed(Colour from, Colour to, double share) {
+  return {mixed(from.red, to.red, share), mixed(from.green, to.green, share), mixed(from.blue, to.blue, share)};
 }
 
 Colour time_colour(const PathColours& colours, double share) {

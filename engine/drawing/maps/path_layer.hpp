@@ -20,6 +20,9 @@ struct PathColours {
   Colour doubtful;
 };
 const PathColours& path_colours(bool is_dark);
+/// Between two colours, or channels: share 0 gives the first, 1 the second.
+std::uint8_t mixed(std::uint8_t from, std::uint8_t to, double share);
+Colour mixed(Colour from, Colour to, double share);
 /// 0 at the start, 1 at the end.
 Colour time_colour(const PathColours& colours, double share);
 Colour keyframe_colour(const PathColours& colours, double share);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/quantile.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -53,6 +55,27 @@ std::vector<Point2> thinned(const std::vector<Point2>& points) {
 }
 
 }  // namespace
+
+BoxFigures box_figures(std::vector<double> values) {
+  assert(!values.empty());
+  std::sort(values.begin(), values.end());
+  BoxFigures figures;
+  figures.lower_quartile = quantile_of_sorted(values, 0.25);
+  figures.median = quantile_of_sorted(values, 0.5);
+  figures.upper_quartile = quantile_of_sorted(values, 0.75);
+  const double reach = 1.5 * (figures.upper_quartile - figures.lower_quartile);
+  figures.low_whisker = figures.lower_quartile;
+  figures.high_whisker = figures.upper_quartile;
+  for (const double value : values) {
+    if (value < figures.lower_quartile - reach || value > figures.upper_quartile + reach) {
+      figures.beyond.push_back(value);
+    } else {
+      figures.low_whisker = std::min(figures.low_whisker, value);
+      figures.high_whisker = std::max(figures.high_whisker, value);
+    }
+  }
+  return figures;
+}
 
 void Plot::begin_clip() {
   canvas_.begin_clip(inside_.corner - Point2(kClipMargin_px, kClipMargin_px), inside_.width + 2.0 * kClipMargin_px,

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/drawing/letters.hpp"
 #include "gdtslam/drawing/plot.hpp"
 
 namespace gdtslam {
@@ -52,18 +53,6 @@ void keep_apart(std::vector<Label>& labels, const Place& place_of, const Size& s
 
 /// On the middle of a pixel, where a thin line is sharp.
 double sharp(double pixel) { return std::floor(pixel) + 0.5; }
-
-/// Cut to a width, with three dots where letters are missing.
-std::string shortened(const std::string& words, double size, double room) {
-  if (text_width(words, size) <= room) return words;
-  const std::string dots = "\xE2\x80\xA6";
-  std::string cut = words;
-  while (!cut.empty() && text_width(cut + dots, size) > room) {
-    while (cut.size() > 1 && (static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
-    cut.pop_back();
-  }
-  return cut + dots;
-}
 
 }  // namespace
 

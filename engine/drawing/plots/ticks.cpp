@@ -94,6 +94,16 @@ double round_length_m(double most_m) {
   return 0.0;
 }
 
+std::string with_commas(std::uint64_t value) {
+  std::string text = std::to_string(value);
+  for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");
+  return text;
+}
+
+std::string counted(std::uint64_t value, const std::string& noun) {
+  return with_commas(value) + " " + noun + (value == 1 ? "" : "s");
+}
+
 std::string length_text(double length_m) {
   struct Unit {
     double length_m;

@@ -1,5 +1,8 @@
 #include "gdtslam/drawing/raster.hpp"
 
+#include <cairo-pdf.h>
+
+#include <cassert>
 #include <cmath>
 #include <cstring>
 
@@ -26,6 +29,23 @@ bool begins_with_background(const Canvas& drawing, double scale, const RgbaImage
   return picture != nullptr && picture->corner == Point2::Zero() && picture->image->width == image.width &&
          picture->image->height == image.height && picture->width == static_cast<double>(image.width) &&
          picture->height == static_cast<double>(image.height);
+}
+
+// Between our pixels (bytes red, green, blue, alpha) and Cairo's (words of alpha, red, green, blue, the colours
+// multiplied by alpha).
+
+std::uint32_t times(std::uint32_t colour, std::uint32_t alpha) {
+  const std::uint32_t product = colour * alpha + 128U;
+  return (product + (product >> 8U)) >> 8U;  // colour * alpha / 255, rounded
+}
+
+std::uint32_t word_of(const std::uint8_t* pixel) {
+  const std::uint32_t alpha = pixel[3];
+  if (alpha == 255U) {
+    return 0xFF000000U | static_cast<std::uint32_t>(pixel[0]) << 16U | static_cast<std::uint32_t>(pixel[1]) << 8U |
+           pixel[2];
+  }
+  return alpha << 24U | times(pixel[0], alpha) << 16U | times(pixel[1], alpha) << 8U | times(pixel[2], alpha);
 }
 
 std::uint8_t colour_for(std::uint32_t premultiplied, std::uint32_t alpha) {
@@ -55,7 +75,37 @@ void copy_pixels(const std::uint8_t* rows, std::size_t row_bytes, RgbaImage& ima
   }
 }
 
+constexpr double kPointsPerPixel = 72.0 / 96.0;
+
+cairo_status_t append(void* text, const unsigned char* bytes, unsigned int count) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
 }  // namespace
+
+void copy_premultiplied(const RgbaImage& image, std::uint8_t* rows, std::size_t row_bytes) {
+  assert(image.pixels.size() == std::size_t{4} * image.width * image.height);
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    const std::uint8_t* from = image.at(0, y);
+    std::uint8_t* to = rows + row_bytes * y;
+    for (std::uint32_t x = 0; x < image.width; ++x, from += 4, to += 4) {
+      const std::uint32_t word = word_of(from);
+      std::memcpy(to, &word, sizeof(word));
+    }
+  }
+}
+
+CairoSurface surface_of(const RgbaImage& image) {
+  CairoSurface surface(
+      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, static_cast<int>(image.width), static_cast<int>(image.height)));
+  check_cairo(cairo_surface_status(surface.get()), "taking an image into a drawing");
+  cairo_surface_flush(surface.get());
+  copy_premultiplied(image, cairo_image_surface_get_data(surface.get()),
+                     static_cast<std::size_t>(cairo_image_surface_get_stride(surface.get())));
+  cairo_surface_mark_dirty(surface.get());
+  return surface;
+}
 
 RgbaImage raster_of(const Canvas& drawing, double scale) {
   RgbaImage image(pixels_of(drawing.width(), scale), pixels_of(drawing.height(), scale));
@@ -79,6 +129,27 @@ RgbaImage raster_of(const Canvas& drawing, double scale) {
   cairo_surface_flush(surface.get());
   copy_pixels(cairo_image_surface_get_data(surface.get()), row_bytes, image);
   return image;
+}
+
+std::string pdf_of(const Canvas& drawing) {
+  std::string bytes;
+  const CairoSurface surface(cairo_pdf_surface_create_for_stream(&append, &bytes, drawing.width() * kPointsPerPixel,
+                                                                 drawing.height() * kPointsPerPixel));
+  check_cairo(cairo_surface_status(surface.get()), "making a PDF");
+  // The same drawing gives the same bytes: without the time of day that Cairo would write.
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, drawing.title().c_str());
+  {
+    const CairoContext context(cairo_create(surface.get()));
+    cairo_scale(context.get(), kPointsPerPixel, kPointsPerPixel);
+    CairoPainter painter(context.get());
+    for (const Shape& shape : drawing.shapes()) std::visit(painter, shape);
+    cairo_show_page(context.get());
+    check_cairo(cairo_status(context.get()), "drawing a PDF");
+  }
+  cairo_surface_finish(surface.get());
+  check_cairo(cairo_surface_status(surface.get()), "writing a PDF");
+  return bytes;
 }
 
 }  // namespace gdtslam

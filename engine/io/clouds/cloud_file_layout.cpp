@@ -24,53 +24,38 @@ double decoded(const char* data, bool is_big_endian) {
   return static_cast<double>(std::bit_cast<T>(bytes));
 }
 
+/// In the order of Scalar.
+struct ScalarKind {
+  std::size_t size;
+  double (*decode)(const char* data, bool is_big_endian);
+  std::array<std::string_view, 3> names;  ///< of PLY, its other one, and PCD's
+};
+constexpr std::array<ScalarKind, 10> kScalars{{{1, decoded<std::int8_t>, {"char", "int8", "I1"}},
+                                               {1, decoded<std::uint8_t>, {"uchar", "uint8", "U1"}},
+                                               {2, decoded<std::int16_t>, {"short", "int16", "I2"}},
+                                               {2, decoded<std::uint16_t>, {"ushort", "uint16", "U2"}},
+                                               {4, decoded<std::int32_t>, {"int", "int32", "I4"}},
+                                               {4, decoded<std::uint32_t>, {"uint", "uint32", "U4"}},
+                                               {8, decoded<std::int64_t>, {"int64", "int64", "I8"}},
+                                               {8, decoded<std::uint64_t>, {"uint64", "uint64", "U8"}},
+                                               {4, decoded<float>, {"float", "float32", "F4"}},
+                                               {8, decoded<double>, {"double", "float64", "F8"}}}};
+
+const ScalarKind& kind_of(Scalar type) { return kScalars[static_cast<std::size_t>(type)]; }
+
 }  // namespace
 
-std::size_t size_of(Scalar type) {
-  switch (type) {
-    case Scalar::kInt8:
-    case Scalar::kUint8:
-      return 1;
-    case Scalar::kInt16:
-    case Scalar::kUint16:
-      return 2;
-    case Scalar::kInt32:
-    case Scalar::kUint32:
-    case Scalar::kFloat:
-      return 4;
-    case Scalar::kInt64:
-    case Scalar::kUint64:
-    case Scalar::kDouble:
-      break;
+std::optional<Scalar> scalar_named(std::string_view name) {
+  for (std::size_t k = 0; k < kScalars.size(); ++k) {
+    const auto& names = kScalars[k].names;
+    if (std::find(names.begin(), names.end(), name) != names.end()) return static_cast<Scalar>(k);
   }
-  return 8;
+  return std::nullopt;
 }
 
-double decode(Scalar type, const char* data, bool is_big_endian) {
-  switch (type) {
-    case Scalar::kInt8:
-      return decoded<std::int8_t>(data, is_big_endian);
-    case Scalar::kUint8:
-      return decoded<std::uint8_t>(data, is_big_endian);
-    case Scalar::kInt16:
-      return decoded<std::int16_t>(data, is_big_endian);
-    case Scalar::kUint16:
-      return decoded<std::uint16_t>(data, is_big_endian);
-    case Scalar::kInt32:
-      return decoded<std::int32_t>(data, is_big_endian);
-    case Scalar::kUint32:
-      return decoded<std::uint32_t>(data, is_big_endian);
-    case Scalar::kInt64:
-      return decoded<std::int64_t>(data, is_big_endian);
-    case Scalar::kUint64:
-      return decoded<std::uint64_t>(data, is_big_endian);
-    case Scalar::kFloat:
-      return decoded<float>(data, is_big_endian);
-    case Scalar::kDouble:
-      break;
-  }
-  return decoded<double>(data, is_big_endian);
-}
+std::size_t size_of(Scalar type) { return kind_of(type).size; }
+
+double decode(Scalar type, const char* data, bool is_big_endian) { return kind_of(type).decode(data, is_big_endian); }
 
 CloudRole role_of(std::string_view column) {
   for (const auto& [name, role] : kNames) {

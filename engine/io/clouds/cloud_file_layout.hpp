@@ -1,4 +1,5 @@
-// How the points of a cloud file are laid out, whatever its format says it in. Thread-safe, constant time.
+// How the points of a cloud file are laid out, whatever its format says it in, and the headers that say so.
+// Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +9,15 @@
 #include <string_view>
 #include <vector>
 
+#include "cloud_input.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 
 namespace gdtslam {
 
 enum class Scalar : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
 
+/// The type that PLY names so ("uchar", "uint8"), or PCD by its TYPE and SIZE ("U1").
+std::optional<Scalar> scalar_named(std::string_view name);
 std::size_t size_of(Scalar type);
 /// The value of a scalar that begins at `data`.
 double decode(Scalar type, const char* data, bool is_big_endian);
@@ -48,5 +52,24 @@ struct CloudFileLayout {
   CloudElement vertex;
   bool has_more = false;  ///< other elements lie behind them
 };
+
+struct PlyHeader {
+  CloudFormat format = CloudFormat::kPlyBinary;
+  bool is_big_endian = false;
+  std::vector<CloudElement> elements;  ///< in the order of the file
+};
+
+/// The header of a PLY file [Turk1994], from behind the first line, "ply", to behind "end_header". Throws InputError
+/// with the line.
+PlyHeader read_ply_elements(CloudInput& input);
+/// The same as the layout of a cloud; InputError also where there are no vertices.
+CloudFileLayout read_ply_header(CloudInput& input);
+
+/// The header of a PCD file, version 0.7 and those before it, to behind the line DATA; `first_line` has been read
+/// already. Throws InputError with the line.
+CloudFileLayout read_pcd_header(CloudInput& input, const std::string& first_line);
+/// The compression of PCD's binary_compressed, LibLZF's format. Nothing when the input is damaged or does not give
+/// exactly `size` bytes, for which it takes the memory at once: at most 88 times those packed make sense.
+std::optional<std::string> unpack_lzf(std::string_view packed, std::size_t size);
 
 }  // namespace gdtslam

@@ -7,15 +7,11 @@
 #include <utility>
 
 #include "cloud_file_layout.hpp"
-#include "cloud_input.hpp"
-#include "cloud_numbers.hpp"
+#include "cloud_words.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
-#include "lzf.hpp"
-#include "pcd_header.hpp"
-#include "ply_header.hpp"
 
 namespace gdtslam {
 namespace {

@@ -11,7 +11,8 @@
 #include <iterator>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/errno_text.hpp"
+#include "engine/io/message_text.hpp"
+#include "engine/io/referenced_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
@@ -89,8 +90,7 @@ const std::string& seekable(const std::string& path) {
 }  // namespace
 
 CloudFormat cloud_format_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string extension = extension_of(path);
   if (extension == ".ply") return CloudFormat::kPlyBinary;
   if (extension == ".pcd") return CloudFormat::kPcdBinary;
   throw UsageError(path + ": the name of a cloud ends in .ply or .pcd");

@@ -1,9 +1,8 @@
-#include "pcd_header.hpp"
-
 #include <fmt/format.h>
 
 #include <utility>
 
+#include "cloud_file_layout.hpp"
 #include "cloud_words.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
@@ -29,18 +28,11 @@ struct PcdHeader {
 };
 
 Scalar scalar_of(std::string_view type, std::string_view size, const FilePosition& at) {
-  const std::string name = std::string(type) + std::string(size);
-  if (name == "I1") return Scalar::kInt8;
-  if (name == "U1") return Scalar::kUint8;
-  if (name == "I2") return Scalar::kInt16;
-  if (name == "U2") return Scalar::kUint16;
-  if (name == "I4") return Scalar::kInt32;
-  if (name == "U4") return Scalar::kUint32;
-  if (name == "I8") return Scalar::kInt64;
-  if (name == "U8") return Scalar::kUint64;
-  if (name == "F4") return Scalar::kFloat;
-  if (name == "F8") return Scalar::kDouble;
-  throw InputError(at, fmt::format("TYPE {} with SIZE {} is none of PCD's", in_quotes(type), in_quotes(size)));
+  const std::optional<Scalar> found =
+      type == "I" || type == "U" || type == "F" ? scalar_named(std::string(type) + std::string(size)) : std::nullopt;
+  if (!found)
+    throw InputError(at, fmt::format("TYPE {} with SIZE {} is none of PCD's", in_quotes(type), in_quotes(size)));
+  return *found;
 }
 
 std::uint64_t number_of(const Words& words, const FilePosition& at) {
@@ -122,6 +114,38 @@ CloudFileLayout read_pcd_header(CloudInput& input, const std::string& first_line
     line = next ? std::optional<std::string>(*next) : std::nullopt;
   }
   throw InputError({input.name(), 0}, "the PCD header has no DATA line; is the file whole?");
+}
+
+// A control byte below 32: that many literals plus one. Else three bits of length (7: one more byte follows) and a
+// distance of 13 bits back, length plus two bytes to repeat.
+std::optional<std::string> unpack_lzf(std::string_view packed, std::size_t size) {
+  constexpr std::size_t kLiterals = 32;
+  std::string data;
+  data.reserve(size);
+  std::size_t at = 0;
+  const auto byte = [&] { return static_cast<std::size_t>(static_cast<unsigned char>(packed[at++])); };
+  while (at < packed.size()) {
+    const std::size_t control = byte();
+    if (control < kLiterals) {
+      const std::size_t count = control + 1;
+      if (packed.size() - at < count || size - data.size() < count) return std::nullopt;
+      data.append(packed.substr(at, count));
+      at += count;
+      continue;
+    }
+    std::size_t count = control >> 5U;
+    if (count == 7) {
+      if (at == packed.size()) return std::nullopt;
+      count += byte();
+    }
+    if (at == packed.size()) return std::nullopt;
+    const std::size_t distance = ((control & 31U) << 8U | byte()) + 1;
+    count += 2;
+    if (distance > data.size() || size - data.size() < count) return std::nullopt;
+    for (std::size_t k = 0; k < count; ++k) data.push_back(data[data.size() - distance]);
+  }
+  if (data.size() != size) return std::nullopt;
+  return data;
 }
 
 }  // namespace gdtslam

@@ -1,10 +1,8 @@
-#include "ply_header.hpp"
-
 #include <fmt/format.h>
 
-#include <array>
 #include <utility>
 
+#include "cloud_file_layout.hpp"
 #include "cloud_words.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
@@ -19,28 +17,10 @@ constexpr std::uint64_t kMostLines = 100'000;
 using Words = std::vector<std::string_view>;
 
 Scalar scalar_of(std::string_view word, const FilePosition& at) {
-  constexpr std::array<std::pair<std::string_view, Scalar>, 18> kTypes{{{"char", Scalar::kInt8},
-                                                                        {"int8", Scalar::kInt8},
-                                                                        {"uchar", Scalar::kUint8},
-                                                                        {"uint8", Scalar::kUint8},
-                                                                        {"short", Scalar::kInt16},
-                                                                        {"int16", Scalar::kInt16},
-                                                                        {"ushort", Scalar::kUint16},
-                                                                        {"uint16", Scalar::kUint16},
-                                                                        {"int", Scalar::kInt32},
-                                                                        {"int32", Scalar::kInt32},
-                                                                        {"uint", Scalar::kUint32},
-                                                                        {"uint32", Scalar::kUint32},
-                                                                        {"int64", Scalar::kInt64},
-                                                                        {"uint64", Scalar::kUint64},
-                                                                        {"float", Scalar::kFloat},
-                                                                        {"float32", Scalar::kFloat},
-                                                                        {"double", Scalar::kDouble},
-                                                                        {"float64", Scalar::kDouble}}};
-  for (const auto& [name, type] : kTypes) {
-    if (word == name) return type;
-  }
-  throw InputError(at, fmt::format("{} is no type of PLY", in_quotes(word)));
+  const bool is_of_pcd = !word.empty() && word[0] <= 'Z';
+  const std::optional<Scalar> type = is_of_pcd ? std::nullopt : scalar_named(word);
+  if (!type) throw InputError(at, fmt::format("{} is no type of PLY", in_quotes(word)));
+  return *type;
 }
 
 void set_format(const Words& words, PlyHeader& header, const FilePosition& at) {

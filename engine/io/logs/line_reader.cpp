@@ -5,7 +5,7 @@
 
 namespace gdtslam {
 namespace {
-constexpr std::size_t kInitialBytes = std::size_t{1} << 16;
+constexpr std::size_t kInitialBytes = std::size_t{1} << 18U;
 }
 
 LineReader::LineReader(std::unique_ptr<ByteSource> source, std::size_t max_line_bytes)
@@ -89,6 +89,13 @@ std::string_view LineReader::peek(std::size_t bytes) {
   while (available().size() < bytes && available().find('\n') == std::string_view::npos && fill()) {
   }
   return available().substr(0, bytes);
+}
+
+std::string_view LineReader::some(std::size_t most) {
+  if (peek_bytes(1) == nullptr) return {};
+  const std::size_t count = std::min(most, end_ - begin_);
+  begin_ += count;
+  return {buffer_.data() + begin_ - count, count};
 }
 
 }  // namespace gdtslam

@@ -1,4 +1,4 @@
-// Lines of a byte source, with a bound on their length. One reader belongs to one thread.
+// Lines of a byte source, with a bound on their length, and bytes between them. One reader belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,21 @@ class LineReader {
   /// What there is from the current position, without consuming it: at least a line or `bytes` bytes, less only at the
   /// end. Asks a live source for no more than that.
   std::string_view peek(std::size_t bytes);
+  /// The next `count` bytes as they are, valid until the next call; nullptr where the input ends before.
+  const char* bytes(std::size_t count) {
+    const char* const data = peek_bytes(count);
+    if (data != nullptr) begin_ += count;
+    return data;
+  }
+  /// The same without going on.
+  const char* peek_bytes(std::size_t count) {
+    while (end_ - begin_ < count) {
+      if (!fill()) return nullptr;
+    }
+    return buffer_.data() + begin_;
+  }
+  /// Up to `most` bytes that there are; empty at the end.
+  std::string_view some(std::size_t most);
   [[nodiscard]] const ByteSource& source() const { return *source_; }
 
  private:

@@ -2,17 +2,59 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
 
 #include "engine/core/elementary.hpp"
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/byte_source.hpp"
+#include "engine/io/file_limits.hpp"
+#include "field_cursor.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "number_rows.hpp"
+#include "line_reader.hpp"
 
 namespace gdtslam {
 namespace {
+
+using Row = std::array<double, 8>;
+
+/// Calls `take(values, position)`, which may keep them, for each row of eight finite numbers. Throws InputError with
+/// file and line.
+template <class Take>
+void for_each_row(std::unique_ptr<ByteSource> source, const std::string& name, const char* columns, Take take) {
+  constexpr std::size_t kMaxRowBytes = 4096;
+  LineReader lines(gunzip_if_packed(std::move(source), name), kMaxRowBytes);
+  std::uint64_t kept_bytes = 0;
+  while (const std::optional<TextLine> line = lines.next()) {
+    const FilePosition position{name, line->number};
+    FieldCursor cursor(line->text);
+    if (cursor.at_end() || line->text[line->text.find_first_not_of(" \t\r")] == '#') {
+      continue;
+    }
+    Row values{};
+    try {
+      if (line->is_too_long) {
+        throw MalformedLine("is too long");
+      }
+      for (double& value : values) {
+        value = cursor.finite("numbers");
+      }
+      if (!cursor.at_end()) {
+        throw MalformedLine("has more numbers than that");
+      }
+    } catch (const MalformedLine& error) {
+      throw InputError(position, fmt::format("the row {}; a row is `{}`", error.what(), columns));
+    }
+    take(values, position);
+    kept_bytes += sizeof(values);
+    check_kept_bytes(kept_bytes, lines.source().bytes_from_file(), name);
+  }
+  if (const std::string defect = lines.source().defect(); !defect.empty()) {
+    throw InputError({name, 0}, defect);
+  }
+}
 
 /// Yaw of a quaternion of any length; rotations about z and others alike.
 double yaw_of(double x, double y, double z, double w) {
@@ -21,18 +63,17 @@ double yaw_of(double x, double y, double z, double w) {
 
 Trajectory read_tum(std::unique_ptr<ByteSource> source, const std::string& name) {
   Trajectory trajectory;
-  for_each_row<8>(std::move(source), name, "stamp x y z qx qy qz qw",
-                  [&](const std::array<double, 8>& row, const FilePosition& position) {
-                    const auto [stamp_s, x_m, y_m, z_m, qx, qy, qz, qw] = row;
-                    const double sq_norm = qx * qx + qy * qy + qz * qz + qw * qw;
-                    constexpr double kTolerance = 0.01;
-                    if (std::fabs(sq_norm - 1.0) > kTolerance) {
-                      throw InputError(position, fmt::format("the quaternion has the squared length {}, not 1; "
-                                                             "a row is `stamp x y z qx qy qz qw`",
-                                                             sq_norm));
-                    }
-                    trajectory.push_back({stamp_s, {x_m, y_m, yaw_of(qx, qy, qz, qw)}});
-                  });
+  for_each_row(std::move(source), name, "stamp x y z qx qy qz qw", [&](const Row& row, const FilePosition& position) {
+    const auto [stamp_s, x_m, y_m, z_m, qx, qy, qz, qw] = row;
+    const double sq_norm = qx * qx + qy * qy + qz * qz + qw * qw;
+    constexpr double kTolerance = 0.01;
+    if (std::fabs(sq_norm - 1.0) > kTolerance) {
+      throw InputError(position, fmt::format("the quaternion has the squared length {}, not 1; "
+                                             "a row is `stamp x y z qx qy qz qw`",
+                                             sq_norm));
+    }
+    trajectory.push_back({stamp_s, {x_m, y_m, yaw_of(qx, qy, qz, qw)}});
+  });
   return trajectory;
 }
 
@@ -64,10 +105,10 @@ Trajectory read_tum(std::span<const std::byte> data, const std::string& name) {
 
 std::vector<Relation> read_relations(const std::string& path) {
   std::vector<Relation> relations;
-  for_each_row<8>(open_file_source(path), path, "t1 t2 x y z roll pitch yaw",
-                  [&](const std::array<double, 8>& row, const FilePosition& /*position*/) {
-                    relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
-                  });
+  for_each_row(open_file_source(path), path, "t1 t2 x y z roll pitch yaw",
+               [&](const Row& row, const FilePosition& /*position*/) {
+                 relations.push_back({row[0], row[1], {row[2], row[3], wrap_angle(row[7])}});
+               });
   return relations;
 }
 

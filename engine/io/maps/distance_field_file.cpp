@@ -127,10 +127,7 @@ void write_distance_field(const std::string& yaml_path, const DistanceFieldView&
 DistanceFieldFile read_distance_field(const std::string& yaml_path) {
   const DescriptionFile file(yaml_path);
   DistanceFieldFile field;
-  field.geometry.resolution_m = file.resolution_m();
-  const DescriptionFile::Origin origin = file.origin();
-  field.geometry.origin_x_m = origin.x_m;
-  field.geometry.origin_y_m = origin.y_m;
+  field.geometry = file.geometry();
   const Levels levels = levels_of(file, field.geometry.resolution_m);
   field.cap = static_cast<std::uint16_t>(levels.cap / levels.scale);
   const std::string image_path = file.image_path();

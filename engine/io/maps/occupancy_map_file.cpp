@@ -96,10 +96,7 @@ void write_occupancy_map(const std::string& yaml_path, const OccupancyMap& map) 
 OccupancyMap read_occupancy_map(const std::string& yaml_path) {
   const DescriptionFile file(yaml_path);
   OccupancyMap map;
-  map.geometry.resolution_m = file.resolution_m();
-  const DescriptionFile::Origin origin = file.origin();
-  map.geometry.origin_x_m = origin.x_m;
-  map.geometry.origin_y_m = origin.y_m;
+  map.geometry = file.geometry();
   const Thresholds thresholds = thresholds_of(file);
   const Grey8Image image = read_pgm(file.image_path());
   map.geometry.width = static_cast<std::int32_t>(image.width);

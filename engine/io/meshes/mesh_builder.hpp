@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "engine/io/clouds/cloud_input.hpp"
+#include "engine/io/clouds/cloud_words.hpp"
 #include "gdtslam/core/error.hpp"
 #include "mesh_file.hpp"
 
@@ -41,6 +41,9 @@ class MeshBuilder {
   MeshFile mesh_;
   std::uint64_t rows_ = 0;
 };
+
+/// The next three numbers of a line; fails with `message` where there are fewer.
+std::array<float, 3> next_vertex(CloudNumbers& row, const MeshBuilder& mesh, const char* message);
 
 /// Each reads to the end of the input.
 void read_obj(CloudInput& input, MeshBuilder& mesh);

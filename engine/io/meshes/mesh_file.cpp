@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -11,6 +9,7 @@
 
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
+#include "engine/io/referenced_file.hpp"
 #include "mesh_builder.hpp"
 
 namespace gdtslam {
@@ -18,9 +17,7 @@ namespace {
 
 MeshFile read_mesh(std::unique_ptr<ByteSource> source, std::uint64_t bytes, const std::string& name,
                    const MeshReadOptions& options) {
-  std::string extension = std::filesystem::path(name).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(name);
   if (extension != ".obj" && extension != ".stl" && extension != ".ply") {
     throw InputError({name, 0}, "not a mesh that can be imported: use .obj, .stl or .ply");
   }

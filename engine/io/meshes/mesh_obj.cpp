@@ -1,7 +1,6 @@
 #include <charconv>
 #include <system_error>
 
-#include "engine/io/clouds/cloud_numbers.hpp"
 #include "engine/io/clouds/cloud_words.hpp"
 #include "mesh_builder.hpp"
 
@@ -26,12 +25,7 @@ bool next_line(CloudInput& input, std::string& line) {
 // "v x y z", then a weight, which only curved surfaces need, or a colour.
 std::array<float, 3> vertex_of(std::string_view numbers, const MeshBuilder& mesh) {
   CloudNumbers row(numbers);
-  std::array<float, 3> vertex{};
-  for (float& coordinate : vertex) {
-    const std::optional<double> number = row.next(Scalar::kFloat);
-    if (!number) mesh.fail("expected 'v X Y Z'");
-    coordinate = static_cast<float>(*number);
-  }
+  const std::array<float, 3> vertex = next_vertex(row, mesh, "expected 'v X Y Z'");
   const std::optional<double> weight = row.next(Scalar::kDouble);
   if (weight && *weight != 1.0 && row.at_end()) mesh.fail("a vertex with a weight other than 1 is not read");
   return vertex;

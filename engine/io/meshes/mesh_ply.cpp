@@ -1,8 +1,6 @@
 #include <utility>
 
-#include "engine/io/clouds/cloud_file_layout.hpp"
-#include "engine/io/clouds/cloud_numbers.hpp"
-#include "engine/io/clouds/ply_header.hpp"
+#include "engine/io/clouds/cloud_words.hpp"
 #include "mesh_builder.hpp"
 
 namespace gdtslam {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cctype>
 
-#include "engine/io/clouds/cloud_file_layout.hpp"
-#include "engine/io/clouds/cloud_numbers.hpp"
 #include "engine/io/clouds/cloud_words.hpp"
 #include "engine/io/message_text.hpp"
 #include "mesh_builder.hpp"
@@ -41,18 +39,6 @@ std::string small_letters(std::string_view word) {
   return small;
 }
 
-std::array<float, 3> vertex_of(std::string_view numbers, const MeshBuilder& mesh) {
-  CloudNumbers row(numbers);
-  std::array<float, 3> vertex{};
-  for (float& coordinate : vertex) {
-    const std::optional<double> number = row.next(Scalar::kFloat);
-    if (!number) mesh.fail("expected 'vertex X Y Z'");
-    coordinate = static_cast<float>(*number);
-  }
-  if (!row.at_end()) mesh.fail("expected 'vertex X Y Z'");
-  return vertex;
-}
-
 void read_text(CloudInput& input, MeshBuilder& mesh) {
   std::vector<std::uint32_t> corners;
   while (const std::optional<std::string_view> line = input.line()) {
@@ -62,7 +48,10 @@ void read_text(CloudInput& input, MeshBuilder& mesh) {
     if (word == "vertex") {
       if (corners.size() == MeshBuilder::kMostCorners) mesh.fail("the facet has no 'endfacet'");
       corners.push_back(static_cast<std::uint32_t>(mesh.vertex_count()));
-      mesh.add_vertex(vertex_of(line->substr(line->find(words[0]) + words[0].size()), mesh));
+      CloudNumbers row(line->substr(line->find(words[0]) + words[0].size()));
+      const std::array<float, 3> vertex = next_vertex(row, mesh, "expected 'vertex X Y Z'");
+      if (!row.at_end()) mesh.fail("expected 'vertex X Y Z'");
+      mesh.add_vertex(vertex);
     } else if (word == "endfacet") {
       if (corners.size() < 3) mesh.fail("the facet has fewer than three vertices");
       mesh.add_face(corners);

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "engine/io/did_you_mean.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/nearest_name.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "option_value.hpp"

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "engine/core/stated_quantity.hpp"
+#include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/nearest_name.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {

@@ -57,7 +57,11 @@ double DescriptionFile::number(const char* key) const {
   return number_of(node(key), key);
 }
 
-DescriptionFile::Origin DescriptionFile::origin() const {
+GridGeometry DescriptionFile::geometry() const {
+  const double resolution_m = number("resolution");
+  if (resolution_m <= 0.0) {
+    fail("resolution", fmt::format("{} m is not above 0", resolution_m));
+  }
   if (!has("origin")) {
     throw InputError({path_, 0}, "the key origin is missing");
   }
@@ -68,15 +72,7 @@ DescriptionFile::Origin DescriptionFile::origin() const {
   if (number_of(list[2], "origin") != 0.0) {
     fail("origin", "a map that is turned (yaw other than 0) cannot be read");
   }
-  return {number_of(list[0], "origin"), number_of(list[1], "origin")};
-}
-
-double DescriptionFile::resolution_m() const {
-  const double resolution_m = number("resolution");
-  if (resolution_m <= 0.0) {
-    fail("resolution", fmt::format("{} m is not above 0", resolution_m));
-  }
-  return resolution_m;
+  return {resolution_m, number_of(list[0], "origin"), number_of(list[1], "origin"), 0, 0};
 }
 
 std::string DescriptionFile::image_path() const {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
 
 namespace gdtslam {
 
@@ -22,14 +23,8 @@ class DescriptionFile {
   [[nodiscard]] std::string text(const char* key) const;
   [[nodiscard]] double number(const char* key) const;
   [[nodiscard]] double number_or(const char* key, double value) const { return has(key) ? number(key) : value; }
-  /// x, y and yaw; the yaw must be 0.
-  struct Origin {
-    double x_m = 0.0;
-    double y_m = 0.0;
-  };
-  [[nodiscard]] Origin origin() const;
-  /// Resolution in metres, checked.
-  [[nodiscard]] double resolution_m() const;
+  /// The keys resolution, which must be above 0, and origin, whose yaw must be 0; the size is the image's.
+  [[nodiscard]] GridGeometry geometry() const;
   /// The file that the key `image` names, in or below this file's folder; anything else is refused.
   [[nodiscard]] std::string image_path() const;
   [[noreturn]] void fail(const char* key, const std::string& message) const;

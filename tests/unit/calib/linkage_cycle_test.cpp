@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "gdtslam/calib/linkage_cycle.hpp"
+#include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/cloud/box_ends.hpp"
+#include "engine/cloud/box_face.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {

@@ -1,4 +1,4 @@
-// What the kernels of pose_lattice.hpp, seed_scatter.hpp and field_grow.hpp refuse.
+// What the kernels of the lattice, the seeds and the growth refuse.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -26,6 +26,12 @@ RayCaster room() {
   return RayCaster(triangulate(scene));
 }
 
+std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at) {
+  std::vector<double> ranges_m;
+  for (const BeamTruth& beam : true_beams(laser, caster, T_map_laser_at)) ranges_m.push_back(beam.range_m);
+  return ranges_m;
+}
+
 TEST(LaserModel, PresetsSpanWhatTheirSensorsSpan) {
   const LaserModel lms = *laser_preset("sick-lms");
   EXPECT_EQ(lms.beam_count, 180U);

@@ -1,5 +1,5 @@
 // A mesh set into a scene: scaled, turned, moved, stood up. The triangle's corners are worked out by hand.
-#include "engine/sim/mesh_placement.hpp"
+#include "gdtslam/sim/scene.hpp"
 
 #include <gtest/gtest.h>
 

@@ -92,7 +92,7 @@ void write_film(const FilmTarget& target, std::size_t frames) {
 
 TEST_F(FilmWriterTest, FramesReachTheProgramAsRowsOfRedGreenBlue) {
   const std::string ffmpeg = program("cat > \"$out\"\n");
-  write_film({FilmKind::kMp4, film(), 4, 2, 25.0, ffmpeg}, 3);
+  write_film({OutputKind::kMp4, film(), 4, 2, 25.0, ffmpeg}, 3);
   std::string expected;
   for (int frame = 0; frame < 3; ++frame) {
     for (int y = 0; y < 2; ++y) {
@@ -106,7 +106,7 @@ TEST_F(FilmWriterTest, FramesReachTheProgramAsRowsOfRedGreenBlue) {
 
 TEST_F(FilmWriterTest, TheProgramIsToldSizeRateAndKind) {
   const std::string ffmpeg = program("cat > /dev/null; echo \"$@\" > \"$out\"\n");
-  write_film({FilmKind::kGif, film("f.gif"), 6, 3, 12.5, ffmpeg}, 1);
+  write_film({OutputKind::kGif, film("f.gif"), 6, 3, 12.5, ffmpeg}, 1);
   const std::string words = content(film("f.gif"));
   for (const char* part : {"-f rawvideo", "-pixel_format rgb24", "-video_size 6x3", "-framerate 12.5", "palettegen",
                            "paletteuse", "-f gif"}) {
@@ -117,7 +117,7 @@ TEST_F(FilmWriterTest, TheProgramIsToldSizeRateAndKind) {
 TEST_F(FilmWriterTest, WhatTheProgramComplainsOfIsTold) {
   const std::string ffmpeg = program("cat > /dev/null; echo 'pipe:0: something is' >&2; echo 'odd' >&2; exit 3\n");
   std::string what;
-  EXPECT_EQ(code_of([&] { write_film({FilmKind::kMp4, film(), 4, 2, 25.0, ffmpeg}, 2); }, &what), ExitCode::kFailed);
+  EXPECT_EQ(code_of([&] { write_film({OutputKind::kMp4, film(), 4, 2, 25.0, ffmpeg}, 2); }, &what), ExitCode::kFailed);
   EXPECT_EQ(what, "ffmpeg failed (exit 3): pipe:0: something is; odd");
   EXPECT_EQ(names(), std::vector<std::string>{"ffmpeg"});
 }
@@ -128,7 +128,7 @@ TEST_F(FilmWriterTest, AProgramThatStopsReadingIsAFailureAndNoSignal) {
   std::string what;
   EXPECT_EQ(code_of(
                 [&] {
-                  write_film({FilmKind::kMp4, film(), 640, 480, 25.0, ffmpeg}, 40);
+                  write_film({OutputKind::kMp4, film(), 640, 480, 25.0, ffmpeg}, 40);
                 },
                 &what),
             ExitCode::kFailed);
@@ -137,34 +137,34 @@ TEST_F(FilmWriterTest, AProgramThatStopsReadingIsAFailureAndNoSignal) {
 
 TEST_F(FilmWriterTest, AFullDiskIsAFailureToWrite) {
   const std::string ffmpeg = program("cat > /dev/null; echo 'av_write_frame: No space left on device' >&2; exit 1\n");
-  EXPECT_EQ(code_of([&] { write_film({FilmKind::kMp4, film(), 4, 2, 25.0, ffmpeg}, 1); }), ExitCode::kInputOutput);
+  EXPECT_EQ(code_of([&] { write_film({OutputKind::kMp4, film(), 4, 2, 25.0, ffmpeg}, 1); }), ExitCode::kInputOutput);
 }
 
 TEST_F(FilmWriterTest, AProgramThatIsKilledOrWritesNothingIsAFailure) {
   std::string what;
   const std::string killed = program("kill -9 $$\n");
-  EXPECT_EQ(code_of([&] { write_film({FilmKind::kMp4, film(), 4, 2, 25.0, killed}, 1); }, &what), ExitCode::kFailed);
+  EXPECT_EQ(code_of([&] { write_film({OutputKind::kMp4, film(), 4, 2, 25.0, killed}, 1); }, &what), ExitCode::kFailed);
   EXPECT_NE(what.find("signal 9"), std::string::npos) << what;
   const std::string idle = program("cat > /dev/null\n");
-  EXPECT_EQ(code_of([&] { write_film({FilmKind::kMp4, film(), 4, 2, 25.0, idle}, 1); }, &what), ExitCode::kFailed);
+  EXPECT_EQ(code_of([&] { write_film({OutputKind::kMp4, film(), 4, 2, 25.0, idle}, 1); }, &what), ExitCode::kFailed);
   EXPECT_NE(what.find("no film"), std::string::npos) << what;
 }
 
 TEST_F(FilmWriterTest, AnOldFilmStaysUntilTheNewOneIsWhole) {
   std::ofstream(film()) << "old";
   EXPECT_EQ(code_of([&] {
-              write_film({FilmKind::kMp4, film(), 4, 2, 25.0, program("exit 1\n")}, 1);
+              write_film({OutputKind::kMp4, film(), 4, 2, 25.0, program("exit 1\n")}, 1);
             }),
             ExitCode::kFailed);
   EXPECT_EQ(content(film()), "old");
-  write_film({FilmKind::kMp4, film(), 4, 2, 25.0, program("cat > \"$out\"\n")}, 1);
+  write_film({OutputKind::kMp4, film(), 4, 2, 25.0, program("cat > \"$out\"\n")}, 1);
   EXPECT_EQ(content(film()).size(), 24U);
 }
 
 TEST_F(FilmWriterTest, AWriterThatIsLeftEndsItsProgramAndLeavesNothing) {
   const std::string ffmpeg = program("echo $$ > '" + film("pid") + "'; exec sleep 1000\n");
   {
-    const auto writer = open_film({FilmKind::kMp4, film(), 4, 2, 25.0, ffmpeg});
+    const auto writer = open_film({OutputKind::kMp4, film(), 4, 2, 25.0, ffmpeg});
     while (content(film("pid")).empty()) ::usleep(1000);
   }
   const int pid = std::stoi(content(film("pid")));
@@ -175,16 +175,16 @@ TEST_F(FilmWriterTest, AWriterThatIsLeftEndsItsProgramAndLeavesNothing) {
 TEST_F(FilmWriterTest, WhatCannotWorkIsRefusedBeforeAFrameIsDrawn) {
   const std::string ffmpeg = program("cat > \"$out\"\n");
   std::string what;
-  EXPECT_EQ(code_of([&] { open_film({FilmKind::kMp4, film(), 5, 3, 25.0, ffmpeg}); }, &what), ExitCode::kUsage);
+  EXPECT_EQ(code_of([&] { open_film({OutputKind::kMp4, film(), 5, 3, 25.0, ffmpeg}); }, &what), ExitCode::kUsage);
   EXPECT_NE(what.find("6x4"), std::string::npos) << what;
   EXPECT_EQ(code_of([&] {
-              open_film({FilmKind::kMp4, film("no/film.mp4"), 4, 2, 25.0, ffmpeg});
+              open_film({OutputKind::kMp4, film("no/film.mp4"), 4, 2, 25.0, ffmpeg});
             }),
             ExitCode::kInputOutput);
-  EXPECT_EQ(code_of([&] { open_film({FilmKind::kMp4, "/dev/null", 4, 2, 25.0, ffmpeg}); }), ExitCode::kInputOutput);
-  EXPECT_EQ(code_of([&] { open_film({FilmKind::kMp4, film(), 4, 2, 25.0, film("none")}); }), ExitCode::kUnavailable);
+  EXPECT_EQ(code_of([&] { open_film({OutputKind::kMp4, "/dev/null", 4, 2, 25.0, ffmpeg}); }), ExitCode::kInputOutput);
+  EXPECT_EQ(code_of([&] { open_film({OutputKind::kMp4, film(), 4, 2, 25.0, film("none")}); }), ExitCode::kUnavailable);
   EXPECT_EQ(code_of([&] {
-              const auto writer = open_film({FilmKind::kMp4, film(), 4, 2, 25.0, ffmpeg});
+              const auto writer = open_film({OutputKind::kMp4, film(), 4, 2, 25.0, ffmpeg});
               writer->add(frame_of(2, 4, 0));
             }),
             ExitCode::kFailed);
@@ -212,7 +212,7 @@ TEST_F(FilmWriterTest, FramesOfAFolderAndOfAPattern) {
   for (const char* wrong : {"f%04d.jpg", "f%02d-%02d.png", "f%99d.png"}) {
     EXPECT_EQ(code_of([wrong] { frame_path(wrong, 0); }), ExitCode::kUsage) << wrong;
   }
-  write_film({FilmKind::kFrames, film("frames/"), 4, 2, 25.0, ""}, 3);
+  write_film({OutputKind::kFrames, film("frames/"), 4, 2, 25.0, ""}, 3);
   for (const char* name : {"frames/frame-0001.png", "frames/frame-0002.png", "frames/frame-0003.png"}) {
     EXPECT_EQ(content(film(name)).substr(1, 3), "PNG");
   }
@@ -229,11 +229,11 @@ std::string output_of(const std::string& command) {
 TEST_F(FilmWriterTest, RealFilmsHaveTheFramesThatWereGiven) {
   GDTSLAM_NEEDS_PROGRAMS("ffmpeg ffprobe");
   struct Case {
-    FilmKind kind;
+    OutputKind kind;
     const char* name;
     const char* codec;
   };
-  for (const Case& c : {Case{FilmKind::kMp4, "film.mp4", "h264"}, Case{FilmKind::kGif, "film.gif", "gif"}}) {
+  for (const Case& c : {Case{OutputKind::kMp4, "film.mp4", "h264"}, Case{OutputKind::kGif, "film.gif", "gif"}}) {
     write_film({c.kind, film(c.name), 64, 48, 20.0, ""}, 7);
     EXPECT_EQ(output_of("ffprobe -v error -count_frames -select_streams v -show_entries "
                         "stream=codec_name,width,height,r_frame_rate,nb_read_frames -of csv=p=0 " +
@@ -251,7 +251,7 @@ TEST_F(FilmWriterTest, ColoursComeBack) {
     frame.pixels[k + 2] = 29;
     frame.pixels[k + 3] = 255;
   }
-  for (const auto& [kind, name] : {std::pair{FilmKind::kMp4, "c.mp4"}, std::pair{FilmKind::kGif, "c.gif"}}) {
+  for (const auto& [kind, name] : {std::pair{OutputKind::kMp4, "c.mp4"}, std::pair{OutputKind::kGif, "c.gif"}}) {
     const auto writer = open_film({kind, film(name), 32, 32, 25.0, ""});
     for (int k = 0; k < 3; ++k) writer->add(frame);
     writer->finish();

@@ -30,7 +30,7 @@ TEST_F(SimulateNoddingTest, WritesEncoderLinkageElevationsAndHits) {
 
   // The log: 0.5 turns a second of 20,000 ticks are 200 ticks a message of 50 Hz, and the count wraps.
   const std::vector<Encoder> told = messages("a.log.gz");
-  EXPECT_EQ(told.size(), result.encoder_lines);
+  EXPECT_EQ(told.size(), result.encoder_records);
   ASSERT_GT(told.size(), 200U);
   for (std::size_t i = 0; i < told.size(); ++i) {
     EXPECT_EQ(told[i].ticks, static_cast<std::int64_t>(200 * i % 20000));
@@ -94,7 +94,7 @@ TEST_F(SimulateNoddingTest, ALaserThatDoesNotNodWritesNothingOfIt) {
   text.erase(text.find("  nodding:"), text.find("recording") - text.find("  nodding:"));
   write("level.yaml", text);
   const SimulateResult result = simulate(options("a.log", "level.yaml"));
-  EXPECT_EQ(result.encoder_lines, 0U);
+  EXPECT_EQ(result.encoder_records, 0U);
   EXPECT_TRUE(result.linkage_file.empty());
   EXPECT_FALSE(std::filesystem::exists(path("a.linkage.yaml")));
   EXPECT_FALSE(std::filesystem::exists(path("a.elevation.csv")));

@@ -100,7 +100,7 @@ TEST_F(SimulateTest, WritesALogThatAReaderUnderstands) {
     }
   }
   EXPECT_EQ(scans, result.scans);
-  EXPECT_EQ(odometry, result.odometry_lines);
+  EXPECT_EQ(odometry, result.odometry_records);
   EXPECT_EQ(returns, result.returns);
   EXPECT_TRUE(reader->warnings().empty());
   const double share = 1.0 - static_cast<double>(returns) / static_cast<double>(result.beams);
@@ -167,7 +167,7 @@ TEST_F(SimulateTest, StoppedEarlyItWritesWhatItHas) {
   chosen.progress = [&](std::uint64_t count, double) { scans = count; };
   chosen.stop = [&] { return scans >= 4; };
   const SimulateResult result = simulate(chosen);
-  EXPECT_TRUE(result.interrupted);
+  EXPECT_FALSE(result.is_whole);
   EXPECT_EQ(read_tum(path("a.truth.tum")).size(), 4U);
 }
 

@@ -115,49 +115,60 @@ TEST(MapPicture, nothing_seen_is_still_a_picture) {
   }
 }
 
-/// Of the picture's pixels in one row or column of cells: how many are darker than what is free.
-std::size_t dark_pixels(const RgbaImage& image) {
-  std::size_t count = 0;
+/// The columns between which dark pixels lie.
+struct DarkColumns {
+  std::uint32_t first = 1000;
+  std::uint32_t last = 0;
+};
+DarkColumns dark_columns(const RgbaImage& image) {
+  DarkColumns columns;
   for (std::uint32_t y = 0; y < image.height; ++y) {
-    for (std::uint32_t x = 0; x < image.width; ++x) count += brightness(image.at(x, y)) < 100.0 ? 1U : 0U;
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      if (brightness(image.at(x, y)) > 100.0) continue;
+      columns.first = std::min(columns.first, x);
+      columns.last = std::max(columns.last, x);
+    }
   }
-  return count;
+  return columns;
 }
 
-/// The building of 8 x 4 m at (1, 2), walls one cell thick, within unknown land.
+/// A building of 40 x 20 m at (10, 20) within unknown land of 60 x 50 m.
 OccupancyMap building() {
-  OccupancyMap map = free_map(120, 80, 0.1, 0.0, 0.0);
+  OccupancyMap map = free_map(600, 500, 0.1, 0.0, 0.0);
   for (CellState& cell : map.cells) cell = CellState::kUnknown;
-  for (std::int32_t y = 20; y < 60; ++y) {
-    for (std::int32_t x = 10; x < 90; ++x) {
-      const bool is_wall = x == 10 || x == 89 || y == 20 || y == 59;
+  for (std::int32_t y = 200; y < 400; ++y) {
+    for (std::int32_t x = 100; x < 500; ++x) {
+      const bool is_wall = x < 103 || x >= 497 || y < 203 || y >= 397;
       set(map, x, y, is_wall ? CellState::kOccupied : CellState::kFree);
     }
   }
   return map;
 }
 
+/// The walls with a margin of 0.8 m, 3.7 pixels, at either side.
+void expect_building_fills(const RgbaImage& image) {
+  const DarkColumns columns = dark_columns(image);
+  EXPECT_NEAR(columns.first, 3.7, 1.0);
+  EXPECT_NEAR(columns.last + 1.0, 190.0 - 3.7, 1.0);
+}
+
 TEST(MapPicture, is_cropped_to_the_building_though_beams_leave_it) {
   OccupancyMap map = building();
-  const RgbaImage without = raster_of(map_picture(map, {}, {}, kBare));
-  // A cell is 2.27 pixels large where the building and its margin of 20 cm, 84 cells, are 190 pixels wide.
-  EXPECT_NEAR(static_cast<double>(dark_pixels(without)), 236.0 * 2.27 * 2.27, 60.0);
+  expect_building_fills(raster_of(map_picture(map, {}, {}, kBare)));
   // A fan of free cells to the edge of the grid, and one return.
-  for (std::int32_t x = 90; x < 120; ++x) {
-    for (std::int32_t y = 33; y < 47; ++y) set(map, x, y, CellState::kFree);
+  for (std::int32_t x = 500; x < 600; ++x) {
+    for (std::int32_t y = 270; y < 330; ++y) set(map, x, y, CellState::kFree);
   }
-  set(map, 119, 40, CellState::kOccupied);
-  EXPECT_EQ(dark_pixels(raster_of(map_picture(map, {}, {}, kBare))), dark_pixels(without));
+  set(map, 599, 300, CellState::kOccupied);
+  expect_building_fills(raster_of(map_picture(map, {}, {}, kBare)));
 }
 
 TEST(MapPicture, poses_of_no_sense_do_not_shrink_it) {
-  const OccupancyMap map = building();
-  PathOverlay overlay = line_from({3.0, 4.0}, {5.0, 4.0});
+  PathOverlay overlay = line_from({30.0, 30.0}, {30.5, 30.0});
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   overlay.trajectory.insert(overlay.trajectory.begin() + 1, {{0.2, {kNan, 4.0, 0.0}}, {0.4, {1e300, -1e300, 0.0}}});
   overlay.keyframes = overlay.doubtful = {1, 2};
-  EXPECT_NEAR(static_cast<double>(dark_pixels(raster_of(map_picture(map, overlay, {}, kBare)))),
-              static_cast<double>(dark_pixels(raster_of(map_picture(map, {}, {}, kBare)))), 150.0);
+  expect_building_fills(raster_of(map_picture(building(), overlay, {}, kBare)));
 }
 
 TEST(MapPicture, the_longest_legend_fits_a_narrow_picture) {

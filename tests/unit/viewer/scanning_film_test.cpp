@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gdtslam/calib/linkage_cycle.hpp"
+#include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/viewer/film.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gdtslam/calib/linkage_cycle.hpp"
+#include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "scanning_room.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,6 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "text.hpp"
-#include "tools/gdtslam/calibrations/figure.hpp"
-#include "tools/gdtslam/calibrations/run.hpp"
-#include "tools/gdtslam/calibrations/self_run.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -67,10 +65,16 @@ CalibrateJob job_of(const CalibrateCommand& command) {
   return job;
 }
 
-// Standard deviations hold for a model that fits: a file that is written by force has none.
+// What the linkage file states of the parameters: those that something holds. Standard deviations hold for a model that
+// fits: a file that is written by force has none.
 template <typename Outcome>
 std::vector<ParameterSigma> stated_sigmas(const Outcome& outcome) {
-  return outcome.distrust.empty() ? uncertainty_of(outcome.result) : std::vector<ParameterSigma>{};
+  std::vector<ParameterSigma> list;
+  if (!outcome.distrust.empty()) return list;
+  for (const calib::CalibratedParameter& parameter : outcome.result.parameters) {
+    if (std::isfinite(parameter.sigma)) list.push_back({parameter.name, parameter.sigma});
+  }
+  return list;
 }
 
 void refuse_distrusted(const CalibrateCommand& command, const std::string& distrust, const std::string& advice) {
@@ -82,34 +86,42 @@ void refuse_distrusted(const CalibrateCommand& command, const std::string& distr
   print_remark("warning: not to be trusted, written by --force and without uncertainties: " + distrust);
 }
 
-// Both or none.
-void write_files(const CalibrateCommand& command, const CalibrateOutcome& outcome) {
-  AtomicFileSet files;
-  if (!command.picture.empty()) {
-    files.add(command.picture).write(drawing_bytes(calibration_figure(outcome), command.picture, kDensePng));
-  }
-  files.add(command.output).write(linkage_text(outcome.result.model, stated_sigmas(outcome)));
-  files.commit();
-}
-
-int run_calibrate(const CalibrateCommand& command) {
-  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
-  const CalibrateJob job = job_of(command);
-  ProgressLine progress("records", command.quiet);
-  std::uint64_t records = 0;
-  const CalibrateOutcome outcome = run_calibration(
-      job, [&](double share) { progress.update(++records, share); }, [] { return interrupted(); });
+// Runs the job with its progress shown, in `unit`.
+template <typename Run>
+auto with_progress(const CalibrateCommand& command, const char* unit, const Run& run) {
+  ProgressLine progress(unit, command.quiet);
+  std::uint64_t done = 0;
+  auto outcome = run([&](double share) { progress.update(++done, share); }, [] { return interrupted(); });
   progress.clear();
   if (!command.quiet) print_warnings(outcome.warnings);
-  refuse_distrusted(command, outcome.distrust,
-                    "another --start or other --surfaces (where they are, what stands before them)");
-  write_files(command, outcome);
+  return outcome;
+}
+
+// Writes the linkage and the figure, both or none, and prints what came out.
+template <typename Outcome>
+int finish(const CalibrateCommand& command, const Outcome& outcome, const std::optional<Canvas>& figure = {}) {
+  AtomicFileSet files;
+  if (figure) files.add(command.picture).write(drawing_bytes(*figure, command.picture, kDensePng));
+  files.add(command.output).write(linkage_text(outcome.result.model, stated_sigmas(outcome)));
+  files.commit();
   if (command.json) {
     print_result(json_text(as_json(outcome)));
   } else if (!command.quiet) {
     print_result(as_text(outcome) + "\nlinkage " + command.output + "\n");
   }
   return static_cast<int>(ExitCode::kDone);
+}
+
+int run_calibrate(const CalibrateCommand& command) {
+  if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
+  const CalibrateJob job = job_of(command);
+  const CalibrateOutcome outcome = with_progress(command, "records", [&job](const auto& progress, const auto& stop) {
+    return run_calibration(job, progress, stop);
+  });
+  refuse_distrusted(command, outcome.distrust,
+                    "another --start or other --surfaces (where they are, what stands before them)");
+  if (command.picture.empty()) return finish(command, outcome);
+  return finish(command, outcome, calibration_figure(outcome));
 }
 
 int run_self(const CalibrateCommand& command) {
@@ -117,20 +129,11 @@ int run_self(const CalibrateCommand& command) {
       .logs = command.job.logs, .start = resolve_linkage(command.start), .read = command.job.read, .options = {}};
   job.options.priors.free_lever = command.job.options.free_lever;
   job.options.priors.free_sensor_angles = command.job.options.free_sensor_angles;
-  ProgressLine progress("steps", command.quiet);
-  std::uint64_t steps = 0;
-  const SelfCalibrateOutcome outcome = run_self_calibration(
-      job, [&](double share) { progress.update(++steps, share); }, [] { return interrupted(); });
-  progress.clear();
-  if (!command.quiet) print_warnings(outcome.warnings);
+  const SelfCalibrateOutcome outcome = with_progress(command, "steps", [&job](const auto& progress, const auto& stop) {
+    return run_self_calibration(job, progress, stop);
+  });
   refuse_distrusted(command, outcome.distrust, "a better --start");
-  write_linkage(command.output, outcome.result.model, stated_sigmas(outcome));
-  if (command.json) {
-    print_result(json_text(as_json(outcome)));
-  } else if (!command.quiet) {
-    print_result(as_text(outcome) + "\nlinkage " + command.output + "\n");
-  }
-  return static_cast<int>(ExitCode::kDone);
+  return finish(command, outcome);
 }
 
 void add_data_options(CLI::App& command, CalibrateCommand& chosen) {

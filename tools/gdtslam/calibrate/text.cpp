@@ -16,10 +16,6 @@ using calib::CalibratedParameter;
 using calib::CalibrationResult;
 using Json = nlohmann::ordered_json;
 
-bool is_bar(const std::string& name) {
-  return name == "crank" || name == "coupler" || name == "rocker" || name == "ground";
-}
-
 const CalibratedParameter* find(const CalibrationResult& result, const std::string& name) {
   for (const CalibratedParameter& parameter : result.parameters) {
     if (parameter.name == name) return &parameter;
@@ -35,17 +31,34 @@ struct Display {
 
 Display display_of(const CalibratedParameter& parameter) {
   if (parameter.unit == "rad") return {deg_from_rad(1.0), "deg"};
-  return is_bar(parameter.name) ? Display{100.0, "cm"} : Display{1.0, "m"};
+  return calib::is_bar(parameter.name) ? Display{100.0, "cm"} : Display{1.0, "m"};
 }
 
 std::string sigma_text(double sigma) { return std::isfinite(sigma) ? fmt::format("{:.4f}", sigma) : "free"; }
 
-std::string row(const CalibratedParameter& parameter) {
-  const auto [factor, unit] = display_of(parameter);
-  return fmt::format("{:<18} {:>10.4f} {:>10.4f} {:>9} {:<3} {:>5.0f} %  {}{}\n", parameter.name,
-                     factor * parameter.start, factor * parameter.estimate, sigma_text(factor * parameter.sigma), unit,
-                     100.0 * parameter.data_share, parameter.observable ? "observed" : "not observed",
-                     parameter.at_bound ? ", on its bound" : "");
+std::string row(const CalibratedParameter& parameter, const Display& display) {
+  const auto& [factor, unit] = display;
+  return fmt::format("{:<18} {:>10.4f} {:>10.4f} {:>9} {:<3} {:>5.0f} %", parameter.name, factor * parameter.start,
+                     factor * parameter.estimate, sigma_text(factor * parameter.sigma), unit,
+                     100.0 * parameter.data_share);
+}
+
+std::string heading() {
+  return fmt::format("\n\n{:<18} {:>10} {:>10} {:>9} {:<3} {:>7}\n", "", "start", "estimate", "sigma", "", "data");
+}
+
+std::string distrust_text(const std::string& distrust) {
+  return "NOT TO BE TRUSTED, nor any sigma above: " + distrust + "\n";
+}
+
+std::string notes_text(const char* untold, const std::vector<calib::WeakCombination>& combinations,
+                       const std::vector<std::string>& remarks) {
+  std::string text;
+  if (!combinations.empty()) text += std::string("\n") + untold + "\n";
+  for (const calib::WeakCombination& weak : combinations) text += "  " + weak.text + "\n";
+  if (!remarks.empty()) text += "\nRemarks:\n";
+  for (const std::string& remark : remarks) text += "  " + remark + "\n";
+  return text;
 }
 
 /// A delta of the paper, in metres; nothing for a bar that is not in the loop.
@@ -100,7 +113,7 @@ std::string fit_text(const CalibrateOutcome& outcome) {
         fmt::format("assembly {}; the other one leaves {:.0f} sigma\n",
                     result.model.assembly == calib::Assembly::kOpen ? "open" : "crossed", result.other_assembly_rms);
   }
-  if (!outcome.distrust.empty()) return text + "NOT TO BE TRUSTED, nor any sigma above: " + outcome.distrust + "\n";
+  if (!outcome.distrust.empty()) return text + distrust_text(outcome.distrust);
   return text + fmt::format(
                     "elevation known to {:.4f} deg (RMS over the sweep used), plus what the surfaces lean: 0.1 deg "
                     "for 0.1 deg\n",
@@ -109,11 +122,29 @@ std::string fit_text(const CalibrateOutcome& outcome) {
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-Json as_json(const CalibratedParameter& parameter) {
-  return {{"name", parameter.name},           {"unit", parameter.unit},
-          {"start", parameter.start},         {"estimate", parameter.estimate},
-          {"sigma", number(parameter.sigma)}, {"data_share", parameter.data_share},
-          {"at_bound", parameter.at_bound},   {"observable", parameter.observable}};
+Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+Json parameters_json(const std::vector<CalibratedParameter>& parameters) {
+  Json list = Json::array();
+  for (const CalibratedParameter& parameter : parameters) {
+    list.push_back({{"name", parameter.name},
+                    {"unit", parameter.unit},
+                    {"start", parameter.start},
+                    {"estimate", parameter.estimate},
+                    {"sigma", number(parameter.sigma)},
+                    {"data_share", parameter.data_share},
+                    {"at_bound", parameter.at_bound},
+                    {"observable", parameter.observable}});
+  }
+  return list;
+}
+
+Json warnings_json(const std::vector<LogReader::Warning>& warnings) {
+  Json list = Json::array();
+  for (const LogReader::Warning& warning : warnings) {
+    list.push_back({{"kind", warning.kind}, {"count", warning.count}, {"first", warning.first}});
+  }
+  return list;
 }
 
 Json deltas_json(const CalibrateOutcome& outcome) {
@@ -141,29 +172,36 @@ Json observability_json(const CalibrationResult& result) {
 
 std::string as_text(const CalibrateOutcome& outcome) {
   const StopStatistics& statistics = outcome.statistics;
-  std::string text = fmt::format(
-      "{} scans, {} places of the crank, {} ranges with a scatter of {:.1f} mm\n\n"
-      "{:<18} {:>10} {:>10} {:>9} {:<3} {:>7}\n",
-      statistics.scans, statistics.stops, statistics.ranges, 1000.0 * statistics.range_sigma_m, "", "start", "estimate",
-      "sigma", "", "data");
-  for (const CalibratedParameter& parameter : outcome.result.parameters) text += row(parameter);
-  text += deltas_text(outcome) + fit_text(outcome);
-  if (!outcome.result.weak.empty()) text += "\nWhat these ranges do not tell:\n";
-  for (const calib::WeakCombination& weak : outcome.result.weak) text += "  " + weak.text + "\n";
-  if (!outcome.result.remarks.empty()) text += "\nRemarks:\n";
-  for (const std::string& remark : outcome.result.remarks) text += "  " + remark + "\n";
-  return text;
+  std::string text =
+      fmt::format("{} scans, {} places of the crank, {} ranges with a scatter of {:.1f} mm", statistics.scans,
+                  statistics.stops, statistics.ranges, 1000.0 * statistics.range_sigma_m) +
+      heading();
+  for (const CalibratedParameter& parameter : outcome.result.parameters) {
+    text += fmt::format("{}  {}{}\n", row(parameter, display_of(parameter)),
+                        parameter.observable ? "observed" : "not observed", parameter.at_bound ? ", on its bound" : "");
+  }
+  return text + deltas_text(outcome) + fit_text(outcome) +
+         notes_text("What these ranges do not tell:", outcome.result.weak, outcome.result.remarks);
+}
+
+std::string as_text(const SelfCalibrateOutcome& outcome) {
+  const calib::SelfCalibrationResult& result = outcome.result;
+  std::string text =
+      fmt::format("{} scans, {} strokes, {} beams compared", outcome.scans, outcome.strokes, outcome.beams) + heading();
+  for (const CalibratedParameter& parameter : result.parameters) {
+    text += row(parameter, parameter.unit == "rad" ? display_of(parameter) : Display{100.0, "cm"}) + "\n";
+  }
+  text += fmt::format(
+      "\nstrokes miss each other by {:.1f} mm before, {:.1f} mm after (median of {} pairs); {} after {} rounds\n",
+      1000.0 * result.median_miss_before_m, 1000.0 * result.median_miss_m, result.pairs,
+      result.converged ? "converged" : "NOT CONVERGED", result.rounds);
+  if (!outcome.distrust.empty()) text += distrust_text(outcome.distrust);
+  return text + notes_text("What the strokes do not tell:", result.weak, result.remarks);
 }
 
 Json as_json(const CalibrateOutcome& outcome) {
   const CalibrationResult& result = outcome.result;
   const StopStatistics& statistics = outcome.statistics;
-  Json parameters = Json::array();
-  for (const CalibratedParameter& parameter : result.parameters) parameters.push_back(as_json(parameter));
-  Json warnings = Json::array();
-  for (const LogReader::Warning& warning : outcome.warnings) {
-    warnings.push_back({{"kind", warning.kind}, {"count", warning.count}, {"first", warning.first}});
-  }
   return {{"start", outcome.start.name},
           {"assembly", result.model.assembly == calib::Assembly::kOpen ? "open" : "crossed"},
           {"scans", statistics.scans},
@@ -174,7 +212,7 @@ Json as_json(const CalibrateOutcome& outcome) {
           {"unassigned", outcome.unassigned},
           {"observations", result.observations},
           {"outliers", result.outliers},
-          {"parameters", parameters},
+          {"parameters", parameters_json(result.parameters)},
           {"paper_bars", deltas_json(outcome)},
           {"covariance", result.covariance},
           {"observability", observability_json(result)},
@@ -185,17 +223,30 @@ Json as_json(const CalibrateOutcome& outcome) {
           {"iterations", result.iterations},
           {"converged", result.converged},
           {"reason", result.reason},
-          {"distrust", outcome.distrust.empty() ? Json() : Json(outcome.distrust)},
+          {"distrust", text_or_null(outcome.distrust)},
           {"remarks", result.remarks},
-          {"warnings", warnings}};
+          {"warnings", warnings_json(outcome.warnings)}};
 }
 
-std::vector<ParameterSigma> uncertainty_of(const CalibrationResult& result) {
-  std::vector<ParameterSigma> list;
-  for (const CalibratedParameter& parameter : result.parameters) {
-    if (std::isfinite(parameter.sigma)) list.push_back({parameter.name, parameter.sigma});
-  }
-  return list;
+Json as_json(const SelfCalibrateOutcome& outcome) {
+  const calib::SelfCalibrationResult& result = outcome.result;
+  Json weak = Json::array();
+  for (const calib::WeakCombination& combination : result.weak) weak.push_back(combination.text);
+  return {{"start", outcome.start.name},
+          {"scans", outcome.scans},
+          {"strokes", outcome.strokes},
+          {"beams", outcome.beams},
+          {"pairs", result.pairs},
+          {"parameters", parameters_json(result.parameters)},
+          {"singular_values", result.singular_values},
+          {"weak", weak},
+          {"median_miss_before_m", result.median_miss_before_m},
+          {"median_miss_m", result.median_miss_m},
+          {"rounds", result.rounds},
+          {"converged", result.converged},
+          {"distrust", text_or_null(outcome.distrust)},
+          {"remarks", result.remarks},
+          {"warnings", warnings_json(outcome.warnings)}};
 }
 
 }  // namespace gdtslam

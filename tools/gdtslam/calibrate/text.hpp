@@ -4,14 +4,14 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "engine/runs/linkage/linkage_file.hpp"
 #include "tools/gdtslam/calibrations/run.hpp"
+#include "tools/gdtslam/calibrations/self_run.hpp"
 
 namespace gdtslam {
 
 std::string as_text(const CalibrateOutcome& outcome);
+std::string as_text(const SelfCalibrateOutcome& outcome);
 nlohmann::ordered_json as_json(const CalibrateOutcome& outcome);
-/// What the linkage file states of the parameters: those that something holds.
-std::vector<ParameterSigma> uncertainty_of(const calib::CalibrationResult& result);
+nlohmann::ordered_json as_json(const SelfCalibrateOutcome& outcome);
 
 }  // namespace gdtslam

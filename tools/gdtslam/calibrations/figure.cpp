@@ -1,8 +1,8 @@
-#include "figure.hpp"
-
+// The figure of a calibration.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,7 +12,8 @@
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "plot.hpp"
+#include "gdtslam/drawing/plot.hpp"
+#include "run.hpp"
 
 namespace gdtslam {
 namespace {
@@ -96,14 +97,14 @@ std::vector<Point2> curve_of(const Belief& belief) {
   return points;
 }
 
-/// What both sides share, so that they compare.
-struct Scales {
-  PlotScale ticks;
-  PlotScale range_m;
-  PlotScale elevation_deg;
+/// The axes that both sides share, so that they compare.
+struct Axes {
+  Axis ticks;
+  Axis range_m;
+  Axis elevation_deg;
 };
 
-Scales scales_of(const std::vector<Dot>& before, const std::vector<Dot>& after, const SweepModel& model) {
+Axes axes_of(const std::vector<Dot>& before, const std::vector<Dot>& after, const SweepModel& model) {
   double farthest_m = 0.0;
   double low_deg = 0.0;
   double high_deg = 0.0;
@@ -115,30 +116,40 @@ Scales scales_of(const std::vector<Dot>& before, const std::vector<Dot>& after, 
       high_deg = std::max(high_deg, dot.elevation_deg);
     }
   }
-  return {round_scale(0.0, static_cast<double>(model.encoder.ticks_per_turn)), round_scale(0.0, 1.4 * farthest_m),
-          round_scale(low_deg, high_deg)};
+  const auto axis = [](const char* title, double from, double to) {
+    return Axis{.title = title, .from = from, .to = std::max(to, from + 1e-9), .is_grown = true};
+  };
+  return {axis("encoder (ticks)", 0.0, static_cast<double>(model.encoder.ticks_per_turn)),
+          axis("range (m)", 0.0, 1.4 * farthest_m), axis("elevation (degrees)", low_deg, high_deg)};
 }
 
-void draw_ranges(Canvas& canvas, const Belief& belief, const std::vector<Dot>& dots, const Scales& scales,
+// A card with a heading and the axes of a plot.
+Plot plot_on_card(Canvas& canvas, const Point2& corner, std::string_view heading, std::string_view remark,
+                  const Axis& x, const Axis& y) {
+  canvas.rectangle(corner, kPanelWidth, kPanelHeight, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, 10.0);
+  canvas.text(corner + Point2(20.0, 28.0), heading, {.size = 15.0, .is_bold = true});
+  canvas.text(corner + Point2(20.0, 48.0), remark, {.size = 12.0, .colour = ink::kQuiet});
+  const DrawingArea area{corner + Point2(14.0, 62.0), kPanelWidth - 34.0, kPanelHeight - 76.0};
+  return {canvas, area, x, y, {.text_size = 12.0, .has_frame = false}};
+}
+
+void draw_ranges(Canvas& canvas, const Belief& belief, const std::vector<Dot>& dots, const Axes& axes,
                  const Point2& corner) {
-  ScatterPlot plot(canvas,
-                   {.corner = corner,
-                    .width = kPanelWidth,
-                    .height = kPanelHeight,
-                    .x = scales.ticks,
-                    .y = scales.range_m,
-                    .x_name = "encoder (ticks)",
-                    .y_name = "range (m)"},
-                   belief.name, "Range of the forward beam over one turn of the crank");
-  plot.curve(curve_of(belief), {.colour = ink::kLaser, .width = 3.0});
+  Plot plot = plot_on_card(canvas, corner, belief.name, "Range of the forward beam over one turn of the crank",
+                           axes.ticks, axes.range_m);
+  std::vector<Point2> unused;
+  std::vector<Point2> measured;
+  std::vector<Point2> level;
   for (const Dot& dot : dots) {
-    if (dot.is_ahead && dot.is_used) plot.dot(dot.ticks, dot.ahead_m, ink::kRocker, 1.6);
-    if (dot.is_ahead)
-      plot.dot(dot.ticks, dot.range_m, dot.is_used ? ink::kCoupler : ink::kQuiet, dot.is_used ? 2.2 : 1.5);
+    if (!dot.is_ahead) continue;
+    (dot.is_used ? measured : unused).emplace_back(dot.ticks, dot.range_m);
+    if (dot.is_used) level.emplace_back(dot.ticks, dot.ahead_m);
   }
-  plot.legend(ink::kLaser, true, "modelled");
-  plot.legend(ink::kCoupler, false, "measured");
-  plot.legend(ink::kRocker, false, "its level part");
+  plot.line(curve_of(belief), {.colour = ink::kLaser, .width = 3.0}, "modelled");
+  plot.markers(unused, Fill{ink::kQuiet}, 1.5);
+  plot.markers(measured, Fill{ink::kCoupler}, 2.2, "measured");
+  plot.markers(level, Fill{ink::kRocker}, 1.6, "its level part");
+  plot.legend();
 }
 
 double scale_of_residuals(const std::vector<Dot>& dots) {
@@ -165,33 +176,26 @@ std::string residual_remark(const std::vector<Dot>& dots) {
                      std::sqrt(sum / static_cast<double>(count)), largest, count);
 }
 
-void draw_residuals(Canvas& canvas, const std::vector<Dot>& dots, const Scales& scales, double sigma_mm,
+void draw_residuals(Canvas& canvas, const std::vector<Dot>& dots, const Axes& axes, double sigma_mm,
                     const Point2& corner) {
   const double most_mm = scale_of_residuals(dots);
-  ScatterPlot plot(canvas,
-                   {.corner = corner,
-                    .width = kPanelWidth,
-                    .height = kPanelHeight,
-                    .x = scales.elevation_deg,
-                    .y = round_scale(-most_mm, most_mm),
-                    .x_name = "elevation (degrees)",
-                    .y_name = "residual (mm)"},
-                   "Residual over the elevation", residual_remark(dots));
-  plot.band(-2.0 * sigma_mm, 2.0 * sigma_mm, ink::kGrid);
+  Plot plot = plot_on_card(canvas, corner, "Residual over the elevation", residual_remark(dots), axes.elevation_deg,
+                           {.title = "residual (mm)", .from = -most_mm, .to = most_mm, .is_grown = true});
+  const auto across = [](double mm) { return std::array{Point2(-180.0, mm), Point2(180.0, mm)}; };
+  plot.band(across(-2.0 * sigma_mm), across(2.0 * sigma_mm), Fill{ink::kGrid});
   plot.level(0.0, {.colour = ink::kLaser, .width = 2.0});
+  std::vector<Point2> residuals;
   for (const Dot& dot : dots) {
-    if (dot.is_used && std::isfinite(dot.residual_mm)) plot.dot(dot.elevation_deg, dot.residual_mm, ink::kCoupler, 2.2);
+    if (dot.is_used) residuals.emplace_back(dot.elevation_deg, dot.residual_mm);
   }
+  plot.markers(residuals, Fill{ink::kCoupler}, 2.2);
 }
 
 double median_sigma_mm(const std::vector<RangeObservation>& observations) {
   std::vector<double> sigmas;
   sigmas.reserve(observations.size());
   for (const RangeObservation& seen : observations) sigmas.push_back(1000.0 * seen.sigma_m);
-  if (sigmas.empty()) return 0.0;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
+  return sigmas.empty() ? 0.0 : upper_median(sigmas);
 }
 
 }  // namespace
@@ -201,7 +205,7 @@ Canvas calibration_figure(const CalibrateOutcome& outcome) {
   const Belief after{outcome.result.model, outcome.result.surfaces, "After: calibrated"};
   const std::vector<Dot> dots_before = dots_of(before, outcome);
   const std::vector<Dot> dots_after = dots_of(after, outcome);
-  const Scales scales = scales_of(dots_before, dots_after, outcome.start);
+  const Axes axes = axes_of(dots_before, dots_after, outcome.start);
   const double sigma_mm = median_sigma_mm(outcome.observations);
 
   Canvas canvas(kWidth, kHeight, "Calibration: ranges before and after");
@@ -216,10 +220,10 @@ Canvas calibration_figure(const CalibrateOutcome& outcome) {
       {.size = 15.0, .colour = ink::kQuiet});
   const double right = 40.0 + kPanelWidth + 20.0;
   const double lower = kTop + kPanelHeight + 20.0;
-  draw_ranges(canvas, before, dots_before, scales, {40.0, kTop});
-  draw_ranges(canvas, after, dots_after, scales, {right, kTop});
-  draw_residuals(canvas, dots_before, scales, sigma_mm, {40.0, lower});
-  draw_residuals(canvas, dots_after, scales, sigma_mm, {right, lower});
+  draw_ranges(canvas, before, dots_before, axes, {40.0, kTop});
+  draw_ranges(canvas, after, dots_after, axes, {right, kTop});
+  draw_residuals(canvas, dots_before, axes, sigma_mm, {40.0, lower});
+  draw_residuals(canvas, dots_after, axes, sigma_mm, {right, lower});
   return canvas;
 }
 

@@ -8,10 +8,13 @@
 #include <optional>
 #include <string_view>
 
+#include "engine/core/elementary.hpp"
+#include "engine/core/quantile.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
-#include "surfaces.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
 namespace {
@@ -19,8 +22,15 @@ namespace {
 constexpr double kFirstGate_m = 0.5;
 constexpr double kGateSigmas = 10.0;
 constexpr double kLeastGate_m = 0.03;
+constexpr double kNearEdge = 0.1;  // of the extents of the ranges: a guess that a few strays do not move
+constexpr std::size_t kMostSurfaces = 16;
 
-// One entry for each kind, with the first that was seen.
+/// A surface as it was named, with its distance from the nodding axis where one was given.
+struct NamedSurface {
+  calib::CalibrationSurface surface;
+  bool has_distance = false;
+};
+
 const char* kind_name(calib::SurfaceKind kind) {
   return kind == calib::SurfaceKind::kWall ? "wall" : kind == calib::SurfaceKind::kFloor ? "floor" : "ceiling";
 }
@@ -37,8 +47,101 @@ void read_log(const std::string& path, const ReadOptions& options, StopCollector
   merge_warnings(outcome.warnings, collector.finish_log(log_name(path)));
 }
 
+std::string trimmed(const std::string& text) {
+  const std::size_t from = text.find_first_not_of(" \t");
+  return from == std::string::npos ? "" : text.substr(from, text.find_last_not_of(" \t") - from + 1);
+}
+
+calib::SurfaceKind kind_of(const std::string& name) {
+  if (name == "wall") return calib::SurfaceKind::kWall;
+  if (name == "floor") return calib::SurfaceKind::kFloor;
+  if (name == "ceiling") return calib::SurfaceKind::kCeiling;
+  throw UsageError("--surfaces: '" + name + "' is no surface; there are wall, floor and ceiling");
+}
+
+NamedSurface surface_of(const std::string& text) {
+  NamedSurface result;
+  const std::size_t at = text.find('@');
+  const std::size_t equals = text.find('=');
+  const std::string name = trimmed(text.substr(0, std::min(at, equals)));
+  result.surface.kind = kind_of(name);
+  result.surface.name = name;
+  if (equals != std::string::npos && equals < at) {
+    result.has_distance = true;
+    const std::size_t end = at == std::string::npos ? std::string::npos : at - equals - 1;
+    result.surface.distance_m = quantity_of("--surfaces", text.substr(equals + 1, end), Unit::kMetre);
+    if (!(result.surface.distance_m > 0.0))
+      throw UsageError("--surfaces: the distance of " + name + " must be above 0");
+  }
+  if (at != std::string::npos) {
+    if (result.surface.kind != calib::SurfaceKind::kWall)
+      throw UsageError("--surfaces: only a wall has a heading, not " + name);
+    result.surface.heading_rad = quantity_of("--surfaces", text.substr(at + 1), Unit::kRadian);
+  }
+  return result;
+}
+
+// From "wall", "wall=2m", "wall=2m@30deg,ceiling=2.2m,floor".
+std::vector<NamedSurface> parse(const std::string& text) {
+  std::vector<NamedSurface> list;
+  std::size_t from = 0;
+  while (from <= text.size()) {
+    const std::size_t end = std::min(text.find(',', from), text.size());
+    list.push_back(surface_of(text.substr(from, end - from)));
+    from = end + 1;
+  }
+  if (list.size() > kMostSurfaces) throw UsageError("--surfaces: more than 16 surfaces");
+  return list;
+}
+
+// "wall", then "wall2", ...: names are what the parameters are called by.
+void number_names(std::vector<NamedSurface>& list) {
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < k; ++i) before += list[i].surface.kind == list[k].surface.kind ? 1U : 0U;
+    if (before > 0) list[k].surface.name += std::to_string(before + 1);
+  }
+}
+
+// How far the ranges reach along the surface's normal, in falling order: for a wall its nearest ranges count, because
+// no beam meets it nearer than at its foot; for floor and ceiling the farthest do.
+double guessed_distance_m(const calib::CalibrationSurface& surface, const calib::SweepModel& start,
+                          const std::vector<calib::RangeObservation>& ranges) {
+  std::vector<double> reaches_m;
+  for (const calib::RangeObservation& range : ranges) {
+    const std::optional<double> elevation = calib::elevation_rad(start, calib::crank_rad(start.encoder, range.ticks));
+    if (!elevation) continue;
+    if (surface.kind == calib::SurfaceKind::kWall) {
+      const double aside = std::fabs(wrap_angle(range.bearing_rad - surface.heading_rad));
+      if (aside < 0.35) reaches_m.push_back(range.range_m * sin_cos(aside).cos);
+      continue;
+    }
+    const double up_m = range.range_m * sin_cos(range.bearing_rad).cos * sin_cos(*elevation).sin;
+    const double reach_m = surface.kind == calib::SurfaceKind::kCeiling ? up_m : -up_m;
+    if (reach_m > 0.0) reaches_m.push_back(reach_m);
+  }
+  if (reaches_m.empty()) {
+    throw InputError("no range tells how far " + surface.name + " is; give its distance, as in --surfaces " +
+                     surface.name + "=2m");
+  }
+  return value_at_share(reaches_m, surface.kind == calib::SurfaceKind::kWall ? kNearEdge : 1.0 - kNearEdge);
+}
+
+// Those without a distance get one guessed from the ranges under the start's elevations.
+std::vector<calib::CalibrationSurface> placed_surfaces(const std::vector<NamedSurface>& named,
+                                                       const calib::SweepModel& start,
+                                                       const std::vector<calib::RangeObservation>& ranges) {
+  std::vector<calib::CalibrationSurface> surfaces;
+  for (const NamedSurface& entry : named) {
+    surfaces.push_back(entry.surface);
+    if (!entry.has_distance) surfaces.back().distance_m = guessed_distance_m(entry.surface, start, ranges);
+  }
+  return surfaces;
+}
+
 std::vector<NamedSurface> surfaces_of(const CalibrateJob& job) {
-  std::vector<NamedSurface> surfaces = named_surfaces(job.surfaces);
+  std::vector<NamedSurface> surfaces = parse(job.surfaces);
+  number_names(surfaces);
   for (NamedSurface& named : surfaces) {
     if (job.distances_known && !named.has_distance) {
       throw UsageError(

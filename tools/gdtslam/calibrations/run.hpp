@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gdtslam/calib/calibration.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/io/log.hpp"
 #include "stops.hpp"
 
@@ -39,5 +40,9 @@ struct CalibrateOutcome {
 /// Throws UsageError for surfaces that make no sense before any log is read; InputError, FileError or ConfigError.
 CalibrateOutcome run_calibration(const CalibrateJob& job, const std::function<void(double)>& progress,
                                  const std::function<bool()>& stop);
+
+/// Figure A of the paper: measured and modelled ranges over the encoder, and what is left of them over the elevation,
+/// before and after.
+Canvas calibration_figure(const CalibrateOutcome& outcome);
 
 }  // namespace gdtslam

@@ -10,6 +10,7 @@
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "stops.hpp"
 
 namespace gdtslam {
 namespace {
@@ -106,24 +107,16 @@ class BeamCollector {
  private:
   void add_beam(const NoddingScan& nodding, double offset_s, double bearing_rad, double range_m) {
     const std::optional<Pose2> T_map_base = pose_at(trajectory_, nodding.record.scan.stamp_s + offset_s);
-    const std::optional<double> ticks = ticks_at(nodding.knots, offset_s);
-    if (!T_map_base || !ticks) return;
-    const std::optional<double> rate = calib::elevation_rate(model_, calib::crank_rad(model_.encoder, *ticks));
+    const std::optional<double> turns = turns_at(nodding.knots, offset_s);
+    if (!T_map_base || !turns) return;
+    const double ticks = *turns * static_cast<double>(model_.encoder.ticks_per_turn);
+    const std::optional<double> rate = calib::elevation_rate(model_, calib::crank_rad(model_.encoder, ticks));
     if (!rate) return;
     const bool lifts = *rate * model_.encoder.direction > 0.0;
     if (!beams.empty() && lifts != lifts_) ++stroke_;
     lifts_ = lifts;
-    beams.push_back({*ticks, bearing_rad, range_m, *T_map_base * nodding.record.scan.T_base_laser});
+    beams.push_back({ticks, bearing_rad, range_m, *T_map_base * nodding.record.scan.T_base_laser});
     strokes.push_back(stroke_);
-  }
-  [[nodiscard]] std::optional<double> ticks_at(const std::vector<PhaseKnot>& knots, double offset_s) const {
-    std::size_t k = 0;
-    while (k + 2 < knots.size() && offset_s > knots[k + 1].offset_s) ++k;
-    const double span_s = knots[k + 1].offset_s - knots[k].offset_s;
-    const double share = span_s > 0.0 ? std::clamp((offset_s - knots[k].offset_s) / span_s, 0.0, 1.0) : 0.0;
-    const double step = static_cast<double>(static_cast<std::int32_t>(knots[k + 1].phase - knots[k].phase));
-    const double turns = turns_of_phase(knots[k].phase) + share * step / 4294967296.0;
-    return turns * static_cast<double>(model_.encoder.ticks_per_turn);
   }
 
   const calib::SweepModel& model_;

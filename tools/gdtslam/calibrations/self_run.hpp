@@ -3,12 +3,10 @@
 #pragma once
 
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "calib/calibration/self_calibration.hpp"
-#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 
@@ -34,8 +32,5 @@ struct SelfCalibrateOutcome {
 /// Throws InputError, FileError, ConfigError.
 SelfCalibrateOutcome run_self_calibration(const SelfCalibrateJob& job, const std::function<void(double)>& progress,
                                           const std::function<bool()>& stop);
-std::string as_text(const SelfCalibrateOutcome& outcome);
-nlohmann::ordered_json as_json(const SelfCalibrateOutcome& outcome);
-std::vector<ParameterSigma> uncertainty_of(const calib::SelfCalibrationResult& result);
 
 }  // namespace gdtslam

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "engine/core/quantile.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -24,7 +25,14 @@ constexpr double kMostTravel_m = 0.05;                         // of a robot tha
 constexpr double kMostTurn_rad = 3.0 * kPi / 180.0;            // likewise
 constexpr double kMostBearingChange_rad = 1e-3 * kPi / 180.0;  // of a beam from scan to scan; logs round their angles
 
-// The crank's place, in turns, at a time between the knots.
+// The beam nearest to the forward direction; the first one where none is ahead.
+std::size_t beam_ahead(const LaserScan& scan) {
+  const double place = std::floor(-scan.first_bearing_rad / scan.bearing_step_rad + 0.5);
+  return place >= 0.0 && place < static_cast<double>(scan.ranges_m.size()) ? static_cast<std::size_t>(place) : 0;
+}
+
+}  // namespace
+
 std::optional<double> turns_at(const std::vector<PhaseKnot>& knots, double offset_s) {
   for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
     const PhaseKnot& from = knots[k];
@@ -37,14 +45,6 @@ std::optional<double> turns_at(const std::vector<PhaseKnot>& knots, double offse
   }
   return std::nullopt;
 }
-
-// The beam nearest to the forward direction; the first one where none is ahead.
-std::size_t beam_ahead(const LaserScan& scan) {
-  const double place = std::floor(-scan.first_bearing_rad / scan.bearing_step_rad + 0.5);
-  return place >= 0.0 && place < static_cast<double>(scan.ranges_m.size()) ? static_cast<std::size_t>(place) : 0;
-}
-
-}  // namespace
 
 StopCollector::StopCollector(const calib::SweepModel& model, double sector_rad)
     : model_(model), half_sector_rad_(0.5 * sector_rad), track_(model.encoder, calib::NodTrackLimits{}) {}
@@ -179,8 +179,8 @@ void StopCollector::add_range(std::pair<std::uint32_t, std::uint32_t> key, doubl
                               bool is_return) {
   Sums& sums = sums_[key];
   ++sums.scans;
-  ++(is_return ? statistics_.ranges : statistics_.no_return);
   if (!is_return) return;
+  ++statistics_.ranges;
   if (sums.count == 0) {
     sums.first_ticks = ticks;
     sums.first_range_m = range_m;
@@ -208,9 +208,7 @@ double StopCollector::scatter_m() const {
     variances.push_back(std::max(0.0, rr - explained) / (n - (tt > 1e-9 ? 2.0 : 1.0)));
   }
   if (variances.empty()) return kUnknownSigma_m;
-  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
-  std::nth_element(variances.begin(), middle, variances.end());
-  return std::max(kLeastSigma_m, std::sqrt(*middle));
+  return std::max(kLeastSigma_m, std::sqrt(upper_median(variances)));
 }
 
 std::vector<calib::RangeObservation> StopCollector::observations(double sigma_m) {

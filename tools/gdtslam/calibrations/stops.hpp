@@ -20,10 +20,12 @@ struct StopStatistics {
   std::uint64_t scans = 0;
   std::uint64_t uncovered = 0;  ///< scans at whose time the crank's place is not known
   std::uint64_t ranges = 0;     ///< of the beams asked for, that returned
-  std::uint64_t no_return = 0;
-  std::uint64_t stops = 0;     ///< places of the crank with a range
-  double range_sigma_m = 0.0;  ///< of one range, from its scatter about a place
+  std::uint64_t stops = 0;      ///< places of the crank with a range
+  double range_sigma_m = 0.0;   ///< of one range, from its scatter about a place
 };
+
+/// The crank's place, in turns, at a time between the knots; nothing for fewer than two.
+std::optional<double> turns_at(const std::vector<PhaseKnot>& knots, double offset_s);
 
 class StopCollector {
  public:

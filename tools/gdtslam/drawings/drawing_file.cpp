@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
-
 #include "engine/io/maps/png.hpp"
+#include "engine/io/referenced_file.hpp"
 #include "gdtslam/core/error.hpp"
 #ifdef GDTSLAM_HAS_VIEWER
 #include "gdtslam/drawing/raster.hpp"
@@ -22,13 +20,6 @@ constexpr bool kHasViewer = false;
 RgbaImage raster_of(const Canvas& /*drawing*/, double /*scale*/) { return {}; }
 std::string pdf_of(const Canvas& /*drawing*/) { return {}; }
 #endif
-
-std::string extension_of(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter; });
-  return extension;
-}
 
 }  // namespace
 

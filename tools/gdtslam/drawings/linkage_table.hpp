@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "gdtslam/calib/linkage_cycle.hpp"
+#include "calib/linkage/linkage_cycle.hpp"
 
 namespace gdtslam {
 

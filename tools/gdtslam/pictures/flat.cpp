@@ -56,11 +56,12 @@ CellBox box_around(const GridGeometry& grid, CellIndex middle, std::size_t cells
 }
 
 // Plots are drawn small and scaled up, so that their words are as large beside their lines as on a printed page.
-PictureSize plot_size(const PictureSize& wanted) {
+PictureSize plot_size(const std::optional<PictureSize>& wanted) {
   constexpr double kWidth_px = 960.0;
-  const double share = std::min(1.0, kWidth_px / wanted.width);
-  return {static_cast<std::uint32_t>(std::lround(share * wanted.width)),
-          static_cast<std::uint32_t>(std::lround(share * wanted.height))};
+  const PictureSize size = wanted.value_or(kStillSize);
+  const double share = std::min(1.0, kWidth_px / size.width);
+  return {static_cast<std::uint32_t>(std::lround(share * size.width)),
+          static_cast<std::uint32_t>(std::lround(share * size.height))};
 }
 
 // For legends: each source's own name, where those differ; else the names of their files or folders, else the paths.
@@ -105,25 +106,25 @@ MapLook RenderStudio::map_look() const {
   return look;
 }
 
-Canvas RenderStudio::flat(const RenderView& view, const std::optional<PictureSize>& wanted) {
-  MapLook look = map_look();
-  const auto size_of_grid = [&wanted](const GridGeometry& grid) {
-    return wanted ? *wanted : size_for_content(grid.width, grid.height);
-  };
-  if (view.name == "map") {
-    return map_picture(first().map(), first().overlay(), look, size_of_grid(first().map().geometry));
-  }
-  if (view.name == "field" || view.name == "distance") {
-    look.is_intensity = view.name == "field";
-    return field_picture(first().field(), first().overlay(), look, size_of_grid(first().field().geometry));
-  }
-  if (view.name == "cells") return cells();
-  if (view.name == "drawing") return linkage_drawing(calib::LinkageCycle(first().linkage()));
-  const PictureSize size = plot_size(wanted.value_or(kStillSize));
-  return view.name == "elevation" ? elevation(size) : errors(view, size);
+Canvas RenderStudio::map(const Wanted& wanted) {
+  const OccupancyMap& map = first().map();
+  const PictureSize size = wanted.value_or(size_for_content(map.geometry.width, map.geometry.height));
+  return map_picture(map, first().overlay(), map_look(), size);
 }
 
-Canvas RenderStudio::cells() {
+Canvas RenderStudio::field_still(bool is_intensity, const Wanted& wanted) {
+  const FieldPicture& field = first().field();
+  MapLook look = map_look();
+  look.is_intensity = is_intensity;
+  const PictureSize size = wanted.value_or(size_for_content(field.geometry.width, field.geometry.height));
+  return field_picture(field, first().overlay(), look, size);
+}
+
+Canvas RenderStudio::linkage_sheet(const Wanted& /*wanted*/) {
+  return linkage_drawing(calib::LinkageCycle(first().linkage()));
+}
+
+Canvas RenderStudio::cells(const Wanted& /*wanted*/) {
   const FieldPicture& field = first().field();
   const std::size_t count = options_.cells > 0 ? options_.cells : kCells;
   if (count > kMostCells) throw UsageError(fmt::format("--cells: {} is more than {} a side", count, kMostCells));
@@ -143,7 +144,7 @@ Canvas RenderStudio::cells() {
 }
 
 // One elevation a scan, that of its points in the middle of its time.
-Canvas RenderStudio::elevation(const PictureSize& size) {
+Canvas RenderStudio::elevation(const Wanted& wanted) {
   Cloud cloud = first().cloud({}, [this](const std::string& remark) { tell(remark); });
   std::sort(cloud.begin(), cloud.end(), [](const CloudPoint& a, const CloudPoint& b) { return a.stamp_s < b.stamp_s; });
   const double begin_s = cloud.front().stamp_s;
@@ -165,13 +166,12 @@ Canvas RenderStudio::elevation(const PictureSize& size) {
   if (least->second == most->second) {
     throw InputError({first().input(), 0}, "has one elevation only, so there is nothing to plot over time");
   }
-  return time_plot(title(), "Elevation", "deg", {std::move(series)}, size);
+  return time_plot(title(), "Elevation", "deg", {std::move(series)}, plot_size(wanted));
 }
 
-Canvas RenderStudio::errors(const RenderView& view, const PictureSize& size) {
+RenderStudio::Errors RenderStudio::errors() {
   const bool is_angle = options_.is_angle;
-  ErrorPlot plot{title(), is_angle ? "Heading error" : "Position error", is_angle ? "deg" : "m", {}};
-  std::vector<TimeSeries> series;
+  Errors all{{title(), is_angle ? "Heading error" : "Position error", is_angle ? "deg" : "m", {}}, {}};
   const std::vector<std::string> names = distinct_names(sources_);
   for (std::size_t k = 0; k < sources_.size(); ++k) {
     const std::vector<TrajectoryError> errors = errors_of(sources_[k], options_);
@@ -181,13 +181,20 @@ Canvas RenderStudio::errors(const RenderView& view, const PictureSize& size) {
       group.values.push_back(is_angle ? error.angle_deg : error.position_m);
       line.points.emplace_back(error.stamp_s - errors.front().stamp_s, group.values.back());
     }
-    plot.groups.push_back(std::move(group));
-    series.push_back(std::move(line));
+    all.plot.groups.push_back(std::move(group));
+    all.series.push_back(std::move(line));
   }
-  if (sources_.size() > 1 && options_.title.empty()) plot.title = fmt::format("{} runs", sources_.size());
-  if (view.name == "errors-box") return box_plot(plot, size);
-  if (view.name == "errors-cdf") return distribution_plot(plot, size);
-  return time_plot(plot.title, plot.quantity, plot.unit, series, size);
+  if (sources_.size() > 1 && options_.title.empty()) all.plot.title = fmt::format("{} runs", sources_.size());
+  return all;
+}
+
+Canvas RenderStudio::errors_box(const Wanted& wanted) { return box_plot(errors().plot, plot_size(wanted)); }
+
+Canvas RenderStudio::errors_cdf(const Wanted& wanted) { return distribution_plot(errors().plot, plot_size(wanted)); }
+
+Canvas RenderStudio::errors_time(const Wanted& wanted) {
+  const Errors all = errors();
+  return time_plot(all.plot.title, all.plot.quantity, all.plot.unit, all.series, plot_size(wanted));
 }
 
 }  // namespace gdtslam

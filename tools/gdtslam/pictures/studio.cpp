@@ -14,40 +14,20 @@ namespace gdtslam {
 namespace {
 
 constexpr double kFramesPerSecond = 25.0;
-constexpr double kLongestScan_s = 20.0;
 constexpr std::size_t kMostFrames = 100'000;
-constexpr double kFollow_s = 20.0;
-constexpr double kOrbit_s = 8.0;
-constexpr double kTurn_s = 4.0;
-
-CameraPreset preset_of(std::string_view view) {
-  for (const CameraPresetName& preset : camera_presets()) {
-    if (preset.name == view) return preset.preset;
-  }
-  return CameraPreset::kIso;
-}
+constexpr std::size_t kStillFrames = 101;  // of the film that a still is taken from
 
 // Parallel views of long and low clouds waste no rows.
-PictureSize size_for(const RenderView& view, const Bounds& bounds) {
+PictureSize size_for(CameraPreset from, const Bounds& bounds) {
   if (bounds.is_empty()) return kStillSize;
   const Point3 extent = bounds.highest - bounds.lowest;
-  if (view.name == "front") return size_for_content(extent.x(), extent.z());
-  if (view.name == "side") return size_for_content(extent.y(), extent.z());
-  if (view.name != "top") return kStillSize;
+  if (from == CameraPreset::kFront) return size_for_content(extent.x(), extent.z());
+  if (from == CameraPreset::kSide) return size_for_content(extent.y(), extent.z());
+  if (from != CameraPreset::kTop) return kStillSize;
   return size_for_content(std::max(extent.x(), extent.y()), std::min(extent.x(), extent.y()));
 }
 
 }  // namespace
-
-std::string with_commas(std::uint64_t value) {
-  std::string text = std::to_string(value);
-  for (std::size_t k = text.size(); k > 3;) text.insert(k -= 3, ",");
-  return text;
-}
-
-std::string counted(std::uint64_t value, const std::string& noun) {
-  return with_commas(value) + " " + noun + (value == 1 ? "" : "s");
-}
 
 std::string points_text(std::uint64_t drawn, std::uint64_t whole) {
   return drawn < whole ? with_commas(drawn) + " of " + counted(whole, "point") : counted(drawn, "point");
@@ -131,9 +111,9 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
 }
 
 // A ceiling hides the rooms from above; seen from the side it belongs to the picture.
-CloudLook RenderStudio::look_of(const RenderView& view, bool is_film) const {
+CloudLook RenderStudio::look_of(CameraPreset from, bool is_film) const {
   CloudLook look = cloud_look_of(options_);
-  const bool is_from_side = view.name == "front" || view.name == "side";
+  const bool is_from_side = from == CameraPreset::kFront || from == CameraPreset::kSide;
   look.with_ceiling = options_.with_ceiling || (is_from_side && !options_.no_ceiling);
   look.with_floor = !options_.no_floor;
   if (is_film || is_huge()) look.samples = 1;
@@ -161,8 +141,8 @@ std::string RenderStudio::scan_subtitle() const {
   return fmt::format("{}{}{:.0f} % of the points drawn", text, text.empty() ? "" : ", ", share);
 }
 
-CloudScene& RenderStudio::cloud_scene(const RenderView& view, std::uint64_t points) {
-  look_ = look_of(view, points > 0);
+CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t points) {
+  look_ = look_of(from, points > 0);
   drawn_ = cloud(points);
   const bool by_distance = look_.colour == CloudColour::kDistance;
   const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
@@ -177,15 +157,11 @@ CloudScene& RenderStudio::cloud_scene(const RenderView& view, std::uint64_t poin
   return *cloud_scene_;
 }
 
-Camera RenderStudio::camera_of(const RenderView& view, const PictureSize& size) {
-  if (!options_.camera.empty()) return parse_camera(options_.camera);
-  return fitting_camera(preset_of(view.name), cloud_scene_->bounds(), size);
-}
-
-Canvas RenderStudio::cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted) {
-  CloudScene& scene = cloud_scene(view, 0);
-  const PictureSize size = wanted ? *wanted : size_for(view, scene.bounds());
-  const Camera camera = camera_of(view, size);
+Canvas RenderStudio::cloud_still(CameraPreset from, const Wanted& wanted) {
+  CloudScene& scene = cloud_scene(from, 0);
+  const PictureSize size = wanted ? *wanted : size_for(from, scene.bounds());
+  const Camera camera =
+      options_.camera.empty() ? fitting_camera(from, scene.bounds(), size) : parse_camera(options_.camera);
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, size));
   return cloud_picture(image, scene.scale(), camera, look_, caption());
 }
@@ -200,21 +176,40 @@ LinkageScene& RenderStudio::linkage_scene(const PictureSize& size) {
   return *linkage_scene_;
 }
 
-Canvas RenderStudio::still(const RenderView& view, const std::optional<PictureSize>& wanted) {
-  if (view.is_scene && (view.name == "orbit" || !view.moves)) return cloud_still(view, wanted);
-  if (!view.is_scene) return flat(view, wanted);
+Canvas RenderStudio::linkage(const Wanted& wanted) {
   const PictureSize size = wanted.value_or(kStillSize);
-  if (view.name == "scene") {
-    LinkageScene& scene = linkage_scene(size);
-    return scene.picture(scene.shown_crank_rad(), size);
-  }
-  constexpr std::size_t kFrames = 101;  // the middle of its film, with all points
-  const std::unique_ptr<Film> film = film_of(view, size, kFrames, 0);
-  return film->frame(view.name == "scan" ? poster_frame(kFrames) : kFrames / 2);
+  LinkageScene& scene = linkage_scene(size);
+  return scene.picture(scene.shown_crank_rad(), size);
 }
 
-// At the end of a stroke the plane of the beams is seen edge-on; the first frame past the middle that has it half-way.
-std::size_t RenderStudio::poster_frame(std::size_t frames) {
+std::unique_ptr<Film> RenderStudio::linkage_turn(const PictureSize& size, std::size_t frames) {
+  return linkage_film(linkage_scene(size), first().linkage(), size, frames);
+}
+
+std::unique_ptr<Film> RenderStudio::orbit(const PictureSize& size, std::size_t frames) {
+  CloudScene& scene = cloud_scene(CameraPreset::kIso, kFilmPoints);
+  return orbit_film(scene, look_, caption(), size, frames);
+}
+
+std::unique_ptr<Film> RenderStudio::follow_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
+  CloudScene& scene = cloud_scene(CameraPreset::kFollow, points);
+  return gdtslam::follow_film(scene, first().trajectory(), look_, caption(), size, frames);
+}
+
+std::unique_ptr<Film> RenderStudio::follow(const PictureSize& size, std::size_t frames) {
+  return follow_film(size, frames, kFollowPoints);
+}
+
+Canvas RenderStudio::middle_of_follow(const Wanted& wanted) {
+  return follow_film(wanted.value_or(kStillSize), kStillFrames, 0)->frame(kStillFrames / 2);
+}
+
+std::unique_ptr<Film> RenderStudio::scan(const PictureSize& size, std::size_t frames) {
+  return scan_film(size, frames, kFilmPoints);
+}
+
+Canvas RenderStudio::poster_of_scan(const Wanted& wanted) {
+  const std::unique_ptr<Film> film = scan_film(wanted.value_or(kStillSize), kStillFrames, 0);
   const Stretch time = stretch(kLongestScan_s);
   const double middle_s = 0.5 * (time.from_s + time.to_s);
   const auto by_elevation = [](const CloudPoint& a, const CloudPoint& b) { return a.elevation_rad < b.elevation_rad; };
@@ -227,20 +222,7 @@ std::size_t RenderStudio::poster_frame(std::size_t frames) {
     if (is_half_way && point.stamp_s >= middle_s) shown_s = std::min(shown_s, point.stamp_s);
   }
   const double share = (shown_s - time.from_s) / (time.to_s - time.from_s);
-  return static_cast<std::size_t>(share * static_cast<double>(frames - 1));
-}
-
-std::unique_ptr<Film> RenderStudio::film(const RenderView& view, const PictureSize& size, std::size_t frames) {
-  return film_of(view, size, frames, view.name == "follow" ? kFollowPoints : kFilmPoints);
-}
-
-std::unique_ptr<Film> RenderStudio::film_of(const RenderView& view, const PictureSize& size, std::size_t frames,
-                                            std::uint64_t points) {
-  if (view.name == "scene") return linkage_film(linkage_scene(size), first().linkage(), size, frames);
-  if (view.name == "scan") return scan_film(size, frames, points);
-  CloudScene& scene = cloud_scene(view, points);
-  if (view.name == "orbit") return orbit_film(scene, look_, caption(), size, frames);
-  return follow_film(scene, first().trajectory(), look_, caption(), size, frames);
+  return film->frame(static_cast<std::size_t>(share * static_cast<double>(kStillFrames - 1)));
 }
 
 std::uint64_t RenderStudio::points_of_scan() {
@@ -251,7 +233,7 @@ std::uint64_t RenderStudio::points_of_scan() {
 
 // Only what is measured in the stretch is thinned, so that it has all the points.
 std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points) {
-  look_ = look_of(render_view("scan"), points > 0);
+  look_ = look_of(CameraPreset::kFollow, points > 0);
   const Stretch time = stretch(kLongestScan_s);
   drawn_ = whole_cloud();
   std::erase_if(drawn_, [&time](const CloudPoint& point) {
@@ -276,10 +258,10 @@ std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size
 FilmLength RenderStudio::length_of(const RenderView& view) {
   FilmLength length{options_.frames, options_.frames_per_s > 0.0 ? options_.frames_per_s : kFramesPerSecond};
   if (length.frames == 0) {
-    double seconds = view.name == "orbit" ? kOrbit_s : view.name == "follow" ? kFollow_s : kTurn_s;
-    if (view.name == "scan") {
-      const Stretch time = stretch(kLongestScan_s);
-      seconds = std::min(time.to_s - time.from_s, kLongestScan_s);
+    double seconds = view.film_s;
+    if ((view.effects & effect::kStretch) != 0) {
+      const Stretch time = stretch(view.film_s);
+      seconds = std::min(time.to_s - time.from_s, view.film_s);
     }
     if (!options_.seconds.empty()) seconds = time_of("--seconds", options_.seconds);
     if (!(seconds > 0.0)) throw UsageError("--seconds: " + options_.seconds + " is no time");

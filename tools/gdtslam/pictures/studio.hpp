@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "gdtslam/viewer/film.hpp"
 #include "gdtslam/viewer/graphics.hpp"
@@ -37,10 +38,35 @@ class RenderStudio {
   /// Both must outlive this. Throws UsageError for options that contradict each other.
   RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources);
 
-  /// Throws UsageError, InputError, UnavailableError where nothing can draw.
-  /// Without a size one that suits the content. Drawings have a size of their own, to be scaled to what is wanted.
-  Canvas still(const RenderView& view, const std::optional<PictureSize>& wanted);
-  std::unique_ptr<Film> film(const RenderView& view, const PictureSize& size, std::size_t frames);
+  // What the views draw (RenderView). Each throws UsageError, InputError, UnavailableError where nothing can draw.
+  // Without a size one that suits the content. Drawings have a size of their own, to be scaled to what is wanted.
+  using Wanted = std::optional<PictureSize>;
+  template <CameraPreset kFrom>
+  Canvas cloud_from(const Wanted& wanted) {
+    return cloud_still(kFrom, wanted);
+  }
+  Canvas middle_of_follow(const Wanted& wanted);
+  /// At the end of a stroke the plane of the beams is seen edge-on; the first frame past the middle that has it
+  /// half-way.
+  Canvas poster_of_scan(const Wanted& wanted);
+  Canvas linkage(const Wanted& wanted);
+  Canvas map(const Wanted& wanted);
+  template <bool kIsIntensity>
+  Canvas field(const Wanted& wanted) {
+    return field_still(kIsIntensity, wanted);
+  }
+  Canvas cells(const Wanted& wanted);
+  Canvas linkage_sheet(const Wanted& wanted);
+  Canvas elevation(const Wanted& wanted);
+  Canvas errors_box(const Wanted& wanted);
+  Canvas errors_cdf(const Wanted& wanted);
+  Canvas errors_time(const Wanted& wanted);
+  std::unique_ptr<Film> orbit(const PictureSize& size, std::size_t frames);
+  std::unique_ptr<Film> follow(const PictureSize& size, std::size_t frames);
+  std::unique_ptr<Film> scan(const PictureSize& size, std::size_t frames);
+  std::unique_ptr<Film> linkage_turn(const PictureSize& size, std::size_t frames);
+  static constexpr double kLongestScan_s = 20.0;
+
   /// By --frames, --seconds, --fps, else what suits the view.
   [[nodiscard]] FilmLength length_of(const RenderView& view);
 
@@ -66,13 +92,11 @@ class RenderStudio {
   [[nodiscard]] Cloud thinned(Cloud cloud, std::uint64_t most) const;
   GraphicsContext& graphics();
   /// `points`: at most so many; 0 for a still, which has all.
-  CloudScene& cloud_scene(const RenderView& view, std::uint64_t points);
-  std::unique_ptr<Film> film_of(const RenderView& view, const PictureSize& size, std::size_t frames,
-                                std::uint64_t points);
+  CloudScene& cloud_scene(CameraPreset from, std::uint64_t points);
+  std::unique_ptr<Film> follow_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
   std::unique_ptr<Film> scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
   LinkageScene& linkage_scene(const PictureSize& size);
-  std::size_t poster_frame(std::size_t frames);
-  [[nodiscard]] CloudLook look_of(const RenderView& view, bool is_film) const;
+  [[nodiscard]] CloudLook look_of(CameraPreset from, bool is_film) const;
   [[nodiscard]] bool is_huge() const;
   [[nodiscard]] CloudCaption caption() const;
   /// "62.8 m of path, 48 % of the points drawn".
@@ -80,12 +104,14 @@ class RenderStudio {
   void tell(const std::string& remark) const;
   /// How many points a film of the scan ends with.
   std::uint64_t points_of_scan();
-  [[nodiscard]] Camera camera_of(const RenderView& view, const PictureSize& size);
-  Canvas cloud_still(const RenderView& view, const std::optional<PictureSize>& wanted);
-  Canvas flat(const RenderView& view, const std::optional<PictureSize>& wanted);
-  Canvas cells();
-  Canvas elevation(const PictureSize& size);
-  Canvas errors(const RenderView& view, const PictureSize& size);
+  Canvas cloud_still(CameraPreset from, const Wanted& wanted);
+  Canvas field_still(bool is_intensity, const Wanted& wanted);
+  /// The errors of every source, as groups and over time.
+  struct Errors {
+    ErrorPlot plot;
+    std::vector<TimeSeries> series;
+  };
+  Errors errors();
   [[nodiscard]] MapLook map_look() const;
   /// The stretch of --from and --to in the log's clock; by default the first `longest_s` of it.
   struct Stretch {
@@ -105,10 +131,6 @@ class RenderStudio {
   std::uint64_t points_drawn_ = 0;
 };
 
-/// A whole number with a comma at every third digit.
-std::string with_commas(std::uint64_t value);
-/// "1 point", "2,839 points".
-std::string counted(std::uint64_t value, const std::string& noun);
 /// "1,771,492 of 2,612,366 points", or the points where those are all.
 std::string points_text(std::uint64_t drawn, std::uint64_t whole);
 

@@ -5,71 +5,79 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
+#include "studio.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr unsigned kErrors = part::kTrajectory | part::kTruth;
+using namespace effect;
+using Studio = RenderStudio;
 
-const RenderView* named(std::string_view name) {
-  for (const RenderView& view : render_views()) {
-    if (view.name == name) return &view;
-  }
-  return nullptr;
-}
+constexpr unsigned kTruth = part::kTrajectory | part::kTruth;
+constexpr unsigned kScene = kSize | kDark | kLight | kPage;
+constexpr unsigned kScan = kScene | kColour | kColourMap | kPoint | kLevels | kTitle | kPoints;
+constexpr unsigned kCloud = kScan | kPath | kDistances;
+constexpr unsigned kMap = kSize | kLight | kPage | kPath | kTitle;
+constexpr unsigned kPlot = kSize | kLight | kTitle | kVector;
 
 bool can_show(const RenderView& view, unsigned parts) { return (view.needs & ~parts) == 0; }
 
 }  // namespace
 
 const std::vector<RenderView>& render_views() {
-  constexpr bool kMoves = true;
-  constexpr bool kStill = false;
-  constexpr bool kScene = true;
-  constexpr bool kFlat = false;
-  constexpr bool kVector = true;
-  constexpr bool kPixels = false;
   static const std::vector<RenderView> views{
-      {"iso", part::kCloud, kStill, kScene, kPixels, "3D cloud from the south-west and above, without the ceiling"},
-      {"top", part::kCloud, kStill, kScene, kPixels, "3D cloud from straight above, without the ceiling"},
-      {"front", part::kCloud, kStill, kScene, kPixels, "3D cloud seen along y, in parallel"},
-      {"side", part::kCloud, kStill, kScene, kPixels, "3D cloud seen along x, in parallel"},
-      {"orbit", part::kCloud, kMoves, kScene, kPixels, "once around the 3D cloud"},
-      {"follow", part::kCloud | part::kTrajectory, kMoves, kScene, kPixels, "behind the robot along its path"},
-      {"scan", part::kCloud | part::kTrajectory | part::kMount, kMoves, kScene, kPixels,
-       "the robot scanning, points appearing as they are measured (--from, --to)"},
-      {"elevation", part::kCloud, kStill, kFlat, kVector, "elevation of the nodding scan plane over time"},
-      {"map", part::kMap, kStill, kFlat, kPixels, "occupancy map, with the path where there is one"},
-      {"field", part::kField, kStill, kFlat, kPixels, "distance field as intensity, bright near obstacles"},
-      {"distance", part::kField, kStill, kFlat, kPixels, "distance field in metres"},
-      {"cells", part::kField, kStill, kFlat, kVector, "a few cells of the field with their numbers (--at, --cells)"},
-      {"scene", part::kLinkage, kMoves, kScene, kPixels, "the mount's four bars and its laser; a film is one turn"},
-      {"drawing", part::kLinkage, kStill, kFlat, kVector, "the linkage's positions, curves and figures on one sheet"},
-      {"errors-box", kErrors, kStill, kFlat, kVector, "errors of the trajectory as box plot, runs side by side"},
-      {"errors-cdf", kErrors, kStill, kFlat, kVector, "errors of the trajectory as distribution"},
-      {"errors-time", kErrors, kStill, kFlat, kVector, "errors of the trajectory over time"},
+      {"iso", "3D cloud from the south-west and above, without the ceiling", part::kCloud, kCloud | kCamera,
+       &Studio::cloud_from<CameraPreset::kIso>, 5},
+      {"top", "3D cloud from straight above, without the ceiling", part::kCloud, kCloud | kCamera,
+       &Studio::cloud_from<CameraPreset::kTop>},
+      {"front", "3D cloud seen along y, in parallel", part::kCloud, kCloud | kCamera,
+       &Studio::cloud_from<CameraPreset::kFront>},
+      {"side", "3D cloud seen along x, in parallel", part::kCloud, kCloud | kCamera,
+       &Studio::cloud_from<CameraPreset::kSide>},
+      {"orbit", "once around the 3D cloud", part::kCloud, kCloud | kCamera, &Studio::cloud_from<CameraPreset::kIso>, 4,
+       &Studio::orbit, 8.0},
+      {"follow", "behind the robot along its path", part::kCloud | part::kTrajectory, kCloud, &Studio::middle_of_follow,
+       0, &Studio::follow, 20.0},
+      {"scan", "the robot scanning, points appearing as they are measured (--from, --to)",
+       part::kCloud | part::kTrajectory | part::kMount, kScan | kStretch, &Studio::poster_of_scan, 0, &Studio::scan,
+       Studio::kLongestScan_s},
+      {"elevation", "elevation of the nodding scan plane over time", part::kCloud, kPlot | kStretch,
+       &Studio::elevation},
+      {"map", "occupancy map, with the path where there is one", part::kMap, kMap, &Studio::map, 3},
+      {"field", "distance field as intensity, bright near obstacles", part::kField, kMap | kColourMap,
+       &Studio::field<true>, 2},
+      {"distance", "distance field in metres", part::kField, kMap | kColourMap, &Studio::field<false>},
+      {"cells", "a few cells of the field with their numbers (--at, --cells)", part::kField,
+       kPngSize | kLight | kPage | kTitle | kColourMap | kCells | kVector, &Studio::cells},
+      {"scene", "the mount's four bars and its laser; a film is one turn", part::kLinkage, kScene, &Studio::linkage, 1,
+       &Studio::linkage_turn, 4.0},
+      {"drawing", "the linkage's positions, curves and figures on one sheet", part::kLinkage,
+       kPngSize | kLight | kVector, &Studio::linkage_sheet},
+      {"errors-box", "errors of the trajectory as box plot, runs side by side", kTruth, kPlot | kErrors,
+       &Studio::errors_box, 6},
+      {"errors-cdf", "errors of the trajectory as distribution", kTruth, kPlot | kErrors, &Studio::errors_cdf},
+      {"errors-time", "errors of the trajectory over time", kTruth, kPlot | kErrors, &Studio::errors_time},
   };
   return views;
 }
 
 const RenderView& render_view(const std::string& name) {
-  if (const RenderView* const view = named(name)) return *view;
   std::vector<std::string> names;
-  for (const RenderView& view : render_views()) names.emplace_back(view.name);
+  for (const RenderView& view : render_views()) {
+    if (view.name == name) return view;
+    names.emplace_back(view.name);
+  }
   throw UsageError("--view: there is no view '" + name + "'" + did_you_mean(name, names) +
                    " (--list-views says what this input has)");
 }
 
-const RenderView* default_view(RenderKind kind, unsigned parts, bool is_film) {
-  const bool is_linkage = kind == RenderKind::kLinkage;
-  if (!is_film && can_show(*named("errors-box"), parts)) return named("errors-box");
-  const auto order =
-      is_film ? std::vector<std::string_view>{is_linkage ? "scene" : "orbit", "scene"}
-              : std::vector<std::string_view>{is_linkage ? "scene" : "iso", "map", "field", "scene", "errors-box"};
-  for (const std::string_view name : order) {
-    if (const RenderView* const view = named(name); can_show(*view, parts)) return view;
+const RenderView* default_view(unsigned parts, bool is_film) {
+  const RenderView* best = nullptr;
+  for (const RenderView& view : render_views()) {
+    if (!can_show(view, parts) || (is_film && !view.moves())) continue;
+    if (view.rank > (best == nullptr ? 0 : best->rank)) best = &view;
   }
-  return nullptr;
+  return best;
 }
 
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint) {
@@ -92,7 +100,7 @@ std::string missing_parts(const RenderView& view, unsigned parts, std::string_vi
 std::string views_there_are(unsigned parts, bool is_film) {
   std::string text;
   for (const RenderView& view : render_views()) {
-    if (!can_show(view, parts) || (is_film && !view.moves)) continue;
+    if (!can_show(view, parts) || (is_film && !view.moves())) continue;
     text += (text.empty() ? "" : ", ") + std::string(view.name);
   }
   return text;

@@ -83,8 +83,8 @@ unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sourc
 }
 
 int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
-  const RenderView* const still = default_view(kind, parts, false);
-  const RenderView* const film = default_view(kind, parts, true);
+  const RenderView* const still = default_view(parts, false);
+  const RenderView* const film = default_view(parts, true);
   Json all = Json::array();
   std::string text;
   for (const RenderView& view : render_views()) {
@@ -94,12 +94,12 @@ int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
                    {"doc", view.doc},
                    {"available", missing.empty()},
                    {"missing", missing.empty() ? Json() : Json(missing)},
-                   {"can_be_film", view.moves},
+                   {"can_be_film", view.moves()},
                    {"default", &view == still  ? Json("still")
                                : &view == film ? Json("film")
                                                : Json()}});
     if (!missing.empty()) continue;
-    const std::string marks = fmt::format("{}{}", view.moves ? "film" : "", is_default ? " *" : "");
+    const std::string marks = fmt::format("{}{}", view.moves() ? "film" : "", is_default ? " *" : "");
     text += fmt::format("{:<12} {:<7} {}\n", view.name, marks, view.doc);
   }
   if (text.empty()) {
@@ -151,7 +151,7 @@ class MappedLog {
 };
 
 void require_inputs_fit(const RenderOptions& options, const std::vector<RenderKind>& kinds) {
-  const bool is_errors = options.view.starts_with("errors-") || options.view.empty();
+  const bool is_errors = options.view.empty() || (render_view(options.view).needs & part::kTruth) != 0;
   const bool are_paths = std::all_of(kinds.begin(), kinds.end(), [](RenderKind kind) {
     return kind == RenderKind::kRun || kind == RenderKind::kTrajectory;
   });
@@ -192,93 +192,72 @@ int render_inputs(const RenderOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+/// An option of a group of the help.
+template <class Value>
+CLI::Option* add(CLI::App& command, const char* group, const char* name, Value& value, const std::string& doc,
+                 const char* type) {
+  return command.add_option(name, value, doc)->type_name(type)->group(group);
+}
+void add_flag(CLI::App& command, const char* group, const char* name, bool& value, const char* doc) {
+  command.add_flag(name, value, doc)->group(group);
+}
+
 void add_look_options(CLI::App& command, RenderOptions& chosen) {
-  const auto text = [&command](const char* name, std::string& value, const char* doc, const char* type) {
-    command.add_option(name, value, doc)->type_name(type)->group("Look");
-  };
-  const auto flag = [&command](const char* name, bool& value, const char* doc) {
-    command.add_flag(name, value, doc)->group("Look");
-  };
-  text("--size", chosen.size, "Pixels [1600x1000; films 1280x720, .gif 640x360]", "WxH");
-  text("--title", chosen.title, "Instead of the input's name", "TEXT");
-  text("--colour", chosen.colour,
-       "Of a cloud's points: height, elevation, time, scan, distance, plain\n[height; with --reference CLOUD distance]",
-       "NAME");
-  command.add_option("--colour-map", chosen.colour_map, "Colours from low to high: " + colour_map_names())
-      ->type_name("NAME")
-      ->group("Look");
-  text("--range", chosen.range, "Ends of the colours with their units, as 0m:2.5m [1st and 99th percentile]",
-       "MIN:MAX");
-  text("--camera", chosen.camera, "Of iso, top, front, side: eye, target (m) and view angle (deg)\nX,Y,Z,X,Y,Z[,ANGLE]",
-       "PLACE");
-  command.add_option("--point-size", chosen.point_px, "Of a cloud's points [by their density]")
-      ->type_name("PIXELS")
-      ->check(CLI::Range(0.1, 50.0))
-      ->group("Look");
-  flag("--dark", chosen.is_dark, "Dark background (of clouds, unless --light)");
-  flag("--light", chosen.is_light, "Light background (of all else)");
-  flag("--transparent", chosen.is_transparent, "No background: .png, .svg, .pdf and frames");
-  flag("--no-floor", chosen.no_floor, "Leave out the floor of a cloud");
-  flag("--no-ceiling", chosen.no_ceiling, "Leave out the ceiling: from above it is left out anyway");
-  flag("--with-ceiling", chosen.with_ceiling, "Draw the ceiling from above too");
-  flag("--no-path", chosen.no_path, "Leave out path, keyframes and robot");
-  flag("--no-caption", chosen.no_caption, "Leave out title, scales and read-outs");
+  constexpr const char* kLook = "Look";
+  add(command, kLook, "--size", chosen.size, "Pixels [1600x1000; films 1280x720, .gif 640x360]", "WxH");
+  add(command, kLook, "--title", chosen.title, "Instead of the input's name", "TEXT");
+  add(command, kLook, "--colour", chosen.colour,
+      "Of a cloud's points: height, elevation, time, scan, distance, plain\n[height; with --reference CLOUD distance]",
+      "NAME");
+  add(command, kLook, "--colour-map", chosen.colour_map, "Colours from low to high: " + colour_map_names(), "NAME");
+  add(command, kLook, "--range", chosen.range,
+      "Ends of the colours with their units, as 0m:2.5m [1st and 99th percentile]", "MIN:MAX");
+  add(command, kLook, "--camera", chosen.camera,
+      "Of iso, top, front, side: eye, target (m) and view angle (deg)\nX,Y,Z,X,Y,Z[,ANGLE]", "PLACE");
+  add(command, kLook, "--point-size", chosen.point_px, "Of a cloud's points [by their density]", "PIXELS")
+      ->check(CLI::Range(0.1, 50.0));
+  add_flag(command, kLook, "--dark", chosen.is_dark, "Dark background (of clouds, unless --light)");
+  add_flag(command, kLook, "--light", chosen.is_light, "Light background (of all else)");
+  add_flag(command, kLook, "--transparent", chosen.is_transparent, "No background: .png, .svg, .pdf and frames");
+  add_flag(command, kLook, "--no-floor", chosen.no_floor, "Leave out the floor of a cloud");
+  add_flag(command, kLook, "--no-ceiling", chosen.no_ceiling,
+           "Leave out the ceiling: from above it is left out anyway");
+  add_flag(command, kLook, "--with-ceiling", chosen.with_ceiling, "Draw the ceiling from above too");
+  add_flag(command, kLook, "--no-path", chosen.no_path, "Leave out path, keyframes and robot");
+  add_flag(command, kLook, "--no-caption", chosen.no_caption, "Leave out title, scales and read-outs");
 }
 
 void add_film_options(CLI::App& command, RenderOptions& chosen) {
-  command.add_option("--fps", chosen.frames_per_s, "Frames a second [25]")
-      ->type_name("N")
-      ->check(CLI::Range(0.1, 240.0))
-      ->group("Film");
-  CLI::Option* const frames = command.add_option("--frames", chosen.frames, "Number of frames");
-  frames->type_name("N")->check(whole_number_from(1))->group("Film");
-  command
-      .add_option("--seconds", chosen.seconds,
-                  "Instead: how long it plays [orbit 8, follow 20, scan real time up to 20, scene 4]")
-      ->type_name("TIME")
-      ->excludes(frames)
-      ->group("Film");
-  command.add_option("--from", chosen.from, "Of scan and elevation: begin, counted from the first pose")
-      ->type_name("TIME")
-      ->group("Film");
-  command.add_option("--to", chosen.to, "And end")->type_name("TIME")->group("Film");
-  command.add_option("--ffmpeg", chosen.ffmpeg, "The program that makes .mp4 and .gif [ffmpeg of PATH]")
-      ->type_name("FILE")
-      ->group("Film");
+  constexpr const char* kFilm = "Film";
+  add(command, kFilm, "--fps", chosen.frames_per_s, "Frames a second [25]", "N")->check(CLI::Range(0.1, 240.0));
+  CLI::Option* const frames = add(command, kFilm, "--frames", chosen.frames, "Number of frames", "N");
+  frames->check(whole_number_from(1));
+  add(command, kFilm, "--seconds", chosen.seconds,
+      "Instead: how long it plays [orbit 8, follow 20, scan real time up to 20, scene 4]", "TIME")
+      ->excludes(frames);
+  add(command, kFilm, "--from", chosen.from, "Of scan and elevation: begin, counted from the first pose", "TIME");
+  add(command, kFilm, "--to", chosen.to, "And end", "TIME");
+  add(command, kFilm, "--ffmpeg", chosen.ffmpeg, "The program that makes .mp4 and .gif [ffmpeg of PATH]", "FILE");
 }
 
 void add_data_options(CLI::App& command, RenderOptions& chosen) {
-  command
-      .add_option("--reference", chosen.reference,
-                  "A cloud in the same frame, for distances; or of errors-*: the true trajectory, TUM")
-      ->type_name("FILE")
-      ->group("Data");
-  command.add_option("--relations", chosen.relations, "Of errors-*: verified relations, as evaluate reads them")
-      ->type_name("FILE")
-      ->excludes("--reference")
-      ->group("Data");
-  command.add_flag("--angle", chosen.is_angle, "Of errors-*: the heading instead of the position")->group("Data");
-  command.add_option("--at", chosen.at, "Of cells: the middle [the obstacle nearest to the field's middle]")
-      ->type_name("X,Y")
-      ->group("Data");
-  command.add_option("--cells", chosen.cells, "Of cells: so many a side, at most 60 [12]")
-      ->type_name("N")
-      ->check(whole_number_from(1))
-      ->group("Data");
-  command.add_flag("--squared", chosen.is_squared, "Of cells: squared distances, as figure 3 has them")->group("Data");
-  command
-      .add_option(
-          "--points", chosen.points,
-          "Thin a cloud to at most N points [films 500,000, follow and .gltf\n1,000,000, .html 500,000, else all]")
-      ->type_name("N")
-      ->check(whole_number_from(1))
-      ->group("Data");
-  command.add_option("--linkage", chosen.linkage, "How the laser nods, where the input does not say: preset or file")
-      ->type_name("NAME|FILE")
-      ->group("Data");
-  command.add_option("--run", chosen.run_folder, "Of a log: keep the run that is mapped for the picture")
-      ->type_name("DIR")
-      ->group("Data");
+  constexpr const char* kData = "Data";
+  add(command, kData, "--reference", chosen.reference,
+      "A cloud in the same frame, for distances; or of errors-*: the true trajectory, TUM", "FILE");
+  add(command, kData, "--relations", chosen.relations, "Of errors-*: verified relations, as evaluate reads them",
+      "FILE")
+      ->excludes("--reference");
+  add_flag(command, kData, "--angle", chosen.is_angle, "Of errors-*: the heading instead of the position");
+  add(command, kData, "--at", chosen.at, "Of cells: the middle [the obstacle nearest to the field's middle]", "X,Y");
+  add(command, kData, "--cells", chosen.cells, "Of cells: so many a side, at most 60 [12]", "N")
+      ->check(whole_number_from(1));
+  add_flag(command, kData, "--squared", chosen.is_squared, "Of cells: squared distances, as figure 3 has them");
+  add(command, kData, "--points", chosen.points,
+      "Thin a cloud to at most N points [films 500,000, follow and .gltf\n1,000,000, .html 500,000, else all]", "N")
+      ->check(whole_number_from(1));
+  add(command, kData, "--linkage", chosen.linkage, "How the laser nods, where the input does not say: preset or file",
+      "NAME|FILE");
+  add(command, kData, "--run", chosen.run_folder, "Of a log: keep the run that is mapped for the picture", "DIR");
 }
 
 }  // namespace

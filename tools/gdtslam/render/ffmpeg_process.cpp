@@ -24,12 +24,10 @@ constexpr int kFilmOfChild = 3;
 constexpr int kPipeBytes = 1 << 20;  // what Linux grants everyone: ffmpeg can compress while a frame is drawn
 constexpr std::size_t kMostComplaint = 300;
 
-std::string as_text(int code) { return std::generic_category().message(code); }
-
 [[noreturn]] void fail_to_start(const std::string& program, int code) {
   const bool is_limit = code == EMFILE || code == ENFILE || code == EAGAIN;
   throw UnavailableError(
-      fmt::format("{}: cannot be run: {}; {}", program, as_text(code),
+      fmt::format("{}: cannot be run: {}; {}", program, errno_text(code),
                   is_limit ? "raise the limit ('ulimit -a' shows it)" : "--ffmpeg names another one"));
 }
 
@@ -158,7 +156,7 @@ bool FfmpegProcess::write(std::string_view bytes) {
     } else if (errno == EPIPE) {
       return false;
     } else if (errno != EINTR) {
-      throw FileError("the pipe to ffmpeg", "cannot be written: " + as_text(errno));
+      throw FileError("the pipe to ffmpeg", "cannot be written: " + errno_text(errno));
     }
     if (!bytes.empty() && interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   }
@@ -169,7 +167,7 @@ std::string FfmpegProcess::wait() {
   input_.close();
   int status = 0;
   while (::waitpid(child_, &status, 0) < 0) {
-    if (errno != EINTR) throw Error(ExitCode::kFailed, "ffmpeg: cannot be waited for: " + as_text(errno));
+    if (errno != EINTR) throw Error(ExitCode::kFailed, "ffmpeg: cannot be waited for: " + errno_text(errno));
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
   }
   child_ = -1;

@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/clouds/cloud_words.hpp"
 #include "engine/io/maps/png.hpp"
+#include "engine/io/message_text.hpp"
 #include "ffmpeg_process.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -50,63 +52,31 @@ Descriptor nameless_file(const std::string& beside) {
   if (direct >= 0) return Descriptor(direct);
   std::string name = folder + "/.gdtslam-film-XXXXXX";  // file systems without O_TMPFILE
   const int named = ::mkostemp(name.data(), O_CLOEXEC);
-  if (named < 0) throw FileError(beside, "cannot be created: " + std::generic_category().message(errno));
+  if (named < 0) throw FileError(beside, "cannot be created: " + errno_text(errno));
   ::unlink(name.c_str());
   return Descriptor(named);
 }
 
 std::vector<std::string> arguments_of(const FilmTarget& target) {
-  std::vector<std::string> words{"-hide_banner",
-                                 "-nostdin",
-                                 "-loglevel",
-                                 "error",
-                                 "-y",
-                                 "-f",
-                                 "rawvideo",
-                                 "-pixel_format",
-                                 "rgb24",
-                                 "-video_size",
-                                 fmt::format("{}x{}", target.width, target.height),
-                                 "-framerate",
-                                 fmt::format("{}", target.frames_per_s),
-                                 "-i",
-                                 "pipe:0",
-                                 "-an"};
-  const auto add = [&words](std::initializer_list<const char*> more) {
-    words.insert(words.end(), more.begin(), more.end());
-  };
-  if (target.kind == FilmKind::kGif) {
+  std::string text = fmt::format(
+      "-hide_banner -nostdin -loglevel error -y -f rawvideo -pixel_format rgb24 -video_size {}x{} -framerate {} -i "
+      "pipe:0 "
+      "-an ",
+      target.width, target.height, target.frames_per_s);
+  if (target.kind == OutputKind::kGif) {
     // One palette for the whole film, from what moves; ordered dithering, which does not flicker from frame to frame.
-    add({"-filter_complex",
-         "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle",
-         "-loop", "0", "-f", "gif"});
+    text +=
+        "-filter_complex split[a][b];[a]palettegen=stats_mode=diff[p];"
+        "[b][p]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle -loop 0 -f gif";
   } else {
     // 4:2:0 in the colours of HD, the index first: what every browser and player plays while it loads.
-    add({"-vf",
-         "scale=out_color_matrix=bt709:out_range=tv",
-         "-c:v",
-         "libx264",
-         "-preset",
-         "medium",
-         "-crf",
-         "18",
-         "-pix_fmt",
-         "yuv420p",
-         "-colorspace",
-         "bt709",
-         "-color_primaries",
-         "bt709",
-         "-color_trc",
-         "bt709",
-         "-color_range",
-         "tv",
-         "-movflags",
-         "+faststart",
-         "-f",
-         "mp4"});
+    text +=
+        "-vf scale=out_color_matrix=bt709:out_range=tv -c:v libx264 -preset medium -crf 18 -pix_fmt yuv420p "
+        "-colorspace bt709 -color_primaries bt709 -color_trc bt709 -color_range tv -movflags +faststart -f mp4";
   }
-  add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "/dev/fd/3"});
-  return words;
+  text += " -map_metadata -1 -fflags +bitexact -flags:v +bitexact /dev/fd/3";
+  const std::vector<std::string_view> words = words_of(text);
+  return {words.begin(), words.end()};
 }
 
 class FfmpegFilm : public FilmWriter {
@@ -152,7 +122,7 @@ class FfmpegFilm : public FilmWriter {
     for (;;) {
       const ssize_t count = ::pread(film_.number(), piece.data(), piece.size(), static_cast<off_t>(done));
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) throw FileError(target_.path, "cannot be written: " + std::generic_category().message(errno));
+      if (count < 0) throw FileError(target_.path, "cannot be written: " + errno_text(errno));
       if (count == 0) return done;
       file_.write(std::string_view(piece.data(), static_cast<std::size_t>(count)));
       done += static_cast<std::size_t>(count);
@@ -278,8 +248,8 @@ std::string find_ffmpeg(const std::string& given) {
 }
 
 std::unique_ptr<FilmWriter> open_film(const FilmTarget& target) {
-  if (target.kind == FilmKind::kFrames) return std::make_unique<FrameFolder>(target);
-  if (target.kind == FilmKind::kMp4 && (target.width % 2 != 0 || target.height % 2 != 0)) {
+  if (target.kind == OutputKind::kFrames) return std::make_unique<FrameFolder>(target);
+  if (target.kind == OutputKind::kMp4 && (target.width % 2 != 0 || target.height % 2 != 0)) {
     throw UsageError(fmt::format("--size {}x{}: an .mp4 needs even numbers, for example {}x{}", target.width,
                                  target.height, target.width + target.width % 2, target.height + target.height % 2));
   }

@@ -9,13 +9,12 @@
 #include <string>
 
 #include "gdtslam/drawing/image.hpp"
+#include "output.hpp"
 
 namespace gdtslam {
 
-enum class FilmKind : std::uint8_t { kMp4, kGif, kFrames };
-
 struct FilmTarget {
-  FilmKind kind = FilmKind::kMp4;
+  OutputKind kind = OutputKind::kMp4;  ///< .mp4, .gif or frames
   std::string path;  ///< a film's file; for frames a folder, or a pattern with one number: out/f%04d.png
   std::uint32_t width = 0;
   std::uint32_t height = 0;

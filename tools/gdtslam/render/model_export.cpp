@@ -8,9 +8,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "engine/core/elementary.hpp"
+#include "engine/core/base64.hpp"
+#include "engine/drawing/maps/cell_number.hpp"
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/base64_writer.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -58,13 +58,11 @@ Box box_of(const Range& points) {
   return box;
 }
 
-// The linear share of an sRGB value as 16 bits, IEC 61966-2-1.
+// The light of an sRGB value as 16 bits.
 std::array<std::uint16_t, 256> linear_table() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t k = 0; k < table.size(); ++k) {
-    const double share = static_cast<double>(k) / 255.0;
-    const double linear = share <= 0.04045 ? share / 12.92 : exp(2.4 * log((share + 0.055) / 1.055));
-    table[k] = static_cast<std::uint16_t>(linear * 65535.0 + 0.5);
+    table[k] = static_cast<std::uint16_t>(picture::linear_of(static_cast<std::uint8_t>(k)) * 65535.0 + 0.5);
   }
   return table;
 }
@@ -91,6 +89,40 @@ Json unlit_material(const char* name, const std::array<double, 3>& colour) {
        {{"baseColorFactor", {colour[0], colour[1], colour[2], 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
       {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
 }
+
+// Bytes as base64 into a file, piece by piece.
+class Base64Writer {
+ public:
+  /// `file` must outlive this.
+  explicit Base64Writer(AtomicFile& file) : file_(file) {}
+
+  void add(std::span<const std::byte> bytes) {
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    if (bytes_.size() >= kPiece) write(bytes_.size() / 3 * 3);
+  }
+  /// The value's bytes as they lie in memory.
+  template <class T>
+  void add_value(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    add(std::as_bytes(std::span(&value, 1)));
+  }
+  /// What is left, padded; the next bytes begin a text of their own.
+  void finish() { write(bytes_.size()); }
+
+ private:
+  static constexpr std::size_t kPiece = 49152;  ///< 64 KiB of text
+
+  void write(std::size_t count) {
+    text_.clear();
+    append_base64(std::span(bytes_).first(count), text_);
+    file_.write(text_);
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+
+  AtomicFile& file_;
+  std::vector<std::byte> bytes_;  ///< not written yet
+  std::string text_;
+};
 
 // All but the bytes; the buffer's address is put in by the writer.
 Json gltf_of(const ModelInput& model, std::size_t bytes) {

@@ -1,13 +1,14 @@
 #include "output.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <system_error>
 #include <vector>
 
 #include "engine/io/did_you_mean.hpp"
+#include "engine/io/referenced_file.hpp"
 #include "film_writer.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -31,6 +32,62 @@ constexpr std::array<Ending, 10> kEndings{{{".png", OutputKind::kPng},
                                            {".ply", OutputKind::kCloud},
                                            {".pcd", OutputKind::kCloud}}};
 
+using namespace effect;
+
+/// What options change of a view in this form; of what no view belongs to, by its form alone.
+unsigned effects_of(const RenderView* view, OutputKind output) {
+  if (output == OutputKind::kPage) return kTitle | kDistances | kPoints;
+  if (output == OutputKind::kCloud) return kLevels | kPoints;
+  if (output == OutputKind::kGltf) return kColour | kColourMap | kLevels | kPath | kTitle | kDistances | kPoints;
+  unsigned effects = view->effects;
+  if ((effects & kPngSize) != 0 && output == OutputKind::kPng) effects |= kSize;
+  if (!is_film(output)) return effects;
+  return (effects & ~kCamera) | kFilm | (output == OutputKind::kFrames ? 0U : kFfmpeg);
+}
+
+struct GivenOption {
+  std::string_view name;
+  bool is_given = false;
+  unsigned effects = 0;   ///< one of them is enough
+  std::string_view fits;  ///< what the option is for
+};
+
+std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
+  const bool colours_by_distance = o.colour.empty() || o.colour == "distance" || output == OutputKind::kPage;
+  const unsigned of_reference = has_truth(o) ? kErrors : colours_by_distance ? kDistances : 0U;
+  return {
+      {"--size", !o.size.empty(), kSize, "pictures in pixels; cells and drawing have a size of their own"},
+      {"--colour", !o.colour.empty(), kColour, "clouds"},
+      {"--colour-map", !o.colour_map.empty(), kColourMap, "clouds and distance fields"},
+      {"--range", !o.range.empty(), kColour, "clouds"},
+      {"--camera", !o.camera.empty(), kCamera, "stills of clouds"},
+      {"--point-size", o.point_px > 0.0, kPoint, "pictures of clouds"},
+      {"--dark", o.is_dark, kDark, "scenes in 3D"},
+      {"--light", o.is_light, kLight, "pictures"},
+      {"--transparent", o.is_transparent, kPage, "scenes, maps and fields"},
+      {"--no-floor", o.no_floor, kLevels, "clouds"},
+      {"--no-ceiling", o.no_ceiling, kLevels, "clouds"},
+      {"--with-ceiling", o.with_ceiling, kPoint, "pictures of clouds"},
+      {"--no-path", o.no_path, kPath, "clouds, maps and fields"},
+      {"--no-caption", o.no_caption, kPage, "scenes, maps and fields"},
+      {"--title", !o.title.empty(), kTitle, "pictures of runs and clouds, pages and .gltf"},
+      {"--fps", o.frames_per_s > 0.0, kFilm, "films"},
+      {"--frames", o.frames > 0, kFilm, "films"},
+      {"--seconds", !o.seconds.empty(), kFilm, "films"},
+      {"--ffmpeg", !o.ffmpeg.empty(), kFfmpeg, ".mp4 and .gif"},
+      {"--from", !o.from.empty(), kStretch, "the views scan and elevation"},
+      {"--to", !o.to.empty(), kStretch, "the views scan and elevation"},
+      {"--reference", !o.reference.empty(), of_reference,
+       "the views errors-* where it is a trajectory, and for clouds coloured by distance where it is a cloud"},
+      {"--relations", !o.relations.empty(), kErrors, "the views errors-*"},
+      {"--angle", o.is_angle, kErrors, "the views errors-*"},
+      {"--at", !o.at.empty(), kCells, "the view cells"},
+      {"--cells", o.cells > 0, kCells, "the view cells"},
+      {"--squared", o.is_squared, kCells, "the view cells"},
+      {"--points", o.points > 0, kPoints, "clouds"},
+  };
+}
+
 }  // namespace
 
 OutputKind output_kind_of(const std::string& path) {
@@ -41,9 +98,7 @@ OutputKind output_kind_of(const std::string& path) {
     frame_path(path, 0);  // refuses what is no pattern
     return OutputKind::kFrames;
   }
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  const std::string extension = extension_of(path);
   std::vector<std::string> names;
   std::string list;
   for (const Ending& ending : kEndings) {
@@ -64,6 +119,16 @@ std::string_view to_string(OutputKind kind) {
                                                    "a film in .mp4",  "a film in .gif",    "frames in a folder",
                                                    "a page in .html", "a model in .gltf",  "a cloud"};
   return kNames[static_cast<std::size_t>(kind)];
+}
+
+void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output) {
+  const unsigned effects = effects_of(view, output);
+  for (const GivenOption& option : options_of(options, output)) {
+    if (!option.is_given || (option.effects & effects) != 0) continue;
+    const std::string made =
+        view == nullptr ? std::string(to_string(output)) : fmt::format("view {} as {}", view->name, to_string(output));
+    throw UsageError(fmt::format("{}: has no effect on {}; it is for {}", option.name, made, option.fits));
+  }
 }
 
 }  // namespace gdtslam

@@ -1,9 +1,12 @@
-// The outputs of `gdtslam render`, by the name of the file. Thread-safe.
+// The outputs of `gdtslam render`, by the name of the file, and the options that they take notice of. Thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <string_view>
+
+#include "tools/gdtslam/pictures/options.hpp"
+#include "tools/gdtslam/pictures/views.hpp"
 
 namespace gdtslam {
 
@@ -18,10 +21,11 @@ std::string_view to_string(OutputKind kind);
 constexpr bool is_film(OutputKind kind) {
   return kind == OutputKind::kMp4 || kind == OutputKind::kGif || kind == OutputKind::kFrames;
 }
-constexpr bool is_still(OutputKind kind) {
-  return kind == OutputKind::kPng || kind == OutputKind::kSvg || kind == OutputKind::kPdf;
-}
 /// Points for other programs, which no view belongs to.
 constexpr bool is_model(OutputKind kind) { return kind == OutputKind::kGltf || kind == OutputKind::kCloud; }
+
+/// Throws UsageError that names the first option that was given and changes nothing: a mistake, said before anything is
+/// drawn. `view`: null for pages and models.
+void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output);
 
 }  // namespace gdtslam

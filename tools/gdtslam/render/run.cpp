@@ -12,7 +12,6 @@
 #include <utility>
 #include <variant>
 
-#include "effect.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "film_writer.hpp"
 #include "gdtslam/cloud/thinning.hpp"
@@ -23,7 +22,7 @@
 #include "model_export.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "viewer/scene/cloud/point_colours.hpp"
+#include "viewer/scene/cloud/cloud_colours.hpp"
 
 namespace gdtslam {
 namespace {
@@ -46,7 +45,7 @@ const RenderView& view_of(const RenderOptions& options, const std::vector<Render
   const bool moves = is_film(kind);
   const std::string there_are = views_there_are(parts, moves);
   if (options.view.empty()) {
-    if (const RenderView* const view = default_view(source.kind(), parts, moves)) return *view;
+    if (const RenderView* const view = default_view(parts, moves)) return *view;
     throw UsageError(fmt::format("{}: {} has no view {}{}", source.input(), to_string(source.kind()),
                                  moves ? "that moves, as " + std::string(to_string(kind)) + " needs" : "without more",
                                  moves ? "; .png .svg and .pdf fit" : ": give --reference or --relations"));
@@ -56,7 +55,7 @@ const RenderView& view_of(const RenderOptions& options, const std::vector<Render
     throw UsageError(fmt::format("--view {}: {} has no {}; its views are {}", view.name, source.input(), missing,
                                  there_are.empty() ? "none" : there_are));
   }
-  if (moves && !view.moves) {
+  if (moves && !view.moves()) {
     throw UsageError(fmt::format("--view {} does not move, so it is not for {}; .png .svg and .pdf fit{}", view.name,
                                  to_string(kind),
                                  there_are.empty() ? "" : ", and the views that move are " + there_are));
@@ -135,7 +134,7 @@ class Render {
 
  private:
   void require_one_input(const RenderView* view) const {
-    if (sources_.size() == 1 || (view != nullptr && view->name.starts_with("errors-"))) return;
+    if (sources_.size() == 1 || (view != nullptr && (view->needs & part::kTruth) != 0)) return;
     throw UsageError(
         fmt::format("{} draws one input, and {} are given; several are compared by the views errors-*, "
                     "which need --reference or --relations FILE",
@@ -166,11 +165,11 @@ class Render {
 void Render::write_still(const RenderView& view) {
   std::optional<PictureSize> wanted;
   if (!options_.size.empty()) wanted = size_of(options_.size);
-  Canvas drawing = studio_.still(view, wanted);
+  Canvas drawing = (studio_.*view.draw)(wanted);
   // Drawings of a size of their own are scaled to fit what was asked for; only pixels can be.
   const PictureSize target = wanted.value_or(kStillSize);
   const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
-  const double scale = view.is_vector && result_.kind == OutputKind::kPng ? fit : 1.0;
+  const double scale = (view.effects & effect::kVector) != 0 && result_.kind == OutputKind::kPng ? fit : 1.0;
   if (wanted && result_.kind == OutputKind::kPng)
     drawing = on_page(drawing, target.width / scale, target.height / scale);
   write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
@@ -185,21 +184,19 @@ void Render::write_film(const RenderView& view) {
   }
   const PictureSize wanted = film_size();
   const FilmLength length = studio_.length_of(view);
-  const FilmKind kind = result_.kind == OutputKind::kMp4   ? FilmKind::kMp4
-                        : result_.kind == OutputKind::kGif ? FilmKind::kGif
-                                                           : FilmKind::kFrames;
   const std::unique_ptr<FilmWriter> writer =
-      open_film({kind, result_.file, wanted.width, wanted.height, length.frames_per_s, options_.ffmpeg});
-  const std::unique_ptr<Film> film = studio_.film(view, wanted, length.frames);
+      open_film({result_.kind, result_.file, wanted.width, wanted.height, length.frames_per_s, options_.ffmpeg});
+  const std::unique_ptr<Film> film = (studio_.*view.film)(wanted, length.frames);
   ProgressLine progress("frames", options_.quiet);
   for (std::size_t k = 0; k < film->frames(); ++k) {
     if (interrupted()) {
-      throw Error(ExitCode::kInterrupted,
-                  fmt::format("interrupted after {} of {} frames; {}", k, film->frames(),
-                              kind == FilmKind::kFrames ? "they are in " + result_.file : "nothing is written"));
+      throw Error(
+          ExitCode::kInterrupted,
+          fmt::format("interrupted after {} of {} frames; {}", k, film->frames(),
+                      result_.kind == OutputKind::kFrames ? "they are in " + result_.file : "nothing is written"));
     }
     writer->add(raster_of(film->frame(k)));
-    if (kind == FilmKind::kFrames) result_.bytes += size_of_file(frame_path(result_.file, k));
+    if (result_.kind == OutputKind::kFrames) result_.bytes += size_of_file(frame_path(result_.file, k));
     progress.update(k + 1, static_cast<double>(k + 1) / static_cast<double>(film->frames()));
   }
   writer->finish();

@@ -1,27 +1,18 @@
 #include "scene_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <functional>
-#include <utility>
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/yaml/checked_yaml.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
-#include "scene_nodding.hpp"
 #include "scene_parts.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr Quantity kLength{Unit::kMetre};
-constexpr Quantity kAngle{Unit::kRadian};
-constexpr Quantity kTime{Unit::kSecond};
 constexpr Quantity kShare{Unit::kShare};
-constexpr Quantity kNumber{Unit::kNone};
-constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 constexpr Quantity kSpeed{Unit::kMetre, "/s"};
 constexpr Quantity kAcceleration{Unit::kMetre, "/s^2"};
 constexpr Quantity kTurnRate{Unit::kRadian, "/s"};
@@ -50,9 +41,7 @@ void read_laser(const YamlValue& value, SceneFile& scene) {
   }
   mapping.read("first_bearing", kAngle, laser.first_bearing_rad);
   mapping.read("bearing_step", kAngle, laser.bearing_step_rad);
-  if (const auto beams = mapping.find("beams")) {
-    laser.beam_count = beams->count();
-  }
+  read_given(mapping, "beams", [&](const YamlValue& beams) { laser.beam_count = beams.count(); });
   mapping.read("min_range", kLength, laser.min_range_m);
   mapping.read("max_range", kLength, laser.max_range_m);
   mapping.read("no_return", kLength, laser.no_return_m);
@@ -62,9 +51,7 @@ void read_laser(const YamlValue& value, SceneFile& scene) {
   mapping.read("drop_outs", kShare, laser.drop_out_share);
   mapping.read("mirror_rate", kFrequency, laser.mirror_rate_hz);
   mapping.read("height", kLength, scene.config.laser_height_m);
-  if (const auto mount = mapping.find("mount")) {
-    scene.config.T_base_laser = read_mount(*mount);
-  }
+  read_given(mapping, "mount", [&](const YamlValue& mount) { scene.config.T_base_laser = read_mount(mount); });
   mapping.finish();
   value.require_none(validate(laser));
 }
@@ -122,12 +109,8 @@ sim::Waypoint read_waypoint(const YamlValue& value) {
   }
   YamlMapping mapping(value);
   waypoint.position_m = mapping.require("at").point();
-  if (const auto speed = mapping.find("speed")) {
-    waypoint.speed_m_per_s = speed->number(kSpeed);
-  }
-  if (const auto cut = mapping.find("corner_cut")) {
-    waypoint.corner_cut_m = cut->number(kLength);
-  }
+  read_given(mapping, "speed", [&](const YamlValue& speed) { waypoint.speed_m_per_s = speed.number(kSpeed); });
+  read_given(mapping, "corner_cut", [&](const YamlValue& cut) { waypoint.corner_cut_m = cut.number(kLength); });
   mapping.read("pause", kTime, waypoint.pause_s);
   mapping.read("reverse", waypoint.is_reverse);
   mapping.finish();
@@ -136,28 +119,17 @@ sim::Waypoint read_waypoint(const YamlValue& value) {
 
 std::vector<sim::Waypoint> read_waypoint_list(const std::vector<YamlValue>& values) {
   std::vector<sim::Waypoint> waypoints;
-  waypoints.reserve(values.size());
-  for (const YamlValue& value : values) {
-    waypoints.push_back(read_waypoint(value));
-  }
+  for (const YamlValue& value : values) waypoints.push_back(read_waypoint(value));
   return waypoints;
 }
 
 void read_robot(const YamlValue& value, SceneFile& scene) {
   YamlMapping mapping(value);
-  using Section = std::pair<const char*, std::function<void(const YamlValue&)>>;
-  const std::array<Section, 5> sections{{
-      {"body", [&](const YamlValue& v) { read_body(v, scene.body); }},
-      {"laser", [&](const YamlValue& v) { read_laser(v, scene); }},
-      {"wheels", [&](const YamlValue& v) { read_wheels(v, scene.config.wheels); }},
-      {"motion", [&](const YamlValue& v) { read_motion(v, scene.limits); }},
-      {"nodding", [&](const YamlValue& v) { scene.config.nodding = read_nodding(v); }},
-  }};
-  for (const auto& [key, read] : sections) {
-    if (const auto section = mapping.find(key)) {
-      read(*section);
-    }
-  }
+  read_given(mapping, "body", [&](const YamlValue& body) { read_body(body, scene.body); });
+  read_given(mapping, "laser", [&](const YamlValue& laser) { read_laser(laser, scene); });
+  read_given(mapping, "wheels", [&](const YamlValue& wheels) { read_wheels(wheels, scene.config.wheels); });
+  read_given(mapping, "motion", [&](const YamlValue& motion) { read_motion(motion, scene.limits); });
+  read_given(mapping, "nodding", [&](const YamlValue& nodding) { scene.config.nodding = read_nodding(nodding); });
   mapping.finish();
 }
 
@@ -196,12 +168,8 @@ SceneFile read_scene(const std::string& file) {
   root.read("name", scene.name);
   root.read("description", description);
   scene.scene = read_scene_parts(root);
-  if (const auto robot = root.find("robot")) {
-    read_robot(*robot, scene);
-  }
-  if (const auto recording = root.find("recording")) {
-    read_recording(*recording, scene.config);
-  }
+  read_given(root, "robot", [&](const YamlValue& robot) { read_robot(robot, scene); });
+  read_given(root, "recording", [&](const YamlValue& recording) { read_recording(recording, scene.config); });
   scene.waypoints = read_waypoint_list(root.list("waypoints"));
   root.finish();
   match_laser(scene.config);

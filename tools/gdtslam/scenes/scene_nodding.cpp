@@ -1,8 +1,6 @@
-#include "scene_nodding.hpp"
-
+#include <algorithm>
 #include <array>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,14 +10,10 @@
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
+#include "scene_parts.hpp"
 
 namespace gdtslam {
 namespace {
-
-constexpr Quantity kLength{Unit::kMetre};
-constexpr Quantity kAngle{Unit::kRadian};
-constexpr Quantity kTime{Unit::kSecond};
-constexpr Quantity kFrequency{Unit::kNone, "Hz"};
 
 constexpr std::array<std::pair<const char*, sim::NodMode>, 3> kModes{{{"continuous", sim::NodMode::kContinuous},
                                                                       {"stop-and-scan", sim::NodMode::kStopAndScan},
@@ -39,19 +33,22 @@ std::vector<std::string> names_of(const Names& names) {
   return list;
 }
 
-template <class Value, class Names>
-Value named(const YamlValue& value, const Names& names, const char* what) {
-  for (const auto& [name, known] : names) {
-    if (value.text() == name) {
-      return known;
-    }
-  }
+// What has this name; nothing where none has.
+template <class Names>
+auto find_named(const Names& names, const std::string& name) {
+  const auto found = std::find_if(names.begin(), names.end(), [&](const auto& entry) { return name == entry.first; });
+  return found != names.end() ? std::optional(found->second) : std::nullopt;
+}
+
+template <class Names>
+auto named(const YamlValue& value, const Names& names, const char* what) {
+  if (const auto known = find_named(names, value.text())) return *known;
   value.refuse("unknown " + std::string(what) + " '" + value.text() + "'" +
                did_you_mean(value.text(), names_of(names)));
 }
 
 std::int64_t whole(const YamlValue& value, double least, double most) {
-  const double number = value.number(Quantity{Unit::kNone});
+  const double number = value.number(kNumber);
   if (!(number >= least && number <= most) || static_cast<double>(static_cast<std::int64_t>(number)) != number) {
     value.refuse("'" + value.text() + "' is no whole number of the allowed range");
   }
@@ -78,21 +75,19 @@ void read_encoder(const YamlValue& value, sim::NoddingModel& nodding) {
   calib::CrankEncoder& encoder = nodding.truth.encoder;
   mapping.read("rate", kFrequency, nodding.encoder_rate_hz);
   mapping.read("wraps", encoder.wraps);
-  if (const auto ticks = mapping.find("ticks_per_turn")) {
-    encoder.ticks_per_turn = whole(*ticks, 1.0, static_cast<double>(std::int64_t{1} << 30));
-  }
+  read_given(mapping, "ticks_per_turn", [&](const YamlValue& ticks) {
+    encoder.ticks_per_turn = whole(ticks, 1.0, static_cast<double>(std::int64_t{1} << 30));
+  });
   bool is_exact = false;
   mapping.read("exact", is_exact);
-  if (is_exact) {
-    make_exact(encoder);
-  }
+  if (is_exact) make_exact(encoder);
   mapping.finish();
 }
 
 sim::EncoderFault read_fault(const YamlValue& value) {
   YamlMapping mapping(value);
   sim::EncoderFault fault;
-  fault.kind = named<sim::EncoderFaultKind>(mapping.require("kind"), kFaults, "fault");
+  fault.kind = named(mapping.require("kind"), kFaults, "fault");
   fault.from_s = mapping.require("from").number(kTime);
   if (fault.kind == sim::EncoderFaultKind::kJump) {
     constexpr double kMost = 1099511627776.0;  // 2^40
@@ -105,28 +100,24 @@ sim::EncoderFault read_fault(const YamlValue& value) {
 }
 
 void read_mount(YamlMapping& mapping, NoddingMount& mount) {
-  if (const auto lever = mapping.find("lever")) {
-    YamlMapping arm(*lever);
+  read_given(mapping, "lever", [&](const YamlValue& lever) {
+    YamlMapping arm(lever);
     arm.read("forward", kLength, mount.lever_forward_m);
     arm.read("up", kLength, mount.lever_up_m);
     arm.finish();
-  }
-  if (const auto sensor = mapping.find("sensor")) {
-    YamlMapping angles(*sensor);
+  });
+  read_given(mapping, "sensor", [&](const YamlValue& sensor) {
+    YamlMapping angles(sensor);
     angles.read("roll", kAngle, mount.sensor_roll_rad);
     angles.read("yaw", kAngle, mount.sensor_yaw_rad);
     angles.finish();
-  }
+  });
 }
 
 }  // namespace
 
 sim::NodMode nod_mode(const std::string& name) {
-  for (const auto& [known, mode] : kModes) {
-    if (name == known) {
-      return mode;
-    }
-  }
+  if (const auto mode = find_named(kModes, name)) return *mode;
   throw UsageError("unknown mode '" + name + "' of nodding" + did_you_mean(name, names_of(kModes)) +
                    "; there are continuous, stop-and-scan and stepped");
 }
@@ -138,22 +129,17 @@ sim::NoddingModel read_nodding(const YamlValue& value) {
   sim::NoddingModel nodding;
   const auto linkage = mapping.find("linkage");
   nodding.truth = linkage ? read_linkage_name(*linkage) : calib::sweep_model_of_preset(calib::kDefaultLinkage);
-  if (const auto mode = mapping.find("mode")) {
-    nodding.mode = named<sim::NodMode>(*mode, kModes, "mode");
-  }
+  read_given(mapping, "mode", [&](const YamlValue& mode) { nodding.mode = named(mode, kModes, "mode"); });
   mapping.read("crank_rate", kFrequency, nodding.crank_rate_hz);
   double start_rad = 0.0;
   mapping.read("start", kAngle, start_rad);
   nodding.start_turns = start_rad / kTwoPi;
   mapping.read("step", kAngle, nodding.step_rad);
   mapping.read("stop", kTime, nodding.stop_s);
-  if (const auto turns = mapping.find("turns")) {
-    nodding.turns_a_stop = static_cast<int>(whole(*turns, 1.0, 1000.0));
-  }
+  read_given(mapping, "turns",
+             [&](const YamlValue& turns) { nodding.turns_a_stop = static_cast<int>(whole(turns, 1.0, 1000.0)); });
   mapping.read("stop_every", kLength, nodding.stop_every_m);
-  if (const auto encoder = mapping.find("encoder")) {
-    read_encoder(*encoder, nodding);
-  }
+  read_given(mapping, "encoder", [&](const YamlValue& encoder) { read_encoder(encoder, nodding); });
   read_mount(mapping, nodding.truth.mount);
   for (const YamlValue& fault : mapping.list("encoder_faults")) {
     nodding.faults.push_back(read_fault(fault));

@@ -6,15 +6,10 @@
 #include "engine/io/file_limits.hpp"
 #include "engine/io/meshes/mesh_file.hpp"
 #include "engine/io/referenced_file.hpp"
-#include "engine/sim/mesh_placement.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
 namespace {
-
-constexpr Quantity kLength{Unit::kMetre};
-constexpr Quantity kAngle{Unit::kRadian};
-constexpr Quantity kNumber{Unit::kNone};
 
 /// Counts the parts of one scene, because repeats, aliases and places multiply: what is refused one by one may still be
 /// without bound in sum.
@@ -90,12 +85,24 @@ void read_cylinder(const YamlValue& value, PartCount& parts, std::vector<sim::Cy
   cylinder.radius_m = mapping.require("radius").number(kLength);
   cylinder.height_m = mapping.require("height").number(kLength);
   mapping.read("base", kLength, cylinder.base_m);
-  if (const auto sides = mapping.find("sides")) {
-    cylinder.sides = static_cast<int>(sides->count());
-  }
+  read_given(mapping, "sides", [&](const YamlValue& sides) { cylinder.sides = static_cast<int>(sides.count()); });
   const std::vector<Point2> offsets_m = read_offsets(mapping, parts);
   mapping.finish();
   add_copies(value, cylinder, offsets_m, cylinders);
+}
+
+// Into a scene or an object of it.
+template <class Target>
+void read_boxes_and_cylinders(YamlMapping& mapping, PartCount& parts, Target& target) {
+  for (const YamlValue& box : mapping.list("boxes")) read_box(box, parts, target.boxes);
+  for (const YamlValue& cylinder : mapping.list("cylinders")) read_cylinder(cylinder, parts, target.cylinders);
+}
+
+// Whether the value is the first of two words.
+bool is_first(const YamlValue& value, const std::string& first, const std::string& second) {
+  const std::string text = value.text();
+  if (text != first && text != second) value.refuse("'" + text + "' is neither " + first + " nor " + second);
+  return text == first;
 }
 
 sim::DoorLeaf read_leaf(const YamlValue& value) {
@@ -103,12 +110,7 @@ sim::DoorLeaf read_leaf(const YamlValue& value) {
   sim::DoorLeaf leaf;
   leaf.angle_rad = mapping.require("angle").number(kAngle);
   mapping.read("thickness", kLength, leaf.thickness_m);
-  if (const auto hinge = mapping.find("hinge")) {
-    if (hinge->text() != "near" && hinge->text() != "far") {
-      hinge->refuse("'" + hinge->text() + "' is neither near nor far");
-    }
-    leaf.hinge_at_far = hinge->text() == "far";
-  }
+  read_given(mapping, "hinge", [&](const YamlValue& hinge) { leaf.hinge_at_far = !is_first(hinge, "near", "far"); });
   mapping.finish();
   return leaf;
 }
@@ -116,15 +118,11 @@ sim::DoorLeaf read_leaf(const YamlValue& value) {
 sim::Door read_door(const YamlValue& value) {
   YamlMapping mapping(value);
   sim::Door door;
-  if (const auto leg = mapping.find("leg")) {
-    door.leg = leg->count();
-  }
+  read_given(mapping, "leg", [&](const YamlValue& leg) { door.leg = leg.count(); });
   door.from_m = mapping.require("from").number(kLength);
   mapping.read("width", kLength, door.width_m);
   mapping.read("height", kLength, door.height_m);
-  if (const auto leaf = mapping.find("leaf")) {
-    door.leaf = read_leaf(*leaf);
-  }
+  read_given(mapping, "leaf", [&](const YamlValue& leaf) { door.leaf = read_leaf(leaf); });
   mapping.finish();
   return door;
 }
@@ -133,9 +131,7 @@ sim::Door read_door(const YamlValue& value) {
 void read_windows(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
   YamlMapping mapping(value);
   sim::Door window{.width_m = 1.2, .sill_m = 0.9};
-  if (const auto leg = mapping.find("leg")) {
-    window.leg = leg->count();
-  }
+  read_given(mapping, "leg", [&](const YamlValue& leg) { window.leg = leg.count(); });
   window.from_m = mapping.require("from").number(kLength);
   mapping.read("width", kLength, window.width_m);
   mapping.read("sill", kLength, window.sill_m);
@@ -143,12 +139,12 @@ void read_windows(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
   std::size_t count = 1;
   double step_m = 0.0;
   parts.add(value, 1);
-  if (const auto repeat = mapping.find("repeat")) {
-    YamlMapping row(*repeat);
+  read_given(mapping, "repeat", [&](const YamlValue& repeat) {
+    YamlMapping row(repeat);
     count = read_repeat_count(row, parts);
     step_m = row.require("step").number(kLength);
     row.finish();
-  }
+  });
   mapping.finish();
   if (!(window.sill_m > 0.0)) {
     value.refuse("sill must be above 0: an opening down to the floor is a door");
@@ -159,6 +155,12 @@ void read_windows(const YamlValue& value, PartCount& parts, sim::Wall& wall) {
   }
 }
 
+void read_wall_sizes(YamlMapping& mapping, sim::Wall& wall) {
+  mapping.read("thickness", kLength, wall.thickness_m);
+  mapping.read("base", kLength, wall.base_m);
+  mapping.read("height", kLength, wall.height_m);
+}
+
 sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults, PartCount& parts) {
   YamlMapping mapping(value);
   sim::Wall wall = defaults;
@@ -167,9 +169,7 @@ sim::Wall read_wall(const YamlValue& value, const sim::Wall& defaults, PartCount
     wall.points_m.push_back(point.point());
   }
   mapping.read("closed", wall.is_closed);
-  mapping.read("thickness", kLength, wall.thickness_m);
-  mapping.read("base", kLength, wall.base_m);
-  mapping.read("height", kLength, wall.height_m);
+  read_wall_sizes(mapping, wall);
   for (const YamlValue& door : mapping.list("doors")) {
     parts.add(door, 1);
     wall.doors.push_back(read_door(door));
@@ -195,9 +195,7 @@ sim::TriangleMesh read_placed_mesh(const YamlValue& value, std::size_t max_trian
   const YamlValue file = mapping.require("file");
   sim::MeshPlacement placement;
   mapping.read("scale", kNumber, placement.scale);
-  if (const auto unit = mapping.find("unit")) {
-    placement.scale *= metres_per_unit(*unit);
-  }
+  read_given(mapping, "unit", [&](const YamlValue& unit) { placement.scale *= metres_per_unit(unit); });
   if (const auto position = mapping.find("position")) {
     const std::vector<YamlValue> coordinates = position->entries();
     if (coordinates.size() != 3) {
@@ -207,12 +205,7 @@ sim::TriangleMesh read_placed_mesh(const YamlValue& value, std::size_t max_trian
                             coordinates[2].number(kLength)};
   }
   mapping.read("yaw", kAngle, placement.yaw_rad);
-  if (const auto up = mapping.find("up")) {
-    if (up->text() != "y" && up->text() != "z") {
-      up->refuse("'" + up->text() + "' is neither y nor z");
-    }
-    placement.y_is_up = up->text() == "y";
-  }
+  read_given(mapping, "up", [&](const YamlValue& up) { placement.y_is_up = is_first(up, "y", "z"); });
   mapping.finish();
   if (const std::string fault = fault_of_reference(value.file(), file.text()); !fault.empty()) {
     file.refuse(fault);
@@ -225,9 +218,7 @@ sim::Wall read_wall_defaults(YamlMapping& root) {
   sim::Wall defaults;
   if (const auto value = root.find("wall_defaults")) {
     YamlMapping mapping(*value);
-    mapping.read("thickness", kLength, defaults.thickness_m);
-    mapping.read("base", kLength, defaults.base_m);
-    mapping.read("height", kLength, defaults.height_m);
+    read_wall_sizes(mapping, defaults);
     mapping.finish();
   }
   return defaults;
@@ -248,12 +239,7 @@ void read_object(const YamlValue& value, PartCount& parts, Objects& objects) {
   if (!is_new) {
     name.refuse("there are two objects '" + name.text() + "'");
   }
-  for (const YamlValue& box : mapping.list("boxes")) {
-    read_box(box, parts, entry->second.boxes);
-  }
-  for (const YamlValue& cylinder : mapping.list("cylinders")) {
-    read_cylinder(cylinder, parts, entry->second.cylinders);
-  }
+  read_boxes_and_cylinders(mapping, parts, entry->second);
   mapping.finish();
 }
 
@@ -262,9 +248,7 @@ const Object& object_named(const YamlValue& name, const Objects& objects) {
     return found->second;
   }
   std::vector<std::string> names;
-  for (const auto& [known, object] : objects) {
-    names.push_back(known);
-  }
+  for (const auto& [known, object] : objects) names.push_back(known);
   name.refuse("there is no object '" + name.text() + "'" + did_you_mean(name.text(), names));
 }
 
@@ -290,12 +274,8 @@ void read_place(const YamlValue& value, const Objects& objects, PartCount& parts
 
 void read_objects(YamlMapping& root, PartCount& parts, sim::Scene& scene) {
   Objects objects;
-  for (const YamlValue& object : root.list("objects")) {
-    read_object(object, parts, objects);
-  }
-  for (const YamlValue& place : root.list("place")) {
-    read_place(place, objects, parts, scene);
-  }
+  for (const YamlValue& object : root.list("objects")) read_object(object, parts, objects);
+  for (const YamlValue& place : root.list("place")) read_place(place, objects, parts, scene);
 }
 
 void read_meshes(YamlMapping& root, PartCount& parts, sim::Scene& scene) {
@@ -316,20 +296,11 @@ sim::Scene read_scene_parts(YamlMapping& root) {
   for (const YamlValue& wall : root.list("walls")) {
     scene.walls.push_back(read_wall(wall, wall_defaults, parts));
   }
-  for (const YamlValue& box : root.list("boxes")) {
-    read_box(box, parts, scene.boxes);
-  }
-  for (const YamlValue& cylinder : root.list("cylinders")) {
-    read_cylinder(cylinder, parts, scene.cylinders);
-  }
+  read_boxes_and_cylinders(root, parts, scene);
   read_objects(root, parts, scene);
   read_meshes(root, parts, scene);
-  if (const auto floor = root.find("floor")) {
-    scene.floor_m = floor->number(kLength);
-  }
-  if (const auto ceiling = root.find("ceiling")) {
-    scene.ceiling_m = ceiling->number(kLength);
-  }
+  read_given(root, "floor", [&](const YamlValue& floor) { scene.floor_m = floor.number(kLength); });
+  read_given(root, "ceiling", [&](const YamlValue& ceiling) { scene.ceiling_m = ceiling.number(kLength); });
   return scene;
 }
 

@@ -1,13 +1,38 @@
-// The parts of a scene file that can be seen: walls, boxes, cylinders, meshes, floor and ceiling.
+// The sections of a scene file (docs/simulation.md lists every key) and what their readers share. All throw ConfigError
+// with file and line.
 #pragma once
 
+#include <string>
+
 #include "engine/io/yaml/checked_yaml.hpp"
+#include "gdtslam/sim/nodding.hpp"
 #include "gdtslam/sim/scene.hpp"
 
 namespace gdtslam {
 
-/// Takes the keys wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling. Throws ConfigError
-/// with file and line, FileError or InputError for a mesh.
+inline constexpr Quantity kLength{Unit::kMetre};
+inline constexpr Quantity kAngle{Unit::kRadian};
+inline constexpr Quantity kTime{Unit::kSecond};
+inline constexpr Quantity kNumber{Unit::kNone};
+inline constexpr Quantity kFrequency{Unit::kNone, "Hz"};
+
+/// Reads the key where it is given.
+template <class Read>
+void read_given(YamlMapping& mapping, const char* key, const Read& read) {
+  if (const auto value = mapping.find(key)) read(*value);
+}
+
+/// What can be seen: takes the keys wall_defaults, walls, boxes, cylinders, objects, place, meshes, floor and ceiling.
+/// Throws FileError or InputError for a mesh.
 sim::Scene read_scene_parts(YamlMapping& root);
+
+/// The section robot.nodding: a laser on a nodding mount. A linkage file is looked for beside the scene.
+sim::NoddingModel read_nodding(const YamlValue& value);
+
+/// A mode by its name in scenes and options: continuous, stop-and-scan, stepped. Throws UsageError with the names.
+sim::NodMode nod_mode(const std::string& name);
+
+/// What makes the encoder tell the crank's angle as finely as a log can: 2^30 ticks a turn.
+void make_exact(calib::CrankEncoder& encoder);
 
 }  // namespace gdtslam

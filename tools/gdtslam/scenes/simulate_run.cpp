@@ -1,8 +1,14 @@
 #include "simulate_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -16,8 +22,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "scene_file.hpp"
-#include "scene_nodding.hpp"
-#include "simulate_truth.hpp"
+#include "scene_parts.hpp"
 
 namespace gdtslam {
 namespace {
@@ -26,20 +31,14 @@ constexpr double kClearanceLimit_m = 2.0;
 // What lies on the floor to this height is driven over.
 constexpr double kGroundClearance_m = 0.02;
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 void apply_laser(const SimulateOptions& options, SceneFile& scene) {
   sim::LaserModel& laser = scene.config.laser;
   if (options.laser) {
     const std::optional<sim::LaserModel> preset = sim::laser_preset(*options.laser);
     if (!preset) {
-      throw UsageError("unknown laser '" + *options.laser + "'" +
-                       did_you_mean(*options.laser, sim::laser_preset_names()) + "; there are " +
-                       joined(sim::laser_preset_names()));
+      const std::vector<std::string>& names = sim::laser_preset_names();
+      throw UsageError(fmt::format("unknown laser '{}'{}; there are {}", *options.laser,
+                                   did_you_mean(*options.laser, names), fmt::join(names, ", ")));
     }
     scene.laser = *options.laser;
     laser = *preset;
@@ -57,24 +56,14 @@ void apply_laser(const SimulateOptions& options, SceneFile& scene) {
 void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
   std::optional<sim::NoddingModel>& nodding = scene.config.nodding;
   const bool asks = options.nod_mode || options.crank_rate_hz || options.ticks_per_turn;
-  if (options.linkage) {
-    if (!nodding) {
-      nodding.emplace();
-    }
-    nodding->truth = resolve_linkage(*options.linkage);
-  } else if (asks && !nodding) {
-    nodding.emplace().truth = resolve_linkage(std::string(calib::kDefaultLinkage));
+  if (options.linkage || (asks && !nodding)) {
+    if (!nodding) nodding.emplace();
+    nodding->truth = resolve_linkage(options.linkage.value_or(std::string(calib::kDefaultLinkage)));
   }
-  if (!nodding) {
-    return;
-  }
-  if (options.nod_mode) {
-    nodding->mode = nod_mode(*options.nod_mode);
-  }
+  if (!nodding) return;
+  if (options.nod_mode) nodding->mode = nod_mode(*options.nod_mode);
   nodding->crank_rate_hz = options.crank_rate_hz.value_or(nodding->crank_rate_hz);
-  if (options.is_exact) {
-    make_exact(nodding->truth.encoder);
-  }
+  if (options.is_exact) make_exact(nodding->truth.encoder);
   nodding->truth.encoder.ticks_per_turn = options.ticks_per_turn.value_or(nodding->truth.encoder.ticks_per_turn);
   match_laser(scene.config);
 }
@@ -188,98 +177,159 @@ std::string header_of(const SceneFile& scene, const CarmenWriter& writer) {
   return header;
 }
 
-struct Recording {
-  sim::SimulationSummary summary;
-  Trajectory truth;
-};
+constexpr int kElevationDecimals = 12;
 
-/// Where the records and what is true about them go; the last two may be empty.
-struct Sinks {
-  TextSink& log;
-  std::optional<ElevationRows>& elevations;
-  std::optional<HitCloud>& hits;
-};
-
-Recording record(const SimulateOptions& options, const SceneFile& scene, const sim::MotionPlan& plan,
-                 const sim::RayCaster& caster, const Sinks& sinks) {
-  Recording recording;
-  CarmenWriter writer(range_decimals(scene.config.laser));
-  sinks.log.write(header_of(scene, writer));
-  sim::SimulationSink sink;
-  sink.odometry = [&](const Odometry& odometry) { sinks.log.write(writer.odometry(odometry)); };
-  sink.encoder = [&](const Encoder& encoder) { sinks.log.write(writer.encoder(encoder)); };
-  sink.scan = [&](const sim::SimulatedScan& scan) {
-    sinks.log.write(writer.scan(scan.record));
-    recording.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
-    if (sinks.elevations) {
-      sinks.elevations->add(scan);
-    }
-    if (sinks.hits) {
-      sinks.hits->add(scan, scene.config.laser.max_range_m);
-    }
-  };
-  sink.keep_on = [&](double share) {
-    if (options.progress) {
-      options.progress(recording.truth.size(), share);
-    }
-    return !options.stop || !options.stop();
-  };
-  recording.summary = run_simulation(scene.config, plan, caster, sink);
-  sinks.log.finish();
-  if (sinks.hits) {
-    sinks.hits->finish();
+// Little-endian, as the header says, on every host.
+template <class Word>
+void append_word(std::string& row, Word word) {
+  for (std::size_t byte = 0; byte < sizeof(Word); ++byte) {
+    row += static_cast<char>((word >> (8 * byte)) & 0xffU);
   }
-  return recording;
+}
+
+void append_double(std::string& row, double value) { append_word(row, std::bit_cast<std::uint64_t>(value)); }
+
+std::string ply_header(std::uint64_t rows) {
+  std::string header = "ply\nformat binary_little_endian 1.0\ncomment true hits of a simulated scan\nelement vertex " +
+                       std::to_string(rows) + "\n";
+  for (const char* name : {"x", "y", "z", "elevation", "time", "range"}) {
+    header += std::string("property double ") + name + "\n";
+  }
+  for (const char* name : {"scan", "beam", "triangle"}) {
+    header += std::string("property uint ") + name + "\n";
+  }
+  return header + "end_header\n";
+}
+
+/// A row per scan: scan,stamp_s,crank_turns,elevation_rad.
+class ElevationRows {
+ public:
+  explicit ElevationRows(AtomicFile& file);
+  void add(const sim::SimulatedScan& scan);
+
+ private:
+  AtomicFile& file_;
+  std::uint64_t scans_ = 0;
+};
+
+/// Binary PLY with a row for every beam whose measured range is a return, in the order of the log: double x y z (the
+/// true hit), elevation (of the scan plane when the beam was fired), time, range (true); uint scan, beam, triangle (of
+/// the scene's mesh). Rows wait in an unnamed temporary file, because the header tells their number.
+class HitCloud {
+ public:
+  /// Throws FileError, as all members do.
+  explicit HitCloud(AtomicFile& file);
+  void add(const sim::SimulatedScan& scan, double max_range_m);
+  /// Writes header and rows; the last call.
+  void finish();
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  AtomicFile& file_;
+  std::unique_ptr<std::FILE, Closer> rows_;
+  std::string row_;
+  std::uint64_t scans_ = 0;
+  std::uint64_t hits_ = 0;
+};
+
+ElevationRows::ElevationRows(AtomicFile& file) : file_(file) {
+  file_.write(std::string_view("scan,stamp_s,crank_turns,elevation_rad\n"));
+}
+
+void ElevationRows::add(const sim::SimulatedScan& scan) {
+  file_.write(std::to_string(scans_++) + "," + fixed_text(scan.record.scan.stamp_s, 6) + "," +
+              fixed_text(scan.crank_turns, kElevationDecimals) + "," +
+              fixed_text(scan.elevation_rad, kElevationDecimals) + "\n");
+}
+
+HitCloud::HitCloud(AtomicFile& file) : file_(file), rows_(std::tmpfile()) {
+  if (!rows_) {
+    throw FileError(file_.path(), "cannot be made: the folder for temporary files takes none (see TMPDIR)");
+  }
+}
+
+void HitCloud::add(const sim::SimulatedScan& scan, double max_range_m) {
+  const LaserScan& measured = scan.record.scan;
+  row_.clear();
+  for (std::size_t beam = 0; beam < scan.beams.size(); ++beam) {
+    if (static_cast<double>(measured.ranges_m[beam]) >= max_range_m) {
+      continue;
+    }
+    const sim::BeamTruth& truth = scan.beams[beam];
+    const double time_s = measured.stamp_s + truth.offset_s;
+    for (const double value :
+         {truth.hit_m.x(), truth.hit_m.y(), truth.hit_m.z(),
+          scan.course != nullptr ? scan.course->elevation_rad(time_s) : 0.0, time_s, truth.range_m}) {
+      append_double(row_, value);
+    }
+    append_word(row_, static_cast<std::uint32_t>(scans_));
+    append_word(row_, static_cast<std::uint32_t>(beam));
+    append_word(row_, truth.triangle);
+    ++hits_;
+  }
+  ++scans_;
+  if (std::fwrite(row_.data(), 1, row_.size(), rows_.get()) != row_.size()) {
+    throw FileError(file_.path(), "cannot be made: the folder for temporary files is full");
+  }
+}
+
+void HitCloud::finish() {
+  file_.write(ply_header(hits_));
+  std::rewind(rows_.get());
+  std::array<char, 65536> block{};
+  std::size_t count = 0;
+  while ((count = std::fread(block.data(), 1, block.size(), rows_.get())) > 0) {
+    file_.write(std::string_view(block.data(), count));
+  }
+  if (std::ferror(rows_.get()) != 0) {
+    throw FileError(file_.path(), "cannot be made: its rows in the temporary file cannot be read back");
+  }
 }
 
 /// The files that a simulation writes; they appear together.
-class Output {
- public:
-  Output(const SimulateOptions& options, const SceneFile& scene) : log_file_(options.output) {
-    AtomicFile& log_file = files_.add(options.output);
-    log_.emplace(log_file);
-    truth_ = &files_.add(sidecar_path(log_file_, ".truth.tum"));
+struct Output {
+  Output(const SimulateOptions& options, const SceneFile& scene) : log(files.add(options.output)) {
+    truth_file = &files.add(sidecar_path(options.output, ".truth.tum"));
     if (scene.config.nodding) {
-      files_.add(sidecar_path(log_file_, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
-      elevations_.emplace(files_.add(sidecar_path(log_file_, ".elevation.csv")));
+      files.add(sidecar_path(options.output, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
+      elevations.emplace(files.add(sidecar_path(options.output, ".elevation.csv")));
     }
-    if (options.truth_hits) {
-      hits_.emplace(files_.add(sidecar_path(log_file_, ".truth.ply")));
-    }
+    if (options.truth_hits) hits.emplace(files.add(sidecar_path(options.output, ".truth.ply")));
   }
 
-  [[nodiscard]] Sinks sinks() { return {*log_, elevations_, hits_}; }
-
-  void finish(const Trajectory& truth, SimulateResult& result) {
-    truth_->write(tum_text(truth));
-    files_.commit();  // the files themselves are gone after this
-    result.log_bytes = log_->bytes();
-    result.truth_file = sidecar_path(log_file_, ".truth.tum");
-    result.linkage_file = elevations_ ? sidecar_path(log_file_, ".linkage.yaml") : "";
-    result.elevation_file = elevations_ ? sidecar_path(log_file_, ".elevation.csv") : "";
-    result.hits_file = hits_ ? sidecar_path(log_file_, ".truth.ply") : "";
-  }
-
- private:
-  std::string log_file_;  ///< the truth lies beside it
-  AtomicFileSet files_;
-  std::optional<TextSink> log_;
-  AtomicFile* truth_ = nullptr;
-  std::optional<ElevationRows> elevations_;
-  std::optional<HitCloud> hits_;
+  AtomicFileSet files;
+  TextSink log;
+  AtomicFile* truth_file = nullptr;
+  std::optional<ElevationRows> elevations;
+  std::optional<HitCloud> hits;
+  Trajectory truth;
 };
 
-SimulateResult result_of(const sim::SimulationSummary& summary) {
-  SimulateResult result;
-  result.scans = summary.scans;
-  result.odometry_lines = summary.odometry_records;
-  result.encoder_lines = summary.encoder_records;
-  result.beams = summary.beams;
-  result.returns = summary.returns;
-  result.duration_s = summary.duration_s;
-  result.path_m = summary.path_m;
-  result.interrupted = !summary.is_whole;
-  return result;
+sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& scene, const sim::MotionPlan& plan,
+                              const sim::RayCaster& caster, Output& output) {
+  CarmenWriter writer(range_decimals(scene.config.laser));
+  output.log.write(header_of(scene, writer));
+  sim::SimulationSink sink;
+  sink.odometry = [&](const Odometry& odometry) { output.log.write(writer.odometry(odometry)); };
+  sink.encoder = [&](const Encoder& encoder) { output.log.write(writer.encoder(encoder)); };
+  sink.scan = [&](const sim::SimulatedScan& scan) {
+    output.log.write(writer.scan(scan.record));
+    output.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
+    if (output.elevations) output.elevations->add(scan);
+    if (output.hits) output.hits->add(scan, scene.config.laser.max_range_m);
+  };
+  sink.keep_on = [&](double share) {
+    if (options.progress) options.progress(output.truth.size(), share);
+    return !options.stop || !options.stop();
+  };
+  sim::SimulationSummary summary = run_simulation(scene.config, plan, caster, sink);
+  output.log.finish();
+  if (output.hits) output.hits->finish();
+  output.truth_file->write(tum_text(output.truth));
+  output.files.commit();  // the files themselves are gone after this
+  return summary;
 }
 
 }  // namespace
@@ -295,9 +345,13 @@ SimulateResult simulate(const SimulateOptions& options) {
   const double clearance_m = checked_clearance_m(scene, plan, caster.mesh(), path_source);
 
   Output output(options, scene);
-  const Recording recording = record(options, scene, plan, caster, output.sinks());
-  SimulateResult result = result_of(recording.summary);
-  output.finish(recording.truth, result);
+  SimulateResult result;
+  static_cast<sim::SimulationSummary&>(result) = record(options, scene, plan, caster, output);
+  result.log_bytes = output.log.bytes();
+  result.truth_file = sidecar_path(options.output, ".truth.tum");
+  if (output.elevations) result.linkage_file = sidecar_path(options.output, ".linkage.yaml");
+  if (output.elevations) result.elevation_file = sidecar_path(options.output, ".elevation.csv");
+  if (output.hits) result.hits_file = sidecar_path(options.output, ".truth.ply");
   result.scene_file = scene_file;
   result.log_file = options.output;
   result.triangles = caster.mesh().triangles.size();

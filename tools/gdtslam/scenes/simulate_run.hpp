@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "gdtslam/sim/simulation.hpp"
+
 namespace gdtslam {
 
 struct SimulateOptions {
@@ -28,31 +30,24 @@ struct SimulateOptions {
   std::optional<double> range_resolution_m{};  ///< 0 keeps all digits
   bool is_exact =
       false;  ///< no noise, no rounding and no drop-outs of the laser, 2^30 ticks a turn; the four above win
-  bool truth_hits = false;   ///< writes every hit, see HitCloud
+  bool truth_hits = false;   ///< writes every hit as <log>.truth.ply
   std::string embree_isa{};  ///< forces Embree's instruction set, to test that it changes nothing
   std::function<void(std::uint64_t scans, double share)> progress{};
   std::function<bool()> stop{};  ///< true ends the run; what was done is written
 };
 
-struct SimulateResult {
+/// What the simulation did, and where it is written.
+struct SimulateResult : sim::SimulationSummary {
   std::string scene_file;
   std::string log_file;
   std::string truth_file;      ///< <log>.truth.tum, without .gz
   std::string linkage_file;    ///< <log>.linkage.yaml; empty when the laser does not nod, as the next
   std::string elevation_file;  ///< <log>.elevation.csv
   std::string hits_file;       ///< <log>.truth.ply; empty unless asked for
-  std::size_t scans = 0;
-  std::size_t odometry_lines = 0;
-  std::size_t encoder_lines = 0;
-  std::size_t beams = 0;
-  std::size_t returns = 0;
   std::size_t triangles = 0;
   std::uint64_t log_bytes = 0;  ///< as text, before compression
-  double duration_s = 0.0;      ///< of the drive
-  double path_m = 0.0;
-  double clearance_m = 0.0;  ///< nearest that the robot's centre comes to an obstacle, at most 2 m
+  double clearance_m = 0.0;     ///< nearest that the robot's centre comes to an obstacle, at most 2 m
   double wall_s = 0.0;
-  bool interrupted = false;
 };
 
 /// Throws ConfigError for a scene, FileError for a file, UsageError for an option that makes no sense.

@@ -1,7 +1,7 @@
 #include "options.hpp"
 
-#include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <cctype>
@@ -126,5 +126,16 @@ CLI::Validator whole_number_from(std::uint64_t minimum) {
   };
   return {fault_of, ""};
 }
+
+template <class Count>
+CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count& count, std::uint64_t minimum,
+                              const std::string& doc) {
+  return command.add_option(name, count, doc)->type_name("N")->check(whole_number_from(minimum));
+}
+template CLI::Option* add_count_option(CLI::App&, const std::string&, int&, std::uint64_t, const std::string&);
+template CLI::Option* add_count_option(CLI::App&, const std::string&, std::uint32_t&, std::uint64_t,
+                                       const std::string&);
+template CLI::Option* add_count_option(CLI::App&, const std::string&, std::uint64_t&, std::uint64_t,
+                                       const std::string&);
 
 }  // namespace gdtslam

@@ -32,6 +32,11 @@ CLI::Option* add_quantity_option(CLI::App& command, const std::string& name, dou
 /// Accepts whole decimal numbers of at least `minimum` that fit 64 bits.
 CLI::Validator whole_number_from(std::uint64_t minimum);
 
+/// An option that is a count of at least `minimum`: int, std::uint32_t or std::uint64_t.
+template <class Count>
+CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count& count, std::uint64_t minimum,
+                              const std::string& doc);
+
 // Files that a command is told to write, checked before its work begins: a run of minutes should not end with "cannot
 // be created", and none should replace what it reads.
 

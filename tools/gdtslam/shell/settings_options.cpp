@@ -1,7 +1,7 @@
 #include "settings_options.hpp"
 
-#include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include "console.hpp"
 #include "gdtslam/core/angle.hpp"

@@ -45,8 +45,8 @@ std::string summary_of(const SimulateResult& result) {
   return fmt::format(
       "{} scans, {} odometry lines{}; {:.1f} m in {:.1f} s; {:.2f} % of the beams returned\n"
       "{} triangles; nearest obstacle {:.2f} m from the robot's centre; simulated in {:.2f} s\n{}",
-      result.scans, result.odometry_lines,
-      result.encoder_lines > 0 ? fmt::format(", {} encoder lines", result.encoder_lines) : "", result.path_m,
+      result.scans, result.odometry_records,
+      result.encoder_records > 0 ? fmt::format(", {} encoder lines", result.encoder_records) : "", result.path_m,
       result.duration_s, 100.0 * returns, result.triangles, result.clearance_m, result.wall_s, files_of(result));
 }
 
@@ -61,8 +61,8 @@ Json report_of(const SimulateResult& result, std::uint64_t seed) {
           {"hits", name_or_null(result.hits_file)},
           {"seed", seed},
           {"scans", result.scans},
-          {"odometry_lines", result.odometry_lines},
-          {"encoder_lines", result.encoder_lines},
+          {"odometry_lines", result.odometry_records},
+          {"encoder_lines", result.encoder_records},
           {"beams", result.beams},
           {"returns", result.returns},
           {"triangles", result.triangles},
@@ -71,7 +71,7 @@ Json report_of(const SimulateResult& result, std::uint64_t seed) {
           {"path_m", result.path_m},
           {"clearance_m", result.clearance_m},
           {"wall_s", result.wall_s},
-          {"interrupted", result.interrupted}};
+          {"interrupted", !result.is_whole}};
 }
 
 std::optional<double> length_of(const char* option, const std::string& text) {
@@ -93,7 +93,7 @@ int run_simulate(const SimulateCommand& command) {
   } else if (!command.quiet) {
     print_result(summary_of(result));
   }
-  if (!result.interrupted) {
+  if (result.is_whole) {
     return static_cast<int>(ExitCode::kDone);
   }
   print_remark(fmt::format("interrupted after {} scans, which are in {}", result.scans, result.log_file));

@@ -140,7 +140,7 @@ class CertifiedBenchRun {
       ++bench_.log_scans;
       if (!is_chosen || !match.accepted) continue;
       std::vector<PointCells> points =
-          in_cells(points_of(record->scan, valid_ranges(job_.mapper)), job_.mapper.map.resolution_m);
+          in_cells(points_of(record->scan, job_.mapper.scan), job_.mapper.map.resolution_m);
       if (points.size() < static_cast<std::size_t>(job_.mapper.scan.min_points)) continue;
       if (points.size() <= kMostCertifiedPoints) scans_.push_back({std::move(points), match.T_map_base});
     }

@@ -104,7 +104,7 @@ class Comparison {
   // nothing cannot tell where the robot is. The same points for all methods and starts.
   bool choose_points(const ScanRecord& record, const Pose2& predicted) {
     const std::vector<PointCells> all =
-        in_cells(points_of(record.scan, valid_ranges(job_.mapper)), job_.mapper.map.resolution_m);
+        in_cells(points_of(record.scan, job_.mapper.scan), job_.mapper.map.resolution_m);
     objective_.set_anchor(map_cell_of(predicted.translation(), job_.mapper.map.resolution_m));
     objective_.set_cap(mapper_.field().cap());
     objective_.residuals(objective_.to_cells(predicted), all, values_);

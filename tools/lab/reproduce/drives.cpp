@@ -148,7 +148,7 @@ void Drives::simulate_drive(const DriveRecipe& recipe, const Drive& drive, const
   if (!recipe.linkage.empty()) simulation.linkage = std::string(recipe.linkage);
   simulation.progress = [&](std::uint64_t, double share) { progress(share); };
   simulation.stop = stop_;
-  if (simulate(simulation).interrupted) throw_interrupted();
+  if (!simulate(simulation).is_whole) throw_interrupted();
 }
 
 void Drives::require_own(std::string_view name) const { require_own_folder(folder_of(name)); }

@@ -159,7 +159,7 @@ void add_view(Part& part, const PartContext& place, const ViewOrder& order, Pict
   RenderStudio studio(options, sources);
   std::optional<PictureSize> size;
   if (!order.size.empty()) size = size_of(order.size);
-  add_picture(part, place, studio.still(render_view(order.view), size), std::move(picture));
+  add_picture(part, place, (studio.*render_view(order.view).draw)(size), std::move(picture));
 }
 
 std::string length_with_unit(double length_m) {

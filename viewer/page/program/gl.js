@@ -1,12 +1,14 @@
 // A thin layer over WebGL 2: programs with their uniforms, buffers, and the picture that points are drawn into.
 
+const kShaderBegin = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
+
 class Program {
   constructor(gl, vertex, fragment) {
     this.gl = gl;
     this.program = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
+      gl.shaderSource(shader, kShaderBegin + text);
       gl.compileShader(shader);
       gl.attachShader(this.program, shader);
     }

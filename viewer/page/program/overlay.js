@@ -39,6 +39,14 @@ class Overlay {
     context.fillText(text, x, y);
   }
 
+  line(colour, width, ...points) {
+    this.context.strokeStyle = hexColour(colour);
+    this.context.lineWidth = width;
+    this.context.beginPath();
+    for (const [x, y] of points) this.context.lineTo(x, y);
+    this.context.stroke();
+  }
+
   drawColourBar(x, y, width) {
     const context = this.context;
     const quantity = kQuantities[view.quantity];
@@ -70,15 +78,7 @@ class Overlay {
     const perMetre = camera.pixelsPerMetre(camera.distance);
     const length = roundStep(6 * this.size / perMetre);
     const width = length * perMetre;
-    const context = this.context;
-    context.strokeStyle = hexColour('text');
-    context.lineWidth = 2;
-    context.beginPath();
-    context.moveTo(right - width, y - 5);
-    context.lineTo(right - width, y);
-    context.lineTo(right, y);
-    context.lineTo(right, y - 5);
-    context.stroke();
+    this.line('text', 2, [right - width, y - 5], [right - width, y], [right, y], [right, y - 5]);
     const text = length >= 1 ? `${length} m` : length >= 0.01 ? `${Math.round(100 * length)} cm` : `${(1000 * length).toPrecision(1)} mm`;
     this.words(text, right - width / 2, y - 1.1 * this.size, 'center');
   }
@@ -90,13 +90,8 @@ class Overlay {
                                                        dx: right[axis] * arm, dy: -up[axis] * arm, near: back[axis]}));
     arms.sort((a, b) => a.near - b.near);
     for (const {name, colour, dx, dy} of arms) {
-      this.context.strokeStyle = hexColour(colour);
-      this.context.lineWidth = 2.5;
       this.context.lineCap = 'round';
-      this.context.beginPath();
-      this.context.moveTo(x, y);
-      this.context.lineTo(x + dx, y + dy);
-      this.context.stroke();
+      this.line(colour, 2.5, [x, y], [x + dx, y + dy]);
       if (Math.hypot(dx, dy) > 0.35 * arm) this.words(name, x + dx * 1.3, y + dy * 1.3, 'center', colour);
     }
   }
@@ -104,16 +99,13 @@ class Overlay {
   drawPicks() {
     const context = this.context;
     const seen = picks.points.map((point) => this.cloudView.camera.pixelOf(point.position));
-    context.strokeStyle = hexColour('laser');
-    context.lineWidth = 2;
     if (seen.length === 2 && seen[0] && seen[1]) {
-      context.beginPath();
-      context.moveTo(seen[0][0], seen[0][1]);
-      context.lineTo(seen[1][0], seen[1][1]);
-      context.stroke();
+      this.line('laser', 2, ...seen);
       const middle = [0, 1].map((axis) => (seen[0][axis] + seen[1][axis]) / 2);
       this.words(`${picks.distance().toFixed(3)} m`, middle[0], middle[1] - this.size, 'center', 'laser-text');
     }
+    context.strokeStyle = hexColour('laser');
+    context.lineWidth = 2;
     for (const at of seen) {
       if (!at) continue;
       context.beginPath();

@@ -1,9 +1,6 @@
-// The programs of the graphics processor (GLSL ES 3.00).
+// The programs of the graphics processor (GLSL ES 3.00); Program puts the version and the precisions before them.
 
-const kPointVertex = `#version 300 es
-precision highp float;
-precision highp int;
-layout(location = 0) in vec3 a_share;       // of the cloud's box
+const kPointVertex = `layout(location = 0) in vec3 a_share;       // of the cloud's box
 layout(location = 1) in float a_time;       // share of its times
 layout(location = 2) in vec4 a_attributes;  // elevation, scan, distance as shares; level code / 255
 uniform mat4 u_clip_from_page;
@@ -38,9 +35,7 @@ void main() {
   }
 }`;
 
-const kPointFragment = `#version 300 es
-precision mediump float;
-in vec3 v_colour;
+const kPointFragment = `in vec3 v_colour;
 flat in float v_is_round;
 out vec4 colour;
 void main() {
@@ -51,14 +46,11 @@ void main() {
 
 // Eye-dome lighting [Boucheny2009]: a pixel is darkened by how far its neighbours lie before it, in the logarithm of
 // the depth, so that the shading does not depend on the scale. One triangle covers the screen.
-const kScreenVertex = `#version 300 es
-void main() {
+const kScreenVertex = `void main() {
   gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
 }`;
 
-const kShadeFragment = `#version 300 es
-precision highp float;
-uniform sampler2D u_colour;
+const kShadeFragment = `uniform sampler2D u_colour;
 uniform highp sampler2D u_depth;
 uniform vec2 u_planes;     // near, far
 uniform float u_strength;  // 0: no shading
@@ -88,21 +80,15 @@ void main() {
   colour = vec4(texelFetch(u_colour, at, 0).rgb * light, 1.0);
 }`;
 
-const kFlatVertex = `#version 300 es
-precision highp float;
-layout(location = 0) in vec3 a_at;
+const kFlatVertex = `layout(location = 0) in vec3 a_at;
 uniform mat4 u_clip_from_page;
 void main() { gl_Position = u_clip_from_page * vec4(a_at, 1.0); }`;
 
-const kFlatFragment = `#version 300 es
-precision mediump float;
-uniform vec4 u_colour;
+const kFlatFragment = `uniform vec4 u_colour;
 out vec4 colour;
 void main() { colour = u_colour; }`;
 
-const kMapVertex = `#version 300 es
-precision highp float;
-uniform mat4 u_clip_from_page;
+const kMapVertex = `uniform mat4 u_clip_from_page;
 uniform vec3 u_corner;
 uniform vec2 u_size;
 out vec2 v_share;
@@ -111,9 +97,7 @@ void main() {
   gl_Position = u_clip_from_page * vec4(u_corner + vec3(v_share * u_size, 0.0), 1.0);
 }`;
 
-const kMapFragment = `#version 300 es
-precision highp float;
-in vec2 v_share;
+const kMapFragment = `in vec2 v_share;
 uniform sampler2D u_cells;  // red: share that is occupied, green: share that is known
 uniform vec3 u_free;
 uniform vec3 u_occupied;
@@ -125,9 +109,7 @@ void main() {
 }`;
 
 // A stretch of the path: four corners, as wide on the screen as is asked.
-const kPathVertex = `#version 300 es
-precision highp float;
-layout(location = 0) in vec4 a_from;  // x, y, heading, time
+const kPathVertex = `layout(location = 0) in vec4 a_from;  // x, y, heading, time
 layout(location = 1) in vec4 a_to;
 uniform mat4 u_clip_from_page;
 uniform float u_height;
@@ -149,9 +131,7 @@ void main() {
   v_time = is_end ? a_to.w : a_from.w;
 }`;
 
-const kPathFragment = `#version 300 es
-precision highp float;
-in float v_time;
+const kPathFragment = `in float v_time;
 uniform float u_until;
 uniform vec4 u_colour;
 out vec4 colour;
@@ -159,9 +139,7 @@ void main() {
   colour = v_time <= u_until ? u_colour : vec4(u_colour.rgb, u_colour.a * 0.25);
 }`;
 
-const kBodyVertex = `#version 300 es
-precision highp float;
-layout(location = 0) in vec3 a_at;
+const kBodyVertex = `layout(location = 0) in vec3 a_at;
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec3 a_colour;
 uniform mat4 u_clip_from_page;
@@ -177,9 +155,7 @@ void main() {
   v_colour = a_colour * (0.62 + 0.38 * max(dot(normal, normalize(vec3(0.3, 0.5, 0.8))), 0.0) + 0.08 * normal.x);
 }`;
 
-const kBodyFragment = `#version 300 es
-precision mediump float;
-in vec3 v_colour;
+const kBodyFragment = `in vec3 v_colour;
 uniform float u_opacity;
 out vec4 colour;
 void main() { colour = vec4(v_colour, u_opacity); }`;

@@ -1,11 +1,16 @@
 #include "cloud_colours.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 
+#include "engine/cloud/neighbours.hpp"
+#include "engine/cloud/position_of.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -27,23 +32,9 @@ struct Meaning {
   const char* quantity;
   const char* unit;
 };
-Meaning meaning_of(CloudColour colour) {
-  switch (colour) {
-    case CloudColour::kHeight:
-      return {"Height", "m"};
-    case CloudColour::kElevation:
-      return {"Elevation", "°"};
-    case CloudColour::kTime:
-      return {"Time", "s"};
-    case CloudColour::kScan:
-      return {"Scan", ""};
-    case CloudColour::kDistance:
-      return {"Distance", "m"};
-    case CloudColour::kPlain:
-      break;
-  }
-  return {"", ""};
-}
+/// In the order of CloudColour.
+constexpr std::array<Meaning, 6> kMeanings{
+    {{"Height", "m"}, {"Elevation", "°"}, {"Time", "s"}, {"Scan", ""}, {"Distance", "m"}, {"", ""}}};
 
 // Sequential, the least value nearest to the background, so that what is high, late or far off stands out.
 const char* suitable_map(const CloudLook& look) { return look.is_dark ? "lagoon" : "tide"; }
@@ -74,17 +65,8 @@ float CloudValues::at(std::size_t k) const {
   return std::numeric_limits<float>::quiet_NaN();
 }
 
-float percentile(std::vector<float>& values, double share) {
-  const auto end = std::partition(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
-  const auto count = static_cast<double>(end - values.begin());
-  if (count < 1.0) return std::numeric_limits<float>::quiet_NaN();
-  const auto rank = static_cast<std::ptrdiff_t>(std::floor(share * (count - 1.0) + 0.5));
-  std::nth_element(values.begin(), values.begin() + rank, end);
-  return values[static_cast<std::size_t>(rank)];
-}
-
 ColourScale colour_scale(const CloudLook& look, const CloudValues& values, std::span<const std::uint32_t> drawn) {
-  const Meaning meaning = meaning_of(look.colour);
+  const Meaning meaning = kMeanings.at(static_cast<std::size_t>(look.colour));
   ColourScale scale{.quantity = meaning.quantity, .unit = meaning.unit, .least = 0.0, .most = 1.0, .colour_map = {}};
   scale.colour_map = look.colour_map.empty() ? suitable_map(look) : look.colour_map;
   static_cast<void>(colour_map(scale.colour_map));  // throws where there is none of the name
@@ -120,5 +102,34 @@ Colour colour_at(const ColourScale& scale, const ColourMap& map, float value) {
 }
 
 Colour plain_colour(const CloudLook& look) { return look.is_dark ? colour_for(0xc9ccd1) : colour_for(0x59616b); }
+
+std::vector<Colour> point_colours(std::span<const CloudPoint> cloud, const CloudLook& look,
+                                  std::span<const float> distances_m) {
+  const CloudValues values(look.colour, cloud, distances_m);
+  std::vector<std::uint32_t> all(cloud.size());
+  std::iota(all.begin(), all.end(), 0U);
+  const ColourScale scale = colour_scale(look, values, all);
+  const ColourMap& map = colour_map(scale.colour_map);
+  std::vector<Colour> colours(cloud.size(), plain_colour(look));
+  for (std::size_t k = 0; k < cloud.size(); ++k) {
+    if (const float value = values.at(k); std::isfinite(value)) colours[k] = colour_at(scale, map, value);
+  }
+  return colours;
+}
+
+std::vector<float> distances_to(std::span<const CloudPoint> cloud, std::span<const CloudPoint> reference,
+                                double most_m) {
+  Cloud places;
+  std::copy_if(reference.begin(), reference.end(), std::back_inserter(places), is_finite);
+  const Neighbours neighbours(places);
+  std::vector<float> distances(cloud.size(), static_cast<float>(most_m));
+  for (std::size_t k = 0; k < cloud.size(); ++k) {
+    if (!is_finite(cloud[k])) continue;
+    const Point3 at = position_of(cloud[k]);
+    const std::optional<std::uint32_t> nearest = neighbours.nearest(at, most_m);
+    if (nearest) distances[k] = static_cast<float>((neighbours.point(*nearest) - at).norm());
+  }
+  return distances;
+}
 
 }  // namespace gdtslam

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -67,6 +68,10 @@ CloudLayout::CloudLayout(Canvas& canvas, const CloudLook& look)
       letter_(std::max(kLeastLetter_px, kLetterShare * std::min(canvas.height(), 0.75 * canvas.width()))),
       margin_(kMarginLetters * letter_) {}
 
+Lettering CloudLayout::lettering(double size, Colour colour, bool is_bold, Anchor anchor) const {
+  return {.size = size, .colour = colour, .anchor = anchor, .is_bold = is_bold, .has_halo = true, .halo = theme_.page};
+}
+
 // Inside the picture, and half a letter away from what stands there already.
 bool CloudLayout::is_free(const DrawingArea& area) const {
   const double gap = 0.5 * letter_;
@@ -113,12 +118,7 @@ void CloudLayout::write_title(const CloudCaption& caption) {
     const std::string fitting = shortened(words, size, is_title, most);
     if (fitting.empty() || base + size > kTitleShare * canvas_.height()) continue;
     base += size;
-    canvas_.text({margin_, base}, fitting,
-                 {.size = size,
-                  .colour = is_title ? theme_.text : theme_.quiet,
-                  .is_bold = is_title,
-                  .has_halo = true,
-                  .halo = theme_.page});
+    canvas_.text({margin_, base}, fitting, lettering(size, is_title ? theme_.text : theme_.quiet, is_title));
     take({{margin_, base - size}, text_width(fitting, size, is_title), 1.3 * size});
     base += 0.55 * letter_;
   }
@@ -140,7 +140,7 @@ void CloudLayout::draw_scale_bar(const Camera& camera, const PictureSize& size) 
   gdtslam::draw_scale_bar(canvas_, bar, start, theme_);
   if (note.empty()) return;
   canvas_.text({start.x() + length_px + 0.8 * letter_, start.y() + 0.35 * note_size}, note,
-               {.size = note_size, .colour = theme_.quiet, .has_halo = true, .halo = theme_.page});
+               lettering(note_size, theme_.quiet));
 }
 
 Point2 CloudLayout::bar_corner(const DrawingArea& room, BarPlace place) const {
@@ -230,12 +230,7 @@ void CloudLayout::draw_axis_letters(const Point2& centre, std::span<const Axis> 
       if (!is_clear(at)) continue;
       taken.push_back(at);
       canvas_.text({at.x(), at.y() + 0.32 * letter_}, axis->name,
-                   {.size = 0.95 * letter_,
-                    .colour = axis->colour,
-                    .anchor = Anchor::kMiddle,
-                    .is_bold = true,
-                    .has_halo = true,
-                    .halo = theme_.page});
+                   lettering(0.95 * letter_, axis->colour, true, Anchor::kMiddle));
       break;
     }
   }
@@ -264,6 +259,38 @@ void CloudLayout::draw_axes(const Camera& camera) {
   }
   draw_axis_letters(centre, axes);
   canvas_.circle(centre, 0.13 * letter_, Fill{.colour = theme_.quiet});
+}
+
+// The words and bars over the picture of a cloud, in the order of need: the first to come finds room.
+std::optional<BarPlace> bar_place_of(const RgbaImage& scene, const ColourScale& scale, const Camera& camera,
+                                     const CloudLook& look, const CloudCaption& caption) {
+  Canvas canvas(scene.width, scene.height, "");
+  CloudLayout layout(canvas, look);
+  layout.write_title(caption);
+  if (caption.with_scale_bar) layout.draw_scale_bar(camera, {.width = scene.width, .height = scene.height});
+  return layout.best_bar_place(scale, scene);
+}
+
+Canvas cloud_picture_at(std::optional<BarPlace> place, std::shared_ptr<const RgbaImage> scene, const ColourScale& scale,
+                        const Camera& camera, const CloudLook& look, const CloudCaption& caption) {
+  const RgbaImage& image = *scene;  // the canvas keeps it
+  const PictureSize size{.width = image.width, .height = image.height};
+  Canvas canvas(size.width, size.height, caption.title.empty() ? "Point cloud" : caption.title);
+  canvas.picture({0.0, 0.0}, size.width, size.height, std::move(scene));
+  CloudLayout layout(canvas, look);
+  layout.write_title(caption);
+  if (caption.with_scale_bar) layout.draw_scale_bar(camera, size);
+  if (caption.with_colour_bar) {
+    const std::optional<BarPlace> at = place ? place : layout.best_bar_place(scale, image);
+    if (at) layout.draw_colour_bar(scale, *at);
+  }
+  if (caption.with_axes) layout.draw_axes(camera);
+  return canvas;
+}
+
+Canvas cloud_picture(std::shared_ptr<const RgbaImage> scene, const ColourScale& scale, const Camera& camera,
+                     const CloudLook& look, const CloudCaption& caption) {
+  return cloud_picture_at(std::nullopt, std::move(scene), scale, camera, look, caption);
 }
 
 }  // namespace gdtslam

@@ -35,6 +35,8 @@ class CloudLayout {
     DrawingArea room;
   };
   void take(const DrawingArea& area) { taken_.push_back(area); }
+  [[nodiscard]] Lettering lettering(double size, Colour colour, bool is_bold = false,
+                                    Anchor anchor = Anchor::kStart) const;
   [[nodiscard]] bool is_free(const DrawingArea& area) const;
   [[nodiscard]] double covered_share(const DrawingArea& area, const RgbaImage& scene) const;
   [[nodiscard]] std::optional<PlacedBar> placed_bar(const ColourScale& scale, BarPlace place) const;

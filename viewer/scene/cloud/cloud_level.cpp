@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cloud_colours.hpp"
+#include "engine/cloud/position_of.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -12,14 +13,6 @@ namespace {
 
 constexpr std::size_t kSample = 250000;
 constexpr double kStrayShare = 0.001;
-
-Point3 place_of(const CloudPoint& point) {
-  return {static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m)};
-}
-
-bool is_finite(const CloudPoint& point) {
-  return std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m);
-}
 
 }  // namespace
 
@@ -48,7 +41,7 @@ std::vector<std::uint32_t> drawn_points(std::span<const CloudPoint> cloud, const
   for (std::uint32_t k = 0; k < cloud.size(); ++k) {
     if (!is_finite(cloud[k])) continue;
     has_any = true;
-    const Point3 place = place_of(cloud[k]);
+    const Point3 place = position_of(cloud[k]);
     if (!look.with_floor && surfaces.floor && surfaces.floor->plane.distance_m(place) <= kFloorMargin_m) continue;
     if (!look.with_ceiling && surfaces.ceiling && surfaces.ceiling->plane.distance_m(place) >= -kCeilingMargin_m) {
       continue;

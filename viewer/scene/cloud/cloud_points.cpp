@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cloud_points_prop.hpp"
+#include "engine/cloud/position_of.hpp"
 #include "viewer/scene/camera_basis.hpp"
 
 namespace gdtslam {
@@ -55,10 +56,6 @@ void sort_by_time(std::span<const CloudPoint> cloud, std::vector<std::uint32_t>&
   if (!std::is_sorted(drawn.begin(), drawn.end(), is_before)) std::stable_sort(drawn.begin(), drawn.end(), is_before);
 }
 
-Point3 place_of(const CloudPoint& point) {
-  return {static_cast<double>(point.x_m), static_cast<double>(point.y_m), static_cast<double>(point.z_m)};
-}
-
 }  // namespace
 
 struct CloudPoints::State {
@@ -76,7 +73,7 @@ CloudPoints::~CloudPoints() = default;
 void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const DotOf& dot_of) {
   State& s = *state_;
   sort_by_time(cloud, drawn);
-  const Point3 origin = place_of(cloud[drawn.front()]);
+  const Point3 origin = position_of(cloud[drawn.front()]);
   s.prop->set_origin(origin);
   const std::span<const std::uint32_t> all(drawn);
   for (std::size_t begin = 0; begin < all.size(); begin += kPiece) {
@@ -85,7 +82,7 @@ void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32
     dots.reserve(part.size());
     for (const std::uint32_t k : part) {
       const Dot dot = dot_of(k);
-      const Eigen::Vector3f place = (place_of(cloud[k]) - origin).cast<float>();
+      const Eigen::Vector3f place = (position_of(cloud[k]) - origin).cast<float>();
       dots.push_back({.place = {place.x(), place.y(), place.z()},
                       .colour = {dot.colour.red, dot.colour.green, dot.colour.blue},
                       .size_code = diameter_code(dot.diameter_m)});

@@ -1,7 +1,9 @@
 // Clouds with few enough points for films: one point for each voxel, the voxels as large as that asks for.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "engine/cloud/position_of.hpp"
 #include "gdtslam/cloud/thinning.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
@@ -45,15 +47,6 @@ Thinned thinned(std::span<const CloudPoint> cloud, double voxel_m, std::size_t m
   return {.cloud = std::move(keeper.kept), .fits = !keeper.is_full};
 }
 
-Cloud finite_points(std::span<const CloudPoint> cloud) {
-  Cloud finite;
-  finite.reserve(cloud.size());
-  for (const CloudPoint& point : cloud) {
-    if (std::isfinite(point.x_m) && std::isfinite(point.y_m) && std::isfinite(point.z_m)) finite.push_back(point);
-  }
-  return finite;
-}
-
 double farthest_m(const Cloud& cloud) {
   float most = 0.0F;
   for (const CloudPoint& point : cloud) {
@@ -65,7 +58,9 @@ double farthest_m(const Cloud& cloud) {
 }  // namespace
 
 Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most) {
-  Cloud finite = finite_points(cloud);
+  Cloud finite;
+  finite.reserve(cloud.size());
+  std::copy_if(cloud.begin(), cloud.end(), std::back_inserter(finite), is_finite);
   if (finite.size() <= most || most == 0) return most == 0 ? Cloud{} : finite;
   // Voxels are counted from the origin with 20 bits: far away they cannot be small.
   double too_fine = std::max(kLeastVoxel_m, farthest_m(finite) / (1U << 20U) * 1.01);

@@ -27,8 +27,6 @@ class CloudFilm : public Film {
   [[nodiscard]] std::size_t frames() const override { return frames_; }
 
  protected:
-  [[nodiscard]] CloudScene& scene() { return scene_; }
-  [[nodiscard]] const PictureSize& size() const { return size_; }
   /// 0 to 1 from the first frame to the last.
   [[nodiscard]] double share_of(std::size_t k) const {
     return frames_ > 1 ? static_cast<double>(k) / static_cast<double>(frames_ - 1) : 1.0;
@@ -38,9 +36,7 @@ class CloudFilm : public Film {
     if (!bar_place_) bar_place_ = bar_place_of(*image, scene_.scale(), camera, look_, caption_);
     return cloud_picture_at(bar_place_, std::move(image), scene_.scale(), camera, look_, caption_);
   }
-  void set_bar_place(BarPlace place) { bar_place_ = place; }
 
- private:
   CloudScene& scene_;
   CloudLook look_;
   CloudCaption caption_;
@@ -55,7 +51,7 @@ class OrbitFilm : public CloudFilm {
 
   Canvas frame(std::size_t k) override {
     const double angle_rad = kTwoPi * static_cast<double>(k) / static_cast<double>(frames());
-    return picture(turned(orbit_camera(scene().bounds(), size()), angle_rad));
+    return picture(turned(orbit_camera(scene_.bounds(), size_), angle_rad));
   }
 };
 
@@ -88,15 +84,15 @@ class FollowFilm : public CloudFilm {
                   [](const StampedPose& pose) { return !pose.T_map_base.is_finite() || !std::isfinite(pose.stamp_s); });
     if (trajectory_.empty()) throw InputError("a film that follows the robot needs its path; the trajectory is empty");
     // The first frames show little: where the bar stands well in them says nothing of the others.
-    set_bar_place(BarPlace::kLowRight);
+    bar_place_ = BarPlace::kLowRight;
     const double length_s = trajectory_.back().stamp_s - trajectory_.front().stamp_s;
     averaged_over_s_ = std::max(kLookingAround_s, kLookingFrames * length_s / static_cast<double>(frames));
   }
   FollowFilm(const FollowFilm&) = delete;
   FollowFilm& operator=(const FollowFilm&) = delete;
   ~FollowFilm() override {
-    scene().show_until(std::numeric_limits<double>::infinity());
-    scene().set_robot(std::nullopt);
+    scene_.show_until(std::numeric_limits<double>::infinity());
+    scene_.set_robot(std::nullopt);
   }
 
   Canvas frame(std::size_t k) override {
@@ -108,8 +104,8 @@ class FollowFilm : public CloudFilm {
     Pose2 looking = pose;
     const Point2 heading = mean_heading(trajectory_, stamp_s, averaged_over_s_);
     if (heading.norm() > 1e-6) looking.theta_rad = gdtslam::atan2(heading.y(), heading.x());
-    scene().show_until(stamp_s);
-    scene().set_robot(pose);
+    scene_.show_until(stamp_s);
+    scene_.set_robot(pose);
     return picture(follow_camera(looking, kFollowDistance_m));
   }
 

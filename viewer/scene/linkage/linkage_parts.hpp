@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-#include "gdtslam/calib/linkage_cycle.hpp"
+#include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/pose3.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "mount_model_mesh.hpp"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
+#include "calib/linkage/linkage_cycle.hpp"
 #include "engine/core/elementary.hpp"
-#include "gdtslam/calib/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/linkage_scene.hpp"

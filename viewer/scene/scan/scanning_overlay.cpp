@@ -23,16 +23,6 @@ constexpr int kCurveSteps = 600;
 constexpr double kLeastWidth = 420.0;
 constexpr double kLeastHeight = 280.0;
 
-/// "1 234 567" with thin gaps is not in every face: commas, as in the tables of the command.
-std::string with_commas(std::uint64_t number) {
-  std::string digits = std::to_string(number);
-  for (std::size_t at = digits.size(); at > 3;) {
-    at -= 3;
-    digits.insert(at, ",");
-  }
-  return digits;
-}
-
 }  // namespace
 
 ScanningOverlay::ScanningOverlay(const ScanningTrack& track, const CloudLook& look, const CloudCaption& caption,

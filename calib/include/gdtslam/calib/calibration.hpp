@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/calib/sweep_model.hpp"
@@ -65,6 +66,9 @@ struct CalibratedParameter {
   bool at_bound = false;
   bool observable = false;  ///< the data alone tell it to half of its prior's sigma or better
 };
+
+/// Whether a parameter of this name is the length of a bar of the linkage.
+bool is_bar(std::string_view name);
 
 /// A combination of parameters that the data leave free.
 struct WeakCombination {

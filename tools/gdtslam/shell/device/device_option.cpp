@@ -1,7 +1,7 @@
 #include "device_option.hpp"
 
-#include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <CLI/App.hpp>
 
 #include <string>
 #include <string_view>

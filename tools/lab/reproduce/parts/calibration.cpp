@@ -10,7 +10,6 @@
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "tools/gdtslam/calibrations/figure.hpp"
 #include "tools/gdtslam/calibrations/run.hpp"
 #include "tools/lab/reproduce/drives.hpp"
 #include "tools/lab/reproduce/part.hpp"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,8 @@ struct PlaneSearch {
 
 /// Least squares: the plane that minimises the summed squared distance. At least three points not on a line.
 PlanePatch fit_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);
+/// The same; nothing for fewer than three points and for points on one line as far as floats can tell.
+std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);
 /// The largest planes in turn, by area, each the connected patch that has most of it. Trials [Fischler1981] are made on
 /// a thinned copy whose points have normals [Schnabel2007], one point for each; their number falls with the share of
 /// the plane that was found. What a patch was found by is refined on all points of the cloud; points beside an edge,

@@ -1,4 +1,5 @@
-// Round values along an axis: 1, 2 or 5 times a power of ten, or round angles. Thread-safe; O(1).
+// Round values along an axis, 1, 2 or 5 times a power of ten, or round angles; numbers as people read them.
+// Thread-safe; O(1).
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,10 @@ Ticks ticks_of(double from, double to, int most, TickSteps steps = TickSteps::kD
 /// The same for the range grown outwards to whole steps.
 Ticks ticks_around(double from, double to, int most, TickSteps steps = TickSteps::kDecimal);
 
+/// A whole number with a comma at every third digit.
+std::string with_commas(std::uint64_t value);
+/// "1 point", "2,839 points".
+std::string counted(std::uint64_t value, const std::string& noun);
 /// "5 mm", "20 cm", "1 m", "2 km": a length as people say it; of a 1-2-5 length no digit is lost.
 std::string length_text(double length_m);
 /// The largest 1-2-5 length that is at most so long; 0 where there is none (not positive, not finite).

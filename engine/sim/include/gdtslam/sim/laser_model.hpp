@@ -58,17 +58,10 @@ struct BeamTruth {
 /// The truth of every beam, each cast from the laser's pose at the beam's own time.
 std::vector<BeamTruth> true_beams(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at);
 
-/// The ranges of true_beams().
-std::vector<double> true_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at);
-
 /// What the sensor reports for a true range. Draws the same number of values from `random` whatever the outcome is.
 double measured_range(const LaserModel& laser, double true_range_m, Random& random);
 
 /// measured_range() of each beam.
 std::vector<float> measured_ranges(const LaserModel& laser, const std::vector<BeamTruth>& beams, Random& random);
-
-/// A whole scan: true_beams() with measured_range() of each.
-std::vector<float> measured_ranges(const LaserModel& laser, const RayCaster& caster, const LaserPoseAt& T_map_laser_at,
-                                   Random& random);
 
 }  // namespace gdtslam::sim

@@ -55,9 +55,6 @@ class MotionPlan {
   /// A single waypoint must have a pause: the robot stands there with heading 0. Throws ConfigError for no waypoint,
   /// two that are closer than 1 cm, more than 100,000, values out of range, or a plan of more than a day.
   MotionPlan(const std::vector<Waypoint>& waypoints, const MotionLimits& limits);
-  ~MotionPlan();
-  MotionPlan(MotionPlan&&) noexcept;
-  MotionPlan& operator=(MotionPlan&&) noexcept;
 
   [[nodiscard]] double duration_s() const;
   [[nodiscard]] double path_m() const;
@@ -68,7 +65,7 @@ class MotionPlan {
 
  private:
   struct Segments;
-  std::unique_ptr<Segments> segments_;
+  std::shared_ptr<const Segments> segments_;
 };
 
 }  // namespace gdtslam::sim

@@ -29,9 +29,6 @@ class RayCaster {
  public:
   /// Throws UnavailableError when Embree cannot start, ConfigError for a mesh that triangulate() would not have made.
   explicit RayCaster(TriangleMesh mesh, const RayCasterOptions& options = {});
-  ~RayCaster();
-  RayCaster(RayCaster&&) noexcept;
-  RayCaster& operator=(RayCaster&&) noexcept;
 
   /// Nothing when the ray meets no triangle within max_range_m (inclusive).
   [[nodiscard]] std::optional<RayHit> cast(const Ray& ray, double max_range_m) const;
@@ -39,7 +36,7 @@ class RayCaster {
 
  private:
   struct Tree;
-  std::unique_ptr<Tree> tree_;
+  std::shared_ptr<const Tree> tree_;
 };
 
 }  // namespace gdtslam::sim

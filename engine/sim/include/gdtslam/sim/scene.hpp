@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,20 @@ std::vector<std::string> validate(const Wall& wall);
 
 /// The boxes that make up a wall: pieces between the doors, lintels and door leaves.
 std::vector<Box> boxes_of(const Wall& wall);
+
+/// Where an imported mesh stands in the scene.
+struct MeshPlacement {
+  double scale = 1.0;  ///< metres per unit of the file
+  bool y_is_up = false;
+  Vec3 position_m{0.0, 0.0, 0.0};
+  double yaw_rad = 0.0;
+};
+
+/// A mesh from a file, set into a scene: scaled, then turned about z, then moved, p_map = R(yaw) * (scale * p_file) +
+/// position. z is up unless y_is_up, which first maps (x, y, z) to (x, -z, y). The triangles keep their order; each
+/// names three of the vertices.
+TriangleMesh placed_mesh(std::span<const std::array<float, 3>> vertices,
+                         std::span<const std::array<std::uint32_t, 3>> triangles, const MeshPlacement& placement);
 
 /// The whole scene as triangles. Throws ConfigError for a part that validate() refuses, a coordinate that is not finite
 /// or too far out, a scene without any triangle or with too many.

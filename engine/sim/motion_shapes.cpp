@@ -1,4 +1,4 @@
-#include "smooth_turn.hpp"
+#include "motion_shapes.hpp"
 
 #include <algorithm>
 #include <cmath>

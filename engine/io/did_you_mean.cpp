@@ -1,8 +1,7 @@
-#include "nearest_name.hpp"
+#include "did_you_mean.hpp"
 
 #include <algorithm>
 #include <utility>
-#include <vector>
 
 namespace gdtslam {
 namespace {
@@ -62,6 +61,12 @@ std::optional<std::string_view> nearest_name(std::string_view name, std::span<co
     }
   }
   return nearest;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
+  const std::vector<std::string_view> views(names.begin(), names.end());
+  const auto nearest = nearest_name(word, views);
+  return nearest ? "; did you mean '" + std::string(*nearest) + "'?" : "";
 }
 
 }  // namespace gdtslam

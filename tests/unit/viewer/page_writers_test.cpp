@@ -1,5 +1,5 @@
 // Words that come from others, on their way into a page.
-#include "viewer/page/page_escape.hpp"
+#include "viewer/page/page_writers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,6 @@
 #include <limits>
 #include <string>
 #include <string_view>
-
-#include "viewer/page/page_bytes.hpp"
 
 namespace gdtslam::page {
 namespace {

@@ -1,9 +1,10 @@
-#include "page_escape.hpp"
+#include "page_writers.hpp"
 
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 
+#include "engine/core/base64.hpp"
 #include "engine/drawing/markup.hpp"
 
 namespace gdtslam::page {
@@ -72,6 +73,16 @@ JsonWriter& JsonWriter::number(std::string_view key, double value) {
   begin(key);
   out_ += json_number(value);
   return *this;
+}
+
+JsonWriter& JsonWriter::point(std::string_view key, const Point3& value) {
+  return open(key, '[').number("", value.x()).number("", value.y()).number("", value.z()).close();
+}
+
+void append_bytes_element(const std::string& id, std::span<const std::uint8_t> bytes, std::string& out) {
+  out.append("<script type=\"text/plain\" id=\"").append(id).append("\">");
+  append_base64(std::as_bytes(bytes), out);
+  out.append("</script>\n");
 }
 
 }  // namespace gdtslam::page

@@ -1,4 +1,4 @@
-#include "gdtslam/calib/linkage_cycle.hpp"
+#include "linkage_cycle.hpp"
 
 #include <algorithm>
 #include <cmath>
