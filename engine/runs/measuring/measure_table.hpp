@@ -40,7 +40,7 @@ std::string as_csv(const Measurement& measured);
 
 struct MeasureJob {
   std::string cloud;  ///< the file, for the record
-  bool boxes = true;
+  bool boxes = false;
   bool planes = false;
   BoxSearch box_search{};  ///< without the viewpoint
   PlaneSearch plane_search{};
