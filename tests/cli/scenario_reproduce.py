@@ -73,6 +73,21 @@ class Page(html.parser.HTMLParser):
             self.words.setdefault(self.open[-1], []).append(data)
 
 
+def drawings_in(text):
+    """Each <svg> of the page with those that it holds itself, which clip what they show."""
+    drawings, depth, begin = [], 0, 0
+    for tag in re.finditer(r"<svg\b|</svg>", text):
+        if tag[0] == "<svg":
+            begin = begin if depth else tag.start()
+            depth += 1
+        else:
+            depth -= 1
+            if depth == 0:
+                drawings.append(text[begin : tag.end()])
+    expect(depth == 0, "a drawing that does not end")
+    return drawings
+
+
 def check_page(path):
     """Well formed, nothing from elsewhere, every link within leads somewhere, drawings are XML."""
     text = path.read_text(encoding="utf-8", errors="strict")
@@ -84,7 +99,7 @@ def check_page(path):
     expect("url(" not in text and "@import" not in text, "the style sheet wants something from elsewhere")
     expect(set(re.findall(r"https?://[^\"'\s<]*", text)) <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"},
            "an address of elsewhere")
-    drawings = re.findall(r"<svg.*?\n</svg>", text, re.S)
+    drawings = drawings_in(text)
     expect(drawings, "no drawing")
     for drawing in drawings:
         xml.fromstring(drawing)
