@@ -46,7 +46,8 @@ Row size_row(const std::string& quantity, const std::string& paper, const Dimens
 }
 
 Measurement measured_in(const Cloud& cloud, bool is_projection) {
-  MeasureJob job{.boxes = true};
+  MeasureJob job;
+  job.boxes = true;
   job.cloud = "three-boxes/cloud.ply";  // as the commands name it
   job.box_search.min_face_points = job.box_search.planes.min_points;
   job.box_search.is_projection = is_projection;
