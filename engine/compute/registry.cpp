@@ -1,19 +1,21 @@
-// The list of all kernels. A kernel that is missing here does not exist for the tests, the benchmark and verify; the
-// completeness test compares the list with the headers in kernels/.
+// The rows of all kernels and the names of instruction sets. A kernel that is missing in the list of cpu/functions.hpp
+// does not exist for the tests, the benchmark and verify; the completeness test compares the list with the headers in
+// kernels/.
 #include <algorithm>
+#include <array>
 
-#include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/compute/kernels/edt/edt.hpp"
-#include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
-#include "engine/compute/kernels/jump_flood/jump_flood.hpp"
-#include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
-#include "engine/compute/kernels/pose_cost/pose_cost.hpp"
-#include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
-#include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
-#include "engine/compute/kernels/sweep_points/sweep_points.hpp"
+#include "engine/compute/cpu/functions.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
 namespace gdtslam {
+namespace {
+
+template <class... K>
+std::array<const KernelInfo*, sizeof...(K)> rows_of(KernelList<K...> /*kernels*/) {
+  return {&K::info()...};
+}
+
+}  // namespace
 
 std::string_view to_string(Isa isa) {
   switch (isa) {
@@ -28,12 +30,7 @@ std::string_view to_string(Isa isa) {
 }
 
 std::span<const KernelInfo* const> kernel_registry() {
-  static const std::array kernels{&EdtColumns::info(),    &EdtRows::info(),           &JumpFloodInit::info(),
-                                  &JumpFloodStep::info(), &JumpFloodDistance::info(), &DistanceField::info(),
-                                  &PoseCost::info(),      &GdtMerge::info(),          &PoseLattice::info(),
-                                  &LatticeMinima::info(), &SmallestValues::info(),    &SeedScatter::info(),
-                                  &FieldGrow::info(),     &PoseStarts::info(),        &PoseSimplex::info(),
-                                  &ChoosePose::info(),    &SweepPoints::info(),       &PoseBounds::info()};
+  static const std::array kernels = rows_of(AllKernels{});
   return kernels;
 }
 

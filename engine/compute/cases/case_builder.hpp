@@ -165,20 +165,11 @@ T draw_from(Random& random, const T (&list)[kCount]) {
   return list[random.below(kCount)];
 }
 
-/// The cases of one or more kernels, and how cases of them are drawn at random.
+/// The cases of one or more kernels, and how cases of them are drawn at random. A kernel gives its group by its static
+/// function cases(); of kernels that share one, the first does.
 struct CaseGroup {
   void (*add)(std::vector<KernelCaseSource>& list) = nullptr;
   std::vector<RandomKernel> draws;
 };
-CaseGroup edt_cases();
-CaseGroup jump_flood_cases();
-CaseGroup field_cases();
-CaseGroup pose_cost_cases();
-CaseGroup merge_cases();
-CaseGroup lattice_cases();
-CaseGroup pose_simplex_cases();
-CaseGroup choose_pose_cases();
-CaseGroup sweep_points_cases();
-CaseGroup pose_bounds_cases();
 
 }  // namespace gdtslam

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "case_builder.hpp"
+#include "engine/compute/cpu/functions.hpp"
 
 namespace gdtslam {
 namespace {
@@ -64,11 +65,21 @@ Buffer guarded_buffer(Backend& backend, const std::vector<std::byte>& content) {
   return buffer;
 }
 
+template <class K>
+void add_group(std::vector<CaseGroup>& groups) {
+  if constexpr (requires { K::cases(); }) groups.push_back(K::cases());
+}
+
+template <class... K>
+std::vector<CaseGroup> groups_of(KernelList<K...> /*kernels*/) {
+  std::vector<CaseGroup> groups;
+  (add_group<K>(groups), ...);
+  return groups;
+}
+
 /// In the order of the registry, but for kernels that share a group.
 const std::vector<CaseGroup>& case_groups() {
-  static const std::vector<CaseGroup> groups{
-      edt_cases(),     jump_flood_cases(),   field_cases(),       pose_cost_cases(),    merge_cases(),
-      lattice_cases(), pose_simplex_cases(), choose_pose_cases(), sweep_points_cases(), pose_bounds_cases()};
+  static const std::vector<CaseGroup> groups = groups_of(AllKernels{});
   return groups;
 }
 

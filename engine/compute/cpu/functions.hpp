@@ -21,6 +21,14 @@
 
 namespace gdtslam {
 
+/// A list of types of kernels.
+template <class... K>
+struct KernelList {};
+/// Every kernel that is dispatched, in the order of the registry, which walks this list as the cases do.
+using AllKernels = KernelList<EdtColumns, EdtRows, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField,
+                              PoseCost, GdtMerge, PoseLattice, LatticeMinima, SmallestValues, SeedScatter, FieldGrow,
+                              PoseStarts, PoseSimplex, ChoosePose, SweepPoints, PoseBounds>;
+
 /// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
 struct CellRange {
   std::uint32_t x_begin;

@@ -353,6 +353,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup choose_pose_cases() { return {add_cases, {{&ChoosePose::info(), draw_choice}}}; }
+CaseGroup ChoosePose::cases() { return {add_cases, {{&ChoosePose::info(), draw_choice}}}; }
 
 }  // namespace gdtslam

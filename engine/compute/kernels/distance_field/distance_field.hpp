@@ -11,6 +11,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 inline constexpr std::uint32_t kFieldOne = 256;  ///< one cell
 
 /// What unknown cells hold, for a truncation radius in cells.
@@ -30,6 +32,7 @@ struct DistanceField {
   };
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 }  // namespace gdtslam

@@ -54,6 +54,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup field_cases() { return {add_cases, {{&DistanceField::info(), draw_field}}}; }
+CaseGroup DistanceField::cases() { return {add_cases, {{&DistanceField::info(), draw_field}}}; }
 
 }  // namespace gdtslam

@@ -12,6 +12,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// The engine's grids have rows of a multiple of this many cells.
 inline constexpr std::uint32_t kGridStride = 32;
 constexpr std::uint32_t grid_stride(std::uint32_t width) {
@@ -29,6 +31,7 @@ struct EdtColumns {
   };
   static constexpr std::array kBindings{Access::kRead, Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 /// Second pass: squared distance, u16, truncated at R*R (which also stands for "none within R").

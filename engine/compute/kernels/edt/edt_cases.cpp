@@ -160,7 +160,7 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup edt_cases() {
+CaseGroup EdtColumns::cases() {
   return {add_cases,
           {{&EdtColumns::info(), draw<Columns>}, {&EdtRows::info(), draw<Rows>}, {&SeedScatter::info(), draw_scatter}}};
 }

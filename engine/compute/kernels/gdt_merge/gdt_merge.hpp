@@ -13,6 +13,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// Bindings: global field (u16, read and write), scan field (u16, read). The scan field's cell (0, 0) lies at cell
 /// (offset_x, offset_y) of the global one and must lie inside as a whole. Extent: x = scan width, y = scan rows.
 struct GdtMerge {
@@ -30,6 +32,7 @@ struct GdtMerge {
   };
   static constexpr std::array kBindings{Access::kReadWrite, Access::kRead};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 /// A field moved into a larger one, which is how the map grows without leaving the device: new(x, y) = old(x -

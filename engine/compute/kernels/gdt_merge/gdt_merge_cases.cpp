@@ -152,6 +152,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup merge_cases() { return {add_cases, {{&GdtMerge::info(), draw_merge}, {&FieldGrow::info(), draw_grow}}}; }
+CaseGroup GdtMerge::cases() { return {add_cases, {{&GdtMerge::info(), draw_merge}, {&FieldGrow::info(), draw_grow}}}; }
 
 }  // namespace gdtslam

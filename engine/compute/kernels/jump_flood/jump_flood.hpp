@@ -14,6 +14,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// What stands for a cell that knows no seed yet.
 inline constexpr std::uint32_t kNoSeed = 0xFFFFFFFFU;
 
@@ -26,6 +28,7 @@ struct JumpFloodInit {
   };
   static constexpr std::array kBindings{Access::kRead, Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 /// One pass: each cell looks at itself and its eight neighbours `step` cells away.

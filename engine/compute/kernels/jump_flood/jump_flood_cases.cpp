@@ -134,7 +134,7 @@ void add_all_passes(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup jump_flood_cases() {
+CaseGroup JumpFloodInit::cases() {
   return {add_all_passes,
           {{&JumpFloodInit::info(), draw_init},
            {&JumpFloodStep::info(), draw_with<StepCase, 32767>},

@@ -11,6 +11,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// A point and where its dilated field begins: the farther a point lies from the robot, the more a box's half angle
 /// moves it, so the wider the dilation that it needs.
 struct BoundPoint {
@@ -52,6 +54,7 @@ struct PoseBounds {
   static constexpr std::int32_t kFarthestFirst = 1 << 21;
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 /// An affine function below the field in the square of half width `reach` cells around each cell's centre, at what is

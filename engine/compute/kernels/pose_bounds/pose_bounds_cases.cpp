@@ -200,6 +200,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup pose_bounds_cases() { return {add_cases, {{&PoseBounds::info(), draw_bounds}}}; }
+CaseGroup PoseBounds::cases() { return {add_cases, {{&PoseBounds::info(), draw_bounds}}}; }
 
 }  // namespace gdtslam

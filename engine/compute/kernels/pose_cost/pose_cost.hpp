@@ -19,6 +19,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// A candidate pose in cells and radians relative to the lower left corner of the anchor cell (Params), with a prior
 /// cost that is added. The anchor keeps the coordinates small, so float32 is fine on any map and results do not change
 /// when a map grows.
@@ -51,6 +53,7 @@ struct PoseCost {
   };
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 }  // namespace gdtslam

@@ -178,6 +178,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup pose_cost_cases() { return {add_cases, {{&PoseCost::info(), draw_cost}}}; }
+CaseGroup PoseCost::cases() { return {add_cases, {{&PoseCost::info(), draw_cost}}}; }
 
 }  // namespace gdtslam

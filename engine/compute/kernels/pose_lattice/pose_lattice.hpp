@@ -9,6 +9,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// A prior around a mean pose, as kernels take it. Its cost in float32, without contraction, with dx, dy, dt the
 /// pose less the mean: a = (dx*dx + dy*dy) * weight_xy, then a = a < limit ? a : limit; b = (dt*dt) * weight_theta,
 /// then b = b < limit ? b : limit; cost = uint32(a + b), cut towards zero. The limit is at most 1e9, so the sum fits;
@@ -39,6 +41,7 @@ struct PoseLattice {
   };
   static constexpr std::array kBindings{Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 /// What is no local minimum, and what stands where fewer were found than wanted.

@@ -291,7 +291,7 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup lattice_cases() {
+CaseGroup PoseLattice::cases() {
   return {add_cases,
           {{&PoseLattice::info(), draw_lattice},
            {&LatticeMinima::info(), draw_minima},

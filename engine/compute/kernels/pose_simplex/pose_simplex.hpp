@@ -11,6 +11,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// A pose on its way to a minimum. Coordinates as in PoseCandidate.
 struct PolishedPose {
   float x = 0.0F;
@@ -35,6 +37,7 @@ struct PoseStarts {
   };
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 /// One descent from each pose, in place. The walk, in float32 without contraction:
@@ -110,6 +113,7 @@ struct ChoosePose {
   static constexpr std::uint32_t kMostPoints = 65535;
   static constexpr std::array kBindings{Access::kRead, Access::kRead, Access::kRead, Access::kWrite};
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 }  // namespace gdtslam

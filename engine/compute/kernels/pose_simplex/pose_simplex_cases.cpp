@@ -271,7 +271,7 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup pose_simplex_cases() {
+CaseGroup PoseStarts::cases() {
   return {add_cases, {{&PoseStarts::info(), draw_starts}, {&PoseSimplex::info(), draw_descent}}};
 }
 

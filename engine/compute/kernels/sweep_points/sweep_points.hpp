@@ -23,6 +23,8 @@
 
 namespace gdtslam {
 
+struct CaseGroup;
+
 /// What a scanner says of a beam, and where it belongs.
 struct BeamRange {
   float range_m = 0.0F;
@@ -69,6 +71,7 @@ struct SweepPoints {
   /// Values of the tables before the first direction.
   static constexpr std::size_t elevations(std::uint32_t table_bits) { return (std::size_t{1} << table_bits) + 1; }
   static const KernelInfo& info();
+  static CaseGroup cases();
 };
 
 }  // namespace gdtslam

@@ -214,6 +214,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup sweep_points_cases() { return {add_cases, {{&SweepPoints::info(), draw_sweep}}}; }
+CaseGroup SweepPoints::cases() { return {add_cases, {{&SweepPoints::info(), draw_sweep}}}; }
 
 }  // namespace gdtslam
