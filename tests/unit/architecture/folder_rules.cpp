@@ -4,6 +4,8 @@
 #include <regex>
 #include <sstream>
 
+#include "tree.hpp"
+
 namespace gdtslam::architecture {
 namespace {
 
@@ -86,8 +88,11 @@ Arrows make_arrows() {
       {"tools/lab/reproduce/parts", shared_and({"tools/gdtslam/calibrations", "tools/gdtslam/pictures",
                                                 "tools/gdtslam/scenes", "tools/lab/matchers", "tools/lab/reproduce"})},
   };
-  for (const char* command : {"config", "devices", "doctor", "linkage", "localize", "measure", "verify"}) {
-    arrows[std::string("tools/gdtslam/") + command] = kShared;
+  // A command that is not in the table knows the shared rooms.
+  constexpr std::string_view kCommand = "/command.cpp";
+  for (const SourceFile& file : code()) {
+    if (!file.path.starts_with("tools/gdtslam/") || !file.path.ends_with(kCommand)) continue;
+    arrows.emplace(file.path.substr(0, file.path.size() - kCommand.size()), kShared);
   }
   return arrows;
 }
