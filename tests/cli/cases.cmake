@@ -1,5 +1,6 @@
 # Every sub-command, its help, and its errors: one line each. A semicolon would split a CMake list: a dot stands for it.
-foreach(command map simulate measure evaluate doctor ablation compare localize reproduce config devices verify bench)
+get_property(commands GLOBAL PROPERTY GDTSLAM_COMMANDS)
+foreach(command IN LISTS commands)
   gdtslam_cli_test(${command}.help ARGS ${command} --help STDOUT "^[A-Z].*\nUsage: gdtslam ${command} .*Examples:\n  gdtslam ${command}")
 endforeach()
 foreach(command show schema)

@@ -1,5 +1,4 @@
 # gdtslam linkage: one line per case, as in cases.cmake.
-gdtslam_cli_test(linkage.help ARGS linkage --help STDOUT "^[A-Z].*\nUsage: gdtslam linkage .*Examples:\n  gdtslam linkage")
 gdtslam_cli_test(linkage.list ARGS linkage --list STDOUT "paper-a .*paper-b .*\\(default\\).*paper-c-calibrated")
 gdtslam_cli_test(linkage.list_json ARGS linkage --list --json STDOUT "\"name\": \"paper-b\"")
 gdtslam_cli_test(linkage.paper_b ARGS linkage paper-b STDOUT "12.4 < 13.5 cm.*swing +93.0 deg.*266.4 of 360 deg.*time ratio 2.85.*at least 9.1 deg.*2.59 times.*K1 1.388889.*remark .*below 40 deg")
