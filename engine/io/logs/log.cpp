@@ -13,7 +13,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::string_view kSupported = "supported are CARMEN text logs, plain or gzip";
+// What every refusal ends with.
+std::string supported() { return fmt::format("supported are {} text logs, plain or gzip", kLogFormats); }
 
 /// What the first bytes say about a container that is not read; empty when they say nothing.
 std::string_view foreign_kind(std::string_view head) {
@@ -60,12 +61,12 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& 
   std::error_code ignored;
   if (path != "-" && std::filesystem::is_directory(path, ignored)) {
     const bool is_bag = std::filesystem::exists(std::filesystem::path(path) / "metadata.yaml", ignored);
-    throw InputError({path, 0}, fmt::format("is {}; {}", is_bag ? "a ROS 2 bag" : "a folder", kSupported));
+    throw InputError({path, 0}, fmt::format("is {}; {}", is_bag ? "a ROS 2 bag" : "a folder", supported()));
   }
   if (path != "-" && std::filesystem::is_regular_file(path, ignored)) {
     const std::string_view kind = foreign_kind(head_of(path));
     if (!kind.empty()) {
-      throw InputError({path, 0}, fmt::format("is {}; {}", kind, kSupported));
+      throw InputError({path, 0}, fmt::format("is {}; {}", kind, supported()));
     }
   }
   return open_carmen(path, options);

@@ -242,7 +242,7 @@ int doctor(const DoctorOptions& options) {
 void add_doctor_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = add_command(app, "doctor", "What is in a log, and what is wrong with it");
-  command->add_option("log", options->log, "CARMEN log, plain or gzip; - is standard input")
+  command->add_option("log", options->log, fmt::format("{} log, plain or gzip; - is standard input", kLogFormats))
       ->required()
       ->type_name("LOG");
   command->add_flag("--json", options->json, "Print JSON");

@@ -10,6 +10,7 @@
 #include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -125,7 +126,8 @@ int map(const MapOptions& options) {
 
 void add_input_options(CLI::App& command, MapOptions& options) {
   command
-      .add_option("log", options.logs, "CARMEN logs, plain or gzip, mapped one after the other; - is standard input")
+      .add_option("log", options.logs,
+                  fmt::format("{} logs, plain or gzip, mapped one after the other; - is standard input", kLogFormats))
       ->required()
       ->type_name("LOG");
   command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");

@@ -11,6 +11,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -142,7 +143,9 @@ int ablation(const AblationOptions& options) {
 void add_ablation_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<AblationOptions>();
   CLI::App* command = add_command(app, "ablation", "What each choice of the method is worth on a log, as a table");
-  command->add_option("log", options->log, "CARMEN log, plain or gzip")->required()->type_name("LOG");
+  command->add_option("log", options->log, fmt::format("{} log, plain or gzip", kLogFormats))
+      ->required()
+      ->type_name("LOG");
   command->add_option("--relations", options->relations, "Verified relations of the log, plain or gzip")
       ->required()
       ->type_name("FILE");

@@ -10,6 +10,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -203,7 +204,7 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       add_command(app, "compare", "The methods that match a scan, on the same scans, against proven solutions");
-  command->add_option("log", options->job.logs, "CARMEN logs, plain or gzip, one after the other")
+  command->add_option("log", options->job.logs, fmt::format("{} logs, plain or gzip, one after the other", kLogFormats))
       ->required()
       ->type_name("LOG");
   command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");

@@ -7,11 +7,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
+
+/// What open_log() reads, as it stands before "log" or "logs" in help and messages.
+inline constexpr std::string_view kLogFormats = "CARMEN";
 
 /// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
 struct ReadOptions {
