@@ -1,5 +1,5 @@
-// Which shader serves a kernel on a device. The rows stand in variants/variants.cpp, so that the variants of all
-// kernels, their group sizes and the rules that choose between them stand together.
+// Which shader serves a kernel on a device. The rows of all kernels, their group sizes and the rules that choose
+// between them stand together in the source.
 #pragma once
 
 #include <array>
