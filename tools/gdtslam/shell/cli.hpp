@@ -6,7 +6,7 @@
 
 namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
 class App;
-class Option;
+class Option;  // NOLINT(bugprone-forward-declaration-namespace): not gdtslam's
 class Validator;
 }  // namespace CLI
 

@@ -82,7 +82,7 @@ int agreeing_cells(Metric metric) {
 }
 
 double distance_cells(const FieldPicture& field, int x, int y) {
-  return field.cells[static_cast<std::size_t>(y * kSide + x)] / 256.0;
+  return field.cells[static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x)] / 256.0;
 }
 
 // Cells of the field that differ from the definition, to half a step of 1/256 cell.
