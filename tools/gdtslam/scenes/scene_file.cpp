@@ -119,6 +119,7 @@ sim::Waypoint read_waypoint(const YamlValue& value) {
 
 std::vector<sim::Waypoint> read_waypoint_list(const std::vector<YamlValue>& values) {
   std::vector<sim::Waypoint> waypoints;
+  waypoints.reserve(values.size());
   for (const YamlValue& value : values) waypoints.push_back(read_waypoint(value));
   return waypoints;
 }
