@@ -36,6 +36,7 @@ std::vector<Valued> first_simplex(Counted& function, const Point& start, std::sp
 /// Sorts the vertices by their disturbed values, which it returns.
 std::vector<double> sort_vertices(std::vector<Valued>& vertices, const SimplexRule& rule) {
   std::vector<std::pair<double, std::size_t>> order;
+  order.reserve(vertices.size());
   for (const Valued& vertex : vertices) order.emplace_back(vertex.value + rule.heat(), order.size());
   std::sort(order.begin(), order.end());
   std::vector<Valued> sorted;

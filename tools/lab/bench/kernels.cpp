@@ -118,6 +118,7 @@ int repeats_for(const Work& work, double sample_s) {
 
 double median(const std::vector<Sample>& samples, double Sample::*time) {
   std::vector<double> times;
+  times.reserve(samples.size());
   for (const Sample& sample : samples) times.push_back(sample.*time);
   return value_at_share(times, 0.5);
 }

@@ -24,6 +24,7 @@ std::vector<CompareTrial> select_trials(const CompareOutcome& outcome, std::uint
 template <class Value>
 std::vector<double> collect_values(const std::vector<CompareTrial>& trials, const Value& value) {
   std::vector<double> values;
+  values.reserve(trials.size());
   for (const CompareTrial& trial : trials) values.push_back(static_cast<double>(std::invoke(value, trial)));
   return values;
 }
