@@ -13,6 +13,13 @@ endif()
 if(GDTSLAM_SANITIZE)
   add_compile_options(-fsanitize=${GDTSLAM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${GDTSLAM_SANITIZE})
+  # Each compiler has its own way to tell the program.
+  foreach(sanitizer IN ITEMS address thread)
+    if(GDTSLAM_SANITIZE MATCHES ${sanitizer})
+      string(TOUPPER ${sanitizer} upper)
+      add_compile_definitions(GDTSLAM_SANITIZE_${upper})
+    endif()
+  endforeach()
 endif()
 
 # gdtslam_precompile(TARGET GROUP HEADER...): the first target of a group makes a precompiled header of these, the others

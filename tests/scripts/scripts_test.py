@@ -56,7 +56,7 @@ class CountTests(ScriptTest):
         files = []
         for text in texts:
             files.append(self.work / f"{len(files)}.xml")
-            files[-1].write_text(text)
+            files[-1].write_bytes(text if isinstance(text, bytes) else text.encode())
         return self.run_script(sys.executable, ROOT / "tools/scripts/count_tests.py", *files)
 
     def test_a_test_that_ctest_could_not_run_is_failed(self):
@@ -67,6 +67,10 @@ class CountTests(ScriptTest):
 
     def test_reports_add_up(self):
         self.assertEqual(self.count(CTEST_REPORT, GTEST_REPORT).stdout, "2 4 4\n")
+
+    def test_bytes_that_are_no_text_do_not_hide_a_failure(self):
+        report = b'<testsuite><testcase classname="b" name="a" result="completed"><failure>\xff\x01</failure></testcase></testsuite>'
+        self.assertEqual(self.count(report).stdout, "0 1 0\n")
 
     def test_a_report_cut_off_is_an_error(self):
         self.assertNotEqual(self.count(CTEST_REPORT[:200]).returncode, 0)

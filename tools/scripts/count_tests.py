@@ -2,8 +2,16 @@
 """Prints 'passed failed skipped' over JUnit files as ctest and GoogleTest write them; names each test that did not pass
 on stderr, a skipped one with its reason."""
 
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+
+def read_report(path):
+    """The root of a report; bytes in messages that XML does not allow become '?'."""
+    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    return ElementTree.fromstring(re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text))
 
 
 def outcome_of(case):
@@ -36,7 +44,7 @@ def skip_reason(output):
 def main():
     counts = {"passed": 0, "failed": 0, "skipped": 0}
     for path in sys.argv[1:]:
-        for case in ElementTree.parse(path).getroot().iter("testcase"):
+        for case in read_report(path).iter("testcase"):
             outcome, reason = outcome_of(case)
             counts[outcome] += 1
             if outcome != "passed":

@@ -8,7 +8,7 @@
 
 #include "gdtslam/core/error.hpp"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef GDTSLAM_SANITIZE_ADDRESS
 // Fontconfig keeps the parts of a pattern by offsets, which the search for leaks cannot follow.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
 extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }

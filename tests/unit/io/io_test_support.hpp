@@ -135,7 +135,7 @@ struct BoundedRun {
   double peak_mb = 0.0;
 };
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(GDTSLAM_SANITIZE_ADDRESS) || defined(GDTSLAM_SANITIZE_THREAD)
 inline constexpr bool kIsInstrumented = true;  // time and memory are the sanitizer's then
 #else
 inline constexpr bool kIsInstrumented = false;

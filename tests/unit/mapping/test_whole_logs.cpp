@@ -77,7 +77,7 @@ TEST_P(RealLogTest, MapsWithinTheBoundsInUnderTenSecondsOfProcessorTime) {
   EXPECT_LE(run.report.all.rotation_deg.mean, GetParam().max_rotation_deg);
   EXPECT_LE(run.report.all.translation_m.max, GetParam().max_error_m) << "a wrong jump hides in the mean";
   EXPECT_EQ(run.statistics.restarts, 0U);
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(NDEBUG) && !defined(GDTSLAM_SANITIZE_ADDRESS) && !defined(GDTSLAM_SANITIZE_THREAD)
   EXPECT_LT(run.cpu_s, 10.0);
 #endif
 }
