@@ -6,7 +6,9 @@ target_compile_options(gdtslam_options INTERFACE
   -ffp-contract=off # the same bits with and without FMA (docs/numerics.md)
   -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wold-style-cast -Woverloaded-virtual
   -Wdouble-promotion -Wformat=2
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>) # GCC 12 reports "literal" + std::string falsely (GCC bug 105651)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> # GCC 12 reports "literal" + std::string falsely (GCC bug 105651)
+  # clang reports double{x} as an implicit promotion, and the & of loops without branches as a mistake.
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-double-promotion -Wno-bitwise-instead-of-logical>)
 if(GDTSLAM_WERROR)
   target_compile_options(gdtslam_options INTERFACE -Werror)
 endif()

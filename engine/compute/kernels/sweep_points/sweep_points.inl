@@ -22,7 +22,7 @@ struct SweepTile {
 inline float settled(float value) {
   const std::int32_t bits = floatBitsToInt(value);
   const std::int32_t size = bits & 0x7FFFFFFF;
-  return intBitsToFloat((size >= 0x2B800000) & (size < 0x7F800000) ? bits : 0);
+  return intBitsToFloat(((size >= 0x2B800000) & (size < 0x7F800000)) ? bits : 0);
 }
 
 /// Elevations of `count` beams, the first of which is number `offset` of its strip. The look-ups are single loads
