@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// choose_pose (gdtslam/compute/kernels/pose_simplex.hpp, ChoosePose) in one pass over the points: each invocation takes
-// one pose and a share of the points, and adds up all that may be asked about that pose, both sums of its cost included,
-// for who votes is known only when pose 0 has seen all points. One invocation then decides.
+// choose_pose (engine/compute/kernels/pose_simplex/pose_simplex.hpp, ChoosePose) in one pass over the points: each
+// invocation takes one pose and a share of the points, and adds up all that may be asked about that pose, both sums of
+// its cost included, for who votes is known only when pose 0 has seen all points. One invocation then decides.
 
 layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 

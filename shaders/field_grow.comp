@@ -1,6 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// A field moved into a larger one (gdtslam/compute/kernels/field_grow.hpp), several words of two cells an invocation.
+// A field moved into a larger one (engine/compute/kernels/gdt_merge/gdt_merge.hpp, FieldGrow), several words of two
+// cells an invocation.
 
 layout(constant_id = 10) const uint kWords = 1;  // of an invocation
 

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Local minima of a window's costs (gdtslam/compute/kernels/pose_lattice.hpp, LatticeMinima).
+// Local minima of a window's costs (engine/compute/kernels/pose_lattice/pose_lattice.hpp, LatticeMinima).
 //
 // An invocation walks along a piece of a row. Of each column of nine samples it looks at once it keeps the least cost
 // among those of lower and those of higher index than the middle one; three such columns decide about a sample.

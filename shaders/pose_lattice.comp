@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The samples of a window (gdtslam/compute/kernels/pose_lattice.hpp, PoseLattice).
+// The samples of a window (engine/compute/kernels/pose_lattice/pose_lattice.hpp, PoseLattice).
 
 layout(constant_id = 10) const uint kSamples = 1;  // of an invocation
 

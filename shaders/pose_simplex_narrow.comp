@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Simplexes (gdtslam/compute/kernels/pose_simplex.hpp, PoseSimplex): an invocation a pose, which goes through all points,
-// several a turn of the loop, for lavapipe ends loops after 65,535 turns and does not unroll them itself. The points are
-// in a uniform buffer and the field in texels, from which both come faster there.
+// Simplexes (engine/compute/kernels/pose_simplex/pose_simplex.hpp, PoseSimplex): an invocation a pose, which goes
+// through all points, several a turn of the loop, for lavapipe ends loops after 65,535 turns and does not unroll them
+// itself. The points are in a uniform buffer and the field in texels, from which both come faster there.
 
 #define FIELD_IN_TEXELS
 layout(set = 0, binding = 1, std140) uniform Points { vec4 points[1024]; };  // two each

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Simplexes (gdtslam/compute/kernels/pose_simplex.hpp, PoseSimplex): a group a pose. Its invocations share the points, and
-// all of them walk, each with the same bits, so that a barrier a pose is all that they need.
+// Simplexes (engine/compute/kernels/pose_simplex/pose_simplex.hpp, PoseSimplex): a group a pose. Its invocations share
+// the points, and all of them walk, each with the same bits, so that a barrier a pose is all that they need.
 
 layout(set = 0, binding = 1, std430) readonly buffer Points { vec2 points[]; };
 

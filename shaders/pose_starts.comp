@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Where the simplexes start (gdtslam/compute/kernels/pose_simplex.hpp, PoseStarts).
+// Where the simplexes start (engine/compute/kernels/pose_simplex/pose_simplex.hpp, PoseStarts).
 
 #include "common/launch.glsl"
 

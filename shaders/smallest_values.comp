@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The smallest values (gdtslam/compute/kernels/pose_lattice.hpp, SmallestValues): one group. The lists of its invocations
-// are merged by runs, then the runs' lists by the first of them; a merge gives one entry a round.
+// The smallest values (engine/compute/kernels/pose_lattice/pose_lattice.hpp, SmallestValues): one group. The lists of
+// its invocations are merged by runs, then the runs' lists by the first of them; a merge gives one entry a round.
 
 layout(set = 0, binding = 0, std430) readonly buffer Values { uint values[]; };
 layout(set = 0, binding = 1, std430) writeonly buffer Picks { uvec2 picks[]; };  // value, index

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Beams of nodding scans as points in space (gdtslam/compute/kernels/sweep_points.hpp).
+// Beams of nodding scans as points in space (engine/compute/kernels/sweep_points/sweep_points.hpp).
 
 #include "common/elementary.glsl"
 #include "common/launch.glsl"

@@ -8,14 +8,10 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Below this share of the largest a singular value is rounding.
-constexpr double kNothing = 1e-9;
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kAtBound = 1e-6;  // of the bound
 // A parameter with less than this (squared) of a combination that nothing holds is not moved by it.
 constexpr double kLeastShare = 1e-12;
-
-Eigen::Index index(std::size_t k) { return static_cast<Eigen::Index>(k); }
 
 // The derivative of the Huber loss: by how much an outlier counts less.
 double robust_weight(double miss, double huber_sigmas) {
@@ -31,11 +27,11 @@ Misses required_misses(const Setup& setup, const Fit& fit) {
 Eigen::MatrixXd weighted_jacobian(const Setup& setup, std::span<const Parameter> parameters, const Fit& fit,
                                   double huber_sigmas) {
   const Misses misses = required_misses(setup, fit);
-  Eigen::MatrixXd jacobian(index(misses.list.size()), index(parameters.size()));
+  Eigen::MatrixXd jacobian(eigen_index(misses.list.size()), eigen_index(parameters.size()));
   for (std::size_t row = 0; row < misses.list.size(); ++row) {
     const double gain = fit.used[row].gain * std::sqrt(robust_weight(misses.weighted[row], huber_sigmas));
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      jacobian(index(row), index(i)) =
+      jacobian(eigen_index(row), eigen_index(i)) =
           gain * derivative(misses.list[row], parameters[i], fit.used[row].observation.surface);
     }
   }
@@ -48,7 +44,7 @@ Eigen::MatrixXd with_priors(const Eigen::MatrixXd& jacobian, std::span<const Par
   stacked.topRows(jacobian.rows()) = jacobian;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const double sigma = parameters[i].prior_sigma;
-    stacked(jacobian.rows() + index(i), index(i)) = sigma > 0.0 ? parameters[i].scale / sigma : 0.0;
+    stacked(jacobian.rows() + eigen_index(i), eigen_index(i)) = sigma > 0.0 ? parameters[i].scale / sigma : 0.0;
   }
   return stacked;
 }
@@ -67,7 +63,7 @@ Spectrum spectrum_of(const Eigen::MatrixXd& jacobian) {
   spectrum.values = svd.singularValues();
   spectrum.vectors = svd.matrixV();
   const Eigen::Index count = spectrum.values.size();
-  const double least = kNothing * spectrum.values.maxCoeff();
+  const double least = kRounding * spectrum.values.maxCoeff();
   Eigen::VectorXd unheld = Eigen::VectorXd::Zero(count);
   spectrum.covariance = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -80,7 +76,7 @@ Spectrum spectrum_of(const Eigen::MatrixXd& jacobian) {
   }
   spectrum.sigma = spectrum.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index i = 0; i < count; ++i) {
-    if (unheld(i) > kLeastShare) spectrum.sigma(i) = kInfinity;
+    if (unheld(i) > kLeastShare) spectrum.sigma(i) = kUnbounded;
   }
   return spectrum;
 }
@@ -105,7 +101,7 @@ std::vector<CalibratedParameter> described(std::span<const Parameter> parameters
   std::vector<CalibratedParameter> list;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& parameter = parameters[i];
-    const double sigma = seen.sigma(index(i));
+    const double sigma = seen.sigma(eigen_index(i));
     list.push_back({.name = parameter.name,
                     .unit = parameter.unit,
                     .start = parameter.start,
@@ -113,7 +109,7 @@ std::vector<CalibratedParameter> described(std::span<const Parameter> parameters
                     .sigma = sigma * parameter.scale,
                     .data_share = std::clamp(1.0 - sigma * sigma, 0.0, 1.0),
                     .at_bound = std::fabs(x[i]) >= parameter.bound_scaled() * (1.0 - kAtBound),
-                    .observable = seen.data_sigma(index(i)) <= 1.0 / kWeakSingularValue});
+                    .observable = seen.data_sigma(eigen_index(i)) <= 1.0 / kWeakSingularValue});
   }
   return list;
 }
@@ -126,14 +122,14 @@ double elevation_sigma_rad(const Setup& setup, std::span<const Parameter> parame
                            const Fit& fit) {
   const Misses misses = required_misses(setup, fit);
   double sum = 0.0;
-  Eigen::VectorXd gradient(index(parameters.size()));
+  Eigen::VectorXd gradient(eigen_index(parameters.size()));
   for (const SurfaceMiss& miss : misses.list) {
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      gradient(index(i)) = elevation_derivative(miss, parameters[i]);
+      gradient(eigen_index(i)) = elevation_derivative(miss, parameters[i]);
     }
     sum += gradient.dot(seen.covariance * gradient);
   }
-  return misses.list.empty() ? kInfinity : std::sqrt(std::max(0.0, sum / static_cast<double>(misses.list.size())));
+  return misses.list.empty() ? kUnbounded : std::sqrt(std::max(0.0, sum / static_cast<double>(misses.list.size())));
 }
 
 }  // namespace gdtslam::calib

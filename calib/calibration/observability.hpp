@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,11 @@ namespace gdtslam::calib {
 
 /// Where the data tell a combination worse than this share of its prior, it counts as weak.
 inline constexpr double kWeakSingularValue = 2.0;
+/// Below this share of the largest a singular value is rounding.
+inline constexpr double kRounding = 1e-9;
+
+/// An index as Eigen has it.
+inline Eigen::Index eigen_index(std::size_t k) { return static_cast<Eigen::Index>(k); }
 
 struct Observability {
   Eigen::MatrixXd jacobian;         ///< weighted, outliers weighed down, scaled parameters

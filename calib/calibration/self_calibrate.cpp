@@ -13,8 +13,8 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kDifference = 0.002;  // of a scaled parameter: 6 micrometres of a bar, 0.004 deg of the zero
-constexpr double kSettled = 0.05;      // largest step, in prior sigmas; below it the pairs change as much
+constexpr double kDifference = 0.002;   // of a scaled parameter: 6 micrometres of a bar, 0.004 deg of the zero
+constexpr double kSettledShift = 0.05;  // largest step, in prior sigmas; below it the pairs change as much
 constexpr std::size_t kFewestPairs = 100;
 constexpr double kHuberSigmas = 1.5;
 constexpr double kCell_m = 0.25;   // neighbours of a plane lie within one cell around
@@ -161,7 +161,7 @@ class SelfCalibration {
       if (result_.rounds == 0) result_.median_miss_before_m = median_size(misses);
       linear_ = linearised(misses);
       const double step = take_step();
-      result_.converged = result_.rounds + 1 >= last_pairing && step < kSettled;
+      result_.converged = result_.rounds + 1 >= last_pairing && step < kSettledShift;
       gate_m = std::max(options_.last_gate_m, 0.5 * gate_m);
     }
     return finished();

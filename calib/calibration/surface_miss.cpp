@@ -9,7 +9,7 @@ namespace gdtslam::calib {
 namespace {
 
 // A beam that meets a surface flatter than this never ends on it in practice.
-constexpr double kLeastIncidence = 1e-9;
+constexpr double kGrazingIncidence = 1e-9;
 
 // The normal of a surface, pointing from the scanner to it, and its derivatives.
 struct Normal {
@@ -118,7 +118,7 @@ std::optional<double> surface_range_m(const NoddingMount& mount, const Calibrati
   const Point3 normal = in_nodding_frame(normal_of(surface).along, sin_cos(elevation_rad));
   const double incidence = dot(normal, beam_of(mount, bearing_rad).along);
   const double gap_m = surface.distance_m - dot(normal, lever_of(mount));
-  if (incidence < kLeastIncidence || gap_m <= 0.0) return std::nullopt;
+  if (incidence < kGrazingIncidence || gap_m <= 0.0) return std::nullopt;
   return gap_m / incidence;
 }
 

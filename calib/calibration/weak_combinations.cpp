@@ -11,12 +11,9 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kNothing = 1e-9;     // of the largest singular value: rounding
 constexpr double kMostlyOne = 0.99;   // squared share of a direction that is in a space, or of one parameter
 constexpr double kWorthNaming = 0.2;  // of the largest weight
 constexpr double kAliased = 0.1;      // share of an effect that the parameters cannot copy
-
-Eigen::Index index(std::size_t k) { return static_cast<Eigen::Index>(k); }
 
 // With its sign; `digits` decimals, or digits in all with chars_format::general.
 std::string signed_text(double value, std::chars_format format, int digits) {
@@ -27,9 +24,10 @@ std::string signed_text(double value, std::chars_format format, int digits) {
 
 // All bars longer by the same share: no angle of the loop changes.
 Eigen::VectorXd scale_direction(Setup setup, std::span<const Parameter> parameters) {
-  Eigen::VectorXd direction = Eigen::VectorXd::Zero(index(parameters.size()));
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(eigen_index(parameters.size()));
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (is_bar(parameters[i].name)) direction(index(i)) = parameters[i].kind->value(setup, 0) / parameters[i].scale;
+    if (!is_bar(parameters[i].name)) continue;
+    direction(eigen_index(i)) = parameters[i].kind->value(setup, 0) / parameters[i].scale;
   }
   return direction.normalized();
 }
@@ -40,7 +38,7 @@ std::string listed(const Eigen::VectorXd& weights, std::span<const Parameter> pa
   double sign = 0.0;
   std::string text;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const double weight = weights(index(i));
+    const double weight = weights(eigen_index(i));
     if (std::fabs(weight) < kWorthNaming * largest) continue;
     if (sign == 0.0) sign = weight < 0.0 ? -1.0 : 1.0;
     text +=
@@ -88,7 +86,7 @@ void describe_free(Eigen::MatrixXd space, const Setup& setup, std::span<const Pa
     take_out(space, scale);
   }
   for (std::size_t i = 0; i < parameters.size() && space.cols() > 0; ++i) {
-    const Eigen::VectorXd alone = Eigen::VectorXd::Unit(index(parameters.size()), index(i));
+    const Eigen::VectorXd alone = Eigen::VectorXd::Unit(eigen_index(parameters.size()), eigen_index(i));
     if (!contains(space, alone)) continue;
     found.push_back(combination(0.0, alone, words_for(0.0, alone, parameters)));
     take_out(space, alone);
@@ -118,8 +116,8 @@ std::string remark_on(const Assumption& assumption, std::span<const Parameter> p
   const double largest = shift.cwiseAbs().maxCoeff();
   std::string shifts;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (std::fabs(shift(index(i))) < kWorthNaming * largest) continue;
-    shifts += (shifts.empty() ? "" : ", ") + shift_text(shift(index(i)), parameters[i]);
+    if (std::fabs(shift(eigen_index(i))) < kWorthNaming * largest) continue;
+    shifts += (shifts.empty() ? "" : ", ") + shift_text(shift(eigen_index(i)), parameters[i]);
   }
   return assumption.what +
          (left_over < kAliased ? " cannot be told apart from these parameters and would be read as "
@@ -132,7 +130,7 @@ std::string remark_on(const Assumption& assumption, std::span<const Parameter> p
 std::vector<WeakCombination> weak_combinations(const Setup& setup, std::span<const Parameter> parameters,
                                                const Observability& seen) {
   std::vector<WeakCombination> found;
-  const double nothing = kNothing * seen.singular_values.maxCoeff();
+  const double nothing = kRounding * seen.singular_values.maxCoeff();
   Eigen::Index free = 0;
   for (Eigen::Index k = 0; k < seen.singular_values.size(); ++k) {
     const double value = seen.singular_values(k);
@@ -152,17 +150,18 @@ std::vector<std::string> alias_remarks(const Setup& setup, std::span<const Param
   const std::optional<Misses> misses = misses_at(setup, fit.used);
   if (!misses) return {};
   const std::size_t count = misses->list.size();
-  Assumption bias{"a bias of the ranges of 1 mm", Eigen::VectorXd::Zero(index(count))};
+  Assumption bias{"a bias of the ranges of 1 mm", Eigen::VectorXd::Zero(eigen_index(count))};
   std::vector<Assumption> tilts;
   for (const CalibrationSurface& surface : setup.surfaces) {
     tilts.push_back(
         {surface.name + (surface.kind == SurfaceKind::kWall ? " leaning by 0.1 deg" : " sloping by 0.1 deg"),
-         Eigen::VectorXd::Zero(index(count))});
+         Eigen::VectorXd::Zero(eigen_index(count))});
   }
   for (std::size_t row = 0; row < count; ++row) {
     const double gain = fit.used[row].gain;
-    bias.effect(index(row)) = gain * 0.001 * misses->list[row].incidence;
-    tilts[fit.used[row].observation.surface].effect(index(row)) = gain * rad_from_deg(0.1) * misses->list[row].by_tilt;
+    bias.effect(eigen_index(row)) = gain * 0.001 * misses->list[row].incidence;
+    tilts[fit.used[row].observation.surface].effect(eigen_index(row)) =
+        gain * rad_from_deg(0.1) * misses->list[row].by_tilt;
   }
   std::vector<std::string> remarks{remark_on(bias, parameters, seen)};
   for (const Assumption& tilt : tilts) {

@@ -54,9 +54,9 @@ void require(bool condition, const std::string& message) {
 /// Every number of the goal by itself.
 void require_sound(const DesignGoal& goal) {
   require(goal.swing_rad > 0.0 && goal.swing_rad < kPi,
-          "the swing of a crank-rocker lies between 0 and 180 deg, not at " + degrees_text(goal.swing_rad));
+          "the swing of a crank-rocker lies between 0 and 180 deg, not at " + angle_text(goal.swing_rad));
   require(goal.min_transmission_rad > 0.0 && goal.min_transmission_rad < 0.5 * kPi,
-          "the least transmission angle lies between 0 and 90 deg, not at " + degrees_text(goal.min_transmission_rad));
+          "the least transmission angle lies between 0 and 90 deg, not at " + angle_text(goal.min_transmission_rad));
   require(!goal.time_ratio || (*goal.time_ratio >= 1.0 && std::isfinite(*goal.time_ratio)),
           "the time ratio, slow over quick stroke, is at least 1, not " + number_text(goal.time_ratio.value_or(1.0)));
   require(goal.least_crank_m > 0.0 && goal.least_crank_m <= goal.most_crank_m && std::isfinite(goal.most_crank_m),
@@ -71,13 +71,13 @@ void require_sound(const DesignGoal& goal) {
 void require_possible(const DesignGoal& goal) {
   const double most_rad = 0.5 * (kPi - goal.swing_rad);
   require(goal.min_transmission_rad < most_rad,
-          "a swing of " + degrees_text(goal.swing_rad) + " keeps every crank-rocker's transmission angle below " +
-              degrees_text(most_rad) + " (90 deg less half the swing), and " + degrees_text(goal.min_transmission_rad) +
+          "a swing of " + angle_text(goal.swing_rad) + " keeps every crank-rocker's transmission angle below " +
+              angle_text(most_rad) + " (90 deg less half the swing), and " + angle_text(goal.min_transmission_rad) +
               " are asked for; ask for less of one of them");
 }
 
 std::string goal_text(const DesignGoal& goal) {
-  std::string text = "a swing of " + degrees_text(goal.swing_rad);
+  std::string text = "a swing of " + angle_text(goal.swing_rad);
   if (goal.time_ratio) {
     text += " and a time ratio of " + number_text(*goal.time_ratio);
   }
@@ -115,8 +115,8 @@ std::string cause_text(const DesignGoal& goal, double crank_m) {
   std::string message = "no crank-rocker with " + goal_text(goal) + ", a crank of at least " +
                         cm_text(goal.least_crank_m) + " cm and bars up to " + cm_text(longest_bar_m(goal)) + " cm";
   if (best) {
-    message += " keeps its transmission angle at " + degrees_text(goal.min_transmission_rad) + ": the best reaches " +
-               degrees_text(best->transmission_rad) + " (crank " + cm_text(best->bars.crank_m) + ", coupler " +
+    message += " keeps its transmission angle at " + angle_text(goal.min_transmission_rad) + ": the best reaches " +
+               angle_text(best->transmission_rad) + " (crank " + cm_text(best->bars.crank_m) + ", coupler " +
                cm_text(best->bars.coupler_m) + ", rocker " + cm_text(best->bars.rocker_m) + ", ground " +
                cm_text(best->bars.ground_m) + " cm)";
   } else {

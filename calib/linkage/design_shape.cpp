@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dead_point.hpp"
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 

@@ -1,12 +1,10 @@
-// Which bars can turn: Grashof's inequality and whether the loop can close at all; and lengths and angles in words.
+// Which bars can turn: Grashof's inequality and whether the loop can close at all.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "four_bar_text.hpp"
 #include "gdtslam/calib/four_bar.hpp"
-#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam::calib {
 namespace {
@@ -23,21 +21,7 @@ std::array<NamedBar, 4> named(const FourBar& bars) {
   return {{{"crank", bars.crank_m}, {"coupler", bars.coupler_m}, {"rocker", bars.rocker_m}, {"ground", bars.ground_m}}};
 }
 
-std::string as_text(double value, std::chars_format format, int digits) {
-  std::array<char, 400> buffer{};  // a double in fixed notation has 309 digits before its point
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format, digits);
-  return std::string(buffer.data(), end.ptr);
-}
-
 }  // namespace
-
-std::string number_text(double value, int digits) { return as_text(value, std::chars_format::general, digits); }
-
-std::string cm_text(double length_m) { return number_text(100.0 * length_m); }
-
-std::string degrees_text(double angle_rad) {
-  return as_text(deg_from_rad(angle_rad), std::chars_format::fixed, 1) + " deg";
-}
 
 std::vector<std::string> violations(const FourBar& bars) {
   std::vector<std::string> result;

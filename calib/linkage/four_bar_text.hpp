@@ -11,6 +11,6 @@ std::string number_text(double value, int digits = 6);
 /// Centimetres without their unit.
 std::string cm_text(double length_m);
 /// "40.5 deg", one decimal.
-std::string degrees_text(double angle_rad);
+std::string angle_text(double angle_rad);
 
 }  // namespace gdtslam::calib

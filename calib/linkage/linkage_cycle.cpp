@@ -14,12 +14,12 @@ constexpr int kSteps = 720;
 constexpr int kHalvings = 50;
 constexpr double kWholeTurn = kTwoPi - 1e-6;
 
-Point2 along(double length_m, double angle_rad) {
-  const SinCos<double> unit = sin_cos(angle_rad);
-  return length_m * Point2(unit.cos, unit.sin);
-}
-
 }  // namespace
+
+Point2 unit_at(double angle_rad) {
+  const SinCos<double> unit = sin_cos(angle_rad);
+  return {unit.cos, unit.sin};
+}
 
 Point2 place_in_mount(const SweepModel& model, const Point2& place) {
   const SinCos<double> by = sin_cos(model.elevation_offset_rad);
@@ -34,8 +34,8 @@ std::optional<LinkagePosition> position_at(const SweepModel& model, double crank
   const std::optional<double> elevation_rad = calib::elevation_rad(model, crank_rad);
   const auto middle = coupler_point(bars, model.assembly, crank_rad, 0.5 * bars.coupler_m, 0.0);
   if (!pose || !elevation_rad || !middle) return std::nullopt;
-  const Point2 crank_end = along(bars.crank_m, crank_rad);
-  const Point2 coupler_end = crank_end + along(bars.coupler_m, pose->coupler_rad);
+  const Point2 crank_end = bars.crank_m * unit_at(crank_rad);
+  const Point2 coupler_end = crank_end + bars.coupler_m * unit_at(pose->coupler_rad);
   return LinkagePosition{.crank_rad = crank_rad,
                          .elevation_rad = *elevation_rad,
                          .pose = *pose,

@@ -22,6 +22,8 @@ struct LinkagePosition {
   std::array<Point2, 4> joints;  ///< crank's pivot, crank's end, coupler's end, rocker's pivot
   Point2 middle;                 ///< of the coupler
 };
+/// Of length 1.
+Point2 unit_at(double angle_rad);
 /// In the mount, of a place in the frame of four_bar.hpp.
 Point2 place_in_mount(const SweepModel& model, const Point2& place);
 /// Nothing where the loop does not close.

@@ -2,6 +2,7 @@
 // hit on it and past it. Metres.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>

@@ -11,11 +11,11 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kMostPoints = 200'000;
-constexpr double kMostRms_m = 0.03;    // of the points from the planes of their elevations
-constexpr double kMostStretch = 0.03;  // of the heading's length from 1
-constexpr double kSteepest_rad = 1.4;  // beyond, the tangent says more about the elevation's error than the place
-constexpr double kLeastSpread = 0.02;  // of the elevations' tangents, standard deviation
-constexpr double kLeastPoints = 100;
+constexpr double kMostPlaneRms_m = 0.03;  // of the points from the planes of their elevations
+constexpr double kMostStretch = 0.03;     // of the heading's length from 1
+constexpr double kSteepest_rad = 1.4;     // beyond, the tangent says more about the elevation's error than the place
+constexpr double kLeastSpread = 0.02;     // of the elevations' tangents, standard deviation
+constexpr double kLeastBoxPoints = 100;
 
 struct Fit {
   Eigen::Vector4d answer = Eigen::Vector4d::Zero();
@@ -49,7 +49,7 @@ std::optional<Fit> fit(std::span<const CloudPoint> cloud) {
     sq_tangents += tangent * tangent;
     count += 1.0;
   }
-  if (count < kLeastPoints) return std::nullopt;
+  if (count < kLeastBoxPoints) return std::nullopt;
   Fit result;
   result.answer = normal.ldlt().solve(right);
   result.rms_m = std::sqrt(std::fabs(squares - result.answer.dot(right)) / count);
@@ -61,7 +61,7 @@ std::optional<Fit> fit(std::span<const CloudPoint> cloud) {
 
 std::optional<Point3> standing_viewpoint(std::span<const CloudPoint> cloud) {
   const std::optional<Fit> found = fit(cloud);
-  if (!found || !found->answer.allFinite() || found->spread < kLeastSpread || found->rms_m > kMostRms_m) {
+  if (!found || !found->answer.allFinite() || found->spread < kLeastSpread || found->rms_m > kMostPlaneRms_m) {
     return std::nullopt;
   }
   const double length = std::sqrt(found->answer[1] * found->answer[1] + found->answer[2] * found->answer[2]);

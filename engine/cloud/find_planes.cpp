@@ -13,10 +13,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::uint32_t kMostCells = 60'000;
+constexpr std::uint32_t kMostHoughCells = 60'000;
 constexpr double kGrowth = 1.3;           // of the cells, until they are few enough
 constexpr std::uint32_t kNearCells = 24;  // whose points give a normal
-constexpr double kFlat = 0.5;             // thickness over extent of a neighbourhood that has a normal
+constexpr double kFlatPlane = 0.5;        // thickness over extent of a neighbourhood that has a normal
 constexpr double kAlike = 0.9;            // cosine of a point's normal to that of its plane
 constexpr double kMiss = 0.001;           // probability to miss a plane larger than the one that was found
 constexpr std::uint32_t kLeastCells = 8;
@@ -34,7 +34,7 @@ struct ThinnedCloud {
 
 PatchCells few_cells(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points, double edge_m) {
   PatchCells cells(cloud, points, edge_m);
-  while (cells.size() > kMostCells) {
+  while (cells.size() > kMostHoughCells) {
     edge_m = cells.edge_m() * kGrowth;
     cells = PatchCells(cloud, points, edge_m);
   }
@@ -53,7 +53,7 @@ ThinnedCloud thinned(std::span<const CloudPoint> cloud, std::span<const std::uin
   if (all.empty()) return result;
   const Neighbours neighbours(result.means);
   for (const std::uint32_t k : all) {
-    result.normals.push_back(neighbours.normal(k, kNearCells, kFlat).value_or(Point3::Zero()));
+    result.normals.push_back(neighbours.normal(k, kNearCells, kFlatPlane).value_or(Point3::Zero()));
   }
   return result;
 }

@@ -21,7 +21,7 @@ constexpr int kCandidates = 3;
 constexpr double kMostBeyond = 0.05;  // of the points: stairs down, a mirror, what a window shows
 constexpr double kLeastInner = 0.1;   // of a surface's columns; a row along the walls has none
 
-using Points = std::span<const CloudPoint>;
+using PointSpan = std::span<const CloudPoint>;
 using Indices = std::vector<std::uint32_t>;
 using ColumnKey = std::array<std::int32_t, 2>;
 
@@ -39,7 +39,7 @@ struct ColumnEnds {
   Indices highest;
 };
 
-ColumnEnds ends_of(Points points) {
+ColumnEnds ends_of(PointSpan points) {
   std::vector<std::tuple<ColumnKey, float, std::uint32_t>> sorted;
   sorted.reserve(points.size());
   for (std::uint32_t k = 0; k < points.size(); ++k) sorted.emplace_back(column_of(points[k]), points[k].z_m, k);
@@ -54,7 +54,7 @@ ColumnEnds ends_of(Points points) {
 }
 
 // The height at which most of the columns end, within twice a bin.
-double commonest_height_m(Points points, const Indices& columns) {
+double commonest_height_m(PointSpan points, const Indices& columns) {
   std::vector<double> heights;
   heights.reserve(columns.size());
   for (const std::uint32_t k : columns) heights.push_back(static_cast<double>(points[k].z_m));
@@ -72,7 +72,7 @@ double commonest_height_m(Points points, const Indices& columns) {
   return height;
 }
 
-Indices near_plane(Points points, const Indices& among, const Plane& plane, double thickness_m) {
+Indices near_plane(PointSpan points, const Indices& among, const Plane& plane, double thickness_m) {
   Indices found;
   for (const std::uint32_t k : among) {
     if (std::fabs(plane.distance_m(position_of(points[k]))) <= thickness_m) found.push_back(k);
@@ -81,7 +81,7 @@ Indices near_plane(Points points, const Indices& among, const Plane& plane, doub
 }
 
 // Three standard deviations of the points about their plane, by the median: walls that begin there do not widen it.
-double spread_m(Points points, const PlanePatch& patch) {
+double spread_m(PointSpan points, const PlanePatch& patch) {
   std::vector<double> distances;
   distances.reserve(patch.points.size());
   for (const std::uint32_t k : patch.points) {
@@ -92,7 +92,7 @@ double spread_m(Points points, const PlanePatch& patch) {
 
 // The points in columns where nothing rises from the plane or falls from it, as walls do: they have points on one side
 // of it only, which would shift it by millimetres. All points where few such columns are left.
-Indices clear_of_walls(Points points, const Indices& all, const Plane& plane, double thickness_m) {
+Indices clear_of_walls(PointSpan points, const Indices& all, const Plane& plane, double thickness_m) {
   std::vector<ColumnKey> walls;
   Indices near;
   for (const std::uint32_t k : all) {
@@ -108,7 +108,7 @@ Indices clear_of_walls(Points points, const Indices& all, const Plane& plane, do
 }
 
 // The plane that the points within a band about it have, the band as narrow as their noise.
-std::optional<PlanePatch> refined(Points points, const Indices& among, Plane plane, double thickness_m) {
+std::optional<PlanePatch> refined(PointSpan points, const Indices& among, Plane plane, double thickness_m) {
   std::optional<PlanePatch> patch;
   double band_m = thickness_m;
   for (int k = 0; k < kPointRounds; ++k) {
@@ -122,7 +122,8 @@ std::optional<PlanePatch> refined(Points points, const Indices& among, Plane pla
 
 // From where most columns end to the plane of those that end on one, however it is tilted; from there to the plane of
 // all points near it. Only the ends are asked at first, because walls would pull a tilted plane level.
-std::optional<PlanePatch> plane_at_ends(Points points, const Indices& columns, const Indices& all, double thickness_m) {
+std::optional<PlanePatch> plane_at_ends(PointSpan points, const Indices& columns, const Indices& all,
+                                        double thickness_m) {
   Plane plane{Point3(0.0, 0.0, 1.0), commonest_height_m(points, columns)};
   for (int k = 0; k < kColumnRounds; ++k) {
     const auto patch =
@@ -142,7 +143,7 @@ std::optional<PlanePatch> plane_at_ends(Points points, const Indices& columns, c
 double tilt_sine(const Plane& plane) { return std::sqrt(std::max(0.0, 1.0 - plane.normal.z() * plane.normal.z())); }
 
 // Whether enough of the patch's columns have the patch in all eight columns around them.
-bool is_wide(Points points, const Indices& patch) {
+bool is_wide(PointSpan points, const Indices& patch) {
   std::vector<ColumnKey> columns;
   columns.reserve(patch.size());
   for (const std::uint32_t k : patch) columns.push_back(column_of(points[k]));
@@ -161,7 +162,7 @@ bool is_wide(Points points, const Indices& patch) {
 }
 
 // The points farther out than the plane; `sign` is 1 for a floor, below which they lie, -1 for a ceiling.
-Indices beyond(Points points, const Indices& among, const Plane& plane, double sign, double margin_m) {
+Indices beyond(PointSpan points, const Indices& among, const Plane& plane, double sign, double margin_m) {
   Indices found;
   for (const std::uint32_t k : among) {
     if (sign * plane.distance_m(position_of(points[k])) < -margin_m) found.push_back(k);
@@ -171,7 +172,7 @@ Indices beyond(Points points, const Indices& among, const Plane& plane, double s
 
 // The outermost wide level plane at which columns end. Where too much lies beyond the first that is found, the columns
 // that end there are asked again.
-std::optional<PlanePatch> surface_of(Points points, Indices columns, const LevelSearch& search, double sign) {
+std::optional<PlanePatch> surface_of(PointSpan points, Indices columns, const LevelSearch& search, double sign) {
   Indices all(points.size());
   std::iota(all.begin(), all.end(), 0U);
   const auto total = static_cast<double>(points.size());

@@ -24,8 +24,9 @@ class Neighbours {
   /// All points within the distance, ascending.
   [[nodiscard]] std::vector<std::uint32_t> within(const Point3& point, double distance_m) const;
   [[nodiscard]] Point3 point(std::uint32_t k) const;
-  /// The normal of the plane through point k and the `count` points closest to it; nothing where they are fewer than
-  /// five, or as thick as `flat` times their lesser extent along it.
+  /// The unit normal, of either sign, of the least-squares plane of the `count` points closest to point k, itself among
+  /// them; nothing for fewer than five, or where their extent along it is not below `flat` times the lesser of the
+  /// other two.
   [[nodiscard]] std::optional<Point3> normal(std::uint32_t k, std::uint32_t count, double flat) const;
 
  private:

@@ -1,6 +1,5 @@
 // The colour maps, ways through CIELAB along which equal steps look equally large; the same bits on every host.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

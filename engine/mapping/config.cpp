@@ -167,8 +167,6 @@ std::optional<double> number_of(const Option& option) {
   return std::nullopt;
 }
 
-using namespace std::string_view_literals;
-
 constexpr std::array kPoseInterpolations{"linear"sv, "geodesic"sv, "odometry"sv};
 constexpr std::array kForms{"working"sv, "literal"sv};
 

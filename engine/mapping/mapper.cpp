@@ -34,7 +34,9 @@ struct Mapper::State {
 
   template <class Step>
   auto on_device(const Step& step);
-  void require_device() const;
+  template <class Step>
+  auto match_on_device(const Step& step);
+  void require_matcher() const;
   void fall_back(const DeviceError& error);
   void open_matcher();
   void count_work_of(Backend& backend);
@@ -68,7 +70,7 @@ struct Mapper::State {
 
   // The scan in hand, from start() to finish().
   bool in_hand = false;
-  bool is_matched = false;  // there is enough of it, and a map
+  bool is_matched = false;  // there is enough of it when it is thinned, and a map
   bool is_begun = false;    // the matcher is at work on it
   double stamp_s = 0.0;
   Prediction prediction;
@@ -76,9 +78,9 @@ struct Mapper::State {
   std::vector<PointCells> points;
 };
 
-// The one place where a device may fail: what was being done is done again on the CPU, with the map as the host knows
-// it and the scan in hand; or, without leave to fall back, the error goes to the caller. The device is asked for
-// nothing after its first error.
+// The one place where a device may fail while it maps: what was being done is done again on the CPU, with the map as
+// the host knows it and the scan in hand; or, without leave to fall back or from the CPU, the error goes to the caller.
+// The device is asked for nothing after its first error.
 template <class Step>
 auto Mapper::State::on_device(const Step& step) {
   try {
@@ -87,6 +89,17 @@ auto Mapper::State::on_device(const Step& step) {
     fall_back(error);
   }
   return step();
+}
+
+// Where matching fails for good the scan is lost, its motion is not.
+template <class Step>
+auto Mapper::State::match_on_device(const Step& step) {
+  try {
+    return on_device(step);
+  } catch (const DeviceError&) {
+    motion.correct(prediction.T_map_base, false);
+    throw;
+  }
 }
 
 // A matcher that walks on the host has its map there, whatever the device, which then has nothing to do.
@@ -108,7 +121,9 @@ void Mapper::State::open_matcher() {
   matcher = matcher_info(config.match.matcher).make(config, device ? device->field() : host.field);
 }
 
+// There is no way back from the CPU: what it failed at would fail again.
 void Mapper::State::fall_back(const DeviceError& error) {
+  const bool was_on_cpu = at_work == &host.field.backend();
   loss = error;
   loss_text = error.what();
   matcher.reset();
@@ -116,13 +131,14 @@ void Mapper::State::fall_back(const DeviceError& error) {
   if (device) device->update_host();
   device.reset();
   count_work_of(host.field.backend());
-  if (!options.fall_back) throw DeviceError(error);
+  if (!options.fall_back || was_on_cpu) throw DeviceError(error);
   open_matcher();
   if (options.warn) options.warn(loss_text + "; going on with the CPU, which gives the same results");
 }
 
-void Mapper::State::require_device() const {
-  if (loss && !options.fall_back) throw DeviceError(*loss);
+// Throws the error that left the mapper without a matcher.
+void Mapper::State::require_matcher() const {
+  if (loss && matcher == nullptr) throw DeviceError(*loss);
 }
 
 // The counts of a mapper are those of the backends that it worked on, while it did.
@@ -142,7 +158,6 @@ void Mapper::State::see(PointScan scan) {
   stamp_s = scan.stamp_s;
   points_m = std::move(scan.points_base_m);
   points = in_cells(points_m, config.map.resolution_m);
-  is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (points.size() <= Matcher::kMostPoints) return;
   const std::size_t every = (points.size() + Matcher::kMostPoints - 1) / Matcher::kMostPoints;
   std::size_t kept = 0;
@@ -157,6 +172,7 @@ void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
 
 // Equations (6) to (8) and (4) for a scan that can be matched; the first one is the map's origin.
 void Mapper::State::begin_match() {
+  is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (!is_matched) return;
   const StageTimer timer(statistics.stages.match_s);
   matcher->start(points, prediction, wants_search(prediction.T_map_base));
@@ -243,7 +259,7 @@ const GlobalField& Mapper::field() const {
 }
 
 std::vector<std::uint16_t> Mapper::download_device_cells() {
-  state_->require_device();
+  state_->require_matcher();
   return state_->device ? state_->device->field().download() : state_->host.field.download();
 }
 
@@ -261,10 +277,10 @@ void Mapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_bas
 void Mapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
   State& s = *state_;
   assert(!s.in_hand);
-  s.require_device();
+  s.require_matcher();
   s.see(std::move(scan));
-  s.predict(T_odom_base);                  // (5)
-  s.on_device([&s] { s.begin_match(); });  // (6), (7), (8), (4)
+  s.predict(T_odom_base);                        // (5)
+  s.match_on_device([&s] { s.begin_match(); });  // (6), (7), (8), (4)
   s.in_hand = true;
 }
 
@@ -272,7 +288,7 @@ MatchResult Mapper::finish() {
   State& s = *state_;
   assert(s.in_hand);
   s.in_hand = false;
-  MatchResult result = s.on_device([&s] { return s.locate(); });
+  MatchResult result = s.match_on_device([&s] { return s.locate(); });
   s.motion.correct(result.T_map_base, result.accepted);
   s.update_map(result);  // (1), (9), (10), (11)
   s.count(result);

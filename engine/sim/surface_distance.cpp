@@ -21,7 +21,7 @@ double sq_distance_to_segment(const Vec3& point_m, const Vec3& from, const Vec3&
   return rest.dot(rest);
 }
 
-struct Search {
+struct SurfaceSearch {
   const TriangleMesh* mesh = nullptr;
   Vec3 point_m{0.0, 0.0, 0.0};
   double sq_best = std::numeric_limits<double>::infinity();
@@ -38,7 +38,7 @@ struct Search {
 };
 
 bool propose_triangle(RTCPointQueryFunctionArguments* arguments) {
-  auto& search = *static_cast<Search*>(arguments->userPtr);
+  auto& search = *static_cast<SurfaceSearch*>(arguments->userPtr);
   if (!search.take(arguments->primID)) return false;
   // Triangles at the same distance must still be proposed, so the sphere stays a little larger.
   const auto radius = static_cast<float>(std::sqrt(search.sq_best) + kBoxPadding_m);
@@ -77,7 +77,7 @@ SurfaceDistance::SurfaceDistance(TriangleMesh mesh, const RayCasterOptions& opti
 const TriangleMesh& SurfaceDistance::mesh() const { return tree_->mesh(); }
 
 NearestSurface SurfaceDistance::nearest(const Vec3& point_m) const {
-  Search search;
+  SurfaceSearch search;
   search.mesh = &tree_->mesh();
   search.point_m = point_m;
   if (point_m.cwiseAbs().maxCoeff() <= kMaxCoordinate_m) {

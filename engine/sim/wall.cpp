@@ -30,7 +30,7 @@ void require_upright(std::vector<std::string>& faults, double base_m, double hei
   require(faults, is_inside(height_m, 1e-3, kMaxCoordinate_m), "height must be 1 mm to 1000 m");
 }
 
-struct Leg {
+struct WallLeg {
   Pose2 T_map_leg;  ///< origin at the leg's first point, x along the leg
   double length_m = 0.0;
   double lead_in_m = 0.0;  ///< how far the leg is drawn out beyond its ends to close the corners
@@ -42,7 +42,7 @@ double leg_length(const Wall& wall, std::size_t index) {
   return std::sqrt(along.x() * along.x() + along.y() * along.y());
 }
 
-Leg leg_of(const Wall& wall, std::size_t index) {
+WallLeg leg_of(const Wall& wall, std::size_t index) {
   const Point2& from = wall.points_m[index];
   const Point2 along = wall.points_m[(index + 1) % wall.points_m.size()] - from;
   const double half_m = 0.5 * wall.thickness_m;
@@ -55,7 +55,7 @@ Leg leg_of(const Wall& wall, std::size_t index) {
 }
 
 // The part of the leg between two distances along it.
-Box piece_of(const Wall& wall, const Leg& leg, double from_m, double to_m, double base_m, double height_m) {
+Box piece_of(const Wall& wall, const WallLeg& leg, double from_m, double to_m, double base_m, double height_m) {
   return {.centre_m = leg.T_map_leg * Point2(0.5 * (from_m + to_m), 0.0),
           .size_m = {to_m - from_m, wall.thickness_m},
           .yaw_rad = leg.T_map_leg.theta_rad,
@@ -63,7 +63,7 @@ Box piece_of(const Wall& wall, const Leg& leg, double from_m, double to_m, doubl
           .height_m = height_m};
 }
 
-Box leaf_of(const Wall& wall, const Leg& leg, const Door& door, const DoorLeaf& leaf) {
+Box leaf_of(const Wall& wall, const WallLeg& leg, const Door& door, const DoorLeaf& leaf) {
   const double hinge_m = leaf.hinge_at_far ? door.from_m + door.width_m : door.from_m;
   const double closed_rad = leaf.hinge_at_far ? kPi : 0.0;
   const double opening_rad = leaf.hinge_at_far ? -leaf.angle_rad : leaf.angle_rad;
@@ -90,7 +90,7 @@ std::span<const Door> doors_of_leg(const std::vector<Door>& in_order, std::size_
 }
 
 void add_leg(std::vector<Box>& boxes, const Wall& wall, std::size_t index, std::span<const Door> doors) {
-  const Leg leg = leg_of(wall, index);
+  const WallLeg leg = leg_of(wall, index);
   double from_m = -leg.lead_in_m;
   for (const Door& door : doors) {
     if (door.from_m > from_m) {

@@ -1,5 +1,5 @@
 // Where a point of the scan falls on a field and what the field holds there, to the bit as
-// gdtslam/compute/kernels/pose_cost.hpp has it.
+// engine/compute/kernels/pose_cost/pose_cost.hpp has it.
 //
 // The includer defines FIELD_WORD(i): 32-bit word i of the field, two cells of a row, the left one in the low half.
 // Offers: FieldView and field_view() (what does not change from point to point), CellRotation and cell_rotation(),

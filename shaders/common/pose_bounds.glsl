@@ -1,5 +1,5 @@
 // What the shaders of pose_bounds share: its bindings but for the points, where a point of a tile begins to read
-// (gdtslam/compute/kernels/pose_bounds.hpp) and how bytes come out of the field's words.
+// (engine/compute/kernels/pose_bounds/pose_bounds.hpp) and how bytes come out of the field's words.
 #ifndef GDTSLAM_POSE_BOUNDS_GLSL
 #define GDTSLAM_POSE_BOUNDS_GLSL
 

@@ -1,4 +1,4 @@
-// The cost of a prior at a pose (gdtslam/compute/kernels/pose_lattice.hpp, PriorParams).
+// The cost of a prior at a pose (engine/compute/kernels/pose_lattice/pose_lattice.hpp, PriorParams).
 #ifndef GDTSLAM_PRIOR_GLSL
 #define GDTSLAM_PRIOR_GLSL
 

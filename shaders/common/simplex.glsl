@@ -1,4 +1,4 @@
-// The downhill simplex on the cost of a pose (gdtslam/compute/kernels/pose_simplex.hpp, PoseSimplex).
+// The downhill simplex on the cost of a pose (engine/compute/kernels/pose_simplex/pose_simplex.hpp, PoseSimplex).
 //
 // The walk is one loop that costs one pose a turn and then decides what to cost next, so that invocations which stand at
 // different moves of their walks still cost their poses together.

@@ -1,5 +1,8 @@
 # Every sub-command, its help, and its errors: one line each. A semicolon would split a CMake list: a dot stands for it.
 get_property(commands GLOBAL PROPERTY GDTSLAM_COMMANDS)
+if(NOT "map" IN_LIST commands)
+  message(FATAL_ERROR "GDTSLAM_COMMANDS, which tools/CMakeLists.txt fills, lacks 'map': help would go untested")
+endif()
 foreach(command IN LISTS commands)
   gdtslam_cli_test(${command}.help ARGS ${command} --help STDOUT "^[A-Z].*\nUsage: gdtslam ${command} .*Examples:\n  gdtslam ${command}")
 endforeach()
@@ -64,6 +67,7 @@ gdtslam_cli_test(usage.measure_nothing ARGS measure {data}/bad.tum EXIT 2 STDERR
 gdtslam_cli_test(usage.measure_viewpoint ARGS measure {data}/bad.tum --boxes --viewpoint 1,2 EXIT 2 STDERR "--viewpoint: '1,2' is not X,Y,Z")
 gdtslam_cli_test(usage.measure_thickness ARGS measure {data}/bad.tum --planes --thickness 3deg EXIT 2 STDERR "--thickness")
 gdtslam_cli_test(usage.measure_sizes ARGS measure {data}/bad.tum --boxes --min-size 2m EXIT 2 STDERR "--min-size 2m is not below --max-size 1.5m")
+gdtslam_cli_test(usage.measure_close_sizes ARGS measure {data}/bad.tum --boxes --min-size 1.500001m EXIT 2 STDERR "--min-size 1.500001m is not below --max-size 1.5m")
 gdtslam_cli_test(usage.measure_csv ARGS measure {data}/bad.tum --boxes --planes --csv t.csv EXIT 2 STDERR "--csv writes one table")
 gdtslam_cli_test(usage.measure_points ARGS measure {data}/bad.tum --planes --min-points 2 EXIT 2 STDERR "--min-points: '2' is no whole number of at least 3")
 

@@ -19,6 +19,8 @@ TRUTH = LOG.with_suffix(".truth.tum")
 RUN = WORK / "run"
 DATA = WORK / "data"
 SKIP = 77
+# How many times as long as usual commands may take in this build.
+SLOWNESS = int(os.environ.get("GDTSLAM_CLI_SLOWNESS", "1"))
 
 
 def vulkan_devices(**options):
@@ -42,9 +44,16 @@ def environment(**changes):
     return {key: value for key, value in {**os.environ, **changes}.items() if value is not None}
 
 
+def environment_without_fonts(folder):
+    """The environment in which no font is found; its configuration is written into the folder."""
+    file = folder / "fonts.conf"
+    file.write_text("<?xml version='1.0'?><!DOCTYPE fontconfig SYSTEM 'fonts.dtd'><fontconfig></fontconfig>\n")
+    return environment(FONTCONFIG_FILE=str(file))
+
+
 def command(*arguments, **options):
     """Runs gdtslam; returns the finished process with text output."""
-    options.setdefault("timeout", 100)
+    options["timeout"] = SLOWNESS * options.get("timeout", 100)
     options.setdefault("stdin", subprocess.DEVNULL if "input" not in options else None)
     if options["stdin"] is None:
         del options["stdin"]
@@ -66,8 +75,8 @@ with open(sys.argv[1], "w") as file:
 def measured(*arguments, timeout=100, **options):
     """Runs gdtslam; exit code, all that it printed, the most memory that it held in MB, and seconds of CPU."""
     with tempfile.NamedTemporaryFile("r") as found:
-        subprocess.run([sys.executable, "-S", "-c", MEASURE, found.name, PROGRAM, *map(str, arguments)], check=True, timeout=timeout,
-                       **options)
+        subprocess.run([sys.executable, "-S", "-c", MEASURE, found.name, PROGRAM, *map(str, arguments)], check=True,
+                       timeout=timeout * SLOWNESS, **options)
         return tuple(json.load(found))
 
 
@@ -88,11 +97,11 @@ def expect(condition, message):
 def finish(process):
     """Waits for the end with the pipe to its standard input still open."""
     try:
-        process.wait(timeout=60)
+        process.wait(timeout=60 * SLOWNESS)
     except subprocess.TimeoutExpired:
         process.kill()
         expect(False, "the command did not end")
-    stdout, stderr = process.communicate(timeout=60)
+    stdout, stderr = process.communicate(timeout=60 * SLOWNESS)
     return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
 
 

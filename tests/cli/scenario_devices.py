@@ -102,7 +102,8 @@ def missing_vulkan_device():
 
 
 def vulkan_gives_the_same_bytes():
-    """Matchers on the CPU and on each device: the same map and trajectory, and the device did something."""
+    """Matchers on the CPU and on each device: the same map and trajectory. The device works for the matcher that walks
+    there, exhaustive, and for no other."""
     devices = require_vulkan()
     folder = fresh_folder("vulkan")
     schema = json.loads(command("config", "schema").stdout)
@@ -115,6 +116,8 @@ def vulkan_gives_the_same_bytes():
                             device["device"], "--no-fallback")
             expect(report["device"]["name"] == device["name"], f"mapped on {report['device']}")
             expect(results(report) == results(cpu), f"{matcher}: another result on {device['name']}")
+            submissions = report["submissions"]  # none to a CPU, whose kernels count as dispatches
+            expect((submissions > 0) == (matcher == "exhaustive"), f"{matcher}: {submissions} submissions")
 
 
 def verify_passes_and_is_remembered():
@@ -139,6 +142,8 @@ def verify_passes_and_is_remembered():
         # Only exhaustive walks on the device; the map of the other matchers stays on the host.
         if log["matcher"] == "exhaustive":
             expect(log["device"]["dispatches"] > log["scans"] and log["device"]["submissions"] > 0, f"{log['device']}")
+        else:
+            expect(log["device"]["dispatches"] == 0 and log["device"]["submissions"] == 0, f"{log['device']}")
         expect(log["device"]["copy_equal"], "copy")
     verified = vulkan_devices(env=env)[0]["verified"]
     expect(verified is not None and verified["passed"] and verified["logs"] == 2, f"{verified}")

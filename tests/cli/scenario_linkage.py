@@ -124,8 +124,7 @@ def linkage_pictures():
 def linkage_pictures_without_a_font():
     """No font at all: one line that names a package, not a picture without words; SVG needs none."""
     folder = cli.fresh_folder("linkage_pictures_without_a_font")
-    (folder / "fonts.conf").write_text("<?xml version='1.0'?><!DOCTYPE fontconfig SYSTEM 'fonts.dtd'><fontconfig></fontconfig>\n")
-    bare = cli.environment(FONTCONFIG_FILE=str(folder / "fonts.conf"))
+    bare = cli.environment_without_fonts(folder)
     process = command("linkage", "paper-b", "--picture", folder / "b.png", env=bare)
     expect_exit(process, 69)
     cli.one_error_line(process.stderr)

@@ -247,6 +247,10 @@ def reproduce_leaves_others_alone():
     expect({name: after.get(name) for name in before} == before, f"something of the user's changed: {sorted(after)}")
     expect({name.split("/")[1] for name in after if name.startswith("work/")} == {"film", "notes.txt"}, f"{sorted(after)}")
 
+    (folder / "empty/work").mkdir(parents=True)
+    reproduced(folder / "empty", "--only", "fig3")
+    expect((folder / "empty/work").is_dir(), "an empty folder of the user's is gone")
+
     reproduced(folder, "--only", "figA", "--force", "--keep-runs")
     (folder / "work/wall/drawing.svg").write_text("beside the log, in a folder of the program's")
     reproduced(folder, "--only", "fig3")

@@ -12,7 +12,7 @@
 #include <cairo.h>
 #include <fmt/format.h>
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 using Pixel = std::array<int, 4>;  // red, green, blue, alpha; premultiplied
@@ -178,4 +178,4 @@ void write_png(const RgbaImage& image, const std::string& path) {
 
 RgbaImage golden(const std::string& name) { return read_png(golden_path(name)); }
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -9,7 +9,7 @@
 
 #include "gdtslam/drawing/image.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 
 struct ImageDifference {
   double mean = 0.0;         ///< of the absolute differences of all channels, 0 to 255
@@ -40,4 +40,4 @@ void write_png(const RgbaImage& image, const std::string& path);
 /// The golden itself, for faults that must not meet it. Throws std::runtime_error where there is none.
 RgbaImage golden(const std::string& name);
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

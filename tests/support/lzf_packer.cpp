@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <map>
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 constexpr std::size_t kMostLiterals = 32;
@@ -56,4 +56,4 @@ std::string pack_lzf(std::string_view data) {
   return packed;
 }
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

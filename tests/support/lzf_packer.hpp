@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 
 std::string pack_lzf(std::string_view data);
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

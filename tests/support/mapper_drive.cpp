@@ -29,15 +29,17 @@ MapperConfig quick_config(MatcherKind matcher) {
   return config;
 }
 
-std::vector<std::uint16_t> cells_of(const GlobalField& field) {
+std::vector<std::uint16_t> cells_of(const GlobalField& field) { return cells_without_padding(field.cells(), field); }
+
+std::vector<std::uint16_t> cells_without_padding(std::span<const std::uint16_t> cells, const GlobalField& field) {
   const GridGeometry grid = field.geometry();
-  const auto all = field.cells();
-  std::vector<std::uint16_t> cells;
+  EXPECT_EQ(cells.size(), std::size_t{field.stride()} * static_cast<std::size_t>(grid.height));
+  std::vector<std::uint16_t> kept;
   for (std::size_t y = 0; y < static_cast<std::size_t>(grid.height); ++y) {
-    const auto row = all.subspan(y * field.stride(), static_cast<std::size_t>(grid.width));
-    cells.insert(cells.end(), row.begin(), row.end());
+    const auto row = cells.subspan(y * field.stride(), static_cast<std::size_t>(grid.width));
+    kept.insert(kept.end(), row.begin(), row.end());
   }
-  return cells;
+  return kept;
 }
 
 MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& config, Backend& backend,

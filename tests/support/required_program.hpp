@@ -1,4 +1,4 @@
-// Tests of what needs programs of others: ffmpeg, an X server.
+// Tests of what needs programs of others: ffmpeg and ffprobe.
 #pragma once
 
 #include <gtest/gtest.h>

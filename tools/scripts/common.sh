@@ -1,5 +1,6 @@
-# Sourced by tools/run.sh and tools/test.sh: numbered steps with their times, and a configure that survives a tree which
-# was moved, interrupted or set up with another generator. Needs: set -euo pipefail, $root and $step_count.
+# Sourced by tools/{run,test,soak}.sh and scripts/fuzz.sh: numbered steps with their times, and a configure that
+# survives a tree which was moved, interrupted or set up with another generator. Needs: set -euo pipefail, $root and
+# $step_count.
 # shellcheck shell=bash
 
 : "${root:?the source folder}" "${step_count:?the number of steps}"

@@ -37,7 +37,7 @@ std::string egl_error_name(EGLint code) {
   return found != names.end() ? found->second : "EGL error " + std::to_string(code);
 }
 
-[[noreturn]] void fail(const std::string& name, const std::string& call) {
+[[noreturn]] void fail_egl(const std::string& name, const std::string& call) {
   throw DeviceError(name, call, egl_error_name(eglGetError()));
 }
 
@@ -55,7 +55,8 @@ class DisplayUse {
  public:
   DisplayUse(EGLDisplay display, const std::string& name) : display_(display) {
     const std::lock_guard lock(mutex());
-    if (counts()[display] == 0 && eglInitialize(display, nullptr, nullptr) == EGL_FALSE) fail(name, "eglInitialize");
+    if (counts()[display] == 0 && eglInitialize(display, nullptr, nullptr) == EGL_FALSE)
+      fail_egl(name, "eglInitialize");
     ++counts()[display];
   }
   ~DisplayUse() {
@@ -82,12 +83,12 @@ class EglContext : public GlContext {
  public:
   EglContext(std::shared_ptr<const DisplayUse> display, EGLConfig config, bool has_surface, std::string name)
       : display_(std::move(display)), name_(std::move(name)) {
-    if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) fail(name_, "eglBindAPI(EGL_OPENGL_API)");
+    if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) fail_egl(name_, "eglBindAPI(EGL_OPENGL_API)");
     const std::array<EGLint, 7> attributes{
         EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 2, EGL_CONTEXT_OPENGL_PROFILE_MASK,
         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     context_ = eglCreateContext(display_->get(), config, EGL_NO_CONTEXT, attributes.data());
-    if (context_ == EGL_NO_CONTEXT) fail(name_, "eglCreateContext");
+    if (context_ == EGL_NO_CONTEXT) fail_egl(name_, "eglCreateContext");
     if (!has_surface) return;
     const std::array<EGLint, 5> one_pixel{EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
     surface_ = eglCreatePbufferSurface(display_->get(), config, one_pixel.data());
@@ -103,7 +104,7 @@ class EglContext : public GlContext {
     eglDestroyContext(display_->get(), context_);
   }
   void make_current() override {
-    if (eglMakeCurrent(display_->get(), surface_, surface_, context_) == EGL_FALSE) fail(name_, "eglMakeCurrent");
+    if (eglMakeCurrent(display_->get(), surface_, surface_, context_) == EGL_FALSE) fail_egl(name_, "eglMakeCurrent");
   }
   [[nodiscard]] bool is_current() const override { return eglGetCurrentContext() == context_; }
 
@@ -116,16 +117,21 @@ class EglContext : public GlContext {
 
 // Whether there is a configuration with this kind of surface.
 bool choose_config(EGLDisplay display, EGLint surface_type, const std::string& name, EGLConfig& config) {
-  const std::array<std::array<EGLint, 2>, 7> attributes{{{EGL_SURFACE_TYPE, surface_type},
-                                                         {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT},
-                                                         {EGL_RED_SIZE, 8},
-                                                         {EGL_GREEN_SIZE, 8},
-                                                         {EGL_BLUE_SIZE, 8},
-                                                         {EGL_ALPHA_SIZE, 8},
-                                                         {EGL_NONE, 0}}};
+  const std::array<EGLint, 13> attributes{EGL_SURFACE_TYPE,
+                                          surface_type,
+                                          EGL_RENDERABLE_TYPE,
+                                          EGL_OPENGL_BIT,
+                                          EGL_RED_SIZE,
+                                          8,
+                                          EGL_GREEN_SIZE,
+                                          8,
+                                          EGL_BLUE_SIZE,
+                                          8,
+                                          EGL_ALPHA_SIZE,
+                                          8,
+                                          EGL_NONE};
   EGLint count = 0;
-  if (eglChooseConfig(display, attributes.front().data(), &config, 1, &count) == EGL_FALSE)
-    fail(name, "eglChooseConfig");
+  if (eglChooseConfig(display, attributes.data(), &config, 1, &count) == EGL_FALSE) fail_egl(name, "eglChooseConfig");
   return count > 0;
 }
 

@@ -17,10 +17,11 @@
 namespace gdtslam::page {
 namespace {
 
-/// The row of the table that a crank angle belongs to, with its fraction.
+/// The row of the table that a crank angle belongs to, with its fraction; below kCrankSteps, also where an angle just
+/// below zero is a whole turn by rounding.
 double step_at(double crank_rad) {
   const double turned = crank_rad / kTwoPi;
-  return (turned - std::floor(turned)) * kCrankSteps;
+  return std::fmod((turned - std::floor(turned)) * kCrankSteps, kCrankSteps);
 }
 
 /// Begin and end of the lift; none for a linkage that is no crank-rocker. And where the motion starts.
@@ -112,6 +113,7 @@ void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string
   const double beam_m = 1.15 * farthest_m + 0.35 * bars.rocker_m;
   const Point2 corner(bars.crank_m, bars.crank_m);
   Eigen::AlignedBox2d covered(-corner, corner);
+  covered.extend(rocker_pivot);
   ByteWriter bytes(std::size_t{32} * kCrankSteps);
   for (int step = 0; step < kCrankSteps; ++step) {
     const auto position = calib::position_at(model, kTwoPi * step / kCrankSteps);

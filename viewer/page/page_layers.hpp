@@ -25,7 +25,8 @@ void write_map(const OccupancyMap& map, JsonWriter& json, std::string& elements)
 /// The linkage at kCrankSteps crank angles of calib/four_bar.hpp from 0 on (theta_input), eight float32 each: joints A
 /// and B, the middle of the coupler (x forward, z up, metres, from the crank's pivot; turned so that elevation 0 is
 /// level), elevation, transmission angle. Not a number where the loop does not close. The description has how long the
-/// laser's line is drawn and what all positions together cover.
+/// laser's line is drawn, what all positions together cover, both pivots included, and the step at which motion starts:
+/// the begin of the lift.
 inline constexpr int kCrankSteps = 720;
 void write_linkage(const calib::SweepModel& model, JsonWriter& json, std::string& elements);
 

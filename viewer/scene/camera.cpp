@@ -23,17 +23,6 @@ bool Bounds::holds(const Point3& point) const {
   return (lowest.array() <= point.array()).all() && (point.array() <= highest.array()).all();
 }
 
-const std::vector<CameraPresetName>& camera_presets() {
-  static const std::vector<CameraPresetName> presets{
-      {CameraPreset::kIso, "iso", "from a corner, 38 degrees down"},
-      {CameraPreset::kTop, "top", "straight down, without perspective"},
-      {CameraPreset::kFront, "front", "along y, without perspective"},
-      {CameraPreset::kSide, "side", "along -x, without perspective"},
-      {CameraPreset::kFollow, "follow", "behind and above the robot"},
-  };
-  return presets;
-}
-
 CameraBasis basis_of(const Camera& camera) {
   const Point3 forward = (camera.target - camera.eye).normalized();
   Point3 right = forward.cross(camera.up.normalized());

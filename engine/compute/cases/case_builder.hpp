@@ -66,6 +66,9 @@ T in_turn(const T (&list)[kCount], std::uint32_t turn) {
 /// A number that a device may take for 0 (below 2^-126): no result may depend on whether it does.
 inline constexpr float kSubnormal = 1.0e-40F;
 
+/// Largest distances of the transforms' cases, in cells.
+inline constexpr std::uint32_t kCaseRadii[] = {1, 20, 255};
+
 /// The patterns of seeds that sizes are combined with.
 inline constexpr SeedPattern kCasePatterns[] = {SeedPattern::kNone, SeedPattern::kOne, SeedPattern::kSparse,
                                                 SeedPattern::kHalf, SeedPattern::kAll, SeedPattern::kChecks};

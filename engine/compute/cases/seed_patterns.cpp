@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "gdtslam/core/random.hpp"
 #include "kernel_cases.hpp"
@@ -85,8 +86,10 @@ void draw(SeedPattern pattern, const Canvas& canvas, Random& random) {
 }  // namespace
 
 std::string_view to_string(SeedPattern pattern) {
-  constexpr std::string_view kNames[] = {"none", "one", "1%", "50%", "all", "corners", "checks", "walls"};
-  return kNames[static_cast<std::size_t>(pattern)];
+  static constexpr std::array<std::string_view, 8> kNames{"none", "one",     "1%",     "50%",
+                                                          "all",  "corners", "checks", "walls"};
+  static_assert(kNames.size() == static_cast<std::size_t>(SeedPattern::kWalls) + 1);
+  return kNames.at(static_cast<std::size_t>(pattern));
 }
 
 std::vector<std::uint8_t> make_seeds(SeedPattern pattern, std::uint32_t width, std::uint32_t height,

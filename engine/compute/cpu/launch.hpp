@@ -1,4 +1,5 @@
-// What the kernels' adapters share: typed views of a launch, the checks of its sizes, and the rows of the registry.
+// What the rows of the kernels share: typed views of a launch, the checks of its sizes, the call of a kernel's function
+// with them, and the making of the row.
 #pragma once
 
 #include <atomic>

@@ -1,13 +1,12 @@
-// Direct calls of the CPU kernels, for host code that works sequentially on a mirror of the field and cannot afford a
-// dispatch: the same functions that the CPU backend runs, on the caller's thread, without checks of sizes (asserts
-// only). Parameters, layouts and arithmetic are those of kernels/*.hpp. Grids need no padding: nothing outside [0,
-// width) of a row is read or written. Thread-safe.
+// Direct calls of the CPU kernels, for host code that works sequentially on a field in the host's memory and cannot
+// afford a dispatch, and for tests: the same functions that the CPU backend runs, on the caller's thread, without
+// checks of sizes (asserts only). Parameters, layouts and arithmetic are those of kernels/*.hpp. Grids need no padding:
+// nothing outside [0, width) of a row is read or written. Thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
-#include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
@@ -49,6 +48,8 @@ void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, co
                              const BoundPoint* points, const PoseCandidate* boxes, std::uint32_t count,
                              PoseMinorant::Value* values);
 
+// The tests' references for the kernels of the same names; no other code calls these.
+
 /// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
 void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,
               std::uint16_t* sq_distance);
@@ -57,10 +58,6 @@ void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* see
 void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span<const std::uint32_t> steps,
                      const std::uint8_t* seeds, std::uint32_t* nearest, std::uint32_t* scratch,
                      std::uint16_t* sq_distance);
-
-/// Field cells from squared distances.
-void distance_field_host(Isa isa, const DistanceField::Params& params, const std::uint16_t* sq_distance,
-                         const std::uint16_t* table, std::uint16_t* field);
 
 /// Merges a scan's field into the global one.
 void gdt_merge_host(Isa isa, const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan);

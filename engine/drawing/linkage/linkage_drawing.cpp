@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/ticks.hpp"
 
@@ -16,6 +15,7 @@ namespace {
 
 using calib::LinkageCycle;
 using calib::LinkagePosition;
+using calib::unit_at;
 
 constexpr double kWidth = 1280.0;
 constexpr double kHeight = 800.0;
@@ -30,11 +30,6 @@ constexpr double kEighthTurn = 0.25 * kPi;
 /// Of the page: crank's pivot, crank's end, coupler's end, rocker's pivot.
 using Joints = std::array<Point2, 4>;
 
-Point2 direction(double angle_rad) {
-  const SinCos<double> unit = sin_cos(angle_rad);
-  return {unit.cos, unit.sin};
-}
-
 Point2 unit_vector(const Point2& v) { return v / std::sqrt(v.x() * v.x() + v.y() * v.y()); }
 
 /// The linkage's plane on the page.
@@ -45,11 +40,10 @@ class Stage {
     const Point2 crank_pivot = cycle.positions().front().joints[0];
     Eigen::AlignedBox2d covered(Point2::Zero());
     for (int i = 0; i < 8; ++i) {
-      covered.extend(crank_pivot +
-                     1.25 * bars.crank_m * direction(kEighthTurn * i + cycle.model().elevation_offset_rad));
+      covered.extend(crank_pivot + 1.25 * bars.crank_m * unit_at(kEighthTurn * i + cycle.model().elevation_offset_rad));
     }
     for (const LinkagePosition& position : cycle.positions()) {
-      covered.extend(kBeam * bars.rocker_m * direction(position.elevation_rad));
+      covered.extend(kBeam * bars.rocker_m * unit_at(position.elevation_rad));
     }
     const Point2 size = covered.sizes();
     pixels_per_m = std::min(area.width / size.x(), area.height / size.y());
@@ -65,7 +59,7 @@ class Stage {
   }
   /// On the laser's plane, `share` rockers from the pivot.
   [[nodiscard]] Point2 beam(const LinkagePosition& position, double share = kBeam) const {
-    return at(share * cycle_.model().bars.rocker_m * direction(position.elevation_rad));
+    return at(share * cycle_.model().bars.rocker_m * unit_at(position.elevation_rad));
   }
 
   double pixels_per_m = 1.0;
@@ -158,7 +152,7 @@ void draw_turning(Canvas& canvas, const LinkageCycle& cycle, const Stage& stage,
   std::vector<Point2> arc;
   for (int i = 0; i <= kArcSteps; ++i) {
     const double angle_rad = crank_rad + side * (kAhead_rad + kArc_rad * i / kArcSteps);
-    arc.push_back(stage.at(calib::place_in_mount(cycle.model(), radius_m * direction(angle_rad))));
+    arc.push_back(stage.at(calib::place_in_mount(cycle.model(), radius_m * unit_at(angle_rad))));
   }
   canvas.polyline(arc, {.colour = ink::kCrank, .width = 2.0});
   const Point2 tip = arc.back();

@@ -3,6 +3,8 @@
 // text size, so that a small picture has fewer things in it, never unreadable ones. One object belongs to one thread.
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "calib/linkage/linkage_cycle.hpp"
@@ -13,6 +15,8 @@ namespace gdtslam {
 
 class Plot;
 struct Axis;
+
+inline constexpr double kPoor_deg = 40.0;  ///< calib::kPoorTransmission_rad as people write it
 
 /// Where everything is in a picture; an area without width is left out.
 struct LinkageSheet {
@@ -40,6 +44,7 @@ struct LinkagePanelLook {
 
 class LinkagePanel {
  public:
+  /// `cycle` must outlive this.
   LinkagePanel(const calib::LinkageCycle& cycle, const LinkagePanelLook& look);
 
   /// Page and cards, then header and bars; the scene is drawn next, over its card.

@@ -18,7 +18,6 @@ constexpr double kPanelShare = 0.39;   ///< of a wide picture's width
 constexpr double kLeastWidth = 360.0;
 constexpr double kLeastHeight = 240.0;
 constexpr double kRoomyHeight = 38.0;  ///< of the panel, in letters: enough for a plot of the transmission angle
-constexpr double kPoor_deg = 40.0;     ///< calib::kPoorTransmission_rad as it is written
 
 /// By the crank, with a gap where a curve leaves the axis at one side and comes back on the other.
 std::vector<Point2> in_order(std::vector<Point2> curve, bool is_turning, double most_jump) {

@@ -17,7 +17,6 @@ namespace {
 constexpr Fill kLift{.colour = ink::kRocker, .opacity = 0.10};
 constexpr Fill kReturn{.colour = ink::kCrank, .opacity = 0.09};
 constexpr double kKeyStrength = 2.2;  ///< a small patch of a pale colour needs more of it
-constexpr double kPoor_deg = 40.0;    ///< calib::kPoorTransmission_rad as people write it
 constexpr double kFolded_deg = 90.0;  ///< transmission angles are at most so
 
 /// From one crank angle on in a direction, in pieces where the axis ends between them.

@@ -37,14 +37,14 @@ CellSheet sheet_of(const CellBox& part, const MapLook& look) {
   constexpr double kLeastCell = 34.0;
   constexpr double kMostCell = 56.0;
   constexpr double kSheet = 900.0;
-  constexpr double kLeastWidth = 480.0;  // what the legend needs
+  constexpr double kLeastCellWidth = 480.0;  // what the legend needs
   constexpr double kIndexRoom = 26.0;
   CellSheet sheet;
   sheet.part = part;
   sheet.cell_px = std::clamp(std::floor(kSheet / std::max(part.width(), part.height())), kLeastCell, kMostCell);
   const double wide = sheet.cell_px * part.width();
   const double header = (look.title.empty() ? 0.0 : 34.0) + (look.subtitle.empty() ? 0.0 : 24.0);
-  sheet.width = std::max(kLeastWidth, wide + 2.0 * kMargin + kIndexRoom);
+  sheet.width = std::max(kLeastCellWidth, wide + 2.0 * kMargin + kIndexRoom);
   sheet.corner = {std::floor(0.5 * (sheet.width - wide + kIndexRoom)), kMargin + header};
   sheet.height = sheet.corner.y() + sheet.cell_px * part.height() + kIndexRoom + 3.2 * kBody + kMargin;
   return sheet;

@@ -17,6 +17,13 @@ constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
 constexpr double kKeyframeRadius = 2.1;
 
+/// Whether Cairo can place it: its coordinates end at 2^23 pixels. False for what is not finite.
+bool is_drawable(const MapFrame& frame, const Pose2& pose) {
+  constexpr double kFarthest_px = 1e6;
+  const Point2 at = frame.pixel_of(pose.translation());
+  return pose.is_finite() && std::fabs(at.x()) <= kFarthest_px && std::fabs(at.y()) <= kFarthest_px;
+}
+
 /// What is drawn of the path: no two points nearer than can be seen, so that a robot that stands costs nothing.
 struct PathPoint {
   Point2 at;
@@ -26,7 +33,7 @@ std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& traj
   const std::vector<double> shares = time_shares(trajectory);
   std::vector<PathPoint> points;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    if (!trajectory[i].T_map_base.is_finite()) continue;
+    if (!is_drawable(frame, trajectory[i].T_map_base)) continue;
     const Point2 at = frame.pixel_of(trajectory[i].T_map_base.translation());
     const bool is_last = i + 1 == trajectory.size();
     if (points.empty() || is_last || (at - points.back().at).norm() >= least_px) points.push_back({at, shares[i]});
@@ -60,7 +67,7 @@ std::vector<Cluster> clusters_of(const MapFrame& frame, const PathOverlay& overl
   std::vector<Cluster> clusters;
   for (const std::size_t index : overlay.doubtful) {
     const Pose2& pose = overlay.trajectory[index].T_map_base;
-    if (!pose.is_finite()) continue;
+    if (!is_drawable(frame, pose)) continue;
     const Point2 at = frame.pixel_of(pose.translation());
     auto near = std::find_if(clusters.begin(), clusters.end(),
                              [&](const Cluster& cluster) { return (cluster.centre() - at).norm() < reach_px; });
@@ -94,7 +101,7 @@ void draw_keyframes(Canvas& canvas, const MapFrame& frame, const PathOverlay& ov
   std::set<std::pair<std::int64_t, std::int64_t>> taken;
   for (const std::size_t index : overlay.keyframes) {
     const Pose2& pose = overlay.trajectory[index].T_map_base;
-    if (!pose.is_finite()) continue;
+    if (!is_drawable(frame, pose)) continue;
     const Point2 at = frame.pixel_of(pose.translation());
     const std::pair key{static_cast<std::int64_t>(std::floor(at.x() / apart)),
                         static_cast<std::int64_t>(std::floor(at.y() / apart))};

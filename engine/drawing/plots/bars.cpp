@@ -10,11 +10,6 @@ namespace gdtslam {
 namespace {
 
 constexpr int kBands = 128;
-constexpr double kTick_px = 4.0;
-/// Letters of the ticks, of the title's size.
-constexpr double kTickLetters = 0.92;
-/// From the base line to the middle of figures, of their size.
-constexpr double kHalfFigure = 0.36;
 
 Ticks ticks_along(const ColourBar& bar) {
   const double room = bar.is_upright ? 2.4 * bar.text_size : 4.5 * bar.text_size;

@@ -10,6 +10,13 @@
 
 namespace gdtslam {
 
+/// Length of a tick, of bars and of axes.
+inline constexpr double kTick_px = 4.0;
+/// Size of the ticks' letters, as a share of the text's.
+inline constexpr double kTickLetters = 0.92;
+/// From the base line to the middle of figures, as a share of their size.
+inline constexpr double kHalfFigure = 0.36;
+
 struct ColourBar {
   const ColourMap* map = nullptr;
   double from = 0.0;  ///< value at the map's first colour

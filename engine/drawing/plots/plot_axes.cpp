@@ -4,17 +4,13 @@
 #include <limits>
 
 #include "engine/drawing/letters.hpp"
+#include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/plot.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr int kMostTicks = 10;
-constexpr double kTick_px = 4.0;
-/// Letters of the ticks, of the text size.
-constexpr double kTickLetters = 0.92;
-/// From the base line to the middle of figures, of their size.
-constexpr double kHalfFigure = 0.36;
 
 /// A range that can be drawn: finite and not empty.
 void mend(Axis& axis) {

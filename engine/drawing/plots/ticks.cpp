@@ -105,11 +105,11 @@ std::string counted(std::uint64_t value, const std::string& noun) {
 }
 
 std::string length_text(double length_m) {
-  struct Unit {
+  struct LengthUnit {
     double length_m;
     const char* name;
   };
-  for (const Unit& unit : {Unit{1000.0, "km"}, Unit{1.0, "m"}, Unit{0.01, "cm"}}) {
+  for (const LengthUnit& unit : {LengthUnit{1000.0, "km"}, LengthUnit{1.0, "m"}, LengthUnit{0.01, "cm"}}) {
     if (length_m >= unit.length_m * (1.0 - 1e-9)) return fmt::format("{:.6g} {}", length_m / unit.length_m, unit.name);
   }
   return fmt::format("{:.6g} mm", length_m * 1000.0);

@@ -40,6 +40,7 @@ constexpr std::array<ScalarKind, 10> kScalars{{{1, decoded<std::int8_t>, {"char"
                                                {8, decoded<std::uint64_t>, {"uint64", "uint64", "U8"}},
                                                {4, decoded<float>, {"float", "float32", "F4"}},
                                                {8, decoded<double>, {"double", "float64", "F8"}}}};
+static_assert(kScalars.size() == static_cast<std::size_t>(Scalar::kDouble) + 1);
 
 const ScalarKind& kind_of(Scalar type) { return kScalars[static_cast<std::size_t>(type)]; }
 

@@ -10,11 +10,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMostColumns = 1000;
+constexpr std::size_t kMostProperties = 1000;
 constexpr std::size_t kMostElements = 100;
-constexpr std::uint64_t kMostLines = 100'000;
+constexpr std::uint64_t kMostHeaderLines = 100'000;
 
-using Words = std::vector<std::string_view>;
+using LineWords = std::vector<std::string_view>;
 
 Scalar scalar_of(std::string_view word, const FilePosition& at) {
   const bool is_of_pcd = !word.empty() && word[0] <= 'Z';
@@ -23,7 +23,7 @@ Scalar scalar_of(std::string_view word, const FilePosition& at) {
   return *type;
 }
 
-void set_format(const Words& words, PlyHeader& header, const FilePosition& at) {
+void set_format(const LineWords& words, PlyHeader& header, const FilePosition& at) {
   if (words.size() < 2) throw InputError(at, "the format is missing: ascii, binary_little_endian, binary_big_endian");
   header.format = words[1] == "ascii" ? CloudFormat::kPlyAscii : CloudFormat::kPlyBinary;
   header.is_big_endian = words[1] == "binary_big_endian";
@@ -33,13 +33,13 @@ void set_format(const Words& words, PlyHeader& header, const FilePosition& at) {
   }
 }
 
-CloudElement element_of(const Words& words, const FilePosition& at) {
+CloudElement element_of(const LineWords& words, const FilePosition& at) {
   const std::optional<std::uint64_t> count = words.size() == 3 ? count_of(words[2]) : std::nullopt;
   if (!count) throw InputError(at, "expected 'element NAME COUNT'");
   return {.count = *count, .is_vertex = words[1] == "vertex", .is_face = words[1] == "face", .columns = {}};
 }
 
-CloudColumn column_of(const Words& words, const FilePosition& at) {
+CloudColumn column_of(const LineWords& words, const FilePosition& at) {
   if (words.size() == 3) return {.type = scalar_of(words[1], at), .role = role_of(words[2])};
   if (words.size() == 5 && words[1] == "list") {
     const Scalar count = scalar_of(words[2], at);
@@ -65,7 +65,7 @@ void sort_elements(std::vector<CloudElement> elements, CloudFileLayout& layout, 
 }
 
 // What a line between "ply" and "end_header" says.
-void take(const Words& words, PlyHeader& header, const FilePosition& at) {
+void take(const LineWords& words, PlyHeader& header, const FilePosition& at) {
   std::vector<CloudElement>& elements = header.elements;
   if (words[0] == "format") {
     set_format(words, header, at);
@@ -74,7 +74,7 @@ void take(const Words& words, PlyHeader& header, const FilePosition& at) {
     elements.push_back(element_of(words, at));
   } else if (words[0] == "property") {
     if (elements.empty()) throw InputError(at, "a property before the first element");
-    if (elements.back().columns.size() == kMostColumns) throw InputError(at, "more than 1000 properties");
+    if (elements.back().columns.size() == kMostProperties) throw InputError(at, "more than 1000 properties");
     elements.back().columns.push_back(column_of(words, at));
   } else {
     throw InputError(at, fmt::format("{} is no keyword of a PLY header", in_quotes(words[0])));
@@ -88,8 +88,8 @@ PlyHeader read_ply_elements(CloudInput& input) {
   bool has_format = false;
   while (const std::optional<std::string_view> line = input.line()) {
     const FilePosition at{input.name(), input.line_number()};
-    if (at.line > kMostLines) throw InputError(at, "the PLY header has more than 100000 lines");
-    const Words words = words_of(*line);
+    if (at.line > kMostHeaderLines) throw InputError(at, "the PLY header has more than 100000 lines");
+    const LineWords words = words_of(*line);
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] != "end_header") {
       take(words, header, at);

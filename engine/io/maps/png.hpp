@@ -13,10 +13,11 @@ namespace gdtslam {
 struct Grey16Image {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::vector<std::uint16_t> pixels;
+  std::vector<std::uint16_t> pixels;  ///< width * height, values of the host
 };
 
-/// The file's bytes. Throws Error when libpng refuses (a side of 0 or beyond 2^31 - 1 pixels).
+/// The file's bytes. Throws Error for a side of 0 or beyond 2^31 - 1 pixels, for another number of pixels than that,
+/// and where libpng has no memory.
 std::string encode_png(const Grey16Image& image);
 /// Of red, green, blue and alpha.
 std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);

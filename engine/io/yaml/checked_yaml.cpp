@@ -6,11 +6,10 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/yaml/yaml_file.hpp"
 
 namespace gdtslam {
 namespace {
-
-std::uint64_t line_of(const YAML::Mark& mark) { return mark.is_null() ? 0 : static_cast<std::uint64_t>(mark.line) + 1; }
 
 constexpr std::size_t kMostTextBytes = std::size_t{1} << 16;  // an alias may repeat a text a hundred thousand times
 constexpr std::size_t kMostNumberBytes = 200;
@@ -35,7 +34,7 @@ YamlValue::YamlValue(const YAML::Node& node, std::string file, std::string name)
     : node_(node), file_(std::move(file)), name_(std::move(name)) {}
 
 void YamlValue::refuse(const std::string& fault) const {
-  throw ConfigError({file_, line_of(node_.Mark())}, one_line(name_.empty() ? fault : name_ + ": " + fault, kMostShown));
+  throw ConfigError({file_, line_of(node_)}, one_line(name_.empty() ? fault : name_ + ": " + fault, kMostShown));
 }
 
 void YamlValue::require_none(const std::vector<std::string>& faults) const {

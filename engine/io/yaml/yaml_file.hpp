@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <cstdint>
 #include <string>
 
 #include "gdtslam/core/error.hpp"
@@ -10,6 +11,7 @@
 
 namespace gdtslam {
 
+/// Counted from 1; 0 where it is unknown.
 inline std::uint64_t line_of(const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.line < 0 ? 0 : static_cast<std::uint64_t>(mark.line) + 1;

@@ -15,7 +15,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kMostShown = 400;  // bytes of yaml-cpp's message, which may quote the file
+constexpr std::size_t kMostQuoted = 400;  // bytes of yaml-cpp's message, which may quote the file
 
 bool is_nested_too_deep(std::string_view text) {
   constexpr int kMaxDepth = 32;
@@ -105,7 +105,7 @@ YAML::Node parse_yaml(const std::string& text, const std::string& name) {
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     const std::uint64_t line = error.mark.is_null() ? 0 : static_cast<std::uint64_t>(error.mark.line) + 1;
-    throw Failure({name, line}, "is not valid YAML: " + one_line(error.msg, kMostShown));
+    throw Failure({name, line}, "is not valid YAML: " + one_line(error.msg, kMostQuoted));
   }
 }
 

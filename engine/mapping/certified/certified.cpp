@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <string>
 
@@ -68,6 +69,7 @@ void check(std::span<const PointCells> points, const PoseWindow& window, const C
 }  // namespace
 
 FieldView field_view(const GlobalField& map) {
+  assert(map.box().empty() || !map.cells().empty());  // it lives where the host sees it
   const GridGeometry grid = map.geometry();
   return {.cells = map.cells().data(),
           .width = static_cast<std::uint32_t>(grid.width),
@@ -101,6 +103,7 @@ bool ExcludedPoses::hold(const Pose2& pose) const {
 std::string_view to_string(CertifiedStop stop) {
   static constexpr std::array<std::string_view, 6> kNames{"gap-reached", "bound-reached", "box-limit",
                                                           "time-limit",  "resolution",    "nothing-allowed"};
+  static_assert(kNames.size() == static_cast<std::size_t>(CertifiedStop::kNothingAllowed) + 1);
   return kNames.at(static_cast<std::size_t>(stop));
 }
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/map/device_memory.hpp"

@@ -9,7 +9,6 @@
 
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
-#include "engine/mapping/cost/objective.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
@@ -80,7 +79,6 @@ class Objective {
 
   [[nodiscard]] CellPose to_cells(const Pose2& T_map_base) const;
   [[nodiscard]] Pose2 to_metres(const CellPose& pose) const;
-  [[nodiscard]] CellIndex anchor() const { return anchor_; }
   [[nodiscard]] std::span<const PointCells> points() const { return points_; }
   [[nodiscard]] std::uint64_t evaluations() const { return evaluations_; }
 

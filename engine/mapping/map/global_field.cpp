@@ -52,6 +52,7 @@ std::uint16_t GlobalField::cap() const { return field_cap(radius_); }
 
 std::uint16_t GlobalField::at(CellIndex map_cell) const {
   if (!box_.contains(map_cell)) return cap();
+  assert(!cells_.empty());
   const CellOffset d = map_cell - box_.min;
   return cells_[static_cast<std::size_t>(d.dy) * stride_ + static_cast<std::size_t>(d.dx)];
 }

@@ -1,7 +1,7 @@
-// The map on the backend where its matcher works: keyframes are merged there (KeyframeMap). Where that is a device with
-// memory of its own, the CPU keeps a map that is brought up to date from a journal when it is asked for (DeviceMap):
-// every keyframe is written there before the device is asked for anything, so that what a lost device took along is
-// known, and the CPU's kernels make the same bits of it. Not thread-safe.
+// The map on the backend where its matcher works: keyframes are merged there (KeyframeMap). Where that is not the CPU,
+// the CPU keeps a map that is brought up to date from a journal when it is asked for (DeviceMap): every keyframe is
+// written there before the device is asked for anything, so that what a lost device took along is known, and the CPU's
+// kernels make the same bits of it. Not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -64,8 +64,7 @@ class DeviceMap {
   std::optional<Checkpoint> checkpoint_;
 };
 
-// Adds the time until the end of its scope to a stage.
-
+/// Adds the time until the end of its scope to a stage.
 class StageTimer {
  public:
   explicit StageTimer(double& seconds) : seconds_(&seconds), start_(Clock::now()) {}

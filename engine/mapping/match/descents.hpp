@@ -1,6 +1,6 @@
-// How a pose of least cost (4) is found near a start, on this thread: the paper's simplex, its other optimizers, and
-// the field's slope. Adds, multiplies and comparisons in a fixed order, so every host gives the same bits. Thread-safe
-// on objectives of their own.
+// How a pose of least cost (4) is found near a start: the paper's simplex and the field's slope walk on this thread;
+// the generations and complexes of its other optimizers are costed by the backend as batches. All operations are
+// correctly rounded and have a fixed order, so every host gives the same bits. Thread-safe on objectives of their own.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,15 @@ struct PoseBox {
   float stop_rad = 0.0002F;
 };
 
-/// `kind` is kPso, kSce or kSimpsa. Never worse than the start.
+/// The paper's other optimizers as matchers, `pso`, `sce` and `simpsa`: `kind` is kPso, kSce or kSimpsa
+/// (optimize/minimise.hpp has the methods). The seed is the same for every scan, so a scan's result depends on the scan
+/// and the map alone. Never worse than the start.
 LocalMinimum minimise_in_box(Objective& objective, const CellPose& start, const PoseBox& box, MatcherKind kind,
                              const OptimizerConfig& options);
 
 // The matcher `gauss-newton`, and the end of `simplex-newton`: iteratively reweighted least squares on the bilinear
 // field with a robust cost [Huber1964], damped after [Levenberg1944, Marquardt1963]. Ours, not the paper's: it follows
-// the field's slope, so it needs a tenth of a simplex's evaluations. Additions in a fixed order, so every host gives
-// the same bits. Thread-safe on objectives of their own.
+// the field's slope, so it needs a tenth of a simplex's evaluations.
 
 struct GaussNewtonOptions {
   float scale_cells = 1.0F;  ///< distances below count as squares, above as they are
@@ -37,9 +38,8 @@ struct GaussNewtonOptions {
 
 LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, const GaussNewtonOptions& options);
 
-// Downhill simplex of Nelder and Mead [Nelder1965] over (x, y, theta), the paper's optimizer ("linear simplex"). Adds,
-// multiplies and comparisons in float32 only, so every host gives the same bits. The walk itself is the kernel
-// pose_simplex. Thread-safe on objectives of their own.
+// Downhill simplex of Nelder and Mead [Nelder1965] over (x, y, theta), the paper's optimizer ("linear simplex"), with
+// adds, multiplies and comparisons in float32 only. The walk itself is the kernel pose_simplex.
 
 struct SimplexOptions {
   float step_cells = 2.0F;   ///< edge of the first simplex along x and y

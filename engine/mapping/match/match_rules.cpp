@@ -5,9 +5,7 @@
 #include <cmath>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "engine/mapping/cost/objective.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/mapping/match.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
@@ -148,11 +146,13 @@ MatchResult MatchRules::judged(const CellPose& pose, const Evidence& evidence) c
 std::string_view to_string(Doubt doubt) {
   static constexpr std::array<std::string_view, 6> kNames{"none",          "few-points",    "low-overlap",
                                                           "contradiction", "weak-evidence", "far-from-prediction"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Doubt::kFarFromPrediction) + 1);
   return kNames.at(static_cast<std::size_t>(doubt));
 }
 
 std::string_view to_string(StopReason reason) {
   static constexpr std::array<std::string_view, 3> kNames{"not-run", "converged", "evaluation-limit"};
+  static_assert(kNames.size() == static_cast<std::size_t>(StopReason::kEvaluationLimit) + 1);
   return kNames.at(static_cast<std::size_t>(reason));
 }
 

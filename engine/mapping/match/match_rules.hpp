@@ -1,6 +1,7 @@
 // What every matcher derives from the configuration and the prediction of a scan: where it counts from, the prior, the
 // window, the stages of a descent; and the rules of suspicion and doubt, one set for all matchers. Poses of a scan are
-// in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time.
+// in cells and radians relative to the lower left corner of the anchor cell. Not thread-safe; constant time, but for
+// thin() and put_thinned_first(), which are linear in the points.
 #pragma once
 
 #include <cstddef>

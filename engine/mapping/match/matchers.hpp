@@ -10,7 +10,6 @@
 
 #include "descents.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
-#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/match.hpp"

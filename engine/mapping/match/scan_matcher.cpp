@@ -1,11 +1,11 @@
 #include "scan_matcher.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "descents.hpp"
 #include "engine/mapping/certified/crop.hpp"
-#include "engine/mapping/match/match_rules.hpp"
 #include "matchers.hpp"
 
 namespace gdtslam {
@@ -31,6 +31,7 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
 ScanMatcher::~ScanMatcher() = default;
 
 void ScanMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool search) {
+  assert(map_->box().empty() || !map_->cells().empty());  // it lives where the host sees it
   points_ = points;
   by_odometry_ = prediction.by_odometry;
   must_search_ = search;

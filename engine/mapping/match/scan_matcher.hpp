@@ -19,7 +19,6 @@
 namespace gdtslam {
 
 class CertifiedCrop;
-struct MatcherInfo;
 
 class ScanMatcher final : public Matcher {
  public:

@@ -6,7 +6,6 @@
 
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/mapping/map/device_memory.hpp"
-#include "engine/mapping/match/match_rules.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "run_reader.hpp"
 
@@ -24,8 +25,6 @@ constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
 constexpr std::array kRunFiles{"trajectory.tum", "map.yaml",     "map.pgm",      "gdt.yaml",
                                "gdt.png",        "overview.png", "overview.svg", "config.yaml",
                                "linkage.yaml",   "cloud.ply",    "cloud.png",    "report.json"};
-
-std::string as_text(int code) { return std::generic_category().message(code); }
 
 // Where the old files are while a commit lasts.
 fs::path kept_in(const fs::path& staging) { return staging / "old"; }
@@ -106,7 +105,7 @@ void RunFolder::replace(const std::vector<std::string>& old_names) {
   for (auto name = old_names.rbegin(); name != old_names.rend(); ++name) {
     std::error_code ignored;  // what cannot be asked about cannot be replaced either
     const fs::file_status status = fs::symlink_status(folder_ / *name, ignored);
-    if (fs::is_directory(status)) throw FileError(file(*name), "cannot be replaced: " + as_text(EISDIR));
+    if (fs::is_directory(status)) throw FileError(file(*name), "cannot be replaced: " + errno_text(EISDIR));
     if (fs::exists(status)) move(folder_, kept_in(staging_), *name);
   }
   sync_folder(folder_.string());  // no new file on the disk before the old ones are gone from it

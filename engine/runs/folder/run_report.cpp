@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
+#include <optional>
 
 #include "engine/core/quantile.hpp"
 #include "engine/io/atomic_file.hpp"
@@ -12,7 +14,6 @@
 #include "engine/io/maps/png.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -137,22 +138,33 @@ Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
 
 std::string png_of(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
 
-// Pixels; where this build has nothing that makes them, or the machine no font, a drawing that a browser shows.
-void write_overview(RunFolder& folder, const Canvas& overview) {
-#ifdef GDTSLAM_HAS_RASTER
+// The bytes of a picture; nothing and a warning where they cannot be made.
+template <class Encode>
+std::optional<std::string> encoded(const Encode& encode, const char* failure,
+                                   std::vector<LogReader::Warning>& warnings) {
   try {
-    const std::string png = png_of(raster_of(overview));
-    write_file_atomically(folder.staged("overview.png"), png);
-    folder.without("overview.svg");
-    return;
-  } catch (const UnavailableError&) {  // the run is as good without letters
+    return encode();
+  } catch (const std::exception& error) {
+    warnings.push_back({failure, 1, error.what()});
+    return std::nullopt;
   }
-#endif
-  write_file_atomically(folder.staged("overview.svg"), svg_of(overview, png_of));
-  folder.without("overview.png");
 }
 
 }  // namespace
+
+void write_overview(RunFolder& folder, const Canvas& overview, std::vector<LogReader::Warning>& warnings) {
+  std::optional<std::string> png;
+  std::optional<std::string> svg;
+#ifdef GDTSLAM_HAS_RASTER
+  png = encoded([&] { return png_of(raster_of(overview)); }, "no pixels for the overview", warnings);
+#endif
+  if (!png) svg = encoded([&] { return svg_of(overview, png_of); }, "no picture of the map", warnings);
+  const auto write = [&folder](const char* name, const std::optional<std::string>& bytes) {
+    bytes ? write_file_atomically(folder.staged(name), *bytes) : folder.without(name);
+  };
+  write("overview.png", png);
+  write("overview.svg", svg);
+}
 
 Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome, const Mapper& mapper,
                 const DeviceInfo& device, double written_s) {
@@ -198,14 +210,14 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
   return report;
 }
 
-std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
+std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, MapOutcome& outcome,
                       const Mapper& mapper, const DeviceInfo& device, Settings settings) {
   const auto start = std::chrono::steady_clock::now();
   // The order in which the files take their names: what others refer to first, then the YAML that refers to them, and
   // last the report, without which a folder is no run.
   const std::string trajectory = folder.staged("trajectory.tum");
   if (job.with_pictures) {
-    write_overview(folder, overview_of(job, outcome));
+    write_overview(folder, overview_of(job, outcome), outcome.warnings);
   } else {
     for (const char* name : {"overview.png", "overview.svg"}) folder.without(name);
   }

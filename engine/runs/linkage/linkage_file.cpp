@@ -1,6 +1,5 @@
 #include "linkage_file.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -15,7 +14,6 @@
 #include "engine/io/yaml/checked_yaml.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
-#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -260,7 +258,7 @@ std::string preset_names() {
 }
 
 // Centimetres where a round number of them reads back as the same bits, as for the lengths people measure.
-std::string length_text(double length_m) {
+std::string exact_length_text(double length_m) {
   constexpr double kDecimals = 1e8;
   const std::string metres = format_quantity(length_m, Unit::kMetre);
   const double length_cm = std::round(length_m * 100.0 * kDecimals) / kDecimals;
@@ -270,7 +268,7 @@ std::string length_text(double length_m) {
 }
 
 std::string quantity_text(double value, Unit unit) {
-  return unit == Unit::kMetre ? length_text(value) : format_quantity(value, unit);
+  return unit == Unit::kMetre ? exact_length_text(value) : format_quantity(value, unit);
 }
 
 // A scalar of YAML that stays text whatever is in it.
@@ -353,10 +351,10 @@ std::string linkage_text(const calib::SweepModel& model, const std::vector<Param
   };
   const auto angle = [](double value_rad) { return format_quantity(value_rad, Unit::kRadian); };
   text += "bars:\n";
-  line("crank", length_text(model.bars.crank_m));
-  line("coupler", length_text(model.bars.coupler_m));
-  line("rocker", length_text(model.bars.rocker_m));
-  line("ground", length_text(model.bars.ground_m));
+  line("crank", exact_length_text(model.bars.crank_m));
+  line("coupler", exact_length_text(model.bars.coupler_m));
+  line("rocker", exact_length_text(model.bars.rocker_m));
+  line("ground", exact_length_text(model.bars.ground_m));
   text += std::string("assembly: ") + (model.assembly == calib::Assembly::kOpen ? "open" : "crossed") + "\n";
   text += "encoder:\n";
   line("ticks_per_turn", std::to_string(model.encoder.ticks_per_turn));
@@ -367,9 +365,9 @@ std::string linkage_text(const calib::SweepModel& model, const std::vector<Param
   line("sign", std::to_string(model.elevation_sign));
   line("offset", angle(model.elevation_offset_rad));
   text += "mount:\n";
-  line("height", length_text(model.mount.height_m));
-  line("lever_forward", length_text(model.mount.lever_forward_m));
-  line("lever_up", length_text(model.mount.lever_up_m));
+  line("height", exact_length_text(model.mount.height_m));
+  line("lever_forward", exact_length_text(model.mount.lever_forward_m));
+  line("lever_up", exact_length_text(model.mount.lever_up_m));
   line("roll", angle(model.mount.sensor_roll_rad));
   line("yaw", angle(model.mount.sensor_yaw_rad));
   text += "laser:\n";

@@ -18,6 +18,7 @@ constexpr double kLeastKnown = 0.5;
 std::string_view to_string(LocalizeFault fault) {
   static constexpr std::array<std::string_view, 6> kNames{"none",       "too-few-returns", "no-overlap",
                                                           "not-proven", "as-good",         "map-prefers"};
+  static_assert(kNames.size() == kLocalizeFaults.size() + 1);  // kNone is not among them
   return kNames.at(static_cast<std::size_t>(fault));
 }
 
@@ -28,6 +29,7 @@ std::string_view as_text(LocalizeFault fault) {
                                                           "the search was cut short",
                                                           "both poses fit alike",
                                                           "the map prefers the pose found"};
+  static_assert(kNames.size() == kLocalizeFaults.size() + 1);
   return kNames.at(static_cast<std::size_t>(fault));
 }
 

@@ -29,7 +29,7 @@ inline constexpr std::array kLocalizeFaults{LocalizeFault::kTooFewReturns, Local
                                             LocalizeFault::kMapPrefers};
 /// For programs: "as-good".
 std::string_view to_string(LocalizeFault fault);
-/// For people: "another pose fits as well".
+/// For people: "both poses fit alike".
 std::string_view as_text(LocalizeFault fault);
 
 /// Of a scan with a reference.

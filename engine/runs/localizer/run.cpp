@@ -103,6 +103,7 @@ bool looks_like_map(const std::string& path) {
 
 std::string_view to_string(Verdict verdict) {
   static constexpr std::array<std::string_view, 4> kNames{"found", "ambiguous", "poor fit", "no pose"};
+  static_assert(kNames.size() == kVerdicts.size());
   return kNames.at(static_cast<std::size_t>(verdict));
 }
 

@@ -108,11 +108,11 @@ void MapRun::note_stamp(double stamp_s) {
   last_s_ = std::max(last_s_, stamp_s);
 }
 
-// The pose is the one given, which may be better than the match.
+// The pose is the one given, which may be better than the match; what is in doubt is the match.
 void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
   if (job_.with_occupancy && result.accepted) occupancy_.add(scan, T_map_base);
   if (result.doubt != Doubt::kNone) {
-    const Pose2 off = between(result.T_map_predicted, T_map_base);
+    const Pose2 off = between(result.T_map_predicted, result.T_map_base);
     outcome_.doubtful.push_back({outcome_.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
                                  off.translation().norm(), std::fabs(off.theta_rad)});
   }

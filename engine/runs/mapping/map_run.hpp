@@ -1,6 +1,6 @@
 // Maps whole logs: feeds every scan to a Mapper, keeps the trajectory, the evidence against doubtful scans and the
 // occupancy map; where the laser nods also the poses of the scans between the horizontal ones, the 3D cloud, and how
-// well consecutive sweeps agree. Used by the commands map, ablation and calibrate. One run belongs to one thread.
+// well consecutive sweeps agree. One run belongs to one thread.
 #pragma once
 
 #include <cstddef>
@@ -60,8 +60,9 @@ class MapRun {
 
   /// Called after each scan with the number of scans and the share done (negative when unknown).
   using Progress = std::function<void(std::uint64_t, double)>;
-  /// Runs to the end, or until stop() is true. Throws InputError when the logs
-  /// hold no scan that can be mapped, or none that is horizontal where the laser nods.
+  /// To be called once. Runs to the end, or until stop() is true. Throws InputError when the logs hold no scan that can
+  /// be mapped, or none that is horizontal where the laser nods, Error(kInterrupted) when stopped before a scan was
+  /// mapped, and DeviceError as Mapper does.
   MapOutcome run(const Progress& progress, const std::function<bool()>& stop);
 
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }

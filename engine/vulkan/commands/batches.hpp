@@ -23,7 +23,6 @@ class Batches {
 
   /// The open command buffer; opens one where there is none, which may wait for the oldest batch.
   const vk::raii::CommandBuffer& commands();
-  [[nodiscard]] bool is_open() const { return is_open_; }
   /// Slot and timeline value of the open batch.
   [[nodiscard]] std::size_t slot() const { return slot_; }
   [[nodiscard]] std::uint64_t value() const { return submitted_ + 1; }

@@ -18,31 +18,31 @@ namespace {
 
 constexpr double kResolution_m = 0.05;
 constexpr std::uint16_t kCap = 5120;
-constexpr std::uint32_t kWidth = 390;
-constexpr std::uint32_t kHeight = 301;
+constexpr std::uint32_t kFieldWidth = 390;
+constexpr std::uint32_t kFieldHeight = 301;
 constexpr CellIndex kFirst{-57, 23};  // the map's lower left cell
 
 /// A wall along x or y, in cells from the field's corner.
-struct Wall {
+struct FieldWall {
   double x0, y0, x1, y1;
 };
-constexpr Wall kWalls[] = {{30, 25, 360, 25},    {30, 270, 250, 270},  {30, 25, 30, 270},    {360, 25, 360, 200},
-                           {250, 200, 360, 200}, {250, 200, 250, 270}, {120, 25, 120, 110},  {120, 150, 120, 270},
-                           {200, 110, 290, 110}, {290, 60, 290, 110},  {165, 180, 185, 180}, {185, 180, 185, 205}};
+constexpr FieldWall kWalls[] = {{30, 25, 360, 25},    {30, 270, 250, 270},  {30, 25, 30, 270},    {360, 25, 360, 200},
+                                {250, 200, 360, 200}, {250, 200, 250, 270}, {120, 25, 120, 110},  {120, 150, 120, 270},
+                                {200, 110, 290, 110}, {290, 60, 290, 110},  {165, 180, 185, 180}, {185, 180, 185, 205}};
 
-double distance_to(const Wall& wall, double x, double y) {
+double distance_to(const FieldWall& wall, double x, double y) {
   const double dx = x - std::clamp(x, wall.x0, wall.x1);
   const double dy = y - std::clamp(y, wall.y0, wall.y1);
   return std::sqrt(dx * dx + dy * dy);
 }
 
 std::vector<std::uint16_t> walls_field() {
-  std::vector<std::uint16_t> field(std::size_t{kWidth} * kHeight, kCap);
-  for (std::uint32_t y = 2; y + 2 < kHeight; ++y) {
-    for (std::uint32_t x = 2; x + 2 < kWidth; ++x) {
+  std::vector<std::uint16_t> field(std::size_t{kFieldWidth} * kFieldHeight, kCap);
+  for (std::uint32_t y = 2; y + 2 < kFieldHeight; ++y) {
+    for (std::uint32_t x = 2; x + 2 < kFieldWidth; ++x) {
       double least = 20.0;
-      for (const Wall& wall : kWalls) least = std::min(least, distance_to(wall, x + 0.5, y + 0.5));
-      field[std::size_t{y} * kWidth + x] = static_cast<std::uint16_t>(std::lround(256.0 * least));
+      for (const FieldWall& wall : kWalls) least = std::min(least, distance_to(wall, x + 0.5, y + 0.5));
+      field[std::size_t{y} * kFieldWidth + x] = static_cast<std::uint16_t>(std::lround(256.0 * least));
     }
   }
   return field;
@@ -53,7 +53,7 @@ std::vector<PointCells> seen_from(const Pose2& T_map_base, std::size_t count, Ra
   const auto [s, c] = sin_cos(T_map_base.theta_rad);
   std::vector<PointCells> points(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const Wall& wall = kWalls[random.below(std::size(kWalls))];
+    const FieldWall& wall = kWalls[random.below(std::size(kWalls))];
     const double along = random.uniform(0.0, 1.0);
     const double stray = i % 9 == 0 ? 15.0 : 0.2;
     const double x = wall.x0 + along * (wall.x1 - wall.x0) + random.uniform(-stray, stray) + kFirst.x;
@@ -79,9 +79,10 @@ Problem make_problem(std::uint64_t seed) {
                     (kFirst.y + random.uniform(35.0, 260.0)) * kResolution_m, random.uniform(-3.1, 3.1)};
   Problem problem;
   problem.points = seen_from(truth, 240 + 40 * (seed % 5), random);
-  const Pose2 middle{(kFirst.x + 0.5 * kWidth) * kResolution_m, (kFirst.y + 0.5 * kHeight) * kResolution_m, 0.0};
-  constexpr double kWholeX_m = 0.5 * kWidth * kResolution_m;
-  constexpr double kWholeY_m = 0.5 * kHeight * kResolution_m;
+  const Pose2 middle{(kFirst.x + 0.5 * kFieldWidth) * kResolution_m, (kFirst.y + 0.5 * kFieldHeight) * kResolution_m,
+                     0.0};
+  constexpr double kWholeX_m = 0.5 * kFieldWidth * kResolution_m;
+  constexpr double kWholeY_m = 0.5 * kFieldHeight * kResolution_m;
   problem.window = {middle, kWholeX_m, kWholeY_m, kPi};
   if (seed % 3 == 1) problem.window = {truth, 5.0, 4.0, 1.7};
   if (seed % 3 == 2) problem.window = {middle, 3.0 * kWholeX_m, 3.0 * kWholeY_m, kPi};
@@ -122,7 +123,7 @@ class CertifiedOnDevice : public testing::Test {
   }
 
   const std::vector<std::uint16_t> cells = walls_field();
-  const FieldView view{cells.data(), kWidth, kHeight, kWidth, kFirst, kCap, kResolution_m};
+  const FieldView view{cells.data(), kFieldWidth, kFieldHeight, kFieldWidth, kFirst, kCap, kResolution_m};
   const CertifiedMap host{view, best_isa()};
 };
 
@@ -159,14 +160,14 @@ TEST_P(CertifiedOnVulkan, SeesAConstantThatIsWrong) {
   EXPECT_GT(found.boxes, on_host(problem).boxes);
 }
 
-std::string variant_name(const testing::TestParamInfo<ShaderVariants>& variants) {
+std::string bounds_variant(const testing::TestParamInfo<ShaderVariants>& variants) {
   constexpr std::array kNames{"ByDevice", "Wide", "Narrow"};
   return kNames[static_cast<std::size_t>(variants.param)];
 }
 
 INSTANTIATE_TEST_SUITE_P(Variants, CertifiedOnVulkan,
                          testing::Values(ShaderVariants::kByDevice, ShaderVariants::kWide, ShaderVariants::kNarrow),
-                         variant_name);
+                         bounds_variant);
 
 // Every call to the driver may be the one that loses the device: the search ends with its error, or with the result.
 TEST_F(CertifiedOnDevice, EndsWithTheErrorOfTheDevice) {

@@ -17,9 +17,9 @@ namespace {
 
 using testing::Contains;
 
-constexpr std::uint32_t kWidth = 61;
-constexpr std::uint32_t kStride = 64;
-constexpr std::uint32_t kHeight = 47;
+constexpr std::uint32_t kSmallWidth = 61;
+constexpr std::uint32_t kSmallStride = 64;
+constexpr std::uint32_t kSmallHeight = 47;
 constexpr std::uint32_t kPoints = 90;
 constexpr std::uint32_t kCandidates = 70;
 
@@ -57,9 +57,10 @@ class LookUps {
   /// The costs, on their way.
   PendingDownload start() {
     cost_ = backend_.allocate(kCandidates * sizeof(std::uint32_t));
-    run<PoseCost>(backend_,
-                  {.width = kWidth, .height = kHeight, .stride = kStride, .point_count = kPoints, .cap = 5120},
-                  {kCandidates, 1, 1}, field_, points_, candidates_, cost_);
+    run<PoseCost>(
+        backend_,
+        {.width = kSmallWidth, .height = kSmallHeight, .stride = kSmallStride, .point_count = kPoints, .cap = 5120},
+        {kCandidates, 1, 1}, field_, points_, candidates_, cost_);
     return backend_.start_download(cost_, cost_.bytes());
   }
   std::vector<std::byte> finish(const PendingDownload& download) {
@@ -75,7 +76,7 @@ class LookUps {
     field_ = std::move(other);
   }
 
-  static constexpr std::size_t kFieldBytes = std::size_t{kStride} * kHeight * 2;
+  static constexpr std::size_t kFieldBytes = std::size_t{kSmallStride} * kSmallHeight * 2;
 
  private:
   Backend& backend_;

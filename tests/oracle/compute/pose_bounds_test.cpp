@@ -14,10 +14,10 @@
 namespace gdtslam::test {
 namespace {
 
-constexpr std::int32_t kSide = 120;   // of the field, cells
-constexpr std::int32_t kAnchor = 51;  // cell
-constexpr std::uint32_t kCap = 255;   // so that cells are bytes as they are
-constexpr std::int32_t kMargin = 24;  // columns and rows of planes around the field
+constexpr std::int32_t kBoundsSide = 120;  // of the field, cells
+constexpr std::int32_t kAnchor = 51;       // cell
+constexpr std::uint32_t kBoundsCap = 255;  // so that cells are bytes as they are
+constexpr std::int32_t kMargin = 24;       // columns and rows of planes around the field
 
 /// A scene: noise with deep holes of a cell, its border at the cap, and points.
 struct Scene {
@@ -25,17 +25,17 @@ struct Scene {
   std::vector<PointCells> points;
 
   [[nodiscard]] std::uint16_t at(std::int32_t x, std::int32_t y) const {
-    if (x < 0 || y < 0 || x >= kSide || y >= kSide) return kCap;
-    return field[static_cast<std::size_t>(y * kSide + x)];
+    if (x < 0 || y < 0 || x >= kBoundsSide || y >= kBoundsSide) return kBoundsCap;
+    return field[static_cast<std::size_t>(y * kBoundsSide + x)];
   }
   [[nodiscard]] PoseCost::Params cost(Interpolation interpolation) const {
-    return {.width = kSide,
-            .height = kSide,
-            .stride = kSide,
+    return {.width = kBoundsSide,
+            .height = kBoundsSide,
+            .stride = kBoundsSide,
             .anchor_x = kAnchor,
             .anchor_y = kAnchor,
             .point_count = static_cast<std::uint32_t>(points.size()),
-            .cap = kCap,
+            .cap = kBoundsCap,
             .interpolation = interpolation};
   }
 };
@@ -45,11 +45,11 @@ Scene make_scene(std::uint64_t seed) {
   constexpr std::uint32_t kPointCounts[] = {23, 1, 2, 1};
   Random random(seed);
   Scene scene;
-  for (std::int32_t y = 0; y < kSide; ++y) {
-    for (std::int32_t x = 0; x < kSide; ++x) {
-      const bool border = x < 2 || y < 2 || x + 2 >= kSide || y + 2 >= kSide;
+  for (std::int32_t y = 0; y < kBoundsSide; ++y) {
+    for (std::int32_t x = 0; x < kBoundsSide; ++x) {
+      const bool border = x < 2 || y < 2 || x + 2 >= kBoundsSide || y + 2 >= kBoundsSide;
       const std::uint64_t value = random.below(50) == 0 ? random.below(9) : 200 + random.below(56);
-      scene.field.push_back(static_cast<std::uint16_t>(border ? kCap : value));
+      scene.field.push_back(static_cast<std::uint16_t>(border ? kBoundsCap : value));
     }
   }
   for (std::uint32_t i = 0; i < kPointCounts[seed % std::size(kPointCounts)]; ++i) {
@@ -66,7 +66,7 @@ struct Sampling {
   std::int32_t half = 0;
 
   [[nodiscard]] std::int32_t spacing_cells() const { return 1 << (sample_bits + phase_bits); }
-  [[nodiscard]] std::int32_t columns() const { return kSide / spacing_cells() + 2 * kMargin; }
+  [[nodiscard]] std::int32_t columns() const { return kBoundsSide / spacing_cells() + 2 * kMargin; }
   /// Column and row of the anchor.
   [[nodiscard]] std::int32_t first() const { return kAnchor / spacing_cells() + kMargin; }
 };
@@ -82,7 +82,7 @@ std::vector<std::uint8_t> dilated(const Scene& scene, const Sampling& sampling) 
         const std::int32_t v = (row - sampling.first()) * phases + phase / phases;
         const std::int32_t x = kAnchor + u * (1 << sampling.sample_bits);
         const std::int32_t y = kAnchor + v * (1 << sampling.sample_bits);
-        std::uint16_t least = kCap;
+        std::uint16_t least = kBoundsCap;
         for (std::int32_t dy = -sampling.half; dy <= sampling.half; ++dy) {
           for (std::int32_t dx = -sampling.half; dx <= sampling.half; ++dx) {
             least = std::min(least, scene.at(x + dx, y + dy));

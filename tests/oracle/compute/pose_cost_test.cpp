@@ -43,17 +43,17 @@ std::vector<PointCells> all_pairs(const std::vector<float>& values) {
 }
 
 TEST(PoseCost, OddPositionsLandWhereTheHeaderSays) {
-  constexpr std::uint32_t kSide = 41;
-  std::vector<std::uint16_t> field(std::size_t{kSide} * kSide);
+  constexpr std::uint32_t kCostSide = 41;
+  std::vector<std::uint16_t> field(std::size_t{kCostSide} * kCostSide);
   Random random(3);
   for (std::uint16_t& value : field) {
     value = static_cast<std::uint16_t>(random.below(65536));
   }
   const std::vector<PointCells> points = all_pairs(odd_coordinates());
   for (const Interpolation interpolation : {Interpolation::kBilinear, Interpolation::kNearest}) {
-    const PoseCost::Params params{.width = kSide,
-                                  .height = kSide,
-                                  .stride = kSide,
+    const PoseCost::Params params{.width = kCostSide,
+                                  .height = kCostSide,
+                                  .stride = kCostSide,
                                   .anchor_x = 20,
                                   .anchor_y = 19,
                                   .point_count = 1,
@@ -76,16 +76,16 @@ TEST(PoseCost, OddPositionsLandWhereTheHeaderSays) {
 
 // By hand: cell values on a plane come back from the plane itself, at the centres and between them.
 TEST(PoseCost, BilinearReproducesAPlane) {
-  constexpr std::uint32_t kSide = 32;
+  constexpr std::uint32_t kCostSide = 32;
   std::vector<std::uint16_t> field;
-  for (std::uint32_t y = 0; y < kSide; ++y) {
-    for (std::uint32_t x = 0; x < kSide; ++x) {
+  for (std::uint32_t y = 0; y < kCostSide; ++y) {
+    for (std::uint32_t x = 0; x < kCostSide; ++x) {
       field.push_back(static_cast<std::uint16_t>(1000 + 256 * x + 512 * y));
     }
   }
-  const PoseCost::Params params{.width = kSide,
-                                .height = kSide,
-                                .stride = kSide,
+  const PoseCost::Params params{.width = kCostSide,
+                                .height = kCostSide,
+                                .stride = kCostSide,
                                 .anchor_x = 10,
                                 .anchor_y = 10,
                                 .point_count = 1,

@@ -195,13 +195,13 @@ TEST_F(Room, WithoutPointsItFindsThePriorsMean) {
 }
 
 TEST_F(Room, StartsThatAreNoPosesCostTheCapAndEnd) {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
   const std::vector<PointCells> points = scan_from({}, 33);
   PoseSimplex::Params params = params_for(points.size());
   params.prior = {.weight_xy = 1.0F, .weight_theta = 1.0F, .limit = 1000.0F};
   params.max_evaluations = 5000;
-  for (const float odd : {kNaN, -kNaN, kInfinity, -kInfinity, 3.4e38F}) {
+  for (const float odd : {kNoValue, -kNoValue, kInfinite, -kInfinite, 3.4e38F}) {
     for (const Isa isa : available_isas()) {
       PolishedPose poses[] = {{odd, 0.0F, 0.0F}, {0.0F, odd, odd}, {odd, odd, odd}};
       pose_simplex_host(isa, params, field_.data(), points.data(), poses, 3);

@@ -17,7 +17,7 @@ namespace {
 constexpr int kSeeds = 100;
 constexpr unsigned kGenerations = 200;
 constexpr unsigned kParticles = 30;
-constexpr double kNear = 1e-3;
+constexpr double kPagmoNear = 1e-3;
 
 struct PagmoProblem {
   StandardFunction function = rosenbrock();
@@ -45,12 +45,12 @@ TEST_P(Swarms, ours_finds_as_often_as_that_of_pagmo) {
     std::vector<double> start(function.dimensions, 0.7 * function.least + 0.3 * function.most);
     minimise(watched, function.box(), start, ParticleSwarm{.particles = kParticles, .tolerance = 0.0, .seed = seed},
              {.max_evaluations = std::uint64_t{kParticles} * (kGenerations + 1)});
-    ours += watched.least - function.minimum < kNear ? 1 : 0;
+    ours += watched.least - function.minimum < kPagmoNear ? 1 : 0;
     // Variant 5 is the constriction factor with the best of all as the neighbourhood (type 1).
     const pagmo::algorithm swarm(pagmo::pso(kGenerations, 0.7298, 2.05, 2.05, 0.5, 5, 1, 4, false, seed));
     pagmo::population population(pagmo::problem(PagmoProblem{function}), kParticles, seed);
     population = swarm.evolve(population);
-    theirs += population.champion_f()[0] - function.minimum < kNear ? 1 : 0;
+    theirs += population.champion_f()[0] - function.minimum < kPagmoNear ? 1 : 0;
   }
   std::printf("%-16s swarm %d %%, swarm of pagmo %d %%\n", function.name.c_str(), ours, theirs);
   EXPECT_GE(ours, theirs - 15);

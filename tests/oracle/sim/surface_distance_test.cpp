@@ -73,7 +73,7 @@ Vec3 random_vector(Random& random, double size) {
   return size * Vec3(random.normal(), random.normal(), random.normal());
 }
 
-TriangleMesh random_triangles(Random& random, int count, double extent_m, double size_m) {
+TriangleMesh scattered_triangles(Random& random, int count, double extent_m, double size_m) {
   TriangleMesh mesh;
   for (int i = 0; i < count; ++i) {
     const Vec3 at(random.uniform(-extent_m, extent_m), random.uniform(-extent_m, extent_m), random.uniform(-1.0, 3.0));
@@ -112,7 +112,7 @@ TEST(SurfaceDistanceOracle, EqualsASearchThroughAllTrianglesOnEveryInstructionSe
   for (const auto& [count, extent_m, size_m] :
        {std::tuple(1, 1.0, 0.5), std::tuple(2, 1.0, 1.0), std::tuple(97, 5.0, 0.7), std::tuple(1500, 30.0, 0.8),
         std::tuple(300, 300.0, 20.0), std::tuple(400, 900.0, 2.0)}) {
-    TriangleMesh mesh = random_triangles(random, count, extent_m, size_m);
+    TriangleMesh mesh = scattered_triangles(random, count, extent_m, size_m);
     mesh.triangles.push_back(mesh.triangles.front());  // a tie everywhere
     std::vector<SurfaceDistance> surfaces;
     surfaces.emplace_back(mesh);
@@ -138,7 +138,7 @@ TEST(SurfaceDistanceOracle, EqualsASearchThroughAllTrianglesOnEveryInstructionSe
 
 TEST(SurfaceDistanceOracle, FarPointsAndManyThreads) {
   Random random(33);
-  const TriangleMesh mesh = random_triangles(random, 200, 20.0, 1.0);
+  const TriangleMesh mesh = scattered_triangles(random, 200, 20.0, 1.0);
   const SurfaceDistance surfaces(mesh);
   for (const double far_m : {999.0, 1001.0, 1e6, 1e30}) {
     for (const Vec3& point : {Vec3(far_m, 0.0, 0.0), Vec3(-far_m, far_m, 1.0), Vec3(0.0, 3.0, far_m)}) {

@@ -42,12 +42,12 @@ double distance(const Matrix4l& expected, const Pose3& found) {
   return static_cast<double>((expected - matrix_of(found)).cwiseAbs().maxCoeff());
 }
 
-constexpr double kRounding = 1e-14;
+constexpr double kRounding3 = 1e-14;
 
 RC_GTEST_PROP(Pose3Laws, ProductIsTheMatrixProduct, ()) {
   const Pose3 a = *test::pose3();
   const Pose3 b = *test::pose3();
-  RC_ASSERT(distance(matrix_of(a) * matrix_of(b), a * b) <= kRounding * (size(a) + size(b)));
+  RC_ASSERT(distance(matrix_of(a) * matrix_of(b), a * b) <= kRounding3 * (size(a) + size(b)));
 }
 
 RC_GTEST_PROP(Pose3Laws, RotationsStayUnitAlongAChain, ()) {
@@ -67,36 +67,36 @@ RC_GTEST_PROP(Pose3Laws, IdentityIsNeutral, ()) {
 
 RC_GTEST_PROP(Pose3Laws, InverseUndoes, ()) {
   const Pose3 T = *test::pose3();
-  RC_ASSERT(near_pose(T * inverse(T), {}, kRounding * size(T), 1e-14));
-  RC_ASSERT(near_pose(inverse(T) * T, {}, kRounding * size(T), 1e-14));
-  RC_ASSERT(near_pose(inverse(inverse(T)), T, kRounding * size(T), 1e-14));
+  RC_ASSERT(near_pose(T * inverse(T), {}, kRounding3 * size(T), 1e-14));
+  RC_ASSERT(near_pose(inverse(T) * T, {}, kRounding3 * size(T), 1e-14));
+  RC_ASSERT(near_pose(inverse(inverse(T)), T, kRounding3 * size(T), 1e-14));
 }
 
 RC_GTEST_PROP(Pose3Laws, ProductsAssociate, ()) {
   const Pose3 a = *test::pose3();
   const Pose3 b = *test::pose3();
   const Pose3 c = *test::pose3();
-  RC_ASSERT(near_pose((a * b) * c, a * (b * c), kRounding * (size(a) + size(b) + size(c)), 1e-14));
+  RC_ASSERT(near_pose((a * b) * c, a * (b * c), kRounding3 * (size(a) + size(b) + size(c)), 1e-14));
 }
 
 RC_GTEST_PROP(Pose3Laws, ActsOnPointsAsOnPoses, ()) {
   const Pose3 a = *test::pose3();
   const Pose3 b = *test::pose3();
   const Point3 p = *test::point3();
-  RC_ASSERT(((a * b) * p - a * (b * p)).norm() <= kRounding * (size(a) + size(b) + p.norm()));
+  RC_ASSERT(((a * b) * p - a * (b * p)).norm() <= kRounding3 * (size(a) + size(b) + p.norm()));
   RC_ASSERT((a * Pose3{p, b.rotation}).translation_m == a * p);
 }
 
 RC_GTEST_PROP(Pose3Laws, BetweenIsTheInverseTimesTheOther, ()) {
   const Pose3 a = *test::pose3();
   const Pose3 b = *test::pose3();
-  RC_ASSERT(near_pose(between(a, b), inverse(a) * b, kRounding * (size(a) + size(b)), 1e-14));
-  RC_ASSERT(near_pose(a * between(a, b), b, kRounding * (size(a) + size(b)), 1e-14));
+  RC_ASSERT(near_pose(between(a, b), inverse(a) * b, kRounding3 * (size(a) + size(b)), 1e-14));
+  RC_ASSERT(near_pose(a * between(a, b), b, kRounding3 * (size(a) + size(b)), 1e-14));
 }
 
 RC_GTEST_PROP(Pose3Laws, ExpIsTheMatrixExponential, ()) {
   const Tangent3 v = *test::tangent3();
-  RC_ASSERT(distance(test::matrix_exponential(hat(v)), exp_se3(v)) <= kRounding * (1.0 + v.norm()));
+  RC_ASSERT(distance(test::matrix_exponential(hat(v)), exp_se3(v)) <= kRounding3 * (1.0 + v.norm()));
 }
 
 RC_GTEST_PROP(Pose3Laws, LogUndoesExp, ()) {
@@ -134,9 +134,9 @@ RC_GTEST_PROP(Pose3Laws, EmbeddingKeepsProducts, ()) {
   const Pose2 a = *test::pose2();
   const Pose2 b = *test::pose2();
   const double scale = 1.0 + a.translation().norm() + b.translation().norm();
-  RC_ASSERT(near_pose(embed(a, 0.5) * embed(b, 0.25), embed(a * b, 0.75), kRounding * scale, 1e-14));
+  RC_ASSERT(near_pose(embed(a, 0.5) * embed(b, 0.25), embed(a * b, 0.75), kRounding3 * scale, 1e-14));
   RC_ASSERT(near_pose(project(embed(a, 0.5)), a, 0.0, 1e-15));
-  RC_ASSERT(near_pose(embed(inverse(a)), inverse(embed(a)), kRounding * scale, 1e-14));
+  RC_ASSERT(near_pose(embed(inverse(a)), inverse(embed(a)), kRounding3 * scale, 1e-14));
 }
 
 TEST(Pose3Convention, PerturbationsActOnTheRightTranslationFirst) {

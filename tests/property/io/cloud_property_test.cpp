@@ -19,9 +19,9 @@
 namespace gdtslam {
 namespace {
 
-using testing::pack_lzf;
+using test::pack_lzf;
 
-std::span<const std::byte> bytes_of(const std::string& text) {
+std::span<const std::byte> text_bytes(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
@@ -35,7 +35,7 @@ Cloud all_of(CloudReader& reader, std::size_t most) {
 }
 
 Cloud read_bytes(const std::string& file) {
-  CloudReader reader(bytes_of(file), "prop");
+  CloudReader reader(text_bytes(file), "prop");
   return all_of(reader, 65536);
 }
 

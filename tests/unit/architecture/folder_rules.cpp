@@ -27,7 +27,7 @@ Arrows make_arrows() {
       {"engine/compute", {"engine/compute/kernels"}},
       {"engine/compute/kernels", {}},
       {"engine/drawing", {}},
-      {"engine/drawing/linkage", {"engine/drawing", "engine/drawing/plots"}},
+      {"engine/drawing/linkage", {"engine/drawing"}},
       {"engine/drawing/maps", {"engine/drawing"}},
       {"engine/drawing/plots", {"engine/drawing", "engine/drawing/maps"}},
       {"engine/drawing/raster", {"engine/drawing"}},
@@ -46,7 +46,6 @@ Arrows make_arrows() {
       {"engine/runs", {"engine/runs/folder", "engine/runs/linkage", "engine/runs/mapping", "engine/runs/streams"}},
       {"engine/runs/folder", {"engine/runs/linkage", "engine/runs/mapping", "engine/runs/streams"}},
       {"engine/runs/mapping", {"engine/runs/streams"}},
-
       {"engine/runs/localizer",
        {"engine/runs/evaluation", "engine/runs/folder", "engine/runs/mapping", "engine/runs/streams"}},
       {"engine/runs/evaluation", {"engine/runs/streams"}},

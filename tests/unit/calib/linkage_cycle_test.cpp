@@ -1,4 +1,5 @@
-// The positions a linkage runs through, and the crank that belongs to an elevation, against angles that were turned.
+// The positions a linkage runs through against the law of cosines, the ends of its lift against its dead points, and
+// the crank that belongs to an elevation against angles that were turned.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include "calib/linkage/linkage_cycle.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "support/linkage_joints.hpp"
 
 namespace gdtslam::calib {
 namespace {
@@ -19,6 +21,107 @@ SweepModel model_of(const FourBar& bars) {
 constexpr FourBar kDoubleRocker{.crank_m = 0.08, .coupler_m = 0.04, .rocker_m = 0.07, .ground_m = 0.09};
 constexpr FourBar kDoubleCrank{.crank_m = 0.07, .coupler_m = 0.06, .rocker_m = 0.08, .ground_m = 0.03};
 constexpr FourBar kTripleRocker{.crank_m = 0.06, .coupler_m = 0.05, .rocker_m = 0.07, .ground_m = 0.12};
+
+/// The presets and a crossed linkage, each with an elevation that rises with the rocker's angle and with one that
+/// falls.
+std::vector<SweepModel> models_of_both_signs() {
+  std::vector<SweepModel> models;
+  for (const LinkagePreset& preset : linkage_presets()) models.push_back(sweep_model_of_preset(preset.name));
+  models.push_back(
+      sweep_model_of({.crank_m = 0.04, .coupler_m = 0.1, .rocker_m = 0.09, .ground_m = 0.11}, Assembly::kCrossed));
+  const std::size_t count = models.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    SweepModel model = models[i];
+    model.name += ", the other sign";
+    model.elevation_sign = -model.elevation_sign;
+    model.elevation_offset_rad += 0.4;
+    models.push_back(model);
+  }
+  return models;
+}
+
+void expect_joints(const SweepModel& model, const LinkagePosition& position) {
+  const auto expected = test::expected_joints(model, position.crank_rad);
+  ASSERT_TRUE(expected) << model.name << ", crank " << position.crank_rad;
+  for (std::size_t joint = 0; joint < 4; ++joint) {
+    EXPECT_LT((position.joints[joint] - (*expected)[joint]).norm(), 1e-12)
+        << model.name << ", joint " << joint << ", crank " << position.crank_rad;
+  }
+  EXPECT_LT((position.middle - 0.5 * ((*expected)[1] + (*expected)[2])).norm(), 1e-12) << model.name;
+  const Point2 rocker = (*expected)[2];
+  EXPECT_NEAR(wrap_angle(position.elevation_rad - std::atan2(rocker.y(), rocker.x())), 0.0, 1e-11) << model.name;
+}
+
+TEST(LinkagePosition, joints_are_where_the_law_of_cosines_puts_them) {
+  for (const SweepModel& model : models_of_both_signs()) {
+    for (int i = 0; i < 36; ++i) {
+      const double crank_rad = 0.17 + kTwoPi * i / 36.0;
+      const std::optional<LinkagePosition> position = position_at(model, crank_rad);
+      ASSERT_TRUE(position) << model.name << ", crank " << crank_rad;
+      EXPECT_EQ(position->crank_rad, crank_rad);
+      expect_joints(model, *position);
+    }
+  }
+}
+
+TEST(LinkagePosition, is_nothing_where_the_loop_does_not_close) {
+  int closed = 0;
+  for (int i = 0; i < 36; ++i) {
+    const double crank_rad = 0.05 + kTwoPi * i / 36.0;
+    const SweepModel model = model_of(kDoubleRocker);
+    const bool is_closed = test::expected_joints(model, crank_rad).has_value();
+    EXPECT_EQ(position_at(model, crank_rad).has_value(), is_closed) << crank_rad;
+    closed += is_closed ? 1 : 0;
+  }
+  EXPECT_GT(closed, 0);
+  EXPECT_LT(closed, 36);
+}
+
+TEST(LinkagePosition, places_of_the_mount_turn_by_the_offset_and_mirror_by_the_sign) {
+  SweepModel model = model_of(kDoubleCrank);  // the rocker's pivot lies 3 cm from the crank's
+  model.elevation_sign = 1;
+  model.elevation_offset_rad = 0.5 * kPi;
+  EXPECT_LT((place_in_mount(model, {0.03, 0.0}) - Point2(0.0, 0.0)).norm(), 1e-15);
+  EXPECT_LT((place_in_mount(model, {0.04, 0.02}) - Point2(-0.02, 0.01)).norm(), 1e-15);
+  model.elevation_sign = -1;
+  EXPECT_LT((place_in_mount(model, {0.04, 0.02}) - Point2(0.02, 0.01)).norm(), 1e-15);
+}
+
+/// At a dead point crank and coupler are in line: from the crank's pivot the coupler's end is as far as both together
+/// at one end of the lift, and as their difference at the other.
+TEST(LinkageCycle, lift_ends_with_crank_and_coupler_in_line) {
+  for (const SweepModel& model : models_of_both_signs()) {
+    const LinkageCycle cycle(model);
+    const FourBar& bars = model.bars;
+    const auto reach = [](const LinkagePosition& at) { return (at.joints[2] - at.joints[0]).norm(); };
+    const double stretched_m = std::max(reach(cycle.begin()), reach(cycle.end()));
+    const double folded_m = std::min(reach(cycle.begin()), reach(cycle.end()));
+    EXPECT_NEAR(stretched_m, bars.coupler_m + bars.crank_m, 1e-12) << model.name;
+    EXPECT_NEAR(folded_m, bars.coupler_m - bars.crank_m, 1e-12) << model.name;
+    EXPECT_GT(cycle.end().elevation_rad, cycle.begin().elevation_rad) << model.name;
+    expect_joints(model, cycle.begin());
+    expect_joints(model, cycle.end());
+  }
+}
+
+TEST(LinkageCycle, stretches_are_even_and_end_where_the_lift_does) {
+  constexpr int kSteps = 50;
+  for (const SweepModel& model : models_of_both_signs()) {
+    const LinkageCycle cycle(model);
+    const double span_rad = cycle.lift_span_rad();
+    const std::vector<LinkagePosition> lift = cycle.stretch(span_rad, kSteps);
+    ASSERT_EQ(lift.size(), kSteps + 1U) << model.name;
+    for (std::size_t i = 0; i < lift.size(); ++i) {
+      EXPECT_NEAR(lift[i].crank_rad, cycle.from_rad() + span_rad * static_cast<double>(i) / kSteps, 1e-12);
+      expect_joints(model, lift[i]);
+      if (i == 0) continue;
+      EXPECT_GT(lift[i].elevation_rad, lift[i - 1].elevation_rad) << model.name << ", " << i;
+    }
+    EXPECT_LT((lift.front().joints[2] - cycle.begin().joints[2]).norm(), 1e-12) << model.name;
+    EXPECT_LT((lift.back().joints[2] - cycle.end().joints[2]).norm(), 1e-12) << model.name;
+    EXPECT_NEAR(lift.back().elevation_rad, cycle.end().elevation_rad, 1e-12) << model.name;
+  }
+}
 
 TEST(LinkageCycle, crank_comes_back_from_its_elevation) {
   for (const LinkagePreset& preset : linkage_presets()) {

@@ -184,20 +184,21 @@ TEST(SweepModelValidate, SaysWhatIsWrong) {
     spoil(model);
     return validate(model);
   };
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNoAngle = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(faults([](SweepModel& m) { m.bars.crank_m = 3.6; }),
               ElementsAre("bars.crank = 3.6 m is longer than 1 m; did you mean 3.6 cm?"));
   EXPECT_THAT(faults([](SweepModel& m) { m.bars.rocker_m = 125.0; }), ElementsAre(HasSubstr("did you mean 125 mm?")));
   EXPECT_THAT(faults([](SweepModel& m) { m.bars.crank_m = 0.00036; }),
               ElementsAre("bars.crank = 0.00036 m is shorter than 1 mm; did you mean 0.036 m? check its unit"));
   EXPECT_THAT(faults([](SweepModel& m) { m.bars.ground_m = -0.05; }), ElementsAre(HasSubstr("above zero")));
-  EXPECT_THAT(faults([](SweepModel& m) { m.bars.coupler_m = kNan; }), ElementsAre(HasSubstr("bars.coupler")));
+  EXPECT_THAT(faults([](SweepModel& m) { m.bars.coupler_m = kNoAngle; }), ElementsAre(HasSubstr("bars.coupler")));
   EXPECT_THAT(faults([](SweepModel& m) { m.bars.ground_m = 0.25; }), ElementsAre(HasSubstr("25 > ")));
   EXPECT_THAT(faults([](SweepModel& m) { m.encoder.ticks_per_turn = 0; }),
               ElementsAre(HasSubstr("encoder.ticks_per_turn = 0")));
   EXPECT_THAT(faults([](SweepModel& m) { m.encoder.direction = 0; }), ElementsAre(HasSubstr("1 or -1")));
   EXPECT_THAT(faults([](SweepModel& m) { m.elevation_sign = 2; }), ElementsAre(HasSubstr("elevation.sign = 2")));
-  EXPECT_THAT(faults([](SweepModel& m) { m.elevation_offset_rad = kNan; }), ElementsAre(HasSubstr("elevation.offset")));
+  EXPECT_THAT(faults([](SweepModel& m) { m.elevation_offset_rad = kNoAngle; }),
+              ElementsAre(HasSubstr("elevation.offset")));
   EXPECT_THAT(faults([](SweepModel& m) { m.mount.lever_up_m = 5.0; }), ElementsAre(HasSubstr("mount.lever_up")));
   EXPECT_THAT(faults([](SweepModel& m) { m.mirror_rate_hz = -1.0; }), ElementsAre(HasSubstr("laser.mirror_rate")));
   EXPECT_THAT(faults([](SweepModel& m) { m.stamp_share = 1.5; }), ElementsAre(HasSubstr("laser.stamp")));

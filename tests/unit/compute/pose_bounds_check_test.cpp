@@ -16,7 +16,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 /// Two dilations of four planes of 20 x 10 samples, 100 points and 7 tiles of 16 x 4.
-struct Launch {
+struct BoundsLaunch {
   PoseBounds::Params params{.width = 20,
                             .height = 10,
                             .phase_bits = 1,
@@ -30,75 +30,77 @@ struct Launch {
   void check() const { check_launch(PoseBounds::info(), {bytes, std::as_bytes(std::span(&params, 1)), threads}); }
 };
 
-using Change = std::function<void(Launch&)>;
+using BoundsChange = std::function<void(BoundsLaunch&)>;
 
-void expect_taken(const Change& change) {
-  Launch launch;
+void expect_taken(const BoundsChange& change) {
+  BoundsLaunch launch;
   change(launch);
   EXPECT_NO_THROW(launch.check());
 }
 
-void expect_refused(const Change& change, const char* message) {
-  Launch launch;
+void expect_refused(const BoundsChange& change, const char* message) {
+  BoundsLaunch launch;
   change(launch);
   EXPECT_THAT([&] { launch.check(); }, ThrowsMessage<Error>(HasSubstr(message)));
 }
 
-void make_small(Launch& launch) { launch.params.tile_width = launch.params.tile_height = 2; }
+void make_small(BoundsLaunch& launch) { launch.params.tile_width = launch.params.tile_height = 2; }
 
 TEST(PoseBoundsCheck, TakesTilesOfTwoShapesWithinAPlane) {
-  expect_taken([](Launch&) {});
+  expect_taken([](BoundsLaunch&) {});
   expect_taken(make_small);
-  expect_taken([](Launch& l) { l.threads.x = 0; });
-  expect_refused([](Launch& l) { l.params.tile_width = 2; }, "tiles are 2 x 2 or 16 x 4");
-  expect_refused([](Launch& l) { l.params.tile_height = 2; }, "tiles are 2 x 2 or 16 x 4");
-  expect_taken([](Launch& l) { l.params.width = 16, l.params.height = 4; });
-  expect_refused([](Launch& l) { l.params.width = 15; }, "smaller than a tile");
-  expect_refused([](Launch& l) { l.params.height = 3; }, "smaller than a tile");
-  expect_refused([](Launch& l) { make_small(l), l.params.width = 1; }, "smaller than a tile");
-  expect_refused([](Launch& l) { l.threads.y = 2; }, "extent");
+  expect_taken([](BoundsLaunch& l) { l.threads.x = 0; });
+  expect_refused([](BoundsLaunch& l) { l.params.tile_width = 2; }, "tiles are 2 x 2 or 16 x 4");
+  expect_refused([](BoundsLaunch& l) { l.params.tile_height = 2; }, "tiles are 2 x 2 or 16 x 4");
+  expect_taken([](BoundsLaunch& l) { l.params.width = 16, l.params.height = 4; });
+  expect_refused([](BoundsLaunch& l) { l.params.width = 15; }, "smaller than a tile");
+  expect_refused([](BoundsLaunch& l) { l.params.height = 3; }, "smaller than a tile");
+  expect_refused([](BoundsLaunch& l) { make_small(l), l.params.width = 1; }, "smaller than a tile");
+  expect_refused([](BoundsLaunch& l) { l.threads.y = 2; }, "extent");
 }
 
 TEST(PoseBoundsCheck, RefusesBuffersThatAreTooSmall) {
-  expect_refused([](Launch& l) { l.bytes[0] = 1599; }, "buffer 0");
-  expect_refused([](Launch& l) { l.bytes[1] = 1199; }, "buffer 1");
-  expect_refused([](Launch& l) { l.bytes[2] = 111; }, "buffer 2");
-  expect_refused([](Launch& l) { l.bytes[3] = 1791; }, "buffer 3");
-  expect_taken([](Launch& l) { make_small(l), l.bytes[3] = 112; });
-  expect_refused([](Launch& l) { make_small(l), l.bytes[3] = 111; }, "buffer 3");
-  expect_refused([](Launch& l) { l.params.last_field = 801; }, "buffer 0");
-  expect_refused([](Launch& l) { l.params.phase_bits = 2; }, "buffer 0");
+  expect_refused([](BoundsLaunch& l) { l.bytes[0] = 1599; }, "buffer 0");
+  expect_refused([](BoundsLaunch& l) { l.bytes[1] = 1199; }, "buffer 1");
+  expect_refused([](BoundsLaunch& l) { l.bytes[2] = 111; }, "buffer 2");
+  expect_refused([](BoundsLaunch& l) { l.bytes[3] = 1791; }, "buffer 3");
+  expect_taken([](BoundsLaunch& l) { make_small(l), l.bytes[3] = 112; });
+  expect_refused([](BoundsLaunch& l) { make_small(l), l.bytes[3] = 111; }, "buffer 3");
+  expect_refused([](BoundsLaunch& l) { l.params.last_field = 801; }, "buffer 0");
+  expect_refused([](BoundsLaunch& l) { l.params.phase_bits = 2; }, "buffer 0");
 }
 
 TEST(PoseBoundsCheck, RefusesWhatCannotBeCounted) {
   constexpr std::size_t kPlenty = std::size_t{1} << 40U;
-  const auto roomy = [](Launch& l) { l.bytes = {kPlenty, kPlenty, kPlenty, kPlenty}; };
-  expect_taken([&](Launch& l) { roomy(l), l.params.phase_bits = 4; });
-  expect_refused([&](Launch& l) { roomy(l), l.params.phase_bits = 5; }, "more than 2^4 samples a spacing");
+  const auto roomy = [](BoundsLaunch& l) { l.bytes = {kPlenty, kPlenty, kPlenty, kPlenty}; };
+  expect_taken([&](BoundsLaunch& l) { roomy(l), l.params.phase_bits = 4; });
+  expect_refused([&](BoundsLaunch& l) { roomy(l), l.params.phase_bits = 5; }, "more than 2^4 samples a spacing");
   // 4 planes of 2^31 samples together are one too many.
-  expect_refused([&](Launch& l) { roomy(l), l.params.width = l.params.height = 1U << 15U, l.params.phase_bits = 1; },
-                 "a dilation of 2^31 samples");
-  expect_taken([&](Launch& l) {
+  expect_refused(
+      [&](BoundsLaunch& l) { roomy(l), l.params.width = l.params.height = 1U << 15U, l.params.phase_bits = 1; },
+      "a dilation of 2^31 samples");
+  expect_taken([&](BoundsLaunch& l) {
     roomy(l), l.params.width = 1U << 15U, l.params.height = (1U << 14U) - 1, l.params.phase_bits = 1;
   });
-  expect_refused([&](Launch& l) { roomy(l), l.params.width = l.params.height = 0xFFFFFFFFU; },
+  expect_refused([&](BoundsLaunch& l) { roomy(l), l.params.width = l.params.height = 0xFFFFFFFFU; },
                  "a dilation of 2^31 samples");
-  expect_taken([&](Launch& l) { roomy(l), l.params.last_field = 0xFFFFFFFFU - 800; });
-  expect_refused([&](Launch& l) { roomy(l), l.params.last_field = 0xFFFFFFFFU - 799; }, "a field of 2^32 samples");
-  expect_taken([&](Launch& l) { roomy(l), l.params.point_count = 65537; });
-  expect_refused([&](Launch& l) { roomy(l), l.params.point_count = 65538; }, "more than 65,537 points");
+  expect_taken([&](BoundsLaunch& l) { roomy(l), l.params.last_field = 0xFFFFFFFFU - 800; });
+  expect_refused([&](BoundsLaunch& l) { roomy(l), l.params.last_field = 0xFFFFFFFFU - 799; },
+                 "a field of 2^32 samples");
+  expect_taken([&](BoundsLaunch& l) { roomy(l), l.params.point_count = 65537; });
+  expect_refused([&](BoundsLaunch& l) { roomy(l), l.params.point_count = 65538; }, "more than 65,537 points");
 }
 
 TEST(PoseBoundsCheck, RefusesAnchorsAndScalesThatLeadNowhere) {
   constexpr std::int32_t kFarthest = 1 << 21;
-  expect_taken([](Launch& l) { l.params.first_column = -kFarthest, l.params.first_row = kFarthest; });
-  expect_refused([](Launch& l) { l.params.first_column = kFarthest + 1; }, "2^21");
-  expect_refused([](Launch& l) { l.params.first_column = -kFarthest - 1; }, "2^21");
-  expect_refused([](Launch& l) { l.params.first_row = kFarthest + 1; }, "2^21");
-  expect_refused([](Launch& l) { l.params.first_row = -kFarthest - 1; }, "2^21");
+  expect_taken([](BoundsLaunch& l) { l.params.first_column = -kFarthest, l.params.first_row = kFarthest; });
+  expect_refused([](BoundsLaunch& l) { l.params.first_column = kFarthest + 1; }, "2^21");
+  expect_refused([](BoundsLaunch& l) { l.params.first_column = -kFarthest - 1; }, "2^21");
+  expect_refused([](BoundsLaunch& l) { l.params.first_row = kFarthest + 1; }, "2^21");
+  expect_refused([](BoundsLaunch& l) { l.params.first_row = -kFarthest - 1; }, "2^21");
   for (const float scale :
        {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    expect_refused([scale](Launch& l) { l.params.samples_per_cell = scale; }, "no positive number");
+    expect_refused([scale](BoundsLaunch& l) { l.params.samples_per_cell = scale; }, "no positive number");
   }
 }
 

@@ -15,12 +15,12 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFloatNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 /// A launch that is right, and changes to it.
 template <class K>
-struct Launch {
+struct DescentLaunch {
   typename K::Params params;
   Extent threads;
   std::vector<std::size_t> bytes;
@@ -29,16 +29,16 @@ struct Launch {
 };
 
 template <class K>
-using Change = std::function<void(Launch<K>&)>;
+using DescentChange = std::function<void(DescentLaunch<K>&)>;
 
 template <class K>
-void expect_taken(Launch<K> launch, const Change<K>& change) {
+void expect_taken(DescentLaunch<K> launch, const DescentChange<K>& change) {
   change(launch);
   EXPECT_NO_THROW(launch.check());
 }
 
 template <class K>
-void expect_refused(Launch<K> launch, const Change<K>& change, const char* message) {
+void expect_refused(DescentLaunch<K> launch, const DescentChange<K>& change, const char* message) {
   change(launch);
   EXPECT_THAT([&] { launch.check(); }, ThrowsMessage<Error>(HasSubstr(message)));
 }
@@ -47,8 +47,8 @@ constexpr PoseCost::Params kCost{.width = 60, .height = 40, .stride = 64, .point
 constexpr std::size_t kFieldBytes = (64 * 39 + 60) * 2;
 
 TEST(PoseStartsCheck, RefusesWhatDoesNotFit) {
-  const Launch<PoseStarts> good{{.candidate_count = 50}, {5, 1, 1}, {50 * 16, 4 * 8, 5 * 32}};
-  using L = Launch<PoseStarts>;
+  const DescentLaunch<PoseStarts> good{{.candidate_count = 50}, {5, 1, 1}, {50 * 16, 4 * 8, 5 * 32}};
+  using L = DescentLaunch<PoseStarts>;
   expect_taken<PoseStarts>(good, [](L&) {});
   expect_taken<PoseStarts>(good, [](L& l) { l.threads = {0, 1, 1}; });
   expect_taken<PoseStarts>(good, [](L& l) { l = {{}, {1, 1, 1}, {0, 0, 32}}; });
@@ -73,8 +73,8 @@ TEST(PoseStartsCheck, RefusesWhatDoesNotFit) {
 
 /// What the cost and the prior of either kernel must be.
 template <class K>
-void expect_cost_and_prior_checked(const Launch<K>& good) {
-  using L = Launch<K>;
+void expect_cost_and_prior_checked(const DescentLaunch<K>& good) {
+  using L = DescentLaunch<K>;
   expect_taken<K>(good, [](L&) {});
   expect_refused<K>(
       good, [](L& l) { l.bytes[0] -= 1; }, "buffer 0");
@@ -97,7 +97,7 @@ void expect_cost_and_prior_checked(const Launch<K>& good) {
   expect_refused<K>(
       good, [](L& l) { l.params.cost.form = static_cast<CostForm>(2); }, "form");
   expect_taken<K>(good, [](L& l) { l.params.prior.limit = 0.0F; });
-  for (const float bad : {-1.0F, kNaN, kInfinity}) {
+  for (const float bad : {-1.0F, kFloatNaN, kFloatInfinity}) {
     expect_refused<K>(
         good, [=](L& l) { l.params.prior.weight_xy = bad; }, "weight");
     expect_refused<K>(
@@ -108,22 +108,22 @@ void expect_cost_and_prior_checked(const Launch<K>& good) {
   expect_refused<K>(
       good, [](L& l) { l.params.prior.limit = 1.0001e9F; }, "limit");
   expect_refused<K>(
-      good, [](L& l) { l.params.prior.mean_theta = kNaN; }, "mean");
+      good, [](L& l) { l.params.prior.mean_theta = kFloatNaN; }, "mean");
 }
 
 TEST(PoseSimplexCheck, RefusesWhatDoesNotFit) {
-  const Launch<PoseSimplex> good{{.cost = kCost, .prior = {}}, {3, 1, 1}, {kFieldBytes, 800, 96}};
-  using L = Launch<PoseSimplex>;
+  const DescentLaunch<PoseSimplex> good{{.cost = kCost, .prior = {}}, {3, 1, 1}, {kFieldBytes, 800, 96}};
+  using L = DescentLaunch<PoseSimplex>;
   expect_cost_and_prior_checked(good);
   expect_taken<PoseSimplex>(good, [](L& l) { l.threads.x = 0; });
   expect_taken<PoseSimplex>(good, [](L& l) { l.params.step_cells = -2.0F; });
-  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
+  for (const float bad : {kFloatNaN, kFloatInfinity, -kFloatInfinity}) {
     expect_refused<PoseSimplex>(
         good, [=](L& l) { l.params.step_cells = bad; }, "step");
     expect_refused<PoseSimplex>(
         good, [=](L& l) { l.params.step_rad = bad; }, "step");
   }
-  for (const float bad : {kNaN, kInfinity, -0.001F}) {
+  for (const float bad : {kFloatNaN, kFloatInfinity, -0.001F}) {
     expect_refused<PoseSimplex>(
         good, [=](L& l) { l.params.stop_cells = bad; }, "stop");
     expect_refused<PoseSimplex>(
@@ -143,8 +143,9 @@ TEST(PoseSimplexCheck, RefusesWhatDoesNotFit) {
 }
 
 TEST(ChoosePoseCheck, RefusesWhatDoesNotFit) {
-  const Launch<ChoosePose> good{{.cost = kCost, .prior = {}, .pose_count = 3}, {1, 1, 1}, {kFieldBytes, 800, 96, 52}};
-  using L = Launch<ChoosePose>;
+  const DescentLaunch<ChoosePose> good{
+      {.cost = kCost, .prior = {}, .pose_count = 3}, {1, 1, 1}, {kFieldBytes, 800, 96, 52}};
+  using L = DescentLaunch<ChoosePose>;
   expect_cost_and_prior_checked(good);
   expect_refused<ChoosePose>(
       good, [](L& l) { l.bytes[3] -= 1; }, "buffer 3");
@@ -180,9 +181,9 @@ TEST(ChoosePoseCheck, RefusesWhatDoesNotFit) {
       good, [](L& l) { l.params.contradiction_q16 = 65537; }, "share");
   expect_refused<ChoosePose>(
       good, [](L& l) { l.params.overlap_q16 = 65537; }, "share");
-  expect_taken<ChoosePose>(good, [](L& l) { l.params.far_sq_cells = l.params.far_rad = kInfinity; });
+  expect_taken<ChoosePose>(good, [](L& l) { l.params.far_sq_cells = l.params.far_rad = kFloatInfinity; });
   expect_refused<ChoosePose>(
-      good, [](L& l) { l.params.far_sq_cells = kNaN; }, "far");
+      good, [](L& l) { l.params.far_sq_cells = kFloatNaN; }, "far");
   expect_refused<ChoosePose>(
       good, [](L& l) { l.params.far_rad = -0.1F; }, "far");
 }

@@ -32,13 +32,13 @@ TEST(GridGeometry, CentreIsHalfACellIn) {
 }
 
 TEST(GridGeometry, ClampsWhatNoIndexCanSay) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(kGrid.cell_of({1e300, -1e300}), (CellIndex{kHighest, kLowest}));
-  EXPECT_EQ(kGrid.cell_of({kInfinity, -kInfinity}), (CellIndex{kHighest, kLowest}));
-  EXPECT_EQ(kGrid.cell_of({kNan, kNan}), (CellIndex{kLowest, kLowest}));
-  EXPECT_FALSE(kGrid.contains(kGrid.cell_of({kNan, 2.5})));
-  EXPECT_FALSE(kGrid.contains(kGrid.cell_of({-0.5, kNan})));
+  EXPECT_EQ(kGrid.cell_of({kInfinite, -kInfinite}), (CellIndex{kHighest, kLowest}));
+  EXPECT_EQ(kGrid.cell_of({kNotANumber, kNotANumber}), (CellIndex{kLowest, kLowest}));
+  EXPECT_FALSE(kGrid.contains(kGrid.cell_of({kNotANumber, 2.5})));
+  EXPECT_FALSE(kGrid.contains(kGrid.cell_of({-0.5, kNotANumber})));
   // The limits themselves and their neighbours.
   const GridGeometry unit{.resolution_m = 1.0};
   EXPECT_EQ(unit.cell_of({2147483647.5, -2147483647.5}), (CellIndex{kHighest, kLowest}));

@@ -42,7 +42,7 @@ std::string as_text(const LogRecord& record) {
   return text;
 }
 
-std::string error_of(std::string_view text, const ReadOptions& options = {}) {
+std::string carmen_error(std::string_view text, const ReadOptions& options = {}) {
   try {
     read_text(text, options);
   } catch (const InputError& error) {
@@ -105,13 +105,13 @@ TEST(CarmenDamage, GzipCutAtEveryByteKeepsWhatWasComplete) {
 }
 
 TEST(CarmenDamage, EmptyInputIsAnError) {
-  EXPECT_THAT(error_of(""), HasSubstr("test.log: is empty"));
-  EXPECT_THAT(error_of(gzip("")), HasSubstr("test.log: is empty"));
+  EXPECT_THAT(carmen_error(""), HasSubstr("test.log: is empty"));
+  EXPECT_THAT(carmen_error(gzip("")), HasSubstr("test.log: is empty"));
 }
 
 TEST(CarmenDamage, LogWithoutAnyMessageIsAnError) {
-  EXPECT_THAT(error_of("# only\n# comments\n"), HasSubstr("no complete CARMEN message in 2 lines"));
-  EXPECT_THAT(error_of("SYNC x\n"), HasSubstr("no complete CARMEN message"));
+  EXPECT_THAT(carmen_error("# only\n# comments\n"), HasSubstr("no complete CARMEN message in 2 lines"));
+  EXPECT_THAT(carmen_error("SYNC x\n"), HasSubstr("no complete CARMEN message"));
 }
 
 TEST(CarmenDamage, BinaryDataIsAnError) {
@@ -119,8 +119,8 @@ TEST(CarmenDamage, BinaryDataIsAnError) {
   for (int i = 0; i < 5000; ++i) {
     binary += static_cast<char>((i * 7919) % 256);
   }
-  EXPECT_THAT(error_of(binary), HasSubstr("binary data"));
-  EXPECT_THAT(error_of("\xff\xfe\x01\x02\n"), HasSubstr("test.log:1:"));
+  EXPECT_THAT(carmen_error(binary), HasSubstr("binary data"));
+  EXPECT_THAT(carmen_error("\xff\xfe\x01\x02\n"), HasSubstr("test.log:1:"));
 }
 
 TEST(CarmenDamage, NulBytesAtTheEndAreACutLine) {
@@ -137,7 +137,7 @@ TEST(CarmenDamage, NulBytesAtTheEndAreACutLine) {
 TEST(CarmenDamage, DamagedGzipIsAnError) {
   std::string packed = gzip(std::string(kSmallLog) + std::string(kSmallLog));
   packed[packed.size() / 2] = static_cast<char>(packed[packed.size() / 2] ^ 0x55);
-  EXPECT_THAT(error_of(packed), HasSubstr("test.log: damaged gzip data"));
+  EXPECT_THAT(carmen_error(packed), HasSubstr("test.log: damaged gzip data"));
 }
 
 TEST(CarmenDamage, BytesAfterGzipAreIgnoredWithAWarning) {
@@ -153,7 +153,7 @@ TEST(CarmenDamage, GigabyteLineIsAnErrorWithoutReadingIt) {
     packed += block;
   }
   const BoundedRun run =
-      run_alone([&] { return error_of(packed).find("test.log:2: the line \"FLASER\" is longer") == 0 ? 0 : 1; });
+      run_alone([&] { return carmen_error(packed).find("test.log:2: the line \"FLASER\" is longer") == 0 ? 0 : 1; });
   EXPECT_EQ(run.code, 0);
   expect_bounded(run);
 }
@@ -216,12 +216,12 @@ TEST(CarmenDamage, ScanWithoutBeamsIsKeptAndCounted) {
 TEST(CarmenDamage, BillionBeamsInAHeaderTakeNoMemory) {
   const BoundedRun run = run_alone([] {
     for (const char* count : {"1000000000", "9223372036854775807", "99999999999999999999", "-1"}) {
-      const std::string error = error_of("# c\nFLASER " + std::string(count) + " 1 2 0 0 0 0 0 0 5 h 0\n");
+      const std::string error = carmen_error("# c\nFLASER " + std::string(count) + " 1 2 0 0 0 0 0 0 5 h 0\n");
       if (error.find("test.log:2:") != 0) {
         return 1;
       }
     }
-    return error_of("FLASER 1000000000 1\n").find("at most") == std::string::npos ? 2 : 0;
+    return carmen_error("FLASER 1000000000 1\n").find("at most") == std::string::npos ? 2 : 0;
   });
   EXPECT_EQ(run.code, 0);
   expect_bounded(run);
@@ -248,7 +248,7 @@ TEST(CarmenDamage, MalformedLinesNameFileLineAndFault) {
         Case{"ROBOTLASER1 0 -1 3 1 -80 0 0 1 5 0 0 0 0 0 0 0 0 0 0 0 0 5 h 0", "negative maximum range"},
         Case{"1 2 3", "starts with \"1\", which is no CARMEN message"}}) {
     const std::string text = good + c.line + "\n" + good;
-    const std::string error = error_of(text);
+    const std::string error = carmen_error(text);
     EXPECT_THAT(error, HasSubstr("test.log:2: ")) << c.line;
     EXPECT_THAT(error, HasSubstr(c.fault)) << c.line;
     EXPECT_THAT(error, HasSubstr("--lenient")) << c.line;
@@ -259,7 +259,7 @@ TEST(CarmenDamage, MalformedLinesNameFileLineAndFault) {
 }
 
 TEST(CarmenDamage, UnprintableBytesNeverReachAMessage) {
-  const std::string error = error_of(scan_line("1", 1) + "FLASER 1 \x1b[31m\x07 0\n");
+  const std::string error = carmen_error(scan_line("1", 1) + "FLASER 1 \x1b[31m\x07 0\n");
   EXPECT_EQ(error.find('\x1b'), std::string::npos);
   EXPECT_EQ(error.find('\x07'), std::string::npos);
 }

@@ -34,7 +34,7 @@ Cloud read(const std::string& file) {
   return cloud;
 }
 
-std::string error_of(const std::string& file) {
+std::string cloud_error(const std::string& file) {
   try {
     read(file);
   } catch (const InputError& error) {
@@ -109,7 +109,7 @@ TEST(CloudReader, MemoryAndFilesMayBeGzip) {
   for (std::uint32_t k = 0; k < 60000; ++k) points += word(k * 2654435761U & 0x3fffffffU);
   const std::string whole = gzip(pcd("20000", "binary", points));
   EXPECT_EQ(read(whole).size(), 20000U);
-  EXPECT_THAT(error_of(whole.substr(0, whole.size() / 2)), HasSubstr("the gzip stream stops early"));
+  EXPECT_THAT(cloud_error(whole.substr(0, whole.size() / 2)), HasSubstr("the gzip stream stops early"));
 }
 
 TEST(CloudReader, MissingFileIsAFileError) {
@@ -132,7 +132,7 @@ TEST(CloudReader, MoreThanAllowedSaysWhatToDo) {
 
 TEST(CloudReader, EachFaultHasItsLine) {
   const auto at = [](const std::string& file, const std::string& message) {
-    EXPECT_THAT(error_of(file), HasSubstr(message)) << file;
+    EXPECT_THAT(cloud_error(file), HasSubstr(message)) << file;
   };
   at("", "c: is empty");
   at("solid stl\n", "c:1: is neither PLY nor PCD");
@@ -175,17 +175,17 @@ TEST(CloudReader, FewBytesBehindThePointsAreNoPoint) {
 }
 
 TEST(CloudReader, CompressedDataMustFitTheirHeader) {
-  const std::string packed = testing::pack_lzf(std::string(24, '\0'));
+  const std::string packed = test::pack_lzf(std::string(24, '\0'));
   const auto body = [&](std::uint32_t packed_size, std::uint32_t size) {
     return pcd("2", "binary_compressed", word(packed_size) + word(size) + packed);
   };
   const auto size = static_cast<std::uint32_t>(packed.size());
   EXPECT_EQ(read(body(size, 24)).size(), 2U);
-  EXPECT_THAT(error_of(body(size, 25)), HasSubstr("do not fit its header"));
-  EXPECT_THAT(error_of(body(0xffffffffU, 24)), HasSubstr("do not fit its header"));
-  EXPECT_THAT(error_of(body(size + 1, 24)), HasSubstr("ends within its compressed data"));
-  EXPECT_THAT(error_of(body(size - 1, 24)), HasSubstr("damaged"));
-  EXPECT_THAT(error_of(pcd("1", "binary_compressed", word(2) + word(12) + "\xff\xff")), HasSubstr("damaged"));
+  EXPECT_THAT(cloud_error(body(size, 25)), HasSubstr("do not fit its header"));
+  EXPECT_THAT(cloud_error(body(0xffffffffU, 24)), HasSubstr("do not fit its header"));
+  EXPECT_THAT(cloud_error(body(size + 1, 24)), HasSubstr("ends within its compressed data"));
+  EXPECT_THAT(cloud_error(body(size - 1, 24)), HasSubstr("damaged"));
+  EXPECT_THAT(cloud_error(pcd("1", "binary_compressed", word(2) + word(12) + "\xff\xff")), HasSubstr("damaged"));
   EXPECT_TRUE(read(pcd("0", "binary_compressed", "")).empty());
 }
 

@@ -38,7 +38,7 @@ struct Sample {
   }
 };
 
-std::string error_of(std::string_view text) {
+std::string config_error(std::string_view text) {
   Sample sample;
   const std::vector<Option> options = sample.options();
   try {
@@ -77,16 +77,18 @@ TEST(ConfigYaml, EmptyFilesAndSectionsChangeNothing) {
 }
 
 TEST(ConfigYaml, UnknownNamesGetTheirLineAndTheNearestName) {
-  EXPECT_EQ(error_of("map:\n  lenght: 5 cm\n"), "c.yaml:2: unknown option \"map.lenght\"; did you mean map.length?");
-  EXPECT_THAT(error_of("mpa:\n  length: 5 cm\n"), HasSubstr("c.yaml:1: unknown option \"mpa\""));
-  EXPECT_EQ(error_of("length: 5 cm\n"), "c.yaml:1: unknown option \"length\"; did you mean map.length?");
-  EXPECT_EQ(error_of("gate:\n  colour: red\n"), "c.yaml:2: unknown option \"gate.colour\"; did you mean map.colour?");
-  EXPECT_EQ(error_of("map:\n  zzzzzz: 5 cm\n"),
+  EXPECT_EQ(config_error("map:\n  lenght: 5 cm\n"),
+            "c.yaml:2: unknown option \"map.lenght\"; did you mean map.length?");
+  EXPECT_THAT(config_error("mpa:\n  length: 5 cm\n"), HasSubstr("c.yaml:1: unknown option \"mpa\""));
+  EXPECT_EQ(config_error("length: 5 cm\n"), "c.yaml:1: unknown option \"length\"; did you mean map.length?");
+  EXPECT_EQ(config_error("gate:\n  colour: red\n"),
+            "c.yaml:2: unknown option \"gate.colour\"; did you mean map.colour?");
+  EXPECT_EQ(config_error("map:\n  zzzzzz: 5 cm\n"),
             "c.yaml:2: unknown option \"map.zzzzzz\"; `gdtslam config show` lists all");
 }
 
 TEST(ConfigYaml, EveryFaultIsNamedWithPathValueAndBound) {
-  const std::string error = error_of(
+  const std::string error = config_error(
       "map:\n  length: 2 m\n  angle: 3 s\n  colour: gren\ngate:\n  count: 2.5\n  on: maybe\n  cuont: 1\ntop: -0.5\n");
   EXPECT_THAT(error, HasSubstr("c.yaml:2: map.length: \"2 m\" is above its maximum 1 m"));
   EXPECT_THAT(error, HasSubstr("c.yaml:3: map.angle: \"3 s\" is no value of it"));
@@ -107,36 +109,36 @@ TEST(ConfigYaml, BoundsThemselvesAreAllowed) {
 }
 
 TEST(ConfigYaml, WrongStructureIsNamed) {
-  EXPECT_THAT(error_of("version: 2\n"), HasSubstr("c.yaml:1: version: this program reads version 1"));
-  EXPECT_THAT(error_of("map: 5\n"), HasSubstr("c.yaml:1: map is a section"));
-  EXPECT_THAT(error_of("map:\n  length: [1, 2]\n"), HasSubstr("c.yaml:2: map.length: must be a single value"));
-  EXPECT_THAT(error_of("map:\n  length:\n"), HasSubstr("c.yaml:2: map.length"));
-  EXPECT_THAT(error_of("top: 1\ntop: 2\n"), HasSubstr("c.yaml:2: \"top\" is given twice"));
-  EXPECT_THAT(error_of("map: {angle: 1}\nmap: {angle: 2}\n"), HasSubstr("\"map\" is given twice"));
-  EXPECT_THAT(error_of("- 1\n"), HasSubstr("a configuration is a map"));
-  EXPECT_THAT(error_of("just text\n"), HasSubstr("a configuration is a map"));
-  EXPECT_THAT(error_of("{[1]: 2}\n"), HasSubstr("a name must be a plain word"));
-  EXPECT_THAT(error_of("top: 1\n---\ntop: 2\n"), HasSubstr("more than one YAML document"));
-  EXPECT_THAT(error_of("map: {length: 1"), HasSubstr("is not valid YAML"));
-  EXPECT_THAT(error_of("top: *nowhere\n"), HasSubstr("is not valid YAML"));
+  EXPECT_THAT(config_error("version: 2\n"), HasSubstr("c.yaml:1: version: this program reads version 1"));
+  EXPECT_THAT(config_error("map: 5\n"), HasSubstr("c.yaml:1: map is a section"));
+  EXPECT_THAT(config_error("map:\n  length: [1, 2]\n"), HasSubstr("c.yaml:2: map.length: must be a single value"));
+  EXPECT_THAT(config_error("map:\n  length:\n"), HasSubstr("c.yaml:2: map.length"));
+  EXPECT_THAT(config_error("top: 1\ntop: 2\n"), HasSubstr("c.yaml:2: \"top\" is given twice"));
+  EXPECT_THAT(config_error("map: {angle: 1}\nmap: {angle: 2}\n"), HasSubstr("\"map\" is given twice"));
+  EXPECT_THAT(config_error("- 1\n"), HasSubstr("a configuration is a map"));
+  EXPECT_THAT(config_error("just text\n"), HasSubstr("a configuration is a map"));
+  EXPECT_THAT(config_error("{[1]: 2}\n"), HasSubstr("a name must be a plain word"));
+  EXPECT_THAT(config_error("top: 1\n---\ntop: 2\n"), HasSubstr("more than one YAML document"));
+  EXPECT_THAT(config_error("map: {length: 1"), HasSubstr("is not valid YAML"));
+  EXPECT_THAT(config_error("top: *nowhere\n"), HasSubstr("is not valid YAML"));
 }
 
 TEST(ConfigYaml, HostileNestingAndAliasesAreBounded) {
-  EXPECT_THAT(error_of(std::string(100000, '[')), HasSubstr("nested too deeply"));
-  EXPECT_THAT(error_of(std::string(100000, '{')), HasSubstr("nested too deeply"));
+  EXPECT_THAT(config_error(std::string(100000, '[')), HasSubstr("nested too deeply"));
+  EXPECT_THAT(config_error(std::string(100000, '{')), HasSubstr("nested too deeply"));
   std::string dashes;
   for (int i = 0; i < 50000; ++i) {
     dashes += "- ";
   }
-  EXPECT_THAT(error_of(dashes), HasSubstr("nested too deeply"));
-  EXPECT_THAT(error_of("map: &a\n  length: *a\n"), HasSubstr("map.length: must be a single value"));
+  EXPECT_THAT(config_error(dashes), HasSubstr("nested too deeply"));
+  EXPECT_THAT(config_error("map: &a\n  length: *a\n"), HasSubstr("map.length: must be a single value"));
   std::string laughs = "a0: &a0 1\n";
   for (int i = 1; i < 60; ++i) {
     const std::string before = "*a" + std::to_string(i - 1);
     laughs += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + ", " + before + "]\n";
   }
-  EXPECT_THAT(error_of(laughs), HasSubstr("and 40 more"));
-  EXPECT_THAT(error_of(std::string(3U << 20U, ' ')), HasSubstr("is longer than"));
+  EXPECT_THAT(config_error(laughs), HasSubstr("and 40 more"));
+  EXPECT_THAT(config_error(std::string(3U << 20U, ' ')), HasSubstr("is longer than"));
 }
 
 TEST(ConfigYaml, SetOptionTakesAssignments) {

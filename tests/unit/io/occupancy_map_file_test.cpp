@@ -18,7 +18,7 @@ constexpr std::string_view kYaml =
     "image: m.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
 /// What reading a map with this YAML and image says.
-std::string error_of(std::string_view yaml, std::string_view image) {
+std::string map_error(std::string_view yaml, std::string_view image) {
   const TemporaryFolder folder;
   put_file(folder / "m.yaml", yaml);
   put_file(folder / "m.pgm", image);
@@ -83,16 +83,16 @@ TEST(OccupancyMapFile, ReadsCommentsAndOtherMaxima) {
 }
 
 TEST(OccupancyMapFile, BadImagesAreInputErrors) {
-  EXPECT_THAT(error_of(kYaml, ""), HasSubstr("is no binary PGM image"));
-  EXPECT_THAT(error_of(kYaml, "P2\n1 1\n255\n0\n"), HasSubstr("is no binary PGM image"));
-  EXPECT_THAT(error_of(kYaml, "P5\n2 2\n255\nabc"), HasSubstr("states 2 x 2 pixels but holds 3"));
-  EXPECT_THAT(error_of(kYaml, "P5\n2 2\n255\nabcde"), HasSubstr("holds 5"));
-  EXPECT_THAT(error_of(kYaml, "P5\n2147483647 2147483647\n255\n"), HasSubstr("but holds 0"));
-  EXPECT_THAT(error_of(kYaml, "P5\n99999999999999999999 1\n255\n"), HasSubstr("width"));
-  EXPECT_THAT(error_of(kYaml, "P5\n0 1\n255\n"), HasSubstr("width"));
-  EXPECT_THAT(error_of(kYaml, "P5\n1 1\n65535\nab"), HasSubstr("maximum value"));
-  EXPECT_THAT(error_of(kYaml, "P5\n1 1\n255"), HasSubstr("white space"));
-  EXPECT_THAT(error_of(kYaml, "P5\n# endless comment"), HasSubstr("width"));
+  EXPECT_THAT(map_error(kYaml, ""), HasSubstr("is no binary PGM image"));
+  EXPECT_THAT(map_error(kYaml, "P2\n1 1\n255\n0\n"), HasSubstr("is no binary PGM image"));
+  EXPECT_THAT(map_error(kYaml, "P5\n2 2\n255\nabc"), HasSubstr("states 2 x 2 pixels but holds 3"));
+  EXPECT_THAT(map_error(kYaml, "P5\n2 2\n255\nabcde"), HasSubstr("holds 5"));
+  EXPECT_THAT(map_error(kYaml, "P5\n2147483647 2147483647\n255\n"), HasSubstr("but holds 0"));
+  EXPECT_THAT(map_error(kYaml, "P5\n99999999999999999999 1\n255\n"), HasSubstr("width"));
+  EXPECT_THAT(map_error(kYaml, "P5\n0 1\n255\n"), HasSubstr("width"));
+  EXPECT_THAT(map_error(kYaml, "P5\n1 1\n65535\nab"), HasSubstr("maximum value"));
+  EXPECT_THAT(map_error(kYaml, "P5\n1 1\n255"), HasSubstr("white space"));
+  EXPECT_THAT(map_error(kYaml, "P5\n# endless comment"), HasSubstr("width"));
 }
 
 TEST(OccupancyMapFile, BadDescriptionsNameLineAndKey) {
@@ -102,25 +102,25 @@ TEST(OccupancyMapFile, BadDescriptionsNameLineAndKey) {
     const std::size_t begin = yaml.find(key);
     return yaml.replace(begin, yaml.find('\n', begin) - begin, line);
   };
-  EXPECT_THAT(error_of(with("resolution", "x: 1"), image), HasSubstr("the key resolution is missing"));
-  EXPECT_THAT(error_of(with("resolution", "resolution: -1"), image),
+  EXPECT_THAT(map_error(with("resolution", "x: 1"), image), HasSubstr("the key resolution is missing"));
+  EXPECT_THAT(map_error(with("resolution", "resolution: -1"), image),
               HasSubstr("m.yaml:2: resolution: -1 m is not above 0"));
-  EXPECT_THAT(error_of(with("resolution", "resolution: .inf"), image), HasSubstr("no finite number"));
-  EXPECT_THAT(error_of(with("origin", "origin: [1, 2]"), image), HasSubstr("must be [x, y, yaw]"));
-  EXPECT_THAT(error_of(with("origin", "origin: [1, 2, 0.5]"), image), HasSubstr("turned"));
-  EXPECT_THAT(error_of(with("free_thresh", "free_thresh: 0.7"), image), HasSubstr("above occupied_thresh"));
-  EXPECT_THAT(error_of(with("occupied", "occupied_thresh: 1.5"), image), HasSubstr("outside [0, 1]"));
-  EXPECT_THAT(error_of(with("negate", "mode: raw"), image), HasSubstr("only trinary and scale"));
-  EXPECT_THAT(error_of("[1, 2", image), HasSubstr("is not valid YAML"));
-  EXPECT_THAT(error_of("- 1\n", image), HasSubstr("no YAML map"));
-  EXPECT_THAT(error_of(std::string(5000, '['), image), HasSubstr("nested too deeply"));
+  EXPECT_THAT(map_error(with("resolution", "resolution: .inf"), image), HasSubstr("no finite number"));
+  EXPECT_THAT(map_error(with("origin", "origin: [1, 2]"), image), HasSubstr("must be [x, y, yaw]"));
+  EXPECT_THAT(map_error(with("origin", "origin: [1, 2, 0.5]"), image), HasSubstr("turned"));
+  EXPECT_THAT(map_error(with("free_thresh", "free_thresh: 0.7"), image), HasSubstr("above occupied_thresh"));
+  EXPECT_THAT(map_error(with("occupied", "occupied_thresh: 1.5"), image), HasSubstr("outside [0, 1]"));
+  EXPECT_THAT(map_error(with("negate", "mode: raw"), image), HasSubstr("only trinary and scale"));
+  EXPECT_THAT(map_error("[1, 2", image), HasSubstr("is not valid YAML"));
+  EXPECT_THAT(map_error("- 1\n", image), HasSubstr("no YAML map"));
+  EXPECT_THAT(map_error(std::string(5000, '['), image), HasSubstr("nested too deeply"));
 }
 
 TEST(OccupancyMapFile, ImageOutsideTheFolderIsRefused) {
   for (const char* image : {"/etc/hostname", "../m.pgm", "a/../../m.pgm", "\"\""}) {
     std::string yaml(kYaml);
     yaml.replace(0, yaml.find('\n'), std::string("image: ") + image);
-    EXPECT_THAT(error_of(yaml, "x"), HasSubstr("leads out of the folder")) << image;
+    EXPECT_THAT(map_error(yaml, "x"), HasSubstr("leads out of the folder")) << image;
   }
 }
 

@@ -64,6 +64,9 @@ TEST(Png, SixteenBitsReadBack) {
 TEST(Png, RefusesImagesThatCannotBe) {
   EXPECT_THROW(encode_png({0, 1, {}}), Error);
   EXPECT_THROW(encode_png({2, 2, {1, 2, 3}}), Error);
+  EXPECT_THROW(encode_png(0, 1, std::vector<std::uint8_t>{}), Error);
+  EXPECT_THROW(encode_png(2, 2, std::vector<std::uint8_t>(15)), Error) << "four bytes a pixel";
+  EXPECT_THROW(encode_png(2, 2, std::vector<std::uint8_t>(17)), Error);
 }
 
 TEST(Png, DamagedFilesAreInputErrors) {
@@ -103,11 +106,6 @@ TEST(Png, SizeIsBoundedBeforeMemoryIsTaken) {
   expect_bounded(run);
 }
 
-TEST(Png, OtherKindsAreRefused) {
-  const std::string file = encode_png(1, 1, std::vector<std::uint8_t>{7, 7, 7, 255});
-  EXPECT_THROW(decode_png_grey16(bytes_of(file), "t.png", 100), InputError);
-}
-
 std::string input_error_of(const std::function<void()>& action) {
   try {
     action();
@@ -115,6 +113,17 @@ std::string input_error_of(const std::function<void()>& action) {
     return error.what();
   }
   return "no error";
+}
+
+TEST(Png, OtherKindsAreRefused) {
+  const std::string of_colours = encode_png(1, 1, std::vector<std::uint8_t>{7, 7, 7, 255});
+  const std::string of_8_bits = get_file(GDTSLAM_SOURCE_DIR "/tests/fuzz/corpus/png/eight_bits.png");
+  ASSERT_EQ(of_8_bits.substr(12, 4), "IHDR");
+  ASSERT_EQ(of_8_bits.substr(24, 2), std::string("\x08\x00", 2)) << "depth 8, colour type grey";
+  for (const std::string& file : {of_colours, of_8_bits}) {
+    EXPECT_THAT(input_error_of([&] { decode_png_grey16(bytes_of(file), "t.png", 100000); }),
+                HasSubstr("no 16-bit grey"));
+  }
 }
 
 TEST(DistanceFieldFile, WritesEveryBitWithItsDescription) {

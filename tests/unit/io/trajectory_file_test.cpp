@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string error_of(const std::string& text) {
+std::string trajectory_error(const std::string& text) {
   try {
     read_tum(bytes_of(text), "t.tum");
   } catch (const InputError& error) {
@@ -58,13 +58,13 @@ TEST(Tum, YawOfATiltedPoseIsKept) {
 }
 
 TEST(Tum, ErrorsNameFileLineAndRow) {
-  EXPECT_THAT(error_of("1 0 0 0 0 0 0 1\n1 2 3\n"),
+  EXPECT_THAT(trajectory_error("1 0 0 0 0 0 0 1\n1 2 3\n"),
               HasSubstr("t.tum:2: the row ends before its numbers; a row is `stamp"));
-  EXPECT_THAT(error_of("1 0 0 0 0 0 0 1 9\n"), HasSubstr("t.tum:1: the row has more numbers"));
-  EXPECT_THAT(error_of("1 0 0 x 0 0 0 1\n"), HasSubstr("t.tum:1: the row has \"x\""));
-  EXPECT_THAT(error_of("1 nan 0 0 0 0 0 1\n"), HasSubstr("not a finite number"));
-  EXPECT_THAT(error_of("1 0 0 0 0 0 0 0\n"), HasSubstr("quaternion"));
-  EXPECT_THAT(error_of("1 " + std::string(10000, '0') + "\n"), HasSubstr("is too long"));
+  EXPECT_THAT(trajectory_error("1 0 0 0 0 0 0 1 9\n"), HasSubstr("t.tum:1: the row has more numbers"));
+  EXPECT_THAT(trajectory_error("1 0 0 x 0 0 0 1\n"), HasSubstr("t.tum:1: the row has \"x\""));
+  EXPECT_THAT(trajectory_error("1 nan 0 0 0 0 0 1\n"), HasSubstr("not a finite number"));
+  EXPECT_THAT(trajectory_error("1 0 0 0 0 0 0 0\n"), HasSubstr("quaternion"));
+  EXPECT_THAT(trajectory_error("1 " + std::string(10000, '0') + "\n"), HasSubstr("is too long"));
 }
 
 TEST(Tum, WritesAndReadsFiles) {

@@ -6,6 +6,7 @@
 
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/mapping/mapper.hpp"
+#include "support/mapper_drive.hpp"
 #include "support/queued_backend.hpp"
 #include "support/room.hpp"
 
@@ -13,6 +14,12 @@ namespace gdtslam {
 namespace {
 
 using test::QueuedBackend;
+
+/// The cells where they lie on the host against those that came from the device.
+void expect_equal_copies(const Mapper& mapper, const std::vector<std::uint16_t>& from_device) {
+  const GlobalField& copy = mapper.field();
+  EXPECT_TRUE(test::cells_without_padding(from_device, copy) == test::cells_of(copy));
+}
 
 class DeviceMapTest : public testing::Test {
  protected:
@@ -82,7 +89,7 @@ TEST_F(DeviceMapTest, AJournalCutShortCostsNoSubmission) {
             static_cast<std::ptrdiff_t>(statistics.attempts + 2 * 2))
       << "two fields in pieces, and a verdict for each window";
   // What was downloaded and what was replayed on top of it.
-  EXPECT_EQ(mapper.download_device_cells(), mapper.field().download());
+  expect_equal_copies(mapper, mapper.download_device_cells());
 }
 
 // Keyframes wait for the host until a copy of the field has come, a piece with each keyframe, and holds them.
@@ -105,6 +112,7 @@ TEST_F(DeviceMapTest, TheJournalIsCutShort) {
   }
   const std::size_t pieces = (2 * host.field.cells().size() + (1U << 20U) - 1) >> 20U;
   EXPECT_GE(pieces, 2U);
+  EXPECT_LE(pieces, 8U);
   EXPECT_GE(longest, 64U);
   EXPECT_LE(longest, 64U + pieces);
   map.update_host();
@@ -113,16 +121,20 @@ TEST_F(DeviceMapTest, TheJournalIsCutShort) {
 }
 
 TEST_F(DeviceMapTest, TheCopyIsTheDevicesFieldAtAnyTime) {
-  for (const MatcherKind kind : {MatcherKind::kSimplex, MatcherKind::kExhaustive}) {
-    config_.match.matcher = kind;
-    QueuedBackend device;
-    Mapper mapper(config_, device);
-    EXPECT_TRUE(mapper.download_device_cells().empty());
-    for (std::size_t i = 0; i < 60; ++i) {
-      if (!mapper.process(scans_[i], truth_[i]).merged) continue;
-      ASSERT_EQ(mapper.download_device_cells(), mapper.field().download()) << i;
-    }
+  config_.match.matcher = MatcherKind::kExhaustive;  // those that walk on the host have no field on the device
+  Mapper mapper(config_, device_);
+  EXPECT_TRUE(mapper.download_device_cells().empty());
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    if (!mapper.process(scans_[i], truth_[i]).merged) continue;
+    const std::uint64_t before = device_.submit_count();
+    const std::vector<std::uint16_t> from_device = mapper.download_device_cells();
+    ASSERT_GT(device_.submit_count(), before) << "they did not come from the device";
+    expect_equal_copies(mapper, from_device);
+    ASSERT_FALSE(HasFailure()) << i;
+    ++compared;
   }
+  EXPECT_GT(compared, 5U);
 }
 
 }  // namespace

@@ -12,9 +12,9 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kResolution = 0.05;
-constexpr std::uint32_t kRadius = 12;
-constexpr MergeStep kStep{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
+constexpr double kFieldResolution = 0.05;
+constexpr std::uint32_t kFieldRadius = 12;
+constexpr MergeStep kFieldStep{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
 
 class Fields : public testing::Test {
  protected:
@@ -27,16 +27,16 @@ class Fields : public testing::Test {
 
   // Merges a keyframe and returns it.
   KeyframeCells merge(const std::vector<Point2>& points) {
-    const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
+    const KeyframeCells keyframe = keyframe_of(points, kFieldResolution, kFieldRadius);
     map_.grow_to_hold(keyframe.window);
     local_.compute(keyframe);
-    local_.merge_into(map_, kStep);
+    local_.merge_into(map_, kFieldStep);
     return keyframe;
   }
 
   std::unique_ptr<Backend> backend_ = make_cpu_backend({});
-  GlobalField map_{*backend_, kResolution, kRadius, 1U << 20U};
-  LocalField local_{*backend_, kRadius};
+  GlobalField map_{*backend_, kFieldResolution, kFieldRadius, 1U << 20U};
+  LocalField local_{*backend_, kFieldRadius};
 };
 
 TEST_F(Fields, AFreshMapIsUnknownEverywhere) {
@@ -51,12 +51,12 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
   // Cell centres, so that no rounding decides the seed cells.
   const std::vector<CellIndex> seeds{{3, 4}, {10, -6}, {-8, 2}};
   std::vector<Point2> points;
-  for (const CellIndex& s : seeds) points.emplace_back((s.x + 0.5) * kResolution, (s.y + 0.5) * kResolution);
+  for (const CellIndex& s : seeds) points.emplace_back((s.x + 0.5) * kFieldResolution, (s.y + 0.5) * kFieldResolution);
   const CellBox window{{-8 - 12, -6 - 12}, {10 + 13, 4 + 13}};
   EXPECT_EQ(merge(points).window, window);
   for (int y = window.min.y; y < window.end.y; ++y) {
     for (int x = window.min.x; x < window.end.x; ++x) {
-      const double exact = std::min(distance_to_nearest(seeds, {x, y}), static_cast<double>(kRadius)) * 256.0;
+      const double exact = std::min(distance_to_nearest(seeds, {x, y}), static_cast<double>(kFieldRadius)) * 256.0;
       ASSERT_NEAR(map_.at({x, y}), exact, 0.5) << x << ' ' << y;
     }
   }
@@ -66,16 +66,16 @@ TEST_F(Fields, LocalFieldIsTheDistanceToTheNearestPointRoundedTo256thsOfACell) {
 TEST(LocalFieldByJumpFlooding, IsTheExactOneButForCellsThatAreTooLarge) {
   std::vector<Point2> points;
   for (int i = 0; i < 400; ++i) points.emplace_back(0.05 * ((i * 73) % 211), 0.05 * ((i * 131) % 197));
-  const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
+  const KeyframeCells keyframe = keyframe_of(points, kFieldResolution, kFieldRadius);
   const auto backend = make_cpu_backend({});
   const auto mapped = [&](DistanceTransform transform, std::uint64_t kernels) {
-    GlobalField map(*backend, kResolution, kRadius, 1U << 20U);
-    LocalField local(*backend, kRadius, transform);
+    GlobalField map(*backend, kFieldResolution, kFieldRadius, 1U << 20U);
+    LocalField local(*backend, kFieldRadius, transform);
     map.grow_to_hold(keyframe.window);
     const std::uint64_t before = backend->dispatch_count();
     local.compute(keyframe);
     EXPECT_EQ(backend->dispatch_count() - before, kernels);
-    local.merge_into(map, kStep);
+    local.merge_into(map, kFieldStep);
     return std::vector<std::uint16_t>(map.cells().begin(), map.cells().end());
   };
   const std::vector<std::uint16_t> exact = mapped(DistanceTransform::kExact, 4);        // seeds, columns, rows, field
@@ -118,7 +118,7 @@ TEST_F(Fields, GrowingUpToTheBoundCopiesTheMapAFewTimes) {
   constexpr std::int32_t kEnd = 10 * kKeyframes;
   const auto cells = [](std::int64_t width, std::int64_t height) { return static_cast<std::uint64_t>(width * height); };
   // Rows are padded to 32 cells.
-  GlobalField map{*backend_, kResolution, kRadius, cells(kEnd + 100, 204 + kKeyframes / 10)};
+  GlobalField map{*backend_, kFieldResolution, kFieldRadius, cells(kEnd + 100, 204 + kKeyframes / 10)};
   int copies = 0;
   GridGeometry before = map.geometry();
   for (std::int32_t k = 0; k < kKeyframes; ++k) {
@@ -136,16 +136,16 @@ TEST_F(Fields, GrowingUpToTheBoundCopiesTheMapAFewTimes) {
 
 // A margin is room to spare: what it takes may not keep the map from growing elsewhere.
 TEST_F(Fields, AMarginIsGivenUpWhereItIsInTheWay) {
-  GlobalField map{*backend_, kResolution, kRadius, 416U * 420U};
-  LocalField local{*backend_, kRadius};
-  GlobalField large{*backend_, kResolution, kRadius, 1U << 24U};
+  GlobalField map{*backend_, kFieldResolution, kFieldRadius, 416U * 420U};
+  LocalField local{*backend_, kFieldRadius};
+  GlobalField large{*backend_, kFieldResolution, kFieldRadius, 1U << 24U};
   for (const Point2& point :
        {Point2{0.525, 0.525}, Point2{19.025, 0.525}, Point2{0.525, 19.025}, Point2{19.025, 19.025}}) {
-    const KeyframeCells keyframe = keyframe_of({point}, kResolution, kRadius);
+    const KeyframeCells keyframe = keyframe_of({point}, kFieldResolution, kFieldRadius);
     for (GlobalField* field : {&map, &large}) {
       field->grow_to_hold(keyframe.window);
       local.compute(keyframe);
-      local.merge_into(*field, kStep);
+      local.merge_into(*field, kFieldStep);
     }
   }
   for (std::int32_t y = -100; y < 500; ++y) {

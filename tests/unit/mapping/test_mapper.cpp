@@ -220,5 +220,18 @@ TEST_F(MapperTest, AScanAsLargeAsALaserCouldNeverMakeIsMapped) {
   EXPECT_TRUE(map(good)[0].merged);
 }
 
+// As for the first scan, those returns count that are left for matching.
+TEST_F(MapperTest, AScanWithTooFewReturnsOnceItIsThinnedIsNotMatched) {
+  MapperConfig config;
+  config.scan.min_points = 40000;
+  const auto backend = make_cpu_backend({});
+  Mapper mapper(config, *backend);
+  EXPECT_TRUE(mapper.process(test::scan_of(walls_, truth_[0], 0.0, 60000), truth_[0]).merged);
+  const MatchResult result = mapper.process(test::scan_of(walls_, truth_[1], 0.1, 70000), truth_[1]);
+  EXPECT_EQ(result.points, 35000U);
+  EXPECT_EQ(result.doubt, Doubt::kFewPoints);
+  EXPECT_FALSE(result.accepted);
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -23,7 +23,7 @@ double nod(double time_s, double period_s) {
   return rad_from_deg(40.0) * (1.0 - std::cos(2.0 * kPi * time_s / period_s));
 }
 
-struct Outcome {
+struct NoddingOutcome {
   std::vector<NoddingPose> poses;
   Cloud cloud;
   NoddingStatistics statistics;
@@ -43,9 +43,9 @@ Job with(const std::function<void(NoddingConfig&)>& change) {
   return job;
 }
 
-Outcome map(const NoddingDrive& drive, const Job& job, Backend& backend,
-            const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
-  Outcome outcome;
+NoddingOutcome map(const NoddingDrive& drive, const Job& job, Backend& backend,
+                   const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
+  NoddingOutcome outcome;
   MapperOptions options{
       .fall_back = job.fall_back, .cpu = {}, .warn = [&](const std::string& text) { outcome.device_warning = text; }};
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
@@ -66,8 +66,8 @@ Outcome map(const NoddingDrive& drive, const Job& job, Backend& backend,
   return outcome;
 }
 
-Outcome map(const NoddingDrive& drive, const Job& job = {},
-            const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
+NoddingOutcome map(const NoddingDrive& drive, const Job& job = {},
+                   const std::function<void(NoddingScan&, std::size_t)>& change = {}) {
   return map(drive, job, *make_cpu_backend({}), change);
 }
 
@@ -99,7 +99,7 @@ NoddingDrive driving() {
 }
 
 TEST(NoddingMapper, StandingRobotGivesTheRoomWithinTheRoundingOfItsRanges) {
-  const Outcome outcome = map(standing());
+  const NoddingOutcome outcome = map(standing());
   EXPECT_GT(outcome.cloud.size(), 40000U);
   EXPECT_LT(largest_distance_m(standing(), outcome.cloud), 0.0005);
   EXPECT_EQ(outcome.poses.size(), 240U);
@@ -112,7 +112,7 @@ TEST(NoddingMapper, OdometryThatNeverMovesIsNotTakenForStandingStill) {
   NoddingDrive drive = standing();
   drive.T_room_base = [](double t) { return Pose2{-1.0 + 0.05 * t, 0.0, 0.0}; };
   drive.odometry_scale = 0.0;
-  const Outcome outcome = map(drive);
+  const NoddingOutcome outcome = map(drive);
   const Pose2& last = outcome.poses[161].T_map_base;  // the fix after two periods
   EXPECT_NEAR(last.x_m, 0.4, 0.03);
 }
@@ -121,7 +121,7 @@ TEST(NoddingMapper, OdometryThatNeverMovesIsNotTakenForStandingStill) {
 TEST(NoddingMapper, CountsStrokes) { EXPECT_EQ(map(standing()).statistics.sweeps, 6U); }
 
 TEST(NoddingMapper, PosesAndPointsComeInLogOrder) {
-  const Outcome outcome = map(driving());
+  const NoddingOutcome outcome = map(driving());
   for (std::size_t k = 0; k < outcome.poses.size(); ++k) EXPECT_EQ(outcome.poses[k].scan, k);
   EXPECT_TRUE(std::is_sorted(outcome.cloud.begin(), outcome.cloud.end(),
                              [](const CloudPoint& a, const CloudPoint& b) { return a.scan < b.scan; }));
@@ -129,7 +129,7 @@ TEST(NoddingMapper, PosesAndPointsComeInLogOrder) {
 
 TEST(NoddingMapper, APointKnowsItsElevationItsTimeAndItsScan) {
   const NoddingDrive drive = driving();
-  const Outcome outcome = map(drive);
+  const NoddingOutcome outcome = map(drive);
   for (std::size_t k = 0; k < outcome.cloud.size(); k += 97) {
     const CloudPoint& point = outcome.cloud[k];
     EXPECT_NEAR(static_cast<double>(point.elevation_rad), drive.elevation_rad(point.stamp_s), 2e-4);
@@ -142,7 +142,7 @@ TEST(NoddingMapper, ADrivingRobotIsFixedByItsHorizontalScans) {
   for (const auto how : {PoseInterpolation::kGeodesic, PoseInterpolation::kOdometry, PoseInterpolation::kLinear}) {
     NoddingDrive drive = driving();
     drive.odometry_scale = 1.05;
-    const Outcome outcome = map(drive, with([how](NoddingConfig& config) { config.interpolation = how; }));
+    const NoddingOutcome outcome = map(drive, with([how](NoddingConfig& config) { config.interpolation = how; }));
     double sum_m = 0.0;
     for (const NoddingPose& pose : outcome.poses) {
       if (pose.stamp_s > 8.0) break;  // then there is no fix behind
@@ -155,8 +155,8 @@ TEST(NoddingMapper, ADrivingRobotIsFixedByItsHorizontalScans) {
 }
 
 TEST(NoddingMapper, LiteralFormScalesTheTranslationByTheHeight) {
-  const Outcome working = map(driving());
-  const Outcome literal = map(driving(), with([](NoddingConfig& config) { config.form = SweepForm::kLiteral; }));
+  const NoddingOutcome working = map(driving());
+  const NoddingOutcome literal = map(driving(), with([](NoddingConfig& config) { config.form = SweepForm::kLiteral; }));
   EXPECT_LT(largest_distance_m(driving(), working.cloud), 0.15);
   EXPECT_GT(largest_distance_m(driving(), literal.cloud), 0.3);
 }
@@ -170,7 +170,7 @@ TEST(NoddingMapper, WithoutAHorizontalScanItSaysWhatItSaw) {
 }
 
 TEST(NoddingMapper, AScanWithoutElevationHasAPoseAndNoPoint) {
-  const Outcome outcome = map(standing(), {}, [](NoddingScan& scan, std::size_t k) {
+  const NoddingOutcome outcome = map(standing(), {}, [](NoddingScan& scan, std::size_t k) {
     if (k >= 30 && k < 50) scan.knots.clear();
   });
   EXPECT_EQ(outcome.statistics.without_nod, 20U);
@@ -187,7 +187,7 @@ TEST(NoddingMapper, NoElevationAtAllIsAnError) {
 TEST(NoddingMapper, ScansBeforeTheFirstFixArePosedBackwards) {
   NoddingDrive drive = driving();
   drive.elevation_rad = [](double t) { return nod(t + 1.0, 4.0); };  // level for the first time after 3 s
-  const Outcome outcome = map(drive);
+  const NoddingOutcome outcome = map(drive);
   EXPECT_GT(outcome.statistics.before_first_fix, 40U);
   EXPECT_EQ(outcome.poses.size(), 240U);
   const Pose2 expected =
@@ -200,7 +200,7 @@ TEST(NoddingMapper, ScansBeforeTheFirstFixArePosedBackwards) {
 TEST(NoddingMapper, BlindForLongItGoesOnByOdometry) {
   NoddingDrive drive = driving();
   drive.elevation_rad = [](double t) { return t < 4.0 ? nod(t, 4.0) : nod(std::min(t, 6.0), 4.0); };
-  const Outcome outcome = map(drive, with([](NoddingConfig& config) { config.max_blind_s = 4.5; }));
+  const NoddingOutcome outcome = map(drive, with([](NoddingConfig& config) { config.max_blind_s = 4.5; }));
   EXPECT_EQ(outcome.warnings.size(), 1U);
   EXPECT_GT(outcome.statistics.by_odometry, 100U);
   EXPECT_EQ(outcome.poses.size(), 240U);
@@ -226,12 +226,12 @@ TEST(NoddingMapper, WhatWaitsIsBoundedWhereTheClockStandsStill) {
 // Whichever call fails: the cloud is the CPU's, point for point.
 TEST(NoddingMapper, ADeviceThatFailsCostsNoPoint) {
   const NoddingDrive drive = driving();
-  const Outcome expected = map(drive);
+  const NoddingOutcome expected = map(drive);
   test::QueuedBackend counting;
   map(drive, {}, counting);
   for (std::uint64_t call = 1; call <= counting.calls().size(); ++call) {
     test::QueuedBackend failing(call);
-    const Outcome outcome = map(drive, {}, failing);
+    const NoddingOutcome outcome = map(drive, {}, failing);
     EXPECT_EQ(outcome.cloud, expected.cloud) << "call " << call << ", " << failing.calls().back();
     EXPECT_THAT(outcome.device_warning, testing::HasSubstr("goes on with the CPU"));
     EXPECT_EQ(failing.calls_after_failure(), 0U);

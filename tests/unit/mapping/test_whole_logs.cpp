@@ -31,7 +31,7 @@ struct RealLog {
 
 void PrintTo(const RealLog& log, std::ostream* out) { *out << log.name; }
 
-struct Outcome {
+struct LogOutcome {
   RelationReport report;
   MapperStatistics statistics;
   double cpu_s = 0.0;
@@ -49,8 +49,8 @@ std::vector<ScanRecord> scans_of(const std::string& log, std::size_t step = 1) {
   return scans;
 }
 
-Outcome map_scans(const std::vector<ScanRecord>& scans, const std::vector<Relation>& relations,
-                  const MapperConfig& config) {
+LogOutcome map_scans(const std::vector<ScanRecord>& scans, const std::vector<Relation>& relations,
+                     const MapperConfig& config) {
   const std::clock_t start = std::clock();
   const auto backend = make_cpu_backend({});
   Mapper mapper(config, *backend);
@@ -71,7 +71,7 @@ TEST_P(RealLogTest, MapsWithinTheBoundsInUnderTenSecondsOfProcessorTime) {
   GDTSLAM_REAL_DATA(relations, stem + ".relations.gz");
   MapperConfig config;
   config.match.matcher = GetParam().matcher;
-  const Outcome run = map_scans(scans_of(log), read_relations(relations), config);
+  const LogOutcome run = map_scans(scans_of(log), read_relations(relations), config);
   EXPECT_EQ(run.report.unmatched, 0U);
   EXPECT_LE(run.report.all.translation_m.mean, GetParam().max_translation_m);
   EXPECT_LE(run.report.all.rotation_deg.mean, GetParam().max_rotation_deg);
@@ -115,7 +115,7 @@ TEST(RealLogThinned, EverySecondScanOfCsailIsMappedByEveryMatcher) {
       MapperConfig config;
       config.match.matcher = matcher;
       config.search.starts = starts;
-      const Outcome run = map_scans(scans_of(log, 2), read_relations(relations), config);
+      const LogOutcome run = map_scans(scans_of(log, 2), read_relations(relations), config);
       EXPECT_LE(run.report.all.translation_m.mean, 0.035) << starts;
       EXPECT_LE(run.report.all.translation_m.max, 0.35) << starts;
     }
@@ -153,7 +153,7 @@ class SampleLogTest : public testing::TestWithParam<MatcherKind> {};
 TEST_P(SampleLogTest, MapsWithinTighterBoundsThanTheRealLogs) {
   MapperConfig config;
   config.match.matcher = GetParam();
-  const Outcome run = map_scans(scans_of(kSample + ".log.gz"), true_relations(), config);
+  const LogOutcome run = map_scans(scans_of(kSample + ".log.gz"), true_relations(), config);
   EXPECT_EQ(run.report.unmatched, 0U);
   EXPECT_GT(run.report.loops.translation_m.count, 30U);
   EXPECT_LE(run.report.all.translation_m.mean, 0.020);
@@ -183,7 +183,7 @@ TEST_P(SampleLogTest, EverySecondScanIsMappedWhereTheOdometryTurnsBy85DegreesInO
     MapperConfig config;
     config.match.matcher = GetParam();
     config.search.starts = starts;
-    const Outcome run = map_scans(scans, relations, config);
+    const LogOutcome run = map_scans(scans, relations, config);
     EXPECT_EQ(run.report.unmatched, 0U);
     EXPECT_LE(run.report.all.translation_m.mean, 0.030) << starts;
     EXPECT_LE(run.report.all.translation_m.max, 0.15) << starts;
@@ -197,7 +197,7 @@ TEST(SampleLogRule, TheMergeRuleAsPrintedMissesTheBound) {
   MapperConfig config;
   config.merge.rule = MergeRule::kLiteral;
   config.search.attempts = 1;
-  const Outcome run = map_scans(scans_of(kSample + ".log.gz"), true_relations(), config);
+  const LogOutcome run = map_scans(scans_of(kSample + ".log.gz"), true_relations(), config);
   EXPECT_GT(run.report.all.translation_m.mean, 0.3);
 }
 

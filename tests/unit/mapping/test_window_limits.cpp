@@ -1,5 +1,6 @@
 // Windows and maps that no buffer of the device holds.
 #include <algorithm>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ struct Scene {
 };
 
 /// What came of a scene, and what was asked of the device for it.
-struct Outcome {
+struct WindowOutcome {
   MatchResult result;
   std::vector<std::string> calls;
 
@@ -36,8 +37,43 @@ struct Outcome {
   }
 };
 
+/// A CPU with so small a largest buffer that no search window fits; buffers and downloads are those of a real one.
+class SmallCpu final : public Backend {
+ public:
+  SmallCpu() : device_(cpu_->device()) { device_.max_buffer_bytes = 1000; }
+
+  [[nodiscard]] const DeviceInfo& device() const override { return device_; }
+  Buffer allocate(std::size_t bytes) override { return cpu_->allocate(bytes); }
+  void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) override {
+    cpu_->upload(target, data, offset);
+  }
+  void fill(const Buffer& target, std::uint32_t word) override { cpu_->fill(target, word); }
+  void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> params,
+                Extent threads) override {
+    cpu_->dispatch(kernel, buffers, params, threads);
+  }
+  PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset) override {
+    return cpu_->start_download(source, bytes, offset);
+  }
+  void finish_download(PendingDownload download, std::span<std::byte> data) override {
+    cpu_->finish_download(std::move(download), data);
+  }
+  void flush() override { cpu_->flush(); }
+  [[nodiscard]] std::span<std::byte> host_view(const Buffer& buffer) override { return cpu_->host_view(buffer); }
+  [[nodiscard]] std::uint64_t dispatch_count() const override { return cpu_->dispatch_count(); }
+  [[nodiscard]] std::uint64_t submit_count() const override { return cpu_->submit_count(); }
+  [[nodiscard]] std::size_t pending_downloads() const override { return cpu_->pending_downloads(); }
+
+ private:
+  void release(std::uint64_t /*id*/) noexcept override {}
+  void forget_download(std::uint64_t /*id*/) noexcept override {}
+
+  std::unique_ptr<Backend> cpu_ = make_cpu_backend({});
+  DeviceInfo device_;
+};
+
 /// In a map of the room; the largest buffer has `max_buffer_bytes` once the map is there, 0: as large as ever.
-Outcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
+WindowOutcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
   QueuedBackend device;
   const MapConfig& map_config = scene.config.map;
   GlobalField map(device, map_config.resolution_m, map_config.radius_cells(), 1U << 24U);
@@ -53,7 +89,7 @@ Outcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
   if (max_buffer_bytes != 0) device.set_max_buffer_bytes(max_buffer_bytes);
   const std::size_t before = device.calls().size();
   WindowMatcher matcher(scene.config, map);
-  Outcome outcome{matcher.match(scene.points, scene.prediction, true), {}};
+  WindowOutcome outcome{matcher.match(scene.points, scene.prediction, true), {}};
   outcome.calls.assign(device.calls().begin() + static_cast<std::ptrdiff_t>(before), device.calls().end());
   return outcome;
 }
@@ -79,7 +115,7 @@ std::size_t window_bytes(const Scene& scene) {
 
 TEST(WindowLimits, AWindowMayTakeAllOfTheLargestBuffer) {
   const Scene scene = make_scene();
-  const Outcome outcome = outcome_of(scene, window_bytes(scene));
+  const WindowOutcome outcome = outcome_of(scene, window_bytes(scene));
   EXPECT_EQ(outcome.count("pose_lattice"), 1);
   EXPECT_EQ(outcome.count("flush"), 1);
 }
@@ -113,6 +149,23 @@ TEST(WindowLimits, TheCpuGoesOnWhereAWindowDoesNotFit) {
   EXPECT_THAT(found.loss, HasSubstr("search window"));
   ASSERT_EQ(found.warnings.size(), 1U);
   EXPECT_THAT(found.warnings[0], HasSubstr("going on with the CPU"));
+}
+
+// The CPU cannot take over from itself: the error goes to the caller, then and ever after, and no warning says
+// otherwise.
+TEST(WindowLimits, FromTheCpuThereIsNoWayBack) {
+  const auto scans = test::room_scans(4, 2);
+  SmallCpu cpu;
+  int warnings = 0;
+  Mapper mapper(test::quick_config(MatcherKind::kExhaustive), cpu,
+                {.fall_back = true, .cpu = {}, .warn = [&warnings](const std::string&) { ++warnings; }});
+  EXPECT_TRUE(mapper.process(scans[0].scan, scans[0].T_odom_base).merged);
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    EXPECT_THROW(mapper.process(scans[i].scan, scans[i].T_odom_base), DeviceError) << i;
+  }
+  EXPECT_THAT(mapper.device_loss(), HasSubstr("search window"));
+  EXPECT_EQ(warnings, 0);
+  EXPECT_FALSE(test::cells_of(mapper.field()).empty()) << "the map is kept";
 }
 
 // Where the map outgrows the device, the warning says what for and what to change.

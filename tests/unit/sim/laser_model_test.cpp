@@ -20,7 +20,7 @@ LaserModel plain_laser() {
   return laser;
 }
 
-RayCaster room() {
+RayCaster measured_room() {
   Scene scene;
   scene.boxes.push_back({{0.0, 0.0}, {8.0, 6.0}, 0.0, 0.0, 2.5});
   return RayCaster(triangulate(scene));
@@ -53,7 +53,7 @@ TEST(LaserModel, PresetsSpanWhatTheirSensorsSpan) {
 
 TEST(LaserModel, TrueRangesAreThoseOfTheRoom) {
   const Pose3 T_map_laser = embed(Pose2{1.0, -0.5, rad_from_deg(20.0)}, 1.0);
-  const std::vector<double> ranges_m = true_ranges(plain_laser(), room(), [&](double) { return T_map_laser; });
+  const std::vector<double> ranges_m = true_ranges(plain_laser(), measured_room(), [&](double) { return T_map_laser; });
   ASSERT_EQ(ranges_m.size(), 180U);
   for (std::size_t k = 0; k < ranges_m.size(); ++k) {
     const double bearing = rad_from_deg(20.0 - 90.0 + static_cast<double>(k));
@@ -66,7 +66,7 @@ TEST(LaserModel, TrueRangesAreThoseOfTheRoom) {
 TEST(LaserModel, NothingWithinReachIsInfinity) {
   LaserModel laser = plain_laser();
   laser.max_range_m = 2.0;
-  const std::vector<double> ranges_m = true_ranges(laser, room(), [](double) { return embed(Pose2{}, 1.0); });
+  const std::vector<double> ranges_m = true_ranges(laser, measured_room(), [](double) { return embed(Pose2{}, 1.0); });
   EXPECT_TRUE(std::isinf(ranges_m[90]));
 }
 
@@ -157,7 +157,7 @@ TEST(LaserModel, ScanIsSpreadOverTheMirrorsTurn) {
   EXPECT_NEAR(laser.time_of_beam_s(179) - laser.time_of_beam_s(0), 179.0 / 360.0 / 75.0, 1e-15);
   EXPECT_NEAR(laser.time_of_beam_s(0) + laser.time_of_beam_s(179), 0.0, 1e-15);
   // Drives at 3 m/s at the wall ahead, 4 m away at the stamp.
-  const std::vector<double> ranges_m = true_ranges(laser, room(), [](double offset_s) {
+  const std::vector<double> ranges_m = true_ranges(laser, measured_room(), [](double offset_s) {
     return embed(Pose2{3.0 * offset_s, 0.0, 0.0}, 1.0);
   });
   for (const std::size_t k : {70U, 90U, 110U}) {

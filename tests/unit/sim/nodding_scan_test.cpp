@@ -11,7 +11,7 @@
 namespace gdtslam::sim {
 namespace {
 
-struct Log {
+struct NoddingLog {
   std::vector<SimulatedScan> scans;
   std::vector<Encoder> messages;
   std::vector<std::vector<double>> elevations_rad;  // of each beam of each scan
@@ -48,8 +48,8 @@ SimulationConfig exact_config() {
   return config;
 }
 
-Log record(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster) {
-  Log log;
+NoddingLog record(const SimulationConfig& config, const MotionPlan& plan, const RayCaster& caster) {
+  NoddingLog log;
   SimulationSink sink;
   sink.scan = [&](const SimulatedScan& scan) {
     std::vector<double> elevations;
@@ -71,7 +71,7 @@ double bearing_of(std::size_t beam) { return rad_from_deg(-120.0 + 0.25 * static
 
 TEST(NoddingScan, StandingItSeesWallFloorAndCeilingWhereTheoryPutsThem) {
   const SimulationConfig config = exact_config();
-  const Log log = record(config, standing(7.0), hall());
+  const NoddingLog log = record(config, standing(7.0), hall());
   ASSERT_GT(log.scans.size(), 100U);
   std::size_t walls = 0;
   std::size_t floors = 0;
@@ -109,7 +109,7 @@ TEST(NoddingScan, ALeverArmMovesTheForwardBeamAsTheoryHasIt) {
   const double b = 0.03;
   config.nodding->truth.mount.lever_forward_m = a;
   config.nodding->truth.mount.lever_up_m = b;
-  const Log log = record(config, standing(7.0), hall());
+  const NoddingLog log = record(config, standing(7.0), hall());
   std::size_t checked = 0;
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     const double e = log.elevations_rad[i][0];
@@ -149,7 +149,7 @@ TEST(NoddingScan, TrueHitsLieOnTheSceneWhereTheBeamAtItsOwnTimePoints) {
   const SimulationConfig config = exact_config();
   const RayCaster caster = hall();
   const MotionPlan plan = drive();
-  const Log log = record(config, plan, caster);
+  const NoddingLog log = record(config, plan, caster);
   std::size_t hits = 0;
   double most_within_scan_m = 0.0;
   for (std::size_t i = 0; i < log.scans.size(); i += 9) {
@@ -184,7 +184,7 @@ TEST(NoddingScan, TheEncoderCoversEveryBeam) {
   const SimulationConfig config = exact_config();
   for (const double duration_s : {1.0, 2.003, 2.0168, 3.3333}) {
     // With 2.0168 s the last beam fires at 2.01667 s, after the last message before the end.
-    const Log log = record(config, standing(duration_s), hall());
+    const NoddingLog log = record(config, standing(duration_s), hall());
     ASSERT_FALSE(log.scans.empty());
     EXPECT_EQ(log.messages.size(), log.summary.encoder_records);
     EXPECT_LE(log.messages.front().stamp_s,
@@ -199,7 +199,7 @@ TEST(NoddingScan, TheEncoderCoversEveryBeam) {
 
 TEST(NoddingScan, TruthOfScansIsThatOfTheirStamps) {
   const SimulationConfig config = exact_config();
-  const Log log = record(config, drive(), hall());
+  const NoddingLog log = record(config, drive(), hall());
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     EXPECT_NEAR(log.scans[i].crank_turns, 0.15 * log.scans[i].record.scan.stamp_s, 1e-12);
     EXPECT_EQ(log.scans[i].elevation_rad, log.elevations_rad[i][480]);

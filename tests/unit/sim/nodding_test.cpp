@@ -18,7 +18,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-MotionPlan standing(double duration_s) {
+MotionPlan standing_still(double duration_s) {
   std::vector<Waypoint> one(1);
   one[0].pause_s = duration_s;
   return {one, {}};
@@ -49,7 +49,7 @@ double elevation_by_geometry(const calib::SweepModel& model, double turns) {
 TEST(NoddingCourse, ElevationIsThatOfTheLinkage) {
   for (const char* preset : {"paper-a", "paper-b", "paper-c", "paper-b-calibrated"}) {
     const NoddingModel model = model_of(preset);
-    const NoddingCourse course(model, standing(30.0));
+    const NoddingCourse course(model, standing_still(30.0));
     for (double t = 0.0; t < 14.0; t += 0.0137) {
       EXPECT_NEAR(std::remainder(course.elevation_rad(t) - elevation_by_geometry(model.truth, 0.15 * t), 2.0 * M_PI),
                   0.0, 1e-9)
@@ -59,7 +59,7 @@ TEST(NoddingCourse, ElevationIsThatOfTheLinkage) {
 }
 
 TEST(NoddingCourse, LiftsSlowlyFromLevelAndReturnsQuickly) {
-  const NoddingCourse course(model_of(), standing(30.0));
+  const NoddingCourse course(model_of(), standing_still(30.0));
   constexpr int kSteps = 3600;
   int lifting = 0;
   double highest = 0.0;
@@ -77,7 +77,7 @@ TEST(NoddingCourse, LiftsSlowlyFromLevelAndReturnsQuickly) {
 TEST(NoddingCourse, ContinuousTurnsEvenlyAndTheCounterWraps) {
   NoddingModel model = model_of();
   model.start_turns = 0.25;
-  const NoddingCourse course(model, standing(30.0));
+  const NoddingCourse course(model, standing_still(30.0));
   EXPECT_DOUBLE_EQ(course.crank_turns(2.0), 0.55);
   EXPECT_EQ(course.message(0.0)->ticks, 5000);
   EXPECT_EQ(course.message(1.0)->ticks, 8000);
@@ -86,14 +86,14 @@ TEST(NoddingCourse, ContinuousTurnsEvenlyAndTheCounterWraps) {
   EXPECT_EQ(course.message(1.0001)->ticks, 8000);  // 8000.3 ticks
   EXPECT_EQ(course.message(1.0002)->ticks, 8001);  // 8000.6 ticks
   model.truth.encoder.wraps = false;
-  EXPECT_EQ(NoddingCourse(model, standing(30.0)).message(6.0)->ticks, 23000);
+  EXPECT_EQ(NoddingCourse(model, standing_still(30.0)).message(6.0)->ticks, 23000);
 }
 
 TEST(NoddingCourse, SteppedStandsAtEveryHundredthTickFor250Scans) {
   NoddingModel model = model_of();
   model.mode = NodMode::kStepped;
   model.crank_rate_hz = 0.2;
-  const NoddingCourse course(model, standing(2510.0));
+  const NoddingCourse course(model, standing_still(2510.0));
   std::vector<int> scans_at(400, 0);
   for (int scan = 0; scan < 400 * 251; ++scan) {
     const double t = scan / 40.0 + 0.0125;
@@ -137,7 +137,7 @@ TEST(NoddingCourse, AStopThatIsTooShortForATurnIsNamed) {
   NoddingModel model = model_of();
   model.mode = NodMode::kStopAndScan;
   try {
-    const NoddingCourse course(model, standing(5.0));
+    const NoddingCourse course(model, standing_still(5.0));
     FAIL();
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr("never stands long enough for a turn of the crank (6.666667 s)"));
@@ -148,7 +148,7 @@ std::vector<std::int64_t> ticks_with(const EncoderFault& fault) {
   NoddingModel model = model_of();
   model.crank_rate_hz = 0.1;  // 2000 ticks a second
   model.faults.push_back(fault);
-  const NoddingCourse course(model, standing(30.0));
+  const NoddingCourse course(model, standing_still(30.0));
   std::vector<std::int64_t> ticks;
   for (const double t : {1.0, 2.0, 3.0, 4.0, 5.0}) {
     const std::optional<Encoder> message = course.message(t);
@@ -163,9 +163,9 @@ TEST(NoddingCourse, FaultsTouchTheEncoderOnly) {
   EXPECT_THAT(ticks_with({EncoderFaultKind::kBackwards, 2.0, 4.0, 0}), ElementsAre(2000, 4000, 2000, 0, 2000));
   EXPECT_THAT(ticks_with({EncoderFaultKind::kMissing, 2.0, 4.0, 0}), ElementsAre(2000, -1, -1, 8000, 10000));
   NoddingModel model = model_of();
-  const NoddingCourse sound(model, standing(30.0));
+  const NoddingCourse sound(model, standing_still(30.0));
   model.faults.push_back({EncoderFaultKind::kBackwards, 2.0, 4.0, 0});
-  EXPECT_EQ(NoddingCourse(model, standing(30.0)).elevation_rad(3.0), sound.elevation_rad(3.0));
+  EXPECT_EQ(NoddingCourse(model, standing_still(30.0)).elevation_rad(3.0), sound.elevation_rad(3.0));
 }
 
 TEST(NoddingCourse, RefusesWhatCannotNod) {

@@ -14,7 +14,7 @@ namespace gdtslam::sim {
 namespace {
 
 // The inside of a room of 8 x 6 x 2.5 m about the origin.
-TriangleMesh room() {
+TriangleMesh room_mesh() {
   Scene scene;
   scene.boxes.push_back({{0.0, 0.0}, {8.0, 6.0}, 0.0, 0.0, 2.5});
   return triangulate(scene);
@@ -23,7 +23,7 @@ TriangleMesh room() {
 Vec3 unit(double x, double y, double z) { return Vec3(x, y, z).normalized(); }
 
 TEST(RayCaster, RoomGivesTheRangesOfGeometry) {
-  const RayCaster caster(room());
+  const RayCaster caster(room_mesh());
   const Vec3 origin(1.0, -0.5, 1.0);
   for (int i = 0; i < 3600; ++i) {
     const double bearing = rad_from_deg(0.1 * i);
@@ -38,7 +38,7 @@ TEST(RayCaster, RoomGivesTheRangesOfGeometry) {
 }
 
 TEST(RayCaster, RaysInSpaceMeetFloorAndCeiling) {
-  const RayCaster caster(room());
+  const RayCaster caster(room_mesh());
   const Vec3 origin(0.0, 0.0, 1.0);
   EXPECT_NEAR(caster.cast({origin, unit(1.0, 0.0, -1.0)}, 10.0)->range_m, std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(caster.cast({origin, unit(0.0, 0.0, 1.0)}, 10.0)->range_m, 1.5, 1e-12);
@@ -46,7 +46,7 @@ TEST(RayCaster, RaysInSpaceMeetFloorAndCeiling) {
 }
 
 TEST(RayCaster, MaximumRangeIsInclusive) {
-  const RayCaster caster(room());
+  const RayCaster caster(room_mesh());
   const Ray ray{Vec3(0.0, 0.5, 1.0), Vec3(1.0, 0.0, 0.0)};
   EXPECT_TRUE(caster.cast(ray, 4.0));
   EXPECT_FALSE(caster.cast(ray, std::nextafter(4.0, 0.0)));
@@ -54,7 +54,7 @@ TEST(RayCaster, MaximumRangeIsInclusive) {
 }
 
 TEST(RayCaster, NothingEscapesThroughEdgesAndCorners) {
-  const RayCaster caster(room());
+  const RayCaster caster(room_mesh());
   const Vec3 origin(0.3, -0.7, 1.1);
   Random random(5);
   for (const std::array<std::uint32_t, 3>& triangle : caster.mesh().triangles) {
@@ -155,7 +155,7 @@ TEST(RayCaster, RefusesABrokenMesh) {
   EXPECT_THROW(RayCaster{mesh}, ConfigError);
   mesh.vertices.emplace_back(std::nan(""), 0.0, 0.0);
   EXPECT_THROW(RayCaster{mesh}, ConfigError);
-  EXPECT_THROW(RayCaster(room(), {"no-such-isa"}), UnavailableError);
+  EXPECT_THROW(RayCaster(room_mesh(), {"no-such-isa"}), UnavailableError);
 }
 
 }  // namespace

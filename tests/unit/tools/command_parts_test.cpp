@@ -7,12 +7,16 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/canvas.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
@@ -126,7 +130,7 @@ TEST_F(RunFolderTest, FilesOfAnotherOriginAreRefused) {
   write(folder / "notes.txt", "mine");
   EXPECT_NO_THROW(require_no_foreign_files(folder));
   for (const char* name : {"trajectory.tum", "map.yaml", "map.pgm", "gdt.yaml", "gdt.png", "overview.png",
-                           "config.yaml", "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
+                           "overview.svg", "config.yaml", "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
     write(folder / name, "{}");
     EXPECT_THROW(require_no_foreign_files(folder), UsageError) << name;
     fs::remove(folder / name);
@@ -135,6 +139,24 @@ TEST_F(RunFolderTest, FilesOfAnotherOriginAreRefused) {
   EXPECT_THROW(require_no_foreign_files(folder), UsageError) << "a link";
   write(folder / "report.json", R"({"format": 1, "map_sha256": ""})");
   EXPECT_NO_THROW(require_no_foreign_files(folder)) << "an earlier run";
+}
+
+// More than 32,767 pixels are refused by the rasteriser, a picture without pixels by the SVG too.
+TEST_F(RunFolderTest, AnOverviewThatFailsCostsTheRunNoMoreThanThePicture) {
+  Canvas overview(40000.0, 10.0, "map");
+  std::vector<LogReader::Warning> warnings;
+  const auto write_run = [&] {
+    RunFolder run(work_);
+    write_overview(run, overview, warnings);
+    run.commit();
+  };
+  write_run();
+  EXPECT_TRUE(fs::exists(work_ / "overview.svg"));
+  overview.picture({0.0, 0.0}, 1.0, 1.0, std::make_shared<RgbaImage>());
+  write_run();
+  EXPECT_TRUE(fs::is_empty(work_)) << "nor is the old one left";
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_EQ(warnings.back().kind, "no picture of the map");
 }
 
 TEST_F(RunFolderTest, LatestPointsToTheRunButReplacesNothingElse) {

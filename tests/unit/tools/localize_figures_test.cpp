@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string_view>
+
 namespace gdtslam {
 namespace {
 
@@ -82,10 +85,14 @@ TEST(LocalizeFault, TooFewReturnsComesFirst) {
 }
 
 TEST(LocalizeFault, EveryOneHasItsNameAndWords) {
+  std::set<std::string_view> names{to_string(LocalizeFault::kNone)};
+  std::set<std::string_view> words{as_text(LocalizeFault::kNone)};
   for (const LocalizeFault fault : kLocalizeFaults) {
-    EXPECT_NE(to_string(fault), "unknown");
-    EXPECT_NE(as_text(fault), "unknown");
+    EXPECT_TRUE(names.insert(to_string(fault)).second) << to_string(fault);
+    EXPECT_TRUE(words.insert(as_text(fault)).second) << as_text(fault);
   }
+  EXPECT_EQ(to_string(LocalizeFault::kAsGood), "as-good");
+  EXPECT_EQ(as_text(LocalizeFault::kAsGood), "both poses fit alike");
 }
 
 TEST(LocalizeVerdict, IsOfTheFitAndThePosesElsewhere) {

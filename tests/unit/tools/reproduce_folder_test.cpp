@@ -1,4 +1,5 @@
-// Folders of `gdtslam reproduce` beside those of its user: which go and which stay.
+// Folders of `gdtslam reproduce` beside those of its user: which go and which stay. And a part in its folder that
+// somebody changed.
 #include "tools/lab/reproduce/store.hpp"
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "gdtslam/core/error.hpp"
+#include "tools/lab/reproduce/drives.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
@@ -60,6 +62,45 @@ TEST_F(ReproduceFolders, OfOursGoAndAreReplaced) {
   remove_own_folder(in("part"));
   EXPECT_FALSE(fs::exists(in("part")));
   remove_own_folder(in("part"));  // nothing there: nothing to do
+}
+
+TEST_F(ReproduceFolders, OfAllDrivesGoesWhereItIsOursAndNothingElseIsInIt) {
+  const Drives drives(in("work"), "program", {}, {});
+  fs::create_directory(in("work"));
+  drives.prepare();
+  drives.clear();
+  EXPECT_TRUE(fs::exists(in("work"))) << "an empty folder of somebody else";
+  fs::remove(in("work"));
+  drives.clear();  // nothing there: nothing to do
+  drives.prepare();
+  make_marked_folder(in("work/drive"));
+  write("work/file", "precious");
+  drives.clear();
+  EXPECT_FALSE(fs::exists(in("work/drive")));
+  EXPECT_EQ(text("work/file"), "precious");
+  fs::remove(in("work/file"));
+  drives.clear();
+  EXPECT_FALSE(fs::exists(in("work")));
+}
+
+TEST_F(ReproduceFolders, APartWithANumberThatThereIsNotCountsAsNotMade) {
+  Store store(in("report"));
+  KeptPart kept;
+  kept.part.state("width", "", "1 cm", "");
+  const auto find_with = [&](const std::string& entry, const std::string& changed) {
+    store.begin("fig3");
+    store.keep("fig3", "key", kept);
+    std::string json = text("report/parts/fig3/part.json");
+    const std::size_t at = json.find(entry);
+    EXPECT_NE(at, std::string::npos) << json;
+    write("report/parts/fig3/part.json", json.replace(at, entry.size(), changed));
+    return store.find("fig3", "key").has_value();
+  };
+  EXPECT_TRUE(find_with("\"verdict\": 2", "\"verdict\": 1"));
+  for (const char* const number : {"3", "-1", "256", "1.0"})
+    EXPECT_FALSE(find_with("\"verdict\": 2", "\"verdict\": " + std::string(number))) << number;
+  for (const char* const number : {"3", "-1", "257", "18446744073709551617"})
+    EXPECT_FALSE(find_with("\"origin\": 1", "\"origin\": " + std::string(number))) << number;
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string kScenes = GDTSLAM_SOURCE_DIR "/assets/scenes";
+const std::string kSceneFolder = GDTSLAM_SOURCE_DIR "/assets/scenes";
 
 std::string content_of(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -222,7 +222,7 @@ class SampleSceneTest : public SimulateTest, public testing::WithParamInterface<
 TEST_P(SampleSceneTest, GivesTheExpectedBytes) {
   SimulateOptions chosen = options("s.log");
   chosen.scene = GetParam().name;
-  chosen.scene_folders = {kScenes};
+  chosen.scene_folders = {kSceneFolder};
   const SimulateResult result = simulate(chosen);
   EXPECT_EQ(result.scans, GetParam().scans);
   EXPECT_NEAR(result.path_m, GetParam().path_m, 0.1);
@@ -234,7 +234,7 @@ TEST_P(SampleSceneTest, GivesTheExpectedBytes) {
 }
 
 TEST_P(SampleSceneTest, PathKeepsClearOfEverything) {
-  const SceneFile file = read_scene(kScenes + "/" + GetParam().name + ".yaml");
+  const SceneFile file = read_scene(kSceneFolder + "/" + GetParam().name + ".yaml");
   std::vector<sim::Box> boxes = file.scene.boxes;
   for (const sim::Wall& wall : file.scene.walls) {
     const std::vector<sim::Box> parts = boxes_of(wall);
@@ -256,7 +256,7 @@ TEST_P(SampleSceneTest, PathKeepsClearOfEverything) {
   }
   EXPECT_GE(nearest, 0.25);
   SimulateOptions chosen = options("s.log");
-  chosen.scene = kScenes + "/" + GetParam().name + ".yaml";
+  chosen.scene = kSceneFolder + "/" + GetParam().name + ".yaml";
   EXPECT_NEAR(simulate(chosen).clearance_m, nearest, 0.02);
 }
 

@@ -11,7 +11,7 @@
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/viewer/camera.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -146,11 +146,11 @@ TEST(FittingCamera, TheLongSideFillsThePicturesLongSide) {
 
 TEST(FittingCamera, EmptyBoxAndSinglePointGiveAUsableCamera) {
   for (const Bounds& box : {Bounds{}, Bounds{{3, 4, 5}, {3, 4, 5}}}) {
-    for (const CameraPresetName& preset : camera_presets()) {
-      if (preset.preset == CameraPreset::kFollow) continue;
-      const Camera camera = fitting_camera(preset.preset, box, {});
+    for (const CameraPreset preset :
+         {CameraPreset::kIso, CameraPreset::kTop, CameraPreset::kFront, CameraPreset::kSide}) {
+      const Camera camera = fitting_camera(preset, box, {});
       EXPECT_TRUE(camera.eye.allFinite());
-      EXPECT_GT((camera.eye - camera.target).norm(), 0.05) << preset.name;
+      EXPECT_GT((camera.eye - camera.target).norm(), 0.05) << "preset " << static_cast<int>(preset);
       const auto seen = pixel_of(camera, {}, box.is_empty() ? Point3::Zero() : box.centre());
       ASSERT_TRUE(seen.has_value());
       EXPECT_NEAR(seen->x_px, 640.0, 30.0);
@@ -253,4 +253,4 @@ TEST(CameraText, WhatIsWrongIsSaid) {
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -10,11 +10,11 @@
 #include "gdtslam/viewer/film.hpp"
 #include "support/image_compare.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
-const PictureSize kSize{160, 90};
-const CloudCaption kBare{
+const PictureSize kFilmSize{160, 90};
+const CloudCaption kBareCaption{
     .title = "", .subtitle = "", .with_scale_bar = false, .with_axes = false, .with_colour_bar = false};
 
 std::shared_ptr<const RgbaImage> scene_of(const Canvas& frame) {
@@ -35,7 +35,7 @@ class CloudFilmTest : public ::testing::Test {
 
 TEST_F(CloudFilmTest, OrbitClosesWithoutAJump) {
   const std::size_t count = 24;
-  const auto film = orbit_film(scene_, look_, kBare, kSize, count);
+  const auto film = orbit_film(scene_, look_, kBareCaption, kFilmSize, count);
   ASSERT_EQ(film->frames(), count);
   std::vector<std::shared_ptr<const RgbaImage>> frames;
   for (std::size_t k = 0; k < count; ++k) frames.push_back(scene_of(film->frame(k)));
@@ -50,13 +50,14 @@ TEST_F(CloudFilmTest, OrbitClosesWithoutAJump) {
 }
 
 TEST_F(CloudFilmTest, OrbitKeepsTheWholeRoomInThePicture) {
-  const auto film = orbit_film(scene_, look_, kBare, kSize, 12);
+  const auto film = orbit_film(scene_, look_, kBareCaption, kFilmSize, 12);
   for (std::size_t k = 0; k < film->frames(); ++k) {
     const auto image = scene_of(film->frame(k));
-    for (std::uint32_t x = 0; x < kSize.width; ++x) {
-      ASSERT_TRUE(is_colour(image->at(x, 0), ink::kNight) && is_colour(image->at(x, kSize.height - 1), ink::kNight));
+    for (std::uint32_t x = 0; x < kFilmSize.width; ++x) {
+      ASSERT_TRUE(is_colour(image->at(x, 0), ink::kNight) &&
+                  is_colour(image->at(x, kFilmSize.height - 1), ink::kNight));
     }
-    EXPECT_GT(covered(*image, ink::kNight), kSize.width * kSize.height / 8) << "and large";
+    EXPECT_GT(covered(*image, ink::kNight), kFilmSize.width * kFilmSize.height / 8) << "and large";
   }
 }
 
@@ -64,13 +65,13 @@ TEST_F(CloudFilmTest, FollowFilmGrowsAndEndsWithAllMeasuredTillThen) {
   const Trajectory path = room_path();
   scene_.set_trajectory(path);
   const auto whole = scene_.points_drawn();
-  const RgbaImage before = scene_.render(fitting_camera(CameraPreset::kTop, scene_.bounds(), kSize), kSize);
+  const RgbaImage before = scene_.render(fitting_camera(CameraPreset::kTop, scene_.bounds(), kFilmSize), kFilmSize);
   {
-    const auto film = follow_film(scene_, path, look_, kBare, kSize, 6);
+    const auto film = follow_film(scene_, path, look_, kBareCaption, kFilmSize, 6);
     std::uint64_t last = 0;
     for (std::size_t k = 0; k < film->frames(); ++k) {
       const Canvas frame = film->frame(k);
-      EXPECT_EQ(scene_of(frame)->width, kSize.width);
+      EXPECT_EQ(scene_of(frame)->width, kFilmSize.width);
       const double stamp_s = 100.0 + 100.0 * static_cast<double>(k) / 5.0;
       std::uint64_t expected = 0;
       for (const CloudPoint& point : cloud_) {
@@ -83,23 +84,23 @@ TEST_F(CloudFilmTest, FollowFilmGrowsAndEndsWithAllMeasuredTillThen) {
     }
   }
   EXPECT_EQ(scene_.points_drawn(), whole) << "the scene is as it was";
-  const RgbaImage after = scene_.render(fitting_camera(CameraPreset::kTop, scene_.bounds(), kSize), kSize);
+  const RgbaImage after = scene_.render(fitting_camera(CameraPreset::kTop, scene_.bounds(), kFilmSize), kFilmSize);
   EXPECT_EQ(after.pixels, before.pixels);
 }
 
 TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
   const Trajectory path = room_path();
-  const auto film = follow_film(scene_, path, look_, kBare, kSize, 5);
+  const auto film = follow_film(scene_, path, look_, kBareCaption, kFilmSize, 5);
   for (std::size_t k = 0; k < film->frames(); ++k) {
     const auto with = scene_of(film->frame(k));
     const double x_m = 1.0 + 3.0 * static_cast<double>(k) / 4.0;
     const Camera camera = follow_camera({.x_m = x_m, .y_m = kPathY, .theta_rad = 0.0}, 9.0);
     scene_.set_robot(std::nullopt);
-    const RgbaImage without = scene_.render(camera, kSize);
+    const RgbaImage without = scene_.render(camera, kFilmSize);
     std::size_t changed = 0;
     double x = 0.0;
-    for (std::uint32_t row = 0; row < kSize.height; ++row) {
-      for (std::uint32_t column = 0; column < kSize.width; ++column) {
+    for (std::uint32_t row = 0; row < kFilmSize.height; ++row) {
+      for (std::uint32_t column = 0; column < kFilmSize.width; ++column) {
         const std::uint8_t* was = without.at(column, row);
         if (is_colour(with->at(column, row), {was[0], was[1], was[2]}, 4)) continue;
         ++changed;
@@ -113,10 +114,10 @@ TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
 }
 
 TEST_F(CloudFilmTest, WhatMakesNoFilmIsSaid) {
-  EXPECT_THROW(orbit_film(scene_, look_, kBare, kSize, 0), UsageError);
-  EXPECT_THROW(follow_film(scene_, {}, look_, kBare, kSize, 5), InputError);
-  EXPECT_NO_THROW(follow_film(scene_, {room_path().front()}, look_, kBare, kSize, 1)->frame(0));
+  EXPECT_THROW(orbit_film(scene_, look_, kBareCaption, kFilmSize, 0), UsageError);
+  EXPECT_THROW(follow_film(scene_, {}, look_, kBareCaption, kFilmSize, 5), InputError);
+  EXPECT_NO_THROW(follow_film(scene_, {room_path().front()}, look_, kBareCaption, kFilmSize, 1)->frame(0));
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

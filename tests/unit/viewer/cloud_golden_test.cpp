@@ -7,17 +7,17 @@
 #include "cloud_room.hpp"
 #include "support/image_compare.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
-const PictureSize kSize{160, 90};
+const PictureSize kGoldenSize{160, 90};
 const Bounds kRoom{Point3::Zero(), kRoomSize};
 // Tighter than the default: the faults below differ by more.
-const ImageTolerance kTolerance{.mean = 0.5, .share_clear = 0.002, .clear_step = 24};
+const ImageTolerance kCloudTolerance{.mean = 0.5, .share_clear = 0.002, .clear_step = 24};
 
 struct Subject {
   CloudLook look = plain_look();
-  Camera camera = fitting_camera(CameraPreset::kIso, kRoom, kSize);
+  Camera camera = fitting_camera(CameraPreset::kIso, kRoom, kGoldenSize);
   bool with_path = true;
   bool with_robot = true;
 };
@@ -29,7 +29,7 @@ RgbaImage picture_of(const Subject& subject) {
   scene.set_cloud(cloud);
   if (subject.with_path) scene.set_trajectory(room_path());
   if (subject.with_robot) scene.set_robot(Pose2{.x_m = 3.2, .y_m = kPathY, .theta_rad = 0.0});
-  return scene.render(subject.camera, kSize);
+  return scene.render(subject.camera, kGoldenSize);
 }
 
 Subject iso_subject() {
@@ -44,7 +44,7 @@ Subject top_subject() {
   Subject subject;
   subject.look = plain_look(CloudColour::kElevation);
   subject.look.is_dark = false;
-  subject.camera = fitting_camera(CameraPreset::kTop, kRoom, kSize);
+  subject.camera = fitting_camera(CameraPreset::kTop, kRoom, kGoldenSize);
   subject.with_robot = false;
   return subject;
 }
@@ -54,22 +54,22 @@ void expect_fault_is_found(const Subject& good, const std::string& golden_name, 
   Subject bad = good;
   spoil(bad);
   const RgbaImage image = picture_of(bad);
-  const ImageDifference difference = difference_of(image, golden(golden_name), kTolerance.clear_step);
-  EXPECT_FALSE(is_alike(image, golden(golden_name), kTolerance))
+  const ImageDifference difference = difference_of(image, golden(golden_name), kCloudTolerance.clear_step);
+  EXPECT_FALSE(is_alike(image, golden(golden_name), kCloudTolerance))
       << fault << ": mean " << difference.mean << ", share " << difference.share_clear;
 }
 
 // A step to the right by this share of the picture's width.
 void shift(Camera& camera, double share) {
   const Point3 right = (camera.target - camera.eye).cross(camera.up).normalized();
-  const double step_m = share * kSize.width / pixels_per_metre(camera, kSize, camera.target);
+  const double step_m = share * kGoldenSize.width / pixels_per_metre(camera, kGoldenSize, camera.target);
   camera.eye += step_m * right;
   camera.target += step_m * right;
 }
 
 TEST(CloudGolden, RoomOverItsWall) {
   const Subject good = iso_subject();
-  ASSERT_TRUE(matches_golden(picture_of(good), "cloud_room_inside", kTolerance));
+  ASSERT_TRUE(matches_golden(picture_of(good), "cloud_room_inside", kCloudTolerance));
   const auto expect_found = [&](const std::string& fault, const std::function<void(Subject&)>& spoil) {
     expect_fault_is_found(good, "cloud_room_inside", fault, spoil);
   };
@@ -88,7 +88,7 @@ TEST(CloudGolden, RoomOverItsWall) {
 
 TEST(CloudGolden, RoomFromAboveByElevation) {
   const Subject good = top_subject();
-  ASSERT_TRUE(matches_golden(picture_of(good), "cloud_room_top", kTolerance));
+  ASSERT_TRUE(matches_golden(picture_of(good), "cloud_room_top", kCloudTolerance));
   const auto expect_found = [&](const std::string& fault, const std::function<void(Subject&)>& spoil) {
     expect_fault_is_found(good, "cloud_room_top", fault, spoil);
   };
@@ -101,4 +101,4 @@ TEST(CloudGolden, RoomFromAboveByElevation) {
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -12,7 +12,7 @@
 #include "gdtslam/drawing/theme.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 using ::testing::Contains;
@@ -255,4 +255,4 @@ TEST(CloudPicture, LettersOfTheAxesStayApartFromEverySide) {
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

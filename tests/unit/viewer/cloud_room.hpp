@@ -7,7 +7,7 @@
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "support/cloud_scenes.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 
 inline const Point3 kRoomSize{8.0, 5.0, 2.5};
 
@@ -64,4 +64,4 @@ inline Trajectory room_path() {
   return path;
 }
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

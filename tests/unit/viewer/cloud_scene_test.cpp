@@ -9,24 +9,24 @@
 #include "cloud_room.hpp"
 #include "gdtslam/core/error.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
-const PictureSize kSize{320, 180};
+const PictureSize kSceneSize{320, 180};
 
 class CloudSceneTest : public ::testing::Test {
  protected:
   GraphicsContext graphics_;
 };
 
-Camera over_the_room() { return fitting_camera(CameraPreset::kTop, {Point3::Zero(), kRoomSize}, kSize); }
+Camera over_the_room() { return fitting_camera(CameraPreset::kTop, {Point3::Zero(), kRoomSize}, kSceneSize); }
 
 TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
   Camera tilted = parse_camera("-7,4,9,1,2,0.5,50");
   tilted.up = Point3(0.3, 0.1, 1.0).normalized();
   const Bounds box{{-3.0, -3.0, 0.0}, {4.0, 4.0, 2.0}};
-  for (const Camera& camera : {tilted, fitting_camera(CameraPreset::kIso, box, kSize),
-                               fitting_camera(CameraPreset::kTop, box, kSize), parse_camera("3,-6,2,1,1,1,5m")}) {
+  for (const Camera& camera : {tilted, fitting_camera(CameraPreset::kIso, box, kSceneSize),
+                               fitting_camera(CameraPreset::kTop, box, kSceneSize), parse_camera("3,-6,2,1,1,1,5m")}) {
     for (const Point3& place : {Point3(1.0, 2.0, 0.5), Point3(2.0, 1.0, 0.0), Point3(0.2, 1.5, 1.0)}) {
       for (const std::uint32_t samples : {1U, 2U}) {
         CloudLook look = plain_look(CloudColour::kPlain);
@@ -35,7 +35,7 @@ TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
         CloudScene scene(graphics_, look);
         const Cloud cloud{test::cloud_point(place)};
         scene.set_cloud(cloud);
-        const RgbaImage image = scene.render(camera, kSize);
+        const RgbaImage image = scene.render(camera, kSceneSize);
         double x = 0.0;
         double y = 0.0;
         double weight = 0.0;
@@ -48,7 +48,7 @@ TEST_F(CloudSceneTest, APointAppearsAtItsPixelForEveryKindOfCamera) {
           }
         }
         ASSERT_GT(weight, 0.0);
-        const auto expected = pixel_of(camera, kSize, place);
+        const auto expected = pixel_of(camera, kSceneSize, place);
         ASSERT_TRUE(expected.has_value());
         EXPECT_NEAR(x / weight, expected->x_px, 0.55 / samples) << camera_text(camera);
         EXPECT_NEAR(y / weight, expected->y_px, 0.55 / samples) << camera_text(camera);
@@ -73,8 +73,8 @@ TEST_F(CloudSceneTest, SurfacesCloseFromNearAndFarAlike) {
     camera.eye = {0.0, -distance_m, 6.0};
     camera.target = {0.0, 0.0, 6.0};
     camera.view_angle_rad = std::min(0.6, 2.0 * std::atan(5.0 / distance_m));
-    const RgbaImage image = scene.render(camera, kSize);
-    const double half_px = std::min(90.0, 5.5 * pixels_per_metre(camera, kSize, camera.target));
+    const RgbaImage image = scene.render(camera, kSceneSize);
+    const double half_px = std::min(90.0, 5.5 * pixels_per_metre(camera, kSceneSize, camera.target));
     std::size_t holes = 0;
     std::size_t pixels = 0;
     for (auto y = static_cast<std::uint32_t>(90.0 - 0.95 * half_px); y < 90.0 + 0.95 * half_px; ++y) {
@@ -92,7 +92,8 @@ TEST_F(CloudSceneTest, AGivenPointSizeIsThatOfThePicture) {
     look.point_px = point_px;
     CloudScene scene(graphics_, look);
     scene.set_cloud(Cloud{test::cloud_point({0.0, 0.0, 0.0})});
-    const double area = static_cast<double>(covered(scene.render(parse_camera("0,-5,0,0,0,0"), kSize), ink::kNight));
+    const double area =
+        static_cast<double>(covered(scene.render(parse_camera("0,-5,0,0,0,0"), kSceneSize), ink::kNight));
     EXPECT_NEAR(area, 0.26 * M_PI * point_px * point_px, 0.25 * point_px * point_px + 2.0) << "a disc";
   }
 }
@@ -105,7 +106,7 @@ TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
     look.with_ceiling = ceiling;
     CloudScene scene(graphics_, look);
     scene.set_cloud(cloud);
-    return std::pair(scene.points_drawn(), scene.render(over_the_room(), kSize));
+    return std::pair(scene.points_drawn(), scene.render(over_the_room(), kSceneSize));
   };
   // What is drawn is counted by height, with the margins given in the sources' own comments left aside.
   const auto between = [&](float low, float high) {
@@ -123,7 +124,7 @@ TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
   // From above: the ceiling is yellow, the floor blue, without both the background is seen.
   const ColourMap& map = colour_map("lagoon");
   const auto pixel = [](const RgbaImage& image, const Point3& at) {
-    const auto seen = pixel_of(over_the_room(), kSize, at);
+    const auto seen = pixel_of(over_the_room(), kSceneSize, at);
     return image.at(static_cast<std::uint32_t>(seen->x_px), static_cast<std::uint32_t>(seen->y_px));
   };
   const Point3 free_place(2.5, 2.5, 0.0);
@@ -132,7 +133,7 @@ TEST_F(CloudSceneTest, FloorAndCeilingAreTakenAwayAsAsked) {
   EXPECT_TRUE(is_colour(pixel(neither.second, free_place), ink::kNight));
   EXPECT_FALSE(is_colour(pixel(neither.second, {5.5, 3.0, 0.9}), ink::kNight)) << "the box stays";
   // The share of the picture that the floor covers: the room less walls and box.
-  const double scale_px = pixels_per_metre(over_the_room(), kSize, Point3::Zero());
+  const double scale_px = pixels_per_metre(over_the_room(), kSceneSize, Point3::Zero());
   const double floor_px = (8.0 * 5.0 - 1.2 * 0.8) * scale_px * scale_px;
   const double lost = static_cast<double>(covered(no_ceiling.second, ink::kNight)) -
                       static_cast<double>(covered(neither.second, ink::kNight));
@@ -148,8 +149,8 @@ TEST_F(CloudSceneTest, ColoursAreThoseOfTheScale) {
   scene.set_cloud(cloud);
   EXPECT_EQ(scene.scale().least, 0.0);
   EXPECT_EQ(scene.scale().most, 2.5);
-  const RgbaImage image = scene.render(over_the_room(), kSize);
-  const auto at = pixel_of(over_the_room(), kSize, {5.5, 3.0, 0.9});
+  const RgbaImage image = scene.render(over_the_room(), kSceneSize);
+  const auto at = pixel_of(over_the_room(), kSceneSize, {5.5, 3.0, 0.9});
   const Colour expected = colour_map(scene.scale().colour_map).at(0.9 / 2.5);
   EXPECT_TRUE(
       is_colour(image.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)), expected, 4));
@@ -175,12 +176,12 @@ TEST_F(CloudSceneTest, ShowUntilDrawsWhatWasMeasuredTillThenInAnyOrder) {
   const double floor_end_s = 100.0 + 0.001 * (static_cast<double>(floor_count) - 0.5);
   scene.show_until(floor_end_s);
   EXPECT_EQ(scene.points_drawn(), floor_count);
-  const RgbaImage half = scene.render(over_the_room(), kSize);
-  const auto at = pixel_of(over_the_room(), kSize, {5.5, 3.0, 0.0});
+  const RgbaImage half = scene.render(over_the_room(), kSceneSize);
+  const auto at = pixel_of(over_the_room(), kSceneSize, {5.5, 3.0, 0.0});
   EXPECT_TRUE(is_colour(half.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px)),
                         colour_map("lagoon").at(0.0), 6));
   scene.show_until(0.0);
-  EXPECT_EQ(covered(scene.render(over_the_room(), kSize), ink::kNight), 0U);
+  EXPECT_EQ(covered(scene.render(over_the_room(), kSceneSize), ink::kNight), 0U);
 }
 
 TEST_F(CloudSceneTest, BoundsLeaveStrayPointsOutAndTakeThePathIn) {
@@ -203,20 +204,20 @@ TEST_F(CloudSceneTest, ThePathLiesOnTheFloorAndIsSeen) {
   look.with_eye_dome = true;
   CloudScene scene(graphics_, look);
   scene.set_cloud(room_cloud());
-  const RgbaImage without = scene.render(over_the_room(), kSize);
+  const RgbaImage without = scene.render(over_the_room(), kSceneSize);
   scene.set_trajectory(room_path());
-  const RgbaImage with = scene.render(over_the_room(), kSize);
+  const RgbaImage with = scene.render(over_the_room(), kSceneSize);
   std::size_t lit = 0;
   for (double x_m = 1.2; x_m < 3.8; x_m += 0.05) {
-    const auto at = pixel_of(over_the_room(), kSize, {x_m, kPathY, 0.0});
+    const auto at = pixel_of(over_the_room(), kSceneSize, {x_m, kPathY, 0.0});
     const auto x = static_cast<std::uint32_t>(at->x_px);
     const auto y = static_cast<std::uint32_t>(at->y_px);
     if (with.at(x, y)[0] > without.at(x, y)[0] + 60) ++lit;
   }
   EXPECT_GE(lit, 52U) << "without a gap";
   scene.show_until(150.0);
-  const RgbaImage half = scene.render(over_the_room(), kSize);
-  const auto late = pixel_of(over_the_room(), kSize, {3.5, kPathY, 0.0});
+  const RgbaImage half = scene.render(over_the_room(), kSceneSize);
+  const auto late = pixel_of(over_the_room(), kSceneSize, {3.5, kPathY, 0.0});
   const auto x = static_cast<std::uint32_t>(late->x_px);
   const auto y = static_cast<std::uint32_t>(late->y_px);
   EXPECT_LT(half.at(x, y)[0], with.at(x, y)[0]) << "not driven yet";
@@ -228,11 +229,11 @@ TEST_F(CloudSceneTest, MarksOfThePathAreSmallAndAStandingRobotHasNone) {
     CloudScene scene(graphics_, plain_look());
     scene.set_trajectory({{.stamp_s = 0.0, .T_map_base = {.x_m = 0.0, .y_m = 0.0, .theta_rad = 0.0}},
                           {.stamp_s = 1.0, .T_map_base = {.x_m = driven_m, .y_m = 0.0, .theta_rad = 0.0}}});
-    const RgbaImage image = scene.render(camera, kSize);
-    std::uint32_t left = kSize.width;
+    const RgbaImage image = scene.render(camera, kSceneSize);
+    std::uint32_t left = kSceneSize.width;
     std::uint32_t right = 0;
-    for (std::uint32_t y = 0; y < kSize.height; ++y) {
-      for (std::uint32_t x = 0; x < kSize.width; ++x) {
+    for (std::uint32_t y = 0; y < kSceneSize.height; ++y) {
+      for (std::uint32_t x = 0; x < kSceneSize.width; ++x) {
         const std::uint8_t* at = image.at(x, y);
         const bool is_green = at[1] > at[0] + 40 && at[1] > at[2] + 10;
         const bool is_orange = at[0] > at[2] + 60;
@@ -247,7 +248,7 @@ TEST_F(CloudSceneTest, MarksOfThePathAreSmallAndAStandingRobotHasNone) {
   const Colour orange = colour_for(0xff8000);
   EXPECT_EQ(extent_px(0.19, green), 0.0);
   EXPECT_EQ(extent_px(0.19, orange), 0.0);
-  const double most_px = 2.0 * 0.12 * pixels_per_metre(camera, kSize, Point3::Zero());
+  const double most_px = 2.0 * 0.12 * pixels_per_metre(camera, kSceneSize, Point3::Zero());
   for (const Colour& colour : {green, orange}) {
     EXPECT_GT(extent_px(0.5, colour), 2.0);
     EXPECT_LT(extent_px(0.5, colour), 1.1 * most_px + 2.0);
@@ -259,15 +260,15 @@ TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
   scene.set_cloud(room_cloud());
   const auto changed = [&](const Camera& camera, const Pose2& pose) {
     scene.set_robot(std::nullopt);
-    const RgbaImage without = scene.render(camera, kSize);
+    const RgbaImage without = scene.render(camera, kSceneSize);
     scene.set_robot(pose);
-    const RgbaImage with = scene.render(camera, kSize);
+    const RgbaImage with = scene.render(camera, kSceneSize);
     std::size_t count = 0;
     for (std::size_t k = 0; k < with.pixels.size(); k += 4) {
       if (std::abs(with.pixels[k] - without.pixels[k]) > 3) ++count;
     }
     scene.set_robot(std::nullopt);
-    EXPECT_EQ(scene.render(camera, kSize).pixels, without.pixels);
+    EXPECT_EQ(scene.render(camera, kSceneSize).pixels, without.pixels);
     return count;
   };
   const Pose2 inside{.x_m = 3.0, .y_m = 2.5, .theta_rad = 0.4};
@@ -285,16 +286,16 @@ TEST_F(CloudSceneTest, TheMapLiesUnderTheCloud) {
   CloudScene scene(graphics_, plain_look());
   scene.set_map(map);
   EXPECT_NEAR((scene.bounds().lowest - Point3(-0.5, -0.5, 0.0)).head<2>().norm(), 0.0, 1e-9);
-  const Camera camera = fitting_camera(CameraPreset::kTop, scene.bounds(), kSize);
-  const RgbaImage image = scene.render(camera, kSize);
+  const Camera camera = fitting_camera(CameraPreset::kTop, scene.bounds(), kSceneSize);
+  const RgbaImage image = scene.render(camera, kSceneSize);
   const auto pixel = [&](double x_m, double y_m) {
-    const auto at = pixel_of(camera, kSize, {x_m, y_m, 0.0});
+    const auto at = pixel_of(camera, kSceneSize, {x_m, y_m, 0.0});
     return image.at(static_cast<std::uint32_t>(at->x_px), static_cast<std::uint32_t>(at->y_px));
   };
   EXPECT_FALSE(is_colour(pixel(-0.25, -0.25), ink::kNight));
   EXPECT_GT(pixel(0.25, 0.25)[0], pixel(-0.25, -0.25)[0] + 60);
   EXPECT_TRUE(is_colour(pixel(0.25, -0.25), ink::kNight)) << "unknown stays open";
-  const double cell_px = 0.5 * pixels_per_metre(camera, kSize, Point3::Zero());
+  const double cell_px = 0.5 * pixels_per_metre(camera, kSceneSize, Point3::Zero());
   EXPECT_NEAR(static_cast<double>(covered(image, ink::kNight)), 2.0 * cell_px * cell_px, 4.0 * cell_px);
 }
 
@@ -304,7 +305,7 @@ TEST_F(CloudSceneTest, ATransparentBackgroundIsOne) {
   look.with_eye_dome = true;
   CloudScene scene(graphics_, look);
   scene.set_cloud(room_cloud());
-  const RgbaImage image = scene.render(over_the_room(), kSize);
+  const RgbaImage image = scene.render(over_the_room(), kSceneSize);
   EXPECT_EQ(image.at(1, 1)[3], 0);
   EXPECT_EQ(image.at(160, 90)[3], 255);
 }
@@ -326,4 +327,4 @@ TEST_F(CloudSceneTest, WhatCannotBeShownIsSaid) {
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -15,7 +15,7 @@
 #include "viewer/scene/cloud/cloud_colours.hpp"
 #include "viewer/scene/cloud/cloud_density.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 using test::cloud_point;
@@ -211,4 +211,4 @@ TEST(CloudDensity, SpacingOnALatticeIsItsStep) {
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -16,7 +16,7 @@
 #include "gdtslam/core/error.hpp"
 #include "graphics_scene.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 using ::testing::EndsWith;
@@ -213,4 +213,4 @@ TEST(GraphicsContext, NamesWhatEveryDriverFailedAt) {
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -3,7 +3,7 @@
 
 #include "graphics_scene.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 /// Whether the pixel is darkened against the picture without the lighting; the lighting may never brighten.
@@ -26,7 +26,7 @@ Pictures both(OffscreenView& view, const Camera& camera, const PictureSize& size
   return pictures;
 }
 
-constexpr PictureSize kSize{240, 240};
+constexpr PictureSize kDomeSize{240, 240};
 /// The widest ring: four pixels of a picture of up to 720 rows.
 constexpr int kReach = 4;
 
@@ -45,9 +45,9 @@ class EyeDome : public ::testing::TestWithParam<std::tuple<bool, std::uint32_t, 
 TEST_P(EyeDome, DarkensBehindAnEdgeOnly) {
   add_shape(view_, upright_square({0.0, 10.0, 0.0}, 1.0), kRed);
   add_shape(view_, upright_square({0.0, 14.0, 0.0}, 2.5), kGrey);
-  const Pictures pictures = both(view_, camera(), kSize);
-  const Point2 edge = expected_pixel(camera(), kSize, {1.0, 10.0, 0.0});
-  const Point2 rim = expected_pixel(camera(), kSize, {2.5, 14.0, 0.0});
+  const Pictures pictures = both(view_, camera(), kDomeSize);
+  const Point2 edge = expected_pixel(camera(), kDomeSize, {1.0, 10.0, 0.0});
+  const Point2 rim = expected_pixel(camera(), kDomeSize, {2.5, 14.0, 0.0});
   const auto inner = static_cast<int>(std::floor(edge.x()));
   const auto outer = static_cast<int>(std::floor(rim.x()));
   for (int x = 120; x < 240; ++x) {
@@ -68,11 +68,11 @@ TEST_P(EyeDome, DarkensBehindAnEdgeOnly) {
 TEST_P(EyeDome, KeepsTheColoursOfTiltedPlanes) {
   add_shape(view_, {{-8.0, 4.0, -1.5}, {8.0, 4.0, -1.5}, {8.0, 60.0, -1.0}, {-8.0, 60.0, -1.0}}, kGreen);
   add_shape(view_, {{-1.0, 8.0, 0.2}, {1.5, 16.0, 0.2}, {1.5, 16.0, 2.0}, {-1.0, 8.0, 2.0}}, kGrey);
-  const Pictures pictures = both(view_, camera(), kSize);
+  const Pictures pictures = both(view_, camera(), kDomeSize);
   const RgbaImage& plain = pictures.plain;
   int compared = 0;
-  for (std::uint32_t y = 6; y + 6 < kSize.height; ++y) {
-    for (std::uint32_t x = 6; x + 6 < kSize.width; ++x) {
+  for (std::uint32_t y = 6; y + 6 < kDomeSize.height; ++y) {
+    for (std::uint32_t x = 6; x + 6 < kDomeSize.width; ++x) {
       bool is_inside = plain.at(x, y)[3] == 255 && !is_near(plain.at(x, y), ink::kNight, 0);
       for (std::uint32_t j = y - 6; j <= y + 6 && is_inside; ++j) {
         for (std::uint32_t i = x - 6; i <= x + 6 && is_inside; ++i) {
@@ -90,7 +90,7 @@ TEST_P(EyeDome, KeepsTheColoursOfTiltedPlanes) {
 // Neither background nor what stands alone before it changes.
 TEST_P(EyeDome, LeavesWhatStandsBeforeNothing) {
   add_shape(view_, upright_square({0.0, 10.0, 0.0}, 1.0), kRed);
-  const Pictures pictures = both(view_, camera(), kSize);
+  const Pictures pictures = both(view_, camera(), kDomeSize);
   EXPECT_EQ(pictures.lit.pixels, pictures.plain.pixels);
 }
 
@@ -98,7 +98,7 @@ TEST_P(EyeDome, LeavesWhatStandsBeforeNothing) {
 TEST_P(EyeDome, OutlinesPoints) {
   add_shape(view_, {{0.0, 10.0, 0.0}}, kRed);
   add_shape(view_, upright_square({0.0, 14.0, 0.0}, 2.5), kGrey);
-  const Pictures pictures = both(view_, camera(), kSize);
+  const Pictures pictures = both(view_, camera(), kDomeSize);
   EXPECT_TRUE(is_near(pictures.lit.at(120, 120), kRed));
   EXPECT_TRUE(is_darker(pictures.lit, pictures.plain, 124, 120));
   EXPECT_TRUE(is_darker(pictures.lit, pictures.plain, 120, 115));
@@ -118,8 +118,8 @@ TEST(EyeDomeStrength, ParallelAsPerspective) {
       add_shape(view, upright_square({0.0, 100.0, 0.0}, 10.0), kRed);
       add_shape(view, upright_square({0.0, 100.0 + step_m, 0.0}, 25.0), Colour{200, 200, 200});
       add_shape(view, {{28.0, 300.0, 28.0}}, kGreen);  // what else there is must not matter
-      const Pictures pictures = both(view, camera, kSize);
-      const auto beside = static_cast<std::uint32_t>(expected_pixel(camera, kSize, {10.0, 100.0, 0.0}).x()) + 1U;
+      const Pictures pictures = both(view, camera, kDomeSize);
+      const auto beside = static_cast<std::uint32_t>(expected_pixel(camera, kDomeSize, {10.0, 100.0, 0.0}).x()) + 1U;
       ASSERT_EQ(pictures.plain.at(beside, 120)[2], 200);
       EXPECT_NEAR(pictures.lit.at(beside, 120)[2] / 200.0, step_m > 1.0 ? 0.67 : 0.96, 0.02) << is_parallel;
     }
@@ -135,4 +135,4 @@ INSTANTIATE_TEST_SUITE_P(Cameras, EyeDome,
                          case_name);
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

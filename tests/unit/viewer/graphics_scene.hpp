@@ -18,7 +18,7 @@
 #include "engine/core/elementary.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 
 inline const Colour kRed{230, 40, 10};
 inline const Colour kGreen{20, 200, 60};
@@ -109,4 +109,4 @@ inline Camera camera_along_y(bool is_parallel) {
   return camera;
 }
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

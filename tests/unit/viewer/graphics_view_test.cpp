@@ -7,7 +7,7 @@
 #include "gdtslam/core/error.hpp"
 #include "graphics_scene.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -208,4 +208,4 @@ TEST_F(OffscreenViewTest, SizesChangeFromPictureToPicture) {
 }
 
 }  // namespace
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -7,8 +7,8 @@
 namespace {
 
 using gdtslam::RgbaImage;
-using gdtslam::testing::difference_of;
-using gdtslam::testing::is_alike;
+using gdtslam::test::difference_of;
+using gdtslam::test::is_alike;
 
 RgbaImage grey(std::uint32_t width, std::uint32_t height, std::uint8_t level) {
   RgbaImage image(width, height);
@@ -45,8 +45,8 @@ TEST(ImageCompare, PngKeepsOpaquePixelsAndAlpha) {
   for (std::size_t k = 0; k < image.pixels.size(); ++k) image.pixels[k] = static_cast<std::uint8_t>(k * 37 % 256);
   for (std::uint32_t x = 0; x < image.width; ++x) image.at(x, 2)[3] = 255;
   const std::string path = ::testing::TempDir() + "image_compare_test.png";
-  gdtslam::testing::write_png(image, path);
-  const RgbaImage back = gdtslam::testing::read_png(path);
+  gdtslam::test::write_png(image, path);
+  const RgbaImage back = gdtslam::test::read_png(path);
   std::filesystem::remove(path);
   ASSERT_EQ(back.width, image.width);
   ASSERT_EQ(back.height, image.height);
@@ -55,12 +55,12 @@ TEST(ImageCompare, PngKeepsOpaquePixelsAndAlpha) {
 }
 
 TEST(ImageCompare, MissingGoldenFailsAndSaysWhereThePictureIs) {
-  const auto result = gdtslam::testing::matches_golden(grey(3, 3, 9), "no_such_golden");
+  const auto result = gdtslam::test::matches_golden(grey(3, 3, 9), "no_such_golden");
   EXPECT_FALSE(result);
   EXPECT_NE(std::string(result.message()).find("GDTSLAM_UPDATE_GOLDENS"), std::string::npos) << result.message();
   const std::string evidence = GDTSLAM_BINARY_DIR "/tests/golden/no_such_golden.actual.png";
   ASSERT_TRUE(std::filesystem::exists(evidence));
-  EXPECT_TRUE(is_alike(gdtslam::testing::read_png(evidence), grey(3, 3, 9), {.mean = 0.0, .share_clear = 0.0}));
+  EXPECT_TRUE(is_alike(gdtslam::test::read_png(evidence), grey(3, 3, 9), {.mean = 0.0, .share_clear = 0.0}));
   std::filesystem::remove(evidence);
 }
 

@@ -1,39 +1,13 @@
-// For the tests of drawn linkages: where joints must be, from the law of cosines alone, and where caps are found in a
-// picture.
+// For the tests of drawn linkages: where caps are found in a picture.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <optional>
 
-#include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/pose3.hpp"
 #include "gdtslam/drawing/image.hpp"
 
-namespace gdtslam::testing {
-
-/// Places in the plane of x (forward) and z (up) from the nodding axis: crank's pivot, its end A, the coupler's end B,
-/// the rocker's pivot. `sign * angle + offset` is a direction's angle from level, so that the rocker's is the
-/// elevation.
-inline std::optional<std::array<Point2, 4>> expected_joints(const calib::SweepModel& model, double crank_rad) {
-  const calib::FourBar& bars = model.bars;
-  const double along = bars.crank_m * std::cos(crank_rad) - bars.ground_m;
-  const double up = bars.crank_m * std::sin(crank_rad);
-  const double diagonal = std::sqrt(along * along + up * up);
-  const double cosine = (diagonal * diagonal + bars.rocker_m * bars.rocker_m - bars.coupler_m * bars.coupler_m) /
-                        (2.0 * diagonal * bars.rocker_m);
-  if (std::fabs(cosine) > 1.0) return std::nullopt;
-  // From the rocker's pivot, A lies at this angle; B lies to the right of the way back there when the linkage is open.
-  const double to_a = std::atan2(up, along);
-  const double rocker_rad = to_a + (model.assembly == calib::Assembly::kOpen ? -1.0 : 1.0) * std::acos(cosine);
-  const auto turned = [&](double length, double angle_rad) -> Point2 {
-    const double angle = model.elevation_sign * angle_rad + model.elevation_offset_rad;
-    return {length * std::cos(angle), length * std::sin(angle)};
-  };
-  const Point2 crank_pivot = -turned(bars.ground_m, 0.0);
-  return std::array<Point2, 4>{crank_pivot, Point2(crank_pivot + turned(bars.crank_m, crank_rad)),
-                               turned(bars.rocker_m, rocker_rad), Point2::Zero()};
-}
+namespace gdtslam::test {
 
 /// Middle of the white cap whose ring surrounds the place; nothing where less than half of a disc of that radius is
 /// white.
@@ -56,4 +30,4 @@ inline std::optional<Point2> cap_near(const RgbaImage& image, const Point2& at, 
   return Point2(sum / count);
 }
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

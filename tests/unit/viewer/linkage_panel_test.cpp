@@ -12,7 +12,7 @@
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 bool has_words(const Canvas& canvas, const std::string& text) {
   const std::vector<WordBox> boxes = word_boxes(canvas);

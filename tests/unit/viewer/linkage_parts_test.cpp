@@ -7,15 +7,16 @@
 
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "linkage_drawn.hpp"
+#include "support/linkage_joints.hpp"
 #include "viewer/graphics/offscreen_view.hpp"
 #include "viewer/scene/linkage/linkage_parts.hpp"
 
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
-constexpr PictureSize kSize{640, 640};
+constexpr PictureSize kPartsSize{640, 640};
 
 /// From the right side: x is drawn to the right, z upward.
 Camera side_camera(double height_m) {
@@ -28,8 +29,8 @@ Camera side_camera(double height_m) {
 }
 
 Point2 pixel(const Point2& place, double height_m) {
-  const double scale = kSize.height / height_m;
-  return {0.5 * kSize.width + scale * place.x(), 0.5 * kSize.height - scale * place.y()};
+  const double scale = kPartsSize.height / height_m;
+  return {0.5 * kPartsSize.width + scale * place.x(), 0.5 * kPartsSize.height - scale * place.y()};
 }
 
 calib::SweepModel falling_model() {
@@ -54,11 +55,11 @@ struct Drawn {
     add_lights(view.renderer());
     const calib::FourBar& bars = model.bars;
     height_m = 2.4 * (bars.ground_m + bars.crank_m + bars.rocker_m);
-    cap_px = 0.5 * parts.sizes().bar_m * kSize.height / height_m;
+    cap_px = 0.5 * parts.sizes().bar_m * kPartsSize.height / height_m;
   }
   RgbaImage at(double crank_rad) {
     EXPECT_TRUE(parts.pose(Pose3{}, crank_rad));
-    return view.render(side_camera(height_m), kSize);
+    return view.render(side_camera(height_m), kPartsSize);
   }
   GraphicsContext graphics;
   calib::SweepModel model;
@@ -72,7 +73,7 @@ void expect_joints(const calib::SweepModel& model) {
   Drawn drawn(model);
   drawn.parts.add_to(drawn.view.renderer());
   drawn.parts.show_fan(false);
-  const double scale = kSize.height / drawn.height_m;
+  const double scale = kPartsSize.height / drawn.height_m;
   int seen = 0;
   for (int i = 0; i < 8; ++i) {
     const double crank_rad = 0.3 + 0.785 * i;
@@ -139,8 +140,8 @@ double beam_share(const RgbaImage& image, double angle_rad, double from_px, doub
   int hits = 0;
   int count = 0;
   for (double away = from_px; away < to_px; away += 1.0) {
-    const auto x = static_cast<std::uint32_t>(0.5 * kSize.width + away * std::cos(angle_rad));
-    const auto y = static_cast<std::uint32_t>(0.5 * kSize.height - away * std::sin(angle_rad));
+    const auto x = static_cast<std::uint32_t>(0.5 * kPartsSize.width + away * std::cos(angle_rad));
+    const auto y = static_cast<std::uint32_t>(0.5 * kPartsSize.height - away * std::sin(angle_rad));
     bool is_beam = false;
     for (const std::uint32_t dx : {0U, 1U, 2U}) {
       for (const std::uint32_t dy : {0U, 1U, 2U}) {
@@ -160,7 +161,7 @@ TEST(LinkageParts, fan_lies_at_the_elevation) {
     drawn.parts.add_to(drawn.view.renderer());
     drawn.parts.show(false);
     drawn.parts.show_fan(true);
-    const double scale = kSize.height / drawn.height_m;
+    const double scale = kPartsSize.height / drawn.height_m;
     for (const double crank_rad : {1.0, 2.5, 4.0, 5.5}) {
       const RgbaImage image = drawn.at(crank_rad);
       const double elevation_deg = *calib::elevation_rad(model, crank_rad) * 180.0 / M_PI;
@@ -185,7 +186,7 @@ TEST(LinkageParts, dead_points_are_marked_where_the_rocker_turns_back) {
     const calib::LinkageCycle cycle(drawn.model);
     const LinkageSurroundings surroundings(cycle, drawn.parts, colour_for(0xffffff));
     surroundings.add_to(drawn.view.renderer());
-    const RgbaImage image = drawn.view.render(side_camera(drawn.height_m), kSize);
+    const RgbaImage image = drawn.view.render(side_camera(drawn.height_m), kPartsSize);
     const calib::CrankRockerReport report = calib::analyse(drawn.model.bars, drawn.model.assembly);
     for (const calib::DeadPoint& dead : {report.lowest, report.highest}) {
       const double angle = drawn.model.elevation_sign * dead.rocker_rad + drawn.model.elevation_offset_rad;
@@ -196,7 +197,7 @@ TEST(LinkageParts, dead_points_are_marked_where_the_rocker_turns_back) {
         return std::min({colour[0], colour[1], colour[2]}) > 110;
       };
       EXPECT_TRUE(is_mark(at)) << preset << " at " << at.transpose();
-      const double radius_px = 0.55 * drawn.parts.sizes().bar_m * kSize.height / drawn.height_m;
+      const double radius_px = 0.55 * drawn.parts.sizes().bar_m * kPartsSize.height / drawn.height_m;
       for (const Point2& aside : {Point2(1.6, 0.0), Point2(-1.6, 0.0), Point2(0.0, 1.6), Point2(0.0, -1.6)}) {
         EXPECT_FALSE(is_mark(at + radius_px * aside)) << preset << " beside " << at.transpose();
       }
@@ -212,7 +213,7 @@ TEST(LinkageParts, nothing_moves_where_the_loop_does_not_close) {
   const RgbaImage before = drawn.at(0.9);
   ASSERT_FALSE(expected_joints(model, 3.0));
   EXPECT_FALSE(drawn.parts.pose(Pose3{}, 3.0));
-  EXPECT_EQ(drawn.view.render(side_camera(drawn.height_m), kSize).pixels, before.pixels);
+  EXPECT_EQ(drawn.view.render(side_camera(drawn.height_m), kPartsSize).pixels, before.pixels);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 calib::SweepModel double_rocker() {
   calib::SweepModel model;

@@ -9,7 +9,7 @@
 
 #include "gdtslam/drawing/canvas.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 
 struct WordBox {
   double left = 0.0;
@@ -54,4 +54,4 @@ inline void expect_legible(const Canvas& canvas, const std::string& what) {
   }
 }
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

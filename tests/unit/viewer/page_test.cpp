@@ -3,14 +3,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <bit>
 #include <cmath>
 #include <limits>
 
 #include "engine/core/elementary.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "support/linkage_joints.hpp"
 
 namespace gdtslam {
 namespace {
@@ -161,6 +164,88 @@ TEST(Page, LinkageIsThatOfTheCalibration) {
         EXPECT_NEAR(std::sqrt(static_cast<double>(row[0] * row[0] + row[1] * row[1])), model.bars.crank_m, 1e-8);
       }
     }
+  }
+}
+
+/// What the page says of its linkage, beside the table.
+nlohmann::json description_of(const calib::SweepModel& model) {
+  PageInput input;
+  input.linkage = &model;
+  return nlohmann::json::parse(element_of(page_of(input), "description")).at("linkage");
+}
+
+/// The presets, with an elevation that rises with the rocker's angle and with one that falls.
+std::vector<calib::SweepModel> models_of_both_signs() {
+  std::vector<calib::SweepModel> models;
+  for (const calib::LinkagePreset& preset : calib::linkage_presets()) {
+    models.push_back(calib::sweep_model_of_preset(preset.name));
+    models.push_back(models.back());
+    models.back().elevation_sign = -1;
+    models.back().elevation_offset_rad += 0.4;
+  }
+  return models;
+}
+
+/// The page fits the drawing to the box that the description has.
+TEST(Page, LinkageLiesWithinTheBoxThatItIsFittedTo) {
+  for (const calib::SweepModel& model : models_of_both_signs()) {
+    const nlohmann::json about = description_of(model);
+    const Point2 least(about.at("least")[0], about.at("least")[1]);
+    const Point2 most(about.at("most")[0], about.at("most")[1]);
+    const double beam_m = about.at("beam");
+    const auto expect_covered = [&](const Point2& place, const char* what) {
+      EXPECT_TRUE((place.array() >= least.array() - 1e-9).all() && (place.array() <= most.array() + 1e-9).all())
+          << model.name << ' ' << model.elevation_sign << ", " << what << ": " << place.transpose();
+    };
+    Eigen::AlignedBox2d seen;
+    for (int i = 0; i < 180; ++i) {
+      const auto joints = test::expected_joints(model, kTwoPi * i / 180.0).value();
+      const Point2 pivot = -joints[0];  // places of the page are those from the crank's pivot
+      const Point2 end = beam_m / model.bars.rocker_m * joints[2];
+      EXPECT_GT(beam_m, model.bars.rocker_m);
+      expect_covered(Point2::Zero(), "the crank's pivot");
+      expect_covered(pivot, "the rocker's pivot");
+      expect_covered(pivot + joints[1], "A");
+      expect_covered(pivot + joints[2], "B");
+      expect_covered(pivot + end, "the beam's end");
+      for (const Point2& place : {pivot, Point2(pivot + joints[1]), Point2(pivot + joints[2]), Point2(pivot + end)}) {
+        seen.extend(place);
+      }
+    }
+    // Not far larger than what is drawn: the crank's circle is within it as a square.
+    const double spare_m = 2.0 * model.bars.crank_m;
+    EXPECT_TRUE(((most - least).array() <= seen.sizes().array() + spare_m).all()) << model.name;
+  }
+}
+
+/// Where motion starts the laser is lowest, and the dead points are the lift's begin and end, whatever the sign.
+TEST(Page, LinkageStartsWhereTheLiftBegins) {
+  for (const calib::SweepModel& model : models_of_both_signs()) {
+    const nlohmann::json about = description_of(model);
+    const auto elevation_at = [&](int step) { return calib::elevation_rad(model, kTwoPi * step / 720.0).value(); };
+    // It swings by less than half a turn, so that differences order it wherever angles wrap.
+    const auto is_above = [&](int step, int other) {
+      return wrap_angle(elevation_at(step) - elevation_at(other)) > 0.0;
+    };
+    int lowest_step = 0;
+    int highest_step = 0;
+    for (int step = 1; step < 720; ++step) {
+      if (is_above(lowest_step, step)) lowest_step = step;
+      if (is_above(step, highest_step)) highest_step = step;
+    }
+    const auto apart = [](double step, int other) {
+      return std::fabs(std::remainder(step - static_cast<double>(other), 720.0));
+    };
+    const double first = about.at("first");
+    EXPECT_GE(first, 0.0);
+    EXPECT_LT(first, 720.0) << model.name;
+    EXPECT_LE(apart(first, lowest_step), 1.0) << model.name << ' ' << model.elevation_sign;
+    const nlohmann::json& dead = about.at("dead_points");
+    ASSERT_EQ(dead.size(), 2U);
+    EXPECT_EQ(dead[0].at("step"), about.at("first"));
+    EXPECT_LE(apart(dead[1].at("step"), highest_step), 1.0) << model.name << ' ' << model.elevation_sign;
+    EXPECT_NEAR(wrap_angle(double{dead[0].at("elevation")} - elevation_at(lowest_step)), 0.0, 1e-3) << model.name;
+    EXPECT_NEAR(wrap_angle(double{dead[1].at("elevation")} - elevation_at(highest_step)), 0.0, 1e-3) << model.name;
   }
 }
 

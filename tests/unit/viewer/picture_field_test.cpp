@@ -8,12 +8,12 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/raster.hpp"
-#include "picture_scene.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 constexpr PictureSize kBare{190, 150};
 constexpr std::uint16_t kCap = 5120;  // 20 cells

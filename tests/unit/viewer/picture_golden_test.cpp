@@ -3,16 +3,16 @@
 
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/raster.hpp"
-#include "picture_scene.hpp"
 #include "support/image_compare.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// Too small for words, so that no font matters.
-constexpr PictureSize kSize{288, 196};
+constexpr PictureSize kMapSize{288, 196};
 /// Cairo's edges differ a little between its versions; the faults below are more.
 constexpr ImageTolerance kTolerance{.mean = 0.1, .share_clear = 0.0006, .clear_step = 24};
 
@@ -22,14 +22,14 @@ FieldPicture field() {
 }
 
 RgbaImage map_image(const OccupancyMap& map, const PathOverlay& overlay) {
-  return raster_of(map_picture(map, overlay, {}, kSize));
+  return raster_of(map_picture(map, overlay, {}, kMapSize));
 }
 
 RgbaImage field_image(const PathOverlay& overlay, bool is_intensity, const std::string& colour_map = "") {
   MapLook look;
   look.is_intensity = is_intensity;
   look.colour_map = colour_map;
-  return raster_of(field_picture(field(), overlay, look, kSize));
+  return raster_of(field_picture(field(), overlay, look, kMapSize));
 }
 
 TEST(PictureGolden, map) {

@@ -9,15 +9,15 @@
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/drawing/theme.hpp"
-#include "picture_scene.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
-constexpr PictureSize kSize{1600, 1200};
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr PictureSize kPlotSize{1600, 1200};
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 /// Pixels to values along one axis, from two places whose values are known.
 struct Scale {
@@ -60,7 +60,7 @@ std::vector<double> levels_of(const Canvas& canvas, Colour colour) {
 TEST(BoxPlot, quartiles_whiskers_and_what_lies_beyond) {
   const ErrorPlot plot{
       "", "error", "m", {{"none", {0, 0, 0, 0}}, {"all", {100, 100}}, {"ten", {9, 8, 7, 6, 5, 100, 4, 3, 2, 1}}}};
-  const Canvas canvas = box_plot(plot, kSize);
+  const Canvas canvas = box_plot(plot, kPlotSize);
   const std::vector<double> zero = levels_of(canvas, kLightTheme.curve(0));
   const std::vector<double> hundred = levels_of(canvas, kLightTheme.curve(1));
   ASSERT_EQ(zero.size(), 1U);
@@ -81,17 +81,17 @@ TEST(BoxPlot, quartiles_whiskers_and_what_lies_beyond) {
 }
 
 TEST(BoxPlot, tells_what_has_no_value) {
-  const ErrorPlot plot{"t", "error", "", {{"a", {1.0, kNothing, 2.0, kNothing}}, {"b", {}}, {"c", {kNothing}}}};
-  const Canvas canvas = box_plot(plot, kSize);
+  const ErrorPlot plot{"t", "error", "", {{"a", {1.0, kNoValue, 2.0, kNoValue}}, {"b", {}}, {"c", {kNoValue}}}};
+  const Canvas canvas = box_plot(plot, kPlotSize);
   EXPECT_TRUE(says(canvas, "a (2 values, 2 not finite)"));
   EXPECT_TRUE(says(canvas, "b (0 values)"));
   EXPECT_TRUE(says(canvas, "c (0 values, 1 not finite)"));
-  EXPECT_NO_THROW(raster_of(box_plot({}, kSize)));
+  EXPECT_NO_THROW(raster_of(box_plot({}, kPlotSize)));
 }
 
 /// Of 1, 2, 2, 5: a quarter up to 1, three quarters up to 2, all up to 5; the median 2, 95 % at 2 + 0.85 * 3 = 4.55.
 TEST(DistributionPlot, steps_are_the_shares_of_values) {
-  const Canvas canvas = distribution_plot({"", "error", "m", {{"four", {5, 2, 1, 2}}}}, kSize);
+  const Canvas canvas = distribution_plot({"", "error", "m", {{"four", {5, 2, 1, 2}}}}, kPlotSize);
   std::vector<Point2> marks;
   for (const shape::Circle& circle : shapes_of<shape::Circle>(canvas)) {
     if (circle.fill && circle.fill->colour == kLightTheme.curve(0)) marks.push_back(circle.centre);
@@ -113,7 +113,7 @@ TEST(DistributionPlot, steps_are_the_shares_of_values) {
 }
 
 TEST(DistributionPlot, tells_what_has_no_value) {
-  const Canvas canvas = distribution_plot({"", "error", "m", {{"a", {1.0, kNothing}}, {"b", {}}}}, kSize);
+  const Canvas canvas = distribution_plot({"", "error", "m", {{"a", {1.0, kNoValue}}, {"b", {}}}}, kPlotSize);
   EXPECT_TRUE(says(canvas, "largest 1.00 m, 1 not finite"));
   EXPECT_TRUE(says(canvas, "b: 0 values"));
 }
@@ -126,12 +126,12 @@ TEST(TimePlot, loses_no_spike_and_stays_small) {
   for (std::size_t i = 0; i < 100000; ++i) series.points.emplace_back(0.001 * static_cast<double>(i), random.uniform());
   for (const std::size_t spike : spikes) series.points[spike].second = 50.0;
   series.points[60000].second = -20.0;
-  const Canvas canvas = time_plot("", "error", "m", {series}, kSize);
+  const Canvas canvas = time_plot("", "error", "m", {series}, kPlotSize);
   std::vector<Point2> points;
   for (const shape::Line& line : lines_in(canvas, kLightTheme.curve(0))) {
     if (line.points.size() > 2) points = line.points;
   }
-  EXPECT_LT(points.size(), 4U * kSize.width);
+  EXPECT_LT(points.size(), 4U * kPlotSize.width);
   EXPECT_LT(svg_of(canvas).size(), 300000U);
   ASSERT_FALSE(points.empty());
   const auto ends =
@@ -150,9 +150,9 @@ TEST(TimePlot, loses_no_spike_and_stays_small) {
 
 TEST(TimePlot, a_value_that_is_missing_is_a_gap) {
   TimeSeries series{"error", {}};
-  for (int i = 0; i < 30; ++i) series.points.emplace_back(i, i == 12 ? kNothing : 1.0 + i % 3);
+  for (int i = 0; i < 30; ++i) series.points.emplace_back(i, i == 12 ? kNoValue : 1.0 + i % 3);
   std::vector<std::size_t> pieces;
-  for (const shape::Line& line : lines_in(time_plot("", "error", "m", {series}, kSize), kLightTheme.curve(0))) {
+  for (const shape::Line& line : lines_in(time_plot("", "error", "m", {series}, kPlotSize), kLightTheme.curve(0))) {
     if (line.points.size() > 2) pieces.push_back(line.points.size());
   }
   EXPECT_EQ(pieces, (std::vector<std::size_t>{12, 17}));
@@ -160,14 +160,14 @@ TEST(TimePlot, a_value_that_is_missing_is_a_gap) {
 
 TEST(TimePlot, times_are_those_that_people_read) {
   const auto plot = [](double from_s, double to_s) {
-    return time_plot("", "error", "m", {{"", {{from_s, 1.0}, {to_s, 2.0}}}}, kSize);
+    return time_plot("", "error", "m", {{"", {{from_s, 1.0}, {to_s, 2.0}}}}, kPlotSize);
   };
   EXPECT_TRUE(says(plot(3.0, 50.0), "time in s"));
   EXPECT_TRUE(says(plot(0.0, 3000.0), "time in min"));
   EXPECT_TRUE(says(plot(0.0, 3000.0), "50")) << "minutes at the end of the axis";
   EXPECT_TRUE(says(plot(0.0, 30000.0), "time in h"));
   EXPECT_TRUE(says(plot(976052857.0, 976052900.0), "time since the start in s")) << "a clock's stamps";
-  EXPECT_NO_THROW(raster_of(time_plot("", "error", "m", {}, kSize)));
+  EXPECT_NO_THROW(raster_of(time_plot("", "error", "m", {}, kPlotSize)));
   EXPECT_NO_THROW(raster_of(plot(1.0, 1.0)));
 }
 

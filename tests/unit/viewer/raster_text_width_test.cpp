@@ -9,11 +9,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kSize = 40.0;
+constexpr double kTextSize = 40.0;
 
 double ink_width(const std::string& words, bool is_bold) {
   Canvas canvas(1600, 80, "");
-  canvas.text({20, 60}, words, {.size = kSize, .is_bold = is_bold});
+  canvas.text({20, 60}, words, {.size = kTextSize, .is_bold = is_bold});
   const RgbaImage image = raster_of(canvas);
   std::uint32_t left = image.width;
   std::uint32_t right = 0;
@@ -34,7 +34,7 @@ TEST(TextWidth, AgreesWithLettersOnThePage) {
                                     "\u03B1\u03B2\u03B3\u03B4 \u03A9\u03A3\u0394", "r\u00E9sum\u00E9 gr\u00F6\u00DFer",
                                     "\u221212.5 \u2264 x \u2192 \u221E", "p50\u2013p95 \u00B7 \u201Cquoted\u201D"}) {
       const double measured = ink_width("|" + words + "|", is_bold) - ink_width("||", is_bold);
-      EXPECT_NEAR(text_width(words, kSize, is_bold) / measured, 1.0, 0.02) << words << (is_bold ? ", bold" : "");
+      EXPECT_NEAR(text_width(words, kTextSize, is_bold) / measured, 1.0, 0.02) << words << (is_bold ? ", bold" : "");
     }
   }
 }

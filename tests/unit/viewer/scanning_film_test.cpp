@@ -16,7 +16,7 @@
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 CloudLook quick_look() {
   CloudLook look;
@@ -24,7 +24,7 @@ CloudLook quick_look() {
   return look;
 }
 
-std::vector<std::string> words_of(const Canvas& canvas) {
+std::vector<std::string> texts_of(const Canvas& canvas) {
   std::vector<std::string> words;
   for (const Shape& shape : canvas.shapes()) {
     if (const auto* text = std::get_if<shape::Words>(&shape)) words.push_back(text->text);
@@ -32,8 +32,8 @@ std::vector<std::string> words_of(const Canvas& canvas) {
   return words;
 }
 
-bool has_words(const Canvas& canvas, const std::string& text) {
-  const std::vector<std::string> words = words_of(canvas);
+bool shows_words(const Canvas& canvas, const std::string& text) {
+  const std::vector<std::string> words = texts_of(canvas);
   return std::find(words.begin(), words.end(), text) != words.end();
 }
 
@@ -121,10 +121,10 @@ TEST(ScanningFilm, runs_through_the_stretch) {
   ASSERT_EQ(film->frames(), 5U);
   const Canvas first = film->frame(0);
   const Canvas last = film->frame(4);
-  EXPECT_TRUE(has_words(first, "round room"));
-  EXPECT_TRUE(has_words(first, "1")) << "the beam at 0 s";
-  EXPECT_TRUE(has_words(last, "57,920")) << "320 scans of 181 beams";
-  EXPECT_TRUE(has_words(last, "8.0 s"));
+  EXPECT_TRUE(shows_words(first, "round room"));
+  EXPECT_TRUE(shows_words(first, "1")) << "the beam at 0 s";
+  EXPECT_TRUE(shows_words(last, "57,920")) << "320 scans of 181 beams";
+  EXPECT_TRUE(shows_words(last, "8.0 s"));
   const RgbaImage start = raster_of(first);
   const RgbaImage end = raster_of(last);
   EXPECT_EQ(start.width, 640U);

@@ -8,7 +8,7 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/stream.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 
 struct ScanningRoom {
   calib::SweepModel model = calib::sweep_model_of_preset("paper-b");
@@ -60,4 +60,4 @@ struct ScanningRoom {
   }
 };
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

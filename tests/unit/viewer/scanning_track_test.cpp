@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 using ::testing::HasSubstr;
 
 std::string error_of(const Cloud& cloud, const Trajectory& trajectory, double from_s, double to_s) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 #include "engine/core/elementary.hpp"
 #include "engine/core/quantile.hpp"

@@ -14,13 +14,13 @@ namespace gdtslam {
 namespace {
 
 constexpr double kPlacesPerTurn = 1000.0;  // 0.36 deg: within it ranges bend by less than 0.1 mm
-constexpr double kMostBeams = 41.0;
+constexpr double kMostStopBeams = 41.0;
 constexpr std::size_t kMostWaiting = 4096;
 constexpr double kLeastSigma_m = 0.001;     // a laser that repeats itself exactly is not exact for that
 constexpr double kLeastMeanSigma_m = 1e-4;  // nor are averages beyond the wall's flatness
 constexpr double kUnknownSigma_m = 0.01;    // where no place has ranges enough to tell
 constexpr std::uint32_t kEnoughForScatter = 5;
-constexpr double kLeastRange_m = 0.05;
+constexpr double kLeastStopRange_m = 0.05;
 constexpr double kMostTravel_m = 0.05;                         // of a robot that stands
 constexpr double kMostTurn_rad = 3.0 * kPi / 180.0;            // likewise
 constexpr double kMostBearingChange_rad = 1e-3 * kPi / 180.0;  // of a beam from scan to scan; logs round their angles
@@ -118,10 +118,10 @@ void StopCollector::place_scans(bool at_end) {
   }
 }
 
-// Every so many beams, so that at most kMostBeams of a sector are used.
+// Every so many beams, so that at most kMostStopBeams of a sector are used.
 std::size_t StopCollector::beam_step(const LaserScan& scan) const {
   const double beams = 2.0 * half_sector_rad_ / std::fabs(scan.bearing_step_rad) + 1.0;
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(beams / kMostBeams)));
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(beams / kMostStopBeams)));
 }
 
 // Ranges are averaged by the beam's number, so a number must mean one bearing.
@@ -166,8 +166,8 @@ void StopCollector::add(const LaserScan& scan) {
     const auto place = static_cast<std::uint32_t>(std::floor(share * kPlacesPerTurn + 0.5)) %
                        static_cast<std::uint32_t>(kPlacesPerTurn);
     const double range_m = static_cast<double>(scan.ranges_m[beam]);
-    const bool is_return =
-        std::isfinite(range_m) && range_m > kLeastRange_m && (scan.max_range_m <= 0.0 || range_m < scan.max_range_m);
+    const bool is_return = std::isfinite(range_m) && range_m > kLeastStopRange_m &&
+                           (scan.max_range_m <= 0.0 || range_m < scan.max_range_m);
     // A place that straddles tick 0 counts on from below it.
     const double ticks =
         (place == 0 && share > 0.5 ? share - 1.0 : share) * static_cast<double>(model_.encoder.ticks_per_turn);

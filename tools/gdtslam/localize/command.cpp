@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -204,7 +205,7 @@ int localize(const LocalizeOptions& options) {
   print_remarks(job, all);
   if (options.json) {
     times.device = work.backend->device().name;
-    print_result(as_json(job, *work.localizer, all, times).dump(2) + "\n");
+    print_result(json_text(as_json(job, *work.localizer, all, times)));
   } else if (!options.quiet) {
     print_result(as_text(job, *work.localizer, all));
   }
@@ -221,17 +222,14 @@ int localize(const LocalizeOptions& options) {
 void add_choices(CLI::App& command, LocalizeOptions& chosen) {
   ScanChoice& choice = chosen.choice;
   CLI::Option* scan =
-      command.add_option("--scan", choice.first, "Index of the scan, from 0; with --every the first one");
-  scan->type_name("N")->check(whole_number_from(0))->capture_default_str();
-  CLI::Option* every = command.add_option("--every", choice.every, "Go on to the end of the log with every N-th scan");
-  every->type_name("N")->check(whole_number_from(1));
-  CLI::Option* random = command.add_option("--random", choice.random, "N scans of the whole log, drawn at random");
-  random->type_name("N")->check(whole_number_from(1))->excludes(scan)->excludes(every);
-  command.add_option("--seed", choice.seed, "Of the draw")
-      ->type_name("N")
-      ->check(whole_number_from(0))
-      ->capture_default_str()
-      ->needs(random);
+      add_count_option(command, "--scan", choice.first, 0, "Index of the scan, from 0; with --every the first one");
+  scan->capture_default_str();
+  CLI::Option* every =
+      add_count_option(command, "--every", choice.every, 1, "Go on to the end of the log with every N-th scan");
+  CLI::Option* random =
+      add_count_option(command, "--random", choice.random, 1, "N scans of the whole log, drawn at random");
+  random->excludes(scan)->excludes(every);
+  add_count_option(command, "--seed", choice.seed, 0, "Of the draw")->capture_default_str()->needs(random);
   add_quantity_option(command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMostSeconds},
                       "Do not choose scans that were taken this near in time to one that went into the map;\n"
                       "needs the run folder; 0: leave out those that went into it themselves");

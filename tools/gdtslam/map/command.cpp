@@ -131,10 +131,8 @@ void add_input_options(CLI::App& command, MapOptions& options) {
       ->required()
       ->type_name("LOG");
   command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
-  command.add_option("--skip", options.range.skip, "Leave out the first N scans")
-      ->type_name("N")
-      ->check(whole_number_from(0));
-  command.add_option("--first", options.range.count, "Map N scans only")->type_name("N")->check(whole_number_from(1));
+  add_count_option(command, "--skip", options.range.skip, 0, "Leave out the first N scans");
+  add_count_option(command, "--first", options.range.count, 1, "Map N scans only");
 }
 
 }  // namespace
@@ -164,13 +162,13 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "LOG.linkage.yaml beside the log (LOG without .gz, .log, .clf) is taken, else the preset paper-b")
       ->type_name("NAME|FILE");
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
-  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and cloud.png");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png (or .svg) and cloud.png");
   command->add_flag("--json", options->json, "Print report.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
-      "trajectory.tum, overview.png, config.yaml and report.json; where the log tells how the laser nods also\n"
-      "cloud.ply, cloud.png and linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages.\n"
+      "trajectory.tum, overview.png (or .svg), config.yaml and report.json; where the log tells how the laser nods\n"
+      "also cloud.ply, cloud.png and linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages.\n"
       "An interrupt (Ctrl-C, SIGTERM, a lost terminal) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"

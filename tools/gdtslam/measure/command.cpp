@@ -8,7 +8,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
@@ -75,7 +74,7 @@ MeasureJob job_of(const MeasureCommand& command) {
   BoxSearch& boxes = job.box_search;
   boxes.min_face_points = boxes.planes.min_points;
   if (boxes.min_size_m >= boxes.max_size_m) {
-    throw UsageError(fmt::format("--min-size {:g}m is not below --max-size {:g}m", boxes.min_size_m, boxes.max_size_m));
+    throw UsageError(fmt::format("--min-size {}m is not below --max-size {}m", boxes.min_size_m, boxes.max_size_m));
   }
   job.finds_viewpoint = command.viewpoint.empty();
   if (!command.viewpoint.empty() && command.viewpoint != "none") job.viewpoint = viewpoint_of(command.viewpoint);

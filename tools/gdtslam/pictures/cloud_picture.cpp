@@ -1,7 +1,5 @@
 #include "cloud_picture.hpp"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <memory>
 

@@ -19,7 +19,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kCells = 12;
+constexpr std::size_t kShownCells = 12;
 constexpr std::size_t kMostCells = 60;
 constexpr std::uint16_t kHalfCell = 128;  // of the field's 1/256 cell: where scans were merged, obstacles are near 0
 
@@ -126,7 +126,7 @@ Canvas RenderStudio::linkage_sheet(const Wanted& /*wanted*/) {
 
 Canvas RenderStudio::cells(const Wanted& /*wanted*/) {
   const FieldPicture& field = first().field();
-  const std::size_t count = options_.cells > 0 ? options_.cells : kCells;
+  const std::size_t count = options_.cells > 0 ? options_.cells : kShownCells;
   if (count > kMostCells) throw UsageError(fmt::format("--cells: {} is more than {} a side", count, kMostCells));
   CellIndex middle = middle_obstacle(field);
   if (!options_.at.empty()) {

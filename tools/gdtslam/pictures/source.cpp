@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "engine/io/did_you_mean.hpp"
+#include "engine/io/message_text.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
@@ -56,7 +57,7 @@ bool is_preset(const std::string& name) {
 std::string head_of(const std::string& path) {
   constexpr std::size_t kHeadBytes = 65536;
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
-  if (!file) throw FileError(path, "cannot be opened: " + std::generic_category().message(errno));
+  if (!file) throw FileError(path, "cannot be opened: " + errno_text(errno));
   std::string head(kHeadBytes, '\0');
   const int count = ::gzread(file.get(), head.data(), static_cast<unsigned>(head.size()));
   head.resize(count > 0 ? static_cast<std::size_t>(count) : 0);  // what is damaged shows when it is read in full

@@ -5,11 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/calib/sweep_model.hpp"

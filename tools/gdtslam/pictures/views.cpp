@@ -13,7 +13,7 @@ namespace {
 using namespace effect;
 using Studio = RenderStudio;
 
-constexpr unsigned kTruth = part::kTrajectory | part::kTruth;
+constexpr unsigned kCompared = part::kTrajectory | part::kTruth;
 constexpr unsigned kScene = kSize | kDark | kLight | kPage;
 constexpr unsigned kScan = kScene | kColour | kColourMap | kPoint | kLevels | kTitle | kPoints;
 constexpr unsigned kCloud = kScan | kPath | kDistances;
@@ -53,10 +53,10 @@ const std::vector<RenderView>& render_views() {
        &Studio::linkage_turn, 4.0},
       {"drawing", "the linkage's positions, curves and figures on one sheet", part::kLinkage,
        kPngSize | kLight | kVector, &Studio::linkage_sheet},
-      {"errors-box", "errors of the trajectory as box plot, runs side by side", kTruth, kPlot | kErrors,
+      {"errors-box", "errors of the trajectory as box plot, runs side by side", kCompared, kPlot | kErrors,
        &Studio::errors_box, 6},
-      {"errors-cdf", "errors of the trajectory as distribution", kTruth, kPlot | kErrors, &Studio::errors_cdf},
-      {"errors-time", "errors of the trajectory over time", kTruth, kPlot | kErrors, &Studio::errors_time},
+      {"errors-cdf", "errors of the trajectory as distribution", kCompared, kPlot | kErrors, &Studio::errors_cdf},
+      {"errors-time", "errors of the trajectory over time", kCompared, kPlot | kErrors, &Studio::errors_time},
   };
   return views;
 }

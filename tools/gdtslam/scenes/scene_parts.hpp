@@ -1,5 +1,5 @@
-// The sections of a scene file (docs/simulation.md lists every key) and what their readers share. All throw ConfigError
-// with file and line.
+// The sections of a scene file (docs/simulation.md lists every key) and what their readers share. The readers throw
+// ConfigError with file and line.
 #pragma once
 
 #include <string>

@@ -9,11 +9,12 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <system_error>
 #include <utility>
 
 #include "engine/drawing/letters.hpp"
+#include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 
 namespace gdtslam {
 namespace {
@@ -41,16 +42,6 @@ extern "C" void on_interrupt(int /*signal*/) {
 
 constexpr std::chrono::milliseconds kRedrawInterval{100};
 constexpr double kLongestShown_s = 100.0 * 3600.0;
-
-std::string with_thousands(std::uint64_t value) {
-  const std::string digits = std::to_string(value);
-  std::string text;
-  for (std::size_t k = 0; k < digits.size(); ++k) {
-    if (k > 0 && (digits.size() - k) % 3 == 0) text += ',';
-    text += digits[k];
-  }
-  return text;
-}
 
 // A terminal that has gone away takes no more, and the work goes on without it.
 void write_line(const std::string& text) {
@@ -83,7 +74,7 @@ void print_result(std::string_view text) {
   if (std::fwrite(shown.data(), 1, shown.size(), stdout) != shown.size() || std::fflush(stdout) != 0) {
     // The reader had enough, as `head` has, or its terminal is gone.
     if (errno == EPIPE || (errno == EIO && interrupted())) return;
-    throw FileError("standard output", "cannot be written: " + std::generic_category().message(errno));
+    throw FileError("standard output", "cannot be written: " + errno_text(errno));
   }
 }
 
@@ -146,9 +137,9 @@ ProgressLine::ProgressLine(std::string unit, bool quiet) : unit_(std::move(unit)
 std::string ProgressLine::text(const std::string& unit, std::uint64_t count, double share, double elapsed_s) {
   std::string line;
   if (share >= 0.0) line += fmt::format("{:3.0f} %  ", 100.0 * share);
-  line += fmt::format("{} {}", with_thousands(count), unit);
+  line += fmt::format("{} {}", with_commas(count), unit);
   if (elapsed_s > 0.0) {
-    line += fmt::format("  {}/s", with_thousands(static_cast<std::uint64_t>(static_cast<double>(count) / elapsed_s)));
+    line += fmt::format("  {}/s", with_commas(static_cast<std::uint64_t>(static_cast<double>(count) / elapsed_s)));
   }
   if (share > 0.0 && share <= 1.0) {
     const double left_s = elapsed_s * (1.0 - share) / share;
@@ -159,6 +150,15 @@ std::string ProgressLine::text(const std::string& unit, std::uint64_t count, dou
 
 void ProgressLine::update(std::uint64_t count, double share) {
   line_.draw([&](double elapsed_s) { return text(unit_, count, share, elapsed_s); });
+}
+
+std::string origin_text(const std::string& cloud, const std::array<double, 3>& origin_m) {
+  return fmt::format("{} lies far from its origin: places are relative to ({:.0f}, {:.0f}, {:.0f}) m", cloud,
+                     origin_m[0], origin_m[1], origin_m[2]);
+}
+
+void remark_origin(const std::string& cloud, const std::array<double, 3>& origin_m) {
+  if (origin_m != std::array<double, 3>{}) print_remark(origin_text(cloud, origin_m));
 }
 
 }  // namespace gdtslam

@@ -5,7 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
+#include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -30,8 +32,6 @@ std::vector<fs::path> candidates(std::string_view kind) {
   return list;
 }
 
-namespace fs = std::filesystem;
-
 // The specification of XDG has it that a path that is not absolute counts as none.
 fs::path absolute_from(const char* variable) {
   const char* const value = std::getenv(variable);
@@ -55,7 +55,7 @@ std::string problem_of_making(const fs::path& folder) {
     if (!above.empty()) return above;
     if (::mkdir(folder.c_str(), S_IRWXU) == 0 || fs::is_directory(folder)) return {};
   }
-  return folder.string() + ": cannot be made: " + std::generic_category().message(errno);
+  return folder.string() + ": cannot be made: " + errno_text(errno);
 }
 
 }  // namespace
@@ -78,6 +78,18 @@ std::string asset_file(std::string_view kind, const std::string& name) {
 }
 
 std::string sample_log_file() { return asset_file("logs", "office-start.log.gz"); }
+
+TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
+  const char* const variable = std::getenv("TMPDIR");
+  if (below.empty()) below = variable != nullptr && *variable != '\0' ? variable : "/tmp";
+  path_ = below + "/" + name + "-XXXXXX";
+  if (::mkdtemp(path_.data()) == nullptr) throw FileError(path_, "cannot be created: " + errno_text(errno));
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;  // what cannot be removed is the system's to tidy up
+  fs::remove_all(path_, ignored);
+}
 
 CacheFolder cache_folder() {
   const fs::path base = base_folder();

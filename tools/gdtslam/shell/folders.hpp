@@ -2,15 +2,9 @@
 // what it may lose, and for the time of a run.
 #pragma once
 
-#include <cerrno>
-#include <cstdlib>
-#include <filesystem>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
-
-#include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 
@@ -28,20 +22,10 @@ std::string sample_log_file();
 class TemporaryFolder {
  public:
   /// Throws FileError.
-  explicit TemporaryFolder(const std::string& name, std::string below = "") {
-    const char* const variable = std::getenv("TMPDIR");
-    if (below.empty()) below = variable != nullptr && *variable != '\0' ? variable : "/tmp";
-    path_ = below + "/" + name + "-XXXXXX";
-    if (::mkdtemp(path_.data()) == nullptr) {
-      throw FileError(path_, "cannot be created: " + std::generic_category().message(errno));
-    }
-  }
+  explicit TemporaryFolder(const std::string& name, std::string below = "");
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;  // what cannot be removed is the system's to tidy up
-    std::filesystem::remove_all(path_, ignored);
-  }
+  ~TemporaryFolder();
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:

@@ -1,5 +1,5 @@
 // What options of the command line name: quantities with their unit, or 0 (core/stated_quantity.hpp), counts, files to
-// be written, the goal of a design. Thread-safe.
+// be written. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/units.hpp"
 #include "tools/gdtslam/shell/cli.hpp"
 
@@ -43,19 +42,5 @@ CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count&
 /// Nothing where `file` is empty. Throws UsageError that names the option where `file` is one of `inputs` under
 /// whatever name, FileError where its folder does not exist.
 void check_written_file(std::string_view option, const std::string& file, const std::vector<std::string>& inputs);
-
-// The goal of `gdtslam linkage --design` as the command line has it.
-
-/// Options as text, so that their units can be told; empty: the default.
-struct GoalText {
-  std::string swing;
-  std::string min_transmission;
-  std::string crank;  ///< "3..5cm" or one length
-  std::string time_ratio;
-  std::string longest;
-};
-
-/// Throws UsageError that names the option.
-calib::DesignGoal goal_of(const GoalText& text);
 
 }  // namespace gdtslam

@@ -159,10 +159,7 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
           "nods, NAME.linkage.yaml and NAME.elevation.csv")
       ->required()
       ->type_name("LOG");
-  command->add_option("--seed", options.seed, "Seed of every random number")
-      ->type_name("N")
-      ->check(whole_number_from(0))
-      ->capture_default_str();
+  add_count_option(*command, "--seed", options.seed, 0, "Seed of every random number")->capture_default_str();
   command
       ->add_option("--laser", options.laser,
                    "Instead of the scene's laser: sick-lms, sick-361 or hokuyo-961 (mount and height stay)")

@@ -178,10 +178,7 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
       ->type_name("N")
       ->check(CLI::Range(0U, kMostRandom).description(""))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of the random cases")
-      ->type_name("N")
-      ->check(whole_number_from(0))
-      ->capture_default_str();
+  add_count_option(command, "--seed", options.seed, 0, "Seed of the random cases")->capture_default_str();
   command.add_flag("--large", options.large, "The largest sizes too, which take minutes on a slow device");
   command.add_option("--log", options.logs, "Map this log too, beside the sample log; may be repeated")
       ->type_name("LOG")

@@ -118,15 +118,17 @@ int ablation(const AblationOptions& options) {
       options.log.substr(options.log.rfind('/') + 1), backend->device().name, backend->device().driver,
       backend->device().threads, backend->device().threads == 1 ? "" : "s");
   if (!options.quiet) print_result(table);
-  std::size_t unmatched = 0;
+  std::size_t unmatched = 0;  // of the first variant, for the closing line
   for (const AblationVariant& variant : variants) {
     std::string row;
+    std::size_t unused = 0;
+    const bool is_first = &variant == &variants.front();
     try {
-      row = variant_row(variant, options, relations, *backend, unmatched);
+      row = variant_row(variant, options, relations, *backend, is_first ? unmatched : unused);
     } catch (const InputError& error) {
       // The first variant shows whether the log and the relations can be used at all. Where a later one cannot map what
       // the first one could, that is a result: its row says why.
-      if (&variant == &variants.front()) throw;
+      if (is_first) throw;
       row = fmt::format("| {} | {} | failed: {} | | | | | |\n", variant.name, sets_text(variant.sets), error.what());
     }
     if (!options.quiet) print_result(row);

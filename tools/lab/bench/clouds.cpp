@@ -56,18 +56,13 @@ void plain_read(const std::string& path, std::vector<char>& bytes) {
   }
 }
 
-struct CountingSink : CloudSink {
-  void add(std::span<const CloudPoint> more) override { points += more.size(); }
-  std::size_t points = 0;
-};
-
 std::size_t thin(const Cloud& cloud) {
   CountingSink sink;
   VoxelThinning thinning(kVoxel_m, std::uint64_t{1} << 24U, sink);
   for (std::size_t k = 0; k < cloud.size(); k += kPiece) {
     thinning.add(std::span(cloud).subspan(k, std::min(kPiece, cloud.size() - k)));
   }
-  return sink.points;
+  return sink.count;
 }
 
 std::size_t thin_by_set(const Cloud& cloud) {

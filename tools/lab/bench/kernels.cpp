@@ -120,7 +120,7 @@ double median(const std::vector<Sample>& samples, double Sample::*time) {
   std::vector<double> times;
   times.reserve(samples.size());
   for (const Sample& sample : samples) times.push_back(sample.*time);
-  return value_at_share(times, 0.5);
+  return upper_median(times);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,12 @@ struct Timing {
 
 /// Throws Error(kInterrupted) where a signal came in between.
 Timing measure(const Work& work, const TimingOptions& options);
+
+/// Counts the points and keeps none.
+struct CountingSink : CloudSink {
+  void add(std::span<const CloudPoint> points) override { count += points.size(); }
+  std::size_t count = 0;
+};
 
 /// One measurement.
 struct BenchRow {

@@ -143,13 +143,6 @@ constexpr std::size_t kSweepBeams = 961;  // the paper's scanner: -30 to 210 deg
 constexpr double kScan_s = 1.0 / 37.5;
 constexpr std::size_t kTableCells = std::size_t{1} << 15U;
 
-/// Counts the points and keeps none.
-class CountingSink : public CloudSink {
- public:
-  void add(std::span<const CloudPoint> points) override { count += points.size(); }
-  std::size_t count = 0;
-};
-
 NoddingScanner scanner() {
   std::vector<double> table(kTableCells + 1);
   for (std::size_t i = 0; i < table.size(); ++i) {

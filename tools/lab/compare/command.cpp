@@ -5,10 +5,10 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -155,7 +155,7 @@ int compare(const CompareOptions& options) {
                                                          options.picture, kDensePng));
   }
   if (options.json) {
-    print_result(as_json(job, outcome, runs, truth).dump(2) + "\n");
+    print_result(json_text(as_json(job, outcome, runs, truth)));
   } else if (!options.quiet) {
     print_result(as_text(job, outcome) + as_text(runs, truth));
   }

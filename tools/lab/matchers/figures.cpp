@@ -91,7 +91,7 @@ std::vector<double> distances_of(const CompareOutcome& outcome, std::uint32_t me
 }
 
 MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
-                    const std::function<bool()>& stop) {
+                    const std::function<bool()>& stop, const MapperOptions& on_failure) {
   MapJob whole{.logs = job.logs,
                .read = job.read,
                .range = job.range,
@@ -99,7 +99,7 @@ MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend
                .occupancy = {},
                .with_occupancy = false,
                .with_pictures = false,
-               .on_failure = {.fall_back = false, .cpu = {}, .warn = {}}};
+               .on_failure = on_failure};
   whole.mapper.match.matcher = matcher;
   MapOutcome outcome = MapRun(whole, backend).run(progress, stop);
   if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");

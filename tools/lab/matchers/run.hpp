@@ -157,14 +157,15 @@ struct WholeRun {
   std::uint64_t doubtful = 0;
 };
 
-/// Methods that are no matcher of `map` are left out. Throws as compare() does, InputError where the truth belongs to
-/// another log.
+/// In the order of the methods. Throws as compare() does, InputError where the truth belongs to another log.
 std::vector<WholeRun> whole_runs(const CompareJob& job, const CompareTruth& truth, Backend& backend,
                                  const std::function<CompareProgress(const std::string&)>& progress_of,
                                  const std::function<bool()>& stop);
 
-/// The log mapped from end to end by a matcher. Throws as compare() does. Cost: a whole `gdtslam map`.
+/// The log mapped from end to end by a matcher. Throws as compare() does, DeviceError where `on_failure` has no
+/// fallback. Cost: a whole `gdtslam map`.
 MapOutcome map_with(MatcherKind matcher, const CompareJob& job, Backend& backend, const CompareProgress& progress,
-                    const std::function<bool()>& stop);
+                    const std::function<bool()>& stop,
+                    const MapperOptions& on_failure = {.fall_back = false, .cpu = {}, .warn = {}});
 
 }  // namespace gdtslam

@@ -11,7 +11,6 @@
 #include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "run.hpp"
-#include "tools/gdtslam/pictures/options.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 

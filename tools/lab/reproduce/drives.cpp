@@ -1,7 +1,6 @@
 #include "drives.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -35,6 +34,13 @@ constexpr std::string_view kAtCrossing = "gdtslam_trajectory: 1\nwaypoints:\n  -
 // What a simulation takes of the time of simulation and map.
 constexpr double kSimulationShare = 0.35;
 
+// Of a folder with the mark: whether nothing else is in it.
+bool holds_its_mark_alone(const std::string& folder) {
+  std::error_code failed;
+  fs::directory_iterator entry(folder, failed);
+  return !failed && entry.increment(failed) == fs::directory_iterator() && !failed;
+}
+
 [[noreturn]] void throw_interrupted() { throw Error(ExitCode::kInterrupted, "interrupted"); }
 
 }  // namespace
@@ -59,11 +65,7 @@ const DriveRecipe& recipe_of(std::string_view name) {
       {.name = "at-plant", .scene = "office-3f", .waypoints = kAtPlant, .sets = {"cloud.voxel=0"}, .weight_s = 1.2},
       {.name = "office-3f", .scene = "office-3f", .weight_s = 7.0},
       {.name = "office-7f", .scene = "office-7f", .weight_s = 8.5},
-      {.name = "wall",
-       .scene = "wall",
-
-       .is_mapped = false,
-       .linkage = "paper-b-calibrated"},
+      {.name = "wall", .scene = "wall", .is_mapped = false, .linkage = "paper-b-calibrated"},
   };
   for (const DriveRecipe& recipe : recipes) {
     if (recipe.name == name) return recipe;
@@ -153,6 +155,11 @@ void Drives::simulate_drive(const DriveRecipe& recipe, const Drive& drive, const
 
 void Drives::require_own(std::string_view name) const { require_own_folder(folder_of(name)); }
 
+void Drives::prepare() const {
+  std::error_code failed;
+  if (!fs::exists(folder_, failed)) make_marked_folder(folder_);
+}
+
 void Drives::clear() const {
   std::error_code failed;
   for (fs::directory_iterator entry(folder_, failed); !failed && entry != end(entry); entry.increment(failed)) {
@@ -160,7 +167,7 @@ void Drives::clear() const {
   }
   if (failed && failed != std::errc::no_such_file_or_directory)
     throw FileError(folder_, "cannot be listed: " + failed.message());
-  ::rmdir(folder_.c_str());  // which fails where anything else is in it
+  if (is_marked_folder(folder_) && holds_its_mark_alone(folder_)) remove_own_folder(folder_);
 }
 
 void map_whole(const std::string& log, const std::string& run, const DeviceOptions& device,

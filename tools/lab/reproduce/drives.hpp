@@ -46,7 +46,9 @@ class Drives {
   void make(std::string_view name, const std::function<void(double)>& progress) const;
   /// Throws FileError where a folder of somebody else has the drive's name.
   void require_own(std::string_view name) const;
-  /// What make() made goes; what somebody else put beside it stays.
+  /// Makes the folder of all drives; before the first make().
+  void prepare() const;
+  /// What prepare() and make() made goes; what somebody else put beside it stays.
   void clear() const;
   /// Where a drive is that is made.
   [[nodiscard]] Drive drive(std::string_view name) const;

@@ -111,7 +111,7 @@ struct ViewOrder {
 };
 void add_view(Part& part, const PartContext& place, const ViewOrder& order, Picture picture);
 
-/// "1.23 cm", "0.004 m": a length in the unit that reads best.
+/// "4.00 mm", "1.23 cm", "2.50 m": a length in the unit that reads best.
 std::string length_with_unit(double length_m);
 
 // The makers, each in a file of its own.

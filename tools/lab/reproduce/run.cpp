@@ -136,6 +136,7 @@ class Reproduction {
       }
       jobs_.push_back(std::move(job));
     }
+    if (std::any_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.part == nullptr; })) drives_.prepare();
   }
 
   [[nodiscard]] Job* next_job() {

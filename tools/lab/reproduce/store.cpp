@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -18,6 +19,7 @@
 #include "engine/drawing/markup.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam::reproduce {
@@ -41,10 +43,12 @@ Json as_json(const std::string& key, const KeptPart& kept) {
   return json;
 }
 
-// Texts of the file are printed and stand in the report: one line each, without control characters. The other values
-// of a part are whole numbers.
+// Texts of the file are printed and stand in the report: one line each, without control characters. The numbers of a
+// part are whole and small; a larger one must not reach an enumerator, which takes its lowest eight bits.
 void clean(Json& json) {
-  if (json.is_number_float()) throw InputError("a number that is not whole");
+  constexpr std::uint64_t kMostNumber = 3;
+  if (json.is_number() && !(json.is_number_unsigned() && json.get<std::uint64_t>() <= kMostNumber))
+    throw InputError("a number that there is not");
   if (json.is_structured()) {
     for (Json& entry : json) clean(entry);
   } else if (json.is_string()) {
@@ -57,7 +61,7 @@ void clean(Json& json) {
 KeptPart read_part(Json json) {
   KeptPart kept;
   kept.cpu_s = json.at("cpu_s").get<double>();
-  json.erase("cpu_s");
+  for (const char* const checked : {"cpu_s", "version"}) json.erase(checked);
   constexpr double kMostCpu_s = 1.0e9;
   if (!(kept.cpu_s >= 0.0 && kept.cpu_s < kMostCpu_s)) throw InputError("a time that there is not");
   clean(json);
@@ -155,7 +159,7 @@ void make_marked_folder(const std::string& path) {
   make_folder(path);
   std::ofstream mark(path + kMark);  // in one step: whoever is killed here leaves an empty folder or one with the mark
   mark << "gdtslam reproduce made this folder and removes it again.\n" << std::flush;
-  if (!mark) throw FileError(path, "cannot be written to: " + std::generic_category().message(errno));
+  if (!mark) throw FileError(path, "cannot be written to: " + errno_text(errno));
 }
 
 void remove_own_folder(const std::string& path) {
@@ -170,8 +174,7 @@ void replace_own_folder(const std::string& from, const std::string& to) {
   std::error_code failed;
   if (!fs::exists(to, failed)) return rename(from, to);
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0) return remove_own_folder(from);
-  if (errno != EINVAL && errno != ENOSYS)
-    throw FileError(to, "cannot be written: " + std::generic_category().message(errno));
+  if (errno != EINVAL && errno != ENOSYS) throw FileError(to, "cannot be written: " + errno_text(errno));
   const std::string old = to + ".old";  // a file system that exchanges no names: for a moment only this is there
   remove_own_folder(old);
   rename(to, old);

@@ -9,8 +9,8 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kFirstSlots = 1U << 14U;
-constexpr std::size_t kSample = 20000;  // of points, for what is common
-constexpr double kCubesAlong = 400.0;   // the finest measure: cubes along the cloud's longest side
+constexpr std::size_t kDensitySample = 20000;  // of points, for what is common
+constexpr double kCubesAlong = 400.0;          // the finest measure: cubes along the cloud's longest side
 constexpr double kLeastCube_m = 0.02;
 constexpr double kCoarsestCubesAlong = 10.0;
 constexpr double kGapsPerCube = 3.0;    // at least, along a cube's edge, so that counting says something
@@ -70,7 +70,7 @@ float CloudDensity::spacing_m(const CloudPoint& point) const {
 }
 
 CloudGaps::CloudGaps(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> drawn, double longest_side_m) {
-  const std::size_t step = std::max<std::size_t>(1, drawn.size() / kSample);
+  const std::size_t step = std::max<std::size_t>(1, drawn.size() / kDensitySample);
   for (double cube_m = std::max(kLeastCube_m, longest_side_m / kCubesAlong);; cube_m *= 2.0) {
     density_.emplace(cloud, drawn, cube_m);
     std::vector<float> gaps;

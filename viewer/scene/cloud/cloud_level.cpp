@@ -11,14 +11,14 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kSample = 250000;
+constexpr std::size_t kLevelSample = 250000;
 constexpr double kStrayShare = 0.001;
 
 }  // namespace
 
 LevelSurfaces level_surfaces_of(std::span<const CloudPoint> cloud) {
   Cloud sample;
-  const std::size_t step = std::max<std::size_t>(1, (cloud.size() + kSample - 1) / kSample);
+  const std::size_t step = std::max<std::size_t>(1, (cloud.size() + kLevelSample - 1) / kLevelSample);
   sample.reserve(cloud.size() / step + 1);
   for (std::size_t k = 0; k < cloud.size(); k += step) {
     if (is_finite(cloud[k])) sample.push_back(cloud[k]);

@@ -38,11 +38,11 @@ struct Thinned {
   bool fits = false;
 };
 Thinned thinned(std::span<const CloudPoint> cloud, double voxel_m, std::size_t most) {
-  constexpr std::size_t kPiece = 1U << 16U;
+  constexpr std::size_t kKeptPiece = 1U << 16U;
   BoundedKeeper keeper(most);
   VoxelThinning thinning(voxel_m, std::uint64_t{1} << 40U, keeper);
-  for (std::size_t begin = 0; begin < cloud.size() && !keeper.is_full; begin += kPiece) {
-    thinning.add(cloud.subspan(begin, std::min(kPiece, cloud.size() - begin)));
+  for (std::size_t begin = 0; begin < cloud.size() && !keeper.is_full; begin += kKeptPiece) {
+    thinning.add(cloud.subspan(begin, std::min(kKeptPiece, cloud.size() - begin)));
   }
   return {.cloud = std::move(keeper.kept), .fits = !keeper.is_full};
 }

@@ -204,7 +204,7 @@ void LinkageParts::build_fan() {
   Mesh beams;
   for (int i = 0; i < kBeams; ++i) {
     const double bearing_rad = kFanHalfWidth_rad * (2.0 * i / (kBeams - 1) - 1.0);
-    const Point2 unit = direction(bearing_rad);
+    const Point2 unit = calib::unit_at(bearing_rad);
     const double length_m = beam_length_m(unit, sizes_.fan_m);
     if (length_m <= inner_m) continue;
     beams.tube({inner_m * Point3(unit.x(), unit.y(), 0.0), length_m * Point3(unit.x(), unit.y(), 0.0)},
@@ -224,7 +224,7 @@ std::vector<Point3> LinkageParts::fan_arc(double radius_m) const {
   constexpr int kSteps = 96;
   std::vector<Point3> places;
   for (int i = 0; i <= kSteps; ++i) {
-    const Point2 unit = direction(kFanHalfWidth_rad * (2.0 * i / kSteps - 1.0));
+    const Point2 unit = calib::unit_at(kFanHalfWidth_rad * (2.0 * i / kSteps - 1.0));
     const double length_m = beam_length_m(unit, radius_m);
     places.emplace_back(length_m * unit.x(), length_m * unit.y(), 0.0);
   }

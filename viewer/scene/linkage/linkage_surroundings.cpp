@@ -63,7 +63,7 @@ LinkageSurroundings::LinkageSurroundings(const calib::LinkageCycle& cycle, const
 void LinkageSurroundings::add_to(vtkRenderer& renderer) const { still_.add_to(renderer); }
 
 Point3 LinkageSurroundings::sweep_rim(double elevation_rad, double share) const {
-  return at_layer(share * sweep_m_ * direction(elevation_rad), sweep_y_);
+  return at_layer(share * sweep_m_ * calib::unit_at(elevation_rad), sweep_y_);
 }
 
 void LinkageSurroundings::add_paths(const calib::LinkageCycle& cycle, const LinkageParts& parts) {

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "calib/linkage/linkage_cycle.hpp"
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 
@@ -19,7 +20,7 @@ constexpr int kTubeSides = 8;
 
 void add_arc(Outline& outline, const Point2& centre, double radius, double from_rad, double span_rad, int steps) {
   for (int i = 0; i <= steps; ++i) {
-    const Point2 normal = direction(from_rad + span_rad * i / steps);
+    const Point2 normal = calib::unit_at(from_rad + span_rad * i / steps);
     outline.points.push_back(centre + radius * normal);
     outline.normals.push_back(normal);
   }
@@ -39,11 +40,6 @@ Point3 sideways(const Point3& along, const Point3& last) {
 }
 
 }  // namespace
-
-Point2 direction(double angle_rad) {
-  const SinCos<double> unit = sin_cos(angle_rad);
-  return {unit.cos, unit.sin};
-}
 
 Outline circle_outline(const Point2& centre, double radius, int steps) {
   Outline outline;
@@ -141,7 +137,7 @@ void Mesh::tube(const std::vector<Point3>& path, double radius, bool is_closed) 
     const Point3 up = along.cross(side);
     rings.push_back(static_cast<vtkIdType>(places_.size()));
     for (int k = 0; k < kTubeSides; ++k) {
-      const Point2 unit = direction(kTwoPi * k / kTubeSides);
+      const Point2 unit = calib::unit_at(kTwoPi * k / kTubeSides);
       const Point3 normal = unit.x() * side + unit.y() * up;
       vertex(path[i] + radius * normal, normal);
     }
@@ -168,10 +164,10 @@ void Mesh::ball(const Point3& centre, double radius) {
   constexpr int kSides = 20;
   std::vector<vtkIdType> rings;
   for (int i = 0; i <= kRings; ++i) {
-    const Point2 height = direction(kPi * i / kRings - 0.5 * kPi);
+    const Point2 height = calib::unit_at(kPi * i / kRings - 0.5 * kPi);
     rings.push_back(static_cast<vtkIdType>(places_.size()));
     for (int k = 0; k < kSides; ++k) {
-      const Point2 round = direction(kTwoPi * k / kSides);
+      const Point2 round = calib::unit_at(kTwoPi * k / kSides);
       const Point3 normal(height.x() * round.x(), height.x() * round.y(), height.y());
       vertex(centre + radius * normal, normal);
     }

@@ -16,8 +16,6 @@ class vtkPolyData;
 
 namespace gdtslam {
 
-Point2 direction(double angle_rad);
-
 /// A closed convex curve, counter-clockwise as seen from negative y, with its outward normals.
 struct Outline {
   std::vector<Point2> points;

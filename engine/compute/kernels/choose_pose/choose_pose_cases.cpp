@@ -336,7 +336,7 @@ KernelCase draw_choice(const std::string& name, Random& random) {
   return shape.make(name);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_choose_pose_cases(std::vector<KernelCaseSource>& list) {
   add_sizes(list);
   add_angles(list);
   add_voters(list);
@@ -353,6 +353,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup ChoosePose::cases() { return {add_cases, {{&ChoosePose::info(), draw_choice}}}; }
+CaseGroup ChoosePose::cases() { return {add_choose_pose_cases, {{&ChoosePose::info(), draw_choice}}}; }
 
 }  // namespace gdtslam

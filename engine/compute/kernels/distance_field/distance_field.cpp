@@ -1,7 +1,6 @@
 #include "distance_field.hpp"
 
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/compute/kernels/host_kernels.hpp"
 
 namespace gdtslam {
 namespace {
@@ -41,11 +40,6 @@ const KernelInfo& DistanceField::info() {
         check.extent({params.width, params.height, 1});
       });
   return row;
-}
-
-void distance_field_host(Isa isa, const DistanceField::Params& params, const std::uint16_t* sq_distance,
-                         const std::uint16_t* table, std::uint16_t* field) {
-  functions_or_throw(isa).distance_field(params, sq_distance, table, field, {0, params.width, 0, params.height});
 }
 
 }  // namespace gdtslam

@@ -4,8 +4,6 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::uint32_t kRadii[] = {1, 20, 255};
-
 /// Squares of which half lie within the table and half are anything.
 KernelCase table_case(const std::string& name, CaseSize size, const std::vector<std::uint16_t>& table) {
   std::vector<std::uint16_t> squares = noise<std::uint16_t>(size, seed_from(name));
@@ -36,12 +34,12 @@ KernelCase draw_field(const std::string& name, Random& random) {
   return table_case(name, size, noise<std::uint16_t>({entries, 1, entries}, random.bits()));
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
-  for (const std::uint32_t radius : kRadii) {
+void add_distance_field_cases(std::vector<KernelCaseSource>& list) {
+  for (const std::uint32_t radius : kCaseRadii) {
     for_each_size([&](CaseSize size) { add_case(list, TableCase{size, radius}); });
   }
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
-    add_case(list, TableCase{size, in_turn(kRadii, turn)});
+    add_case(list, TableCase{size, in_turn(kCaseRadii, turn)});
   });
   for (const CaseSize& size : kLongSizes) {
     add_case(list, TableCase{size});
@@ -54,6 +52,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup DistanceField::cases() { return {add_cases, {{&DistanceField::info(), draw_field}}}; }
+CaseGroup DistanceField::cases() { return {add_distance_field_cases, {{&DistanceField::info(), draw_field}}}; }
 
 }  // namespace gdtslam

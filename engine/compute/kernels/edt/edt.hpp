@@ -2,7 +2,8 @@
 // Separable in the manner of [Meijster2000]; truncated at a radius so that a window of 2R+1 cells per pass is exact.
 //
 // Grids of all kernels: row-major, `stride` cells from row to row, stride >= width and a multiple of 4 (kGridStride is
-// what the engine uses). Seeds are bytes, non-zero for an obstacle.
+// what the engine uses). Seeds are bytes, non-zero for an obstacle; a kernel of its own makes them from a list of
+// cells.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
-// Truncated exact distance transform, two separable passes. The loops over a fixed number of cells are for the compiler
-// to turn into vectors: 8- and 16-bit arithmetic throughout, no value of which leaves its range.
+// Truncated exact distance transform, two separable passes, and the seeds that it begins with. The passes' loops over a
+// fixed number of cells are for the compiler to turn into vectors: 8- and 16-bit arithmetic throughout, no value of
+// which leaves its range.
 
 /// One row of the downward sweep, columns [begin, end).
 inline void sweep_down(const std::uint8_t* __restrict seed, const std::uint8_t* __restrict above,

@@ -4,7 +4,6 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::uint32_t kRadii[] = {1, 20, 255};
 constexpr std::uint32_t kLargestRadius = 255;
 constexpr CaseSize kBenchSize{1024, 1024, 1024};
 
@@ -61,25 +60,25 @@ struct Rows : EdtGrid {
 template <class Pass>
 void add_grids(std::vector<KernelCaseSource>& list) {
   for (const SeedPattern pattern : kCasePatterns) {
-    for (const std::uint32_t radius : kRadii) {
+    for (const std::uint32_t radius : kCaseRadii) {
       for_each_size([&](CaseSize size) { add_case(list, Pass{{size, pattern, radius}}); });
     }
   }
   for_each_small_size([&](CaseSize size, std::uint32_t turn) {
-    add_case(list, Pass{{size, in_turn(kCasePatterns, turn), in_turn(kRadii, turn / 2)}});
-    add_case(list, Pass{{size, in_turn(kCasePatterns, turn + 3), in_turn(kRadii, turn / 3)}});
+    add_case(list, Pass{{size, in_turn(kCasePatterns, turn), in_turn(kCaseRadii, turn / 2)}});
+    add_case(list, Pass{{size, in_turn(kCasePatterns, turn + 3), in_turn(kCaseRadii, turn / 3)}});
   });
   for (const CaseSize& size : kLongSizes) {
     add_case(list, Pass{{size, SeedPattern::kNone, kLargestRadius}});
     add_case(list, Pass{{size, SeedPattern::kOne, kLargestRadius}});
-    add_case(list, Pass{{size, SeedPattern::kSparse, kRadii[0]}});
+    add_case(list, Pass{{size, SeedPattern::kSparse, kCaseRadii[0]}});
     add_case(list, Pass{{size, SeedPattern::kCorners, kLargestRadius}});  // all that is near is at the edges
   }
   for (const CaseSize& size : {CaseSize{257, 131, 288}, CaseSize{129, 40, 132}, CaseSize{33, 19, 36}}) {
     add_case(list, Pass{{size, SeedPattern::kCorners, kLargestRadius}});
   }
   for (const CaseSize& size : kLargeSizes) {
-    add_case(list, Pass{{size, SeedPattern::kWalls, kRadii[1]}}, CaseUse::kLarge);
+    add_case(list, Pass{{size, SeedPattern::kWalls, kCaseRadii[1]}}, CaseUse::kLarge);
   }
 }
 
@@ -149,7 +148,7 @@ void add_scatters(std::vector<KernelCaseSource>& list) {
   add_case(list, ScatterCase{{1024, 1024, 1024}}, CaseUse::kBenchmark);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_edt_cases(std::vector<KernelCaseSource>& list) {
   add_grids<Columns>(list);
   add_case(list, Columns{{kBenchSize, SeedPattern::kWalls, 20}}, CaseUse::kBenchmark);
   add_grids<Rows>(list);
@@ -161,7 +160,7 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 }  // namespace
 
 CaseGroup EdtColumns::cases() {
-  return {add_cases,
+  return {add_edt_cases,
           {{&EdtColumns::info(), draw<Columns>}, {&EdtRows::info(), draw<Rows>}, {&SeedScatter::info(), draw_scatter}}};
 }
 

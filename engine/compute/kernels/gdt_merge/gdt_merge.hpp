@@ -2,7 +2,7 @@
 // has them. All in 1/256 cell, integers. Working rule, in this order, d = G - D:
 //   D = cap: unchanged; G = cap: G := D; |d| <= threshold: G := (G + D) >> 1; d < 0: unchanged; d > 0: G := D + lift.
 // A value above the cap counts as the cap in the first two lines. Literal rule: the same first three lines, then d > 0:
-// unchanged; d < 0: G := min(D + lift, cap).
+// unchanged; d < 0: G := min(D + lift, cap). Before a merge the global field may have to grow, which FieldGrow does.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Merge of a scan's field into the global one, paper equations (9) to (11), in 16 bits throughout so that vectors hold
-// twice as many cells.
+// twice as many cells; and a field copied into a larger one.
 
 /// The parameters, cut to 16 bits where larger values mean the same.
 struct MergeLimits {

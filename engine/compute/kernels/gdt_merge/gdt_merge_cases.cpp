@@ -123,7 +123,7 @@ void add_grows(std::vector<KernelCaseSource>& list) {
   add_case(list, GrowCase{{1024, 1024, 1024}, 128, 128, 128, 128}, CaseUse::kBenchmark);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_gdt_merge_cases(std::vector<KernelCaseSource>& list) {
   for (const MergeRule rule : {MergeRule::kWorking, MergeRule::kLiteral}) {
     for_each_size([&](CaseSize size) {
       add_case(list, MergeCase{size, 0, 0, rule});
@@ -152,6 +152,8 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup GdtMerge::cases() { return {add_cases, {{&GdtMerge::info(), draw_merge}, {&FieldGrow::info(), draw_grow}}}; }
+CaseGroup GdtMerge::cases() {
+  return {add_gdt_merge_cases, {{&GdtMerge::info(), draw_merge}, {&FieldGrow::info(), draw_grow}}};
+}
 
 }  // namespace gdtslam

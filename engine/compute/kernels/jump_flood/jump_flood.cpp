@@ -1,6 +1,7 @@
 #include "jump_flood.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -54,8 +55,9 @@ const KernelInfo& JumpFloodDistance::info() {
 }
 
 std::string_view to_string(JumpFloodVariant variant) {
-  constexpr std::string_view kNames[] = {"jfa", "1+jfa", "jfa+2", "jfa^2"};
-  return kNames[static_cast<std::size_t>(variant)];
+  static constexpr std::array<std::string_view, 4> kNames{"jfa", "1+jfa", "jfa+2", "jfa^2"};
+  static_assert(kNames.size() == static_cast<std::size_t>(JumpFloodVariant::kSquared) + 1);
+  return kNames.at(static_cast<std::size_t>(variant));
 }
 
 std::vector<std::uint32_t> jump_flood_steps(JumpFloodVariant variant, std::uint32_t width, std::uint32_t height) {

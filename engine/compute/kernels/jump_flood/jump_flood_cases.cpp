@@ -5,7 +5,6 @@ namespace gdtslam {
 namespace {
 
 constexpr std::uint32_t kSteps[] = {1, 2, 16, 128};
-constexpr std::uint32_t kRadii[] = {1, 20, 255};
 
 /// A state of the flood: seeds know themselves, a quarter of the other cells the latest seed before them, a quarter any
 /// of the first 64, so that among equally far seeds the first one that is offered is not always the one of lower index.
@@ -122,7 +121,7 @@ void add_all_passes(std::vector<KernelCaseSource>& list) {
   add_grids<StepCase>(list, kSteps);
   add_case(list, StepCase{kBench, 1}, CaseUse::kBenchmark);
   add_case(list, StepCase{kBench, 256}, CaseUse::kBenchmark);
-  add_grids<DistanceCase>(list, kRadii);
+  add_grids<DistanceCase>(list, kCaseRadii);
   add_case(list, DistanceCase{kBench, 255}, CaseUse::kBenchmark);
   for (const CaseSize& size : kLargeSizes) {
     const FloodGrid grid{size, SeedPattern::kWalls};

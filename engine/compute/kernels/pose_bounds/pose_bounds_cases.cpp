@@ -180,7 +180,7 @@ KernelCase draw_bounds(const std::string& name, Random& random) {
   return shape.make(name);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_pose_bounds_cases(std::vector<KernelCaseSource>& list) {
   for (const TileShape shape : kShapes) {
     add_shape(list, shape);
   }
@@ -200,6 +200,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup PoseBounds::cases() { return {add_cases, {{&PoseBounds::info(), draw_bounds}}}; }
+CaseGroup PoseBounds::cases() { return {add_pose_bounds_cases, {{&PoseBounds::info(), draw_bounds}}}; }
 
 }  // namespace gdtslam

@@ -9,7 +9,7 @@ namespace gdtslam {
 namespace {
 
 /// Most points whose 16-bit terms sum up within 32 bits.
-constexpr std::uint32_t kMostPoints = 65537;
+constexpr std::uint32_t kMostCostPoints = 65537;
 /// Coordinates are clamped to 2^22 cells from the anchor, which is off the map in any direction within these limits.
 constexpr std::int32_t kFarthestAnchor = 1 << 21;
 constexpr std::uint32_t kFarthestCell = 1U << 21U;
@@ -21,7 +21,7 @@ void LaunchCheck::cost(const PoseCost::Params& params) const {
   const auto in_reach = [](std::int32_t anchor) { return -kFarthestAnchor <= anchor && anchor <= kFarthestAnchor; };
   require(in_reach(params.anchor_x) && in_reach(params.anchor_y), "the anchor is more than 2^21 cells off");
   require(params.width >= 2 && params.height >= 2, "the field must be at least 2 x 2 cells");
-  require(params.point_count <= kMostPoints, "more than 65,537 points");
+  require(params.point_count <= kMostCostPoints, "more than 65,537 points");
   require(params.cap <= 65535, "the cap exceeds 16 bits");
   require(params.interpolation <= Interpolation::kNearest && params.form <= CostForm::kSquared,
           "unknown interpolation or form");
@@ -46,7 +46,8 @@ const KernelInfo& PoseCost::info() {
 
 void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
                     const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost) {
-  assert(params.width >= 2 && params.height >= 2 && params.stride >= params.width && params.point_count <= kMostPoints);
+  assert(params.width >= 2 && params.height >= 2 && params.stride >= params.width &&
+         params.point_count <= kMostCostPoints);
   functions_or_throw(isa).pose_cost(params, field, points, candidates, cost, {0, count});
 }
 

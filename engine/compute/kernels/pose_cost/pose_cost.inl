@@ -1,7 +1,7 @@
 // Cost of candidate poses, paper equation (4). The arithmetic is that of the header, bit for bit; what is rearranged
 // here is exact: integers, and a clamp before the floor instead of behind it, whose limits are integers.
 
-/// squared_shift of the header, which calls a library template (isa/functions.hpp).
+/// squared_shift of the header, which calls a library template (engine/compute/cpu/functions.hpp).
 std::uint32_t shift_for(std::uint32_t cap) {
   std::uint32_t bits = 0;
   while (bits < 32 && cap >> bits != 0) {

@@ -139,7 +139,7 @@ KernelCase draw_cost(const std::string& name, Random& random) {
   return shape.make(name);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
   for (const Interpolation interpolation : kInterpolations) {
     for (const CostForm form : kForms) {
       add_costs(list, interpolation, form);
@@ -178,6 +178,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup PoseCost::cases() { return {add_cases, {{&PoseCost::info(), draw_cost}}}; }
+CaseGroup PoseCost::cases() { return {add_pose_cost_cases, {{&PoseCost::info(), draw_cost}}}; }
 
 }  // namespace gdtslam

@@ -283,7 +283,7 @@ void add_smallest_lists(std::vector<KernelCaseSource>& list) {
   add_case(list, SmallestCase{kBenchWindow.samples(), 8, 1U << 30U}, CaseUse::kBenchmark);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_pose_lattice_cases(std::vector<KernelCaseSource>& list) {
   add_lattices(list);
   add_window_minima(list);
   add_smallest_lists(list);
@@ -292,7 +292,7 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 }  // namespace
 
 CaseGroup PoseLattice::cases() {
-  return {add_cases,
+  return {add_pose_lattice_cases,
           {{&PoseLattice::info(), draw_lattice},
            {&LatticeMinima::info(), draw_minima},
            {&SmallestValues::info(), draw_smallest}}};

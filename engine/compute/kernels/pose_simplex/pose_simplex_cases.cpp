@@ -259,7 +259,7 @@ KernelCase draw_descent(const std::string& name, Random& random) {
   return shape.make(name);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_pose_simplex_cases(std::vector<KernelCaseSource>& list) {
   for (std::uint32_t starts = 0; starts <= SmallestValues::kMost + 1; ++starts) {
     add_case(list, StartsCase{starts, 100});
   }
@@ -272,7 +272,7 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 }  // namespace
 
 CaseGroup PoseStarts::cases() {
-  return {add_cases, {{&PoseStarts::info(), draw_starts}, {&PoseSimplex::info(), draw_descent}}};
+  return {add_pose_simplex_cases, {{&PoseStarts::info(), draw_starts}, {&PoseSimplex::info(), draw_descent}}};
 }
 
 }  // namespace gdtslam

@@ -189,7 +189,7 @@ KernelCase draw_sweep(const std::string& name, Random& random) {
   return sweep.make(name);
 }
 
-void add_cases(std::vector<KernelCaseSource>& list) {
+void add_sweep_points_cases(std::vector<KernelCaseSource>& list) {
   // Below, at and beyond vectors, tiles and work groups.
   std::uint32_t turn = 0;
   for (const std::uint32_t beams : {0U,  1U,  2U,  3U,   4U,   5U,   7U,   8U,   9U,   15U,  16U,  17U,   31U,
@@ -214,6 +214,6 @@ void add_cases(std::vector<KernelCaseSource>& list) {
 
 }  // namespace
 
-CaseGroup SweepPoints::cases() { return {add_cases, {{&SweepPoints::info(), draw_sweep}}}; }
+CaseGroup SweepPoints::cases() { return {add_sweep_points_cases, {{&SweepPoints::info(), draw_sweep}}}; }
 
 }  // namespace gdtslam

@@ -68,6 +68,12 @@ const VulkanDeviceInfo* first_usable(const VulkanListing& listing, bool hardware
   return nullptr;
 }
 
+CpuOptions cpu_options(const DeviceOptions& options) {
+  CpuOptions cpu{.threads = options.threads, .isa = {}};
+  if (!options.isa.empty()) cpu.isa = isa_from_name(options.isa);
+  return cpu;
+}
+
 [[noreturn]] void fail(const DeviceName& name, const std::string& why) {
   throw UnavailableError("--device " + to_string(name) + ": " + why + "; --device cpu gives the same results");
 }
@@ -119,11 +125,7 @@ Isa isa_from_name(const std::string& name) {
                    " (baseline, avx2 or avx512)");
 }
 
-std::unique_ptr<Backend> make_cpu(const DeviceOptions& options) {
-  CpuOptions cpu{.threads = options.threads, .isa = {}};
-  if (!options.isa.empty()) cpu.isa = isa_from_name(options.isa);
-  return make_cpu_backend(cpu);
-}
+std::unique_ptr<Backend> make_cpu(const DeviceOptions& options) { return make_cpu_backend(cpu_options(options)); }
 
 std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, VulkanOptions wanted) {
   const DeviceName name = parse_device_name(options.device);
@@ -170,11 +172,9 @@ DeviceChoice choose_device(const DeviceName& name, const VulkanListing& listing,
 }
 
 MapperOptions on_failure_of(const DeviceOptions& options) {
-  MapperOptions failure{.fall_back = !options.no_fallback,
-                        .cpu = {.threads = options.threads, .isa = {}},
-                        .warn = [](const std::string& text) { print_remark("warning: " + text); }};
-  if (!options.isa.empty()) failure.cpu.isa = isa_from_name(options.isa);
-  return failure;
+  return {.fall_back = !options.no_fallback, .cpu = cpu_options(options), .warn = [](const std::string& text) {
+            print_remark("warning: " + text);
+          }};
 }
 
 }  // namespace gdtslam

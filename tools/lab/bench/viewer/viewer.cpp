@@ -1,9 +1,7 @@
 // What a frame costs where OpenGL runs on the processor: a cloud of a million points, one thinned for a film, and the
 // linkage with its panel, each until the pixels are there.
-#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/calib/sweep_model.hpp"

@@ -1,10 +1,8 @@
 // Figures 4 and 7: the field of one scan, and a loop mapped with it; in 2D.
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <optional>
 #include <string>
-#include <system_error>
 
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/log.hpp"

@@ -23,8 +23,8 @@ namespace gdtslam::reproduce {
 namespace {
 
 constexpr std::array<const char*, 3> kDrives{"office-loop", "office-loop-2", "office-loop-3"};
-constexpr std::array<MatcherKind, 5> kMethods{MatcherKind::kPso, MatcherKind::kSce, MatcherKind::kSimpsa,
-                                              MatcherKind::kSimplex, MatcherKind::kGaussNewton};
+constexpr std::array<MatcherKind, 5> kDriveMethods{MatcherKind::kPso, MatcherKind::kSce, MatcherKind::kSimpsa,
+                                                   MatcherKind::kSimplex, MatcherKind::kGaussNewton};
 constexpr std::size_t kSimplexPlace = 3;
 constexpr std::array<double, 5> kShares{0.69, 0.15, 0.12, 0.02, 0.02};  // of a drive's time
 constexpr const char* kRealLog = "mit-csail";                           // the shortest: PSO takes long
@@ -44,7 +44,8 @@ void add_run(MethodRuns& runs, MatcherKind method, const Drive& drive, const Par
   CompareJob job;
   job.logs = {drive.log};
   const MapOutcome outcome = map_with(
-      method, job, *backend, [&](std::uint64_t, double share) { progress(share); }, place.stop);
+      method, job, *backend, [&](std::uint64_t, double share) { progress(share); }, place.stop,
+      on_failure_of(place.device));
   runs.drives.push_back(errors_against(outcome.trajectory, read_tum(drive.truth)));
   std::vector<double> values;
   for (const TrajectoryError& error : runs.drives.back()) values.push_back(error.position_m);
@@ -53,14 +54,14 @@ void add_run(MethodRuns& runs, MatcherKind method, const Drive& drive, const Par
 }
 
 std::vector<MethodRuns> all_runs(const PartContext& place, double share_of_all) {
-  std::vector<MethodRuns> all(kMethods.size());
+  std::vector<MethodRuns> all(kDriveMethods.size());
   double done = 0.0;
   for (const char* name : kDrives) {
     const Drive drive = place.drives.drive(name);
-    for (std::size_t k = 0; k < kMethods.size(); ++k) {
+    for (std::size_t k = 0; k < kDriveMethods.size(); ++k) {
       go_on(place);
       const double span = share_of_all * kShares[k] / static_cast<double>(kDrives.size());
-      add_run(all[k], kMethods[k], drive, place, [&](double share) { place.progress(done + span * share); });
+      add_run(all[k], kDriveMethods[k], drive, place, [&](double share) { place.progress(done + span * share); });
       done += span;
     }
   }
@@ -90,7 +91,7 @@ Table positions_table(const std::vector<MethodRuns>& all) {
               {}};
   for (std::size_t k = 0; k < all.size(); ++k) {
     const ErrorSummary& e = all[k].position_m;
-    const std::string name = label_of(kMethods[k]);
+    const std::string name = label_of(kDriveMethods[k]);
     if (k < kPaper.size()) {
       table.rows.push_back({name, "paper", std::string(kPaper[k].truth), fmt::format("{:.2f}", kPaper[k].truth_max), "",
                             std::string(kPaper[k].time)});
@@ -182,7 +183,7 @@ Canvas positions_over_time(const std::vector<MethodRuns>& all) {
   Plot plot(canvas, {{24.0, 76.0}, kWidth - 48.0, kHeight - 100.0}, {.title = "time in s", .from = 0.0, .to = last_s},
             {.title = "distance, cm", .from = 0.0, .to = 1.05 * most_cm, .is_grown = true});
   for (std::size_t k = 0; k < curves.size(); ++k)
-    plot.line(curves[k], {.colour = colour_of_method(kMethods[k]), .width = 1.8}, label_of(kMethods[k]));
+    plot.line(curves[k], {.colour = colour_of_method(kDriveMethods[k]), .width = 1.8}, label_of(kDriveMethods[k]));
   plot.legend();
   return canvas;
 }
@@ -194,13 +195,14 @@ void add_real_log(Part& part, const PartContext& place, double from) {
     const std::unique_ptr<Backend> backend = make_backend(place.device);
     CompareJob job;
     job.logs = {real.log};
-    job.methods.assign(kMethods.begin(), kMethods.end());
+    job.methods.assign(kDriveMethods.begin(), kDriveMethods.end());
     CompareTruth truth;
     truth.relations = read_relations(real.relations);
     truth.relations_file = real.relations;
     std::size_t number = 0;
     const auto progress_of = [&](const std::string&) -> CompareProgress {
-      const double begin = from + (1.0 - from) * static_cast<double>(number++) / static_cast<double>(kMethods.size());
+      const double begin =
+          from + (1.0 - from) * static_cast<double>(number++) / static_cast<double>(kDriveMethods.size());
       return [&place, begin](std::uint64_t, double share) { place.progress(begin + 0.05 * share); };
     };
     Table table{
@@ -210,7 +212,7 @@ void add_real_log(Part& part, const PartContext& place, double from) {
         {}};
     std::size_t k = 0;
     for (const WholeRun& run : whole_runs(job, truth, *backend, progress_of, place.stop)) {
-      table.rows.push_back({label_of(kMethods[k++]), cm_text(run.position_m),
+      table.rows.push_back({label_of(kDriveMethods[k++]), cm_text(run.position_m),
                             fmt::format("{:.2f}", 100.0 * run.position_m.max),
                             fmt::format("{:.3f} \u00b1 {:.3f}", run.heading_deg.mean, run.heading_deg.deviation),
                             fmt::format("{:.2f}", run.time_ratio)});

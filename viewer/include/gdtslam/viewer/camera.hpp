@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "gdtslam/core/pose3.hpp"
 #include "gdtslam/drawing/image.hpp"
@@ -38,12 +36,6 @@ enum class CameraPreset : std::uint8_t {
   kSide,    ///< along -x, parallel
   kFollow,  ///< behind and above the robot
 };
-struct CameraPresetName {
-  CameraPreset preset;
-  std::string_view name;  ///< iso, top, front, side, follow
-  std::string_view doc;
-};
-const std::vector<CameraPresetName>& camera_presets();
 
 /// The camera that shows the whole box with a margin of 6 % of the picture on each side, as near as that allows; for
 /// every preset but kFollow, which needs a robot. An empty box is shown as one of a metre about the origin.

@@ -39,7 +39,8 @@ struct PlaneSearch {
   std::uint64_t seed = 1;
 };
 
-/// Least squares: the plane that minimises the summed squared distance. At least three points not on a line.
+/// Least squares: the plane that minimises the summed squared distance. Throws InputError for fewer than three points
+/// and for points on one line.
 PlanePatch fit_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);
 /// The same; nothing for fewer than three points and for points on one line as far as floats can tell.
 std::optional<PlanePatch> fitted_plane(std::span<const CloudPoint> cloud, std::span<const std::uint32_t> points);

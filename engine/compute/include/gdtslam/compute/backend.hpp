@@ -53,8 +53,10 @@ class Buffer {
 
 /// What a device is.
 struct DeviceInfo {
-  std::string name;    ///< as the driver or the processor names itself
-  std::string kind;    ///< "cpu", "lavapipe", "discrete", "integrated"
+  std::string name;  ///< as the driver or the processor names itself
+  /// "cpu" (the CPU backend and no other: the host sees its memory), "lavapipe", "discrete", "integrated", "virtual",
+  /// "other".
+  std::string kind;
   std::string driver;  ///< driver and version, or the instruction set in use
   std::size_t max_buffer_bytes = 0;
   unsigned threads = 1;

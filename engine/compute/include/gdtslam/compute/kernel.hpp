@@ -1,6 +1,6 @@
 // A kernel is data plus implementations: its name, its bindings, the size of its parameters, one CPU function per
-// instruction set and, when built with Vulkan, its SPIR-V. The name is also the stem of its header, CPU file, shader,
-// test and benchmark (docs/adding-a-kernel.md).
+// instruction set and, when built with Vulkan, its SPIR-V. The name is also the stem of its shaders; kernels that
+// belong together share a header and a CPU file (docs/adding-a-kernel.md).
 #pragma once
 
 #include <array>
@@ -57,7 +57,7 @@ struct KernelInfo {
   std::array<CpuFunction, kIsaCount> cpu{};  ///< null where the build has no such instruction set
   CheckFunction check = nullptr;
   WorkFunction work = nullptr;
-  std::string_view work_unit;  ///< what a step is: "cell", "look-up", "value"
+  std::string_view work_unit;  ///< what a step is: "cell", "look-up", "value", "beam"
   std::string_view source;     ///< citation key and equation
 };
 

@@ -1,5 +1,5 @@
 // Vector drawings: shapes, words and pictures in the order in which they are drawn, to be written as SVG here, as PDF
-// or pixels by the viewer. Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
+// or pixels by raster.hpp. Pixels, x right, y down, all of them finite. One object belongs to one thread; O(shapes).
 #pragma once
 
 #include <functional>

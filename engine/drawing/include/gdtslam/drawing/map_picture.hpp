@@ -45,10 +45,12 @@ struct MapLook {
   bool is_transparent = false;
 };
 
-/// Of a still whose size nobody asks for: 1600 pixels wide, as high as content of these proportions needs.
+/// Of a still whose size nobody asks for: 1600 pixels wide, as high as content of these proportions needs, from 500 to
+/// 1600. `width` and `height` in any one unit: only their ratio counts.
 PictureSize size_for_content(double width, double height);
-/// The occupancy map: walls, what was seen free, and the path in the colours of time. Cropped to walls and path; what
-/// was seen beyond is shown as far as the sheet goes. Throws InputError where an index is beyond the trajectory.
+/// The occupancy map: walls, what was seen free, and the path in the colours of time. Cropped to walls and path,
+/// without poses farther outside the grid than it is long; what was seen beyond is shown as far as the sheet goes.
+/// Throws InputError where an index is beyond the trajectory.
 Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size);
 /// The distance field, with a colour bar in metres or as intensity. Throws InputError as map_picture() does and for a
 /// field without cells; ConfigError for a colour map that there is not.

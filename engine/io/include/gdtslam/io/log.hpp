@@ -1,5 +1,5 @@
-// Opens a log of whatever kind it is. Kinds are told apart by content, not by name. Memory and threads as in
-// carmen.hpp.
+// Opens a log of whatever kind it is. Kinds are told apart by content, not by name. Memory is bounded by the longest
+// line allowed (4 MiB), whatever the log's length. One reader belongs to one thread.
 #pragma once
 
 #include <cstdint>

@@ -20,9 +20,11 @@ void write_tum(const std::string& path, const Trajectory& trajectory);
 /// Comments (#) and blank lines are skipped; of the rotation the yaw is kept, of the position x and y. Throws
 /// InputError with file and line, FileError.
 Trajectory read_tum(const std::string& path);
+/// The same from memory; `name` stands in messages.
 Trajectory read_tum(std::span<const std::byte> data, const std::string& name);
 
-/// Rows `t1 t2 x y z roll pitch yaw`: the pose at t2 in the frame of t1, metres and radians [Kuemmerle2009].
+/// Rows `t1 t2 x y z roll pitch yaw`: the pose at t2 in the frame of t1, metres and radians [Kuemmerle2009]. Throws
+/// InputError with file and line, FileError.
 std::vector<Relation> read_relations(const std::string& path);
 
 }  // namespace gdtslam

@@ -13,11 +13,12 @@
 namespace gdtslam {
 
 /// The poses of a trajectory by the time that they belong to. Its order need not be that of time; poses without a
-/// finite stamp are left out. O(n log n) to make, O(log n) to ask.
+/// finite stamp are left out. Thread-safe once made. O(n log n) to make, O(log n) to ask.
 class PosesByStamp {
  public:
   explicit PosesByStamp(Trajectory trajectory);
-  /// The pose with the nearest stamp within the tolerance; of several with one stamp the last of the log counts.
+  /// The pose with the nearest stamp within the tolerance, which itself still counts as within. Of two equally near
+  /// stamps the earlier counts; of several poses with one stamp the last of the log.
   [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const;
 
  private:

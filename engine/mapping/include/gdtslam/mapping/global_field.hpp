@@ -35,6 +35,7 @@ class GlobalField {
   [[nodiscard]] GridGeometry geometry() const;
   [[nodiscard]] std::uint32_t stride() const { return stride_; }
   [[nodiscard]] std::uint32_t radius_cells() const { return radius_; }
+  /// What unknown cells hold, 1/256 cell.
   [[nodiscard]] std::uint16_t cap() const;
   /// Map cells that are stored; cell (0, 0) of the map frame has its lower left corner at the map's origin.
   [[nodiscard]] const CellBox& box() const { return box_; }
@@ -46,15 +47,19 @@ class GlobalField {
   [[nodiscard]] std::uint16_t at(CellIndex map_cell) const;
   [[nodiscard]] const Buffer& buffer() const { return buffer_; }
 
-  /// Makes the grid hold the box (map cells) and its guard. Throws InputError when it would pass max_cells; nothing has
-  /// changed then.
+  /// Makes the grid hold the box (map cells; not empty) and its guard. Throws InputError when it would pass max_cells,
+  /// DeviceError where the backend fails (with the size of the map and what bounds it, where that exceeds the largest
+  /// buffer), Error where the CPU has no such memory. The grid is as before then.
   void grow_to_hold(const CellBox& map_box);
 
-  /// A copy of the field in the backend's memory.
+  /// A copy of the field in the backend's memory, with the same rows. Throws what the backend throws.
   [[nodiscard]] Buffer snapshot() const;
-  /// The cells from any backend, like cells(), the cap between the rows.
+  /// The cells from any backend, rows of stride(), the cap between the rows; empty while the grid is. Throws
+  /// DeviceError where the device fails.
   [[nodiscard]] std::vector<std::uint16_t> download() const;
-  /// Takes over the cells of another field, of that box.
+  /// Takes over the cells of another field of the same cap, whose box is given, as its download() gives them; cells of
+  /// the grid outside that box become the cap. The grid must hold something: grow_to_hold() comes first. Throws
+  /// DeviceError where the device fails.
   void adopt(const std::vector<std::uint16_t>& cells, const CellBox& box);
 
  private:

@@ -40,16 +40,18 @@ struct MapperStatistics {
   std::uint64_t odometry_leaps = 0;    ///< odometry steps too long to be true
   std::uint64_t without_odometry = 0;  ///< scans predicted from the last motion
   std::uint64_t evaluations = 0;
-  std::uint64_t dispatches = 0;   ///< kernels run, by all backends
+  std::uint64_t dispatches = 0;   ///< kernels run, by the backend at work; replays on the CPU are not counted
   std::uint64_t submissions = 0;  ///< of a device; a backend that works at once, as the CPU does, counts none
   double path_m = 0.0;
   StageTimes stages;
 };
 
-/// What a mapper does when its device fails.
+/// What a mapper does when its device fails, and the CPU beside a device.
 struct MapperOptions {
   bool fall_back = true;  ///< go on with a CPU backend of its own; else the DeviceError goes to the caller
-  CpuOptions cpu;         ///< of that backend
+  /// Of that backend. Where the backend given is a device, matchers that walk on the host map on it from the start. It
+  /// has one thread unless more are asked for.
+  CpuOptions cpu;
   /// Called once, with one line that says what failed and what happens now.
   std::function<void(const std::string&)> warn;
 };
@@ -62,7 +64,8 @@ class Mapper {
   ///
   /// Where the backend throws DeviceError, at any time from here on, the mapper goes over to a CPU backend of its own:
   /// the map is rebuilt there from what the host knows, the scan in hand is matched again, and the device is asked for
-  /// nothing more. Map and poses are the same, bit for bit, as if all had been done on the CPU.
+  /// nothing more. Map and poses are the same, bit for bit, as if all had been done on the CPU. From the CPU there is
+  /// no way back: its DeviceError goes to the caller, as does every one where fall_back is off.
   Mapper(const MapperConfig& config, Backend& backend, MapperOptions options = {});
   ~Mapper();
   Mapper(const Mapper&) = delete;
@@ -92,12 +95,15 @@ class Mapper {
 
   [[nodiscard]] const MapperConfig& config() const;
   [[nodiscard]] MapperStatistics statistics() const;
-  /// The global distance transform, on the host; valid until the next scan. Never asks the device.
+  /// The global distance transform on the host, as of this call; the reference stays valid, but only a new call brings
+  /// what it refers to up to date after a scan. Never asks the device.
   [[nodiscard]] const GlobalField& field() const;
   /// Whether the device failed, and the text of its error; empty while it works.
   [[nodiscard]] bool lost_device() const { return !device_loss().empty(); }
   [[nodiscard]] const std::string& device_loss() const;
-  /// The device's own cells, those of field() where the matcher walks on the host: to be compared with field().
+  /// The device's own cells, those of field() where the matcher walks on the host: to be compared with field(). 1/256
+  /// cell, rows of field().stride(), the cap between the rows. Throws DeviceError where the device fails; it does not
+  /// fall back.
   [[nodiscard]] std::vector<std::uint16_t> download_device_cells();
 
  private:

@@ -12,9 +12,9 @@
 
 namespace gdtslam {
 
-/// End points of the valid beams in beam order. Ranges that are not finite or outside the limits are no return (the
-/// scan's own limit counts too where the log states one), nor are
-/// points that are not finite or 100 km away because a bearing or the mount is wrong.
+/// End points of the valid beams in beam order. Ranges that are not finite or outside min_range_m and max_range_m are
+/// no return (the scan's own limit counts too where the log states one; min_points does not count here), nor are points
+/// that are not finite or 100 km away because a bearing or the mount is wrong.
 std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid);
 
 /// A scan whose returns are points of the robot's plane already.
@@ -42,7 +42,8 @@ struct KeyframeCells {
   std::vector<std::uint32_t> cells;  ///< y * 65536 + x from the window's lower left cell
 };
 
-/// The window of (7) with a margin of the truncation radius. Throws InputError when it is wider than 65535 cells.
+/// The window of (7) with a margin of the truncation radius. Throws InputError when it is wider or higher than 32767
+/// cells.
 KeyframeCells keyframe_of(const std::vector<Point2>& points_map_m, double resolution_m, std::uint32_t radius_cells);
 
 }  // namespace gdtslam

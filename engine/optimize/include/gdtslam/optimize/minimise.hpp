@@ -1,7 +1,8 @@
 // Minimisers without derivatives over a box of R^n: the four that the paper compares, each from the paper that
 // introduced it, with that paper's parameters as defaults. They see the function as a batch of points to be valued, so
 // that whatever can be valued at once goes to the device at once; own random numbers, no function of the C library, so
-// the same seed gives the same bits on every host. One call belongs to one thread.
+// the same seed gives the same bits on every host. One call belongs to one thread. Each throws ConfigError for an empty
+// box, a start or options that do not fit the function's dimensions, and parameters out of range.
 #pragma once
 
 #include <cstddef>
@@ -87,8 +88,8 @@ Minimum minimise(Function& function, const Box& box, std::span<const double> sta
 
 /// Simplex with simulated annealing, SIMPSA [Cardoso1996]: Nelder and Mead whose comparisons are disturbed by a
 /// temperature [Press1991] that falls by the schedule of [Aarts1985]; points beyond the box are drawn anew within it.
-/// Ends with the undisturbed simplex from the best point seen. Batches: the first simplex and what sets the first
-/// temperature.
+/// Ends with the undisturbed simplex from the best point seen. Batches: the first simplex, what sets the first
+/// temperature, a shrinking, and the last simplex.
 struct SimplexAnnealing {
   double first_acceptance = 0.95;         ///< share of worse moves accepted at the first temperature
   double cooling = 1.0;                   ///< rate delta of the schedule

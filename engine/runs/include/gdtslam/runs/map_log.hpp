@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +31,7 @@ struct MapRequest {
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
   bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
   bool with_cloud = true;
-  bool with_pictures = true;
+  bool with_pictures = true;   ///< the overview (PNG, or SVG where nothing makes pixels) and cloud.png
   CloudPicture draw_cloud{};   ///< cloud.png; empty: none
   MapperOptions on_failure{};  ///< what is done when the device fails
 
@@ -52,7 +51,8 @@ struct MapResult {
 /// Error(kInterrupted) when stopped before a scan was mapped.
 MapResult map_logs(const MapRequest& request, Backend& backend);
 
-/// How the logs tell, near their beginning, how their laser nods.
+/// How the logs tell, among the first 10,000 records of the first one, how their laser nods. What is read of the
+/// standard input ("-") is lost to a later reader. Throws InputError or FileError for what cannot be read.
 NodKind nod_kind_of(const std::vector<std::string>& logs);
 
 }  // namespace gdtslam

@@ -25,7 +25,7 @@ struct DoubtfulScan {
   double stamp_s = 0.0;
   Doubt reason = Doubt::kNone;
   bool accepted = false;             ///< the match is taken all the same, not the prediction
-  double from_prediction_m = 0.0;    ///< of the estimate
+  double from_prediction_m = 0.0;    ///< of the match
   double from_prediction_rad = 0.0;  ///< likewise, absolute
 };
 
@@ -60,7 +60,7 @@ struct SweepCheck {
   [[nodiscard]] std::string doubt() const;
 };
 
-/// What a nodding log gives besides.
+/// What a nodding log gives besides the rest of a MapOutcome.
 struct NoddingOutcome {
   NoddingStatistics statistics;
   CloudSummary cloud;

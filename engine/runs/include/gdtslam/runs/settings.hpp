@@ -39,11 +39,13 @@ struct LogConfig {
   double max_range_m = 0.0;  ///< 0: what the log says
 };
 
+/// Likewise, under "log.".
 std::vector<Option> option_table(LogConfig& config);
 
 /// What the bounds of the options do not tell: values that nothing would use, and a step of zero.
 std::vector<std::string> faults_of(const LogConfig& config);
 
+/// What the reader of a log is told: only what is stated, the rest as the log has it.
 ReadOptions read_options_of(const LogConfig& config, bool lenient);
 
 /// Every option of a run, and which of them do not have their defaults.

@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "gdtslam/drawing/map_picture.hpp"
-#include "picture_scene.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 struct Box {
   double left = 0.0;

@@ -8,12 +8,12 @@
 #include "engine/drawing/maps/cell_number.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
-#include "picture_scene.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
-using namespace testing;
+using namespace test;
 
 /// What a cell of the picture shows, by its column and row counted from the lower left of the part.
 struct Shown {

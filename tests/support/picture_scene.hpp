@@ -13,7 +13,7 @@
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 
-namespace gdtslam::testing {
+namespace gdtslam::test {
 
 /// All shapes of one kind, in the order in which they are drawn.
 template <class Kind>
@@ -117,6 +117,16 @@ inline std::vector<CellIndex> obstacles_of(const OccupancyMap& map) {
   }
   return obstacles;
 }
+
+/// The colours that a path has at its start and at its end.
+inline constexpr Colour kPathStart = colour_for(0x0a42d4);
+inline constexpr Colour kPathEnd = colour_for(0xf5970f);
+inline PathOverlay straight_path(const Point2& from, const Point2& to) {
+  PathOverlay overlay;
+  overlay.trajectory = {{0.0, {from.x(), from.y(), 0.0}}, {1.0, {to.x(), to.y(), 0.0}}};
+  return overlay;
+}
+/// A round through both rooms of two_rooms().
 inline PathOverlay round_trip(double shift_m = 0.0) {
   PathOverlay overlay;
   const std::vector<Point2> corners{{-1.2, 0.0}, {0.4, 0.9}, {3.4, 0.9}, {3.6, 0.0}, {2.2, -0.4}, {-0.6, 1.6}};
@@ -132,4 +142,4 @@ inline PathOverlay round_trip(double shift_m = 0.0) {
   return overlay;
 }
 
-}  // namespace gdtslam::testing
+}  // namespace gdtslam::test

@@ -1,0 +1,105 @@
+// The picture of a map as shapes, without pixels: what the legend says, marks, the scale bar, the path.
+#include "gdtslam/drawing/map_picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "engine/drawing/maps/path_layer.hpp"
+#include "gdtslam/core/error.hpp"
+#include "support/picture_scene.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace test;
+
+TEST(MapPicture, indices_beyond_the_trajectory_are_refused) {
+  PathOverlay overlay = round_trip();
+  overlay.doubtful.push_back(overlay.trajectory.size());
+  EXPECT_THROW(map_picture(two_rooms(), overlay, {}, {}), InputError);
+  overlay = round_trip();
+  overlay.keyframes.push_back(1000000);
+  EXPECT_THROW(map_picture(two_rooms(), overlay, {}, {}), InputError);
+}
+
+TEST(MapPicture, legend_counts) {
+  PathOverlay overlay = round_trip();
+  MapLook look;
+  look.title = "Two rooms";
+  Canvas canvas = map_picture(two_rooms(), overlay, look, {1600, 1200});
+  EXPECT_TRUE(says(canvas, "Two rooms"));
+  EXPECT_TRUE(says(canvas, "10 keyframes"));
+  EXPECT_TRUE(says(canvas, "2 doubtful scans"));
+  EXPECT_TRUE(says(canvas, "after 50 s")) << "100 poses half a second apart";
+  overlay.doubtful = {3};
+  overlay.keyframes.clear();
+  canvas = map_picture(two_rooms(), overlay, look, {1600, 1200});
+  EXPECT_TRUE(says(canvas, "1 doubtful scan"));
+  EXPECT_FALSE(says(canvas, "doubtful scans"));
+  EXPECT_FALSE(says(canvas, "keyframe"));
+}
+
+TEST(MapPicture, doubtful_scans_in_one_place_are_one_ring_with_their_number) {
+  PathOverlay overlay = round_trip();
+  for (int i = 0; i < 5; ++i) overlay.trajectory.push_back({60.0 + i, {1.0 + 0.001 * i, 1.0, 0.0}});
+  overlay.doubtful = {5, 100, 101, 102, 103, 104};
+  const auto words = shapes_of<shape::Words>(map_picture(two_rooms(), overlay, {}, {1600, 1200}));
+  EXPECT_EQ(std::count_if(words.begin(), words.end(), [](const shape::Words& one) { return one.text == "5"; }), 1);
+}
+
+/// Length of the scale bar against the distance between start and end, which are 4 m apart.
+TEST(MapPicture, scale_bar_is_as_long_as_it_says) {
+  for (const PictureSize size : {PictureSize{480, 270}, PictureSize{1600, 1200}, PictureSize{1080, 1920}}) {
+    const Canvas canvas = map_picture(two_rooms(), straight_path({-1.0, 0.0}, {3.0, 0.0}), {}, size);
+    Point2 start = Point2::Zero();
+    Point2 end = Point2::Zero();
+    bool has_start = false;
+    for (const shape::Circle& circle : shapes_of<shape::Circle>(canvas)) {
+      if (!has_start && circle.fill && circle.fill->colour == kPathStart) {
+        start = circle.centre;
+        has_start = true;
+      } else if (has_start && end.isZero() && circle.edge && circle.edge->colour == kPathEnd) {
+        end = circle.centre;
+      }
+    }
+    const double px_per_m = (end - start).norm() / 4.0;
+    bool is_found = false;
+    for (const shape::Line& line : shapes_of<shape::Line>(canvas)) {
+      if (line.points.size() != 4) continue;  // the bar with its two ends
+      const double length_m = (line.points[2] - line.points[1]).norm() / px_per_m;
+      is_found = true;
+      const auto words = shapes_of<shape::Words>(canvas);
+      const bool is_told = std::any_of(words.begin(), words.end(), [&](const shape::Words& one) {
+        const double unit = one.text.ends_with(" cm") ? 0.01 : one.text.ends_with(" m") ? 1.0 : 0.0;
+        return unit > 0.0 && std::fabs(unit * std::atof(one.text.c_str()) - length_m) < 1e-6;
+      });
+      EXPECT_TRUE(is_told) << length_m << " m";
+    }
+    EXPECT_TRUE(is_found);
+  }
+}
+
+/// A standing robot must not fill the drawing.
+TEST(MapPicture, a_robot_that_stands_costs_nothing) {
+  PathOverlay overlay = round_trip();
+  for (int i = 0; i < 100000; ++i) overlay.trajectory.push_back({60.0 + i, {1.0, 1.0, 0.0}});
+  std::size_t points = 0;
+  for (const shape::Line& line : shapes_of<shape::Line>(map_picture(two_rooms(), overlay, {}, {1600, 1200}))) {
+    points += line.points.size();
+  }
+  EXPECT_LT(points, 1000U);
+}
+
+TEST(PathTime, never_falls_though_stamps_do) {
+  Trajectory trajectory;
+  for (const double stamp_s : {10.0, 12.0, 11.0, 14.0, 13.0}) trajectory.push_back({stamp_s, {}});
+  EXPECT_EQ(picture::time_shares(trajectory), (std::vector<double>{0.0, 0.5, 0.5, 1.0, 1.0}));
+  for (StampedPose& pose : trajectory) pose.stamp_s = 5.0;
+  EXPECT_EQ(picture::time_shares(trajectory), (std::vector<double>{0.0, 0.25, 0.5, 0.75, 1.0})) << "order, not stamps";
+}
+
+}  // namespace
+}  // namespace gdtslam
