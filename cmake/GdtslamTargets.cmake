@@ -10,6 +10,10 @@ target_compile_options(gdtslam_options INTERFACE
   # clang reports double{x} as an implicit promotion, the & of loops without branches as a mistake, and embedded pages
   # as too long for a string.
   $<$<CXX_COMPILER_ID:Clang>:-Wno-double-promotion -Wno-bitwise-instead-of-logical -Wno-overlength-strings>)
+if(CMAKE_UNITY_BUILD)
+  # Sources that are included into one are taken for headers, in which types of anonymous namespaces would be a mistake.
+  target_compile_options(gdtslam_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
 if(GDTSLAM_WERROR)
   target_compile_options(gdtslam_options INTERFACE -Werror)
 endif()

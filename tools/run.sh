@@ -43,7 +43,8 @@ step "Packages"
 
 step "Build (Release)"
 mkdir -p "$root/build" "$runs" "$pictures"
-configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLAM_WERROR=OFF
+configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=OFF -DGDTSLAM_WERROR=OFF \
+  -DCMAKE_UNITY_BUILD=ON
 cmake --build "$build" --parallel "$(build_jobs)"
 
 step "Simulate the sample office"

@@ -12,7 +12,7 @@ usage() {
   cat <<'USAGE'
 Usage: tools/test.sh [--quick]
 
-  --quick   without Vulkan validation, the sanitizers and the fuzzing (each counts as skipped); of the calls of a
+  --quick   without Vulkan validation, and without sanitizers and fuzzing (one skipped each); of the calls of a
             drive on Vulkan every eighth is failed instead of every one
 
 Vulkan runs on lavapipe, which needs no GPU; VK_DRIVER_FILES=FILE names another driver.
@@ -34,7 +34,7 @@ done
 
 # Tests that need Vulkan fail where there is none. They run on lavapipe, so that the result is the same on every machine.
 export GDTSLAM_REQUIRE_VULKAN=1
-# So do those of the page where there is no browser, and those of films and windows without ffmpeg and an X server.
+# So do those of the page where there is no browser, and those of films where there is no ffmpeg.
 export GDTSLAM_REQUIRE_BROWSER=1 GDTSLAM_REQUIRE_PROGRAMS=1
 if $quick; then export GDTSLAM_FAULT_SHARE=8; else unset GDTSLAM_FAULT_SHARE; fi
 
@@ -112,11 +112,11 @@ check_status() {
   if (($2 != 0 && f == 0)); then check "$1 ended with status $2" false; fi
 }
 
-# The parts that read what strangers send, and what they stand on, under AddressSanitizer and UBSan: the tests of the tree in
-# which their fuzzers are built.
+# The parts that read what strangers send, what they stand on and the drawings of it, under AddressSanitizer and UBSan:
+# the tests of the tree in which their fuzzers are built.
 run_sanitized() {
   local folder names=() name status
-  for folder in "$root"/tests/{unit,property,golden}/{core,io}; do
+  for folder in "$root"/tests/{unit,property,golden}/{core,io,drawing}; do
     compgen -G "$folder/*.cpp" >/dev/null || continue
     name=${folder#"$root/tests/"}
     names+=("gdtslam_${name/\//_}_tests")
@@ -144,7 +144,7 @@ for lavapipe in /usr/share/vulkan/icd.d/lvp_icd{".$(uname -m)",}.json; do
 done
 
 begin "Build with all tests"
-configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON
+configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON -DCMAKE_UNITY_BUILD=ON
 cmake --build "$build" --parallel "$(build_jobs)"
 
 begin "Tests"

@@ -46,8 +46,17 @@ DEFINED = re.compile(r"^(?:struct|class|enum class) (\w+)|^using (\w+) ="
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
+def single_commands(command):
+    """The commands of the sources one by one where CMake compiles several together (CMAKE_UNITY_BUILD), else the command."""
+    path = pathlib.Path(command["directory"], command["file"])
+    if path.parent.name != "Unity":
+        return [command]
+    return [{**command, "file": name, "command": command["command"].replace(str(path), name)}
+            for name in INCLUDE.findall(path.read_text())]
+
+
 def own_sources(commands):
-    for command in commands:
+    for command in itertools.chain.from_iterable(map(single_commands, commands)):
         path = pathlib.Path(command["directory"], command["file"]).resolve()
         if path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in FOLDERS:
             yield path, command
