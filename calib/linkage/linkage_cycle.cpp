@@ -11,7 +11,7 @@ namespace gdtslam::calib {
 namespace {
 
 constexpr int kSteps = 720;
-constexpr int kHalvings = 50;
+constexpr int kAngleHalvings = 50;
 constexpr double kWholeTurn = kTwoPi - 1e-6;
 
 }  // namespace
@@ -155,7 +155,7 @@ double LinkageCycle::crank_of(double elevation_rad, bool is_rising, int directio
     if ((second > first) != rises_along || first == second || (first > 0.0) == (second > 0.0)) continue;
     double low_rad = branches_[i].crank_rad;
     double high_rad = branches_[i + 1].crank_rad;
-    for (int k = 0; k < kHalvings; ++k) {
+    for (int k = 0; k < kAngleHalvings; ++k) {
       const double middle_rad = 0.5 * (low_rad + high_rad);
       const std::optional<double> there = calib::elevation_rad(model_, middle_rad);
       const bool is_before = there && (above(*there) > 0.0) == (first > 0.0);

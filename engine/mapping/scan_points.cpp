@@ -11,12 +11,12 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFurthestCell = 1 << 28;
+constexpr double kFurthestPointCell = 1 << 28;
 constexpr std::int32_t kMostWindowCells = 32767;  // along a side: what the kernels of the transforms take
 constexpr double kFurthestPoint_m = 1.0e5;        // from the robot; farther is a mount that is plainly wrong
 
 std::int32_t cell_floor(double cells) {
-  return static_cast<std::int32_t>(std::floor(std::clamp(cells, -kFurthestCell, kFurthestCell)));
+  return static_cast<std::int32_t>(std::floor(std::clamp(cells, -kFurthestPointCell, kFurthestPointCell)));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 
 using namespace picture;
 
-constexpr MapColours kColours{ink::kText, ink::kCard, colour_for(0xe4e2db)};
+constexpr MapColours kMapColours{ink::kText, ink::kCard, colour_for(0xe4e2db)};
 
 /// Walls and path count; free cells do not: beams through windows reach far and would shrink the building.
 MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
@@ -43,19 +43,19 @@ Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const Ma
   check(overlay);
   const PathColours& colours = path_colours(false);
   Theme theme = kLightTheme;
-  theme.page = kColours.unknown;
+  theme.page = kMapColours.unknown;
   const LegendLook legend{theme, proportions_of(size)};
   const Sheet sheet = sheet_of(shown_area(map, overlay.trajectory), look, size, theme, [&](double px_per_m) {
     std::vector<LegendItem> items{scale_bar_item(px_per_m, legend), axes_item(legend)};
-    items.push_back(swatch_item("wall", kColours.wall, legend));
-    items.push_back(swatch_item("free", kColours.free, legend));
-    if (!look.is_transparent) items.push_back(swatch_item("unknown", kColours.unknown, legend));
+    items.push_back(swatch_item("wall", kMapColours.wall, legend));
+    items.push_back(swatch_item("free", kMapColours.free, legend));
+    if (!look.is_transparent) items.push_back(swatch_item("unknown", kMapColours.unknown, legend));
     add_path_items(items, overlay, look, colours, legend);
     return items;
   });
   Canvas canvas(size.width, size.height, look.title.empty() ? "Map" : look.title);
-  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kColours.unknown});
-  MapColours cells = kColours;
+  if (!look.is_transparent) canvas.rectangle({0.0, 0.0}, size.width, size.height, Fill{kMapColours.unknown});
+  MapColours cells = kMapColours;
   cells.is_unknown_clear = true;
   const MapFrame frame = whole_sheet(sheet);
   draw(canvas, frame.panel, occupancy_image(map, frame, cells));

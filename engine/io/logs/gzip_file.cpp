@@ -11,16 +11,16 @@
 namespace gdtslam {
 namespace {
 
-constexpr int kGzipWindowBits = 15 + 16;  // the largest window, with a gzip header
-constexpr int kMemoryLevel = 8;           // zlib's default
+constexpr int kDeflateWindowBits = 15 + 16;  // the largest window, with a gzip header
+constexpr int kMemoryLevel = 8;              // zlib's default
 constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
 
 }  // namespace
 
 struct TextSink::Deflater {
   Deflater() {
-    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindowBits, kMemoryLevel, Z_DEFAULT_STRATEGY) !=
-        Z_OK) {
+    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kDeflateWindowBits, kMemoryLevel,
+                     Z_DEFAULT_STRATEGY) != Z_OK) {
       throw Error(ExitCode::kFailed, "zlib cannot start: not enough memory");
     }
   }

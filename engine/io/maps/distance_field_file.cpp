@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr int kVersion = 2;
+constexpr int kFieldVersion = 2;
 constexpr double kUnitsPerCell = 256.0;
 constexpr int kMaxLevel = 65535;
 
@@ -59,7 +59,7 @@ std::string description_of(const DistanceFieldView& field, const std::string& im
       "version: {}\nimage: {}\nresolution: {}  # m per pixel\norigin: [{}, {}, 0.0]  # m, lower left corner\n"
       "unit: {}  # m per grey level, resolution/256/scale\nscale: {}  # grey levels per 1/256 cell\n"
       "cap: {}  # level that means this far or farther, or unknown\n",
-      kVersion, image, yaml_number(geometry.resolution_m), yaml_number(geometry.origin_x_m),
+      kFieldVersion, image, yaml_number(geometry.resolution_m), yaml_number(geometry.origin_x_m),
       yaml_number(geometry.origin_y_m), yaml_number(geometry.resolution_m / kUnitsPerCell / scale), scale,
       scale * field.cap);
 }
@@ -79,8 +79,8 @@ struct Levels {
 };
 Levels levels_of(const DescriptionFile& file, double resolution_m) {
   const double version = file.number("version");
-  if (version != 1.0 && version != kVersion) {
-    file.fail("version", fmt::format("only versions 1 and {} are read", kVersion));
+  if (version != 1.0 && version != kFieldVersion) {
+    file.fail("version", fmt::format("only versions 1 and {} are read", kFieldVersion));
   }
   // Version 1 knew no scale: a level was 1/256 cell.
   const Levels levels{version == 1.0 ? 1 : whole_level(file, "scale"), whole_level(file, "cap")};

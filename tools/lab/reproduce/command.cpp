@@ -17,7 +17,7 @@
 namespace gdtslam {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 struct ReproduceCommand {
   reproduce::Options options;
@@ -26,11 +26,11 @@ struct ReproduceCommand {
 };
 
 int list_parts(const ReproduceCommand& command) {
-  Json all = Json::array();
+  OrderedJson all = OrderedJson::array();
   std::string text;
   for (const reproduce::PartInfo& info : reproduce::part_list()) {
     all.push_back({{"part", info.id},
-                   {"also", info.also.empty() ? Json() : Json(info.also)},
+                   {"also", info.also.empty() ? OrderedJson() : OrderedJson(info.also)},
                    {"label", info.label},
                    {"title", info.title}});
     text += fmt::format("{:<14} {:<18} {}\n", fmt::format("{}{}{}", info.id, info.also.empty() ? "" : ", ", info.also),
@@ -40,14 +40,14 @@ int list_parts(const ReproduceCommand& command) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-Json as_json(const reproduce::Result& result) {
-  Json parts = Json::array();
+OrderedJson as_json(const reproduce::Result& result) {
+  OrderedJson parts = OrderedJson::array();
   for (const reproduce::PartState& state : result.parts) {
-    Json rows = Json::array();
+    OrderedJson rows = OrderedJson::array();
     if (state.kept) {
       for (const reproduce::Row& row : state.kept->part.rows) {
         rows.push_back({{"quantity", row.quantity},
-                        {"paper", row.paper.empty() ? Json() : Json(row.paper)},
+                        {"paper", row.paper.empty() ? OrderedJson() : OrderedJson(row.paper)},
                         {"ours", row.ours},
                         {"verdict", reproduce::to_string(row.verdict)},
                         {"remark", row.remark}});
@@ -57,7 +57,7 @@ Json as_json(const reproduce::Result& result) {
                      {"label", state.info->label},
                      {"made", state.kept.has_value()},
                      {"new", state.is_new},
-                     {"cpu_s", state.kept ? Json(state.kept->cpu_s) : Json()},
+                     {"cpu_s", state.kept ? OrderedJson(state.kept->cpu_s) : OrderedJson()},
                      {"rows", rows}});
   }
   return {{"html", result.html},

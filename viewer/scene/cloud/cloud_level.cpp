@@ -12,7 +12,7 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kLevelSample = 250000;
-constexpr double kStrayShare = 0.001;
+constexpr double kStrayLevelShare = 0.001;
 
 }  // namespace
 
@@ -61,8 +61,8 @@ Bounds robust_bounds(std::span<const CloudPoint> cloud, std::span<const std::uin
       const CloudPoint& point = cloud[drawn[k]];
       along[k] = axis == 0 ? point.x_m : axis == 1 ? point.y_m : point.z_m;
     }
-    bounds.lowest[axis] = static_cast<double>(percentile(along, kStrayShare));
-    bounds.highest[axis] = static_cast<double>(percentile(along, 1.0 - kStrayShare));
+    bounds.lowest[axis] = static_cast<double>(percentile(along, kStrayLevelShare));
+    bounds.highest[axis] = static_cast<double>(percentile(along, 1.0 - kStrayLevelShare));
   }
   return bounds;
 }

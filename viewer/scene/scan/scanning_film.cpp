@@ -19,7 +19,7 @@ constexpr double kLeastDistance_m = 1.7;
 constexpr double kMostDistance_m = 4.5;
 constexpr double kDistanceShare = 0.55;  ///< of the usual range
 constexpr double kSway_rad = 0.14;       ///< of the camera to each side: a standing robot's scene gains depth
-constexpr double kViewAngle_rad = 0.95;
+constexpr double kScanViewAngle_rad = 0.95;
 
 /// Behind the robot on its right side, where the linkage is, from above.
 Camera camera_beside(const Pose2& T_map_base, double distance_m, double sway_rad) {
@@ -29,7 +29,7 @@ Camera camera_beside(const Pose2& T_map_base, double distance_m, double sway_rad
   Camera camera;
   camera.eye = {eye.x(), eye.y(), 0.32 + 0.37 * distance_m};
   camera.target = {target.x(), target.y(), 0.42};
-  camera.view_angle_rad = kViewAngle_rad;
+  camera.view_angle_rad = kScanViewAngle_rad;
   return camera;
 }
 

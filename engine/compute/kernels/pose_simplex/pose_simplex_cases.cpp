@@ -36,7 +36,7 @@ KernelCase StartsCase::make(const std::string& named) const {
 }
 
 /// Priors: none, one that weighs about as much as the points, one at its limit everywhere but near the mean.
-enum class PriorKind : std::uint8_t { kNone, kWeak, kSteep };
+enum class DescentPriorKind : std::uint8_t { kNone, kWeak, kSteep };
 
 /// What a case of pose_simplex varies.
 struct DescentCase {
@@ -48,7 +48,7 @@ struct DescentCase {
   std::uint32_t cap = 20 * 256;
   Interpolation interpolation = Interpolation::kBilinear;
   CostForm form = CostForm::kDistance;
-  PriorKind prior = PriorKind::kNone;
+  DescentPriorKind prior = DescentPriorKind::kNone;
   std::uint32_t max_evaluations = 200;
   float step_cells = 2.0F;
   float step_rad = 0.03F;
@@ -62,18 +62,18 @@ struct DescentCase {
                        std::to_string(points) + " points cap " + std::to_string(cap);
     text += interpolation == Interpolation::kNearest ? " nearest" : " bilinear";
     text += form == CostForm::kSquared ? " squared" : "";
-    text += prior == PriorKind::kWeak ? " weak prior" : prior == PriorKind::kSteep ? " steep prior" : "";
+    text += prior == DescentPriorKind::kWeak ? " weak prior" : prior == DescentPriorKind::kSteep ? " steep prior" : "";
     return text + " limit " + std::to_string(max_evaluations);
   }
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
 
-PriorParams make_prior(PriorKind kind, std::uint32_t points) {
+PriorParams make_prior(DescentPriorKind kind, std::uint32_t points) {
   PriorParams prior{.mean_x = 2.0F, .mean_y = -1.0F, .mean_theta = 0.28F};
-  if (kind == PriorKind::kWeak) {
+  if (kind == DescentPriorKind::kWeak) {
     prior.weight_xy = 20.0F * static_cast<float>(points);
     prior.weight_theta = 80000.0F * static_cast<float>(points);
-  } else if (kind == PriorKind::kSteep) {
+  } else if (kind == DescentPriorKind::kSteep) {
     prior.weight_xy = 3.0e7F;
     prior.weight_theta = 3.0e38F;
   }
@@ -121,13 +121,16 @@ void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpol
   constexpr std::pair<std::uint32_t, std::uint32_t> kCounts[] = {{0, 2},  {1, 1},   {7, 9},   {16, 1},
                                                                  {17, 5}, {180, 8}, {361, 17}};
   for (const auto& [points, poses] : kCounts) {
-    const DescentCase shape{
-        .points = points, .poses = poses, .interpolation = interpolation, .form = form, .prior = PriorKind::kWeak};
+    const DescentCase shape{.points = points,
+                            .poses = poses,
+                            .interpolation = interpolation,
+                            .form = form,
+                            .prior = DescentPriorKind::kWeak};
     add_case(list, shape);
     DescentCase slow = shape;
     slow.field = {97, 83, 100};
     slow.room = false;
-    slow.prior = PriorKind::kNone;
+    slow.prior = DescentPriorKind::kNone;
     add_case(list, slow);
   }
   // More points than a uniform buffer takes, and few enough evaluations for an invocation a pose.
@@ -135,7 +138,7 @@ void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpol
                              .poses = 3,
                              .interpolation = interpolation,
                              .form = form,
-                             .prior = PriorKind::kWeak,
+                             .prior = DescentPriorKind::kWeak,
                              .max_evaluations = 60});
   add_case(list, DescentCase{.field = {2, 2, 4}, .points = 9, .interpolation = interpolation, .form = form});
   add_case(list,
@@ -206,7 +209,7 @@ void add_benchmark_descents(std::vector<KernelCaseSource>& list) {
                          .points = 361,
                          .poses = 8,
                          .interpolation = interpolation,
-                         .prior = PriorKind::kWeak,
+                         .prior = DescentPriorKind::kWeak,
                          .max_evaluations = 100,
                          .stop_cells = 0.0F,
                          .stop_rad = 0.0F,
@@ -221,12 +224,14 @@ void add_descents(std::vector<KernelCaseSource>& list) {
   }
   add_turned_descents(list);
   add_case(list, DescentCase{.poses = 0});
-  add_case(list, DescentCase{.points = 361, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep});
+  add_case(list, DescentCase{.points = 361, .poses = 7, .cap = 65535, .prior = DescentPriorKind::kSteep});
   add_case(list, DescentCase{.points = 361, .poses = 7});
-  add_case(list,
-           DescentCase{.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 9});
-  add_case(list,
-           DescentCase{.points = 65537, .poses = 7, .cap = 65535, .prior = PriorKind::kSteep, .max_evaluations = 0});
+  add_case(
+      list,
+      DescentCase{.points = 65537, .poses = 7, .cap = 65535, .prior = DescentPriorKind::kSteep, .max_evaluations = 9});
+  add_case(
+      list,
+      DescentCase{.points = 65537, .poses = 7, .cap = 65535, .prior = DescentPriorKind::kSteep, .max_evaluations = 0});
   for (std::uint32_t limit = 0; limit < 14; ++limit) {
     add_case(list, DescentCase{.poses = 5, .max_evaluations = limit});
   }
@@ -249,7 +254,7 @@ KernelCase draw_descent(const std::string& name, Random& random) {
   shape.cap = random.below(2) == 0 ? 5120 : draw_count(random, 65535);
   shape.interpolation = random.below(2) == 0 ? Interpolation::kBilinear : Interpolation::kNearest;
   shape.form = random.below(2) == 0 ? CostForm::kDistance : CostForm::kSquared;
-  shape.prior = static_cast<PriorKind>(random.below(3));
+  shape.prior = static_cast<DescentPriorKind>(random.below(3));
   shape.max_evaluations = draw_count(random, 200);
   shape.step_cells = around(0.0F, 4.0, random);
   shape.step_rad = around(0.0F, 0.1, random);

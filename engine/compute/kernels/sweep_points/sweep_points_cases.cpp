@@ -175,7 +175,7 @@ KernelCase SweepCase::make(const std::string& named) const {
                                 {list_buffer(ranges), list_buffer(strip_list), list_buffer(tables), points});
 }
 
-constexpr SweepForm kForms[] = {SweepForm::kWorking, SweepForm::kLiteral};
+constexpr SweepForm kSweepForms[] = {SweepForm::kWorking, SweepForm::kLiteral};
 constexpr SweepCase::Kind kKinds[] = {SweepCase::Kind::kScans, SweepCase::Kind::kAnything, SweepCase::Kind::kHuge};
 
 KernelCase draw_sweep(const std::string& name, Random& random) {
@@ -184,7 +184,7 @@ KernelCase draw_sweep(const std::string& name, Random& random) {
   sweep.strips = 1 + draw_count(random, 50);
   sweep.directions = 1 + draw_count(random, 1100);
   sweep.bits = static_cast<std::uint32_t>(random.below(13));
-  sweep.form = draw_from(random, kForms);
+  sweep.form = draw_from(random, kSweepForms);
   sweep.kind = draw_from(random, kKinds);
   return sweep.make(name);
 }
@@ -195,12 +195,12 @@ void add_sweep_points_cases(std::vector<KernelCaseSource>& list) {
   for (const std::uint32_t beams : {0U,  1U,  2U,  3U,   4U,   5U,   7U,   8U,   9U,   15U,  16U,  17U,   31U,
                                     32U, 33U, 63U, 127U, 128U, 129U, 255U, 256U, 257U, 511U, 961U, 1021U, 4099U}) {
     for (const SweepCase::Kind kind : kKinds) {
-      add_case(list, SweepCase{beams, 1 + turn % 5, 1 + 31 * (turn % 40), turn % 14, in_turn(kForms, turn), kind});
+      add_case(list, SweepCase{beams, 1 + turn % 5, 1 + 31 * (turn % 40), turn % 14, in_turn(kSweepForms, turn), kind});
       ++turn;
     }
   }
   for (std::uint32_t bits = 0; bits <= 20; ++bits) {
-    for (const SweepForm form : kForms) {
+    for (const SweepForm form : kSweepForms) {
       add_case(list, SweepCase{300, 7, 50, bits, form, SweepCase::Kind::kScans});
       add_case(list, SweepCase{300, 7, 50, bits, form, SweepCase::Kind::kAnything});
     }
