@@ -14,10 +14,10 @@ namespace gdtslam {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
-constexpr double kOuter = 0.005;   // share of a face's points that lie beyond its rough ends
-constexpr double kInner = 0.1;     // share of a face at its ends that tells nothing about the ends of the other axis
-constexpr double kAround_m = 0.3;  // seen around a face
-constexpr double kOnFace = 3.5;    // standard deviations of a point on the face
+constexpr double kOuterPart = 0.005;  // share of a face's points that lie beyond its rough ends
+constexpr double kInner = 0.1;        // share of a face at its ends that tells nothing about the ends of the other axis
+constexpr double kAround_m = 0.3;     // seen around a face
+constexpr double kOnFace = 3.5;       // standard deviations of a point on the face
 constexpr double kLeastOnFace_m = 5.0e-3;
 constexpr double kStep_m = 0.03;  // outwards, where a face goes on beyond its patch
 constexpr int kSteps = 6;
@@ -86,8 +86,8 @@ Face face_of(std::span<const CloudPoint> cloud, const PlanePatch& patch, const B
     across.push_back(face.frame.across.dot(d));
     up.push_back(face.frame.up.dot(d));
   }
-  face.across = {value_at_share(across, kOuter), value_at_share(across, 1.0 - kOuter)};
-  face.up = {value_at_share(up, kOuter), value_at_share(up, 1.0 - kOuter)};
+  face.across = {value_at_share(across, kOuterPart), value_at_share(across, 1.0 - kOuterPart)};
+  face.up = {value_at_share(up, kOuterPart), value_at_share(up, 1.0 - kOuterPart)};
   face.sampling_m = sampling_of(cloud, patch, face.across, face.up);
   face.thickness_m = std::max(kLeastOnFace_m, std::min(kOnFace * patch.rms_m, search.planes.thickness_m * 1.5));
   return face;
@@ -154,7 +154,7 @@ Dimension depth_of(std::span<const CloudPoint> cloud, const Face& face, const En
       depths.push_back(hit.across_m);
   }
   if (depths.size() < search.min_face_points / 4 + 2) return {0.0, kUnknown, false};
-  EndPlace place{FaceAxis::kAcross, 1.0, value_at_share(depths, 1.0 - kOuter), 0.0, beside.inner(kInner), {}, 0.0};
+  EndPlace place{FaceAxis::kAcross, 1.0, value_at_share(depths, 1.0 - kOuterPart), 0.0, beside.inner(kInner), {}, 0.0};
   place.sampling_m = std::max(face.sampling_m, 0.05 * place.rough_m);
   const FaceEnd far = end_of(hits, place, thickness_m);
   // An error of the side's place is stretched by the low angle at which beams meet it.

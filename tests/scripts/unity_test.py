@@ -1,6 +1,5 @@
 """Tests that the sources of a library can be compiled as one, whichever of them a build has."""
 
-import collections
 import pathlib
 import re
 import sys
@@ -23,18 +22,29 @@ def libraries():
         yield from (ROOT / "tests" / layer).iterdir()
 
 
+def code_of(text):
+    """The text without comments and without what stands in quotes."""
+    return re.sub(r'"(?:\\.|[^"\\\n])*"', '""', re.sub(r"//.*", "", text))
+
+
 def clashes(sources):
-    """The constants, types and aliases that more than one anonymous namespace defines, if not in the same words.
+    """The constants and types of a source's anonymous namespaces that another source mentions: in one unit it may mean the
+    first one's, even where it has the name from a header. Aliases in the same words are the same.
 
     Functions of one name differ in what they take, or the build of everything finds them."""
-    lines = collections.defaultdict(dict)
-    for path in sources:
-        text = path.read_text()
-        for name in lint.hidden_names(text):
+    texts = {path: code_of(path.read_text()) for path in sources}
+    found = {}
+    for path, text in texts.items():
+        for name in lint.hidden_names(path.read_text()):
+            word = re.compile(rf"(?<!\.)(?<!->)(?<!::)\b{name}\b")
             defined = re.search(rf"^(?:using|constexpr|const|struct|class|enum)\b[^(\n]*?\b{name}\b.*$", text, re.MULTILINE)
-            if defined and re.match(r"k?[A-Z]", name):
-                lines[name][path.name] = defined[0] if defined[0].startswith("using") else path.name
-    return {name: sorted(found) for name, found in lines.items() if len(set(found.values())) > 1}
+            if not defined or not re.match(r"k?[A-Z]", name):
+                continue
+            others = [other.name for other, there in texts.items() if other != path and name in there and word.search(there)
+                      and not (defined[0].startswith("using") and defined[0] in there)]
+            if others:
+                found[f"{path.name}: {name}"] = sorted(others)
+    return found
 
 
 class Unity(unittest.TestCase):

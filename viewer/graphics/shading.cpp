@@ -13,7 +13,7 @@ constexpr float kTilt = 0.05F;
 /// Steps of depth beyond this share darken no more, so that far and near edges look alike.
 constexpr float kLargestStep = 0.04F;
 /// Rings of neighbours, each twice as wide as the one before.
-constexpr std::uint32_t kRings = 3;
+constexpr std::uint32_t kShadingRings = 3;
 
 /// Nearness of every pixel, that is 1/distance up to a factor, 0 where nothing was drawn; with a rim of nothing, as
 /// wide as the widest ring.
@@ -74,7 +74,7 @@ class Nearness {
 }  // namespace
 
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius) {
-  const Nearness nearness(picture, range, radius << (kRings - 1U));
+  const Nearness nearness(picture, range, radius << (kShadingRings - 1U));
   picture.depth = {};
   std::vector<float> inverse(picture.width);
   std::vector<float> shade(picture.width);
@@ -85,7 +85,7 @@ void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t 
     for (std::size_t x = 0; x < shade.size(); ++x) {
       inverse[x] = row[x] <= 0.0F ? 0.0F : range.is_parallel ? 1.0F : 1.0F / row[x];
     }
-    for (std::uint32_t ring = 0; ring < kRings; ++ring) {
+    for (std::uint32_t ring = 0; ring < kShadingRings; ++ring) {
       const std::ptrdiff_t across = std::ptrdiff_t{radius} << ring;
       const std::ptrdiff_t down = across * nearness.stride();
       const float tilt = kTilt * static_cast<float>(across);

@@ -17,7 +17,7 @@ using calib::LinkageCycle;
 using calib::LinkagePosition;
 using calib::unit_at;
 
-constexpr double kWidth = 1280.0;
+constexpr double kSchematicWidth = 1280.0;
 constexpr double kHeight = 800.0;
 constexpr double kText = 14.0;
 constexpr double kLegendHeight = 74.0;
@@ -237,16 +237,16 @@ void draw_positions(Canvas& canvas, const LinkageCycle& cycle, const LinkagePane
   draw_scale(canvas, stage, card.corner + Point2(card.width - 24.0, 40.0));
 }
 
-struct Figure {
+struct KeyFigure {
   std::string value;
   std::string meaning;
   Colour colour = ink::kText;
 };
 
-std::vector<Figure> key_figures(const LinkageCycle& cycle) {
+std::vector<KeyFigure> key_figures(const LinkageCycle& cycle) {
   const auto degrees = [](double angle_deg) { return fmt::format("{:.1f}°", angle_deg); };
   const calib::FreudensteinCoefficients k = calib::freudenstein(cycle.model().bars);
-  const Figure coefficients{fmt::format("{:.3f}  {:.3f}  {:.3f}", k.k1, k.k2, k.k3), "Freudenstein K1, K2, K3"};
+  const KeyFigure coefficients{fmt::format("{:.3f}  {:.3f}  {:.3f}", k.k1, k.k2, k.k3), "Freudenstein K1, K2, K3"};
   if (!cycle.report()) return {{degrees(deg_from_rad(cycle.span_rad())), "of the crank's turn"}, coefficients};
   const calib::CrankRockerReport& report = *cycle.report();
   const bool is_poor = report.least_transmission_rad < calib::kPoorTransmission_rad;
@@ -261,7 +261,7 @@ std::vector<Figure> key_figures(const LinkageCycle& cycle) {
 
 void draw_figures(Canvas& canvas, const LinkageCycle& cycle, const DrawingArea& card) {
   constexpr double kColumns[] = {20.0, 168.0, 316.0};
-  const std::vector<Figure> figures = key_figures(cycle);
+  const std::vector<KeyFigure> figures = key_figures(cycle);
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const std::size_t row = i / 3;
     const Point2 at = card.corner + Point2(kColumns[i % 3], 66.0 + 58.0 * static_cast<double>(row));
@@ -284,7 +284,7 @@ Canvas linkage_drawing(const LinkageCycle& cycle) {
                            .transmission = {{760.0, 372.0}, 480.0, 212.0}};
   const LinkagePanel panel(cycle, {.is_still = true});
   const LinkagePosition shown = cycle.at(cycle.shown_crank_rad()).value_or(cycle.begin());
-  Canvas canvas(kWidth, kHeight, "Linkage " + cycle.model().name);
+  Canvas canvas(kSchematicWidth, kHeight, "Linkage " + cycle.model().name);
   panel.draw_ground(canvas, sheet);
   panel.draw_heading(canvas, sheet, card,
                      cycle.report() ? "Positions over the lift, the crank turning evenly" : "Positions");

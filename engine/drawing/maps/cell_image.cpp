@@ -25,7 +25,7 @@ void put(RgbaImage& image, std::uint32_t x, std::uint32_t y, const CellColour& c
 }
 
 /// Which cells lie under the pixels of one axis: pixel k spans `first + k * step` to one step more, in cells.
-struct Axis {
+struct PixelAxis {
   double first = 0.0;
   double step = 1.0;
   std::int32_t cells = 0;
@@ -38,8 +38,8 @@ struct Axis {
 };
 
 struct Axes {
-  Axis x;
-  Axis y;  ///< upwards: pixel 0 is the lowest row
+  PixelAxis x;
+  PixelAxis y;  ///< upwards: pixel 0 is the lowest row
 };
 
 Axes axes_of(const GridGeometry& geometry, const MapFrame& frame) {
@@ -83,7 +83,7 @@ struct Areas {
 };
 
 /// Adds `weight` times what the row of cells has under each pixel.
-void add_row(const OccupancyMap& map, const Axis& axis, std::int32_t y, double weight, Areas& areas) {
+void add_row(const OccupancyMap& map, const PixelAxis& axis, std::int32_t y, double weight, Areas& areas) {
   for (std::uint32_t k = 0; k < axis.pixels; ++k) {
     const double begin = axis.begin(k);
     const double end = axis.begin(k + 1);
@@ -137,7 +137,7 @@ PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const M
 }
 
 /// First cell whose centre lies at or beyond a border.
-std::int32_t first_centre(const Axis& axis, double border) { return axis.held(std::ceil(border - 0.5)); }
+std::int32_t first_centre(const PixelAxis& axis, double border) { return axis.held(std::ceil(border - 0.5)); }
 
 PlacedImage least_of_cells(const FieldPicture& field, const MapFrame& frame, const FieldColours& colours) {
   const Axes axes = axes_of(field.geometry, frame);

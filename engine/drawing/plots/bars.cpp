@@ -17,13 +17,13 @@ Ticks ticks_along(const ColourBar& bar) {
   return ticks_of(bar.from, bar.to, most, bar.steps);
 }
 
-struct Mark {
+struct BarMark {
   double value = 0.0;
   std::string text;
 };
 
 /// An end of the bar to a fiftieth of its range, without zeros that say nothing.
-Mark end_mark(double value, double range) {
+BarMark end_mark(double value, double range) {
   constexpr double kShare = 0.02;
   double step = 1.0;
   while (step > kShare * range && step > 1e-9) step /= 10.0;
@@ -37,21 +37,23 @@ Mark end_mark(double value, double range) {
 }
 
 /// Room between the middles of two marks that keeps their letters apart.
-double least_gap(const ColourBar& bar, const Mark& one, const Mark& other) {
+double least_gap(const ColourBar& bar, const BarMark& one, const BarMark& other) {
   const double size = kTickLetters * bar.text_size;
   if (bar.is_upright) return 1.15 * size;
   return 0.5 * (text_width(one.text, size) + text_width(other.text, size)) + 0.6 * size;
 }
 
 /// Both ends, and between them the round values that find room.
-std::vector<Mark> marks_of(const ColourBar& bar) {
+std::vector<BarMark> marks_of(const ColourBar& bar) {
   const double range = bar.to - bar.from;
-  std::vector<Mark> marks{end_mark(bar.from, range)};
-  const Mark last = end_mark(bar.to, range);
+  std::vector<BarMark> marks{end_mark(bar.from, range)};
+  const BarMark last = end_mark(bar.to, range);
   const Ticks ticks = ticks_along(bar);
-  const auto gap = [&](const Mark& low, const Mark& high) { return (high.value - low.value) / range * bar.length; };
+  const auto gap = [&](const BarMark& low, const BarMark& high) {
+    return (high.value - low.value) / range * bar.length;
+  };
   for (int i = 0; i < ticks.count; ++i) {
-    const Mark mark{ticks.value(i), ticks.text(i)};
+    const BarMark mark{ticks.value(i), ticks.text(i)};
     const bool is_free = gap(marks.front(), mark) >= least_gap(bar, marks.front(), mark) &&
                          gap(mark, last) >= least_gap(bar, mark, last);
     if (is_free) marks.push_back(mark);
@@ -60,9 +62,9 @@ std::vector<Mark> marks_of(const ColourBar& bar) {
   return marks;
 }
 
-double widest(const std::vector<Mark>& marks, double text_size) {
+double widest(const std::vector<BarMark>& marks, double text_size) {
   double width = 0.0;
-  for (const Mark& mark : marks) width = std::max(width, text_width(mark.text, kTickLetters * text_size));
+  for (const BarMark& mark : marks) width = std::max(width, text_width(mark.text, kTickLetters * text_size));
   return width;
 }
 
@@ -114,7 +116,7 @@ void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Point2& corner,
   Lettering letters = title;
   letters.size = kTickLetters * bar.text_size;
   letters.anchor = bar.is_upright ? Anchor::kStart : Anchor::kMiddle;
-  for (const Mark& mark : marks_of(bar)) {
+  for (const BarMark& mark : marks_of(bar)) {
     const double share = (mark.value - bar.from) / (bar.to - bar.from);
     const Point2 at = bar.is_upright ? start + Point2(bar.thickness, bar.length * (1.0 - share))
                                      : start + Point2(bar.length * share, bar.thickness);

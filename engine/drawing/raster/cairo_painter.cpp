@@ -4,8 +4,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
+#include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 
 #ifdef GDTSLAM_SANITIZE_ADDRESS
@@ -17,7 +17,6 @@ extern "C" const char* __lsan_default_options() { return "print_suppressions=0";
 namespace gdtslam {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// The face that text_width() knows; fontconfig gives its nearest one where it is not installed.
 constexpr const char* kFace = "DejaVu Sans";
 constexpr double kHalo_px = 4.0;

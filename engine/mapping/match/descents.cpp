@@ -71,14 +71,14 @@ constexpr double kFirstDamping = 1.0e-4;
 constexpr double kLeastDamping = 1.0e-7;
 constexpr double kMostDamping = 1.0e6;
 
-struct Step {
+struct GaussStep {
   double x = 0.0;
   double y = 0.0;
   double theta = 0.0;
 };
 
 // (H + damping diag H) step = -gradient by Cholesky's factorisation; nothing where that is singular.
-std::optional<Step> step_of(const Linearisation& at, double damping) {
+std::optional<GaussStep> step_of(const Linearisation& at, double damping) {
   const auto& [xx, xy, xt, yy, yt, tt] = at.curvature;
   const double grow = 1.0 + damping;
   const double l00 = std::sqrt(xx * grow);
@@ -97,10 +97,10 @@ std::optional<Step> step_of(const Linearisation& at, double damping) {
   const double u2 = (-at.gradient[2] - l20 * u0 - l21 * u1) / l22;
   const double theta = u2 / l22;
   const double y = (u1 - l21 * theta) / l11;
-  return Step{(u0 - l10 * y - l20 * theta) / l00, y, theta};
+  return GaussStep{(u0 - l10 * y - l20 * theta) / l00, y, theta};
 }
 
-CellPose moved(const CellPose& pose, const Step& step) {
+CellPose moved(const CellPose& pose, const GaussStep& step) {
   return {pose.x + static_cast<float>(step.x), pose.y + static_cast<float>(step.y),
           pose.theta + static_cast<float>(step.theta)};
 }
@@ -125,7 +125,7 @@ LocalMinimum minimise_gauss_newton(Objective& objective, const CellPose& start, 
   std::uint32_t evaluations = 1;
   StopReason stop = StopReason::kEvaluationLimit;
   while (evaluations < options.max_evaluations) {
-    const std::optional<Step> step = step_of(here, damping);
+    const std::optional<GaussStep> step = step_of(here, damping);
     const bool is_small = step && std::abs(step->x) < static_cast<double>(options.stop_cells) &&
                           std::abs(step->y) < static_cast<double>(options.stop_cells) &&
                           std::abs(step->theta) < static_cast<double>(options.stop_rad);

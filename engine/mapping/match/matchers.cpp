@@ -74,7 +74,7 @@ constexpr bool is_in_order() {
 }
 static_assert(is_in_order());
 
-constexpr auto kNames = [] {
+constexpr auto kMatcherNames = [] {
   std::array<std::string_view, kMatchers.size()> names;
   std::transform(kMatchers.begin(), kMatchers.end(), names.begin(), [](const MatcherInfo& row) { return row.name; });
   return names;
@@ -88,6 +88,6 @@ const MatcherInfo& matcher_info(MatcherKind kind) { return kMatchers.at(static_c
 
 std::string_view to_string(MatcherKind kind) { return matcher_info(kind).name; }
 
-std::span<const std::string_view> matcher_names() { return kNames; }
+std::span<const std::string_view> matcher_names() { return kMatcherNames; }
 
 }  // namespace gdtslam

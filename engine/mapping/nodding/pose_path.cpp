@@ -8,7 +8,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFurthest = 4.0;  // of the time between two nodes that a motion is continued for
+constexpr double kFurthestPose = 4.0;  // of the time between two nodes that a motion is continued for
 
 // Variance that the odometry gathers, relative to that of a radian of turn.
 constexpr double kVariancePerMetre = 0.2;
@@ -87,7 +87,8 @@ Pose2 PosePath::at(std::size_t index, double offset_s) const {
   const PoseFix& to = nodes_[goes_back ? index : index + 1];
   const double span_s = to.stamp_s - from.stamp_s;
   if (!(span_s > 0.0)) return nodes_[index].T_map_base;
-  const double share = std::clamp((nodes_[index].stamp_s + offset_s - from.stamp_s) / span_s, -kFurthest, kFurthest);
+  const double share =
+      std::clamp((nodes_[index].stamp_s + offset_s - from.stamp_s) / span_s, -kFurthestPose, kFurthestPose);
   return from.T_map_base * exp_se2(share * log_se2(between(from.T_map_base, to.T_map_base)));
 }
 

@@ -20,8 +20,8 @@ using testing::Contains;
 constexpr std::uint32_t kSmallWidth = 61;
 constexpr std::uint32_t kSmallStride = 64;
 constexpr std::uint32_t kSmallHeight = 47;
-constexpr std::uint32_t kPoints = 90;
-constexpr std::uint32_t kCandidates = 70;
+constexpr std::uint32_t kSmallPoints = 90;
+constexpr std::uint32_t kSmallCandidates = 70;
 
 /// Costs of poses on a field of noise: the smallest job that reads a field.
 class LookUps {
@@ -29,14 +29,14 @@ class LookUps {
   explicit LookUps(Backend& backend, std::uint32_t fill = 0x00500123)
       : backend_(backend),
         field_(backend.allocate(kFieldBytes)),
-        points_(backend.allocate(kPoints * sizeof(PointCells))),
-        candidates_(backend.allocate(kCandidates * sizeof(PoseCandidate))) {
-    std::vector<PointCells> points(kPoints);
-    std::vector<PoseCandidate> candidates(kCandidates);
-    for (std::uint32_t i = 0; i < kPoints; ++i) {
+        points_(backend.allocate(kSmallPoints * sizeof(PointCells))),
+        candidates_(backend.allocate(kSmallCandidates * sizeof(PoseCandidate))) {
+    std::vector<PointCells> points(kSmallPoints);
+    std::vector<PoseCandidate> candidates(kSmallCandidates);
+    for (std::uint32_t i = 0; i < kSmallPoints; ++i) {
       points[i] = {static_cast<float>(i * 37 % 29) - 14.0F, static_cast<float>(i * 11 % 23) - 11.5F};
     }
-    for (std::uint32_t i = 0; i < kCandidates; ++i) {
+    for (std::uint32_t i = 0; i < kSmallCandidates; ++i) {
       const auto at = static_cast<float>(i);
       candidates[i] = {.x = 30.0F + at * 0.13F, .y = 23.0F - at * 0.17F, .theta = at * 0.01F, .bias = i};
     }
@@ -56,15 +56,18 @@ class LookUps {
   }
   /// The costs, on their way.
   PendingDownload start() {
-    cost_ = backend_.allocate(kCandidates * sizeof(std::uint32_t));
-    run<PoseCost>(
-        backend_,
-        {.width = kSmallWidth, .height = kSmallHeight, .stride = kSmallStride, .point_count = kPoints, .cap = 5120},
-        {kCandidates, 1, 1}, field_, points_, candidates_, cost_);
+    cost_ = backend_.allocate(kSmallCandidates * sizeof(std::uint32_t));
+    run<PoseCost>(backend_,
+                  {.width = kSmallWidth,
+                   .height = kSmallHeight,
+                   .stride = kSmallStride,
+                   .point_count = kSmallPoints,
+                   .cap = 5120},
+                  {kSmallCandidates, 1, 1}, field_, points_, candidates_, cost_);
     return backend_.start_download(cost_, cost_.bytes());
   }
   std::vector<std::byte> finish(const PendingDownload& download) {
-    std::vector<std::byte> found(kCandidates * sizeof(std::uint32_t));
+    std::vector<std::byte> found(kSmallCandidates * sizeof(std::uint32_t));
     backend_.finish_download(download, found);
     return found;
   }

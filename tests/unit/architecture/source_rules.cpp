@@ -9,15 +9,15 @@
 namespace gdtslam::architecture {
 namespace {
 
-using Parts = std::set<std::string, std::less<>>;
+using SourceParts = std::set<std::string, std::less<>>;
 
 constexpr std::size_t kMaxLines = 400;
 
 /// Which parts of the project a part may include, itself apart; the table of docs/architecture.md.
-const std::map<std::string, Parts, std::less<>>& allowed_parts() {
-  static const Parts all{"core",  "compute", "vulkan",   "mapping", "io",   "sim",  "calib",
-                         "cloud", "drawing", "optimize", "viewer",  "runs", "tools"};
-  static const std::map<std::string, Parts, std::less<>> table{
+const std::map<std::string, SourceParts, std::less<>>& allowed_parts() {
+  static const SourceParts all{"core",  "compute", "vulkan",   "mapping", "io",   "sim",  "calib",
+                               "cloud", "drawing", "optimize", "viewer",  "runs", "tools"};
+  static const std::map<std::string, SourceParts, std::less<>> table{
       {"core", {}},
       {"compute", {"core"}},
       {"vulkan", {"core", "compute", "shaders"}},
@@ -40,13 +40,13 @@ const std::map<std::string, Parts, std::less<>>& allowed_parts() {
 /// Third-party headers by their beginning, and the parts that may include them (tools and tests may include any).
 struct Library {
   std::string_view header;
-  Parts parts;
+  SourceParts parts;
   bool is_linked_publicly = false;  ///< public headers may need it, because the part's users get it too
 };
 
 const std::vector<Library>& libraries() {
-  static const Parts everybody{"core", "cloud", "drawing", "compute", "vulkan", "mapping", "optimize",
-                               "io",   "sim",   "calib",   "viewer",  "runs",   "examples"};
+  static const SourceParts everybody{"core", "cloud", "drawing", "compute", "vulkan", "mapping", "optimize",
+                                     "io",   "sim",   "calib",   "viewer",  "runs",   "examples"};
   static const std::vector<Library> table{
       {"Eigen/", everybody, true},
       {"yaml-cpp/", {"io", "runs"}},

@@ -11,7 +11,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTiny = std::numeric_limits<double>::denorm_min();
 constexpr double kPiRounded = std::numbers::pi;
 
@@ -32,7 +32,7 @@ TEST(SinCos, KeepsTheSignOfZeroAndTheTiny) {
 }
 
 TEST(SinCos, HasNoValueForWhatIsNotFinite) {
-  for (const double angle_rad : {kInfinity, -kInfinity, kNan}) {
+  for (const double angle_rad : {kInfinity, -kInfinity, kNoNumber}) {
     EXPECT_TRUE(std::isnan(sin_cos(angle_rad).sin));
     EXPECT_TRUE(std::isnan(sin_cos(angle_rad).cos));
     EXPECT_TRUE(std::isnan(sin_cos(static_cast<float>(angle_rad)).sin));
@@ -70,9 +70,9 @@ TEST(Atan2, SpecialValues) {
   expect_same(atan2(kInfinity, -kInfinity), 3.0 * kPiRounded / 4.0);
   expect_same(atan2(-kInfinity, kInfinity), -kPiRounded / 4.0);
   expect_same(atan2(-kInfinity, -kInfinity), -3.0 * kPiRounded / 4.0);
-  EXPECT_TRUE(std::isnan(atan2(kNan, 1.0)));
-  EXPECT_TRUE(std::isnan(atan2(1.0, kNan)));
-  EXPECT_TRUE(std::isnan(atan2(kNan, kInfinity)));
+  EXPECT_TRUE(std::isnan(atan2(kNoNumber, 1.0)));
+  EXPECT_TRUE(std::isnan(atan2(1.0, kNoNumber)));
+  EXPECT_TRUE(std::isnan(atan2(kNoNumber, kInfinity)));
 }
 
 TEST(Atan2, ExtremesNeitherOverflowNorVanish) {
@@ -93,7 +93,7 @@ TEST(Exp, SpecialValues) {
   EXPECT_EQ(exp(kTiny), 1.0);
   EXPECT_EQ(exp(kInfinity), kInfinity);
   expect_same(exp(-kInfinity), 0.0);
-  EXPECT_TRUE(std::isnan(exp(kNan)));
+  EXPECT_TRUE(std::isnan(exp(kNoNumber)));
 }
 
 TEST(Exp, EndsOfTheRange) {
@@ -116,7 +116,7 @@ TEST(Log, SpecialValues) {
   EXPECT_TRUE(std::isnan(log(-1.0)));
   EXPECT_TRUE(std::isnan(log(-kTiny)));
   EXPECT_TRUE(std::isnan(log(-kInfinity)));
-  EXPECT_TRUE(std::isnan(log(kNan)));
+  EXPECT_TRUE(std::isnan(log(kNoNumber)));
   EXPECT_EQ(log(2.0), std::numbers::ln2);
   EXPECT_EQ(log(kTiny), -744.4400719213812);
 }

@@ -119,7 +119,7 @@ TEST_F(Matching, APriorPullsTowardsItsMeanAndOnlyThen) {
 }
 
 // What every matcher must do.
-class Matchers : public Matching, public testing::WithParamInterface<MatcherKind> {
+class MatchersOfAScan : public Matching, public testing::WithParamInterface<MatcherKind> {
  protected:
   void SetUp() override {
     Matching::SetUp();
@@ -133,7 +133,7 @@ class Matchers : public Matching, public testing::WithParamInterface<MatcherKind
   std::unique_ptr<Matcher> matcher_;
 };
 
-TEST_P(Matchers, FindTheTruthFromNearby) {
+TEST_P(MatchersOfAScan, FindTheTruthFromNearby) {
   for (const Pose2& truth : {Pose2{0.31, -0.17, 0.21}, Pose2{2.2, 0.4, -1.1}, Pose2{3.7, -0.6, 2.9}}) {
     const Pose2 predicted = truth * Pose2{0.05, -0.04, 0.06};
     const MatchResult result = matcher_->match(
@@ -150,7 +150,7 @@ TEST_P(Matchers, FindTheTruthFromNearby) {
   }
 }
 
-TEST_P(Matchers, CureAFarPredictionByAWindow) {
+TEST_P(MatchersOfAScan, CureAFarPredictionByAWindow) {
   const Pose2 truth{0.2, 0.1, 0.4};
   for (const Pose2& error : {Pose2{0.4, -0.3, 0.4}, Pose2{-0.45, 0.2, -0.6}, Pose2{0.1, 0.1, 1.2}}) {
     const MatchResult result =
@@ -163,7 +163,7 @@ TEST_P(Matchers, CureAFarPredictionByAWindow) {
   }
 }
 
-TEST_P(Matchers, RefuseAScanOfAnotherRoomAndKeepThePrediction) {
+TEST_P(MatchersOfAScan, RefuseAScanOfAnotherRoomAndKeepThePrediction) {
   // A round room of 1.3 m fits nowhere in the rectangular one.
   std::vector<PointCells> circle;
   for (int i = 0; i < 180; ++i) {
@@ -179,7 +179,7 @@ TEST_P(Matchers, RefuseAScanOfAnotherRoomAndKeepThePrediction) {
   EXPECT_EQ(result.T_map_base, predicted);
 }
 
-TEST_P(Matchers, TakeAsManyPointsAsThereMayBe) {
+TEST_P(MatchersOfAScan, TakeAsManyPointsAsThereMayBe) {
   const Pose2 truth{0.31, -0.17, 0.21};
   std::vector<PointCells> points;
   while (points.size() < Matcher::kMostPoints) {
@@ -192,7 +192,7 @@ TEST_P(Matchers, TakeAsManyPointsAsThereMayBe) {
   EXPECT_THAT(result.T_map_base, PoseNear(truth, 0.02, 0.3));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Matchers, testing::Values(MatcherKind::kSimplex, MatcherKind::kExhaustive),
+INSTANTIATE_TEST_SUITE_P(All, MatchersOfAScan, testing::Values(MatcherKind::kSimplex, MatcherKind::kExhaustive),
                          [](const auto& kind) {
                            return kind.param == MatcherKind::kSimplex ? "simplex" : "exhaustive";
                          });

@@ -20,7 +20,7 @@ namespace {
 
 using test::cloud_point;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
 
 Cloud random_cloud(std::size_t count, Random& random) {
   Cloud cloud;
@@ -63,7 +63,7 @@ TEST(CloudDistances, ToThemselvesAreZeroAndWhatIsNoPlaceIsFar) {
   Random random(4);
   Cloud cloud = random_cloud(200, random);
   EXPECT_THAT(distances_to(cloud, cloud), ::testing::Each(0.0F));
-  cloud[7].y_m = kNan;
+  cloud[7].y_m = kNoNumber;
   const std::vector<float> distances = distances_to(cloud, cloud, 2.5);
   EXPECT_EQ(distances[7], 2.5F);
   EXPECT_EQ(distances[8], 0.0F);
@@ -98,7 +98,7 @@ TEST(ThinnedForFilm, SmallCloudsStayAndWhatIsNoPlaceGoes) {
   EXPECT_EQ(thinned_for_film(cloud, 50), cloud);
   EXPECT_TRUE(thinned_for_film(cloud, 0).empty());
   EXPECT_TRUE(thinned_for_film({}, 10).empty());
-  cloud[3].x_m = kNan;
+  cloud[3].x_m = kNoNumber;
   EXPECT_EQ(thinned_for_film(cloud, 50).size(), 49U);
   EXPECT_LE(thinned_for_film(Cloud(1000, cloud[0]), 10).size(), 10U);
   for (CloudPoint& point : cloud) point.x_m += 3e5F;  // far from the origin, where voxels cannot be small
@@ -114,13 +114,13 @@ TEST(Percentile, IsTheValueOfThatRankInOrder) {
     std::sort(sorted.begin(), sorted.end());
     for (const double share : {0.0, 0.01, 0.5, 0.99, 1.0}) {
       std::vector<float> with_holes = values;
-      with_holes.push_back(kNan);
+      with_holes.push_back(kNoNumber);
       with_holes.insert(with_holes.begin(), std::numeric_limits<float>::infinity());
       const auto rank = static_cast<std::size_t>(std::lround(share * static_cast<double>(count - 1)));
       EXPECT_EQ(percentile(with_holes, share), sorted[rank]) << count << " " << share;
     }
   }
-  std::vector<float> none{kNan};
+  std::vector<float> none{kNoNumber};
   EXPECT_TRUE(std::isnan(percentile(none, 0.5)));
 }
 
@@ -192,11 +192,11 @@ TEST(ColourScaleOfCloud, OneValueOrNoneStillGivesAScale) {
       scale_of({.colour = CloudColour::kDistance, .colour_map = {}, .least = {}, .most = {}}, flat, none_away);
   EXPECT_EQ(distances.least, 0.0) << "no distance is negative";
   EXPECT_EQ(distances.most, 1.0);
-  const std::vector<float> nothing(flat.size(), kNan);
+  const std::vector<float> nothing(flat.size(), kNoNumber);
   const ColourScale none =
       scale_of({.colour = CloudColour::kDistance, .colour_map = {}, .least = {}, .most = {}}, flat, nothing);
   EXPECT_LT(none.least, none.most);
-  EXPECT_EQ(colour_at(none, colour_map(none.colour_map), kNan), colour_map(none.colour_map).unknown());
+  EXPECT_EQ(colour_at(none, colour_map(none.colour_map), kNoNumber), colour_map(none.colour_map).unknown());
 }
 
 TEST(CloudDensity, SpacingOnALatticeIsItsStep) {

@@ -14,7 +14,7 @@ using namespace test;
 /// Too small for words, so that no font matters.
 constexpr PictureSize kMapSize{288, 196};
 /// Cairo's edges differ a little between its versions; the faults below are more.
-constexpr ImageTolerance kTolerance{.mean = 0.1, .share_clear = 0.0006, .clear_step = 24};
+constexpr ImageTolerance kMapTolerance{.mean = 0.1, .share_clear = 0.0006, .clear_step = 24};
 
 FieldPicture field() {
   const OccupancyMap map = two_rooms();
@@ -33,21 +33,21 @@ RgbaImage field_image(const PathOverlay& overlay, bool is_intensity, const std::
 }
 
 TEST(PictureGolden, map) {
-  EXPECT_TRUE(matches_golden(map_image(two_rooms(), round_trip()), "map_occupancy", kTolerance));
+  EXPECT_TRUE(matches_golden(map_image(two_rooms(), round_trip()), "map_occupancy", kMapTolerance));
 }
 
 TEST(PictureGolden, field_as_intensity) {
-  EXPECT_TRUE(matches_golden(field_image(round_trip(), true), "map_intensity", kTolerance));
+  EXPECT_TRUE(matches_golden(field_image(round_trip(), true), "map_intensity", kMapTolerance));
 }
 
 TEST(PictureGolden, field_as_distance) {
-  EXPECT_TRUE(matches_golden(field_image(round_trip(), false), "map_distance", kTolerance));
+  EXPECT_TRUE(matches_golden(field_image(round_trip(), false), "map_distance", kMapTolerance));
 }
 
 TEST(PictureGolden, faults_of_the_map_do_not_pass) {
   const RgbaImage expected = golden("map_occupancy");
   const auto passes = [&](const OccupancyMap& map, const PathOverlay& overlay) {
-    return is_alike(map_image(map, overlay), expected, kTolerance);
+    return is_alike(map_image(map, overlay), expected, kMapTolerance);
   };
   EXPECT_FALSE(passes(two_rooms(), round_trip(0.1))) << "path shifted by one cell";
   PathOverlay overlay = round_trip();
@@ -70,12 +70,12 @@ TEST(PictureGolden, faults_of_the_map_do_not_pass) {
 
 TEST(PictureGolden, faults_of_the_field_do_not_pass) {
   const RgbaImage intensity = golden("map_intensity");
-  EXPECT_FALSE(is_alike(field_image(round_trip(), true, "grey"), intensity, kTolerance)) << "wrong colours";
-  EXPECT_FALSE(is_alike(field_image(round_trip(0.1), true), intensity, kTolerance)) << "path shifted by one cell";
-  EXPECT_FALSE(is_alike(field_image({}, true), intensity, kTolerance)) << "no path";
+  EXPECT_FALSE(is_alike(field_image(round_trip(), true, "grey"), intensity, kMapTolerance)) << "wrong colours";
+  EXPECT_FALSE(is_alike(field_image(round_trip(0.1), true), intensity, kMapTolerance)) << "path shifted by one cell";
+  EXPECT_FALSE(is_alike(field_image({}, true), intensity, kMapTolerance)) << "no path";
   const RgbaImage distance = golden("map_distance");
-  EXPECT_FALSE(is_alike(field_image(round_trip(), false, "ember"), distance, kTolerance)) << "wrong colours";
-  EXPECT_FALSE(is_alike(field_image(round_trip(0.1), false), distance, kTolerance)) << "path shifted by one cell";
+  EXPECT_FALSE(is_alike(field_image(round_trip(), false, "ember"), distance, kMapTolerance)) << "wrong colours";
+  EXPECT_FALSE(is_alike(field_image(round_trip(0.1), false), distance, kMapTolerance)) << "path shifted by one cell";
 }
 
 }  // namespace

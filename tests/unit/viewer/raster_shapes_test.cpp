@@ -16,7 +16,7 @@ namespace {
 
 using Pixel = std::array<int, 4>;
 constexpr Pixel kNothing{0, 0, 0, 0};
-constexpr Pixel kRed{255, 0, 0, 255};
+constexpr Pixel kRedPixel{255, 0, 0, 255};
 constexpr Pixel kBlue{0, 0, 255, 255};
 const Fill kRedFill{colour_for(0xff0000)};
 const Fill kBlueFill{colour_for(0x0000ff)};
@@ -71,7 +71,7 @@ TEST(Raster, FillsWhatIsInsideAndLeavesTheRestTransparent) {
   for (std::uint32_t y = 0; y < 10; ++y) {
     for (std::uint32_t x = 0; x < 20; ++x) {
       const bool is_inside = x >= 2 && x < 7 && y >= 3 && y < 7;
-      EXPECT_EQ(at(image, x, y), is_inside ? kRed : kNothing) << x << ' ' << y;
+      EXPECT_EQ(at(image, x, y), is_inside ? kRedPixel : kNothing) << x << ' ' << y;
     }
   }
 }
@@ -93,8 +93,8 @@ TEST(Raster, EdgesLinesPolygonsAndCirclesAreWhereTheyShouldBe) {
   canvas.polygon({{10, 50}, {40, 50}, {10, 90}}, kBlueFill);
   canvas.circle({70, 70}, 15, kRedFill, Pen{.colour = colour_for(0x0000ff), .width = 4});
   const RgbaImage image = raster_of(canvas);
-  EXPECT_EQ(at(image, 20, 10), kRed);
-  EXPECT_EQ(at(image, 20, 9), kRed);
+  EXPECT_EQ(at(image, 20, 10), kRedPixel);
+  EXPECT_EQ(at(image, 20, 9), kRedPixel);
   EXPECT_EQ(at(image, 20, 20), kNothing);
   EXPECT_EQ(at(image, 70, 8), kBlue);
   EXPECT_EQ(at(image, 70, 11), kBlue);
@@ -102,7 +102,7 @@ TEST(Raster, EdgesLinesPolygonsAndCirclesAreWhereTheyShouldBe) {
   EXPECT_EQ(at(image, 92, 13), kNothing);  // a round end
   EXPECT_EQ(at(image, 12, 80), kBlue);
   EXPECT_EQ(at(image, 38, 80), kNothing);
-  EXPECT_EQ(at(image, 70, 70), kRed);
+  EXPECT_EQ(at(image, 70, 70), kRedPixel);
   EXPECT_EQ(at(image, 85, 70), kBlue);
   EXPECT_EQ(at(image, 83, 83), kNothing);
 }
@@ -111,9 +111,9 @@ TEST(Raster, DashesLeaveGaps) {
   Canvas canvas(60, 9, "");
   canvas.line({0, 4.5}, {60, 4.5}, {.colour = colour_for(0xff0000), .width = 1, .dashes = "10 10"});
   const RgbaImage image = raster_of(canvas);
-  EXPECT_EQ(at(image, 5, 4), kRed);
+  EXPECT_EQ(at(image, 5, 4), kRedPixel);
   EXPECT_EQ(at(image, 15, 4), kNothing);
-  EXPECT_EQ(at(image, 25, 4), kRed);
+  EXPECT_EQ(at(image, 25, 4), kRedPixel);
 }
 
 TEST(Raster, AScaleGivesMorePixels) {
@@ -122,8 +122,8 @@ TEST(Raster, AScaleGivesMorePixels) {
   const RgbaImage image = raster_of(canvas, 3.0);
   ASSERT_EQ(image.width, 60U);
   ASSERT_EQ(image.height, 30U);
-  EXPECT_EQ(at(image, 6, 9), kRed);
-  EXPECT_EQ(at(image, 20, 20), kRed);
+  EXPECT_EQ(at(image, 6, 9), kRedPixel);
+  EXPECT_EQ(at(image, 20, 20), kRedPixel);
   EXPECT_EQ(at(image, 21, 20), kNothing);
   EXPECT_EQ(at(image, 5, 9), kNothing);
 }
@@ -158,14 +158,14 @@ TEST(Raster, CellsOfAMapStaySquares) {
   canvas.picture({0, 0}, 40, 40, cells, false);
   const RgbaImage image = raster_of(canvas);
   for (std::uint32_t y = 0; y < 40; ++y) {
-    for (std::uint32_t x = 0; x < 40; ++x) EXPECT_EQ(at(image, x, y), (x < 20) == (y < 20) ? kRed : kBlue);
+    for (std::uint32_t x = 0; x < 40; ++x) EXPECT_EQ(at(image, x, y), (x < 20) == (y < 20) ? kRedPixel : kBlue);
   }
   Canvas smooth(40, 40, "");
   smooth.picture({0, 0}, 40, 40, cells, true);
   const Pixel between = at(raster_of(smooth), 19, 5);
   EXPECT_GT(between[0], 60);
   EXPECT_GT(between[2], 60);
-  EXPECT_EQ(at(raster_of(smooth), 0, 0), kRed);  // no transparent rim
+  EXPECT_EQ(at(raster_of(smooth), 0, 0), kRedPixel);  // no transparent rim
 }
 
 TEST(Raster, AClipHidesWhatLeavesItAndEnds) {
@@ -178,8 +178,8 @@ TEST(Raster, AClipHidesWhatLeavesItAndEnds) {
   canvas.rectangle({0, 0}, 5, 5, kBlueFill);
   const RgbaImage image = raster_of(canvas);
   EXPECT_EQ(at(image, 9, 15), kNothing);
-  EXPECT_EQ(at(image, 10, 15), kRed);
-  EXPECT_EQ(at(image, 19, 19), kRed);
+  EXPECT_EQ(at(image, 10, 15), kRedPixel);
+  EXPECT_EQ(at(image, 19, 19), kRedPixel);
   EXPECT_EQ(at(image, 20, 19), kNothing);
   EXPECT_EQ(at(image, 37, 32), kBlue);
   EXPECT_EQ(at(image, 2, 2), kBlue);
@@ -216,7 +216,7 @@ TEST(Raster, AHaloSurroundsTheLetters) {
   int red = 0;
   int blue = 0;
   for (std::uint32_t x = 0; x < 60; ++x) {
-    red += at(image, x, 30) == kRed ? 1 : 0;
+    red += at(image, x, 30) == kRedPixel ? 1 : 0;
     blue += at(image, x, 30) == kBlue ? 1 : 0;
   }
   EXPECT_GE(red, 2);

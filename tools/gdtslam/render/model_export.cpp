@@ -25,7 +25,7 @@ static_assert(std::endian::native == std::endian::little, "the format wants litt
 constexpr int kUnsignedShort = 5123;
 constexpr int kFloat = 5126;
 constexpr int kArrayBuffer = 34962;
-constexpr int kPoints = 0;
+constexpr int kModePoints = 0;
 constexpr int kLineStrip = 3;
 
 constexpr std::size_t kBytesOfPosition = 12;
@@ -138,7 +138,7 @@ Json gltf_of(const ModelInput& model, std::size_t bytes) {
   json["nodes"] = {{{"name", "cloud"}, {"mesh", 0}}};
   json["meshes"] = {
       {{"name", "cloud"},
-       {"primitives", {{{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kPoints}, {"material", 0}}}}}};
+       {"primitives", {{{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kModePoints}, {"material", 0}}}}}};
   json["materials"] = {unlit_material("points", {1.0, 1.0, 1.0})};
   json["accessors"] = {position_accessor(0, points, box_of(model.cloud)), accessor(1, kUnsignedShort, points, "VEC4")};
   json["accessors"][1]["normalized"] = true;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLeastVoxel_m = 0.002;
 constexpr double kLargestVoxel_m = 1000.0;
-constexpr int kSteps = 7;  // of the search: the voxel's edge to 2 %
+constexpr int kSearchSteps = 7;  // of the search: the voxel's edge to 2 %
 
 // The thinned cloud, or nothing where it has more than `most` points; stops as soon as that is known.
 class BoundedKeeper : public CloudSink {
@@ -72,7 +72,7 @@ Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most) {
     if (coarse > kLargestVoxel_m) throw InputError("the cloud is too wide to be thinned to so few points");
     best = thinned(finite, coarse, most);
   }
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kSearchSteps; ++step) {
     const double middle = std::sqrt(too_fine * coarse);
     Thinned finer = thinned(finite, middle, most);
     (finer.fits ? coarse : too_fine) = middle;
