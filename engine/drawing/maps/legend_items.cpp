@@ -97,6 +97,7 @@ void draw_axes(Canvas& canvas, const Point2& origin, double arm, const LegendLoo
 }  // namespace
 
 std::string duration_text(double seconds) {
+  if (!(std::fabs(seconds) < 1e15)) return fmt::format("{:.3g} s", seconds);  // stamps of no sense
   const auto whole = static_cast<long long>(std::floor(seconds + 0.5));
   if (whole < 120) return fmt::format("{} s", whole);
   const bool is_long = whole >= 7200;
