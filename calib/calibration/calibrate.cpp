@@ -12,7 +12,6 @@
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTightRoom_m = 0.0005;     // a loop that closes with less room is remarked on
 constexpr double kLeastSweep_rad = 0.1745;  // 10 deg
 constexpr int kFirstRounds = 2;

@@ -3,12 +3,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace gdtslam::calib {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kAtBound = 1e-6;  // of the bound
 // A parameter with less than this (squared) of a combination that nothing holds is not moved by it.
 constexpr double kLeastShare = 1e-12;
@@ -76,7 +74,7 @@ Spectrum spectrum_of(const Eigen::MatrixXd& jacobian) {
   }
   spectrum.sigma = spectrum.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index i = 0; i < count; ++i) {
-    if (unheld(i) > kLeastShare) spectrum.sigma(i) = kUnbounded;
+    if (unheld(i) > kLeastShare) spectrum.sigma(i) = kInfinity;
   }
   return spectrum;
 }
@@ -129,7 +127,7 @@ double elevation_sigma_rad(const Setup& setup, std::span<const Parameter> parame
     }
     sum += gradient.dot(seen.covariance * gradient);
   }
-  return misses.list.empty() ? kUnbounded : std::sqrt(std::max(0.0, sum / static_cast<double>(misses.list.size())));
+  return misses.list.empty() ? kInfinity : std::sqrt(std::max(0.0, sum / static_cast<double>(misses.list.size())));
 }
 
 }  // namespace gdtslam::calib

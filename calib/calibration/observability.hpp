@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@ namespace gdtslam::calib {
 
 /// Where the data tell a combination worse than this share of its prior, it counts as weak.
 inline constexpr double kWeakSingularValue = 2.0;
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Below this share of the largest a singular value is rounding.
 inline constexpr double kRounding = 1e-9;
 

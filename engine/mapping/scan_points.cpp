@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kFurthestPointCell = 1 << 28;
 constexpr std::int32_t kMostWindowCells = 32767;  // along a side: what the kernels of the transforms take
-constexpr double kFurthestPoint_m = 1.0e5;        // from the robot; farther is a mount that is plainly wrong
 
 std::int32_t cell_floor(double cells) {
   return static_cast<std::int32_t>(std::floor(std::clamp(cells, -kFurthestPointCell, kFurthestPointCell)));
@@ -30,7 +29,7 @@ std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid) {
     if (!(range >= valid.min_range_m && range < limit)) continue;  // false for NaN too
     const auto direction = beam_direction(scan, beam);
     const Point2 point = scan.T_base_laser * Point2(range * direction.cos, range * direction.sin);
-    if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthestPoint_m) points.push_back(point);
+    if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthest_m) points.push_back(point);
   }
   return points;
 }

@@ -17,9 +17,8 @@ constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
 constexpr double kKeyframeRadius = 2.1;
 
-/// Whether Cairo can place it: its coordinates end at 2^23 pixels. False for what is not finite.
+/// Whether it can be drawn. False for what is not finite.
 bool is_drawable(const MapFrame& frame, const Pose2& pose) {
-  constexpr double kFarthest_px = 1e6;
   const Point2 at = frame.pixel_of(pose.translation());
   return pose.is_finite() && std::fabs(at.x()) <= kFarthest_px && std::fabs(at.y()) <= kFarthest_px;
 }

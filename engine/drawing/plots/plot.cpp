@@ -14,7 +14,6 @@ namespace {
 /// Beyond the frame, so that a curve along its edge is not cut in half.
 constexpr double kClipMargin_px = 2.0;
 /// Far outside every page, and within what Cairo's fixed numbers hold.
-constexpr double kFarthestPoint_px = 1e6;
 constexpr double kCoverStep_px = 6.0;
 constexpr std::size_t kMostCovered = 20000;
 /// Points of a curve in one column of pixels, above which only its extent there is drawn.
@@ -23,8 +22,7 @@ constexpr std::size_t kMostInColumn = 4;
 bool is_finite(const Point2& value) { return std::isfinite(value.x()) && std::isfinite(value.y()); }
 
 Point2 bounded(const Point2& place) {
-  return {std::clamp(place.x(), -kFarthestPoint_px, kFarthestPoint_px),
-          std::clamp(place.y(), -kFarthestPoint_px, kFarthestPoint_px)};
+  return {std::clamp(place.x(), -kFarthest_px, kFarthest_px), std::clamp(place.y(), -kFarthest_px, kFarthest_px)};
 }
 
 /// Of the points of one column: the first, the lowest and highest in their order, the last.

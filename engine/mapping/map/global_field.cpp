@@ -15,7 +15,6 @@ namespace gdtslam {
 namespace {
 
 constexpr std::int32_t kGuardCells = 2;  // the outermost rows and columns that always hold the cap
-constexpr std::int64_t kFurthestCell = 1 << 30;
 
 std::uint32_t stride_for(const CellBox& box) { return grid_stride(static_cast<std::uint32_t>(box.width())); }
 

@@ -1,12 +1,16 @@
 // How the grids of this part grow: by boxes of cells, with room to spare.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 
 #include "gdtslam/core/grid_geometry.hpp"
 
 namespace gdtslam {
+
+/// No map reaches farther from the anchor cell, in cells along each axis.
+inline constexpr std::int64_t kFurthestCell = 1 << 30;
 
 /// The smallest box that holds both; an empty one adds nothing.
 CellBox hull_of(const CellBox& a, const CellBox& b);

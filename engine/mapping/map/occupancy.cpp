@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
 constexpr double kEvenSteps = 256.0;
-constexpr std::int64_t kFurthestMapCell = 1 << 30;
 
 CellBox box_of(CellIndex cell) { return {cell, cell + CellOffset{1, 1}}; }
 
@@ -68,7 +67,7 @@ CellIndex OccupancyBuilder::SubCell::cell() const {
 OccupancyBuilder::SubCell OccupancyBuilder::sub_cell_of(const Point2& point_m) const {
   const auto odd = [this](double coordinate_m) {
     const double steps = std::floor(coordinate_m / limits_.resolution_m * kEvenSteps);
-    constexpr double kFurthest = static_cast<double>(kFurthestMapCell) * kEvenSteps;
+    constexpr double kFurthest = static_cast<double>(kFurthestCell) * kEvenSteps;
     return 2 * static_cast<std::int64_t>(std::clamp(steps, -kFurthest, kFurthest)) + 1;
   };
   return {odd(point_m.x()), odd(point_m.y())};
@@ -116,7 +115,7 @@ std::size_t OccupancyBuilder::index_of(CellIndex map_cell) const {
 void OccupancyBuilder::grow_to_hold(const CellBox& needed) {
   const CellBox content = hull_of(content_, needed);
   const auto fits = [this](const CellBox& box) {
-    return std::min(box.min.x, box.min.y) > -kFurthestMapCell && std::max(box.end.x, box.end.y) < kFurthestMapCell &&
+    return std::min(box.min.x, box.min.y) > -kFurthestCell && std::max(box.end.x, box.end.y) < kFurthestCell &&
            cells_of(box) <= limits_.max_cells;
   };
   const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, needed, fits);

@@ -7,20 +7,14 @@
 #include <limits>
 
 #include "engine/drawing/plots/bars.hpp"
+#include "support/picture_scene.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-template <class Kind>
-std::vector<Kind> all(const Canvas& canvas) {
-  std::vector<Kind> found;
-  for (const Shape& shape : canvas.shapes()) {
-    if (const auto* const one = std::get_if<Kind>(&shape)) found.push_back(*one);
-  }
-  return found;
-}
+using test::shapes_of;
 
 /// Of level or upright words, from text_width() and the usual height of letters.
 DrawingArea extent(const shape::Words& words) {
@@ -39,7 +33,7 @@ bool overlap(const DrawingArea& one, const DrawingArea& other) {
 }
 
 void expect_tidy(const Canvas& canvas, const DrawingArea& area) {
-  const std::vector<shape::Words> words = all<shape::Words>(canvas);
+  const std::vector<shape::Words> words = shapes_of<shape::Words>(canvas);
   for (std::size_t i = 0; i < words.size(); ++i) {
     const DrawingArea one = extent(words[i]);
     EXPECT_GE(one.corner.x(), area.corner.x() - 0.5) << words[i].text;
@@ -69,7 +63,7 @@ TEST(Plot, AnyRangeInAnySizeIsTidy) {
           const Axis axis{.title = "value in m", .from = from, .to = to, .is_grown = is_grown};
           const Plot plot(canvas, area, axis, axis, {.title = "Title", .text_size = text_size});
           expect_tidy(canvas, area);
-          EXPECT_GT(all<shape::Words>(canvas).size(), 4U) << from << " to " << to;
+          EXPECT_GT(shapes_of<shape::Words>(canvas).size(), 4U) << from << " to " << to;
         }
       }
     }
@@ -88,7 +82,7 @@ TEST(Plot, NamesOfGroupsTakeTwoRowsBeforeTheyAreCut) {
   Canvas canvas(900, 300, "");
   const Plot plot(canvas, {{10, 10}, 320, 200}, {.from = 0.5, .to = 4.5, .names = names}, {});
   int whole = 0;
-  for (const shape::Words& words : all<shape::Words>(canvas)) {
+  for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
     for (const auto& [value, name] : names) whole += words.text == name ? 1 : 0;
   }
   EXPECT_EQ(whole, 4);
@@ -106,9 +100,9 @@ TEST(Plot, PutsValuesWhereALinearScaleHasThem) {
 TEST(Plot, WhatIsNotFiniteLeavesAGap) {
   Canvas canvas(500, 400, "");
   Plot plot(canvas, {{0, 0}, 500, 400}, {.to = 4}, {});
-  const std::size_t before = all<shape::Line>(canvas).size();
+  const std::size_t before = shapes_of<shape::Line>(canvas).size();
   plot.line(std::vector<Point2>{{0, 0.5}, {1, 0.6}, {2, kNone}, {3, 0.4}, {4, 0.1}}, {});
-  const std::vector<shape::Line> lines = all<shape::Line>(canvas);
+  const std::vector<shape::Line> lines = shapes_of<shape::Line>(canvas);
   ASSERT_EQ(lines.size(), before + 2);
   EXPECT_TRUE(lines[before].points.back().isApprox(plot.at(1, 0.6)));
   EXPECT_TRUE(lines[before + 1].points.front().isApprox(plot.at(3, 0.4)));
@@ -120,7 +114,7 @@ TEST(Plot, AMillionValuesKeepTheirExtremes) {
   std::vector<Point2> values;
   for (int i = 0; i < 1000000; ++i) values.emplace_back(i, i == 654321 ? 0.9 : 0.1 * (i % 7) / 7.0);
   plot.line(values, {});
-  const std::vector<Point2> drawn = all<shape::Line>(canvas).back().points;
+  const std::vector<Point2> drawn = shapes_of<shape::Line>(canvas).back().points;
   EXPECT_LT(drawn.size(), 4U * 500U);
   EXPECT_TRUE(drawn.front().isApprox(plot.at(0, 0)));
   EXPECT_TRUE(drawn.back().isApprox(plot.at(999999, values.back().y())));
@@ -134,7 +128,7 @@ TEST(Plot, StepsAreFlatUntilTheNextValue) {
   Canvas canvas(500, 400, "");
   Plot plot(canvas, {{0, 0}, 500, 400}, {.to = 2}, {});
   plot.steps(std::vector<Point2>{{0, 0.2}, {1, 0.7}, {2, 1.0}}, {});
-  const std::vector<Point2> drawn = all<shape::Line>(canvas).back().points;
+  const std::vector<Point2> drawn = shapes_of<shape::Line>(canvas).back().points;
   const std::vector<Point2> expected{plot.at(0, 0.2), plot.at(1, 0.2), plot.at(1, 0.7), plot.at(2, 0.7),
                                      plot.at(2, 1.0)};
   ASSERT_EQ(drawn.size(), expected.size());
@@ -148,7 +142,7 @@ TEST(Plot, TheLegendKeepsOffTheCurve) {
     plot.line(std::vector<Point2>{{0.0, is_high_at_left ? 1.0 : 0.0}, {1.0, is_high_at_left ? 0.0 : 1.0}}, {},
               "a curve");
     plot.legend();
-    const shape::Rectangle card = all<shape::Rectangle>(canvas).back();
+    const shape::Rectangle card = shapes_of<shape::Rectangle>(canvas).back();
     for (double x = 0.0; x <= 1.0; x += 0.01) {
       const Point2 at = plot.at(x, is_high_at_left ? 1.0 - x : x);
       EXPECT_FALSE(at.x() > card.corner.x() && at.x() < card.corner.x() + card.width && at.y() > card.corner.y() &&
@@ -171,7 +165,7 @@ TEST(Plot, TheLegendFindsTheOneFreeCorner) {
   plot.line(std::vector<Point2>{{0.0, 0.1}, {0.6, 0.1}}, {});
   plot.line(std::vector<Point2>{{0.75, 0.5}, {1.0, 0.5}}, {});
   plot.legend();
-  const shape::Rectangle card = all<shape::Rectangle>(canvas).back();
+  const shape::Rectangle card = shapes_of<shape::Rectangle>(canvas).back();
   EXPECT_GT(card.corner.x(), plot.at(0.6, 0.0).x());
   EXPECT_GT(card.corner.y(), plot.at(0.0, 0.5).y());
 }
@@ -200,8 +194,8 @@ TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
     room.corner = {100, 50};
     draw_colour_bar(canvas, bar, room.corner);
     expect_tidy(canvas, room);
-    const shape::Rectangle frame = all<shape::Rectangle>(canvas).back();
-    for (const shape::Words& words : all<shape::Words>(canvas)) {
+    const shape::Rectangle frame = shapes_of<shape::Rectangle>(canvas).back();
+    for (const shape::Words& words : shapes_of<shape::Words>(canvas)) {
       if (words.text != "2.0") continue;
       const double share = (2.0 + 0.3) / 3.0;
       const double expected =
@@ -209,7 +203,7 @@ TEST(ColourBar, HasItsColoursItsTicksAndItsRoom) {
       EXPECT_NEAR(is_upright ? words.at.y() - 0.36 * words.lettering.size : words.at.x(), expected, 1e-6);
     }
     // Each covers the rest of the one before: the first is seen at the bottom or at the left.
-    const std::vector<shape::Rectangle> colours = all<shape::Rectangle>(canvas);
+    const std::vector<shape::Rectangle> colours = shapes_of<shape::Rectangle>(canvas);
     const shape::Rectangle& top = colours[colours.size() - 2];
     EXPECT_EQ(colours.front().fill->colour, colour_map("lagoon").at(0.5 / 128.0));
     EXPECT_EQ(top.fill->colour, colour_map("lagoon").at(127.5 / 128.0));
@@ -233,7 +227,7 @@ TEST(ColourBar, NamesBothEndsHoweverShortItIs) {
             canvas,
             {.map = &colour_map("lagoon"), .from = one.from, .to = one.to, .is_upright = is_upright, .length = length},
             {100, 100});
-        const std::vector<shape::Words> words = all<shape::Words>(canvas);
+        const std::vector<shape::Words> words = shapes_of<shape::Words>(canvas);
         ASSERT_GE(words.size(), 2U);
         EXPECT_EQ(words.front().text, one.low);
         EXPECT_EQ(words.back().text, one.high);
@@ -253,9 +247,9 @@ TEST(ColourBar, NamesBothEndsHoweverShortItIs) {
 TEST(ScaleBar, IsAsLongAsItSays) {
   Canvas canvas(600, 100, "");
   draw_scale_bar(canvas, {.pixels_per_m = 37.0, .most = 160.0, .has_halo = false}, {20, 50});
-  const shape::Line bar = all<shape::Line>(canvas).front();
+  const shape::Line bar = shapes_of<shape::Line>(canvas).front();
   EXPECT_NEAR(bar.points[1].x() - bar.points[0].x(), 2.0 * 37.0, 1e-9);  // 5 m would be 185 pixels
-  EXPECT_EQ(all<shape::Words>(canvas).front().text, "2 m");
+  EXPECT_EQ(shapes_of<shape::Words>(canvas).front().text, "2 m");
   Canvas empty(600, 100, "");
   draw_scale_bar(empty, {.pixels_per_m = 0.0}, {20, 50});
   EXPECT_TRUE(empty.shapes().empty());

@@ -25,6 +25,9 @@ struct Pen {
 
 enum class Anchor : std::uint8_t { kStart, kMiddle, kEnd };
 
+/// Nothing is drawn farther from the origin than this, in pixels: Cairo's coordinates end at 2^23.
+inline constexpr double kFarthest_px = 1e6;
+
 struct Lettering {
   double size = 13.0;
   Colour colour = ink::kText;
