@@ -36,6 +36,7 @@ struct RangeObservation {
   std::uint32_t surface = 0;
 };
 
+/// Bounds and priors of the calibration, and which parameters are free.
 struct CalibrationOptions {
   double bar_bound_m = 0.005;   ///< delta of each bar, (A2)
   double bar_prior_m = 0.0029;  ///< standard deviation of the prior; 0: no prior
@@ -56,6 +57,7 @@ struct CalibrationOptions {
 /// Every violation, one sentence each.
 std::vector<std::string> validate(const CalibrationOptions& options);
 
+/// One parameter after the calibration, with what the data say of it.
 struct CalibratedParameter {
   std::string name;  ///< crank, coupler, rocker, ground, zero, offset, distance.wall, lever.forward, ...
   std::string unit;  ///< m or rad
@@ -77,6 +79,7 @@ struct WeakCombination {
   std::string text;             ///< "crank + coupler + rocker + ground grow together (scale)"
 };
 
+/// The calibrated mount, how sure it is, and how well it explains the ranges.
 struct CalibrationResult {
   SweepModel model;
   std::vector<CalibratedParameter> parameters;

@@ -58,6 +58,7 @@ struct DesignGoal {
   double most_crank_m = 0.05;
   std::optional<double> longest_bar_m;  ///< nothing: four times the longest crank. A long bar transmits better
 };
+/// A linkage that meets a goal, with what it does over a turn.
 struct Design {
   FourBar bars;
   CrankRockerReport report;

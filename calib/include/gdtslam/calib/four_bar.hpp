@@ -14,6 +14,7 @@
 
 namespace gdtslam::calib {
 
+/// The lengths of the four bars.
 struct FourBar {
   double crank_m = 0.0;
   double coupler_m = 0.0;
@@ -33,6 +34,7 @@ enum class GrashofClass : std::uint8_t {
   kChangePoint,   ///< s + l = p + q within 1e-9 of it: the linkage can fall flat and change its mode
 };
 
+/// Where coupler and rocker are at one crank angle.
 struct LinkagePose {
   double coupler_rad = 0.0;       ///< direction from A to B
   double rocker_rad = 0.0;        ///< psi, in (-pi, pi]
@@ -55,11 +57,13 @@ struct RockerSensitivity {
   double ground = 0.0;
 };
 
+/// Crank angles at which the loop closes, from one end counter-clockwise to the other.
 struct CrankRange {
   double from_rad = 0.0;
   double to_rad = 0.0;
 };
 
+/// Where the rocker turns back.
 struct DeadPoint {
   double crank_rad = 0.0;
   double rocker_rad = 0.0;

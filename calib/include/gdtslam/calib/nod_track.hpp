@@ -27,11 +27,13 @@
 
 namespace gdtslam::calib {
 
+/// Messages farther apart leave a gap; faster turns are faults of the encoder.
 struct NodTrackLimits {
   double max_gap_s = 0.25;
   double max_turns_per_s = 5.0;
 };
 
+/// The course over time; messages are taken in the order of the log.
 class NodTrack {
  public:
   NodTrack(const CrankEncoder& encoder, const NodTrackLimits& limits);

@@ -13,6 +13,7 @@
 
 namespace gdtslam::calib {
 
+/// How the crank's encoder counts.
 struct CrankEncoder {
   std::int64_t ticks_per_turn = 20000;
   double zero_rad = 0.0;  ///< crank angle at tick 0

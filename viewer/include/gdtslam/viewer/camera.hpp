@@ -20,6 +20,7 @@ struct Bounds {
   [[nodiscard]] bool holds(const Point3& point) const;
 };
 
+/// Where a picture is taken from, and how.
 struct Camera {
   Point3 eye{0.0, -10.0, 10.0};
   Point3 target = Point3::Zero();
@@ -29,6 +30,7 @@ struct Camera {
   double parallel_height_m = 10.0;  ///< of what the picture shows from bottom to top
 };
 
+/// Where a camera stands when nobody says.
 enum class CameraPreset : std::uint8_t {
   kIso,     ///< from the south-west, the longer side turned to the picture's longer side, 38 degrees down
   kTop,     ///< straight down, parallel, the map's y up, or its x where that fills the picture better

@@ -26,6 +26,7 @@ namespace gdtslam {
 
 enum class CloudColour : std::uint8_t { kHeight, kElevation, kTime, kScan, kDistance, kPlain };
 
+/// How a cloud is drawn.
 struct CloudLook {
   CloudColour colour = CloudColour::kHeight;
   std::string colour_map;       ///< empty: the one that suits colour and background
@@ -50,6 +51,7 @@ struct ColourScale {
   std::string colour_map;
 };
 
+/// A cloud with map, path and robot, ready to be drawn.
 class CloudScene {
  public:
   CloudScene(const GraphicsContext& graphics, const CloudLook& look);

@@ -12,6 +12,7 @@
 
 namespace gdtslam {
 
+/// Frames that are drawn when they are asked for.
 class Film {
  public:
   Film() = default;

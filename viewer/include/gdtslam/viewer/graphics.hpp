@@ -9,6 +9,7 @@
 
 namespace gdtslam {
 
+/// OpenGL without a display.
 class GraphicsContext {
  public:
   /// Throws UnavailableError (exit 69) where nothing can draw: one line with what was tried, why each failed and what

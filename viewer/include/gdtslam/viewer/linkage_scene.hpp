@@ -15,6 +15,7 @@
 
 namespace gdtslam {
 
+/// How a picture of a linkage looks.
 struct LinkageLook {
   bool is_dark = false;
   bool is_transparent = false;
@@ -22,6 +23,7 @@ struct LinkageLook {
   std::uint32_t samples = 2;  ///< per pixel side, for smooth edges
 };
 
+/// A linkage in motion, ready to be drawn.
 class LinkageScene {
  public:
   /// Throws ConfigError where the loop closes nowhere.

@@ -19,6 +19,7 @@
 
 namespace gdtslam {
 
+/// What goes into a page; null: not there.
 struct PageInput {
   std::string title;
   std::string subtitle;

@@ -17,6 +17,7 @@
 
 namespace gdtslam {
 
+/// A length with its standard deviation.
 struct Dimension {
   double value_m = 0.0;
   double sigma_m = 0.0;      ///< infinite where nothing was seen of it
@@ -35,6 +36,7 @@ struct MeasuredBox {
   Point3 face_normal{1.0, 0.0, 0.0};  ///< outwards
 };
 
+/// What counts as a box, and how its faces are found.
 struct BoxSearch {
   PlaneSearch planes{.min_points = 50, .gap_m = 0.1};
   double max_size_m = 1.5;  ///< larger things are walls or furniture

@@ -30,6 +30,7 @@ struct PlanePatch {
   Point3 centre{0.0, 0.0, 0.0};
 };
 
+/// What counts as a plane, and how long one is looked for.
 struct PlaneSearch {
   double thickness_m = 0.03;  ///< a point farther away is not on the plane
   std::uint32_t min_points = 200;

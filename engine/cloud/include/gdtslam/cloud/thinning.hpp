@@ -34,6 +34,7 @@ struct LevelSurfaces {
   std::optional<PlanePatch> floor;
   std::optional<PlanePatch> ceiling;
 };
+/// What counts as floor or ceiling.
 struct LevelSearch {
   double max_tilt_rad = 0.05;
   double thickness_m = 0.06;

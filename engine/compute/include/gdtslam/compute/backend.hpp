@@ -70,6 +70,7 @@ struct PendingDownload {
   std::shared_ptr<const void> owner = nullptr;  ///< what forgets it
 };
 
+/// Buffers and kernels on one device, the CPU or a GPU.
 class Backend {
  public:
   Backend() = default;

@@ -7,6 +7,7 @@
 
 namespace gdtslam {
 
+/// One stream of numbers from one seed.
 class Random {
  public:
   explicit Random(std::uint64_t seed);

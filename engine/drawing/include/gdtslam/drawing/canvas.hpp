@@ -16,6 +16,7 @@
 
 namespace gdtslam {
 
+/// How a line or an edge is drawn.
 struct Pen {
   Colour colour = ink::kText;
   double width = 1.0;
@@ -28,6 +29,7 @@ enum class Anchor : std::uint8_t { kStart, kMiddle, kEnd };
 /// Nothing is drawn farther from the origin than this, in pixels: Cairo's coordinates end at 2^23.
 inline constexpr double kFarthest_px = 1e6;
 
+/// How words are drawn.
 struct Lettering {
   double size = 13.0;
   Colour colour = ink::kText;
@@ -37,6 +39,7 @@ struct Lettering {
   Colour halo = ink::kCard;
 };
 
+/// How an area is filled.
 struct Fill {
   Colour colour = ink::kCard;
   double opacity = 1.0;
@@ -44,6 +47,7 @@ struct Fill {
 
 /// What a canvas keeps of each call; whoever writes it in a form of his own visits these.
 namespace shape {
+/// A rectangle, its corners rounded where there is a radius.
 struct Rectangle {
   Point2 corner;  ///< upper left
   double width = 0.0;
@@ -52,26 +56,31 @@ struct Rectangle {
   std::optional<Fill> fill;
   std::optional<Pen> edge;
 };
+/// A line through points.
 struct Line {
   std::vector<Point2> points;
   Pen pen;
 };
+/// A filled area between points.
 struct Polygon {
   std::vector<Point2> points;
   Fill fill;
 };
+/// A disc, a ring or both.
 struct Circle {
   Point2 centre;
   double radius = 0.0;
   std::optional<Fill> fill;
   std::optional<Pen> edge;
 };
+/// One line of text.
 struct Words {
   Point2 at;  ///< on the base line
   std::string text;
   Lettering lettering;
   bool is_upright = false;  ///< turned by a quarter, to be read from below
 };
+/// An image, drawn to a size.
 struct Picture {
   Point2 corner;
   double width = 0.0;
@@ -90,6 +99,7 @@ struct ClipEnd {};
 using Shape = std::variant<shape::Rectangle, shape::Line, shape::Polygon, shape::Circle, shape::Words, shape::Picture,
                            shape::ClipBegin, shape::ClipEnd>;
 
+/// A drawing, shape upon shape.
 class Canvas {
  public:
   /// The title is what a screen reader says of an SVG. No page is drawn: what is not covered stays transparent.

@@ -10,6 +10,7 @@
 
 namespace gdtslam {
 
+/// Red, green and blue of sRGB, eight bits each.
 struct Colour {
   std::uint8_t red = 0;
   std::uint8_t green = 0;

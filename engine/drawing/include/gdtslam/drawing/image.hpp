@@ -14,6 +14,7 @@ struct PictureSize {
   [[nodiscard]] double aspect() const { return static_cast<double>(width) / static_cast<double>(height); }
 };
 
+/// Pixels in rows from the top, four bytes each.
 struct RgbaImage {
   std::uint32_t width = 0;
   std::uint32_t height = 0;

@@ -35,6 +35,7 @@ struct PathOverlay {
   std::vector<std::size_t> doubtful;   ///< likewise
 };
 
+/// What a picture of a map or a field shows, and in which colours.
 struct MapLook {
   std::string title;
   std::string subtitle;
@@ -67,6 +68,7 @@ struct ErrorGroup {
   std::string name;
   std::vector<double> values;  ///< in `unit`
 };
+/// Errors of several groups under one title.
 struct ErrorPlot {
   std::string title;
   std::string quantity;  ///< "Position error"

@@ -16,6 +16,7 @@
 
 namespace gdtslam {
 
+/// One axis: its range, its ticks and its words.
 struct Axis {
   std::string title = {};  ///< with the unit: "time in s"
   double from = 0.0;
@@ -27,6 +28,7 @@ struct Axis {
   std::vector<std::pair<double, std::string>> names = {};
 };
 
+/// Title, size of letters and colours of a plot.
 struct PlotLook {
   std::string title = {};  ///< above the frame; none: no room for it
   double text_size = 13.0;

@@ -16,6 +16,7 @@ struct DrawingArea {
   double height = 0.0;
 };
 
+/// The colours of a page.
 struct Theme {
   Colour page;
   Colour card;  ///< under a plot or a legend

@@ -7,11 +7,13 @@
 
 namespace gdtslam {
 
+/// Which values count as round.
 enum class TickSteps : std::uint8_t {
   kDecimal,  ///< 1, 2, 5 times a power of ten
   kDegrees   ///< the same below 10, then 15, 30, 45, 90, 180, 360
 };
 
+/// Round values at equal steps.
 struct Ticks {
   double first = 0.0;
   double step = 1.0;

@@ -21,6 +21,7 @@ enum class CloudFormat : std::uint8_t { kPlyBinary, kPlyAscii, kPcdBinary, kPcdA
 /// By the name's extension, .ply or .pcd in small or capital letters, binary. Throws UsageError for any other.
 CloudFormat cloud_format_of(const std::string& path);
 
+/// A cloud file that is being written, in one of the four formats.
 class CloudWriter : public CloudSink {
  public:
   /// Throws FileError, as add() and finish() do, also for a pipe or terminal: the count in the header is written last.
@@ -48,6 +49,7 @@ struct CloudHeader {
   bool has_scan = false;
 };
 
+/// A cloud file that is read piece by piece, in one of the four formats.
 class CloudReader {
  public:
   /// PLY or PCD by its first line, plain or in gzip. Throws InputError (file, line or point, what is wrong) or

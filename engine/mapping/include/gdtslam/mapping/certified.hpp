@@ -97,6 +97,7 @@ struct WindowPrior {
   float limit = 1.0e9F;       ///< cost units of either part
 };
 
+/// When a search may stop, where it begins and what it leaves out.
 struct CertifiedOptions {
   double gap_m = 0.005;  ///< of the mean distance: the proof that is asked for
   /// Cost units: that no pose costs less than this is proof enough, however near the best pose found is to it.
@@ -120,6 +121,7 @@ enum class CertifiedStop : std::uint8_t {
 };
 std::string_view to_string(CertifiedStop stop);
 
+/// The best pose of a search and what it proves.
 struct CertifiedResult {
   Pose2 T_map_base;          ///< the best pose found
   std::uint32_t cost = 0;    ///< its cost, prior included, 1/256 cell summed over the points

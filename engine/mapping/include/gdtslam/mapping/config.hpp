@@ -24,6 +24,7 @@ enum class MatcherKind : std::uint8_t {
 };
 enum class SearchWhen : std::uint8_t { kNever, kSuspect, kKeyframe, kAlways };
 
+/// The field's grid.
 struct MapConfig {
   double resolution_m = 0.025;
   double truncation_m = 0.5;  ///< R in metres
@@ -32,24 +33,28 @@ struct MapConfig {
   [[nodiscard]] std::uint32_t radius_cells() const;
 };
 
+/// Which returns count.
 struct ScanConfig {
   double min_range_m = 0.1;
   double max_range_m = 40.0;
   std::int32_t min_points = 20;
 };
 
+/// How a keyframe changes the map, paper equations (9) to (11).
 struct MergeConfig {
   MergeRule rule = MergeRule::kWorking;
   double threshold_m = 0.025;
   double kappa = 0.5;
 };
 
+/// How far the robot moves or turns from one keyframe to the next.
 struct KeyframeConfig {
   double distance_m = 0.25;
   double angle_rad = 0.17453292519943295;
   bool every_scan = false;
 };
 
+/// Which matcher, and what it minimises.
 struct MatchConfig {
   MatcherKind matcher = MatcherKind::kSimplexNewton;
   CostForm cost = CostForm::kDistance;
@@ -66,6 +71,7 @@ struct OptimizerConfig {
   std::int32_t seed = 1;
 };
 
+/// When odometry is not believed, and what is taken for it then.
 struct OdometryConfig {
   double max_step_m = 5.0;         ///< a longer step between two scans is a fault
   double frozen_m = 0.3;           ///< odometry that stands still while the scans move this far is taken as missing
@@ -74,6 +80,7 @@ struct OdometryConfig {
   double unknown_turn_rad = 0.17;  ///< and turn
 };
 
+/// Which points count at which stage of a descent, paper equation (8).
 struct GateConfig {
   double wide_m = 0.5;
   double final_m = 0.0873;
@@ -81,6 +88,7 @@ struct GateConfig {
   double min_share = 0.4;
 };
 
+/// How much the odometry's prediction weighs.
 struct PriorConfig {
   double weight = 0.01;       ///< mean cost in cells that one standard deviation away from the prediction adds
   double limit_sigmas = 4.0;  ///< farther away costs no more
@@ -90,6 +98,7 @@ struct PriorConfig {
   double sigma_per_rad = 0.3;
 };
 
+/// When a window of poses is searched, how wide and how dense.
 struct SearchConfig {
   SearchWhen when = SearchWhen::kKeyframe;
   double half_m = 0.3;
@@ -106,6 +115,7 @@ struct SearchConfig {
   std::int32_t max_kiloboxes = 200;  ///< certified: gives a window up after 1000 times so many boxes
 };
 
+/// When a match is suspect, refused or reported.
 struct DoubtConfig {
   double suspect_contradiction = 0.1;  ///< a window is searched beyond these
   double suspect_overlap = 0.75;
@@ -118,6 +128,7 @@ struct DoubtConfig {
   double restart_m = 2.0;  ///< after this much motion without a match the scan is merged where odometry says
 };
 
+/// All options of the 2D mapper.
 struct MapperConfig {
   MapConfig map;
   ScanConfig scan;

@@ -43,11 +43,13 @@ struct ErrorSummary {
 };
 ErrorSummary summarise(std::vector<double> errors);
 
+/// Errors in translation and in rotation.
 struct RelationErrors {
   ErrorSummary translation_m;
   ErrorSummary rotation_deg;
 };
 
+/// Errors of a trajectory over relations, all and by the time between their poses.
 struct RelationReport {
   RelationErrors all;
   RelationErrors short_term;  ///< at most 20 s apart
@@ -60,6 +62,7 @@ struct RelationReport {
 RelationReport evaluate_relations(const Trajectory& trajectory, std::span<const Relation> relations,
                                   double tolerance_s = 1e-4);
 
+/// Errors of a trajectory against a reference: absolute and over stretches of path.
 struct ReferenceReport {
   ErrorSummary ate_m;
   ErrorSummary ate_rotation_deg;
@@ -69,6 +72,7 @@ struct ReferenceReport {
   std::size_t unmatched = 0;
   Pose2 T_reference_estimate;  ///< the alignment that was applied
 };
+/// How stamps are matched and trajectories aligned.
 struct ReferenceOptions {
   double tolerance_s = 0.01;
   double rpe_distance_m = 1.0;

@@ -22,6 +22,7 @@ struct MergeStep {
   std::uint32_t lift = 0;  ///< kappa * threshold
 };
 
+/// The map's cells on one backend.
 class GlobalField {
  public:
   /// Resolution in metres, truncation radius in cells and the most cells that the map may take.

@@ -56,6 +56,7 @@ struct MapperOptions {
   std::function<void(const std::string&)> warn;
 };
 
+/// Maps one robot's scans, one after the other.
 class Mapper {
  public:
   /// Throws ConfigError that names every violation. The backend must outlive the mapper. The map lives where the

@@ -24,6 +24,7 @@ std::string_view to_string(Doubt doubt);
 enum class StopReason : std::uint8_t { kNotRun, kConverged, kEvaluationLimit };
 std::string_view to_string(StopReason reason);
 
+/// The pose of one scan and what speaks for it.
 struct MatchResult {
   double stamp_s = 0.0;
   Pose2 T_map_base;               ///< the estimate; the prediction where the match was refused

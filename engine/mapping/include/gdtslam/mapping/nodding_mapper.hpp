@@ -24,6 +24,7 @@ namespace gdtslam {
 /// share of the motion of the map, about the same centre.
 enum class PoseInterpolation : std::uint8_t { kLinear, kGeodesic, kOdometry };
 
+/// How the path between two fixes is smoothed.
 struct SmootherConfig {
   bool is_on = true;
   double band_up_m = 1.5;       ///< points up to this much above the map's height count as walls
@@ -40,6 +41,7 @@ struct SmootherConfig {
   std::int32_t iterations = 4;
 };
 
+/// How scans of a nodding laser are used.
 struct NoddingConfig {
   double horizontal_rad = 0.017453292519943295;  ///< scans whose elevations all lie within fix the pose
   PoseInterpolation interpolation = PoseInterpolation::kOdometry;
@@ -67,6 +69,7 @@ struct NoddingScanner {
   [[nodiscard]] BeamTiming timing(std::size_t beams, double bearing_step_rad) const;
 };
 
+/// Counts over the run so far.
 struct NoddingStatistics {
   std::uint64_t fixes = 0;             ///< horizontal scans that the 2D system took
   std::uint64_t between = 0;           ///< scans with an interpolated pose
@@ -93,6 +96,7 @@ struct NoddingPose {
   std::optional<MatchResult> match;
 };
 
+/// Maps the scans of a laser that nods.
 class NoddingMapper {
  public:
   using PoseSink = std::function<void(const NoddingPose&, const NoddingScan&)>;

@@ -30,6 +30,7 @@ struct OccupancyMap {
   }
 };
 
+/// How many beams make a cell a wall or free.
 struct OccupancyConfig {
   double occupied_share = 0.25;   ///< least share of ends among the scans that saw the cell
   std::int32_t min_ends = 2;      ///< fewest scans that must end in an occupied cell
@@ -39,6 +40,7 @@ struct OccupancyConfig {
 /// The table of the options, under "occupancy."; its rows point into `config`.
 std::vector<Option> option_table(OccupancyConfig& config);
 
+/// An occupancy map that is being made, scan by scan.
 class OccupancyBuilder {
  public:
   struct Limits {

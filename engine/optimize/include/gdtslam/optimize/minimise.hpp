@@ -31,6 +31,7 @@ struct Box {
   std::vector<double> most;
 };
 
+/// Why a method stopped.
 enum class Stop : std::uint8_t {
   kConverged,    ///< the method's own criterion
   kEvaluations,  ///< the limit of evaluations
@@ -43,6 +44,7 @@ struct Limits {
   double target = -1e300;
 };
 
+/// Where a method stopped and what it cost.
 struct Minimum {
   std::vector<double> point;
   double value = 0.0;

@@ -21,6 +21,7 @@ namespace gdtslam {
 using CloudPicture = std::function<std::string(const std::string& cloud_file, const std::string& log,
                                                const Trajectory& trajectory, const calib::SweepModel* linkage)>;
 
+/// What to map, and where the results go.
 struct MapRequest {
   std::vector<std::string> logs{};  ///< mapped one after the other as one; "-" is the standard input
   std::string folder{};             ///< of the results; made if need be
@@ -40,6 +41,7 @@ struct MapRequest {
   std::function<void(const std::string&)> warn{};                     ///< one line at a time, before the work begins
 };
 
+/// What a run made.
 struct MapResult {
   MapOutcome outcome;
   std::string linkage;  ///< of a laser that nods: the preset or file that was taken

@@ -68,6 +68,7 @@ struct NoddingOutcome {
   SweepCheck check;
 };
 
+/// What mapping gave, before it is written.
 struct MapOutcome {
   Trajectory trajectory;
   std::vector<DoubtfulScan> doubtful;

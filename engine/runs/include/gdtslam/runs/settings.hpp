@@ -16,6 +16,7 @@ namespace gdtslam {
 
 enum class CloudRemoval : std::uint8_t { kNone, kFloor, kCeiling, kBoth };
 
+/// How a cloud is thinned, and what is left out of it.
 struct CloudConfig {
   double voxel_m = 0.02;             ///< one point a voxel; 0 keeps all
   std::int32_t max_megavoxels = 64;  ///< memory: 16 to 32 MiB each

@@ -18,6 +18,7 @@
 
 namespace gdtslam::sim {
 
+/// Beams, reach and errors of a laser.
 struct LaserModel {
   double first_bearing_rad = 0.0;
   double bearing_step_rad = 0.0;

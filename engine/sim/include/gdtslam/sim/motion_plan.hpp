@@ -14,6 +14,7 @@
 
 namespace gdtslam::sim {
 
+/// A place to drive to.
 struct Waypoint {
   Point2 position_m{0.0, 0.0};
   std::optional<double> speed_m_per_s{};  ///< on the leg to here; the limit where empty
@@ -22,6 +23,7 @@ struct Waypoint {
   bool is_reverse = false;                ///< the leg to here is driven backward
 };
 
+/// How fast the robot drives and turns.
 struct MotionLimits {
   double speed_m_per_s = 0.7;
   double acceleration_m_per_s2 = 0.5;
@@ -50,6 +52,7 @@ struct Stand {
   double duration_s = 0.0;
 };
 
+/// The robot's motion over time.
 class MotionPlan {
  public:
   /// A single waypoint must have a pause: the robot stands there with heading 0. Throws ConfigError for no waypoint,

@@ -17,12 +17,14 @@
 
 namespace gdtslam::sim {
 
+/// When the crank turns.
 enum class NodMode : std::uint8_t {
   kContinuous,   ///< the crank turns evenly all the time
   kStopAndScan,  ///< whole turns while the robot stands; level and at rest while it drives
   kStepped,      ///< the crank stops each step for stop_s (the paper's calibration protocol)
 };
 
+/// How an encoder fails.
 enum class EncoderFaultKind : std::uint8_t {
   kStop,       ///< shows the same count from `from` to `to`
   kJump,       ///< counts `ticks` more from `from` on
@@ -38,6 +40,7 @@ struct EncoderFault {
   std::int64_t ticks = 0;
 };
 
+/// A nodding mount and its encoder, as they really are.
 struct NoddingModel {
   calib::SweepModel truth;  ///< what the mount really is
   NodMode mode = NodMode::kContinuous;

@@ -15,16 +15,19 @@
 
 namespace gdtslam::sim {
 
+/// What a ray meets first.
 struct RayHit {
   double range_m = 0.0;
   std::uint32_t triangle = 0;
   friend bool operator==(const RayHit&, const RayHit&) = default;
 };
 
+/// How Embree is used.
 struct RayCasterOptions {
   std::string embree_isa;  ///< sse2, sse4.2, avx, avx2 or avx512 forces one; empty lets Embree choose
 };
 
+/// Casts rays at one mesh.
 class RayCaster {
  public:
   /// Throws UnavailableError when Embree cannot start, ConfigError for a mesh that triangulate() would not have made.

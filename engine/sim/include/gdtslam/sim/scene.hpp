@@ -86,6 +86,7 @@ struct Wall {
   }
 };
 
+/// Everything that stands in a scene.
 struct Scene {
   std::vector<Wall> walls;
   std::vector<Box> boxes;

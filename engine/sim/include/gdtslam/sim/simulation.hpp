@@ -18,6 +18,7 @@
 
 namespace gdtslam::sim {
 
+/// The robot, its laser and its wheels.
 struct SimulationConfig {
   LaserModel laser;
   Pose2 T_base_laser;
@@ -37,6 +38,7 @@ void match_laser(SimulationConfig& config);
 /// ..."
 std::vector<std::string> validate(const SimulationConfig& config);
 
+/// A scan as it is recorded, with the truth.
 struct SimulatedScan {
   ScanRecord record;
   Pose2 T_map_base;                       ///< the truth, at the scan's stamp
@@ -55,6 +57,7 @@ struct SimulationSink {
   std::function<bool(double share)> keep_on;      ///< asked after each scan with the share done; false ends the run
 };
 
+/// Counts over a simulation.
 struct SimulationSummary {
   std::size_t scans = 0;
   std::size_t odometry_records = 0;

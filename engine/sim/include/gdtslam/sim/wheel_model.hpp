@@ -11,6 +11,7 @@
 
 namespace gdtslam::sim {
 
+/// Two driven wheels with encoders, and their errors.
 struct WheelModel {
   DifferentialDrive drive;         ///< what the robot believes
   double track_width_scale = 1.0;  ///< true track width over the believed one
@@ -25,6 +26,7 @@ struct WheelModel {
 /// Every violation, one sentence each.
 std::vector<std::string> validate(const WheelModel& wheels);
 
+/// What both encoders have counted.
 struct WheelTicks {
   std::int64_t left = 0;
   std::int64_t right = 0;

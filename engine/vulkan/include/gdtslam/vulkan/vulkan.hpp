@@ -41,6 +41,7 @@ struct VulkanDeviceInfo {
   [[nodiscard]] bool is_hardware() const { return kind == "discrete" || kind == "integrated" || kind == "virtual"; }
 };
 
+/// The devices that Vulkan finds.
 struct VulkanListing {
   std::vector<VulkanDeviceInfo> devices;
   std::string problem;  ///< why there is none: no loader, no driver, or the call that failed
@@ -65,6 +66,7 @@ enum class ShaderVariants : std::uint8_t {
   kNarrow,    ///< those for CPUs as devices: few long invocations
 };
 
+/// Which device, and how it is used.
 struct VulkanOptions {
   std::optional<unsigned> index = std::nullopt;  ///< of the listing; the first hardware GPU when empty
   std::string cache_folder = {};                 ///< of the pipeline cache; empty: none is read or written
