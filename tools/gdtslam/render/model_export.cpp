@@ -87,7 +87,12 @@ Json unlit_material(const char* name, const std::array<double, 3>& colour) {
       {"name", name},
       {"pbrMetallicRoughness",
        {{"baseColorFactor", {colour[0], colour[1], colour[2], 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
-      {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
+      {"extensions", Json::object({{"KHR_materials_unlit", Json::object()}})}};
+}
+
+// Of one primitive. One JSON value in braces is a list to GCC and the value itself to clang; Json::array is a list.
+Json mesh(const char* name, const Json& primitive) {
+  return {{"name", name}, {"primitives", Json::array({primitive})}};
 }
 
 // Bytes as base64 into a file, piece by piece.
@@ -132,14 +137,13 @@ Json gltf_of(const ModelInput& model, std::size_t bytes) {
   const auto linear = [](std::uint8_t value) { return static_cast<double>(table[value]) / 65535.0; };
   Json json;
   json["asset"] = {{"version", "2.0"}, {"generator", "gdtslam " GDTSLAM_VERSION}};
-  json["extensionsUsed"] = {"KHR_materials_unlit"};
+  json["extensionsUsed"] = Json::array({"KHR_materials_unlit"});
   json["scene"] = 0;
-  json["scenes"] = {{{"name", model.name}, {"nodes", {0}}}};
-  json["nodes"] = {{{"name", "cloud"}, {"mesh", 0}}};
-  json["meshes"] = {
-      {{"name", "cloud"},
-       {"primitives", {{{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kModePoints}, {"material", 0}}}}}};
-  json["materials"] = {unlit_material("points", {1.0, 1.0, 1.0})};
+  json["scenes"].push_back({{"name", model.name}, {"nodes", Json::array({0})}});
+  json["nodes"].push_back({{"name", "cloud"}, {"mesh", 0}});
+  json["meshes"].push_back(
+      mesh("cloud", {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kModePoints}, {"material", 0}}));
+  json["materials"].push_back(unlit_material("points", {1.0, 1.0, 1.0}));
   json["accessors"] = {position_accessor(0, points, box_of(model.cloud)), accessor(1, kUnsignedShort, points, "VEC4")};
   json["accessors"][1]["normalized"] = true;
   json["bufferViews"] = {buffer_view(0, kBytesOfPosition * points),
@@ -149,13 +153,12 @@ Json gltf_of(const ModelInput& model, std::size_t bytes) {
     json["scenes"][0]["nodes"].push_back(1);
     json["nodes"].push_back({{"name", "path"}, {"mesh", 1}});
     json["meshes"].push_back(
-        {{"name", "path"},
-         {"primitives", {{{"attributes", {{"POSITION", 2}}}, {"mode", kLineStrip}, {"material", 1}}}}});
+        mesh("path", {{"attributes", Json::object({{"POSITION", 2}})}, {"mode", kLineStrip}, {"material", 1}}));
     json["materials"].push_back(unlit_material("path", {linear(c.red), linear(c.green), linear(c.blue)}));
     json["accessors"].push_back(position_accessor(2, poses, box_of(*model.trajectory)));
     json["bufferViews"].push_back(buffer_view((kBytesOfPosition + kBytesOfColour) * points, kBytesOfPosition * poses));
   }
-  json["buffers"] = {{{"byteLength", bytes}}};
+  json["buffers"].push_back({{"byteLength", bytes}});
   return json;
 }
 
