@@ -31,14 +31,18 @@ CloudPoint cloud_point(const Point3& point) {
 
 void strew(Cloud& cloud, const Rectangle& rectangle, std::size_t count, double noise_m, Random& random) {
   for (std::size_t k = 0; k < count; ++k) {
-    const Point3 on = rectangle.corner + random.uniform() * rectangle.side + random.uniform() * rectangle.other;
+    const double across = random.uniform();
+    const double along = random.uniform();
+    const Point3 on = rectangle.corner + along * rectangle.side + across * rectangle.other;
     cloud.push_back(cloud_point(on + random.normal(0.0, noise_m) * rectangle.normal()));
   }
 }
 
 void strew_outliers(Cloud& cloud, const Point3& centre, double half_m, std::size_t count, Random& random) {
   for (std::size_t k = 0; k < count; ++k) {
-    const Point3 off(random.uniform(-half_m, half_m), random.uniform(-half_m, half_m), random.uniform(-half_m, half_m));
+    const double z = random.uniform(-half_m, half_m);
+    const double y = random.uniform(-half_m, half_m);
+    const Point3 off(random.uniform(-half_m, half_m), y, z);
     cloud.push_back(cloud_point(centre + off));
   }
 }

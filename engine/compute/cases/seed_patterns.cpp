@@ -50,12 +50,18 @@ void draw_walls(const Canvas& canvas, Random& random) {
   }
 }
 
+// Arguments of a call are computed in any order, so that random numbers must not be drawn in them.
+void draw_one(const Canvas& canvas, Random& random) {
+  const auto y = random.below(canvas.height);
+  canvas.at(random.below(canvas.width), y) = 1;
+}
+
 void draw(SeedPattern pattern, const Canvas& canvas, Random& random) {
   switch (pattern) {
     case SeedPattern::kNone:
       return;
     case SeedPattern::kOne:
-      canvas.at(random.below(canvas.width), random.below(canvas.height)) = 1;
+      draw_one(canvas, random);
       return;
     case SeedPattern::kSparse:
       scatter(canvas, random, 0.01);

@@ -103,7 +103,8 @@ std::vector<std::uint32_t> scatter_cells(CaseSize size, std::uint32_t count, Ran
     } else if (kind == 2) {
       cells[i] = static_cast<std::uint32_t>(random.bits());
     } else {
-      cells[i] = cell(random.below(size.width + 1), random.below(size.height + 1));
+      const std::uint64_t y = random.below(size.height + 1);
+      cells[i] = cell(random.below(size.width + 1), y);
     }
   }
   return cells;
