@@ -102,7 +102,7 @@ run_ctest() {
     local status=0
     ctest --test-dir "$build" -j 2 --output-on-failure --no-tests=error --output-junit "$report.xml" "$@" || status=$?
     echo "$status" >"$report.status"
-  } | grep -vE '^ +(Start +[0-9]+:|[0-9]+/[0-9]+ Test +#.* Passed )' || true
+  } | grep -vE '^ *(Start +[0-9]+:|[0-9]+/[0-9]+ Test +#.* Passed )' || true
   add_results "$name" "$report.xml"
   check_status "$name" "$(<"$report.status")"
 }
