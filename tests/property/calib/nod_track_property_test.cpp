@@ -132,7 +132,9 @@ RC_GTEST_PROP(NodTrackProperty, KnotsCoverTheirStretchInOrderAndForgettingChange
   for (std::size_t i = 0; i < knots.size(); ++i) {
     RC_ASSERT(knots[i].offset_s == same[i].offset_s);
     RC_ASSERT(knots[i].phase == same[i].phase);
-    RC_ASSERT(i == 0 || knots[i].offset_s >= knots[i - 1].offset_s);
+    // In two steps: within RC_ASSERT both sides of an `or` are computed.
+    const bool is_in_order = i == 0 || knots[i].offset_s >= knots[i - 1].offset_s;
+    RC_ASSERT(is_in_order);
   }
   bool is_covered = to_s <= log.messages.back().stamp_s;
   for (std::size_t i = 1; i < log.messages.size(); ++i) {
