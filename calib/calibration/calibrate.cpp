@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "gdtslam/calib/calibration.hpp"
@@ -102,7 +101,7 @@ double mean_miss_m(const Setup& setup, const std::vector<RangeObservation>& obse
     sum += std::min(std::fabs(miss->miss_m), kMostMiss_m);
     ++count;
   }
-  return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
+  return count > 0 ? sum / static_cast<double>(count) : kInfinity;
 }
 
 // The same bars assembled the other way, so that the elevation covers the same range: its course over a turn is that of
@@ -120,7 +119,7 @@ SweepModel best_zero(const Setup& setup, const SweepModel& model, const std::vec
                      const CalibrationOptions& options) {
   Setup trial{model, setup.surfaces};
   SweepModel best = model;
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   for (std::size_t k = 0; k < kZeros; ++k) {
     const double turn = static_cast<double>(k) / static_cast<double>(kZeros);
     trial.model.encoder.zero_rad = wrap_angle(model.encoder.zero_rad + kTwoPi * turn);

@@ -29,7 +29,7 @@ std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid) {
     if (!(range >= valid.min_range_m && range < limit)) continue;  // false for NaN too
     const auto direction = beam_direction(scan, beam);
     const Point2 point = scan.T_base_laser * Point2(range * direction.cos, range * direction.sin);
-    if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthest_m) points.push_back(point);
+    if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthestFromRobot_m) points.push_back(point);
   }
   return points;
 }

@@ -31,6 +31,7 @@ CloudPoint cloud_point(const Point3& point) {
 
 void strew(Cloud& cloud, const Rectangle& rectangle, std::size_t count, double noise_m, Random& random) {
   for (std::size_t k = 0; k < count; ++k) {
+    // One draw a statement, in the order in which the golden pictures had them.
     const double across = random.uniform();
     const double along = random.uniform();
     const Point3 on = rectangle.corner + along * rectangle.side + across * rectangle.other;

@@ -13,7 +13,6 @@ namespace {
 
 /// Beyond the frame, so that a curve along its edge is not cut in half.
 constexpr double kClipMargin_px = 2.0;
-/// Far outside every page, and within what Cairo's fixed numbers hold.
 constexpr double kCoverStep_px = 6.0;
 constexpr std::size_t kMostCovered = 20000;
 /// Points of a curve in one column of pixels, above which only its extent there is drawn.

@@ -10,7 +10,7 @@
 namespace gdtslam {
 
 /// Farther from the robot neither sensor nor points count: a mount that is plainly wrong.
-inline constexpr double kFurthest_m = 1.0e5;
+inline constexpr double kFurthestFromRobot_m = 1.0e5;
 
 inline double beam_bearing_rad(const LaserScan& scan, std::size_t beam) {
   return scan.first_bearing_rad + static_cast<double>(beam) * scan.bearing_step_rad;

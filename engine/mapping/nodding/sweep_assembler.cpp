@@ -20,8 +20,8 @@ double anchor_near(double coordinate_m) { return std::floor(coordinate_m + 0.5);
 /// Whether points can be told from the scan: the elevation is known, and the sensor has a place on the robot.
 bool has_points(const NoddingScan& scan) {
   const Pose2& level = scan.record.scan.T_base_laser;
-  return !scan.knots.empty() && level.is_finite() && std::fabs(level.x_m) < kFurthest_m &&
-         std::fabs(level.y_m) < kFurthest_m;
+  return !scan.knots.empty() && level.is_finite() && std::fabs(level.x_m) < kFurthestFromRobot_m &&
+         std::fabs(level.y_m) < kFurthestFromRobot_m;
 }
 
 BeamStrip kernel_strip(const ScanStrip& strip, const Pose2& T_map_fix, const StripOrigin& origin) {
