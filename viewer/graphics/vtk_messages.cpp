@@ -3,6 +3,7 @@
 #include <vtkLogger.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
+#include <vtkTimerLog.h>
 
 #include <algorithm>
 #include <mutex>
@@ -70,6 +71,7 @@ void collect_vtk_messages() {
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
     const auto collector = vtkSmartPointer<Collector>::New();
     vtkOutputWindow::SetInstance(collector);
+    vtkTimerLog::LoggingOff();  // VTK keeps one log of its events for all threads that draw, without a lock
   });
 }
 

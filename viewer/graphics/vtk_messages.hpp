@@ -7,7 +7,7 @@
 
 namespace gdtslam {
 
-/// Takes the place of VTK's own output, once in a process.
+/// Takes the place of VTK's own output, and ends its log of events, once in a process.
 void collect_vtk_messages();
 
 /// One line for each error that came up in this thread since the last call.
