@@ -31,6 +31,8 @@ std::vector<Option> map_options(MapperConfig& c) {
       {"map.transform", "distances of a keyframe: exact, or jump-flood, which errs now and then", Unit::kNone, 0, 0,
        Choice(c.map.transform, kTransforms)},
       {"map.max_megacells", "the map may take this many times 2^20 cells", Unit::kNone, 1, 16384, &c.map.max_megacells},
+      {"local.stretch", "path after which scans are matched with a younger map; 0: one map of all", Unit::kMetre, 0.0,
+       1000.0, &c.local.stretch_m},
       {"scan.min_range", "shorter ranges are no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m},
       {"scan.max_range", "ranges at or above are no return; the log's own limit counts too", Unit::kMetre, 0.1, 1000.0,
        &c.scan.max_range_m},
@@ -122,6 +124,8 @@ std::vector<Option> search_options(MapperConfig& c) {
 
 std::vector<Option> doubt_options(MapperConfig& c) {
   return {
+      {"odometry.estimate", "estimate its noise as the log goes; else prior and search state it", Unit::kNone, 0, 1,
+       &c.odometry.estimate},
       {"odometry.max_step", "a longer step between two scans is a fault and is not used", Unit::kMetre, 0.01, 1000.0,
        &c.odometry.max_step_m},
       {"odometry.frozen", "odometry that stands still while the scans move this far counts as missing", Unit::kMetre,

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/mapping/cost/fit.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "engine/mapping/match/matchers.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -22,7 +24,27 @@ const MapperConfig& checked(const MapperConfig& config) {
   throw ConfigError(text);
 }
 
+/// A map on the host and, where its matcher works on a device, there too.
+struct PlacedMap {
+  PlacedMap(const MapperConfig& config, Backend& cpu, Backend* on_device) : host(config, cpu) {
+    if (on_device != nullptr) device.emplace(config, *on_device, host);
+  }
+  [[nodiscard]] const GlobalField& matched() const { return device ? device->field() : host.field; }
+  void leave_device() {
+    if (device) device->update_host();
+    device.reset();
+  }
+
+  KeyframeMap host;
+  std::optional<DeviceMap> device;
+};
+
 bool is_cpu(const Backend& backend) { return backend.device().kind == "cpu"; }
+
+// A scan fits about as well where the mean distance of its points is so much more; farther points hold nothing.
+constexpr double kAboutAsWell = 1.3;
+constexpr double kAsWell_m = 0.003;
+constexpr double kFarthest_m = 0.3;
 
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
 double turn(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.theta_rad - b.theta_rad)); }
@@ -45,23 +67,31 @@ struct Mapper::State {
   void predict(const std::optional<Pose2>& T_odom_base);
   void begin_match();
   MatchResult locate();
+  [[nodiscard]] bool fits_as_well(const Pose2& pose, const Pose2& matched);
   [[nodiscard]] bool is_keyframe(const Pose2& pose) const;
   [[nodiscard]] bool wants_search(const Pose2& predicted) const;
   void update_map(MatchResult& result);
   void merge(const Pose2& pose);
+  void merge_into(PlacedMap& placed, const KeyframeCells& keyframe);
+  void begin_stretch();
+  [[nodiscard]] std::unique_ptr<PlacedMap> make_map();
   void count(const MatchResult& result);
 
   MapperConfig config;
   MapperOptions options;
   std::unique_ptr<Backend> own_cpu;  // where the backend that was given is a device
-  KeyframeMap host;                  // the map on the CPU
-  std::optional<DeviceMap> device;   // and on the device, where the matcher works there
+  Backend* cpu;
+  Backend* device = nullptr;        // where the matcher works, while it does
+  std::unique_ptr<PlacedMap> map;   // what scans are matched with
+  std::unique_ptr<PlacedMap> next;  // of local maps the one that takes its place, half a stretch younger
+  double stretch_m = 0.0;           // path since `next` was begun
   std::unique_ptr<Matcher> matcher;
   std::optional<DeviceError> loss;
   std::string loss_text;
   Backend* at_work = nullptr;  // the backend that the matcher works on
 
   MotionModel motion;
+  std::optional<MotionEstimate> estimate;  // where odometry and matches are weighed
   MapperStatistics statistics;
   bool started = false;
   Pose2 last_keyframe;
@@ -107,30 +137,34 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
     : config(checked(c)),
       options(std::move(o)),
       own_cpu(is_cpu(backend) ? nullptr : make_cpu_backend(options.cpu)),
-      host(config, own_cpu ? *own_cpu : backend),
+      cpu(own_cpu ? own_cpu.get() : &backend),
       motion(config.odometry) {
-  const bool wants_device = own_cpu && matcher_info(config.match.matcher).place == MatcherPlace::kDevice;
-  count_work_of(wants_device ? backend : host.field.backend());
+  if (own_cpu && matcher_info(config.match.matcher).place == MatcherPlace::kDevice) device = &backend;
+  count_work_of(device != nullptr ? backend : *cpu);
+  if (config.odometry.estimate) estimate.emplace();
   on_device([&] {
-    if (wants_device && !loss) device.emplace(config, backend, host);
+    map = make_map();
+    if (config.local.stretch_m > 0.0) next = make_map();
     open_matcher();
   });
 }
 
-void Mapper::State::open_matcher() {
-  matcher = matcher_info(config.match.matcher).make(config, device ? device->field() : host.field);
-}
+std::unique_ptr<PlacedMap> Mapper::State::make_map() { return std::make_unique<PlacedMap>(config, *cpu, device); }
+
+void Mapper::State::open_matcher() { matcher = matcher_info(config.match.matcher).make(config, map->matched()); }
 
 // There is no way back from the CPU: what it failed at would fail again.
 void Mapper::State::fall_back(const DeviceError& error) {
-  const bool was_on_cpu = at_work == &host.field.backend();
+  const bool was_on_cpu = at_work == cpu;
   loss = error;
   loss_text = error.what();
   matcher.reset();
   is_begun = false;
-  if (device) device->update_host();
-  device.reset();
-  count_work_of(host.field.backend());
+  device = nullptr;
+  for (PlacedMap* placed : {map.get(), next.get()}) {
+    if (placed != nullptr) placed->leave_device();
+  }
+  count_work_of(*cpu);
   if (!options.fall_back || was_on_cpu) throw DeviceError(error);
   open_matcher();
   if (options.warn) options.warn(loss_text + "; going on with the CPU, which gives the same results");
@@ -167,7 +201,7 @@ void Mapper::State::see(PointScan scan) {
 
 void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {
   const StageTimer timer(statistics.stages.predict_s);
-  prediction = motion.predict(T_odom_base);
+  prediction = estimate ? estimate->predict(motion, T_odom_base) : motion.predict(T_odom_base);
 }
 
 // Equations (6) to (8) and (4) for a scan that can be matched; the first one is the map's origin.
@@ -184,7 +218,7 @@ MatchResult Mapper::State::locate() {
     if (!is_begun) begin_match();  // the device had it
     const StageTimer timer(statistics.stages.match_s);
     MatchResult result = matcher->finish();
-    if (device) device->take_checkpoint_piece();  // it stood in line before this scan, so it is there
+    if (map->device) map->device->take_checkpoint_piece();  // it stood in line before this scan, so it is there
     return result;
   }
   MatchResult result;
@@ -193,6 +227,14 @@ MatchResult Mapper::State::locate() {
   result.accepted = points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (!result.accepted) result.doubt = Doubt::kFewPoints;
   return result;
+}
+
+// Where little holds a scan, as in a bare corridor, a match can slide along it for next to nothing.
+bool Mapper::State::fits_as_well(const Pose2& pose, const Pose2& matched) {
+  const auto [there, here] = match_on_device([&] {
+    return mean_distances_m(map->matched(), points, {matched, pose}, kFarthest_m);
+  });
+  return here <= kAboutAsWell * there + kAsWell_m;
 }
 
 bool Mapper::State::is_keyframe(const Pose2& pose) const {
@@ -224,15 +266,35 @@ void Mapper::State::update_map(MatchResult& result) {
 void Mapper::State::merge(const Pose2& pose) {
   const KeyframeCells keyframe =
       keyframe_of(in_map(points_m, pose), config.map.resolution_m, config.map.radius_cells());
-  host.field.grow_to_hold(keyframe.window);
+  if (next && stretch_m >= config.local.stretch_m) begin_stretch();
+  for (PlacedMap* placed : {map.get(), next.get()}) {
+    if (placed != nullptr) placed->host.field.grow_to_hold(keyframe.window);
+  }
+  if (started) stretch_m += distance(pose, last_keyframe);
   last_keyframe = pose;
   started = true;
   ++statistics.keyframes;
-  if (!device) return host.merge(keyframe, statistics.stages);
-  device->note(keyframe);
-  on_device([this] {
-    if (device) device->merge(statistics.stages);
+  merge_into(*map, keyframe);
+  if (next) merge_into(*next, keyframe);
+}
+
+void Mapper::State::merge_into(PlacedMap& placed, const KeyframeCells& keyframe) {
+  if (!placed.device) return placed.host.merge(keyframe, statistics.stages);
+  placed.device->note(keyframe);
+  on_device([&] {
+    if (placed.device) placed.device->merge(statistics.stages);
   });
+}
+
+// The map that was begun a stretch ago has become the one to match with, and a new one is begun.
+void Mapper::State::begin_stretch() {
+  std::unique_ptr<PlacedMap> fresh;
+  on_device([&] { fresh = make_map(); });
+  matcher.reset();
+  map = std::move(next);
+  next = std::move(fresh);
+  on_device([this] { open_matcher(); });
+  stretch_m = 0.0;
 }
 
 void Mapper::State::count(const MatchResult& result) {
@@ -254,13 +316,13 @@ const MapperConfig& Mapper::config() const { return state_->config; }
 const std::string& Mapper::device_loss() const { return state_->loss_text; }
 
 const GlobalField& Mapper::field() const {
-  if (state_->device) state_->device->update_host();
-  return state_->host.field;
+  if (state_->map->device) state_->map->device->update_host();
+  return state_->map->host.field;
 }
 
 std::vector<std::uint16_t> Mapper::download_device_cells() {
   state_->require_matcher();
-  return state_->device ? state_->device->field().download() : state_->host.field.download();
+  return state_->map->matched().download();
 }
 
 MapperStatistics Mapper::statistics() const {
@@ -289,6 +351,10 @@ MatchResult Mapper::finish() {
   assert(s.in_hand);
   s.in_hand = false;
   MatchResult result = s.match_on_device([&s] { return s.locate(); });
+  if (s.estimate) {
+    s.estimate->take(result, s.is_matched, s.points_m,
+                     [&s](const Pose2& pose, const Pose2& matched) { return s.fits_as_well(pose, matched); });
+  }
   s.motion.correct(result.T_map_base, result.accepted);
   s.update_map(result);  // (1), (9), (10), (11)
   s.count(result);

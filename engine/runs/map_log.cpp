@@ -59,7 +59,7 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
     folder.without("cloud.png");
     folder.without("linkage.yaml");
   }
-  result.report = write_run(folder, job, nodding, result.outcome, run.mapper(), backend.device(), request.settings);
+  result.report = write_run(folder, job, nodding, result.outcome, run.field(), backend.device(), request.settings);
   return result;
 }
 
@@ -118,6 +118,8 @@ MapResult map_logs(const MapRequest& request, Backend& backend) {
                    .mapper = request.settings.mapper,
                    .occupancy = request.settings.occupancy,
                    .with_pictures = request.with_pictures,
+                   .with_loops = request.with_loops,
+                   .closing = request.closing,
                    .on_failure = request.on_failure};
   try {
     return map_opened(request, job, backend);

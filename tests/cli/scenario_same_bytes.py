@@ -37,6 +37,23 @@ def same_bytes_by_isa():
         expect(len({results(report) for report in reports}) == 1, f"{matcher}: the result depends on the instruction set")
 
 
+def same_bytes_with_loops():
+    """Loops closed: threads, instruction sets and a device give the same bytes; the report lists each loop."""
+    devices = json.loads(command("devices", "--json").stdout)
+    variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
+    runs = [("--threads", 1), ("--threads", 2), *(("--isa", isa) for isa in variants)]
+    reports = [mapped(cli.fresh_folder("loops") / "run", "--loops", *run) for run in runs]
+    expect(len({results(report) for report in reports}) == 1, "the result depends on threads or instruction set")
+    loops = reports[0]["loops"]
+    expect(loops["found"] == len(loops["closures"]) > 0, f"{loops['found']} loops in a drive that ends where it began")
+    expect(loops["on"] == sum(loop["on"] for loop in loops["closures"]) > 0, "none of the loops holds")
+    expect(loops["rms_m"] < 0.03, f"points lie {loops['rms_m']} m from the walls of other scans")
+    if cli.vulkan_devices():
+        both = [mapped(cli.fresh_folder("loops") / "run", "--loops", "--first", 100, "--matcher", "exhaustive", "--device", device)
+                for device in ("cpu", "vulkan")]
+        expect(len({results(report) for report in both}) == 1, "the device gives another result")
+
+
 def live_equals_offline():
     """The example program maps live from a pipe; its poses are those of the command, and they come scan by scan."""
     if "LIVE_MAPPER" not in os.environ:

@@ -81,7 +81,7 @@ void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_
   candidates_.clear();
   for (const CellPose& pose : poses) candidates_.push_back({pose.x, pose.y, pose.theta, prior_cost(pose)});
   const PoseCost::Params p = params(interpolation_, points_.size());
-  if (poses.size() <= kSmallBatch) {
+  if (poses.size() <= kSmallBatch && !map_->cells().empty()) {
     pose_cost_host(backend_->host_isa(), p, map_->cells().data(), points_.data(), candidates_.data(),
                    static_cast<std::uint32_t>(poses.size()), costs.data());
     return;

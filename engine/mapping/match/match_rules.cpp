@@ -15,6 +15,9 @@ constexpr SimplexOptions kFirstDescent{.step_cells = 2.0F, .step_rad = 0.03F};
 // A gate that is not the last needs no more than the accuracy that the next one starts from.
 constexpr float kLooseCells = 0.1F;
 constexpr float kLooseRad = 0.001F;
+constexpr double kMatchSigma_m = 0.01;  // a match itself is off by so much
+constexpr double kMatchSigma_rad = 0.005;
+constexpr double kWindowSigmas = 4.0;  // of a window's half, besides what the configuration gives
 
 /// A coordinate of a pose for the kernels. So little that a device could meet a subnormal number on its way is 0 here,
 /// since a device may take such numbers for 0 (docs/numerics.md).
@@ -57,8 +60,8 @@ void MatchRules::begin(const Prediction& prediction, std::size_t points) {
   predicted_ = {coordinate(T.x_m / r - anchor_.x), coordinate(T.y_m / r - anchor_.y),
                 coordinate(wrap_angle(T.theta_rad))};
   const PriorConfig& p = config_.prior;
-  const double sigma_cells = (p.sigma_m + p.sigma_per_m * prediction.travelled_m) / r;
-  const double sigma_rad = p.sigma_rad + p.sigma_per_rad * prediction.turned_rad;
+  const double sigma_cells = noise().sigma_m / r;
+  const double sigma_rad = noise().sigma_rad;
   const double weight = p.weight * kFieldOne * static_cast<double>(points);
   prior_ = {.mean_x = predicted_.x,
             .mean_y = predicted_.y,
@@ -72,10 +75,25 @@ Pose2 MatchRules::to_metres(const CellPose& pose) const {
   return pose_in_metres(pose, anchor_, config_.map.resolution_m);
 }
 
+// Where the wheels' noise was estimated it is as well known as they are, else it is guessed from how far they went.
+MotionNoise MatchRules::noise() const {
+  const PriorConfig& p = config_.prior;
+  if (!prediction_.noise) {
+    return {p.sigma_m + p.sigma_per_m * prediction_.travelled_m,
+            p.sigma_rad + p.sigma_per_rad * prediction_.turned_rad};
+  }
+  const MotionNoise& estimated = *prediction_.noise;
+  return {std::sqrt(kMatchSigma_m * kMatchSigma_m + estimated.sigma_m * estimated.sigma_m),
+          std::sqrt(kMatchSigma_rad * kMatchSigma_rad + estimated.sigma_rad * estimated.sigma_rad)};
+}
+
 SearchWindow MatchRules::window(double scale) const {
   const SearchConfig& s = config_.search;
-  const double half_m = scale * (s.half_m + s.half_per_m * prediction_.travelled_m);
-  const double half_rad = scale * (s.half_rad + s.half_per_rad * prediction_.turned_rad);
+  const bool is_estimated = prediction_.noise.has_value();
+  const double more_m = is_estimated ? kWindowSigmas * noise().sigma_m : s.half_per_m * prediction_.travelled_m;
+  const double more_rad = is_estimated ? kWindowSigmas * noise().sigma_rad : s.half_per_rad * prediction_.turned_rad;
+  const double half_m = scale * (s.half_m + more_m);
+  const double half_rad = scale * (s.half_rad + more_rad);
   return {.centre = predicted_,
           .half_xy_cells = cells(std::min(half_m, s.max_half_m)),
           .half_theta_rad = static_cast<float>(std::min(half_rad, kPi)),
@@ -83,15 +101,9 @@ SearchWindow MatchRules::window(double scale) const {
           .step_rad = static_cast<float>(s.step_rad)};
 }
 
-double MatchRules::far_m() const {
-  const PriorConfig& p = config_.prior;
-  return config_.doubt.suspect_sigmas * (p.sigma_m + p.sigma_per_m * prediction_.travelled_m);
-}
+double MatchRules::far_m() const { return config_.doubt.suspect_sigmas * noise().sigma_m; }
 
-double MatchRules::far_rad() const {
-  const PriorConfig& p = config_.prior;
-  return config_.doubt.suspect_sigmas * (p.sigma_rad + p.sigma_per_rad * prediction_.turned_rad);
-}
+double MatchRules::far_rad() const { return config_.doubt.suspect_sigmas * noise().sigma_rad; }
 
 Evidence MatchRules::evidence(const EvidenceCounts& counts) const {
   const auto points = static_cast<double>(points_);

@@ -58,6 +58,8 @@ class MatchRules {
   [[nodiscard]] const std::vector<DescentStage>& stages() const { return stages_; }
   [[nodiscard]] std::uint32_t wide_gate() const { return stages_.front().gate; }
   [[nodiscard]] std::uint32_t final_gate() const { return stages_.back().gate; }
+  /// How sure the prediction is.
+  [[nodiscard]] MotionNoise noise() const;
   /// How far a pose may be from the prediction before it is suspect.
   [[nodiscard]] double far_m() const;
   [[nodiscard]] double far_rad() const;

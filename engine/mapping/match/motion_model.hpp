@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "engine/mapping/wheels/motion_noise.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/config.hpp"
 
@@ -17,6 +18,8 @@ struct Prediction {
   double travelled_m = 0.0;
   double turned_rad = 0.0;
   bool by_odometry = false;
+  std::optional<MotionNoise> noise =
+      std::nullopt;  ///< as it was estimated; without it the configuration's constants count
 };
 
 class MotionModel {
@@ -28,6 +31,8 @@ class MotionModel {
   /// What the scan then showed; `matched` is false when the prediction itself was kept.
   void correct(const Pose2& T_map_base, bool matched);
 
+  /// The last estimate.
+  [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
   /// Steps longer than the odometry may take.
   [[nodiscard]] std::uint64_t leaps() const { return leaps_; }
 

@@ -1,19 +1,17 @@
 #include "path_smoother.hpp"
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "engine/core/elementary.hpp"
+#include "engine/mapping/graph/block_cholesky.hpp"
+#include "engine/mapping/graph/matrix3.hpp"
 #include "pose_path.hpp"
 
 namespace gdtslam {
 namespace {
-
-using Matrix3 = Eigen::Matrix3d;
-using Vector3 = Eigen::Vector3d;
 
 /// Distance to the map and its gradient at any point of the map frame, metres: bilinear between the centres of the
 /// cells; a view, valid until the field changes.
@@ -73,55 +71,44 @@ struct Station {
   std::vector<Point2> points;
 };
 
-/// Normal equations of a chain: block-tridiagonal, each station with itself and with the one before.
-struct Chain {
-  explicit Chain(std::size_t size)
-      : diagonal(size, Matrix3::Zero()), before(size, Matrix3::Zero()), right(size, Vector3::Zero()) {}
-  std::vector<Matrix3> diagonal;
-  std::vector<Matrix3> before;
-  std::vector<Vector3> right;
-};
-
 /// One step of the odometry: its motion and how sure it is.
 struct Link {
   Pose2 motion;
-  Vector3 information;
+  Matrix3 information;
 };
 
 Link link_of(const SmootherConfig& config, const Pose2& T_odom_from, const Pose2& T_odom_to) {
-  Link link{between(T_odom_from, T_odom_to), {}};
-  const double way_m = link.motion.translation().norm();
-  const double turn_rad = std::fabs(link.motion.theta_rad);
+  const Pose2 motion = between(T_odom_from, T_odom_to);
+  const double way_m = std::sqrt(motion.x_m * motion.x_m + motion.y_m * motion.y_m);
+  const double turn_rad = std::fabs(motion.theta_rad);
   const double along = config.odometry_m_per_sqrt_m * config.odometry_m_per_sqrt_m * way_m + kLeastVariance;
   const double about = config.odometry_rad_per_sqrt_m * config.odometry_rad_per_sqrt_m * way_m +
                        config.odometry_rad_per_sqrt_rad * config.odometry_rad_per_sqrt_rad * turn_rad + kLeastVariance;
-  link.information = {1.0 / along, 1.0 / along, 1.0 / about};
-  return link;
+  return {motion, Matrix3::diagonal(1.0 / along, 1.0 / along, 1.0 / about)};
 }
 
 // What the odometry says about two neighbours; nothing of a fix moves.
 void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optional<std::size_t> row_from,
-              std::optional<std::size_t> row_to, Chain& chain) {
+              std::optional<std::size_t> row_to, BlockSystem& chain) {
   const Pose2 actual = between(from, to);
-  const Vector3 residual = log_se2(between(link.motion, actual));
-  const Matrix3 by_from = -adjoint(inverse(actual));
-  const Matrix3 weight = link.information.asDiagonal();
+  const Matrix3 by_from = -1.0 * adjoint_matrix(inverse(actual));
+  const Tangent2 pull = link.information * log_tangent(between(link.motion, actual));
   if (row_from) {
-    chain.diagonal[*row_from] += by_from.transpose() * weight * by_from;
-    chain.right[*row_from] -= by_from.transpose() * weight * residual;
+    chain.diagonal[*row_from] += transposed_times(by_from, link.information * by_from);
+    subtract(chain.right[*row_from], transposed(by_from) * pull);
   }
   if (row_to) {
-    chain.diagonal[*row_to] += weight;
-    chain.right[*row_to] -= weight * residual;
+    chain.diagonal[*row_to] += link.information;
+    subtract(chain.right[*row_to], pull);
   }
-  if (row_from && row_to) chain.before[*row_to] += weight * by_from;
+  if (row_from && row_to) chain.add(*row_to, *row_from, link.information * by_from);
 }
 
 // What the walls say about a station: each point's distance to the map, which a move changes by the gradient.
 void add_points(const SmootherConfig& config, const FieldGradient& field, double gate_m, const Station& station,
-                std::size_t row, Chain& chain) {
-  Matrix3 information = Matrix3::Zero();
-  Vector3 right = Vector3::Zero();
+                std::size_t row, BlockSystem& chain) {
+  Matrix3 information;
+  Tangent2 pull{};
   double count = 0.0;
   const auto turn = sin_cos(station.T_map_base.theta_rad);
   for (const Point2& p : station.points) {
@@ -131,34 +118,23 @@ void add_points(const SmootherConfig& config, const FieldGradient& field, double
     if (!value || value->distance_m > gate_m) continue;
     const Point2 g(turn.cos * value->gradient.x() + turn.sin * value->gradient.y(),
                    -turn.sin * value->gradient.x() + turn.cos * value->gradient.y());  // robot frame
-    const Vector3 row_of_point(g.x(), g.y(), g.y() * p.x() - g.x() * p.y());
+    const Tangent2 J{g.x(), g.y(), g.y() * p.x() - g.x() * p.y()};
     const double share = value->distance_m / gate_m;
     const double weight = (1.0 - share * share) * (1.0 - share * share);  // Tukey's
-    information += weight * row_of_point * row_of_point.transpose();
-    right -= weight * value->distance_m * row_of_point;
+    information += weight * outer(J, J);
+    for (std::size_t k = 0; k < 3; ++k) pull[k] += weight * value->distance_m * J[k];
     count += weight;
   }
   if (!(count > 0.0)) return;
   const double scale = std::min(1.0, config.independent_points / count) / (config.point_sigma_m * config.point_sigma_m);
   chain.diagonal[row] += scale * information;
-  chain.right[row] += scale * right;
+  for (std::size_t k = 0; k < 3; ++k) chain.right[row][k] -= scale * pull[k];
 }
 
-// Forward elimination and back substitution of a chain.
-std::vector<Vector3> solve(Chain chain) {
-  const std::size_t size = chain.right.size();
-  for (std::size_t k = 1; k < size; ++k) {
-    const Matrix3 factor = chain.before[k] * chain.diagonal[k - 1].inverse();
-    chain.diagonal[k] -= factor * chain.before[k].transpose();
-    chain.right[k] -= factor * chain.right[k - 1];
-  }
-  std::vector<Vector3> steps(size);
-  for (std::size_t k = size; k-- > 0;) {
-    Vector3 right = chain.right[k];
-    if (k + 1 < size) right -= chain.before[k + 1].transpose() * steps[k + 1];
-    steps[k] = chain.diagonal[k].inverse() * right;
-  }
-  return steps;
+BlockSystem chain_of(std::size_t stations) {
+  std::vector<BlockSystem::Pair> neighbours;
+  for (std::size_t k = 1; k < stations; ++k) neighbours.emplace_back(k - 1, k);
+  return {stations, std::move(neighbours)};
 }
 
 std::vector<Point2> thinned(std::vector<Point2> points, std::size_t most) {
@@ -197,9 +173,8 @@ std::vector<Station> stations_of(const SmootherConfig& config, const PoseFix& fr
   return stations;
 }
 
-Chain equations_of(const SmootherConfig& config, const FieldGradient& field, double gate_m, const PoseFix& from,
-                   const PoseFix& to, const std::vector<Station>& stations) {
-  Chain chain(stations.size());
+void add_equations(const SmootherConfig& config, const FieldGradient& field, double gate_m, const PoseFix& from,
+                   const PoseFix& to, const std::vector<Station>& stations, BlockSystem& chain) {
   for (std::size_t k = 0; k <= stations.size(); ++k) {
     const bool is_first = k == 0;
     const bool is_last = k == stations.size();
@@ -211,7 +186,6 @@ Chain equations_of(const SmootherConfig& config, const FieldGradient& field, dou
              chain);
     if (!is_last) add_points(config, field, gate_m, stations[k], k, chain);
   }
-  return chain;
 }
 
 // Nodes between two stations lie on the circle between them: so close together, that is smoother than the odometry.
@@ -235,14 +209,17 @@ std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, 
   std::vector<Station> stations = stations_of(config, from, nodes, points_of);
   if (stations.empty()) return 0;
   const FieldGradient gradient(field);
+  BlockSystem chain = chain_of(stations.size());
+  BlockCholesky factor(chain);
   double gate_m = kFirstGate_m;
   for (std::int32_t k = 0; k < config.iterations; ++k) {
-    const std::vector<Vector3> steps = solve(equations_of(config, gradient, gate_m, from, to, stations));
+    chain.clear();
+    add_equations(config, gradient, gate_m, from, to, stations, chain);
+    if (!factor.factorise(chain)) return 0;
+    std::vector<Tangent2> steps = chain.right;
+    factor.solve(steps);
     for (std::size_t s = 0; s < stations.size(); ++s) {
-      if (!steps[s].allFinite()) return 0;
-    }
-    for (std::size_t s = 0; s < stations.size(); ++s) {
-      stations[s].T_map_base = stations[s].T_map_base * exp_se2(steps[s]);
+      stations[s].T_map_base = stations[s].T_map_base * exp_tangent(steps[s]);
     }
     gate_m = std::max(config.gate_m, kGateShrinks * gate_m);
   }

@@ -34,10 +34,13 @@ double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 Json stages_json(const MapOutcome& outcome, double written_s) {
   const StageTimes& stages = outcome.statistics.stages;
   const double named_s = stages.predict_s + stages.match_s + stages.local_field_s + stages.merge_s;
-  return {{"read", outcome.read_s},           {"predict", stages.predict_s},
-          {"match", stages.match_s},          {"local_field", stages.local_field_s},
-          {"merge", stages.merge_s},          {"mapper_other", std::max(outcome.mapper_s - named_s, 0.0)},
-          {"occupancy", outcome.occupancy_s}, {"write", written_s}};
+  Json json{{"read", outcome.read_s},  {"predict", stages.predict_s},
+            {"match", stages.match_s}, {"local_field", stages.local_field_s},
+            {"merge", stages.merge_s}, {"mapper_other", std::max(outcome.mapper_s - named_s, 0.0)}};
+  if (outcome.closed) json["loops"] = outcome.loops_s;
+  json["occupancy"] = outcome.occupancy_s;
+  json["write"] = written_s;
+  return json;
 }
 
 Json geometry_json(const GridGeometry& geometry) {
@@ -64,6 +67,22 @@ Json doubtful_json(const std::vector<DoubtfulScan>& doubtful) {
                     {"from_prediction_deg", deg_from_rad(scan.from_prediction_rad)}});
   }
   return list;
+}
+
+Json loops_json(const ClosedPath& closed) {
+  Json list = Json::array();
+  std::size_t on = 0;
+  for (const ClosedLoop& loop : closed.loops) {
+    on += loop.is_on ? 1U : 0U;
+    list.push_back({{"from", loop.from},
+                    {"to", loop.to},
+                    {"off_m", loop.off_m},
+                    {"off_deg", deg_from_rad(loop.off_rad)},
+                    {"weight", loop.weight},
+                    {"on", loop.is_on}});
+  }
+  return {{"found", closed.loops.size()}, {"on", on},        {"searches", closed.searches}, {"pairs", closed.pairs},
+          {"rms_m", closed.rms_m},        {"closures", list}};
 }
 
 Json surface_json(const std::optional<PlanePatch>& surface) {
@@ -166,7 +185,7 @@ void write_overview(RunFolder& folder, const Canvas& overview, std::vector<LogRe
   write("overview.svg", svg);
 }
 
-Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome, const Mapper& mapper,
+Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome, const GlobalField& field,
                 const DeviceInfo& device, double written_s) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(scans_of(outcome));
@@ -197,12 +216,13 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
   report["scans_per_s"] = ratio(scans, outcome.wall_s);
   report["scans_per_core_s"] = ratio(scans, outcome.mapper_cpu_s);  // mapper alone: no reading, no occupancy map
   report["realtime_factor"] = ratio(outcome.log_duration_s, outcome.wall_s);
-  report["map_sha256"] = sha256_of(view_of(mapper.field()));
+  report["map_sha256"] = sha256_of(view_of(field));
   report["trajectory_sha256"] = sha256_of(outcome.trajectory);
-  report["gdt"] = geometry_json(mapper.field().geometry());
+  report["gdt"] = geometry_json(field.geometry());
   report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
   if (nodding != nullptr) report["nodding"] = nodding_json(*nodding, *outcome.nodding);
+  if (outcome.closed) report["loops"] = loops_json(*outcome.closed);
   report["warnings"] = warnings_json(outcome.warnings);
   report["stages"] = stages_json(outcome, written_s);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);
@@ -211,7 +231,7 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
 }
 
 std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, MapOutcome& outcome,
-                      const Mapper& mapper, const DeviceInfo& device, Settings settings) {
+                      const GlobalField& field, const DeviceInfo& device, Settings settings) {
   const auto start = std::chrono::steady_clock::now();
   // The order in which the files take their names: what others refer to first, then the YAML that refers to them, and
   // last the report, without which a folder is no run.
@@ -225,14 +245,14 @@ std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* no
   folder.staged("map.pgm");
   folder.staged("gdt.png");
   const std::string map = folder.staged("map.yaml");
-  const std::string field = folder.staged("gdt.yaml");
+  const std::string field_file = folder.staged("gdt.yaml");
   const std::string report_file = folder.staged("report.json");
   write_tum(trajectory, outcome.trajectory);
   write_occupancy_map(map, outcome.occupancy);
-  write_distance_field(field, view_of(mapper.field()));
+  write_distance_field(field_file, view_of(field));
   write_config(config, option_table(settings));
   const double written_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::string report = json_text(run_report(job, nodding, outcome, mapper, device, written_s));
+  std::string report = json_text(run_report(job, nodding, outcome, field, device, written_s));
   write_file_atomically(report_file, report);
   folder.commit();
   return report;

@@ -22,7 +22,7 @@ inline constexpr int kReportVersion = 1;
 /// The report of a run; `nodding` is null where the laser does not nod. `written_s` is the time that the other files
 /// took.
 nlohmann::ordered_json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
-                                  const Mapper& mapper, const DeviceInfo& device, double written_s);
+                                  const GlobalField& field, const DeviceInfo& device, double written_s);
 
 /// overview.png; overview.svg where this build makes no pixels or they fail, for want of a font or of memory; neither
 /// where that fails too. The run is as good without: each failure is one of the warnings. Throws FileError.
@@ -32,7 +32,7 @@ void write_overview(RunFolder& folder, const Canvas& overview, std::vector<LogRe
 /// nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's warnings.
 /// `nodding` is null for a laser that does not nod; its cloud has been written by now.
 std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, MapOutcome& outcome,
-                      const Mapper& mapper, const DeviceInfo& device, Settings settings);
+                      const GlobalField& field, const DeviceInfo& device, Settings settings);
 
 /// What a report says of the device that did the work.
 inline nlohmann::ordered_json device_json(const DeviceInfo& device) {

@@ -44,7 +44,7 @@ struct MapRun::Nodding : CloudSink {
         cloud(std::move(output)),
         sampler(job.check),
         mapper(
-            job.nodding, scanner, run.mapper_, backend, *this,
+            job.nodding, scanner, *run.mapper_, backend, *this,
             [&run](const NoddingPose& pose, const NoddingScan& scan) { run.take(pose, scan); }, run.job_.on_failure) {}
 
   void add(std::span<const CloudPoint> points) override {
@@ -83,14 +83,22 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
                std::unique_ptr<CloudOutput> cloud)
     : job_(job),
       scans_(std::move(scans)),
-      mapper_(nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper, backend,
-              job.on_failure),
       occupancy_(job.occupancy, occupancy_limits(job.mapper)),
-      nodding_(nodding != nullptr ? std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this) : nullptr),
       first_s_(kNever),
-      last_s_(-kNever) {}
+      last_s_(-kNever) {
+  if (nodding != nullptr) {
+    mapper_ = std::make_unique<Mapper>(mapper_config_of(job.mapper, nodding->nodding), backend, job.on_failure);
+    nodding_ = std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this);
+  } else if (job.with_loops) {
+    loops_ = std::make_unique<LoopMapper>(job.mapper, backend, job.on_failure);
+  } else {
+    mapper_ = std::make_unique<Mapper>(job.mapper, backend, job.on_failure);
+  }
+}
 
 MapRun::~MapRun() = default;
+
+const GlobalField& MapRun::field() const { return loops_ ? loops_->field() : mapper_->field(); }
 
 // A signal may cut the input in the middle of a line; what the reader says of that is not the user's concern.
 template <class Stream>
@@ -110,7 +118,8 @@ void MapRun::note_stamp(double stamp_s) {
 
 // The pose is the one given, which may be better than the match; what is in doubt is the match.
 void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
-  if (job_.with_occupancy && result.accepted) occupancy_.add(scan, T_map_base);
+  if (job_.with_occupancy && result.accepted && !loops_) occupancy_.add(scan, T_map_base);
+  if (loops_) scans_kept_.push_back(job_.with_occupancy && result.accepted ? scan : LaserScan{});
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
     outcome_.doubtful.push_back({outcome_.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
@@ -124,7 +133,7 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
 // The next scan is read while the device works on this one. What the reader has to complain of in it counts once this
 // one is done.
 MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
-  mapper_.start(scan.scan, scan.T_odom_base);
+  loops_ ? loops_->start(scan.scan, scan.T_odom_base) : mapper_->start(scan.scan, scan.T_odom_base);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   try {
     next.scan = next_of(scans_);
@@ -132,7 +141,7 @@ MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
     next.problem = std::current_exception();
   }
   watch_.add_to(outcome_.read_s);
-  const MatchResult result = mapper_.finish();
+  const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   return result;
 }
@@ -151,6 +160,19 @@ void MapRun::map_flat(const Progress& progress) {
     if (next.problem && !stop_()) std::rethrow_exception(next.problem);
   }
   outcome_.interrupted = stop_();
+}
+
+// Poses, keyframes and occupancy are those of the path with its loops closed.
+void MapRun::close_loops() {
+  if (outcome_.trajectory.empty()) return;
+  ClosedPath path = loops_->close(job_.closing ? job_.closing : [](std::string_view, double) {});
+  for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
+    outcome_.trajectory[i].T_map_base = path.T_map_base[i];
+    if (!scans_kept_[i].ranges_m.empty()) occupancy_.add(scans_kept_[i], path.T_map_base[i]);
+  }
+  outcome_.keyframes = path.keyframes;
+  outcome_.closed = std::move(path);
+  watch_.add_to(outcome_.loops_s);
 }
 
 void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
@@ -211,8 +233,8 @@ void MapRun::finish() {
       outcome_.warnings.push_back({"no horizontal scan", 1, text});
     }
   }
-  outcome_.statistics = mapper_.statistics();
-  outcome_.device_loss = mapper_.device_loss();
+  outcome_.statistics = front_end().statistics();
+  outcome_.device_loss = front_end().device_loss();
   require_a_map();
   if (job_.with_occupancy) outcome_.occupancy = occupancy_.build();
   watch_.add_to(outcome_.occupancy_s);
@@ -225,6 +247,7 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   watch_ = {};
   Stopwatch whole;
   nodding_ ? map_nodding(progress) : map_flat(progress);
+  if (loops_) close_loops();
   finish();
   whole.add_to(outcome_.wall_s, outcome_.cpu_s);
   return std::move(outcome_);

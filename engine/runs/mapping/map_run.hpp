@@ -35,8 +35,10 @@ struct MapJob {
   MapperConfig mapper;
   OccupancyConfig occupancy;
   bool with_occupancy = true;
-  bool with_pictures = true;  ///< the overview of the map
-  MapperOptions on_failure;   ///< of the device
+  bool with_pictures = true;       ///< the overview of the map
+  bool with_loops = false;         ///< closed once the log has ended; not where the laser nods
+  LoopMapper::Progress closing{};  ///< as that goes on; empty: nobody is told
+  MapperOptions on_failure;        ///< of the device
 };
 
 /// What a nodding log needs besides a MapJob.
@@ -65,7 +67,8 @@ class MapRun {
   /// mapped, and DeviceError as Mapper does.
   MapOutcome run(const Progress& progress, const std::function<bool()>& stop);
 
-  [[nodiscard]] const Mapper& mapper() const { return mapper_; }
+  /// The map's distance field.
+  [[nodiscard]] const GlobalField& field() const;
 
  private:
   /// The scan after the one in hand: read, or not to be had, or not to be read.
@@ -83,12 +86,16 @@ class MapRun {
   void take(const NoddingPose& pose, const NoddingScan& scan);
   void take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan);
   void note_stamp(double stamp_s);
+  [[nodiscard]] const Mapper& front_end() const { return loops_ ? loops_->front_end() : *mapper_; }
+  void close_loops();
   void require_a_map() const;
   void finish();
 
   MapJob job_;
   ScanStream scans_;
-  Mapper mapper_;
+  std::unique_ptr<Mapper> mapper_;     ///< without loops
+  std::unique_ptr<LoopMapper> loops_;  ///< or with them
+  std::vector<LaserScan> scans_kept_;  ///< for the occupancy of a path that will still change
   OccupancyBuilder occupancy_;
   std::unique_ptr<Nodding> nodding_;  ///< null: the laser does not nod
   std::function<bool()> stop_;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kResolution = 0.025;
 constexpr std::uint32_t kRadius = 20;
-constexpr MergeStep kStep{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
+constexpr MergeStep kStationStep{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
 
 /// Axis-parallel walls; the map's frame.
 struct Wall {
@@ -48,7 +48,7 @@ class Map {
     field_.grow_to_hold(keyframe.window);
     LocalField local(*backend_, kRadius);
     local.compute(keyframe);
-    local.merge_into(field_, kStep);
+    local.merge_into(field_, kStationStep);
   }
   [[nodiscard]] const GlobalField& field() const { return field_; }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,7 @@ struct MapOptions {
   bool force = false;  ///< replace files of other origin in the folder
   bool no_cloud = false;
   bool no_pictures = false;
+  bool loops = false;
   bool json = false;
   bool quiet = false;
 };
@@ -53,14 +55,21 @@ std::string work_of(const MapperStatistics& s) {
   return s.submissions > 0 ? fmt::format("{} in {} submissions", dispatches, s.submissions) : dispatches;
 }
 
+std::string loops_text(const ClosedPath& closed) {
+  const auto on = std::count_if(closed.loops.begin(), closed.loops.end(), [](const ClosedLoop& l) { return l.is_on; });
+  return fmt::format("loops: {} of {} hold; points lie {:.1f} mm from the walls of other scans\n", on,
+                     closed.loops.size(), 1000.0 * closed.rms_m);
+}
+
 std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
   const MapperStatistics& s = outcome.statistics;
   const double rate = outcome.wall_s > 0.0 ? static_cast<double>(scans_of(outcome)) / outcome.wall_s : 0.0;
   return fmt::format(
       "{} scans, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
-      "{:.2f} s ({:.0f} scans/s, {:.0f} times real time); {}\n"
+      "{}{:.2f} s ({:.0f} scans/s, {:.0f} times real time); {}\n"
       "results in {}\n",
-      scans_of(outcome), s.matched, s.doubtful, s.keyframes, s.path_m, outcome.wall_s, rate,
+      scans_of(outcome), s.matched, s.doubtful, s.keyframes, s.path_m,
+      outcome.closed ? loops_text(*outcome.closed) : "", outcome.wall_s, rate,
       outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, work_of(s), folder);
 }
 
@@ -93,6 +102,7 @@ MapRequest request_of(const MapOptions& options) {
                      .linkage = options.linkage,
                      .replace_foreign_files = options.force,
                      .with_cloud = !options.no_cloud,
+                     .with_loops = options.loops,
                      .with_pictures = !options.no_pictures,
                      .on_failure = on_failure_of(options.device)};
 #ifdef GDTSLAM_HAS_VIEWER
@@ -108,8 +118,14 @@ int map(const MapOptions& options) {
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   ProgressLine line("scans", options.quiet);
   request.progress = [&line](std::uint64_t done, double share) { line.update(done, share); };
+  TerminalLine closing(options.quiet);
+  request.closing = [&](std::string_view step, double share) {
+    line.clear();
+    closing.draw([&](double) { return fmt::format("{:4.0f} %  {}", 100.0 * share, step); });
+  };
   const MapResult result = map_logs(request, *backend);
   line.clear();
+  closing.clear();
   if (options.folder.empty()) link_latest(request.folder);
   if (!options.quiet) print_remarks(result.outcome);
   if (options.json) {
@@ -162,6 +178,8 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "LOG.linkage.yaml beside the log (LOG without .gz, .log, .clf) is taken, else the preset paper-b")
       ->type_name("NAME|FILE");
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
+  command->add_flag("--loops", options->loops,
+                    "Close loops and adjust the whole path once the log has ended; not where the laser nods");
   command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png (or .svg) and cloud.png");
   command->add_flag("--json", options->json, "Print report.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");

@@ -33,6 +33,12 @@ struct MapConfig {
   [[nodiscard]] std::uint32_t radius_cells() const;
 };
 
+/// Of which stretch of the path the map is that scans are matched with. A map of all of it pulls a robot that comes
+/// back to its old walls, right or wrong; maps of stretches drift, and leave it to the loops to say where it is.
+struct LocalMapConfig {
+  double stretch_m = 0.0;  ///< of path; a map holds one to two of them. 0: all of it
+};
+
 /// Which returns count.
 struct ScanConfig {
   double min_range_m = 0.1;
@@ -73,6 +79,7 @@ struct OptimizerConfig {
 
 /// When odometry is not believed, and what is taken for it then.
 struct OdometryConfig {
+  bool estimate = false;           ///< its noise, as the log goes; else prior and search state it
   double max_step_m = 5.0;         ///< a longer step between two scans is a fault
   double frozen_m = 0.3;           ///< odometry that stands still while the scans move this far is taken as missing
   double frozen_rad = 0.35;        ///< or turn this far
@@ -131,6 +138,7 @@ struct DoubtConfig {
 /// All options of the 2D mapper.
 struct MapperConfig {
   MapConfig map;
+  LocalMapConfig local;
   ScanConfig scan;
   MergeConfig merge;
   KeyframeConfig keyframe;

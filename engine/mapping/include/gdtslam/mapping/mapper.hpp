@@ -2,6 +2,7 @@
 // One mapper belongs to one thread; its backend may use more. Cost: docs/benchmarks.md.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -106,6 +107,58 @@ class Mapper {
   /// cell, rows of field().stride(), the cap between the rows. Throws DeviceError where the device fails; it does not
   /// fall back.
   [[nodiscard]] std::vector<std::uint16_t> download_device_cells();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The robot was where it had been before.
+struct ClosedLoop {
+  std::size_t from = 0;  ///< scans, by their number
+  std::size_t to = 0;
+  Pose2 T_from_to;      ///< as it was measured
+  double weight = 0.0;  ///< how far it is believed, from 0 to 1
+  double off_m = 0.0;   ///< of the measured from the adjusted pose
+  double off_rad = 0.0;
+  bool is_on = false;
+};
+
+/// What closing the loops came to.
+struct ClosedPath {
+  std::vector<Pose2> T_map_base;       ///< one a scan
+  std::vector<std::size_t> keyframes;  ///< scans, by their number
+  std::vector<ClosedLoop> loops;
+  std::uint64_t searches = 0;
+  std::uint64_t pairs = 0;  ///< of keyframes that were laid on each other
+  double rms_m = 0.0;       ///< of their points from the lines of the other
+};
+
+/// Maps with loops closed: a front end that matches each scan with a map of the last stretch of the path, and, once the
+/// log has ended, the back end that finds where the robot came back, adjusts all keyframes together, then every scan
+/// (docs/loops.md).
+class LoopMapper {
+ public:
+  /// The step at work, and the share of it that is done.
+  using Progress = std::function<void(std::string_view, double)>;
+
+  /// As Mapper; the configuration is that of a mapper without loops, and what the front end does otherwise is set here.
+  LoopMapper(const MapperConfig& config, Backend& backend, MapperOptions options = {});
+  ~LoopMapper();
+  LoopMapper(const LoopMapper&) = delete;
+  LoopMapper& operator=(const LoopMapper&) = delete;
+
+  /// As Mapper::start and finish: the pose is that of the front end, right relative to those shortly before.
+  void start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
+  void start(PointScan scan, const std::optional<Pose2>& T_odom_base);
+  MatchResult finish();
+
+  /// To be called once, after the last scan.
+  ClosedPath close(const Progress& progress);
+  /// The distance field of all keyframes where close() put them.
+  [[nodiscard]] const GlobalField& field() const;
+
+  [[nodiscard]] const Mapper& front_end() const;
 
  private:
   struct State;

@@ -27,8 +27,11 @@ std::string_view to_string(StopReason reason);
 /// The pose of one scan and what speaks for it.
 struct MatchResult {
   double stamp_s = 0.0;
-  Pose2 T_map_base;               ///< the estimate; the prediction where the match was refused
-  Pose2 T_map_predicted;          ///< odometry on top of the last estimate
+  Pose2 T_map_base;       ///< the estimate; the prediction where the match was refused
+  Pose2 T_map_predicted;  ///< odometry on top of the last estimate
+  Pose2 T_odometry_step;  ///< since the last scan by odometry, as it was logged; where there was none, as predicted
+  double odometry_sigma_m = 0.0;  ///< of the corrected step, along each axis; 0 where nothing was estimated
+  double odometry_sigma_rad = 0.0;
   double mean_cost_m = 0.0;       ///< mean capped distance of the valid points to the map's obstacles, at the estimate
   double overlap = 0.0;           ///< share of the valid points within the final gate, at the estimate
   double contradiction = 0.0;     ///< of the points within R of known obstacles, the share clearly beside them

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/calib/sweep_model.hpp"
@@ -32,13 +33,15 @@ struct MapRequest {
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
   bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
   bool with_cloud = true;
+  bool with_loops = false;     ///< closed once the log has ended; not where the laser nods
   bool with_pictures = true;   ///< the overview (PNG, or SVG where nothing makes pixels) and cloud.png
   CloudPicture draw_cloud{};   ///< cloud.png; empty: none
   MapperOptions on_failure{};  ///< what is done when the device fails
 
-  std::function<void(std::uint64_t scans, double share)> progress{};  ///< after each scan; share negative when unknown
-  std::function<bool()> stop{};                                       ///< true ends the run; what there is gets written
-  std::function<void(const std::string&)> warn{};                     ///< one line at a time, before the work begins
+  std::function<void(std::uint64_t scans, double share)> progress{};   ///< after each scan; share negative when unknown
+  std::function<void(std::string_view step, double share)> closing{};  ///< as loops are closed and the path is adjusted
+  std::function<bool()> stop{};                    ///< true ends the run; what there is gets written
+  std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
 };
 
 /// What a run made.

@@ -73,6 +73,7 @@ struct MapOutcome {
   Trajectory trajectory;
   std::vector<DoubtfulScan> doubtful;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
+  std::optional<ClosedPath> closed;    ///< where loops were closed; its poses are in the trajectory
   /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
   std::vector<double> match_distances_m;
   OccupancyMap occupancy;
@@ -86,6 +87,7 @@ struct MapOutcome {
   double mapper_s = 0.0;      ///< inside the mapper
   double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads
   double occupancy_s = 0.0;
+  double loops_s = 0.0;  ///< closing loops and adjusting the path
   bool interrupted = false;
   std::optional<NoddingOutcome> nodding;  ///< of a laser that nods
 };

@@ -1,0 +1,134 @@
+#include "joint_adjustment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+namespace gdtslam {
+namespace {
+
+constexpr double kFewestLaid = 15.0;  // that lay a scan on another
+
+double squared_distance(const Pose2& a, const Pose2& b) {
+  const double dx = a.x_m - b.x_m;
+  const double dy = a.y_m - b.y_m;
+  return dx * dx + dy * dy;
+}
+
+/// Poses by squares of the plane, so that those near one are found without asking all.
+class PoseBins {
+ public:
+  explicit PoseBins(double size_m) : size_m_(size_m) {}
+  void add(std::size_t index, const Pose2& pose) { bins_[key(bin(pose.x_m), bin(pose.y_m))].push_back(index); }
+  template <class Visit>
+  void visit_near(const Pose2& pose, const Visit& visit) const {
+    for (std::int64_t y = bin(pose.y_m) - 1; y <= bin(pose.y_m) + 1; ++y) {
+      for (std::int64_t x = bin(pose.x_m) - 1; x <= bin(pose.x_m) + 1; ++x) {
+        const auto found = bins_.find(key(x, y));
+        if (found == bins_.end()) continue;
+        for (const std::size_t index : found->second) visit(index);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::int64_t bin(double coordinate_m) const {
+    return static_cast<std::int64_t>(std::floor(coordinate_m / size_m_));
+  }
+  static std::uint64_t key(std::int64_t x, std::int64_t y) {
+    return (static_cast<std::uint64_t>(x) << 32U) ^ (static_cast<std::uint64_t>(y) & 0xffffffffU);
+  }
+
+  double size_m_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> bins_;  // never iterated over
+};
+
+}  // namespace
+
+std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRules& rules) {
+  std::vector<KeyframePair> pairs;
+  PoseBins bins(rules.near_m);
+  const std::size_t longest = rules.back.empty() ? 0 : rules.back.back();
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (const std::size_t back : rules.back) {
+      if (i >= back) pairs.emplace_back(i - back, i);
+    }
+    near.clear();
+    bins.visit_near(poses[i], [&](std::size_t j) {
+      const double square = squared_distance(poses[i], poses[j]);
+      if (square < rules.near_m * rules.near_m) near.emplace_back(square, j);
+    });
+    const std::size_t count = std::min(near.size(), rules.most_near);
+    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
+    for (std::size_t k = 0; k < count; ++k) pairs.emplace_back(near[k].second, i);
+    if (i >= longest) bins.add(i - longest, poses[i - longest]);
+  }
+  return pairs;
+}
+
+JointAdjustment::JointAdjustment(const std::vector<KeptScan>& scans, std::vector<PoseRelation> held,
+                                 const JointOptions& options)
+    : scans_(scans), held_(std::move(held)), options_(options) {}
+
+BlockSystem JointAdjustment::system_for(const std::vector<KeyframePair>& pairs) const {
+  std::vector<BlockSystem::Pair> pattern(pairs.begin(), pairs.end());
+  for (const PoseRelation& relation : held_) pattern.emplace_back(relation.from, relation.to);
+  return {scans_.size(), std::move(pattern)};
+}
+
+// Motions of the scan that moves are tangents on its right; one of the scan that stands still is, seen from the moving
+// one, the opposite motion carried over.
+void JointAdjustment::add_one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
+                                  const LineGate& gate, BlockSystem& system, LineEquations& total) const {
+  const Pose2 T_fixed_moving = between(poses[fixed], poses[moving]);
+  const LineEquations lines = line_equations(scans_[fixed], scans_[moving], T_fixed_moving, gate);
+  if (lines.weight < kFewestLaid) return;
+  const double weight = options_.independent / (options_.point_noise_m * options_.point_noise_m);
+  const Matrix3 by_fixed = -1.0 * adjoint_matrix(inverse(T_fixed_moving));
+  const Matrix3 information = weight * lines.information;
+  const Matrix3 cross = information * by_fixed;  // (moving, fixed)
+  system.diagonal[moving] += information;
+  system.diagonal[fixed] += transposed_times(by_fixed, cross);
+  system.add(moving, fixed, cross);
+  const Tangent2 pull{weight * lines.gradient[0], weight * lines.gradient[1], weight * lines.gradient[2]};
+  subtract(system.right[moving], pull);
+  subtract(system.right[fixed], transposed(by_fixed) * pull);
+  total.weight += lines.weight;
+  total.cost_m2 += lines.cost_m2;
+}
+
+void JointAdjustment::add_pair(const KeyframePair& pair, const std::vector<Pose2>& poses, const LineGate& gate,
+                               BlockSystem& system, LineEquations& total) const {
+  add_one_way(pair.first, pair.second, poses, gate, system, total);
+  add_one_way(pair.second, pair.first, poses, gate, system, total);
+}
+
+JointResult JointAdjustment::run(std::vector<Pose2>& poses) const {
+  JointResult result;
+  if (poses.size() < 2) return result;
+  std::vector<KeyframePair> pairs;
+  std::optional<BlockSystem> system;
+  std::optional<BlockCholesky> factor;
+  double gate_m = options_.first_gate_m;
+  for (int step = 0; step < options_.iterations; ++step) {
+    if (step % options_.pairs_every == 0) {
+      pairs = pairs_of(poses);
+      system.emplace(system_for(pairs));
+      factor.emplace(*system);
+    }
+    system->clear();
+    LineEquations total;
+    const LineGate gate{.most_m = gate_m, .points = options_.points};
+    for (const KeyframePair& pair : pairs) add_pair(pair, poses, gate, *system, total);
+    for (const PoseRelation& relation : held_) add_relation(relation, poses, 1.0, *system);
+    result.largest_step_m = take_step(*system, *factor, poses);
+    result.rms_m = total.weight > 0.0 ? std::sqrt(total.cost_m2 / total.weight) : 0.0;
+    result.pairs = pairs.size();
+    gate_m = std::max(options_.last_gate_m, options_.narrowing * gate_m);
+  }
+  return result;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,66 @@
+// All keyframes at once, each laid on its neighbours in time and in space, points to lines [Lu1997], with what the
+// front end said over short stretches of the path. Gauss-Newton with gates that narrow. The same bits for any number of
+// threads. Cost: some ten iterations over about fifteen pairs a keyframe; 20 bytes a point.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "engine/mapping/adjust/point_to_line.hpp"
+#include "engine/mapping/graph/pose_graph.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
+
+namespace gdtslam {
+
+/// Two keyframes that see the same walls, the earlier one first.
+using KeyframePair = std::pair<std::size_t, std::size_t>;
+
+/// Keyframes that are so many back in time, and the nearest of those before: at most `most_near` within a distance.
+struct PairRules {
+  std::vector<std::size_t> back = {1, 2, 3, 5, 8, 12, 18, 26};
+  std::size_t most_near = 6;
+  double near_m = 4.0;
+};
+
+/// By the poses as they are, in the order of the later keyframe.
+std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRules& rules = {});
+
+struct JointOptions {
+  int iterations = 10;
+  int pairs_every = 4;  ///< iterations after which the pairs are chosen anew
+  double first_gate_m = 0.15;
+  double last_gate_m = 0.1;
+  double narrowing = 0.8;
+  double point_noise_m = 0.02;
+  double independent = 0.2;  ///< share of the points that tell something new
+  std::size_t points = 90;   ///< of a scan, for each pair
+};
+
+/// What an adjustment came to.
+struct JointResult {
+  double rms_m = 0.0;           ///< of the points' distances from their lines, at the last gate
+  double largest_step_m = 0.0;  ///< of the last iteration
+  std::size_t pairs = 0;
+};
+
+class JointAdjustment {
+ public:
+  /// `scans` must outlive this, one a pose. `held` are relations that are to be kept, with their information.
+  JointAdjustment(const std::vector<KeptScan>& scans, std::vector<PoseRelation> held, const JointOptions& options);
+
+  JointResult run(std::vector<Pose2>& poses) const;
+
+ private:
+  void add_pair(const KeyframePair& pair, const std::vector<Pose2>& poses, const LineGate& gate, BlockSystem& system,
+                LineEquations& total) const;
+  void add_one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses, const LineGate& gate,
+                   BlockSystem& system, LineEquations& total) const;
+  [[nodiscard]] BlockSystem system_for(const std::vector<KeyframePair>& pairs) const;
+
+  const std::vector<KeptScan>& scans_;
+  std::vector<PoseRelation> held_;
+  JointOptions options_;
+};
+
+}  // namespace gdtslam

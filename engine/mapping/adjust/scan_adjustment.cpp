@@ -1,0 +1,58 @@
+#include "scan_adjustment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gdtslam {
+namespace {
+
+constexpr double kTurnStiffness = 4.0;  // beside that of a metre
+
+}  // namespace
+
+ScanAdjustment::ScanAdjustment(std::span<const KeptScan> keyframes, std::span<const Pose2> poses,
+                               const ScanAdjustmentOptions& options)
+    : keyframes_(keyframes), poses_(poses), options_(options) {}
+
+std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::size_t last, bool is_keyframe) const {
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    if (is_keyframe && i == last) continue;
+    const double dx = poses_[i].x_m - pose.x_m;
+    const double dy = poses_[i].y_m - pose.y_m;
+    const double away_m = std::sqrt(dx * dx + dy * dy);
+    if (away_m >= options_.near_m) continue;
+    const std::size_t apart = i > last ? i - last : last - i;
+    near.emplace_back(away_m + (apart < options_.next_in_time ? 0.0 : options_.neighbour_bonus_m), i);
+  }
+  const std::size_t count = std::min(near.size(), options_.most_keyframes);
+  std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
+  std::vector<std::size_t> keyframes;
+  for (std::size_t k = 0; k < count; ++k) keyframes.push_back(near[k].second);
+  return keyframes;
+}
+
+Pose2 ScanAdjustment::adjusted(const KeptScan& scan, const Pose2& pose, std::size_t last, bool is_keyframe) const {
+  const std::vector<std::size_t> near = keyframes_near(pose, last, is_keyframe);
+  const LineGate gate{.most_m = options_.point_gate_m, .points = options_.points};
+  Pose2 best = pose;
+  for (int step = 0; step < options_.iterations; ++step) {
+    Matrix3 information;
+    Tangent2 gradient{};
+    for (const std::size_t keyframe : near) {
+      const LineEquations lines = line_equations(keyframes_[keyframe], scan, between(poses_[keyframe], best), gate);
+      information += lines.information;
+      add(gradient, lines.gradient);
+    }
+    const double mean = 0.1 * (information(0, 0) + information(1, 1) + information(2, 2)) + 1.0;
+    const double hold = options_.stiffness * mean;
+    const Matrix3 stiffness = Matrix3::diagonal(hold, hold, kTurnStiffness * hold);
+    add(gradient, stiffness * log_tangent(between(pose, best)));
+    const Tangent2 back = inverse(information + stiffness) * gradient;
+    best = best * exp_tangent({-back[0], -back[1], -back[2]});
+  }
+  return best;
+}
+
+}  // namespace gdtslam

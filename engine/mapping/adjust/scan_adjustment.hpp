@@ -1,0 +1,43 @@
+// Every scan once more, laid on the keyframes around it, which stay: what lies between two keyframes is as good as they
+// are. Frame: the keyframes'. Thread-safe. Cost: eight pairs of scans and three iterations each.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/mapping/adjust/point_to_line.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
+
+namespace gdtslam {
+
+struct ScanAdjustmentOptions {
+  int iterations = 3;
+  std::size_t most_keyframes = 8;
+  double near_m = 3.0;
+  double neighbour_bonus_m = 0.3;  ///< keyframes next in time count as so much nearer
+  std::size_t next_in_time = 8;    ///< keyframes, to each side
+  double point_gate_m = 0.15;
+  std::size_t points = 120;
+  double stiffness = 0.3;  ///< toward the pose given, relative to what the points tell in the mean
+};
+
+class ScanAdjustment {
+ public:
+  /// Both must outlive this, one a keyframe.
+  ScanAdjustment(std::span<const KeptScan> keyframes, std::span<const Pose2> poses,
+                 const ScanAdjustmentOptions& options);
+
+  /// The pose of a scan that was taken after keyframe `last` and before the next; the keyframe itself does not count
+  /// where the scan is one.
+  [[nodiscard]] Pose2 adjusted(const KeptScan& scan, const Pose2& pose, std::size_t last, bool is_keyframe) const;
+
+ private:
+  [[nodiscard]] std::vector<std::size_t> keyframes_near(const Pose2& pose, std::size_t last, bool is_keyframe) const;
+
+  std::span<const KeptScan> keyframes_;
+  std::span<const Pose2> poses_;
+  ScanAdjustmentOptions options_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,154 @@
+#include "back_end.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gdtslam {
+namespace {
+
+// A match of one scan against the local map: its points' noise, those among them that tell something new, and how well
+// a keyframe is known at best, because neighbours are matched against the same cells.
+constexpr double kStepPointNoise_m = 0.02;
+constexpr double kStepIndependent = 20.0;
+constexpr double kEnoughPoints = 60.0;
+constexpr double kStepLeastShape = 1.0e-6;
+constexpr double kStepFloor_m = 0.005;
+constexpr double kStepFloor_rad = 0.0015;
+constexpr double kStepLeastShare = 0.01;
+// How far a match is off at most times, and the wheels at best; beyond this chi2 one of the two leapt.
+constexpr double kMatchNoise_m = 0.02;
+constexpr double kMatchNoise_rad = 0.01;
+constexpr double kLeastWheels_m = 0.002;
+constexpr double kLeastWheels_rad = 0.0005;
+constexpr double kLeapChi2 = 25.0;
+// In the joint adjustment the points themselves speak: the path is held by little, and by what the front end says over
+// stretches of its local map.
+constexpr double kChainShare = 0.05;
+constexpr double kWheelShare = 0.3;
+constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
+constexpr double kSpanNoise_m = 0.01;
+constexpr double kSpanNoise_rad = 0.003;
+
+double square(double value) { return value * value; }
+
+}  // namespace
+
+void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
+  if (!path_.poses.empty()) follow(result);
+  T_map_last_ = result.T_map_base;
+  KeptScan kept = keep_scan(points_base_m);
+  if (result.merged || path_.poses.empty()) {
+    keyframes_.push_back(scans_.size());
+    scans_.push_back({{}, {}, path_.poses.size()});
+    add_keyframe(result, std::move(kept));
+    return;
+  }
+  scans_.push_back({std::move(kept), between(path_.poses.back(), result.T_map_base), path_.poses.size() - 1});
+}
+
+// One scan on. Where the match is farther from what the wheels said than both can be, either may be wrong by all of it.
+void BackEnd::follow(const MatchResult& result) {
+  const Pose2& step = result.T_odometry_step;
+  const Matrix3 carried = adjoint_matrix(inverse(step));
+  const double m = square(result.odometry_sigma_m);
+  const double rad = square(result.odometry_sigma_rad);
+  T_wheels_ = T_wheels_ * step;
+  wheels_covariance_ = carried * times_transposed(wheels_covariance_, carried) + Matrix3::diagonal(m, m, rad);
+  leaps_ = carried * times_transposed(leaps_, carried);
+  const Tangent2 off = log_tangent(between(result.T_map_predicted, result.T_map_base));
+  const double chi2 = (square(off[0]) + square(off[1])) / (m + square(kMatchNoise_m)) +
+                      square(off[2]) / (rad + square(kMatchNoise_rad));
+  if (chi2 > kLeapChi2) leaps_ += outer(off, off);
+}
+
+void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
+  if (path_.poses.empty()) {
+    path_.path_m.push_back(0.0);
+    path_.steps.emplace_back();
+  } else {
+    const Pose2 step = between(path_.poses.back(), result.T_map_base);
+    path_.path_m.push_back(path_.path_m.back() + std::sqrt(square(step.x_m) + square(step.y_m)));
+    path_.steps.push_back(steps_to(result.T_map_base, points));
+  }
+  path_.poses.push_back(result.T_map_base);
+  path_.scans.push_back(std::move(points));
+  T_wheels_ = {};
+  wheels_covariance_ = {};
+  leaps_ = {};
+}
+
+// The pose of the front end is that of points and wheels; what the wheels alone tell.
+MeasuredSteps BackEnd::steps_to(const Pose2& T_map_base, const KeptScan& scan) const {
+  const std::size_t points = scan.surface.size();
+  const double share = std::min(1.0, static_cast<double>(points) / kEnoughPoints);
+  const Matrix3 of_points = kStepIndependent * std::max(share, kStepLeastShare) / square(kStepPointNoise_m) *
+                            shape_of_one(shape_of(scan), points, kStepLeastShape);
+  const Matrix3 floor = Matrix3::diagonal(square(kStepFloor_m), square(kStepFloor_m), square(kStepFloor_rad));
+  const Matrix3 least = Matrix3::diagonal(square(kLeastWheels_m), square(kLeastWheels_m), square(kLeastWheels_rad));
+  const Matrix3 of_wheels = inverse(wheels_covariance_ + least + leaps_);
+  const Matrix3 of_front_end = inverse(inverse(of_points + of_wheels) + floor + leaps_);
+  return {MeasuredStep{between(path_.poses.back(), T_map_base), of_front_end}, MeasuredStep{T_wheels_, of_wheels}};
+}
+
+// The path from one keyframe to the next, by wheels and by the front end as far as they are believed, and what the
+// front end says of stretches of its local map.
+std::vector<PoseRelation> BackEnd::held_relations(const MeasuredPath& measured) const {
+  std::vector<PoseRelation> held;
+  const auto hold = [&held](PoseRelation relation, double share) {
+    relation.information = share * relation.information;
+    held.push_back(relation);
+  };
+  const std::size_t keyframes = path_.poses.size();
+  for (std::size_t i = 1; i < keyframes; ++i) {
+    hold(measured.stretch(i - 1, i, StepSource::kWheels), kWheelShare);
+    hold(measured.stretch(i - 1, i, StepSource::kFrontEnd), kChainShare);
+  }
+  const Matrix3 floor = Matrix3::diagonal(square(kSpanNoise_m), square(kSpanNoise_m), square(kSpanNoise_rad));
+  for (const std::size_t span : kSpans) {
+    for (std::size_t i = 0; i + span < keyframes; i += span / 4) {
+      PoseRelation stretch = measured.stretch(i, i + span, StepSource::kFrontEnd);
+      stretch.information = inverse(inverse(stretch.information) + floor);
+      held.push_back(stretch);
+    }
+  }
+  return held;
+}
+
+std::vector<Pose2> BackEnd::poses_of_scans(const std::vector<Pose2>& keyframes) const {
+  std::vector<Pose2> poses;
+  poses.reserve(scans_.size());
+  for (const Scan& scan : scans_) poses.push_back(keyframes[scan.keyframe] * scan.T_keyframe_base);
+  return poses;
+}
+
+void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses,
+                           const Progress& progress) const {
+  const ScanAdjustment adjustment(path_.scans, keyframes, options_.scans);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Scan& scan = scans_[i];
+    const bool is_keyframe = keyframes_[scan.keyframe] == i;
+    const KeptScan& points = is_keyframe ? path_.scans[scan.keyframe] : scan.points;
+    poses[i] = adjustment.adjusted(points, poses[i], scan.keyframe, is_keyframe);
+    progress("adjusting scans", static_cast<double>(i + 1) / static_cast<double>(poses.size()));
+  }
+}
+
+BackEndResult BackEnd::finish(const Progress& progress) {
+  LoopCloser closer(path_, options_.loops);
+  closer.run(
+      [&](double share, int round) { progress("closing loops", (share + round) / (options_.loops.rounds + 1)); });
+  std::vector<Pose2> keyframes = closer.poses();
+  BackEndResult result;
+  result.joint = JointAdjustment(path_.scans, held_relations(closer.measured()), options_.joint).run(keyframes);
+  result.poses = poses_of_scans(keyframes);
+  adjust_scans(keyframes, result.poses, progress);
+  result.keyframes = keyframes_;
+  result.graph = closer.graph();
+  result.places = closer.places();
+  result.counts = closer.counts();
+  result.factors = closer.measured().factors();
+  return result;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,77 @@
+// From the path of the front end to the best path there is: loops closed, all keyframes adjusted together, then every
+// scan. Frame: the robot's pose at the first scan. Not thread-safe. Cost: docs/loops.md; at most 20 bytes a point.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "engine/mapping/adjust/joint_adjustment.hpp"
+#include "engine/mapping/adjust/scan_adjustment.hpp"
+#include "engine/mapping/loops/loop_closer.hpp"
+#include "engine/mapping/wheels/motion_noise.hpp"
+#include "gdtslam/mapping/match.hpp"
+
+namespace gdtslam {
+
+struct BackEndOptions {
+  LoopOptions loops;
+  JointOptions joint;
+  ScanAdjustmentOptions scans;
+};
+
+/// What the back end came to.
+struct BackEndResult {
+  std::vector<Pose2> poses;                          ///< one a scan taken
+  std::vector<std::size_t> keyframes;                ///< which of the scans are
+  PoseGraph graph;                                   ///< of places
+  std::vector<std::size_t> places;                   ///< which keyframes they are
+  std::array<VarianceFactor, kStepSources> factors;  ///< how far matches and wheels were believed
+  LoopCounts counts;
+  JointResult joint;
+};
+
+class BackEnd {
+ public:
+  /// What is being done, and the share of it that is.
+  using Progress = std::function<void(std::string_view, double)>;
+
+  explicit BackEnd(const BackEndOptions& options) : options_(options) {}
+
+  /// The next scan and where the front end put it.
+  void take(std::span<const Point2> points_base_m, const MatchResult& result);
+
+  /// To be called once, after the last scan.
+  BackEndResult finish(const Progress& progress);
+  /// Of the keyframes.
+  [[nodiscard]] const std::vector<KeptScan>& keyframe_scans() const { return path_.scans; }
+
+ private:
+  /// A scan and the keyframe that it hangs on.
+  struct Scan {
+    KeptScan points;  ///< of a keyframe nothing: the path has them
+    Pose2 T_keyframe_base;
+    std::size_t keyframe = 0;
+  };
+  void follow(const MatchResult& result);
+  void add_keyframe(const MatchResult& result, KeptScan points);
+  [[nodiscard]] MeasuredSteps steps_to(const Pose2& T_map_base, const KeptScan& scan) const;
+  [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
+  [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
+  void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, const Progress& progress) const;
+
+  BackEndOptions options_;
+  FrontEndPath path_;
+  std::vector<Scan> scans_;
+  std::vector<std::size_t> keyframes_;  // which scans they are
+  // Since the last keyframe, in the frame of the last scan:
+  Pose2 T_wheels_;  // by the wheels alone
+  Matrix3 wheels_covariance_;
+  Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
+  Pose2 T_map_last_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,171 @@
+#include "block_cholesky.hpp"
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+namespace gdtslam {
+namespace {
+
+bool is_positive(const Matrix3& factor) {
+  const auto is_pivot = [&](int i) { return std::isfinite(factor(i, i)) && factor(i, i) > 0.0; };
+  return is_pivot(0) && is_pivot(1) && is_pivot(2);
+}
+
+}  // namespace
+
+BlockSystem::BlockSystem(std::size_t rows, std::vector<Pair> pairs) : diagonal(rows), right(rows), begin_(rows + 1, 0) {
+  for (auto& [row, column] : pairs) {
+    assert(row != column && row < rows && column < rows);
+    if (row < column) std::swap(row, column);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  columns_.reserve(pairs.size());
+  for (const auto& [row, column] : pairs) {
+    ++begin_[row + 1];
+    columns_.push_back(column);
+  }
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  blocks_.resize(pairs.size());
+}
+
+void BlockSystem::clear() {
+  std::fill(diagonal.begin(), diagonal.end(), Matrix3{});
+  std::fill(right.begin(), right.end(), Tangent2{});
+  std::fill(blocks_.begin(), blocks_.end(), Matrix3{});
+}
+
+void BlockSystem::add(std::size_t row, std::size_t column, const Matrix3& block) {
+  const bool is_lower = row > column;
+  const std::size_t low = is_lower ? row : column;
+  const std::size_t left = is_lower ? column : row;
+  const auto begin = columns_.begin() + static_cast<std::ptrdiff_t>(begin_[low]);
+  const auto end = columns_.begin() + static_cast<std::ptrdiff_t>(begin_[low + 1]);
+  const auto found = std::lower_bound(begin, end, left);
+  assert(found != end && *found == left);
+  blocks_[static_cast<std::size_t>(found - columns_.begin())] += is_lower ? block : transposed(block);
+}
+
+BlockCholesky::BlockCholesky(const BlockSystem& pattern)
+    : sources_(pattern.rows()),
+      parent_(pattern.rows(), kNone),
+      columns_(pattern.rows()),
+      diagonal_(pattern.rows()),
+      row_(pattern.rows()) {
+  choose_order(pattern);
+  sort_sources(pattern);
+  find_parents();
+}
+
+// Approximate minimum degree [Amestoy1996], integers alone.
+void BlockCholesky::choose_order(const BlockSystem& pattern) {
+  const auto rows = static_cast<Eigen::Index>(pattern.rows());
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (std::size_t row = 0; row < pattern.rows(); ++row) {
+    entries.emplace_back(static_cast<int>(row), static_cast<int>(row), 1.0);
+    for (const std::size_t column : pattern.columns_of(row)) {
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(column), 1.0);
+      entries.emplace_back(static_cast<int>(column), static_cast<int>(row), 1.0);
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(rows, rows);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(matrix, order);
+  old_of_.resize(pattern.rows());
+  new_of_.resize(pattern.rows());
+  for (std::size_t i = 0; i < pattern.rows(); ++i) {
+    old_of_[i] = static_cast<std::size_t>(order.indices()[static_cast<Eigen::Index>(i)]);
+    new_of_[old_of_[i]] = i;
+  }
+}
+
+void BlockCholesky::sort_sources(const BlockSystem& pattern) {
+  for (std::size_t row = 0; row < pattern.rows(); ++row) {
+    const std::span<const std::size_t> columns = pattern.columns_of(row);
+    for (std::size_t nth = 0; nth < columns.size(); ++nth) {
+      const std::size_t a = new_of_[row];
+      const std::size_t b = new_of_[columns[nth]];
+      sources_[std::max(a, b)].push_back(
+          {.column = std::min(a, b), .row_of_system = row, .nth = nth, .is_transposed = a < b});
+    }
+  }
+}
+
+// [Davis2006, section 4.1]: the parent of a column is the first row below its diagonal in which the factor has a block.
+void BlockCholesky::find_parents() {
+  std::vector<std::size_t> ancestor(parent_.size(), kNone);
+  for (std::size_t row = 0; row < sources_.size(); ++row) {
+    for (const Source& source : sources_[row]) {
+      for (std::size_t at = source.column; at != kNone && at < row;) {
+        const std::size_t next = ancestor[at];
+        ancestor[at] = row;
+        if (next == kNone) parent_[at] = row;
+        at = next;
+      }
+    }
+  }
+}
+
+// The columns of a row of the factor: those of the system and their ancestors. A child comes before its parent.
+void BlockCholesky::reach(std::size_t row) {
+  reached_.clear();
+  for (const Source& source : sources_[row]) {
+    for (std::size_t at = source.column; at < row && marked_[at] != row; at = parent_[at]) {
+      marked_[at] = row;
+      reached_.push_back(at);
+    }
+  }
+  std::sort(reached_.begin(), reached_.end());
+}
+
+bool BlockCholesky::eliminate(std::size_t row, const BlockSystem& system) {
+  reach(row);
+  for (const Source& source : sources_[row]) {
+    const Matrix3& block = system.block(source.row_of_system, source.nth);
+    row_[source.column] = source.is_transposed ? transposed(block) : block;
+  }
+  Matrix3 pivot = system.diagonal[old_of_[row]];
+  for (const std::size_t column : reached_) {
+    const Matrix3 block = over_transposed(row_[column], diagonal_[column]);
+    row_[column] = {};
+    for (const Entry& entry : columns_[column]) row_[entry.row] -= times_transposed(block, entry.block);
+    pivot -= times_transposed(block, block);
+    columns_[column].push_back({row, block});
+  }
+  entries_ += reached_.size();
+  diagonal_[row] = cholesky(pivot);
+  return is_positive(diagonal_[row]);
+}
+
+bool BlockCholesky::factorise(const BlockSystem& system) {
+  assert(system.rows() == diagonal_.size());
+  entries_ = 0;
+  marked_.assign(diagonal_.size(), kNone);
+  for (std::vector<Entry>& column : columns_) column.clear();
+  for (std::size_t row = 0; row < diagonal_.size(); ++row) {
+    if (!eliminate(row, system)) return false;
+  }
+  return true;
+}
+
+void BlockCholesky::solve(std::vector<Tangent2>& right) const {
+  std::vector<Tangent2> x(right.size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = right[old_of_[i]];
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    x[i] = solve_lower(diagonal_[i], x[i]);
+    for (const Entry& entry : columns_[i]) subtract(x[entry.row], entry.block * x[i]);
+  }
+  for (std::size_t i = x.size(); i-- > 0;) {
+    for (const Entry& entry : columns_[i]) subtract(x[i], transposed(entry.block) * x[entry.row]);
+    x[i] = solve_lower_transposed(diagonal_[i], x[i]);
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) right[old_of_[i]] = x[i];
+}
+
+}  // namespace gdtslam

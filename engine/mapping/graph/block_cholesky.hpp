@@ -1,0 +1,87 @@
+// Sparse symmetric systems of 3 x 3 blocks, one row a pose, and their Cholesky factorisation [Davis2006, chapter 4]: an
+// elimination order of small fill from the pattern alone, then scalar sums in that fixed order, so that every host
+// gives the same bits. Not thread-safe. Cost: the factor's blocks; some milliseconds for a thousand poses of a path
+// with loops (docs/benchmarks.md).
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "matrix3.hpp"
+
+namespace gdtslam {
+
+/// A symmetric matrix by its lower triangle, and a right side. Blocks are added to a pattern that is fixed when it is
+/// made: the diagonal and the pairs given.
+class BlockSystem {
+ public:
+  using Pair = std::pair<std::size_t, std::size_t>;
+  BlockSystem(std::size_t rows, std::vector<Pair> pairs);
+
+  [[nodiscard]] std::size_t rows() const { return diagonal.size(); }
+  void clear();
+  /// To the block at (row, column), and its transpose to that at (column, row); the pair must be of the pattern.
+  void add(std::size_t row, std::size_t column, const Matrix3& block);
+
+  std::vector<Matrix3> diagonal;
+  std::vector<Tangent2> right;
+
+  /// Columns left of the diagonal, ascending, and their blocks.
+  [[nodiscard]] std::span<const std::size_t> columns_of(std::size_t row) const {
+    return std::span(columns_).subspan(begin_[row], begin_[row + 1] - begin_[row]);
+  }
+  [[nodiscard]] const Matrix3& block(std::size_t row, std::size_t nth) const { return blocks_[begin_[row] + nth]; }
+
+ private:
+  std::vector<std::size_t> begin_;  // of each row's entries
+  std::vector<std::size_t> columns_;
+  std::vector<Matrix3> blocks_;
+};
+
+class BlockCholesky {
+ public:
+  /// Chooses the elimination order for systems of this pattern.
+  explicit BlockCholesky(const BlockSystem& pattern);
+
+  /// False where the system is not positive definite; it cannot be solved then.
+  [[nodiscard]] bool factorise(const BlockSystem& system);
+  /// The solution, in place.
+  void solve(std::vector<Tangent2>& right) const;
+  /// Blocks of the factor: its memory is 72 bytes each, and 8 of indices.
+  [[nodiscard]] std::size_t factor_blocks() const { return entries_; }
+
+ private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  /// A block of the factor below its diagonal.
+  struct Entry {
+    std::size_t row = 0;
+    Matrix3 block;
+  };
+  /// A block of the system in elimination order: left of the diagonal.
+  struct Source {
+    std::size_t column = 0;
+    std::size_t row_of_system = 0;
+    std::size_t nth = 0;
+    bool is_transposed = false;
+  };
+  void choose_order(const BlockSystem& pattern);
+  void sort_sources(const BlockSystem& pattern);
+  void find_parents();
+  void reach(std::size_t row);
+  bool eliminate(std::size_t row, const BlockSystem& system);
+
+  std::vector<std::size_t> old_of_;  // elimination order
+  std::vector<std::size_t> new_of_;
+  std::vector<std::vector<Source>> sources_;  // of each row, in elimination order from here on
+  std::vector<std::size_t> parent_;           // of the elimination tree
+  std::vector<std::vector<Entry>> columns_;   // of the factor
+  std::vector<Matrix3> diagonal_;             // lower triangular
+  std::vector<Matrix3> row_;                  // in hand, zero where it has nothing
+  std::vector<std::size_t> reached_;          // columns where it has something
+  std::vector<std::size_t> marked_;           // the row that reached a column last
+  std::size_t entries_ = 0;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,130 @@
+#include "pose_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gdtslam {
+namespace {
+
+constexpr double kHeld = 1.0e12;       // information of the first pose: so much that nothing moves it
+constexpr double kStill_m = 1.0e-5;    // a step that moves nothing farther is the last
+constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
+constexpr double kWidest = 1.0e6;      // in units of its final scale
+constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
+constexpr int kMostSteps = 100;
+
+BlockSystem system_for(const PoseGraph& graph) {
+  std::vector<BlockSystem::Pair> pairs;
+  for (const PoseRelation& relation : graph.path) pairs.emplace_back(relation.from, relation.to);
+  for (const Loop& loop : graph.loops) pairs.emplace_back(loop.relation.from, loop.relation.to);
+  return {graph.poses.size(), std::move(pairs)};
+}
+
+void fill(const PoseGraph& graph, BlockSystem& system) {
+  system.clear();
+  for (const PoseRelation& relation : graph.path) add_relation(relation, graph.poses, 1.0, system);
+  for (const Loop& loop : graph.loops) add_relation(loop.relation, graph.poses, loop.weight, system);
+}
+
+void hold_first(BlockSystem& system) { system.diagonal.front() += Matrix3::diagonal(kHeld, kHeld, kHeld); }
+
+}  // namespace
+
+Tangent2 residual_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
+  return log_tangent(between(relation.T_from_to, between(T_from, T_to)));
+}
+
+double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to) {
+  return squared_norm(relation.information, residual_of(relation, T_from, T_to));
+}
+
+// A perturbation of `to` on the right changes the residual by itself, one of `from` by minus itself as seen from `to`;
+// the log's own derivative is the identity to first order in the residual.
+void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system) {
+  const Pose2& T_from = poses[relation.from];
+  const Pose2& T_to = poses[relation.to];
+  const Tangent2 residual = residual_of(relation, T_from, T_to);
+  const Matrix3 by_from = -1.0 * adjoint_matrix(between(T_to, T_from));
+  const Matrix3 information = weight * relation.information;
+  const Matrix3 cross = information * by_from;  // (to, from)
+  system.diagonal[relation.to] += information;
+  system.diagonal[relation.from] += transposed_times(by_from, cross);
+  system.add(relation.to, relation.from, cross);
+  const Tangent2 pull = information * residual;
+  subtract(system.right[relation.to], pull);
+  subtract(system.right[relation.from], transposed(by_from) * pull);
+}
+
+double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
+  hold_first(system);
+  if (!factor.factorise(system)) return -1.0;
+  std::vector<Tangent2> steps = system.right;
+  factor.solve(steps);
+  double farthest_m = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i] = poses[i] * exp_tangent(steps[i]);
+    farthest_m = std::max(farthest_m, std::sqrt(steps[i][0] * steps[i][0] + steps[i][1] * steps[i][1]));
+  }
+  return farthest_m;
+}
+
+double PoseGraph::largest_chi2() const {
+  double largest = 0.0;
+  for (const Loop& loop : loops) {
+    largest = std::max(largest, chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]));
+  }
+  return largest;
+}
+
+// Geman and McClure's kernel of this scale.
+void PoseGraph::weigh_loops(double scale) {
+  for (Loop& loop : loops) {
+    const double chi2 = chi2_of(loop.relation, poses[loop.relation.from], poses[loop.relation.to]);
+    const double share = scale / (scale + chi2);
+    loop.weight = share * share;
+  }
+}
+
+void PoseGraph::optimise(bool is_graduated) {
+  if (loops.empty()) return;
+  BlockSystem system = system_for(*this);
+  BlockCholesky factor(system);
+  double width = is_graduated ? std::clamp(2.0 * largest_chi2() / kScale, 1.0, kWidest) : kSlightlyWide;
+  for (int step = 0; step < kMostSteps; ++step, width = std::max(1.0, width / kNarrowing)) {
+    weigh_loops(width * kScale);
+    fill(*this, system);
+    const double moved_m = take_step(system, factor, poses);
+    if (moved_m < 0.0 || (width <= 1.0 && moved_m < kStill_m)) break;
+  }
+  weigh_loops(kScale);
+}
+
+GraphCovariance::GraphCovariance(const PoseGraph& graph) : graph_(graph), system_(system_for(graph)), factor_(system_) {
+  fill(graph, system_);
+  hold_first(system_);
+  static_cast<void>(factor_.factorise(system_));
+}
+
+std::vector<Matrix3> GraphCovariance::column(std::size_t node) const {
+  std::vector<Matrix3> blocks(graph_.poses.size());
+  std::vector<Tangent2> right(graph_.poses.size());
+  for (int k = 0; k < 3; ++k) {
+    std::fill(right.begin(), right.end(), Tangent2{});
+    right[node][static_cast<std::size_t>(k)] = 1.0;
+    factor_.solve(right);
+    for (std::size_t row = 0; row < blocks.size(); ++row) {
+      for (int r = 0; r < 3; ++r) blocks[row](r, k) = right[row][static_cast<std::size_t>(r)];
+    }
+  }
+  return blocks;
+}
+
+Matrix3 GraphCovariance::relative(std::size_t from, std::size_t to) const {
+  const std::vector<Matrix3> of_to = column(to);
+  const Matrix3 from_from = column(from)[from];
+  const Matrix3 by_from = -1.0 * adjoint_matrix(between(graph_.poses[to], graph_.poses[from]));
+  const Matrix3 cross = by_from * of_to[from];
+  return of_to[to] + by_from * times_transposed(from_from, by_from) + cross + transposed(cross);
+}
+
+}  // namespace gdtslam

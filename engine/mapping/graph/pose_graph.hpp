@@ -1,0 +1,75 @@
+// Poses along a path with what was measured between them: the path itself, which is trusted, and loops, each of which
+// may be wrong. Gauss-Newton with a graduated robust kernel [Yang2020] over the loops: every one stays, with a weight
+// that can become nothing and come back. Frame: any; the first pose is held. The same bits on every host. Not
+// thread-safe. Cost: a factorisation a step (block_cholesky.hpp).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "block_cholesky.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "matrix3.hpp"
+
+namespace gdtslam {
+
+/// The pose of node `to` in the frame of node `from`, as it was measured.
+struct PoseRelation {
+  std::size_t from = 0;
+  std::size_t to = 0;
+  Pose2 T_from_to;
+  Matrix3 information{};  ///< of the tangent at T_from_to; perturbations act on the right
+};
+
+/// log of what is between the measured relative pose and the actual one.
+Tangent2 residual_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
+double chi2_of(const PoseRelation& relation, const Pose2& T_from, const Pose2& T_to);
+/// Its normal equations at these poses, times a weight.
+void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses, double weight, BlockSystem& system);
+/// Moves the poses by the system's solution, the first one held; returns how far the farthest went, metres, or nothing
+/// below zero where the system has no solution, and the poses stay.
+double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
+
+/// A loop and how far it is believed, from 0 to 1.
+struct Loop {
+  PoseRelation relation;
+  double weight = 1.0;
+  /// Whether it counts for more than a quarter: its chi2 is below the kernel's scale.
+  [[nodiscard]] bool is_on() const { return weight > 0.25; }
+};
+
+class PoseGraph {
+ public:
+  /// chi2 of three degrees of freedom that one right loop in a hundred exceeds.
+  static constexpr double kScale = 11.345;
+
+  std::vector<Pose2> poses;
+  std::vector<PoseRelation> path;
+  std::vector<Loop> loops;
+
+  /// Least squares over path and loops. `is_graduated` starts from a kernel so wide that every loop counts and narrows
+  /// it; otherwise from the poses as they are, for a graph that changed by little.
+  void optimise(bool is_graduated);
+
+ private:
+  void weigh_loops(double scale);
+  [[nodiscard]] double largest_chi2() const;
+};
+
+/// How sure relative poses of a graph are, at its present poses and weights.
+class GraphCovariance {
+ public:
+  explicit GraphCovariance(const PoseGraph& graph);
+  /// Of the tangent of between(poses[from], poses[to]).
+  [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const;
+
+ private:
+  /// The blocks (row, node) of the inverse for all rows.
+  [[nodiscard]] std::vector<Matrix3> column(std::size_t node) const;
+
+  const PoseGraph& graph_;
+  BlockSystem system_;
+  BlockCholesky factor_;
+};
+
+}  // namespace gdtslam

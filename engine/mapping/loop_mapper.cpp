@@ -1,0 +1,103 @@
+#include <cmath>
+#include <utility>
+
+#include "engine/mapping/back_end/back_end.hpp"
+#include "engine/mapping/map/keyframe_map.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kStretch_m = 15.0;
+
+MapperConfig front_end_config(MapperConfig config) {
+  config.local.stretch_m = kStretch_m;
+  config.odometry.estimate = true;
+  return config;
+}
+
+ClosedLoop closed_loop(const Loop& loop, const BackEndResult& result) {
+  const PoseRelation& relation = loop.relation;
+  const Tangent2 off = residual_of(relation, result.graph.poses[relation.from], result.graph.poses[relation.to]);
+  const auto scan_of = [&](std::size_t place) { return result.keyframes[result.places[place]]; };
+  return {.from = scan_of(relation.from),
+          .to = scan_of(relation.to),
+          .T_from_to = relation.T_from_to,
+          .weight = loop.weight,
+          .off_m = std::sqrt(off[0] * off[0] + off[1] * off[1]),
+          .off_rad = std::fabs(off[2]),
+          .is_on = loop.is_on()};
+}
+
+std::vector<Point2> points_of(const KeptScan& scan) {
+  std::vector<Point2> points;
+  points.reserve(scan.points());
+  for (const SurfacePoint& p : scan.surface) points.push_back(p.point());
+  for (const LonePoint& p : scan.lone) points.push_back(p.point());
+  return points;
+}
+
+}  // namespace
+
+struct LoopMapper::State {
+  State(const MapperConfig& config, Backend& backend, MapperOptions options)
+      : mapper(front_end_config(config), backend, std::move(options)), cpu(make_cpu_backend({})), map(config, *cpu) {}
+
+  void rebuild(const BackEndResult& result);
+
+  Mapper mapper;
+  BackEnd back_end{{}};
+  std::vector<Point2> points_base_m;  // of the scan in hand
+  std::unique_ptr<Backend> cpu;
+  KeyframeMap map;  // of all keyframes, once they are where they belong
+};
+
+LoopMapper::LoopMapper(const MapperConfig& config, Backend& backend, MapperOptions options)
+    : state_(std::make_unique<State>(config, backend, std::move(options))) {}
+LoopMapper::~LoopMapper() = default;
+const GlobalField& LoopMapper::field() const { return state_->map.field; }
+const Mapper& LoopMapper::front_end() const { return state_->mapper; }
+
+void LoopMapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
+  start({scan.stamp_s, gdtslam::points_of(scan, state_->mapper.config().scan)}, T_odom_base);
+}
+
+void LoopMapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
+  state_->points_base_m = scan.points_base_m;
+  state_->mapper.start(std::move(scan), T_odom_base);
+}
+
+MatchResult LoopMapper::finish() {
+  const MatchResult result = state_->mapper.finish();
+  state_->back_end.take(state_->points_base_m, result);
+  return result;
+}
+
+// Equations (1) and (9) to (11), in the order in which the keyframes were taken.
+void LoopMapper::State::rebuild(const BackEndResult& result) {
+  const MapConfig& config = mapper.config().map;
+  StageTimes times;
+  const std::vector<KeptScan>& scans = back_end.keyframe_scans();
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const Pose2& pose = result.poses[result.keyframes[i]];
+    const KeyframeCells keyframe =
+        keyframe_of(in_map(points_of(scans[i]), pose), config.resolution_m, config.radius_cells());
+    map.field.grow_to_hold(keyframe.window);
+    map.merge(keyframe, times);
+  }
+}
+
+ClosedPath LoopMapper::close(const Progress& progress) {
+  const BackEndResult result = state_->back_end.finish(progress);
+  state_->rebuild(result);
+  ClosedPath path{.T_map_base = result.poses,
+                  .keyframes = result.keyframes,
+                  .loops = {},
+                  .searches = result.counts.searched,
+                  .pairs = result.joint.pairs,
+                  .rms_m = result.joint.rms_m};
+  for (const Loop& loop : result.graph.loops) path.loops.push_back(closed_loop(loop, result));
+  return path;
+}
+
+}  // namespace gdtslam

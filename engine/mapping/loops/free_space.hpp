@@ -1,0 +1,80 @@
+// Which cells of a stretch of the path beams crossed and which stopped them, so that a place can be refused whose walls
+// would stand where the robot looked through. Frame: that of the points given. Thread-safe to read. Cost: linear in
+// the length of the beams; 10 bytes a cell.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam {
+
+/// A beam: where the laser was and where its return came from.
+struct Beam {
+  Point2 from;
+  Point2 to;
+};
+
+/// A wall in a cell: a point of it and its normal, toward the robot that saw it.
+struct WallPoint {
+  Point2 point;
+  Point2 normal;
+};
+
+class FreeSpace {
+ public:
+  static constexpr double kCell_m = 0.1;
+
+  /// Beams, and the walls' points among what they met: the first of each cell counts.
+  FreeSpace(std::span<const Beam> beams, std::span<const WallPoint> walls);
+
+  /// Crossed by several beams, and no return came from it or from within two cells.
+  [[nodiscard]] bool is_free(const Point2& point) const;
+  /// Whether anything is known of the cell.
+  [[nodiscard]] bool is_known(const Point2& point) const;
+  /// Calls visit(wall) for the walls within two cells.
+  template <class Visit>
+  void visit_walls_near(const Point2& point, const Visit& visit) const;
+  /// One a cell.
+  [[nodiscard]] std::span<const WallPoint> walls() const { return walls_; }
+
+ private:
+  static constexpr std::int32_t kNone = -1;
+  struct Cell {
+    std::uint16_t crossed = 0;
+    std::uint16_t hit = 0;
+    std::int32_t wall = kNone;
+  };
+  static constexpr std::size_t kOutside = static_cast<std::size_t>(-1);
+
+  void size_for(std::span<const Beam> beams);
+  void cross(const Beam& beam);
+  [[nodiscard]] std::size_t index_of(const Point2& point) const;
+  [[nodiscard]] const Cell* cell_at(std::int64_t x, std::int64_t y) const;
+  static std::int64_t cell_of(double coordinate_m);
+
+  std::int64_t left_ = 0;
+  std::int64_t bottom_ = 0;
+  std::int64_t width_ = 0;
+  std::int64_t height_ = 0;
+  std::vector<Cell> cells_;
+  std::vector<WallPoint> walls_;
+};
+
+template <class Visit>
+void FreeSpace::visit_walls_near(const Point2& point, const Visit& visit) const {
+  constexpr std::int64_t kReach = 2;
+  const std::int64_t x = cell_of(point.x());
+  const std::int64_t y = cell_of(point.y());
+  for (std::int64_t j = y - kReach; j <= y + kReach; ++j) {
+    for (std::int64_t i = x - kReach; i <= x + kReach; ++i) {
+      const Cell* cell = cell_at(i, j);
+      if (cell != nullptr && cell->wall != kNone) visit(walls_[static_cast<std::size_t>(cell->wall)]);
+    }
+  }
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,123 @@
+#include "loop_finder.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "engine/mapping/map/keyframe_map.hpp"
+#include "gdtslam/compute/kernel.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kReferenceSpacing_m = 0.03;
+constexpr double kQuerySpacing_m = 0.1;
+constexpr double kSearchIndependent = 60.0;  // points of a scan that tell something new, in the cost of a search
+constexpr double kLeastPrior_m = 0.05;       // of the prior: less would be believed only of a graph without mistakes
+constexpr double kLeastPrior_rad = 0.005;
+
+MapperConfig field_config(double resolution_m) {
+  MapperConfig config;
+  config.map.resolution_m = resolution_m;
+  config.merge.threshold_m = resolution_m;
+  return config;
+}
+
+// Cost units that one sigma squared is worth: a point that is a cell off costs 256, and of `points` only some are
+// independent.
+WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t points) {
+  const double unit = 0.25 * 256.0 * static_cast<double>(points) / kSearchIndependent;
+  const double cells = std::max(kLeastPrior_m, revisit.sigma_m) / resolution_m;
+  const double radians = std::max(kLeastPrior_rad, revisit.sigma_rad);
+  WindowPrior prior;
+  prior.mean = revisit.T_place_here;
+  prior.weight_xy = static_cast<float>(unit / (cells * cells));
+  prior.weight_theta = static_cast<float>(unit / (radians * radians));
+  return prior;
+}
+
+std::vector<Point2> every_nth(const std::vector<Point2>& points, std::size_t most) {
+  const std::size_t step = (points.size() + most - 1) / std::max<std::size_t>(1, most);
+  if (step <= 1) return points;
+  std::vector<Point2> taken;
+  for (std::size_t i = 0; i < points.size(); i += step) taken.push_back(points[i]);
+  return taken;
+}
+
+}  // namespace
+
+/// A group that others are searched in.
+struct LoopFinder::Reference {
+  Reference(const KeyframePath& keyframes, std::size_t middle, const LoopSearchOptions& options, Backend& backend)
+      : group(keyframes, middle, options.reference_half_m, kReferenceSpacing_m),
+        config(field_config(options.resolution_m)),
+        map(config, backend) {
+    StageTimes times;
+    map.merge(keyframe_of(group.points(), options.resolution_m, config.map.radius_cells()), times);
+    certified.emplace(field_view(map.field), best_isa());
+  }
+
+  ScanGroup group;
+  MapperConfig config;
+  KeyframeMap map;
+  std::optional<CertifiedMap> certified;
+};
+
+LoopFinder::LoopFinder(const KeyframePath& keyframes, std::vector<std::size_t> places, const LoopSearchOptions& options)
+    : keyframes_(keyframes), places_(std::move(places)), options_(options), backend_(make_cpu_backend({})) {
+  for (const std::size_t keyframe : places_) path_m_.push_back(keyframes_.path_m[keyframe]);
+}
+
+LoopFinder::~LoopFinder() = default;
+
+void LoopFinder::forget_bent() {
+  std::erase_if(references_, [&](const auto& entry) { return entry.second->group.is_bent(keyframes_.poses); });
+}
+
+const LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
+  std::unique_ptr<Reference>& reference = references_[place];
+  if (!reference) reference = std::make_unique<Reference>(keyframes_, places_[place], options_, *backend_);
+  return *reference;
+}
+
+Pose2 LoopFinder::search(const Reference& reference, const ScanGroup& query, const Revisit& revisit) {
+  const std::vector<PointCells> points = in_cells(every_nth(query.points(), options_.points), options_.resolution_m);
+  const double half_m = options_.revisits.half_m(revisit);
+  const PoseWindow window{.centre = revisit.T_place_here,
+                          .half_x_m = half_m,
+                          .half_y_m = half_m,
+                          .half_theta_rad = options_.revisits.half_rad(revisit)};
+  CertifiedOptions options;
+  options.gap_m = options_.gap_m;
+  options.max_boxes = options_.most_boxes;
+  options.starts = {revisit.T_place_here};
+  options.prior = prior_of(revisit, options_.resolution_m, points.size());
+  const CertifiedResult result = find_pose(*reference.certified, points, window, options);
+  ++counts_.searched;
+  counts_.boxes += result.boxes;
+  return result.T_map_base;
+}
+
+std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here) {
+  const auto has = [&](std::size_t place) {
+    return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
+      return loop.relation.from == place && loop.relation.to == here && loop.is_on();
+    });
+  };
+  std::vector<Loop> loops;
+  std::optional<ScanGroup> query;
+  const GraphCovariance covariance(graph);
+  for (const Revisit& revisit : revisits_of(graph, covariance, path_m_, here, options_.revisits)) {
+    if (has(revisit.place)) continue;
+    if (!query) query.emplace(keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m);
+    const Reference& reference = reference_at(revisit.place);
+    const Pose2 T_place_here = search(reference, *query, revisit);
+    const LoopEvidence evidence = weigh_loop(reference.group, *query, T_place_here);
+    if (!is_possible(evidence, options_.limits)) continue;
+    ++counts_.found;
+    loops.push_back({{revisit.place, here, T_place_here, loop_information(*query, evidence)}, 1.0});
+  }
+  return loops;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,83 @@
+#include "loop_verdict.hpp"
+
+#include <cstddef>
+
+#include "engine/core/elementary.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kOnWall_m = 0.15;
+constexpr double kSameSide = 0.5;            // least cosine between normals
+constexpr double kGroupPointNoise_m = 0.05;  // of a point of a group: its own scans drift a little
+constexpr double kGroupIndependent = 60.0;   // points that tell something new
+constexpr double kGroupLeastShape = 1.0e-6;
+constexpr double kLoopFloor_m = 0.03;
+constexpr double kLoopFloor_rad = 0.006;
+constexpr std::size_t kEvery = 4;  // of the reference's points, which are many
+
+struct Shares {
+  std::size_t wrong = 0;
+  std::size_t known = 0;
+};
+
+// Of the points at T, those in free space and those of which anything is known.
+Shares in_free_space(const std::vector<Point2>& points, const Pose2& T, const FreeSpace& space, std::size_t every) {
+  Shares shares;
+  for (std::size_t i = 0; i < points.size(); i += every) {
+    const Point2 point = T * points[i];
+    if (!space.is_known(point)) continue;
+    ++shares.known;
+    shares.wrong += space.is_free(point) ? 1U : 0U;
+  }
+  return shares;
+}
+
+double share(std::size_t part, std::size_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+}  // namespace
+
+LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, const Pose2& T_reference_query) {
+  std::size_t same = 0;
+  std::size_t other = 0;
+  const SinCos<double> turn = sin_cos(T_reference_query.theta_rad);
+  for (const WallPoint& wall : query.space().walls()) {
+    const Point2 point = T_reference_query * wall.point;
+    const double nx = turn.cos * wall.normal.x() - turn.sin * wall.normal.y();
+    const double ny = turn.sin * wall.normal.x() + turn.cos * wall.normal.y();
+    bool is_same = false;
+    bool is_other = false;
+    reference.space().visit_walls_near(point, [&](const WallPoint& there) {
+      const double dx = there.point.x() - point.x();
+      const double dy = there.point.y() - point.y();
+      if (dx * dx + dy * dy > kOnWall_m * kOnWall_m) return;
+      const double cosine = there.normal.x() * nx + there.normal.y() * ny;
+      is_same = is_same || cosine > kSameSide;
+      is_other = is_other || cosine < -kSameSide;
+    });
+    same += is_same ? 1U : 0U;
+    other += is_other && !is_same ? 1U : 0U;
+  }
+  const Shares there = in_free_space(query.points(), T_reference_query, reference.space(), 1);
+  const Shares back = in_free_space(reference.points(), inverse(T_reference_query), query.space(), kEvery);
+  return {.overlap = share(same, query.space().walls().size()),
+          .turned = share(other, same + other),
+          .contradiction = share(there.wrong + back.wrong, there.known + back.known)};
+}
+
+bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits) {
+  return evidence.overlap >= limits.least_overlap && evidence.turned <= limits.most_turned &&
+         evidence.contradiction <= limits.most_contradiction;
+}
+
+Matrix3 loop_information(const ScanGroup& query, const LoopEvidence& evidence) {
+  const double weight = kGroupIndependent * evidence.overlap / (kGroupPointNoise_m * kGroupPointNoise_m);
+  const Matrix3 information = weight * shape_of_one(query.shape(), 1, kGroupLeastShape);
+  const Matrix3 floor =
+      Matrix3::diagonal(kLoopFloor_m * kLoopFloor_m, kLoopFloor_m * kLoopFloor_m, kLoopFloor_rad * kLoopFloor_rad);
+  return inverse(inverse(information) + floor);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,91 @@
+#include "measured_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gdtslam {
+namespace {
+
+constexpr double kLeastOfFrontEnd = 0.1;  // factor of its variance
+constexpr std::size_t kBiasSteps = 12;    // keyframes of a stretch by which the wheels are judged
+
+double length(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
+
+}  // namespace
+MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places)
+    : path_(path), places_(std::move(places)) {
+  for (std::size_t source = 0; source < kStepSources; ++source) state_between_places(source);
+}
+
+void MeasuredPath::state_between_places(std::size_t source) {
+  stated_[source].clear();
+  for (std::size_t place = 1; place < places_.size(); ++place) {
+    PoseRelation relation = stated(places_[place - 1], places_[place], source);
+    relation.from = place - 1;
+    relation.to = place;
+    stated_[source].push_back(relation);
+  }
+}
+
+// Between two keyframes the wheels' step is a chord and a turn.
+void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
+  constexpr auto kWheels = static_cast<std::size_t>(StepSource::kWheels);
+  std::vector<WheelStretch> stretches;
+  for (std::size_t from = 0; from + kBiasSteps < keyframes.size(); ++from) {
+    const Pose2 actual = between(keyframes[from], keyframes[from + kBiasSteps]);
+    WheelStretch stretch{.true_chord_m = length(actual), .true_turn_rad = actual.theta_rad};
+    Pose2 by_wheels;
+    for (std::size_t i = from + 1; i <= from + kBiasSteps; ++i) {
+      const Pose2& step = path_.steps[i][kWheels].T;
+      by_wheels = by_wheels * step;
+      stretch.path_m += length(step);
+      stretch.turned_rad += std::fabs(step.theta_rad);
+      stretch.forward_m += step.x_m;
+      stretch.turn_rad += step.theta_rad;
+    }
+    stretch.chord_m = length(by_wheels);
+    stretches.push_back(stretch);
+  }
+  bias_ = estimate_bias(stretches, static_cast<double>(kBiasSteps));
+  state_between_places(kWheels);
+}
+
+// The covariances of the steps in between, each carried to the frame of the last.
+PoseRelation MeasuredPath::stated(std::size_t from, std::size_t to, std::size_t source) const {
+  Pose2 T;
+  Matrix3 covariance;
+  for (std::size_t i = from + 1; i <= to; ++i) {
+    const MeasuredStep& step = path_.steps[i][source];
+    const bool is_by_wheels = source == static_cast<std::size_t>(StepSource::kWheels);
+    const Pose2 T_step = is_by_wheels ? corrected(step.T, bias_) : step.T;
+    const Matrix3 carried = adjoint_matrix(inverse(T_step));
+    covariance = carried * times_transposed(covariance, carried) + inverse(step.information);
+    T = T * T_step;
+  }
+  return {.from = from, .to = to, .T_from_to = T, .information = inverse(covariance)};
+}
+
+PoseRelation MeasuredPath::stretch(std::size_t from, std::size_t to, StepSource source) const {
+  const auto which = static_cast<std::size_t>(source);
+  return rescaled(stated(from, to, which), factors_[which]);
+}
+
+std::vector<PoseRelation> MeasuredPath::relations() const {
+  std::vector<PoseRelation> relations;
+  for (std::size_t source = 0; source < kStepSources; ++source) {
+    for (const PoseRelation& stated : stated_[source]) relations.push_back(rescaled(stated, factors_[source]));
+  }
+  return relations;
+}
+
+// The front end's own noise from scan to scan does not add up along the path, so loops tell too little of it. Where
+// they find the front end far better than it says, both are believed less, in the same ratio.
+void MeasuredPath::weigh(const std::vector<Loop>& loops) {
+  for (std::size_t source = 0; source < kStepSources; ++source)
+    factors_[source] = variance_factor(stated_[source], loops);
+  const double shift = std::max(1.0, kLeastOfFrontEnd / factors_[0].variance);
+  for (VarianceFactor& factor : factors_) factor.variance *= shift;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,41 @@
+// Where the robot may have come back to: the earlier places that a pose graph, as sure as it is, has near a later one.
+// Thread-safe. Cost: a solution of the graph's factor for each place near by.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/mapping/graph/pose_graph.hpp"
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam {
+
+/// An earlier place that one may be near, and how sure the graph is of the relative pose.
+struct Revisit {
+  std::size_t place = 0;
+  Pose2 T_place_here;
+  double sigma_m = 0.0;  ///< in the least sure direction
+  double sigma_rad = 0.0;
+};
+
+/// Which revisits are worth a search.
+struct RevisitRules {
+  double least_path_m = 16.0;  ///< travelled in between
+  double near_m = 5.0;         ///< two stretches this near see the same walls
+  double widest_m = 8.0;       ///< of a window's half: what is less sure is looked for when the graph is surer
+  double sigmas = 3.0;         ///< of a window's half, besides the next two
+  double least_half_m = 0.3;
+  double least_half_rad = 0.05;
+  double stretch_m = 6.0;  ///< of path, of which the nearest place alone counts
+  std::size_t most = 4;
+
+  [[nodiscard]] double half_m(const Revisit& revisit) const;
+  [[nodiscard]] double half_rad(const Revisit& revisit) const;
+};
+
+/// Of node `here`, among the nodes before it; the likeliest and surest first. `path_m` has the path until each node.
+std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& covariance,
+                                 std::span<const double> path_m, std::size_t here, const RevisitRules& rules = {});
+
+}  // namespace gdtslam

@@ -1,0 +1,88 @@
+#include "scan_group.hpp"
+
+#include <cmath>
+#include <unordered_set>
+#include <utility>
+
+#include "engine/core/elementary.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kBent_m = 0.02;
+constexpr double kBent_rad = 0.003;
+constexpr std::size_t kMostToASide = 80;  // keyframes: a robot that turns on the spot makes many in no path
+
+std::pair<std::size_t, std::size_t> stretch_of(std::span<const double> path_m, std::size_t middle, double half_m) {
+  std::size_t first = middle;
+  std::size_t last = middle;
+  while (first > 0 && path_m[middle] - path_m[first - 1] <= half_m && middle - first < kMostToASide) --first;
+  while (last + 1 < path_m.size() && path_m[last + 1] - path_m[middle] <= half_m && last - middle < kMostToASide) {
+    ++last;
+  }
+  return {first, last};
+}
+
+// The first point of each cell, in order.
+class Thinner {
+ public:
+  explicit Thinner(double spacing_m) : spacing_m_(spacing_m) {}
+  bool is_first(const Point2& point) {
+    const auto x = static_cast<std::int32_t>(std::floor(point.x() / spacing_m_));
+    const auto y = static_cast<std::int32_t>(std::floor(point.y() / spacing_m_));
+    return seen_
+        .insert((static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) | static_cast<std::uint32_t>(y))
+        .second;
+  }
+
+ private:
+  double spacing_m_;
+  std::unordered_set<std::uint64_t> seen_;  // never iterated over
+};
+
+Point2 turned(const SinCos<double>& turn, const Point2& v) {
+  return {turn.cos * v.x() - turn.sin * v.y(), turn.sin * v.x() + turn.cos * v.y()};
+}
+
+}  // namespace
+
+ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double half_m, double spacing_m)
+    : middle_(middle) {
+  const auto [first, last] = stretch_of(keyframes.path_m, middle, half_m);
+  first_ = first;
+  Thinner thinner(spacing_m);
+  std::vector<Beam> beams;
+  std::vector<WallPoint> walls;
+  std::size_t count = 0;
+  for (std::size_t i = first; i <= last; ++i) {
+    const KeptScan& scan = keyframes.scans[i];
+    const Pose2 T = between(keyframes.poses[middle], keyframes.poses[i]);
+    in_middle_.push_back(T);
+    const SinCos<double> turn = sin_cos(T.theta_rad);
+    const Matrix3 to_scan = adjoint_matrix(inverse(T));
+    shape_ += transposed_times(to_scan, shape_of(scan) * to_scan);
+    count += scan.surface.size();
+    const auto take = [&](const Point2& point) {
+      beams.push_back({T.translation(), point});
+      if (thinner.is_first(point)) points_.push_back(point);
+    };
+    for (const SurfacePoint& p : scan.surface) {
+      const Point2 point = T * p.point();
+      take(point);
+      walls.push_back({point, turned(turn, p.normal())});
+    }
+    for (const LonePoint& p : scan.lone) take(T * p.point());
+  }
+  shape_ = (count > 0 ? 1.0 / static_cast<double>(count) : 0.0) * shape_;
+  space_ = std::make_unique<FreeSpace>(beams, walls);
+}
+
+bool ScanGroup::is_bent(std::span<const Pose2> poses) const {
+  for (std::size_t i = 0; i < in_middle_.size(); ++i) {
+    const Pose2 off = between(in_middle_[i], between(poses[middle_], poses[first_ + i]));
+    if (std::sqrt(off.x_m * off.x_m + off.y_m * off.y_m) > kBent_m || std::fabs(off.theta_rad) > kBent_rad) return true;
+  }
+  return false;
+}
+
+}  // namespace gdtslam

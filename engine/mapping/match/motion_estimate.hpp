@@ -1,0 +1,41 @@
+// The robot's motion from wheels and matches, with how sure either is: wheels are corrected by what they get wrong
+// always, their noise is estimated as the log goes, and the pose is that of both, weighed by their covariances. Frame:
+// map. Not thread-safe. Cost: some microseconds a scan.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/wheels/pose_filter.hpp"
+#include "engine/mapping/wheels/wheel_noise.hpp"
+#include "gdtslam/mapping/match.hpp"
+
+namespace gdtslam {
+
+class MotionEstimate {
+ public:
+  /// Whether the scan fits about as well at the first pose as at the second.
+  using FitsAsWell = std::function<bool(const Pose2&, const Pose2&)>;
+
+  /// Asks the model for the next scan's pose by corrected odometry, and says how sure it is.
+  Prediction predict(MotionModel& model, const std::optional<Pose2>& T_odom_base);
+  /// What the match says, of a scan of these points that was matched or not. The result gets the pose of both, or is
+  /// refused where it is weak and cannot be right; where both cannot be right the scan decides.
+  void take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
+            const FitsAsWell& fits_as_well);
+
+ private:
+  [[nodiscard]] std::optional<Pose2> corrected(const std::optional<Pose2>& T_odom_base);
+
+  WheelNoise wheels_;
+  PoseFilter filter_;
+  std::optional<Pose2> odometry_;  // of the scan in hand
+  std::optional<Pose2> T_odom_last_;
+  Pose2 T_odom_corrected_;
+  Pose2 step_;  // by odometry, as it was logged
+  MotionNoise noise_;
+};
+
+}  // namespace gdtslam

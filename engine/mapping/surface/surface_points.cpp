@@ -1,0 +1,111 @@
+#include "surface_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engine/core/elementary.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostNeighbours = 8;  // on each side
+constexpr std::size_t kFewestPoints = 4;
+constexpr double kReachShare = 0.05;  // of the range: neighbours at a grazing angle lie far apart
+constexpr double kLeastReach_m = 0.12;
+constexpr double kMostReach_m = 0.5;
+constexpr double kFlatness = 0.05;        // most of the variance across, as a share of that along
+constexpr double kRoughness_m = 0.01;     // and beyond that share: a laser's noise
+constexpr double kShapeOfNoise = 3.0e-3;  // of normals that are off by three degrees
+
+// Sums over the neighbours of a point, relative to it.
+struct Neighbourhood {
+  std::size_t count = 0;
+  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+
+  void add(double dx, double dy) {
+    ++count;
+    x += dx;
+    y += dy;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
+  }
+};
+
+Neighbourhood neighbourhood_of(std::span<const Point2> points, std::size_t at) {
+  const double px = points[at].x();
+  const double py = points[at].y();
+  const double reach_m = std::clamp(kReachShare * std::sqrt(px * px + py * py), kLeastReach_m, kMostReach_m);
+  Neighbourhood sums;
+  sums.add(0.0, 0.0);
+  const auto take = [&](std::size_t neighbour) {
+    const double dx = points[neighbour].x() - px;
+    const double dy = points[neighbour].y() - py;
+    if (dx * dx + dy * dy >= reach_m * reach_m) return false;
+    sums.add(dx, dy);
+    return true;
+  };
+  for (std::size_t k = 1; k <= kMostNeighbours && k <= at && take(at - k); ++k) continue;
+  for (std::size_t k = 1; k <= kMostNeighbours && at + k < points.size() && take(at + k); ++k) continue;
+  return sums;
+}
+
+// The axis across a flat neighbourhood.
+std::optional<Point2> normal_of(const Neighbourhood& sums) {
+  if (sums.count < kFewestPoints) return std::nullopt;
+  const auto n = static_cast<double>(sums.count);
+  const double xx = sums.xx - sums.x * sums.x / n;
+  const double xy = sums.xy - sums.x * sums.y / n;
+  const double yy = sums.yy - sums.y * sums.y / n;
+  const double spread = std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy);
+  const double along = 0.5 * (xx + yy + spread);
+  const double across = 0.5 * (xx + yy - spread);
+  if (!(spread > 0.0) || across > kFlatness * along + n * kRoughness_m * kRoughness_m) return std::nullopt;
+  const double angle = 0.5 * atan2(2.0 * xy, xx - yy);
+  const auto direction = sin_cos(angle);
+  return Point2(-direction.sin, direction.cos);
+}
+
+}  // namespace
+
+KeptScan keep_scan(std::span<const Point2> points_base_m) {
+  KeptScan kept;
+  for (std::size_t i = 0; i < points_base_m.size(); ++i) {
+    const Point2& point = points_base_m[i];
+    const auto x = static_cast<float>(point.x());
+    const auto y = static_cast<float>(point.y());
+    const std::optional<Point2> normal = normal_of(neighbourhood_of(points_base_m, i));
+    if (!normal) {
+      kept.lone.push_back({x, y});
+      continue;
+    }
+    const double away = normal->x() * point.x() + normal->y() * point.y();
+    const double sign = away > 0.0 ? -1.0 : 1.0;
+    kept.surface.push_back({x, y, static_cast<float>(sign * normal->x()), static_cast<float>(sign * normal->y()),
+                            static_cast<float>(direction_of(point.x(), point.y()))});
+  }
+  std::stable_sort(kept.surface.begin(), kept.surface.end(),
+                   [](const SurfacePoint& a, const SurfacePoint& b) { return a.direction < b.direction; });
+  return kept;
+}
+
+Matrix3 shape_of(const KeptScan& scan) {
+  Matrix3 shape;
+  for (const SurfacePoint& p : scan.surface) {
+    const double nx = p.normal_x;
+    const double ny = p.normal_y;
+    const double lever = static_cast<double>(p.x_m) * ny - static_cast<double>(p.y_m) * nx;
+    const Tangent2 J{nx, ny, lever};
+    shape += outer(J, J);
+  }
+  return shape;
+}
+
+Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least) {
+  const double share = points > 0 ? 1.0 / static_cast<double>(points) : 0.0;
+  return with_eigenvalues(eigen_of_symmetric(share * shape),
+                          [least](double value) { return std::max(least, value - kShapeOfNoise); });
+}
+
+}  // namespace gdtslam

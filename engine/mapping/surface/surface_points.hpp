@@ -1,0 +1,67 @@
+// What is kept of a scan for everything that looks back: its returns, and for those that lie on a surface the surface's
+// normal, from the neighbours in beam order. Frame: the robot when it was scanned; 20 bytes a point on a surface, 8
+// another. Thread-safe; linear in the points.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/mapping/graph/matrix3.hpp"
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam {
+
+/// A return on a surface.
+struct SurfacePoint {
+  float x_m = 0.0F;
+  float y_m = 0.0F;
+  float normal_x = 0.0F;  ///< unit length, toward the robot
+  float normal_y = 0.0F;
+  float direction = 0.0F;  ///< direction_of() the point
+
+  [[nodiscard]] Point2 point() const { return {x_m, y_m}; }
+  [[nodiscard]] Point2 normal() const { return {normal_x, normal_y}; }
+};
+
+/// A return of which no surface is known.
+struct LonePoint {
+  float x_m = 0.0F;
+  float y_m = 0.0F;
+  [[nodiscard]] Point2 point() const { return {x_m, y_m}; }
+};
+
+/// The returns of one scan.
+struct KeptScan {
+  std::vector<SurfacePoint> surface;  ///< by direction, ascending
+  std::vector<LonePoint> lone;        ///< in beam order
+  [[nodiscard]] std::size_t points() const { return surface.size() + lone.size(); }
+  [[nodiscard]] std::size_t bytes() const {
+    return surface.size() * sizeof(SurfacePoint) + lone.size() * sizeof(LonePoint);
+  }
+};
+
+/// Grows with the bearing, from -2 to 2 once around, by 0.5 to 1 a radian: what bearings are compared for, for the
+/// price of a division.
+inline double direction_of(double x, double y) {
+  const double length = std::fabs(x) + std::fabs(y);
+  if (!(length > 0.0)) return 0.0;
+  const double share = y / length;
+  if (x >= 0.0) return share;
+  return y >= 0.0 ? 2.0 - share : -2.0 - share;
+}
+
+/// `points_base_m` in beam order.
+KeptScan keep_scan(std::span<const Point2> points_base_m);
+
+/// How the distance of the points from their surfaces changes with the pose (tangent x, y, theta): the sum of J^T J
+/// over the points, J = (n_x, n_y, p x n) [Censi2007, section III]. An eigenvalue that is small beside the number of
+/// points is a motion that the scan cannot see, as along a corridor.
+Matrix3 shape_of(const KeptScan& scan);
+
+/// The shape for one point, less what the noise of the normals feigns in directions in which there is nothing to be
+/// seen; never less than `least` in any direction.
+Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least);
+
+}  // namespace gdtslam

@@ -1,0 +1,50 @@
+#include "pose_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gdtslam {
+namespace {
+
+constexpr double kMatchPointNoise_m = 0.02;
+constexpr double kMatchIndependent = 400.0;  // points of a scan and of its map that tell something new
+constexpr double kMatchEnough = 100.0;       // points, with fewer of which a scan tells less
+constexpr double kMatchLeastShare = 0.01;
+constexpr double kMatchLeastShape = 4.0e-9;  // of a direction in which the scan tells nothing
+constexpr double kMostMatchChi2 = 30.0;      // farther apart one of the two is wrong
+
+}  // namespace
+
+Matrix3 match_information(const KeptScan& scan) {
+  const std::size_t points = scan.surface.size();
+  const double count =
+      kMatchIndependent * std::clamp(static_cast<double>(points) / kMatchEnough, kMatchLeastShare, 1.0);
+  return count / (kMatchPointNoise_m * kMatchPointNoise_m) * shape_of_one(shape_of(scan), points, kMatchLeastShape);
+}
+
+void PoseFilter::predict(const Pose2& T_map_predicted, const MotionNoise& noise) {
+  const Matrix3 carried = adjoint_matrix(between(T_map_predicted, T_map_base_));
+  const double m = noise.sigma_m * noise.sigma_m;
+  covariance_ =
+      carried * times_transposed(covariance_, carried) + Matrix3::diagonal(m, m, noise.sigma_rad * noise.sigma_rad);
+  T_map_base_ = T_map_predicted;
+}
+
+MotionNoise PoseFilter::sigma() const {
+  return {std::sqrt(largest_variance(covariance_)), std::sqrt(covariance_(2, 2))};
+}
+
+PoseFilter::Fused PoseFilter::fused_with(const Pose2& T_map_matched, const Matrix3& information) const {
+  const Tangent2 off = log_tangent(between(T_map_base_, T_map_matched));
+  const Matrix3 covariance = inverse(inverse(covariance_) + information);
+  return {.T_map_base = T_map_base_ * exp_tangent(covariance * (information * off)),
+          .covariance = covariance,
+          .is_possible = squared_norm(inverse(covariance_ + inverse(information)), off) < kMostMatchChi2};
+}
+
+void PoseFilter::take(const Pose2& T_map_base, const Matrix3& covariance) {
+  T_map_base_ = T_map_base;
+  covariance_ = covariance;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,39 @@
+// What the wheels and a match say of a scan's pose, as one: along a corridor the match tells nothing of the way along
+// it, and the wheels do. The match's information comes from the normals of the scan's points. Not thread-safe; linear
+// in the points.
+#pragma once
+
+#include "engine/mapping/graph/matrix3.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
+#include "engine/mapping/wheels/wheel_noise.hpp"
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam {
+
+class PoseFilter {
+ public:
+  /// Wheels and match as one.
+  struct Fused {
+    Pose2 T_map_base;
+    Matrix3 covariance;
+    bool is_possible = true;  ///< both can be right
+  };
+
+  /// The robot moved from where it was last to `T_map_predicted`, known this well.
+  void predict(const Pose2& T_map_predicted, const MotionNoise& noise);
+  /// How sure the pose is, relative to the local map: in the least sure direction, and in heading.
+  [[nodiscard]] MotionNoise sigma() const;
+  /// With a match of this information.
+  [[nodiscard]] Fused fused_with(const Pose2& T_map_matched, const Matrix3& information) const;
+  /// The pose is this; without it the prediction stays.
+  void take(const Pose2& T_map_base, const Matrix3& covariance);
+
+ private:
+  Pose2 T_map_base_;
+  Matrix3 covariance_ = Matrix3::diagonal(1.0e-6, 1.0e-6, 1.0e-7);  // of the tangent, relative to the local map
+};
+
+/// What a match of this scan against a map tells of its pose.
+Matrix3 match_information(const KeptScan& scan);
+
+}  // namespace gdtslam

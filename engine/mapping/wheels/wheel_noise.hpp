@@ -1,0 +1,79 @@
+// How good the wheels are, estimated as the log goes from what accepted matches say: what they get wrong always is
+// corrected, what is left is noise. Both drift: what wheels get wrong
+// grows with the path as a random walk does, what a match gets wrong does not; so the variance of their difference over
+// longer and longer stretches tells the one from the other. Robust: by quantiles, so that a slip or a wrong match is
+// one of many. Not thread-safe. Cost: some microseconds a scan.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "engine/mapping/wheels/motion_noise.hpp"
+#include "engine/mapping/wheels/wheel_bias.hpp"
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam {
+
+/// A random walk of the wheels, and what the matches add to every difference.
+struct WheelErrors {
+  double slip_m = 0.1;    ///< metres per root of a metre
+  double slip_rad = 0.2;  ///< radians per root of half the metres and the radians turned
+  double match_m = 0.0;
+  double match_rad = 0.0;
+  std::size_t stretches = 0;  ///< that they were estimated from
+};
+
+class WheelNoise {
+ public:
+  /// The robot's pose by odometry when a scan was taken, and where an accepted match put it; nothing where the match is
+  /// not to be learnt from. Without odometry the path breaks off.
+  void take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base);
+
+  [[nodiscard]] const WheelErrors& errors() const { return errors_; }
+  [[nodiscard]] const WheelBias& bias() const { return bias_; }
+  /// A motion by the wheels less what they get wrong always.
+  [[nodiscard]] Pose2 corrected(const Pose2& by_wheels) const;
+  /// Of a corrected motion of this length and turn.
+  [[nodiscard]] MotionNoise of(double travelled_m, double turned_rad) const;
+
+ private:
+  /// Where both were.
+  struct Mark {
+    Pose2 T_odom_base;
+    Pose2 T_map_base;
+    double path_m = 0.0;
+    double turned_rad = 0.0;
+    double forward_m = 0.0;  // signed, as the next
+    double turn_rad = 0.0;
+  };
+  /// Of all stretches of so many marks: how much path, and the variance of the difference.
+  struct Spread {
+    double path = 0.0;
+    double variance = 0.0;
+    double weight = 0.0;
+  };
+  struct Line {
+    double slope = 0.0;
+    double level = 0.0;
+  };
+  void estimate();
+  [[nodiscard]] std::vector<WheelStretch> stretches() const;
+  [[nodiscard]] std::vector<Pose2> corrected_marks() const;
+  void spreads_over(std::size_t marks, const std::vector<Pose2>& odometry, std::vector<Spread>& metres,
+                    std::vector<Spread>& radians) const;
+  static Line fit(const std::vector<Spread>& spreads, double slope_before);
+
+  std::deque<Mark> marks_;
+  std::optional<Pose2> last_;
+  double path_m_ = 0.0;
+  double turned_rad_ = 0.0;
+  double forward_m_ = 0.0;
+  double turn_rad_ = 0.0;
+  std::size_t taken_ = 0;
+  WheelErrors errors_;
+  WheelBias bias_;
+};
+
+}  // namespace gdtslam

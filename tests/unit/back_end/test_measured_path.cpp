@@ -1,0 +1,92 @@
+// Paths measured twice, by sources of which one is better than it says and the other worse.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "engine/mapping/loops/measured_path.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kStepsAround = 40;  // keyframes
+constexpr std::size_t kStepsBetween = 4;
+
+/// A metre a step around a square of ten.
+Pose2 square_step(std::size_t i) { return {1.0, 0.0, i % 10 == 0 ? 0.5 * kPi : 0.0}; }
+
+MeasuredStep noisy(const Pose2& step, double real_m, double real_rad, double stated_m, double stated_rad,
+                   Random& random) {
+  const double x = random.normal(0.0, real_m);
+  const double y = random.normal(0.0, real_m);
+  const double turn = random.normal(0.0, real_rad);
+  const double m = 1.0 / (stated_m * stated_m);
+  return {step * exp_tangent({x, y, turn}), Matrix3::diagonal(m, m, 1.0 / (stated_rad * stated_rad))};
+}
+
+struct SquareDrive {
+  std::vector<Pose2> truth;
+  FrontEndPath path;
+  std::vector<std::size_t> places;
+};
+
+/// A front end five times as bad as wheels, both stated alike.
+SquareDrive drive_squares(std::size_t rounds, std::uint64_t seed) {
+  Random random(seed);
+  SquareDrive drive;
+  for (std::size_t i = 0; i < rounds * kStepsAround; ++i) {
+    if (i % kStepsBetween == 0) drive.places.push_back(i);
+    if (i == 0) {
+      drive.truth.emplace_back();
+      drive.path.poses.emplace_back();
+      drive.path.steps.emplace_back();
+      continue;
+    }
+    const Pose2 step = square_step(i);
+    drive.truth.push_back(drive.truth.back() * step);
+    drive.path.steps.push_back(
+        {noisy(step, 0.02, 0.005, 0.01, 0.002, random), noisy(step, 0.004, 0.001, 0.01, 0.002, random)});
+    drive.path.poses.push_back(drive.path.poses.back() * drive.path.steps.back()[0].T);
+  }
+  return drive;
+}
+
+// Of a straight path with errors of heading the end's lateral variance is the sum of the squares of the ways to go.
+TEST(MeasuredPath, StepsAddUpToPlaces) {
+  FrontEndPath path;
+  for (int i = 0; i <= 3; ++i) {
+    path.poses.push_back({1.0 * i, 0.0, 0.0});
+    path.steps.push_back({MeasuredStep{{1.0, 0.0, 0.0}, Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)},
+                          MeasuredStep{{1.1, 0.0, 0.0}, Matrix3::diagonal(400.0, 400.0, 1.0e4)}});
+  }
+  const MeasuredPath measured(path, {0, 3});
+  EXPECT_NEAR(measured.by_front_end(1).T_from_to.x_m, 3.0, 1.0e-12);
+  EXPECT_NEAR(measured.stretch(0, 3, StepSource::kWheels).T_from_to.x_m, 3.3, 1.0e-12);
+  const Matrix3 covariance = inverse(measured.by_front_end(1).information);
+  EXPECT_NEAR(covariance(0, 0), 3.0e-4, 1.0e-9);
+  EXPECT_NEAR(covariance(1, 1), 3.0e-4 + (4.0 + 1.0) * 1.0e-6, 1.0e-9);
+  EXPECT_NEAR(covariance(2, 2), 3.0e-6, 1.0e-11);
+}
+
+TEST(MeasuredPath, LoopsTellWhichSourceIsTheBetterOne) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const SquareDrive drive = drive_squares(6, seed);
+    MeasuredPath measured(drive.path, drive.places);
+    PoseGraph graph;
+    for (const std::size_t place : drive.places) graph.poses.push_back(drive.path.poses[place]);
+    const std::size_t around = kStepsAround / kStepsBetween;
+    for (std::size_t i = around; i < drive.places.size(); ++i) {
+      const Pose2 T = between(drive.truth[drive.places[i - around]], drive.truth[drive.places[i]]);
+      graph.loops.push_back({{i - around, i, T, Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6)}, 1.0});
+    }
+    measured.weigh(graph.loops);
+    const auto& [front_end, wheels] = measured.factors();
+    EXPECT_GT(front_end.variance, 5.0 * wheels.variance) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam

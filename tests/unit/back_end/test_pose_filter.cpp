@@ -1,0 +1,58 @@
+// Wheels and match as one pose, against the closed form for normal errors.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "engine/mapping/wheels/pose_filter.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// The walls of a corridor along x, 2 m wide, as a robot in its middle sees them; with a wall at its end or without.
+KeptScan corridor(bool has_end) {
+  std::vector<Point2> points;
+  for (int k = -60; k <= 60; ++k) points.emplace_back(0.05 * k, -1.0);
+  if (has_end) {
+    for (int k = 1; k < 40; ++k) points.emplace_back(3.0, -1.0 + 0.05 * k);
+  }
+  for (int k = 60; k >= -60; --k) points.emplace_back(0.05 * k, 1.0);
+  return keep_scan(points);
+}
+
+TEST(PoseFilter, WeighsWheelsAndMatchByTheirVariances) {
+  PoseFilter filter;
+  filter.predict({1.0, 0.0, 0.0}, {.sigma_m = 0.03, .sigma_rad = 0.01});
+  const double variance = 0.03 * 0.03 + 1.0e-6;  // and what the pose before was known by
+  const double information = 1.0 / (0.02 * 0.02);
+  const PoseFilter::Fused fused =
+      filter.fused_with({1.04, 0.0, 0.0}, Matrix3::diagonal(information, information, 1.0e6));
+  const double share = variance * information / (1.0 + variance * information);
+  EXPECT_NEAR(fused.T_map_base.x_m, 1.0 + share * 0.04, 1.0e-9);
+  EXPECT_NEAR(fused.covariance(0, 0), variance / (1.0 + variance * information), 1.0e-12);
+  EXPECT_TRUE(fused.is_possible);
+}
+
+TEST(PoseFilter, SaysWhereBothCannotBeRight) {
+  PoseFilter filter;
+  filter.predict({1.0, 0.0, 0.0}, {.sigma_m = 0.01, .sigma_rad = 0.001});
+  const Matrix3 information = Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6);
+  EXPECT_TRUE(filter.fused_with({1.03, 0.0, 0.0}, information).is_possible);
+  EXPECT_FALSE(filter.fused_with({1.3, 0.0, 0.0}, information).is_possible);
+  EXPECT_FALSE(filter.fused_with({1.0, 0.0, 0.05}, information).is_possible);
+}
+
+TEST(PoseFilter, AlongABareCorridorTheWheelsAreFollowedAndAcrossItTheMatch) {
+  PoseFilter filter;
+  filter.predict({1.0, 0.0, 0.0}, {.sigma_m = 0.03, .sigma_rad = 0.01});
+  const PoseFilter::Fused bare = filter.fused_with({1.4, 0.04, 0.0}, match_information(corridor(false)));
+  EXPECT_TRUE(bare.is_possible);
+  EXPECT_NEAR(bare.T_map_base.x_m, 1.0, 0.02);
+  EXPECT_NEAR(bare.T_map_base.y_m, 0.04, 0.002);
+  const PoseFilter::Fused ended = filter.fused_with({1.03, 0.04, 0.0}, match_information(corridor(true)));
+  EXPECT_NEAR(ended.T_map_base.x_m, 1.03, 0.002);
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,179 @@
+// Graphs whose right poses are known: a drive around a block, more than once.
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "engine/mapping/graph/pose_graph.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kRound = 40;  // poses of one time around
+
+/// Where the robot is after so many steps of a metre, on a square of 10 m.
+Pose2 truth(std::size_t i) {
+  const std::size_t side = i % kRound / 10;
+  const double along = static_cast<double>(i % 10);
+  const Pose2 corner = Pose2{} * (side > 0 ? Pose2{10.0, 0.0, 0.5 * kPi} : Pose2{}) *
+                       (side > 1 ? Pose2{10.0, 0.0, 0.5 * kPi} : Pose2{}) *
+                       (side > 2 ? Pose2{10.0, 0.0, 0.5 * kPi} : Pose2{});
+  return corner * Pose2{along, 0.0, 0.0};
+}
+
+PoseRelation relation_of(std::size_t from, std::size_t to, const Tangent2& error, double information) {
+  return {.from = from,
+          .to = to,
+          .T_from_to = between(truth(from), truth(to)) * exp_tangent(error),
+          .information = Matrix3::diagonal(information, information, 20.0 * information)};
+}
+
+/// Driven by wheels that err by some centimetres and milliradians a step.
+PoseGraph drive(std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  PoseGraph graph;
+  graph.poses.push_back(truth(0));
+  for (std::size_t i = 1; i < count; ++i) {
+    const Tangent2 error{random.normal(0.0, 0.02), random.normal(0.0, 0.02), random.normal(0.0, 0.004)};
+    graph.path.push_back(relation_of(i - 1, i, error, 2500.0));
+    graph.poses.push_back(graph.poses.back() * graph.path.back().T_from_to);
+  }
+  return graph;
+}
+
+double largest_error_m(const PoseGraph& graph) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    largest = std::max(largest, (graph.poses[i].translation() - truth(i).translation()).norm());
+  }
+  return largest;
+}
+
+TEST(PoseGraph, WithoutLoopsThePathStaysAsItIs) {
+  PoseGraph graph = drive(3 * kRound, 1);
+  const std::vector<Pose2> before = graph.poses;
+  graph.optimise(true);
+  EXPECT_EQ(graph.poses, before);
+}
+
+TEST(PoseGraph, RightLoopsBringEveryRoundOntoTheFirst) {
+  PoseGraph graph = drive(3 * kRound, 1);
+  const double before_m = largest_error_m(graph);
+  for (std::size_t i = kRound; i < 3 * kRound; i += 4) {
+    graph.loops.push_back({relation_of(i - kRound, i, {}, 1.0e4)});
+  }
+  graph.optimise(true);
+  EXPECT_GT(before_m, 0.5);
+  EXPECT_LT(largest_error_m(graph), 0.25 * before_m);
+  for (const Loop& loop : graph.loops) EXPECT_GT(loop.weight, 0.8);
+}
+
+// Half of the loops are wrong by a door or a quarter of a turn, some of them in the same way.
+TEST(PoseGraph, WrongLoopsAreSwitchedOffAndRightOnesStay) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    PoseGraph graph = drive(4 * kRound, seed);
+    PoseGraph right = graph;
+    for (std::size_t i = kRound; i < 4 * kRound; i += 4) {
+      graph.loops.push_back({relation_of(i - kRound, i, {}, 1.0e4)});
+      right.loops.push_back(graph.loops.back());
+      if (i % 8 != 0) continue;
+      const Tangent2 wrong = i % 16 == 0 ? Tangent2{4.0, 0.0, 0.0} : Tangent2{0.0, 0.0, 0.5 * kPi};
+      graph.loops.push_back({relation_of(i - kRound, i, wrong, 1.0e4)});
+    }
+    graph.optimise(true);
+    right.optimise(true);
+    for (const Loop& loop : graph.loops) {
+      const PoseRelation& relation = loop.relation;
+      const Pose2 off = between(between(truth(relation.from), truth(relation.to)), relation.T_from_to);
+      EXPECT_EQ(loop.is_on(), off.translation().norm() + std::fabs(off.theta_rad) < 1e-9) << seed;
+    }
+    for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+      EXPECT_LT((graph.poses[i].translation() - right.poses[i].translation()).norm(), 0.01) << seed;
+    }
+  }
+}
+
+// The gradient of the sum of squares by central differences, and its curvature where the residuals are small.
+TEST(PoseGraph, NormalEquationsAreTheDerivatives) {
+  PoseGraph graph = drive(12, 4);
+  graph.path[5].information =
+      times_transposed(Matrix3{{3, 1, 0, 0, 2, 1, 1, 0, 5}}, Matrix3{{3, 1, 0, 0, 2, 1, 1, 0, 5}});
+  graph.poses[6] = graph.poses[6] * Pose2{1e-4, -2e-4, 1e-4};
+  std::vector<BlockSystem::Pair> pairs;
+  for (const PoseRelation& relation : graph.path) pairs.emplace_back(relation.from, relation.to);
+  BlockSystem system(graph.poses.size(), pairs);
+  for (const PoseRelation& relation : graph.path) add_relation(relation, graph.poses, 2.0, system);
+  const auto half_cost = [&](const std::vector<Pose2>& poses) {
+    double sum = 0.0;
+    for (const PoseRelation& relation : graph.path) sum += chi2_of(relation, poses[relation.from], poses[relation.to]);
+    return sum;  // half of twice
+  };
+  constexpr double kStep = 1e-6;
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      Tangent2 step{};
+      step[k] = kStep;
+      std::vector<Pose2> ahead = graph.poses;
+      std::vector<Pose2> back = graph.poses;
+      ahead[i] = ahead[i] * exp_tangent(step);
+      step[k] = -kStep;
+      back[i] = back[i] * exp_tangent(step);
+      EXPECT_NEAR((half_cost(ahead) - half_cost(back)) / (2.0 * kStep), -system.right[i][k], 2e-3) << i << ' ' << k;
+    }
+  }
+}
+
+TEST(GraphCovariance, IsThatOfTheDenseInverse) {
+  PoseGraph graph = drive(kRound + 8, 6);
+  for (std::size_t i = kRound; i < kRound + 8; i += 3) graph.loops.push_back({relation_of(i - kRound, i, {}, 1.0e4)});
+  graph.optimise(true);
+  const std::size_t size = graph.poses.size();
+  std::vector<BlockSystem::Pair> pairs;
+  for (const PoseRelation& relation : graph.path) pairs.emplace_back(relation.from, relation.to);
+  for (const Loop& loop : graph.loops) pairs.emplace_back(loop.relation.from, loop.relation.to);
+  BlockSystem system(size, pairs);
+  for (const PoseRelation& relation : graph.path) add_relation(relation, graph.poses, 1.0, system);
+  for (const Loop& loop : graph.loops) add_relation(loop.relation, graph.poses, loop.weight, system);
+  // Relative to the first pose: without its rows and columns.
+  Eigen::MatrixXd information =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3 * size - 3), static_cast<Eigen::Index>(3 * size - 3));
+  const auto put = [&](std::size_t row, std::size_t column, const Matrix3& block) {
+    if (row == 0 || column == 0) return;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        information(static_cast<Eigen::Index>(3 * row - 3) + i, static_cast<Eigen::Index>(3 * column - 3) + j) =
+            block(i, j);
+      }
+    }
+  };
+  for (std::size_t row = 0; row < size; ++row) {
+    put(row, row, system.diagonal[row]);
+    for (std::size_t nth = 0; nth < system.columns_of(row).size(); ++nth) {
+      put(row, system.columns_of(row)[nth], system.block(row, nth));
+      put(system.columns_of(row)[nth], row, transposed(system.block(row, nth)));
+    }
+  }
+  const Eigen::MatrixXd covariance = information.inverse();
+  const GraphCovariance found(graph);
+  for (const std::size_t to : {std::size_t{5}, kRound, size - 1}) {
+    const Matrix3 relative = found.relative(0, to);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        const auto at = static_cast<Eigen::Index>(3 * to - 3);
+        EXPECT_NEAR(relative(i, j), covariance(at + i, at + j), 1e-6) << to;
+      }
+    }
+  }
+  // Of neighbours: no more than that of their own measurement.
+  const Matrix3 neighbours = found.relative(20, 21);
+  EXPECT_LE(neighbours(0, 0), 1.0 / 2500.0 + 1e-9);
+  EXPECT_GT(neighbours(0, 0), 0.5 / 2500.0);
+}
+
+}  // namespace
+}  // namespace gdtslam

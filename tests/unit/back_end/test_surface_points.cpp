@@ -1,0 +1,108 @@
+// Normals and shapes of scans of walls that are known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "engine/mapping/surface/surface_points.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+#include "support/room.hpp"
+
+namespace gdtslam {
+namespace {
+
+std::vector<Point2> seen(const std::vector<test::Segment>& walls, const Pose2& T_map_base) {
+  return points_of(test::scan_of(walls, T_map_base, 0.0, 720), {});
+}
+
+/// Two walls along x, 2 m apart, far longer than the laser reaches.
+std::vector<test::Segment> corridor() { return {{{-500.0, 1.0}, {500.0, 1.0}}, {{-500.0, -1.0}, {500.0, -1.0}}}; }
+
+TEST(KeptScan, NormalsStandOnTheWallTowardTheRobot) {
+  for (const double heading : {0.0, 0.4, -1.1}) {
+    const Pose2 T{0.3, 0.2, heading};
+    const KeptScan kept = keep_scan(seen(corridor(), T));
+    ASSERT_GT(kept.surface.size(), 300U);
+    for (const SurfacePoint& p : kept.surface) {
+      const double y = (T * p.point()).y();
+      const Point2 normal = T * p.normal() - T.translation();
+      EXPECT_NEAR(normal.x(), 0.0, 1e-4);
+      EXPECT_NEAR(normal.y(), y > 0.0 ? -1.0 : 1.0, 1e-4);
+    }
+  }
+}
+
+TEST(KeptScan, KeepsEveryReturnOnceAndSortsSurfacesByBearing) {
+  const std::vector<Point2> points = seen(test::furnished_room(), {1.0, 0.3, 0.7});
+  const KeptScan kept = keep_scan(points);
+  EXPECT_EQ(kept.points(), points.size());
+  EXPECT_EQ(kept.bytes(), kept.surface.size() * 20 + kept.lone.size() * 8);
+  for (std::size_t i = 1; i < kept.surface.size(); ++i) {
+    EXPECT_LE(kept.surface[i - 1].direction, kept.surface[i].direction);
+  }
+  double sum = 0.0;
+  for (const Point2& p : points) sum += p.x() + 3.0 * p.y();
+  double kept_sum = 0.0;
+  for (const SurfacePoint& p : kept.surface) kept_sum += p.point().x() + 3.0 * p.point().y();
+  for (const LonePoint& p : kept.lone) kept_sum += p.point().x() + 3.0 * p.point().y();
+  EXPECT_NEAR(kept_sum, sum, 1e-3);
+}
+
+TEST(KeptScan, PointsWithoutNeighboursHaveNoSurface) {
+  std::vector<Point2> poles;
+  for (int k = 0; k < 20; ++k) poles.emplace_back(std::cos(0.15 * k) * 5.0, std::sin(0.15 * k) * 5.0);
+  const KeptScan kept = keep_scan(poles);
+  EXPECT_TRUE(kept.surface.empty());
+  EXPECT_EQ(kept.lone.size(), poles.size());
+  EXPECT_TRUE(keep_scan({}).surface.empty());
+}
+
+TEST(ScanShape, SaysWhatACorridorCannotTell) {
+  const KeptScan kept = keep_scan(seen(corridor(), {0.0, 0.0, 0.0}));
+  const Matrix3 shape = shape_of(kept);
+  const auto n = static_cast<double>(kept.surface.size());
+  EXPECT_NEAR(shape(0, 0) / n, 0.0, 1e-6);  // along
+  EXPECT_NEAR(shape(1, 1) / n, 1.0, 1e-6);  // across
+  EXPECT_GT(shape(2, 2) / n, 0.5);
+  const Matrix3 one = shape_of_one(shape, kept.surface.size(), 1e-6);
+  EXPECT_NEAR(one(0, 0), 1e-6, 1e-8);
+  EXPECT_NEAR(one(1, 1), 1.0, 0.01);
+}
+
+TEST(ScanShape, OfARoundRoomSaysNothingOfTheHeading) {
+  std::vector<Point2> circle;
+  for (int k = 0; k < 720; ++k) {
+    const double bearing = -kPi + kTwoPi * k / 720.0;
+    circle.emplace_back(3.0 * std::cos(bearing), 3.0 * std::sin(bearing));
+  }
+  const KeptScan kept = keep_scan(circle);
+  const Matrix3 one = shape_of_one(shape_of(kept), kept.surface.size(), 1e-6);
+  EXPECT_NEAR(one(0, 0), 0.5, 0.01);
+  EXPECT_NEAR(one(1, 1), 0.5, 0.01);
+  EXPECT_LT(one(2, 2), 1e-3);
+}
+
+TEST(EigenOfSymmetric, GivesTheMatrixBack) {
+  Random random(7);
+  for (int round = 0; round < 200; ++round) {
+    Matrix3 a;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j) a(i, j) = a(j, i) = random.normal(0.0, round % 2 == 0 ? 1.0 : 1e3);
+    }
+    const Eigen3 eigen = eigen_of_symmetric(a);
+    const Matrix3 back = with_eigenvalues(eigen, [](double value) { return value; });
+    const Matrix3 unit = transposed_times(eigen.vectors, eigen.vectors);
+    const double size = std::fabs(eigen.values[0]) + std::fabs(eigen.values[1]) + std::fabs(eigen.values[2]);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        EXPECT_NEAR(back(i, j), a(i, j), 1e-13 * size);
+        EXPECT_NEAR(unit(i, j), i == j ? 1.0 : 0.0, 1e-14);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam
