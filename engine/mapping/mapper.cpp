@@ -26,7 +26,8 @@ const MapperConfig& checked(const MapperConfig& config) {
 
 /// A map on the host and, where its matcher works on a device, there too.
 struct PlacedMap {
-  PlacedMap(const MapperConfig& config, Backend& cpu, Backend* on_device) : host(config, cpu) {
+  PlacedMap(const MapperConfig& config, Backend& cpu) : host(config, cpu) {}
+  void place_on(const MapperConfig& config, Backend* on_device) {
     if (on_device != nullptr) device.emplace(config, *on_device, host);
   }
   [[nodiscard]] const GlobalField& matched() const { return device ? device->field() : host.field; }
@@ -74,7 +75,6 @@ struct Mapper::State {
   void merge(const Pose2& pose);
   void merge_into(PlacedMap& placed, const KeyframeCells& keyframe);
   void begin_stretch();
-  [[nodiscard]] std::unique_ptr<PlacedMap> make_map();
   void count(const MatchResult& result);
 
   MapperConfig config;
@@ -142,14 +142,14 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
   if (own_cpu && matcher_info(config.match.matcher).place == MatcherPlace::kDevice) device = &backend;
   count_work_of(device != nullptr ? backend : *cpu);
   if (config.odometry.estimate) estimate.emplace();
+  map = std::make_unique<PlacedMap>(config, *cpu);
+  if (config.local.stretch_m > 0.0) next = std::make_unique<PlacedMap>(config, *cpu);
   on_device([&] {
-    map = make_map();
-    if (config.local.stretch_m > 0.0) next = make_map();
+    map->place_on(config, device);
+    if (next) next->place_on(config, device);
     open_matcher();
   });
 }
-
-std::unique_ptr<PlacedMap> Mapper::State::make_map() { return std::make_unique<PlacedMap>(config, *cpu, device); }
 
 void Mapper::State::open_matcher() { matcher = matcher_info(config.match.matcher).make(config, map->matched()); }
 
@@ -288,8 +288,8 @@ void Mapper::State::merge_into(PlacedMap& placed, const KeyframeCells& keyframe)
 
 // The map that was begun a stretch ago has become the one to match with, and a new one is begun.
 void Mapper::State::begin_stretch() {
-  std::unique_ptr<PlacedMap> fresh;
-  on_device([&] { fresh = make_map(); });
+  auto fresh = std::make_unique<PlacedMap>(config, *cpu);
+  on_device([&] { fresh->place_on(config, device); });
   matcher.reset();
   map = std::move(next);
   next = std::move(fresh);

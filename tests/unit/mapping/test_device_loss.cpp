@@ -54,6 +54,20 @@ TEST_F(DeviceLoss, EveryCallOfADriveMayFail) {
   }
 }
 
+// Two maps at a time, of which the younger takes the place of the older on the way.
+TEST_F(DeviceLoss, WithLocalMaps) {
+  config_.local.stretch_m = 0.5;
+  config_.odometry.estimate = true;
+  const MappedDrive expected = drive(*cpu_);
+  QueuedBackend device;
+  expect_same(drive(device), expected);
+  for (std::uint64_t call = 1; call <= device.calls().size(); call += 3) {
+    SCOPED_TRACE("call " + std::to_string(call) + ", " + device.calls()[call - 1]);
+    expect_recovery_from(call, expected);
+    if (HasFailure()) return;
+  }
+}
+
 TEST_F(DeviceLoss, WhileTheJournalIsBeingCutShort) {
   config_.keyframe.every_scan = true;
   scans_ = test::room_scans(160, 1);
