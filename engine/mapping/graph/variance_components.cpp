@@ -9,7 +9,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::size_t kFewestClosures = 10;
+constexpr std::size_t kFewestClosures = 4;
+constexpr double kUsualLog = 2.3;  // standard deviation of the factor's logarithm: what is said is right within ten
 constexpr std::size_t kMostClosures = 400;
 constexpr double kLeastFactor = 0.01;
 constexpr double kLargestFactor = 110.0;
@@ -78,7 +79,8 @@ VarianceFactor variance_factor(std::span<const PoseRelation> chain, std::span<co
   best.closures = closures.size();
   double least = std::numeric_limits<double>::infinity();
   for (double factor = kLeastFactor; factor <= kLargestFactor; factor *= kFactorStep) {
-    const double now = minus_log_likelihood(closures, factor);
+    const double unusual = log(factor) / kUsualLog;
+    const double now = minus_log_likelihood(closures, factor) + 0.5 * unusual * unusual;
     if (now >= least) continue;
     least = now;
     best.variance = factor;

@@ -19,8 +19,8 @@ struct VarianceFactor {
   std::size_t closures = 0;  ///< loops that it comes from
 };
 
-/// Of a chain whose relation i goes from node i to node i + 1, by the loops that are on. Between 1/100 and 100; 1 where
-/// there are fewer than ten loops.
+/// Of a chain whose relation i goes from node i to node i + 1, by the loops that are on. Between 1/100 and 100, and
+/// near 1 where the loops say little; 1 where there are fewer than four.
 VarianceFactor variance_factor(std::span<const PoseRelation> chain, std::span<const Loop> loops);
 
 /// The relation with a covariance so much larger.

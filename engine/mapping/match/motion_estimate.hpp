@@ -29,12 +29,17 @@ class MotionEstimate {
  private:
   [[nodiscard]] std::optional<Pose2> corrected(const std::optional<Pose2>& T_odom_base);
 
+  [[nodiscard]] bool goes_on(const Pose2& T_map_base) const;
+
   WheelNoise wheels_;
   PoseFilter filter_;
   std::optional<Pose2> odometry_;  // of the scan in hand
   std::optional<Pose2> T_odom_last_;
+  bool has_moved_ = false;  // the odometry, ever
   Pose2 T_odom_corrected_;
-  Pose2 step_;  // by odometry, as it was logged
+  Pose2 step_;                // by odometry, as it was logged
+  Pose2 T_map_continued_;     // the pose if the last motion goes on
+  bool is_measured_ = false;  // by odometry
   MotionNoise noise_;
 };
 

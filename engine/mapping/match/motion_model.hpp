@@ -33,6 +33,8 @@ class MotionModel {
 
   /// The last estimate.
   [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
+  /// The pose if the last motion goes on.
+  [[nodiscard]] Pose2 continued() const { return T_map_base_ * last_motion_; }
   /// Steps longer than the odometry may take.
   [[nodiscard]] std::uint64_t leaps() const { return leaps_; }
 

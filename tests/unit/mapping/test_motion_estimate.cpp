@@ -1,0 +1,91 @@
+// A robot that drives on in a room, with odometry that is good, missing, or leaps.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+#include "engine/mapping/match/motion_estimate.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr Pose2 kMotion{0.1, 0.0, 0.02};  // from scan to scan
+
+/// The walls of a room of 6 m by 4 m around the robot, in beam order.
+std::vector<Point2> room() {
+  std::vector<Point2> points;
+  for (int i = -50; i <= 50; ++i) points.emplace_back(3.0, 0.04 * i);
+  for (int i = 75; i >= -75; --i) points.emplace_back(0.04 * i, 2.0);
+  for (int i = 50; i >= -50; --i) points.emplace_back(-3.0, 0.04 * i);
+  for (int i = -75; i <= 75; ++i) points.emplace_back(0.04 * i, -2.0);
+  return points;
+}
+
+class Drive : public testing::Test {
+ protected:
+  /// What becomes of a match at this pose. The scan fits nowhere else.
+  MatchResult drive_to(const Pose2& T_map_matched, const std::optional<Pose2>& T_odom_base) {
+    const Prediction prediction = estimate_.predict(model_, T_odom_base);
+    MatchResult result;
+    result.T_map_predicted = prediction.T_map_base;
+    result.T_map_base = T_map_matched;
+    result.accepted = true;
+    is_by_odometry_ = prediction.by_odometry;
+    estimate_.take(result, true, room(), [](const Pose2&, const Pose2&) { return false; });
+    model_.correct(result.T_map_base, result.accepted);
+    return result;
+  }
+
+  MotionModel model_{OdometryConfig{}};
+  MotionEstimate estimate_;
+  bool is_by_odometry_ = false;
+};
+
+TEST_F(Drive, OdometryThatNeverMovedIsNone) {
+  Pose2 pose;
+  for (int i = 0; i < 10; ++i) {
+    const MatchResult result = drive_to(pose, Pose2{5.0, 6.0, 0.7});
+    EXPECT_TRUE(i == 0 || !is_by_odometry_) << i;
+    EXPECT_TRUE(i == 0 || result.odometry_sigma_m >= 1.0) << i;
+    EXPECT_TRUE(result.accepted) << i;
+    pose = pose * kMotion;
+  }
+}
+
+TEST_F(Drive, TheFirstStepThatOdometryMovesCounts) {
+  drive_to({}, Pose2{5.0, 6.0, 0.7});
+  const MatchResult result = drive_to(kMotion, Pose2{5.0, 6.0, 0.7} * kMotion);
+  EXPECT_TRUE(is_by_odometry_);
+  EXPECT_NEAR(result.T_odometry_step.x_m, kMotion.x_m, 1.0e-12);
+  EXPECT_NEAR(result.T_odometry_step.theta_rad, kMotion.theta_rad, 1.0e-12);
+}
+
+// A building seen the wrong way round looks the same.
+TEST_F(Drive, ALeapThatNothingSpeaksForIsRefused) {
+  Pose2 pose;
+  for (int i = 0; i < 5; ++i) {
+    drive_to(pose, std::nullopt);
+    pose = pose * kMotion;
+  }
+  const MatchResult result = drive_to(pose * Pose2{1.0, 0.0, 3.1}, std::nullopt);
+  EXPECT_FALSE(result.accepted);
+  EXPECT_EQ(result.doubt, Doubt::kWeakEvidence);
+  EXPECT_EQ(result.T_map_base, result.T_map_predicted);
+}
+
+TEST_F(Drive, WhereTheOdometryLeapsTheMatchStands) {
+  Pose2 pose;
+  Pose2 odometry;
+  for (int i = 0; i < 5; ++i) {
+    drive_to(pose, odometry);
+    pose = pose * kMotion;
+    odometry = odometry * kMotion;
+  }
+  const MatchResult result = drive_to(pose, odometry * Pose2{2.0, 0.0, 1.5});
+  EXPECT_TRUE(result.accepted);
+  EXPECT_NEAR(result.T_map_base.x_m, pose.x_m, 0.05);
+  EXPECT_NEAR(result.T_map_base.theta_rad, pose.theta_rad, 0.02);
+}
+
+}  // namespace
+}  // namespace gdtslam
