@@ -8,10 +8,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kStretch_m = 15.0;
+constexpr double kStretch_m = 15.0;  // of a local map, where the configuration says nothing of it
 
 MapperConfig front_end_config(MapperConfig config) {
-  config.local.stretch_m = kStretch_m;
+  if (config.local.stretch_m == 0.0) config.local.stretch_m = kStretch_m;
   config.odometry.estimate = true;
   return config;
 }

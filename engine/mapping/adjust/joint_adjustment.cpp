@@ -3,46 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <unordered_map>
+
+#include "engine/mapping/adjust/pose_bins.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kFewestLaid = 15.0;  // that lay a scan on another
-
-double squared_distance(const Pose2& a, const Pose2& b) {
-  const double dx = a.x_m - b.x_m;
-  const double dy = a.y_m - b.y_m;
-  return dx * dx + dy * dy;
-}
-
-/// Poses by squares of the plane, so that those near one are found without asking all.
-class PoseBins {
- public:
-  explicit PoseBins(double size_m) : size_m_(size_m) {}
-  void add(std::size_t index, const Pose2& pose) { bins_[key(bin(pose.x_m), bin(pose.y_m))].push_back(index); }
-  template <class Visit>
-  void visit_near(const Pose2& pose, const Visit& visit) const {
-    for (std::int64_t y = bin(pose.y_m) - 1; y <= bin(pose.y_m) + 1; ++y) {
-      for (std::int64_t x = bin(pose.x_m) - 1; x <= bin(pose.x_m) + 1; ++x) {
-        const auto found = bins_.find(key(x, y));
-        if (found == bins_.end()) continue;
-        for (const std::size_t index : found->second) visit(index);
-      }
-    }
-  }
-
- private:
-  [[nodiscard]] std::int64_t bin(double coordinate_m) const {
-    return static_cast<std::int64_t>(std::floor(coordinate_m / size_m_));
-  }
-  static std::uint64_t key(std::int64_t x, std::int64_t y) {
-    return (static_cast<std::uint64_t>(x) << 32U) ^ (static_cast<std::uint64_t>(y) & 0xffffffffU);
-  }
-
-  double size_m_;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> bins_;  // never iterated over
-};
 
 }  // namespace
 
@@ -57,8 +24,8 @@ std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRu
     }
     near.clear();
     bins.visit_near(poses[i], [&](std::size_t j) {
-      const double square = squared_distance(poses[i], poses[j]);
-      if (square < rules.near_m * rules.near_m) near.emplace_back(square, j);
+      const double away_m2 = squared_distance(poses[i], poses[j]);
+      if (away_m2 < square(rules.near_m)) near.emplace_back(away_m2, j);
     });
     const std::size_t count = std::min(near.size(), rules.most_near);
     std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
@@ -105,7 +72,7 @@ void JointAdjustment::add_pair(const KeyframePair& pair, const std::vector<Pose2
   add_one_way(pair.second, pair.first, poses, gate, system, total);
 }
 
-JointResult JointAdjustment::run(std::vector<Pose2>& poses) const {
+JointResult JointAdjustment::run(std::vector<Pose2>& poses, const Progress& progress) const {
   JointResult result;
   if (poses.size() < 2) return result;
   std::vector<KeyframePair> pairs;
@@ -127,6 +94,7 @@ JointResult JointAdjustment::run(std::vector<Pose2>& poses) const {
     result.rms_m = total.weight > 0.0 ? std::sqrt(total.cost_m2 / total.weight) : 0.0;
     result.pairs = pairs.size();
     gate_m = std::max(options_.last_gate_m, options_.narrowing * gate_m);
+    progress(static_cast<double>(step + 1) / static_cast<double>(options_.iterations));
   }
   return result;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -49,7 +50,10 @@ class JointAdjustment {
   /// `scans` must outlive this, one a pose. `held` are relations that are to be kept, with their information.
   JointAdjustment(const std::vector<KeptScan>& scans, std::vector<PoseRelation> held, const JointOptions& options);
 
-  JointResult run(std::vector<Pose2>& poses) const;
+  /// Called after each iteration with the share of them that is done.
+  using Progress = std::function<void(double)>;
+  JointResult run(
+      std::vector<Pose2>& poses, const Progress& progress = [](double) {}) const;
 
  private:
   void add_pair(const KeyframePair& pair, const std::vector<Pose2>& poses, const LineGate& gate, BlockSystem& system,

@@ -13,19 +13,19 @@ constexpr double kTurnStiffness = 4.0;  // beside that of a metre
 
 ScanAdjustment::ScanAdjustment(std::span<const KeptScan> keyframes, std::span<const Pose2> poses,
                                const ScanAdjustmentOptions& options)
-    : keyframes_(keyframes), poses_(poses), options_(options) {}
+    : keyframes_(keyframes), poses_(poses), bins_(options.near_m), options_(options) {
+  for (std::size_t i = 0; i < poses_.size(); ++i) bins_.add(i, poses_[i]);
+}
 
 std::vector<std::size_t> ScanAdjustment::keyframes_near(const Pose2& pose, std::size_t last, bool is_keyframe) const {
   std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t i = 0; i < poses_.size(); ++i) {
-    if (is_keyframe && i == last) continue;
-    const double dx = poses_[i].x_m - pose.x_m;
-    const double dy = poses_[i].y_m - pose.y_m;
-    const double away_m = std::sqrt(dx * dx + dy * dy);
-    if (away_m >= options_.near_m) continue;
+  bins_.visit_near(pose, [&](std::size_t i) {
+    if (is_keyframe && i == last) return;
+    const double away_m = std::sqrt(squared_distance(poses_[i], pose));
+    if (away_m >= options_.near_m) return;
     const std::size_t apart = i > last ? i - last : last - i;
     near.emplace_back(away_m + (apart < options_.next_in_time ? 0.0 : options_.neighbour_bonus_m), i);
-  }
+  });
   const std::size_t count = std::min(near.size(), options_.most_keyframes);
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
   std::vector<std::size_t> keyframes;

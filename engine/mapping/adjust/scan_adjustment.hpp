@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/mapping/adjust/point_to_line.hpp"
+#include "engine/mapping/adjust/pose_bins.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
 
 namespace gdtslam {
@@ -37,6 +38,7 @@ class ScanAdjustment {
 
   std::span<const KeptScan> keyframes_;
   std::span<const Pose2> poses_;
+  PoseBins bins_;
   ScanAdjustmentOptions options_;
 };
 

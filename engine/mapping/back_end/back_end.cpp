@@ -30,8 +30,6 @@ constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
 
-double square(double value) { return value * value; }
-
 }  // namespace
 
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
@@ -68,7 +66,7 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
     path_.steps.emplace_back();
   } else {
     const Pose2 step = between(path_.poses.back(), result.T_map_base);
-    path_.path_m.push_back(path_.path_m.back() + std::sqrt(square(step.x_m) + square(step.y_m)));
+    path_.path_m.push_back(path_.path_m.back() + length_of(step));
     path_.steps.push_back(steps_to(result.T_map_base, points));
   }
   path_.poses.push_back(result.T_map_base);
@@ -140,7 +138,10 @@ BackEndResult BackEnd::finish(const Progress& progress) {
       [&](double share, int round) { progress("closing loops", (share + round) / (options_.loops.rounds + 1)); });
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;
-  result.joint = JointAdjustment(path_.scans, held_relations(closer.measured()), options_.joint).run(keyframes);
+  result.joint =
+      JointAdjustment(path_.scans, held_relations(closer.measured()), options_.joint).run(keyframes, [&](double share) {
+        progress("adjusting keyframes", share);
+      });
   result.poses = poses_of_scans(keyframes);
   adjust_scans(keyframes, result.poses, progress);
   result.keyframes = keyframes_;

@@ -13,6 +13,10 @@ namespace gdtslam {
 
 using Tangent2 = std::array<double, 3>;
 
+inline double square(double value) { return value * value; }
+/// Of the translation.
+inline double length_of(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
+
 /// Row-major.
 struct Matrix3 {
   std::array<double, 9> m{};

@@ -10,9 +10,8 @@ namespace {
 constexpr double kLeastOfFrontEnd = 0.1;  // factor of its variance
 constexpr std::size_t kBiasSteps = 12;    // keyframes of a stretch by which the wheels are judged
 
-double length(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
-
 }  // namespace
+
 MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places)
     : path_(path), places_(std::move(places)) {
   for (std::size_t source = 0; source < kStepSources; ++source) state_between_places(source);
@@ -34,17 +33,17 @@ void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
   std::vector<WheelStretch> stretches;
   for (std::size_t from = 0; from + kBiasSteps < keyframes.size(); ++from) {
     const Pose2 actual = between(keyframes[from], keyframes[from + kBiasSteps]);
-    WheelStretch stretch{.true_chord_m = length(actual), .true_turn_rad = actual.theta_rad};
+    WheelStretch stretch{.true_chord_m = length_of(actual), .true_turn_rad = actual.theta_rad};
     Pose2 by_wheels;
     for (std::size_t i = from + 1; i <= from + kBiasSteps; ++i) {
       const Pose2& step = path_.steps[i][kWheels].T;
       by_wheels = by_wheels * step;
-      stretch.path_m += length(step);
+      stretch.path_m += length_of(step);
       stretch.turned_rad += std::fabs(step.theta_rad);
       stretch.forward_m += step.x_m;
       stretch.turn_rad += step.theta_rad;
     }
-    stretch.chord_m = length(by_wheels);
+    stretch.chord_m = length_of(by_wheels);
     stretches.push_back(stretch);
   }
   bias_ = estimate_bias(stretches, static_cast<double>(kBiasSteps));
@@ -82,8 +81,9 @@ std::vector<PoseRelation> MeasuredPath::relations() const {
 // The front end's own noise from scan to scan does not add up along the path, so loops tell too little of it. Where
 // they find the front end far better than it says, both are believed less, in the same ratio.
 void MeasuredPath::weigh(const std::vector<Loop>& loops) {
-  for (std::size_t source = 0; source < kStepSources; ++source)
+  for (std::size_t source = 0; source < kStepSources; ++source) {
     factors_[source] = variance_factor(stated_[source], loops);
+  }
   const double shift = std::max(1.0, kLeastOfFrontEnd / factors_[0].variance);
   for (VarianceFactor& factor : factors_) factor.variance *= shift;
 }

@@ -7,18 +7,16 @@
 namespace gdtslam {
 namespace {
 
-double distance_of(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
-
 // The nearest first, and of each stretch of the path one.
 std::vector<Revisit> near_places(const PoseGraph& graph, std::span<const double> path_m, std::size_t here,
                                  const RevisitRules& rules) {
   std::vector<Revisit> all;
   for (std::size_t place = 0; place < here && path_m[here] - path_m[place] >= rules.least_path_m; ++place) {
     const Pose2 T = between(graph.poses[place], graph.poses[here]);
-    if (distance_of(T) <= rules.near_m + rules.widest_m) all.push_back({place, T, 0.0, 0.0});
+    if (length_of(T) <= rules.near_m + rules.widest_m) all.push_back({place, T, 0.0, 0.0});
   }
   std::stable_sort(all.begin(), all.end(), [](const Revisit& a, const Revisit& b) {
-    return distance_of(a.T_place_here) < distance_of(b.T_place_here);
+    return length_of(a.T_place_here) < length_of(b.T_place_here);
   });
   std::vector<Revisit> spread;
   for (const Revisit& revisit : all) {
@@ -49,11 +47,11 @@ std::vector<Revisit> revisits_of(const PoseGraph& graph, const GraphCovariance& 
     revisit.sigma_rad = std::sqrt(std::max(0.0, relative(2, 2)));
   }
   std::erase_if(revisits, [&](const Revisit& revisit) {
-    return distance_of(revisit.T_place_here) > rules.near_m + rules.half_m(revisit);
+    return length_of(revisit.T_place_here) > rules.near_m + rules.half_m(revisit);
   });
   // Far and unsure is dear to look for and seldom found.
   const auto price = [&](const Revisit& revisit) {
-    const double away_m = distance_of(revisit.T_place_here);
+    const double away_m = length_of(revisit.T_place_here);
     return std::max(0.0, away_m - rules.half_m(revisit)) + 0.2 * away_m + 0.5 * rules.half_m(revisit);
   };
   std::stable_sort(revisits.begin(), revisits.end(),

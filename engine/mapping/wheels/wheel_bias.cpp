@@ -17,8 +17,6 @@ constexpr double kLeastNoise = 1.0e-4;  // of a residual over the root of its le
 constexpr double kStandingOut = 3.0;    // standard deviations
 constexpr WheelBias kNothingKnown;
 
-double square(double value) { return value * value; }
-
 /// A residual grows as the root of the length of its stretch.
 struct Equation {
   double a = 0.0;  // what the two unknowns are multiplied by
@@ -84,7 +82,7 @@ WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap)
   std::vector<Equation> chords;
   std::vector<Equation> turns;
   for (const WheelStretch& s : stretches) {
-    const double walk = 0.5 * s.path_m + s.turned_rad;
+    const double walk = walk_of(s.path_m, s.turned_rad);
     if (s.path_m > 0.0) chords.push_back({s.chord_m, 0.0, s.true_chord_m - s.chord_m, s.path_m});
     if (walk > 0.0) turns.push_back({s.turn_rad, s.forward_m, wrap_angle(s.true_turn_rad - s.turn_rad), walk});
   }

@@ -30,6 +30,9 @@ struct WheelStretch {
   double true_turn_rad = 0.0;
 };
 
+/// What the variance of a heading by the wheels grows with: radians, or half the metres.
+inline double walk_of(double path_m, double turned_rad) { return 0.5 * path_m + turned_rad; }
+
 /// Of stretches that overlap so that each piece is in `overlap` of them. Without any: nothing, as uncertain as wheels
 /// are that nobody knows.
 WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap);

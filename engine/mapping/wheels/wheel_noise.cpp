@@ -1,7 +1,6 @@
 #include "wheel_noise.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "engine/mapping/graph/matrix3.hpp"
@@ -33,8 +32,6 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
-double length_of(const Pose2& T) { return std::sqrt(T.x_m * T.x_m + T.y_m * T.y_m); }
-double walk_of(double path_m, double turned_rad) { return 0.5 * path_m + turned_rad; }
 double hypotenuse(double a, double b) { return std::sqrt(a * a + b * b); }
 
 }  // namespace
