@@ -29,6 +29,25 @@ ClosedLoop closed_loop(const Loop& loop, const BackEndResult& result) {
           .is_on = loop.is_on()};
 }
 
+WheelReport wheel_report(const BackEndResult& result) {
+  const WheelBias& bias = result.wheels;
+  const auto factor = [&](StepSource source) { return result.factors[static_cast<std::size_t>(source)].variance; };
+  return {.distance = bias.distance,
+          .turn = bias.turn,
+          .turn_rad_per_m = bias.turn_rad_per_m,
+          .sigma_distance = bias.sigma_distance,
+          .sigma_turn = bias.sigma_turn,
+          .sigma_rad_per_m = bias.sigma_rad_per_m,
+          .variance_factor = factor(StepSource::kWheels),
+          .variance_factor_of_matches = factor(StepSource::kFrontEnd)};
+}
+
+PoseCovariance pose_covariance(const Matrix3& c) {
+  return {.xx = c(0, 0), .xy = c(0, 1), .xt = c(0, 2), .yy = c(1, 1), .yt = c(1, 2), .tt = c(2, 2)};
+}
+
+struct Stopped {};  // thrown through the back end by its own progress
+
 std::vector<Point2> points_of(const KeptScan& scan) {
   std::vector<Point2> points;
   points.reserve(scan.points());
@@ -43,6 +62,7 @@ struct LoopMapper::State {
   State(const MapperConfig& config, Backend& backend, MapperOptions options)
       : mapper(front_end_config(config), backend, std::move(options)), cpu(make_cpu_backend({})), map(config, *cpu) {}
 
+  BackEndResult closed(const Progress& progress, const std::function<bool()>& stop);
   void rebuild(const BackEndResult& result);
 
   Mapper mapper;
@@ -51,6 +71,10 @@ struct LoopMapper::State {
   std::unique_ptr<Backend> cpu;
   KeyframeMap map;  // of all keyframes, once they are where they belong
 };
+
+double PoseCovariance::sigma_m() const {
+  return std::sqrt(largest_variance(Matrix3{{xx, xy, xt, xy, yy, yt, xt, yt, tt}}));
+}
 
 LoopMapper::LoopMapper(const MapperConfig& config, Backend& backend, MapperOptions options)
     : state_(std::make_unique<State>(config, backend, std::move(options))) {}
@@ -87,15 +111,30 @@ void LoopMapper::State::rebuild(const BackEndResult& result) {
   }
 }
 
-ClosedPath LoopMapper::close(const Progress& progress) {
-  const BackEndResult result = state_->back_end.finish(progress);
+BackEndResult LoopMapper::State::closed(const Progress& progress, const std::function<bool()>& stop) {
+  try {
+    return back_end.finish([&](std::string_view step, double share) {
+      if (stop()) throw Stopped{};
+      progress(step, share);
+    });
+  } catch (const Stopped&) {
+    return back_end.as_driven();
+  }
+}
+
+ClosedPath LoopMapper::close(const Progress& progress, const std::function<bool()>& stop) {
+  const BackEndResult result = stop() ? state_->back_end.as_driven() : state_->closed(progress, stop);
   state_->rebuild(result);
-  ClosedPath path{.T_map_base = result.poses,
+  ClosedPath path{.is_closed = result.is_closed,
+                  .T_map_base = result.poses,
+                  .covariances = {},
+                  .wheels = wheel_report(result),
                   .keyframes = result.keyframes,
                   .loops = {},
                   .searches = result.counts.searched,
                   .pairs = result.joint.pairs,
                   .rms_m = result.joint.rms_m};
+  for (const Matrix3& covariance : result.covariances) path.covariances.push_back(pose_covariance(covariance));
   for (const Loop& loop : result.graph.loops) path.loops.push_back(closed_loop(loop, result));
   return path;
 }

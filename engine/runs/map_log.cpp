@@ -104,7 +104,6 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
   }
   RunFolder folder(request.folder);
   if (kind == NodKind::kNone) return map_into(folder, request, job, nullptr, backend, std::move(scans));
-  if (request.with_loops && request.warn) request.warn("warning: the laser nods, so loops are not closed");
   const NoddingJob nodding = nodding_job(request, kind);
   return map_into(folder, request, job, &nodding, backend, std::move(scans));
 }

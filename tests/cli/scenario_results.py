@@ -33,6 +33,11 @@ def report_adds_up():
     expect(len(poses) == report["scans"], "scans and poses")
     expect(report["matched"] + report["doubtful"] >= report["scans"], "matched and doubtful scans")
     expect(len(report["doubtful_scans"]) == report["doubtful"], "doubtful scans are listed")
+    matches = report["matches"]
+    expect(sum(matches.values()) == report["scans"], f"{matches} of {report['scans']} scans")
+    expect(matches["weak"] + matches["refused"] == report["doubtful"], f"{matches}, {report['doubtful']} doubtful")
+    expect(sum(s["to"] - s["from"] + 1 for s in report["uncertain"]["stretches"]) == report["uncertain"]["scans"],
+           "scans of uncertain stretches")
     # Well above the cells' rounding (25 mm a cell) and well below the 300 mm at which a match is refused.
     expect(0.001 < report["match_median_m"] < report["match_p99_m"] < 0.2, f"{report['match_median_m']}, {report['match_p99_m']}")
     path_m = 0.0

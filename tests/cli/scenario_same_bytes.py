@@ -6,7 +6,7 @@ import select
 import subprocess
 
 import cli_support as cli
-from cli_support import LOG, OUTPUTS, RUN, command, digests, expect, expect_exit, mapped, results, scans_in, skip
+from cli_support import LOG, OUTPUTS, command, digests, expect, expect_exit, mapped, results, skip
 
 
 def same_bytes_twice():
@@ -42,14 +42,14 @@ def same_bytes_with_loops():
     devices = json.loads(command("devices", "--json").stdout)
     variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
     runs = [("--threads", 1), ("--threads", 2), *(("--isa", isa) for isa in variants)]
-    reports = [mapped(cli.fresh_folder("loops") / "run", "--loops", *run) for run in runs]
+    reports = [mapped(cli.fresh_folder("loops") / "run", *run) for run in runs]
     expect(len({results(report) for report in reports}) == 1, "the result depends on threads or instruction set")
     loops = reports[0]["loops"]
     expect(loops["found"] == len(loops["closures"]) > 0, f"{loops['found']} loops in a drive that ends where it began")
     expect(loops["on"] == sum(loop["on"] for loop in loops["closures"]) > 0, "none of the loops holds")
     expect(loops["rms_m"] < 0.03, f"points lie {loops['rms_m']} m from the walls of other scans")
     if cli.vulkan_devices():
-        both = [mapped(cli.fresh_folder("loops") / "run", "--loops", "--first", 100, "--matcher", "exhaustive", "--device", device)
+        both = [mapped(cli.fresh_folder("loops") / "run", "--first", 100, "--matcher", "exhaustive", "--device", device)
                 for device in ("cpu", "vulkan")]
         expect(len({results(report) for report in both}) == 1, "the device gives another result")
 
@@ -71,12 +71,14 @@ def live_equals_offline():
         rest, _ = live.communicate("".join(lines[scans[3]:]).encode(), timeout=100)
         rest = (shown + rest).decode()
     rows = [line.split() for line in rest.splitlines()]
-    poses = [line.split() for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+    run = cli.fresh_folder("live") / "run"
+    report = mapped(run, "--no-loops")
+    poses = [line.split() for line in (run / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
     expect(len(rows) == len(poses), f"{len(rows)} live poses, {len(poses)} offline")
     for row, pose in zip(rows, poses):
         expect(row[:3] == pose[:3], f"live {row}, offline {pose}")
     expect({row[4] for row in rows} <= {"accepted", "predicted"}, "the rows have another form")
-    expect(sum(row[4] == "accepted" for row in rows) == scans_in(RUN)["matched"], "accepted rows")
+    expect(sum(row[4] == "accepted" for row in rows) == report["matched"], "accepted rows")
 
 
 def logs_in_sequence():

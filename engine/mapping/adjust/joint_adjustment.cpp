@@ -93,6 +93,8 @@ JointResult JointAdjustment::run(std::vector<Pose2>& poses, const Progress& prog
     result.largest_step_m = take_step(*system, *factor, poses);
     result.rms_m = total.weight > 0.0 ? std::sqrt(total.cost_m2 / total.weight) : 0.0;
     result.pairs = pairs.size();
+    const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;
+    if (is_still && step >= options_.pairs_every) break;
     gate_m = std::max(options_.last_gate_m, options_.narrowing * gate_m);
     progress(static_cast<double>(step + 1) / static_cast<double>(options_.iterations));
   }

@@ -28,8 +28,9 @@ struct PairRules {
 std::vector<KeyframePair> pairs_of(const std::vector<Pose2>& poses, const PairRules& rules = {});
 
 struct JointOptions {
-  int iterations = 10;
-  int pairs_every = 4;  ///< iterations after which the pairs are chosen anew
+  int iterations = 10;     ///< at most,
+  double still_m = 0.002;  ///< or until, with the last gate, no keyframe moves farther
+  int pairs_every = 4;     ///< iterations after which the pairs are chosen anew
   double first_gate_m = 0.15;
   double last_gate_m = 0.1;
   double narrowing = 0.8;

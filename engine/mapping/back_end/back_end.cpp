@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/mapping/graph/free_network.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -29,6 +31,7 @@ constexpr double kWheelShare = 0.3;
 constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
+constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
 
 }  // namespace
 
@@ -132,12 +135,47 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
   }
 }
 
+// In between linearly by the keyframes.
+std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) const {
+  const std::vector<std::size_t>& places = closer.places();
+  if (places.empty()) return {};
+  std::vector<std::size_t> nodes;
+  for (std::size_t i = 0; i < places.size(); i += places.size() / kMostCovariances + 1) nodes.push_back(i);
+  if (nodes.back() + 1 < places.size()) nodes.push_back(places.size() - 1);
+  const std::vector<Matrix3> of_nodes = covariances_in_map(closer.graph(), nodes);
+  std::vector<Matrix3> covariances;
+  covariances.reserve(scans_.size());
+  std::size_t next = 0;
+  for (const Scan& scan : scans_) {
+    while (next < nodes.size() && places[nodes[next]] <= scan.keyframe) ++next;
+    const std::size_t last = next - 1;
+    if (next == nodes.size()) {
+      covariances.push_back(of_nodes[last]);
+      continue;
+    }
+    const auto from = static_cast<double>(places[nodes[last]]);
+    const double share =
+        (static_cast<double>(scan.keyframe) - from) / (static_cast<double>(places[nodes[next]]) - from);
+    covariances.push_back((1.0 - share) * of_nodes[last] + share * of_nodes[next]);
+  }
+  return covariances;
+}
+
+BackEndResult BackEnd::as_driven() const {
+  BackEndResult result;
+  result.poses = poses_of_scans(path_.poses);
+  result.keyframes = keyframes_;
+  return result;
+}
+
 BackEndResult BackEnd::finish(const Progress& progress) {
   LoopCloser closer(path_, options_.loops);
   closer.run(
       [&](double share, int round) { progress("closing loops", (share + round) / (options_.loops.rounds + 1)); });
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;
+  result.is_closed = true;
+  result.covariances = covariances_of_scans(closer);
   result.joint =
       JointAdjustment(path_.scans, held_relations(closer.measured()), options_.joint).run(keyframes, [&](double share) {
         progress("adjusting keyframes", share);
@@ -149,6 +187,7 @@ BackEndResult BackEnd::finish(const Progress& progress) {
   result.places = closer.places();
   result.counts = closer.counts();
   result.factors = closer.measured().factors();
+  result.wheels = closer.measured().wheel_bias();
   return result;
 }
 

@@ -25,11 +25,14 @@ struct BackEndOptions {
 
 /// What the back end came to.
 struct BackEndResult {
+  bool is_closed = false;                            ///< else the path as it was driven
   std::vector<Pose2> poses;                          ///< one a scan taken
+  std::vector<Matrix3> covariances;                  ///< of (x, y, theta) along the map's axes, one a scan taken
   std::vector<std::size_t> keyframes;                ///< which of the scans are
   PoseGraph graph;                                   ///< of places
   std::vector<std::size_t> places;                   ///< which keyframes they are
   std::array<VarianceFactor, kStepSources> factors;  ///< how far matches and wheels were believed
+  WheelBias wheels;
   LoopCounts counts;
   JointResult joint;
 };
@@ -46,6 +49,8 @@ class BackEnd {
 
   /// To be called once, after the last scan.
   BackEndResult finish(const Progress& progress);
+  /// The path of the front end.
+  [[nodiscard]] BackEndResult as_driven() const;
   /// Of the keyframes.
   [[nodiscard]] const std::vector<KeptScan>& keyframe_scans() const { return path_.scans; }
 
@@ -61,6 +66,7 @@ class BackEnd {
   [[nodiscard]] MeasuredSteps steps_to(const Pose2& T_map_base, const KeptScan& scan) const;
   [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
+  [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
   void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, const Progress& progress) const;
 
   BackEndOptions options_;

@@ -12,6 +12,7 @@ constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
 constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
 constexpr int kMostSteps = 100;
+constexpr double kUnknown = 1.0e6;  // variance of what a graph without a solution tells
 
 BlockSystem system_for(const PoseGraph& graph) {
   std::vector<BlockSystem::Pair> pairs;
@@ -102,11 +103,15 @@ void PoseGraph::optimise(bool is_graduated) {
 GraphCovariance::GraphCovariance(const PoseGraph& graph) : graph_(graph), system_(system_for(graph)), factor_(system_) {
   fill(graph, system_);
   hold_first(system_);
-  static_cast<void>(factor_.factorise(system_));
+  is_known_ = factor_.factorise(system_);
 }
 
 std::vector<Matrix3> GraphCovariance::column(std::size_t node) const {
   std::vector<Matrix3> blocks(graph_.poses.size());
+  if (!is_known_) {
+    blocks[node] = kUnknown * Matrix3::identity();
+    return blocks;
+  }
   std::vector<Tangent2> right(graph_.poses.size());
   for (int k = 0; k < 3; ++k) {
     std::fill(right.begin(), right.end(), Tangent2{});
@@ -120,6 +125,7 @@ std::vector<Matrix3> GraphCovariance::column(std::size_t node) const {
 }
 
 Matrix3 GraphCovariance::relative(std::size_t from, std::size_t to) const {
+  if (!is_known_) return kUnknown * Matrix3::identity();
   const std::vector<Matrix3> of_to = column(to);
   const Matrix3 from_from = column(from)[from];
   const Matrix3 by_from = -1.0 * adjoint_matrix(between(graph_.poses[to], graph_.poses[from]));

@@ -60,16 +60,16 @@ class PoseGraph {
 class GraphCovariance {
  public:
   explicit GraphCovariance(const PoseGraph& graph);
-  /// Of the tangent of between(poses[from], poses[to]).
+  /// Of the tangent of between(poses[from], poses[to]); kilometres where the graph has no solution.
   [[nodiscard]] Matrix3 relative(std::size_t from, std::size_t to) const;
-
- private:
-  /// The blocks (row, node) of the inverse for all rows.
+  /// Between the tangents of each node and of this one, the first pose held.
   [[nodiscard]] std::vector<Matrix3> column(std::size_t node) const;
 
+ private:
   const PoseGraph& graph_;
   BlockSystem system_;
   BlockCholesky factor_;
+  bool is_known_ = false;
 };
 
 }  // namespace gdtslam

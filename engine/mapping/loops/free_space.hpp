@@ -38,6 +38,7 @@ class FreeSpace {
   /// Calls visit(wall) for the walls within two cells.
   template <class Visit>
   void visit_walls_near(const Point2& point, const Visit& visit) const;
+  [[nodiscard]] std::size_t bytes() const { return cells_.size() * sizeof(Cell) + walls_.size() * sizeof(WallPoint); }
   /// One a cell.
   [[nodiscard]] std::span<const WallPoint> walls() const { return walls_; }
 

@@ -107,7 +107,10 @@ void LoopCloser::carry_keyframes() {
 }
 
 void LoopCloser::run(const Progress& progress) {
-  if (places().size() < 2) return;
+  if (places().size() < 2) {
+    graph_.poses.assign(poses_.begin(), poses_.begin() + static_cast<std::ptrdiff_t>(places().size()));
+    return;
+  }
   follow_the_path(progress);
   for (int round = 1; round <= options_.rounds; ++round) go_round(progress, round);
   measured_.correct_wheels(poses_);

@@ -15,6 +15,8 @@ constexpr double kQuerySpacing_m = 0.1;
 constexpr double kSearchIndependent = 60.0;  // points of a scan that tell something new, in the cost of a search
 constexpr double kLeastPrior_m = 0.05;       // of the prior: less would be believed only of a graph without mistakes
 constexpr double kLeastPrior_rad = 0.005;
+constexpr double kNear_m = 0.8;  // half windows that are cheap to prepare for
+constexpr double kNear_rad = 0.5;
 
 MapperConfig field_config(double resolution_m) {
   MapperConfig config;
@@ -54,13 +56,31 @@ struct LoopFinder::Reference {
         map(config, backend) {
     StageTimes times;
     map.merge(keyframe_of(group.points(), options.resolution_m, config.map.radius_cells()), times);
-    certified.emplace(field_view(map.field), best_isa());
+  }
+
+  /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
+  const CertifiedMap& certified_for(const PoseWindow& window) {
+    const bool is_near = window.half_x_m <= kNear_m && window.half_theta_rad <= kNear_rad;
+    std::optional<CertifiedMap>& certified = is_near ? for_near : for_any;
+    if (!certified) {
+      certified.emplace(field_view(map.field), best_isa(),
+                        is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
+    }
+    return *certified;
+  }
+
+  [[nodiscard]] std::size_t bytes() const {
+    const auto of = [](const std::optional<CertifiedMap>& certified) { return certified ? certified->bytes() : 0U; };
+    return group.space().bytes() + map.field.geometry().cell_count() * sizeof(std::uint16_t) + of(for_near) +
+           of(for_any);
   }
 
   ScanGroup group;
   MapperConfig config;
   KeyframeMap map;
-  std::optional<CertifiedMap> certified;
+  std::optional<CertifiedMap> for_near;
+  std::optional<CertifiedMap> for_any;
+  std::uint64_t asked = 0;  // when it was last
 };
 
 LoopFinder::LoopFinder(const KeyframePath& keyframes, std::vector<std::size_t> places, const LoopSearchOptions& options)
@@ -74,13 +94,28 @@ void LoopFinder::forget_bent() {
   std::erase_if(references_, [&](const auto& entry) { return entry.second->group.is_bent(keyframes_.poses); });
 }
 
-const LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
+LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
   std::unique_ptr<Reference>& reference = references_[place];
   if (!reference) reference = std::make_unique<Reference>(keyframes_, places_[place], options_, *backend_);
+  reference->asked = ++asked_;
   return *reference;
 }
 
-Pose2 LoopFinder::search(const Reference& reference, const ScanGroup& query, const Revisit& revisit) {
+// Those that were asked for longest ago go first; the one at `place` stays.
+void LoopFinder::make_room(std::size_t place) {
+  std::size_t bytes = 0;
+  for (const auto& [at, reference] : references_) bytes += reference->bytes();
+  while (bytes > options_.most_bytes && references_.size() > 1) {
+    const auto oldest = std::min_element(references_.begin(), references_.end(), [](const auto& a, const auto& b) {
+      return a.second->asked < b.second->asked;
+    });
+    if (oldest->first == place) return;
+    bytes -= oldest->second->bytes();
+    references_.erase(oldest);
+  }
+}
+
+Pose2 LoopFinder::search(Reference& reference, const ScanGroup& query, const Revisit& revisit) {
   const std::vector<PointCells> points = in_cells(every_nth(query.points(), options_.points), options_.resolution_m);
   const double half_m = options_.revisits.half_m(revisit);
   const PoseWindow window{.centre = revisit.T_place_here,
@@ -92,7 +127,7 @@ Pose2 LoopFinder::search(const Reference& reference, const ScanGroup& query, con
   options.max_boxes = options_.most_boxes;
   options.starts = {revisit.T_place_here};
   options.prior = prior_of(revisit, options_.resolution_m, points.size());
-  const CertifiedResult result = find_pose(*reference.certified, points, window, options);
+  const CertifiedResult result = find_pose(reference.certified_for(window), points, window, options);
   ++counts_.searched;
   counts_.boxes += result.boxes;
   return result.T_map_base;
@@ -110,8 +145,9 @@ std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here) {
   for (const Revisit& revisit : revisits_of(graph, covariance, path_m_, here, options_.revisits)) {
     if (has(revisit.place)) continue;
     if (!query) query.emplace(keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m);
-    const Reference& reference = reference_at(revisit.place);
+    Reference& reference = reference_at(revisit.place);
     const Pose2 T_place_here = search(reference, *query, revisit);
+    make_room(revisit.place);
     const LoopEvidence evidence = weigh_loop(reference.group, *query, T_place_here);
     if (!is_possible(evidence, options_.limits)) continue;
     ++counts_.found;

@@ -23,8 +23,9 @@ struct LoopSearchOptions {
   double reference_half_m = 9.0;  ///< and of one that it is looked for in
   double resolution_m = 0.1;      ///< of the distance field
   std::size_t points = 300;       ///< of the query
-  double gap_m = 0.02;
-  std::uint64_t most_boxes = 300000;
+  double gap_m = 0.03;            ///< to what is proven: no loop is believed to be better than that
+  std::uint64_t most_boxes = 50000;
+  std::size_t most_bytes = 256U << 20U;  ///< of groups kept to be searched in again
   RevisitRules revisits;
   LoopLimits limits;
 };
@@ -53,8 +54,9 @@ class LoopFinder {
 
  private:
   struct Reference;
-  const Reference& reference_at(std::size_t place);
-  [[nodiscard]] Pose2 search(const Reference& reference, const ScanGroup& query, const Revisit& revisit);
+  Reference& reference_at(std::size_t place);
+  void make_room(std::size_t place);
+  [[nodiscard]] Pose2 search(Reference& reference, const ScanGroup& query, const Revisit& revisit);
 
   KeyframePath keyframes_;
   std::vector<std::size_t> places_;
@@ -62,6 +64,7 @@ class LoopFinder {
   LoopSearchOptions options_;
   std::unique_ptr<Backend> backend_;
   std::map<std::size_t, std::unique_ptr<Reference>> references_;
+  std::uint64_t asked_ = 0;  // references, so far
   LoopCounts counts_;
 };
 

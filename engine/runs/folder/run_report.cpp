@@ -13,6 +13,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/sha256.hpp"
+#include "engine/runs/folder/loops_report.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -69,22 +70,6 @@ Json doubtful_json(const std::vector<DoubtfulScan>& doubtful) {
   return list;
 }
 
-Json loops_json(const ClosedPath& closed) {
-  Json list = Json::array();
-  std::size_t on = 0;
-  for (const ClosedLoop& loop : closed.loops) {
-    on += loop.is_on ? 1U : 0U;
-    list.push_back({{"from", loop.from},
-                    {"to", loop.to},
-                    {"off_m", loop.off_m},
-                    {"off_deg", deg_from_rad(loop.off_rad)},
-                    {"weight", loop.weight},
-                    {"on", loop.is_on}});
-  }
-  return {{"found", closed.loops.size()}, {"on", on},        {"searches", closed.searches}, {"pairs", closed.pairs},
-          {"rms_m", closed.rms_m},        {"closures", list}};
-}
-
 Json surface_json(const std::optional<PlanePatch>& surface) {
   if (!surface) return nullptr;
   return {{"height_m", surface->centre.z()}, {"rms_m", surface->rms_m}, {"sample_points", surface->points.size()}};
@@ -131,6 +116,16 @@ Json nodding_json(const NoddingJob& job, const NoddingOutcome& outcome) {
                      {"ceiling", surface_json(cloud.surfaces.ceiling)}};
   }
   return json;
+}
+
+// Taken without doubt, taken with weak evidence, and not taken: too few points or a match that the scan speaks against.
+Json matches_json(const MapOutcome& outcome) {
+  const auto weak = std::count_if(outcome.doubtful.begin(), outcome.doubtful.end(),
+                                  [](const DoubtfulScan& scan) { return scan.accepted; });
+  const auto doubtful = static_cast<std::ptrdiff_t>(outcome.doubtful.size());
+  return {{"accepted", static_cast<std::ptrdiff_t>(scans_of(outcome)) - doubtful},
+          {"weak", weak},
+          {"refused", doubtful - weak}};
 }
 
 // How well scans fit the map, which tells `localize` what a good fit is; nothing where none was matched.
@@ -200,6 +195,7 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
   report["matched"] = statistics.matched;
   add_match_distances(report, outcome.match_distances_m);
   report["doubtful"] = statistics.doubtful;
+  report["matches"] = matches_json(outcome);
   report["keyframes"] = statistics.keyframes;
   report["searches"] = statistics.searches;
   report["windows"] = statistics.attempts;
@@ -222,7 +218,11 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
   report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
   if (nodding != nullptr) report["nodding"] = nodding_json(*nodding, *outcome.nodding);
-  if (outcome.closed) report["loops"] = loops_json(*outcome.closed);
+  if (outcome.closed) {
+    report["loops"] = loops_json(*outcome.closed);
+    report["wheels"] = wheels_json(outcome.closed->wheels);
+    report["uncertain"] = uncertain_json(*outcome.closed, outcome.trajectory);
+  }
   report["warnings"] = warnings_json(outcome.warnings);
   report["stages"] = stages_json(outcome, written_s);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);

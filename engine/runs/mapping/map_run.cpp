@@ -33,6 +33,14 @@ NoddingScanner scanner_for(const NoddingJob& job) {
   };
 }
 
+double length_m_of(const Trajectory& trajectory) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    length_m += between(trajectory[i - 1].T_map_base, trajectory[i].T_map_base).translation().norm();
+  }
+  return length_m;
+}
+
 }  // namespace
 
 /// What there is besides where the laser nods. Points go to the cloud, where there is one, and to the check of the
@@ -164,14 +172,16 @@ void MapRun::map_flat(const Progress& progress) {
 
 // Poses, keyframes and occupancy are those of the path with its loops closed.
 void MapRun::close_loops() {
-  if (outcome_.trajectory.empty()) return;
-  ClosedPath path = loops_->close(job_.closing ? job_.closing : [](std::string_view, double) {});
+  if (front_end().statistics().keyframes == 0) return;
+  ClosedPath path = loops_->close(
+      job_.closing ? job_.closing : [](std::string_view, double) {}, stop_);
+  outcome_.interrupted = outcome_.interrupted || !path.is_closed;
   for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
     outcome_.trajectory[i].T_map_base = path.T_map_base[i];
     if (!scans_kept_[i].ranges_m.empty()) occupancy_.add(scans_kept_[i], path.T_map_base[i]);
   }
   outcome_.keyframes = path.keyframes;
-  outcome_.closed = std::move(path);
+  if (path.is_closed) outcome_.closed = std::move(path);
   watch_.add_to(outcome_.loops_s);
 }
 
@@ -234,6 +244,7 @@ void MapRun::finish() {
     }
   }
   outcome_.statistics = front_end().statistics();
+  if (outcome_.closed) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
   outcome_.device_loss = front_end().device_loss();
   require_a_map();
   if (job_.with_occupancy) outcome_.occupancy = occupancy_.build();

@@ -199,6 +199,22 @@ TEST_P(LoopCloserSeeds, ClosesTheLoopsOfADriveThatDriftedApart) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, LoopCloserSeeds, testing::Values(1, 2, 3, 4, 5));
 
+// Groups that were dropped are made again from keyframes that have moved a little meanwhile.
+TEST(LoopCloser, FindsAsMuchWhereOneGroupIsKeptAtATime) {
+  const LoopDrive twice = drive(2, 0.01, 0.003, 2);
+  LoopOptions narrow;
+  narrow.search.most_bytes = 1;
+  LoopCloser roomy(twice.path, {});
+  LoopCloser cramped(twice.path, narrow);
+  roomy.run([](double, int) {});
+  cramped.run([](double, int) {});
+  const auto found = [](const LoopCloser& closer) { return static_cast<double>(closer.graph().loops.size()); };
+  EXPECT_GT(found(roomy), 10.0);
+  EXPECT_NEAR(found(cramped), found(roomy), 0.1 * found(roomy));
+  const double before = largest_error_m(twice.path.poses, twice.truth);
+  EXPECT_LT(largest_error_m(cramped.poses(), twice.truth), std::max(0.15, 0.5 * before));
+}
+
 TEST(LoopCloser, APathWithoutRevisitsStaysAsItIs) {
   LoopDrive once = drive(1, 0.01, 0.003, 3);
   const std::size_t half = once.truth.size() / 2;

@@ -35,7 +35,7 @@ MappedLog map_with_loops(const std::string& log) {
     mapped.trajectory.push_back({mapper.finish().stamp_s, {}});
     mapped.odometry.push_back({scan->scan.stamp_s, scan->T_odom_base.value_or(Pose2{})});
   }
-  mapped.path = mapper.close([](std::string_view, double) {});
+  mapped.path = mapper.close([](std::string_view, double) {}, [] { return false; });
   for (std::size_t i = 0; i < mapped.trajectory.size(); ++i) {
     mapped.trajectory[i].T_map_base = mapped.path.T_map_base[i];
   }

@@ -37,7 +37,7 @@ struct MapOptions {
   bool force = false;  ///< replace files of other origin in the folder
   bool no_cloud = false;
   bool no_pictures = false;
-  bool loops = false;
+  bool no_loops = false;
   bool json = false;
   bool quiet = false;
 };
@@ -102,7 +102,7 @@ MapRequest request_of(const MapOptions& options) {
                      .linkage = options.linkage,
                      .replace_foreign_files = options.force,
                      .with_cloud = !options.no_cloud,
-                     .with_loops = options.loops,
+                     .with_loops = !options.no_loops,
                      .with_pictures = !options.no_pictures,
                      .on_failure = on_failure_of(options.device)};
 #ifdef GDTSLAM_HAS_VIEWER
@@ -178,8 +178,10 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "LOG.linkage.yaml beside the log (LOG without .gz, .log, .clf) is taken, else the preset paper-b")
       ->type_name("NAME|FILE");
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
-  command->add_flag("--loops", options->loops,
-                    "Close loops and adjust the whole path once the log has ended; not where the laser nods");
+  command->add_flag(
+      "--no-loops", options->no_loops,
+      "Match each scan with one map of all that was seen; without it loops are closed and the whole path\n"
+      "is adjusted once the log has ended (not where the laser nods)");
   command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png (or .svg) and cloud.png");
   command->add_flag("--json", options->json, "Print report.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");

@@ -124,9 +124,37 @@ struct ClosedLoop {
   bool is_on = false;
 };
 
+/// What the wheels get wrong always, with one standard deviation each, and how far they were believed.
+struct WheelReport {
+  double distance = 0.0;        ///< share that is missing in distances
+  double turn = 0.0;            ///< share that is missing in turns
+  double turn_rad_per_m = 0.0;  ///< turn that is missing in each metre forward
+  double sigma_distance = 0.0;
+  double sigma_turn = 0.0;
+  double sigma_rad_per_m = 0.0;
+  double variance_factor = 1.0;             ///< of what the front end stated for the wheels' steps, as loops find it
+  double variance_factor_of_matches = 1.0;  ///< likewise of its own poses
+};
+
+/// How sure a pose is within the map as a whole: covariance of (x, y, theta) along the map's axes, once the rigid
+/// motion of the whole map is taken out.
+struct PoseCovariance {
+  double xx = 0.0;  ///< m^2
+  double xy = 0.0;
+  double xt = 0.0;  ///< m rad
+  double yy = 0.0;
+  double yt = 0.0;
+  double tt = 0.0;  ///< rad^2
+  /// In the direction in which the position is least sure.
+  [[nodiscard]] double sigma_m() const;
+};
+
 /// What closing the loops came to.
 struct ClosedPath {
-  std::vector<Pose2> T_map_base;       ///< one a scan
+  bool is_closed = false;                   ///< not where it was stopped: then the poses are those of the front end
+  std::vector<Pose2> T_map_base;            ///< one a scan
+  std::vector<PoseCovariance> covariances;  ///< likewise; empty where it was stopped
+  WheelReport wheels;
   std::vector<std::size_t> keyframes;  ///< scans, by their number
   std::vector<ClosedLoop> loops;
   std::uint64_t searches = 0;
@@ -153,8 +181,8 @@ class LoopMapper {
   void start(PointScan scan, const std::optional<Pose2>& T_odom_base);
   MatchResult finish();
 
-  /// To be called once, after the last scan.
-  ClosedPath close(const Progress& progress);
+  /// To be called once, after the last scan. Where stop() is or becomes true, the path stays as it was driven.
+  ClosedPath close(const Progress& progress, const std::function<bool()>& stop);
   /// The distance field of all keyframes where close() put them.
   [[nodiscard]] const GlobalField& field() const;
 

@@ -1,0 +1,18 @@
+// How sure each pose of a graph is within the map as a whole. A graph tells only how poses lie to each other; held at
+// its first pose, the last ones look bad whatever is in between. Here no pose is held: what is left once the best rigid
+// motion of all is taken out, which is what a map laid over the truth shows (inner constraints [Baarda1973]). Frame:
+// map. Thread-safe. Cost: three solutions of the graph's system for each node asked for.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "pose_graph.hpp"
+
+namespace gdtslam {
+
+/// Of (x, y, theta) along the map's axes, one a node asked for; the rigid motion is that of these nodes' positions.
+std::vector<Matrix3> covariances_in_map(const PoseGraph& graph, std::span<const std::size_t> nodes);
+
+}  // namespace gdtslam

@@ -1,0 +1,83 @@
+// Closing the loops of a short drive through a known room, and not closing them.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "gdtslam/mapping/mapper.hpp"
+#include "support/room.hpp"
+
+namespace gdtslam {
+namespace {
+
+class LoopMapperInARoom : public testing::Test {
+ protected:
+  // With odometry that falls short by a tenth.
+  void drive(LoopMapper& mapper) {
+    const std::vector<test::Segment> walls = test::furnished_room();
+    const std::vector<Pose2> truth = test::drive_through_room();
+    Pose2 T_odom_base;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      if (i > 0) {
+        const Pose2 step = between(truth[i - 1], truth[i]);
+        T_odom_base = T_odom_base * Pose2{0.9 * step.x_m, 0.9 * step.y_m, step.theta_rad};
+      }
+      mapper.start(test::scan_of(walls, truth[i], 0.1 * static_cast<double>(i)), T_odom_base);
+      front_end_.push_back(mapper.finish().T_map_base);
+      truth_.push_back(between(truth.front(), truth[i]));
+    }
+  }
+
+  std::unique_ptr<Backend> backend_ = make_cpu_backend({});
+  std::vector<Pose2> front_end_;
+  std::vector<Pose2> truth_;
+};
+
+TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
+  LoopMapper mapper({}, *backend_);
+  drive(mapper);
+  std::vector<std::string> steps;
+  const ClosedPath path = mapper.close(
+      [&](std::string_view step, double share) {
+        if (steps.empty() || steps.back() != step) steps.emplace_back(step);
+        EXPECT_GT(share, 0.0);
+        EXPECT_LE(share, 1.0);
+      },
+      [] { return false; });
+  EXPECT_TRUE(path.is_closed);
+  EXPECT_EQ(steps.back(), "adjusting scans");
+  ASSERT_EQ(path.T_map_base.size(), truth_.size());
+  ASSERT_EQ(path.covariances.size(), truth_.size());
+  for (std::size_t i = 0; i < truth_.size(); ++i) {
+    EXPECT_LT((path.T_map_base[i].translation() - truth_[i].translation()).norm(), 0.05) << i;
+    EXPECT_LT(path.covariances[i].sigma_m(), 0.05) << "a room that is seen whole from everywhere";
+    EXPECT_GE(path.covariances[i].tt, 0.0);
+  }
+  EXPECT_GT(path.wheels.sigma_distance, 0.0);
+  EXPECT_LT(path.rms_m, 0.02);
+  EXPECT_GT(mapper.field().geometry().cell_count(), 0U);
+}
+
+// An interrupt, before it begins or while it goes on: the path is that of the front end, and the map is there.
+TEST_F(LoopMapperInARoom, StoppedItLeavesThePathAsItWasDriven) {
+  for (const int calls : {0, 1, 4}) {
+    front_end_.clear();
+    truth_.clear();
+    LoopMapper mapper({}, *backend_);
+    drive(mapper);
+    int asked = 0;
+    const ClosedPath path = mapper.close([](std::string_view, double) {}, [&] { return asked++ >= calls; });
+    EXPECT_FALSE(path.is_closed);
+    EXPECT_TRUE(path.loops.empty());
+    EXPECT_TRUE(path.covariances.empty());
+    ASSERT_EQ(path.T_map_base.size(), front_end_.size());
+    for (std::size_t i = 0; i < front_end_.size(); ++i) {
+      EXPECT_LT((path.T_map_base[i].translation() - front_end_[i].translation()).norm(), 1.0e-9) << calls << ": " << i;
+    }
+    EXPECT_GT(mapper.field().geometry().cell_count(), 0U);
+    EXPECT_EQ(asked, calls + 1) << "asked again after it had said so";
+  }
+}
+
+}  // namespace
+}  // namespace gdtslam
