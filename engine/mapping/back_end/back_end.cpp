@@ -31,6 +31,7 @@ constexpr double kWheelShare = 0.3;
 constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
+constexpr double kLeastForDoubt = 0.3;  // factor of a variance, halfway between what loops found and what was stated
 constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
 
 }  // namespace
@@ -135,14 +136,17 @@ void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose
   }
 }
 
-// In between linearly by the keyframes.
+// Loops say how good a chain is where they tie it; where none does it may be as bad as it was stated. In between
+// linearly by the keyframes.
 std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) const {
   const std::vector<std::size_t>& places = closer.places();
   if (places.empty()) return {};
   std::vector<std::size_t> nodes;
   for (std::size_t i = 0; i < places.size(); i += places.size() / kMostCovariances + 1) nodes.push_back(i);
   if (nodes.back() + 1 < places.size()) nodes.push_back(places.size() - 1);
-  const std::vector<Matrix3> of_nodes = covariances_in_map(closer.graph(), nodes);
+  PoseGraph cautious = closer.graph();
+  if (places.size() > 1) cautious.path = closer.measured().relations(kLeastForDoubt);
+  const std::vector<Matrix3> of_nodes = covariances_in_map(cautious, nodes);
   std::vector<Matrix3> covariances;
   covariances.reserve(scans_.size());
   std::size_t next = 0;

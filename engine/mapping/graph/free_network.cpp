@@ -5,7 +5,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kLeastSpread_m2 = 1.0e-6;  // of positions that tell of a turn
+constexpr double kLeastSpread = 1.0e-6;  // square metres, of positions that tell of a turn
 
 Matrix3 turned_to_map(const Pose2& pose) {
   const SinCos<double> turn = sin_cos(pose.theta_rad);
@@ -28,7 +28,7 @@ class BestMotion {
   /// What a node's own motion adds to the best one: least squares over positions.
   [[nodiscard]] Matrix3 from(std::size_t node) const {
     const Point2 arm = graph_.poses[node].translation() - centre_;
-    const double per_m2 = spread_m2_ > kLeastSpread_m2 ? 1.0 / spread_m2_ : 0.0;
+    const double per_m2 = spread_m2_ > kLeastSpread ? 1.0 / spread_m2_ : 0.0;
     return {{share_, 0.0, 0.0, 0.0, share_, 0.0, -arm.y() * per_m2, arm.x() * per_m2, 0.0}};
   }
 

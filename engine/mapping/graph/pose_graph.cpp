@@ -12,7 +12,7 @@ constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
 constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
 constexpr int kMostSteps = 100;
-constexpr double kUnknown = 1.0e6;  // variance of what a graph without a solution tells
+constexpr double kUnsolved = 1.0e6;  // variance of what a graph without a solution tells
 
 BlockSystem system_for(const PoseGraph& graph) {
   std::vector<BlockSystem::Pair> pairs;
@@ -109,7 +109,7 @@ GraphCovariance::GraphCovariance(const PoseGraph& graph) : graph_(graph), system
 std::vector<Matrix3> GraphCovariance::column(std::size_t node) const {
   std::vector<Matrix3> blocks(graph_.poses.size());
   if (!is_known_) {
-    blocks[node] = kUnknown * Matrix3::identity();
+    blocks[node] = kUnsolved * Matrix3::identity();
     return blocks;
   }
   std::vector<Tangent2> right(graph_.poses.size());
@@ -125,7 +125,7 @@ std::vector<Matrix3> GraphCovariance::column(std::size_t node) const {
 }
 
 Matrix3 GraphCovariance::relative(std::size_t from, std::size_t to) const {
-  if (!is_known_) return kUnknown * Matrix3::identity();
+  if (!is_known_) return kUnsolved * Matrix3::identity();
   const std::vector<Matrix3> of_to = column(to);
   const Matrix3 from_from = column(from)[from];
   const Matrix3 by_from = -1.0 * adjoint_matrix(between(graph_.poses[to], graph_.poses[from]));

@@ -15,8 +15,8 @@ constexpr double kQuerySpacing_m = 0.1;
 constexpr double kSearchIndependent = 60.0;  // points of a scan that tell something new, in the cost of a search
 constexpr double kLeastPrior_m = 0.05;       // of the prior: less would be believed only of a graph without mistakes
 constexpr double kLeastPrior_rad = 0.005;
-constexpr double kNear_m = 0.8;  // half windows that are cheap to prepare for
-constexpr double kNear_rad = 0.5;
+constexpr double kNearWindow_m = 0.8;  // half windows that are cheap to prepare for
+constexpr double kNearWindow_rad = 0.5;
 
 MapperConfig field_config(double resolution_m) {
   MapperConfig config;
@@ -60,7 +60,7 @@ struct LoopFinder::Reference {
 
   /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
   const CertifiedMap& certified_for(const PoseWindow& window) {
-    const bool is_near = window.half_x_m <= kNear_m && window.half_theta_rad <= kNear_rad;
+    const bool is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
     std::optional<CertifiedMap>& certified = is_near ? for_near : for_any;
     if (!certified) {
       certified.emplace(field_view(map.field), best_isa(),

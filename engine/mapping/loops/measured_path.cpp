@@ -70,10 +70,12 @@ PoseRelation MeasuredPath::stretch(std::size_t from, std::size_t to, StepSource 
   return rescaled(stated(from, to, which), factors_[which]);
 }
 
-std::vector<PoseRelation> MeasuredPath::relations() const {
+std::vector<PoseRelation> MeasuredPath::relations(double least_factor) const {
   std::vector<PoseRelation> relations;
   for (std::size_t source = 0; source < kStepSources; ++source) {
-    for (const PoseRelation& stated : stated_[source]) relations.push_back(rescaled(stated, factors_[source]));
+    VarianceFactor factor = factors_[source];
+    factor.variance = std::max(factor.variance, least_factor);
+    for (const PoseRelation& stated : stated_[source]) relations.push_back(rescaled(stated, factor));
   }
   return relations;
 }

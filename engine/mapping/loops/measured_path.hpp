@@ -39,8 +39,8 @@ class MeasuredPath {
 
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
   /// From place to place by each of the sources, as much as they are believed now: all of the front end, then all of
-  /// the wheels.
-  [[nodiscard]] std::vector<PoseRelation> relations() const;
+  /// the wheels. Factors of the variance below `least_factor` count as that.
+  [[nodiscard]] std::vector<PoseRelation> relations(double least_factor = 0.0) const;
   /// To a place from the one before it, as the front end says.
   [[nodiscard]] const PoseRelation& by_front_end(std::size_t place) const { return stated_[0][place - 1]; }
   /// Between two keyframes, as far as the source is believed now.

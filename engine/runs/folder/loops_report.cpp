@@ -1,6 +1,7 @@
 #include "loops_report.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "engine/core/quantile.hpp"
 #include "gdtslam/core/angle.hpp"

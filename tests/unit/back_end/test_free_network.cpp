@@ -1,7 +1,8 @@
 // Covariances without a pose held, against the dense algebra of the definition and against simulated errors.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
