@@ -9,6 +9,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/surface/closed_surfaces.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -264,8 +265,10 @@ void Mapper::State::update_map(MatchResult& result) {
 
 // A keyframe that was noted is in the map, whatever becomes of the device.
 void Mapper::State::merge(const Pose2& pose) {
+  const double cell_m = config.map.resolution_m;
   const KeyframeCells keyframe =
-      keyframe_of(in_map(points_m, pose), config.map.resolution_m, config.map.radius_cells());
+      keyframe_of(next ? in_map(with_surfaces_closed(points_m, cell_m), pose) : in_map(points_m, pose), cell_m,
+                  config.map.radius_cells());
   if (next && stretch_m >= config.local.stretch_m) begin_stretch();
   for (PlacedMap* placed : {map.get(), next.get()}) {
     if (placed != nullptr) placed->host.field.grow_to_hold(keyframe.window);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "engine/mapping/graph/free_network.hpp"
@@ -29,6 +30,7 @@ constexpr double kLeapChi2 = 25.0;
 constexpr double kChainShare = 0.05;
 constexpr double kWheelShare = 0.3;
 constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
+constexpr std::size_t kSpansOver = 4;          // each of them over every step of the path, which is to count once
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
 constexpr double kLeastForDoubt = 0.3;  // factor of a variance, halfway between what loops found and what was stated
@@ -108,10 +110,10 @@ std::vector<PoseRelation> BackEnd::held_relations(const MeasuredPath& measured) 
   }
   const Matrix3 floor = Matrix3::diagonal(square(kSpanNoise_m), square(kSpanNoise_m), square(kSpanNoise_rad));
   for (const std::size_t span : kSpans) {
-    for (std::size_t i = 0; i + span < keyframes; i += span / 4) {
+    for (std::size_t i = 0; i + span < keyframes; i += span / kSpansOver) {
       PoseRelation stretch = measured.stretch(i, i + span, StepSource::kFrontEnd);
       stretch.information = inverse(inverse(stretch.information) + floor);
-      held.push_back(stretch);
+      hold(stretch, 1.0 / static_cast<double>(kSpansOver * std::size(kSpans)));
     }
   }
   return held;
