@@ -1,5 +1,7 @@
 #include "loops_report.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -20,6 +22,20 @@ std::vector<UncertainStretch> uncertain_stretches(std::span<const PoseCovariance
     stretches.back().sigma_m = std::max(stretches.back().sigma_m, sigma_m);
   }
   return stretches;
+}
+
+std::string uncertain_line(std::span<const PoseCovariance> covariances) {
+  const std::vector<UncertainStretch> stretches = uncertain_stretches(covariances);
+  if (stretches.empty()) return "";
+  std::size_t scans = 0;
+  double sigma_m = 0.0;
+  for (const UncertainStretch& stretch : stretches) {
+    scans += stretch.to - stretch.from + 1;
+    sigma_m = std::max(sigma_m, stretch.sigma_m);
+  }
+  return fmt::format(
+      "not to be trusted: {} of {} scans in {} {}, standard deviation up to {:.2g} m; report.json has them\n", scans,
+      covariances.size(), stretches.size(), stretches.size() == 1 ? "stretch" : "stretches", sigma_m);
 }
 
 Json loops_json(const ClosedPath& closed) {

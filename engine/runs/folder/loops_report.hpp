@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/io/json_file.hpp"
@@ -24,6 +25,9 @@ struct UncertainStretch {
 
 /// In the order of the path.
 std::vector<UncertainStretch> uncertain_stretches(std::span<const PoseCovariance> covariances);
+
+/// One line that says how much of the path they are, or nothing where there are none.
+std::string uncertain_line(std::span<const PoseCovariance> covariances);
 
 nlohmann::ordered_json loops_json(const ClosedPath& closed);
 nlohmann::ordered_json wheels_json(const WheelReport& wheels);

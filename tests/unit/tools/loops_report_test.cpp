@@ -40,6 +40,14 @@ TEST(LoopsReport, NeighboursThatAreUnsureAreOneStretch) {
   EXPECT_TRUE(uncertain_stretches({}).empty());
 }
 
+TEST(LoopsReport, SaysHowMuchOfThePathIsUnsure) {
+  EXPECT_EQ(uncertain_line(covariances_of({0.1, 0.2, 0.3, 0.1, 0.6})),
+            "not to be trusted: 3 of 5 scans in 2 stretches, standard deviation up to 0.6 m; report.json has them\n");
+  EXPECT_EQ(uncertain_line(covariances_of({0.2})),
+            "not to be trusted: 1 of 1 scans in 1 stretch, standard deviation up to 0.2 m; report.json has them\n");
+  EXPECT_EQ(uncertain_line(covariances_of({0.1, 0.14})), "");
+}
+
 TEST(LoopsReport, CountsTheScansOfAllStretches) {
   ClosedPath closed;
   closed.covariances = covariances_of({0.1, 0.2, 0.3, 0.1, 0.6});

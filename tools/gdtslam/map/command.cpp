@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/mapping/match/matchers.hpp"
+#include "engine/runs/folder/loops_report.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -57,8 +58,8 @@ std::string work_of(const MapperStatistics& s) {
 
 std::string loops_text(const ClosedPath& closed) {
   const auto on = std::count_if(closed.loops.begin(), closed.loops.end(), [](const ClosedLoop& l) { return l.is_on; });
-  return fmt::format("loops: {} of {} hold; points lie {:.1f} mm from the walls of other scans\n", on,
-                     closed.loops.size(), 1000.0 * closed.rms_m);
+  return fmt::format("loops: {} of {} hold; points lie {:.1f} mm from the walls of other scans\n{}", on,
+                     closed.loops.size(), 1000.0 * closed.rms_m, uncertain_line(closed.covariances));
 }
 
 std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
