@@ -1,7 +1,8 @@
 // How sure each pose of a graph is within the map as a whole. A graph tells only how poses lie to each other; held at
 // its first pose, the last ones look bad whatever is in between. Here no pose is held: what is left once the best rigid
 // motion of all is taken out, which is what a map laid over the truth shows (inner constraints [Baarda1973]). Frame:
-// map. Thread-safe. Cost: three solutions of the graph's system for each node asked for.
+// map. Thread-safe. Cost: for each node asked for three solutions of the graph's system, and some products with every
+// other.
 #pragma once
 
 #include <cstddef>
