@@ -24,6 +24,7 @@ constexpr double kMatchNoise_m = 0.02;
 constexpr double kMatchNoise_rad = 0.01;
 constexpr double kLeastWheels_m = 0.002;
 constexpr double kLeastWheels_rad = 0.0005;
+constexpr double kUnmeasured_m = 5.0;  // a step that is less sure is one that no odometry measured
 constexpr double kLeapChi2 = 25.0;
 // In the joint adjustment the points themselves speak: the path is held by little, and by what the front end says over
 // stretches of its local map.
@@ -35,6 +36,17 @@ constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
 constexpr double kLeastForDoubt = 0.3;  // factor of a variance, halfway between what loops found and what was stated
 constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
+
+Matrix3 least_of_wheels() {
+  return Matrix3::diagonal(square(kLeastWheels_m), square(kLeastWheels_m), square(kLeastWheels_rad));
+}
+
+// The adjustment moves the first pose too, by as little as any.
+void to_frame_of_first(std::vector<Pose2>& poses) {
+  if (poses.empty()) return;
+  const Pose2 T_first_map = inverse(poses.front());
+  for (Pose2& pose : poses) pose = T_first_map * pose;
+}
 
 }  // namespace
 
@@ -58,6 +70,13 @@ void BackEnd::follow(const MatchResult& result) {
   const double m = square(result.odometry_sigma_m);
   const double rad = square(result.odometry_sigma_rad);
   T_wheels_ = T_wheels_ * step;
+  if (result.odometry_sigma_m < kUnmeasured_m) {
+    travel_.path_m += length_of(step);
+    travel_.turned_rad += std::fabs(step.theta_rad);
+  } else {
+    travel_.besides += Matrix3::diagonal(m, m, rad);
+    travel_.is_measured = false;
+  }
   wheels_covariance_ = carried * times_transposed(wheels_covariance_, carried) + Matrix3::diagonal(m, m, rad);
   leaps_ = carried * times_transposed(leaps_, carried);
   const Tangent2 off = log_tangent(between(result.T_map_predicted, result.T_map_base));
@@ -70,29 +89,37 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
   if (path_.poses.empty()) {
     path_.path_m.push_back(0.0);
     path_.steps.emplace_back();
+    path_.travels.emplace_back();
   } else {
     const Pose2 step = between(path_.poses.back(), result.T_map_base);
     path_.path_m.push_back(path_.path_m.back() + length_of(step));
-    path_.steps.push_back(steps_to(result.T_map_base, points));
+    path_.steps.push_back(steps_to(result, points));
+    path_.travels.push_back(travel_);
+    path_.travels.back().besides += least_of_wheels() + leaps_;
   }
   path_.poses.push_back(result.T_map_base);
   path_.scans.push_back(std::move(points));
   T_wheels_ = {};
   wheels_covariance_ = {};
   leaps_ = {};
+  travel_ = {};
 }
 
-// The pose of the front end is that of points and wheels; what the wheels alone tell.
-MeasuredSteps BackEnd::steps_to(const Pose2& T_map_base, const KeptScan& scan) const {
+// The pose of the front end is that of points and wheels; what the wheels alone tell. A scan that lies far from its map
+// may have been matched with something else: who wants to know how sure the path is takes that for its points' noise.
+MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& scan) const {
   const std::size_t points = scan.surface.size();
   const double share = std::min(1.0, static_cast<double>(points) / kEnoughPoints);
-  const Matrix3 of_points = kStepIndependent * std::max(share, kStepLeastShare) / square(kStepPointNoise_m) *
-                            shape_of_one(shape_of(scan), points, kStepLeastShape);
+  const Matrix3 shape =
+      kStepIndependent * std::max(share, kStepLeastShare) * shape_of_one(shape_of(scan), points, kStepLeastShape);
   const Matrix3 floor = Matrix3::diagonal(square(kStepFloor_m), square(kStepFloor_m), square(kStepFloor_rad));
-  const Matrix3 least = Matrix3::diagonal(square(kLeastWheels_m), square(kLeastWheels_m), square(kLeastWheels_rad));
-  const Matrix3 of_wheels = inverse(wheels_covariance_ + least + leaps_);
-  const Matrix3 of_front_end = inverse(inverse(of_points + of_wheels) + floor + leaps_);
-  return {MeasuredStep{between(path_.poses.back(), T_map_base), of_front_end}, MeasuredStep{T_wheels_, of_wheels}};
+  const Matrix3 of_wheels = inverse(wheels_covariance_ + least_of_wheels() + leaps_);
+  const auto with_noise = [&](double noise_m) {
+    return inverse(inverse(1.0 / square(noise_m) * shape + of_wheels) + floor + leaps_);
+  };
+  return {MeasuredStep{between(path_.poses.back(), result.T_map_base), with_noise(kStepPointNoise_m),
+                       with_noise(std::max(kStepPointNoise_m, result.mean_cost_m))},
+          MeasuredStep{T_wheels_, of_wheels, of_wheels}};
 }
 
 // The path from one keyframe to the next, by wheels and by the front end as far as they are believed, and what the
@@ -147,7 +174,7 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
   for (std::size_t i = 0; i < places.size(); i += places.size() / kMostCovariances + 1) nodes.push_back(i);
   if (nodes.back() + 1 < places.size()) nodes.push_back(places.size() - 1);
   PoseGraph cautious = closer.graph();
-  if (places.size() > 1) cautious.path = closer.measured().relations(kLeastForDoubt);
+  if (places.size() > 1) cautious.path = closer.measured().cautious_relations(kLeastForDoubt);
   const std::vector<Matrix3> of_nodes = covariances_in_map(cautious, nodes);
   std::vector<Matrix3> covariances;
   covariances.reserve(scans_.size());
@@ -190,6 +217,8 @@ BackEndResult BackEnd::finish(const Progress& progress) {
   adjust_scans(keyframes, result.poses, progress);
   result.keyframes = keyframes_;
   result.graph = closer.graph();
+  to_frame_of_first(result.poses);
+  to_frame_of_first(result.graph.poses);
   result.places = closer.places();
   result.counts = closer.counts();
   result.factors = closer.measured().factors();

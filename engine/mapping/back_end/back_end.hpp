@@ -63,7 +63,7 @@ class BackEnd {
   };
   void follow(const MatchResult& result);
   void add_keyframe(const MatchResult& result, KeptScan points);
-  [[nodiscard]] MeasuredSteps steps_to(const Pose2& T_map_base, const KeptScan& scan) const;
+  [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& scan) const;
   [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
@@ -77,6 +77,7 @@ class BackEnd {
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;
   Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
+  WheelTravel travel_;
   Pose2 T_map_last_;
 };
 

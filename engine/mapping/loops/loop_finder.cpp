@@ -151,7 +151,7 @@ std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here) {
     const LoopEvidence evidence = weigh_loop(reference.group, *query, T_place_here);
     if (!is_possible(evidence, options_.limits)) continue;
     ++counts_.found;
-    loops.push_back({{revisit.place, here, T_place_here, loop_information(*query, evidence)}, 1.0});
+    loops.push_back({{revisit.place, here, T_place_here, loop_information(evidence)}, 1.0});
   }
   return loops;
 }

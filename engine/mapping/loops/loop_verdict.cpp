@@ -33,15 +33,15 @@ Shares in_free_space(const std::vector<Point2>& points, const Pose2& T, const Fr
   return shares;
 }
 
-double share(std::size_t part, std::size_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
-}
+/// The query's walls on walls of the reference.
+struct CommonWalls {
+  std::size_t same = 0;   // seen from the same side
+  std::size_t other = 0;  // from the other alone
+  Matrix3 shape;          // the sum over the former
+};
 
-}  // namespace
-
-LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, const Pose2& T_reference_query) {
-  std::size_t same = 0;
-  std::size_t other = 0;
+CommonWalls common_walls(const ScanGroup& reference, const ScanGroup& query, const Pose2& T_reference_query) {
+  CommonWalls common;
   const SinCos<double> turn = sin_cos(T_reference_query.theta_rad);
   for (const WallPoint& wall : query.space().walls()) {
     const Point2 point = T_reference_query * wall.point;
@@ -57,14 +57,30 @@ LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, cons
       is_same = is_same || cosine > kSameSide;
       is_other = is_other || cosine < -kSameSide;
     });
-    same += is_same ? 1U : 0U;
-    other += is_other && !is_same ? 1U : 0U;
+    common.other += is_other && !is_same ? 1U : 0U;
+    if (!is_same) continue;
+    ++common.same;
+    const double lever = wall.point.x() * wall.normal.y() - wall.point.y() * wall.normal.x();
+    const Tangent2 J{wall.normal.x(), wall.normal.y(), lever};
+    common.shape += outer(J, J);
   }
+  return common;
+}
+
+double share(std::size_t part, std::size_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+}  // namespace
+
+LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, const Pose2& T_reference_query) {
+  const CommonWalls common = common_walls(reference, query, T_reference_query);
   const Shares there = in_free_space(query.points(), T_reference_query, reference.space(), 1);
   const Shares back = in_free_space(reference.points(), inverse(T_reference_query), query.space(), kEvery);
-  return {.overlap = share(same, query.space().walls().size()),
-          .turned = share(other, same + other),
-          .contradiction = share(there.wrong + back.wrong, there.known + back.known)};
+  return {.overlap = share(common.same, query.space().walls().size()),
+          .turned = share(common.other, common.same + common.other),
+          .contradiction = share(there.wrong + back.wrong, there.known + back.known),
+          .shape = (common.same > 0 ? 1.0 / static_cast<double>(common.same) : 0.0) * common.shape};
 }
 
 bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits) {
@@ -72,9 +88,9 @@ bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits) {
          evidence.contradiction <= limits.most_contradiction;
 }
 
-Matrix3 loop_information(const ScanGroup& query, const LoopEvidence& evidence) {
+Matrix3 loop_information(const LoopEvidence& evidence) {
   const double weight = kGroupIndependent * evidence.overlap / (kGroupPointNoise_m * kGroupPointNoise_m);
-  const Matrix3 information = weight * shape_of_one(query.shape(), 1, kGroupLeastShape);
+  const Matrix3 information = weight * shape_of_one(evidence.shape, 1, kGroupLeastShape);
   const Matrix3 floor =
       Matrix3::diagonal(kLoopFloor_m * kLoopFloor_m, kLoopFloor_m * kLoopFloor_m, kLoopFloor_rad * kLoopFloor_rad);
   return inverse(inverse(information) + floor);

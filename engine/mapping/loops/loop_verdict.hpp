@@ -13,6 +13,7 @@ struct LoopEvidence {
   double overlap = 0.0;        ///< share of the query's wall points on a wall that is seen from the same side
   double turned = 0.0;         ///< share of those on any wall that lie on one seen from the other side alone
   double contradiction = 0.0;  ///< share of what is known, where a wall of one is free space of the other
+  Matrix3 shape{};             ///< shape_of() for one point of the query's walls that both have, in the query's frame
 };
 
 /// What a loop needs to be taken into the graph, which then decides. Lenient: a graph can switch off what is wrong, and
@@ -26,8 +27,9 @@ struct LoopLimits {
 LoopEvidence weigh_loop(const ScanGroup& reference, const ScanGroup& query, const Pose2& T_reference_query);
 bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits = {});
 
-/// Of the relative pose of two groups: what the walls of the query tell of it, as far as they overlap; never better
-/// than what matching with a distance field of some centimetres gives.
-Matrix3 loop_information(const ScanGroup& query, const LoopEvidence& evidence);
+/// Of the relative pose of two groups: what the walls tell of it that both have, as a wall across the way that one
+/// of them alone has seen says nothing of the way; never better than what matching with a distance field of some
+/// centimetres gives.
+Matrix3 loop_information(const LoopEvidence& evidence);
 
 }  // namespace gdtslam

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+
+#include "engine/mapping/wheels/wheel_noise.hpp"
 
 namespace gdtslam {
 namespace {
@@ -20,10 +23,7 @@ MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> pl
 void MeasuredPath::state_between_places(std::size_t source) {
   stated_[source].clear();
   for (std::size_t place = 1; place < places_.size(); ++place) {
-    PoseRelation relation = stated(places_[place - 1], places_[place], source);
-    relation.from = place - 1;
-    relation.to = place;
-    stated_[source].push_back(relation);
+    stated_[source].push_back(between_places(place, source, &MeasuredStep::information));
   }
 }
 
@@ -47,19 +47,50 @@ void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
     stretches.push_back(stretch);
   }
   bias_ = estimate_bias(stretches, static_cast<double>(kBiasSteps));
+  state_wheel_noise(keyframes);
   state_between_places(kWheels);
 }
 
+void MeasuredPath::state_wheel_noise(const std::vector<Pose2>& keyframes) {
+  if (path_.travels.empty()) return;
+  constexpr auto kWheels = static_cast<std::size_t>(StepSource::kWheels);
+  WheelNoise noise;
+  Pose2 T_odom_base;
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    const Pose2& step = path_.steps[i][kWheels].T;
+    T_odom_base = T_odom_base * step;
+    const bool is_way_known = knows_way(path_.scans[i], inverse(step).translation());
+    noise.take(path_.travels[i].is_measured ? std::optional(T_odom_base) : std::nullopt, keyframes[i], is_way_known);
+  }
+  if (noise.errors().stretches == 0) return;
+  wheel_information_.clear();
+  wheel_information_.reserve(path_.travels.size());
+  for (const WheelTravel& travel : path_.travels) {
+    const MotionNoise sigma = noise.of(travel.path_m, travel.turned_rad);
+    const Matrix3 walk = Matrix3::diagonal(square(sigma.sigma_m), square(sigma.sigma_m), square(sigma.sigma_rad));
+    wheel_information_.push_back(inverse(walk + travel.besides));
+  }
+}
+
+PoseRelation MeasuredPath::between_places(std::size_t place, std::size_t source, Information information) const {
+  PoseRelation relation = stated(places_[place - 1], places_[place], source, information);
+  relation.from = place - 1;
+  relation.to = place;
+  return relation;
+}
+
 // The covariances of the steps in between, each carried to the frame of the last.
-PoseRelation MeasuredPath::stated(std::size_t from, std::size_t to, std::size_t source) const {
+PoseRelation MeasuredPath::stated(std::size_t from, std::size_t to, std::size_t source, Information information) const {
   Pose2 T;
   Matrix3 covariance;
   for (std::size_t i = from + 1; i <= to; ++i) {
     const MeasuredStep& step = path_.steps[i][source];
     const bool is_by_wheels = source == static_cast<std::size_t>(StepSource::kWheels);
     const Pose2 T_step = is_by_wheels ? corrected(step.T, bias_) : step.T;
+    const bool is_restated = is_by_wheels && !wheel_information_.empty();
     const Matrix3 carried = adjoint_matrix(inverse(T_step));
-    covariance = carried * times_transposed(covariance, carried) + inverse(step.information);
+    covariance = carried * times_transposed(covariance, carried) +
+                 inverse(is_restated ? wheel_information_[i] : step.*information);
     T = T * T_step;
   }
   return {.from = from, .to = to, .T_from_to = T, .information = inverse(covariance)};
@@ -70,12 +101,22 @@ PoseRelation MeasuredPath::stretch(std::size_t from, std::size_t to, StepSource 
   return rescaled(stated(from, to, which), factors_[which]);
 }
 
-std::vector<PoseRelation> MeasuredPath::relations(double least_factor) const {
+std::vector<PoseRelation> MeasuredPath::relations() const {
+  std::vector<PoseRelation> relations;
+  for (std::size_t source = 0; source < kStepSources; ++source) {
+    for (const PoseRelation& stated : stated_[source]) relations.push_back(rescaled(stated, factors_[source]));
+  }
+  return relations;
+}
+
+std::vector<PoseRelation> MeasuredPath::cautious_relations(double least_factor) const {
   std::vector<PoseRelation> relations;
   for (std::size_t source = 0; source < kStepSources; ++source) {
     VarianceFactor factor = factors_[source];
     factor.variance = std::max(factor.variance, least_factor);
-    for (const PoseRelation& stated : stated_[source]) relations.push_back(rescaled(stated, factor));
+    for (std::size_t place = 1; place < places_.size(); ++place) {
+      relations.push_back(rescaled(between_places(place, source, &MeasuredStep::cautious), factor));
+    }
   }
   return relations;
 }

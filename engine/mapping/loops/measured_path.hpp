@@ -18,6 +18,15 @@ namespace gdtslam {
 struct MeasuredStep {
   Pose2 T;
   Matrix3 information{};  ///< of the tangent at T
+  Matrix3 cautious{};     ///< the same where the scan's distance from the map counts as noise: for covariances alone
+};
+
+/// What the wheels went from one keyframe to the next, whose noise is known better once the log has ended.
+struct WheelTravel {
+  double path_m = 0.0;
+  double turned_rad = 0.0;
+  Matrix3 besides{};        ///< covariance of all that is not the wheels' noise: leaps, steps that nothing measured
+  bool is_measured = true;  ///< all of it, by odometry
 };
 
 enum class StepSource : std::size_t { kFrontEnd = 0, kWheels = 1 };
@@ -30,6 +39,8 @@ struct FrontEndPath {
   std::vector<Pose2> poses;
   std::vector<double> path_m;        ///< travelled until each
   std::vector<MeasuredSteps> steps;  ///< to each from the one before; of the first nothing
+  std::vector<WheelTravel>
+      travels;  ///< likewise; empty where the noise of the wheels' steps is to stay as it is stated
 };
 
 class MeasuredPath {
@@ -39,31 +50,44 @@ class MeasuredPath {
 
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
   /// From place to place by each of the sources, as much as they are believed now: all of the front end, then all of
-  /// the wheels. Factors of the variance below `least_factor` count as that.
-  [[nodiscard]] std::vector<PoseRelation> relations(double least_factor = 0.0) const;
+  /// the wheels.
+  [[nodiscard]] std::vector<PoseRelation> relations() const;
+  /// The same with cautious information; factors of the variance below `least_factor` count as that.
+  [[nodiscard]] std::vector<PoseRelation> cautious_relations(double least_factor) const;
   /// To a place from the one before it, as the front end says.
   [[nodiscard]] const PoseRelation& by_front_end(std::size_t place) const { return stated_[0][place - 1]; }
   /// Between two keyframes, as far as the source is believed now.
   [[nodiscard]] PoseRelation stretch(std::size_t from, std::size_t to, StepSource source) const;
 
-  /// Takes from the wheels what they get wrong always, as it shows against keyframes that are known better.
+  /// Takes from the wheels what they get wrong always, as it shows against keyframes that are known better, and states
+  /// their noise anew: it was stated step by step, when little was known of it.
   void correct_wheels(const std::vector<Pose2>& keyframes);
   [[nodiscard]] const WheelBias& wheel_bias() const { return bias_; }
   /// How far each source is to be believed, by what the loops that are on say of it.
   void weigh(const std::vector<Loop>& loops);
+  /// Both sources, their variances by this factor.
+  void believe_less(double factor) {
+    for (VarianceFactor& source : factors_) source.variance *= factor;
+  }
   void believe_as_stated() { factors_ = {}; }
   [[nodiscard]] const std::array<VarianceFactor, kStepSources>& factors() const { return factors_; }
 
  private:
-  [[nodiscard]] PoseRelation stated(std::size_t from, std::size_t to, std::size_t source) const;
+  /// Which information of a step counts.
+  using Information = Matrix3 MeasuredStep::*;
+  [[nodiscard]] PoseRelation stated(std::size_t from, std::size_t to, std::size_t source,
+                                    Information information = &MeasuredStep::information) const;
+  [[nodiscard]] PoseRelation between_places(std::size_t place, std::size_t source, Information information) const;
 
   void state_between_places(std::size_t source);
+  void state_wheel_noise(const std::vector<Pose2>& keyframes);
 
   const FrontEndPath& path_;
   std::vector<std::size_t> places_;
   std::array<std::vector<PoseRelation>, kStepSources> stated_;  // as measured
   std::array<VarianceFactor, kStepSources> factors_;
   WheelBias bias_;
+  std::vector<Matrix3> wheel_information_;  // of each step with hindsight; empty before
 };
 
 }  // namespace gdtslam

@@ -53,15 +53,11 @@ ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double h
   Thinner thinner(spacing_m);
   std::vector<Beam> beams;
   std::vector<WallPoint> walls;
-  std::size_t count = 0;
   for (std::size_t i = first; i <= last; ++i) {
     const KeptScan& scan = keyframes.scans[i];
     const Pose2 T = between(keyframes.poses[middle], keyframes.poses[i]);
     in_middle_.push_back(T);
     const SinCos<double> turn = sin_cos(T.theta_rad);
-    const Matrix3 to_scan = adjoint_matrix(inverse(T));
-    shape_ += transposed_times(to_scan, shape_of(scan) * to_scan);
-    count += scan.surface.size();
     const auto take = [&](const Point2& point) {
       beams.push_back({T.translation(), point});
       if (thinner.is_first(point)) points_.push_back(point);
@@ -73,7 +69,6 @@ ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double h
     }
     for (const LonePoint& p : scan.lone) take(T * p.point());
   }
-  shape_ = (count > 0 ? 1.0 / static_cast<double>(count) : 0.0) * shape_;
   space_ = std::make_unique<FreeSpace>(beams, walls);
 }
 

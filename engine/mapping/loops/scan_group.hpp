@@ -32,8 +32,6 @@ class ScanGroup {
   [[nodiscard]] bool is_bent(std::span<const Pose2> poses) const;
   [[nodiscard]] const std::vector<Point2>& points() const { return points_; }
   [[nodiscard]] const FreeSpace& space() const { return *space_; }
-  /// shape_of() of all its scans in the middle's frame, for one point.
-  [[nodiscard]] const Matrix3& shape() const { return shape_; }
 
  private:
   std::size_t middle_;
@@ -41,7 +39,6 @@ class ScanGroup {
   std::vector<Pose2> in_middle_;  // the keyframes from the first on
   std::vector<Point2> points_;
   std::unique_ptr<FreeSpace> space_;
-  Matrix3 shape_;
 };
 
 }  // namespace gdtslam

@@ -92,13 +92,37 @@ SearchWindow MatchRules::window(double scale) const {
   const bool is_estimated = prediction_.noise.has_value();
   const double more_m = is_estimated ? kWindowSigmas * noise().sigma_m : s.half_per_m * prediction_.travelled_m;
   const double more_rad = is_estimated ? kWindowSigmas * noise().sigma_rad : s.half_per_rad * prediction_.turned_rad;
-  const double half_m = scale * (s.half_m + more_m);
-  const double half_rad = scale * (s.half_rad + more_rad);
+  const double least_m = s.half_m + more_m;
+  const double least_rad = s.half_rad + more_rad;
+  double half_m = scale * least_m;
+  double half_rad = scale * least_rad;
+  if (is_estimated) {  // wider where anything possible lies there
+    const auto [most_m, most_rad] = reach();
+    half_m = std::min(half_m, std::max(least_m, most_m));
+    half_rad = std::min(half_rad, std::max(least_rad, most_rad));
+  }
   return {.centre = predicted_,
           .half_xy_cells = cells(std::min(half_m, s.max_half_m)),
           .half_theta_rad = static_cast<float>(std::min(half_rad, kPi)),
           .step_cells = cells(s.step_m),
           .step_rad = static_cast<float>(s.step_rad)};
+}
+
+MotionNoise MatchRules::reach() const {
+  MotionNoise most{kReachSigmas * noise().sigma_m, kReachSigmas * noise().sigma_rad};
+  if (!prediction_.otherwise) return most;
+  const UncertainPose& otherwise = *prediction_.otherwise;
+  const Pose2 off = between(prediction_.T_map_base, otherwise.T_map_base);
+  most.sigma_m = std::max(most.sigma_m, off.translation().norm() + kReachSigmas * otherwise.noise.sigma_m);
+  most.sigma_rad = std::max(most.sigma_rad, std::fabs(off.theta_rad) + kReachSigmas * otherwise.noise.sigma_rad);
+  return most;
+}
+
+bool MatchRules::is_possible(const CellPose& pose) const {
+  if (!prediction_.noise) return true;
+  const Pose2 T_map_base = to_metres(pose);
+  return is_within_reach({prediction_.T_map_base, noise()}, T_map_base) ||
+         (prediction_.otherwise && is_within_reach(*prediction_.otherwise, T_map_base));
 }
 
 double MatchRules::far_m() const { return config_.doubt.suspect_sigmas * noise().sigma_m; }

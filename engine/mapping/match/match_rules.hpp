@@ -60,6 +60,8 @@ class MatchRules {
   [[nodiscard]] std::uint32_t final_gate() const { return stages_.back().gate; }
   /// How sure the prediction is.
   [[nodiscard]] MotionNoise noise() const;
+  /// Whether the robot can have got there; always where its motion is not estimated.
+  [[nodiscard]] bool is_possible(const CellPose& pose) const;
   /// How far a pose may be from the prediction before it is suspect.
   [[nodiscard]] double far_m() const;
   [[nodiscard]] double far_rad() const;
@@ -71,6 +73,8 @@ class MatchRules {
   [[nodiscard]] MatchResult judged(const CellPose& pose, const Evidence& evidence) const;
 
  private:
+  /// Around the prediction, so far that it holds every pose that is possible.
+  [[nodiscard]] MotionNoise reach() const;
   [[nodiscard]] std::uint32_t units(double metres) const;
   [[nodiscard]] float cells(double metres) const;
   [[nodiscard]] bool is_beyond(const CellPose& pose, double allowed_m, double allowed_rad) const;

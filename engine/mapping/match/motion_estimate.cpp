@@ -3,23 +3,33 @@
 namespace gdtslam {
 namespace {
 
-constexpr MotionNoise kUnknownMotion{0.2, 0.2};  // of a motion that nothing measured, about the last one
-constexpr double kMostChi2 = 30.0;               // of what may still be such a motion
-constexpr MotionNoise kNothingSaid{10.0, 3.0};   // of what odometry said of it
+constexpr MotionNoise kMostOfLeap{0.2, 0.2};    // of a motion that goes on although the odometry says otherwise
+constexpr MotionNoise kNothingSaid{10.0, 3.0};  // of what odometry said of a motion that it did not measure
 
 }  // namespace
 
+// Where nothing measures the motion, it goes on, as surely as it did so far.
 Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2>& T_odom_base) {
   const std::optional<Pose2> before = T_odom_last_;
-  const Pose2 T_map_before = model.pose();
-  T_map_continued_ = model.continued();
   Prediction prediction = model.predict(corrected(T_odom_base));
-  step_ = prediction.by_odometry ? between(*before, *T_odom_base) : between(T_map_before, prediction.T_map_base);
   is_measured_ = prediction.by_odometry;
-  noise_ = is_measured_ ? wheels_.of(prediction.travelled_m, prediction.turned_rad) : kUnknownMotion;
+  if (is_measured_) {
+    step_ = between(*before, *T_odom_base);
+    noise_ = wheels_.of(prediction.travelled_m, prediction.turned_rad);
+  } else {
+    step_ = continued_.step();
+    noise_ = continued_.noise();
+    prediction.T_map_base = model.pose() * step_;
+  }
+  going_on_ = going_on(model);
   filter_.predict(prediction.T_map_base, noise_);
   prediction.noise = filter_.sigma();
+  prediction.otherwise = going_on_;
   return prediction;
+}
+
+UncertainPose MotionEstimate::going_on(const MotionModel& model) const {
+  return {model.pose() * continued_.step(), is_measured_ ? kMostOfLeap : continued_.noise()};
 }
 
 std::optional<Pose2> MotionEstimate::corrected(const std::optional<Pose2>& T_odom_base) {
@@ -34,25 +44,24 @@ std::optional<Pose2> MotionEstimate::corrected(const std::optional<Pose2>& T_odo
   return T_odom_corrected_;
 }
 
-// Whether the robot may have moved on as it did before, whatever the odometry says.
-bool MotionEstimate::goes_on(const Pose2& T_map_base) const {
-  const Pose2 off = between(T_map_continued_, T_map_base);
-  const double m = (off.x_m * off.x_m + off.y_m * off.y_m) / (kUnknownMotion.sigma_m * kUnknownMotion.sigma_m);
-  const double rad = off.theta_rad * off.theta_rad / (kUnknownMotion.sigma_rad * kUnknownMotion.sigma_rad);
-  return m + rad < kMostChi2;
-}
-
 void MotionEstimate::take(MatchResult& result, bool is_matched, std::span<const Point2> points_base_m,
                           const FitsAsWell& fits_as_well) {
   result.T_odometry_step = step_;
   result.odometry_sigma_m = is_measured_ ? noise_.sigma_m : kNothingSaid.sigma_m;
   result.odometry_sigma_rad = is_measured_ ? noise_.sigma_rad : kNothingSaid.sigma_rad;
+  const bool is_settled = result.accepted && is_matched;
+  const KeptScan scan = is_settled ? keep_scan(points_base_m) : KeptScan{};
   const bool is_sure = result.accepted && result.doubt == Doubt::kNone;
-  wheels_.take(odometry_, is_sure ? std::optional(result.T_map_base) : std::nullopt);
-  if (!result.accepted || !is_matched) return;
-  const Matrix3 information = match_information(keep_scan(points_base_m));
+  wheels_.take(odometry_, is_sure ? std::optional(result.T_map_base) : std::nullopt,
+               knows_way(scan, inverse(step_).translation()));
+  if (is_settled) settle(result, scan, fits_as_well);
+  continued_.take(result.T_map_base, result.accepted);
+}
+
+void MotionEstimate::settle(MatchResult& result, const KeptScan& scan, const FitsAsWell& fits_as_well) {
+  const Matrix3 information = match_information(scan);
   const PoseFilter::Fused fused = filter_.fused_with(result.T_map_base, information);
-  const bool is_leap = !fused.is_possible && !goes_on(result.T_map_base);
+  const bool is_leap = !fused.is_possible && !is_within_reach(going_on_, result.T_map_base);
   if (!fused.is_possible && (is_leap || result.doubt == Doubt::kWeakEvidence)) {
     result.accepted = false;
     result.doubt = Doubt::kWeakEvidence;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "engine/mapping/match/continued_motion.hpp"
 #include "engine/mapping/match/motion_model.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "engine/mapping/wheels/wheel_noise.hpp"
@@ -28,17 +29,18 @@ class MotionEstimate {
 
  private:
   [[nodiscard]] std::optional<Pose2> corrected(const std::optional<Pose2>& T_odom_base);
-
-  [[nodiscard]] bool goes_on(const Pose2& T_map_base) const;
+  [[nodiscard]] UncertainPose going_on(const MotionModel& model) const;
+  void settle(MatchResult& result, const KeptScan& scan, const FitsAsWell& fits_as_well);
 
   WheelNoise wheels_;
+  ContinuedMotion continued_;
   PoseFilter filter_;
   std::optional<Pose2> odometry_;  // of the scan in hand
   std::optional<Pose2> T_odom_last_;
   bool has_moved_ = false;  // the odometry, ever
   Pose2 T_odom_corrected_;
   Pose2 step_;                // by odometry, as it was logged
-  Pose2 T_map_continued_;     // the pose if the last motion goes on
+  UncertainPose going_on_;    // the pose if the motion goes on, whatever the odometry says
   bool is_measured_ = false;  // by odometry
   MotionNoise noise_;
 };

@@ -5,6 +5,13 @@
 
 namespace gdtslam {
 
+bool is_within_reach(const UncertainPose& expected, const Pose2& T_map_base) {
+  const Pose2 off = between(expected.T_map_base, T_map_base);
+  const double m = (off.x_m * off.x_m + off.y_m * off.y_m) / (expected.noise.sigma_m * expected.noise.sigma_m);
+  const double rad = off.theta_rad * off.theta_rad / (expected.noise.sigma_rad * expected.noise.sigma_rad);
+  return m + rad < kReachSigmas * kReachSigmas;
+}
+
 std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_odom_base) {
   if (!T_odom_base || !T_odom_base->is_finite()) return std::nullopt;
   const std::optional<Pose2> before = last_odometry_;

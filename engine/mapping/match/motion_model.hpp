@@ -12,6 +12,18 @@
 
 namespace gdtslam {
 
+/// A pose where the robot may be, and how sure that is.
+struct UncertainPose {
+  Pose2 T_map_base;
+  MotionNoise noise;
+};
+
+/// Standard deviations beyond which a pose counts as impossible: one of a million is, by chance.
+inline constexpr double kReachSigmas = 5.5;
+
+/// Whether the robot may be at `T_map_base` if it should be where `expected` says.
+bool is_within_reach(const UncertainPose& expected, const Pose2& T_map_base);
+
 /// A predicted pose and how far the robot moved to get there.
 struct Prediction {
   Pose2 T_map_base;
@@ -20,6 +32,7 @@ struct Prediction {
   bool by_odometry = false;
   std::optional<MotionNoise> noise =
       std::nullopt;  ///< as it was estimated; without it the configuration's constants count
+  std::optional<UncertainPose> otherwise = std::nullopt;  ///< where it is if the prediction is wrong
 };
 
 class MotionModel {
@@ -33,8 +46,6 @@ class MotionModel {
 
   /// The last estimate.
   [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
-  /// The pose if the last motion goes on.
-  [[nodiscard]] Pose2 continued() const { return T_map_base_ * last_motion_; }
   /// Steps longer than the odometry may take.
   [[nodiscard]] std::uint64_t leaps() const { return leaps_; }
 

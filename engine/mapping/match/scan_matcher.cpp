@@ -184,7 +184,7 @@ ScanMatcher::Estimate ScanMatcher::search(const Estimate& local) {
       const double factor = 1.0 / leap_gain_;
       cost = static_cast<std::uint32_t>(std::min(cost * factor, 4.0e9));
     }
-    const bool taken = cost < best_cost;
+    const bool taken = cost < best_cost && rules_.is_possible(polished.pose);
     if (taken) {
       best = polished;
       best_cost = cost;

@@ -76,6 +76,7 @@ MatchResult WindowMatcher::finish() {
 // Somewhere far away something always looks alike. So what only the wider window holds must be clearly better, as any
 // pose that the odometry contradicts; CSAIL at half its rate is lost without this rule where its odometry fails.
 bool WindowMatcher::is_better(const MatchVerdict& found, const MatchVerdict& best, const SearchWindow& before) const {
+  if (!rules_.is_possible(pose_of(found))) return false;
   const double share = by_odometry_ && !before.holds(pose_of(found)) ? doubt_.leap_gain : 1.0;
   return static_cast<double>(found.cost) < share * static_cast<double>(best.cost);
 }

@@ -17,6 +17,8 @@ constexpr double kMostReach_m = 0.5;
 constexpr double kFlatness = 0.05;        // most of the variance across, as a share of that along
 constexpr double kRoughness_m = 0.01;     // and beyond that share: a laser's noise
 constexpr double kShapeOfNoise = 3.0e-3;  // of normals that are off by three degrees
+constexpr double kAcross = 0.5;           // least squared cosine between a normal and the way: 45 degrees
+constexpr double kEnoughAcross = 0.1;     // of the surface
 
 // Sums over the neighbours of a point, relative to it.
 struct Neighbourhood {
@@ -100,6 +102,16 @@ Matrix3 shape_of(const KeptScan& scan) {
     shape += outer(J, J);
   }
   return shape;
+}
+
+bool knows_way(const KeptScan& scan, const Point2& direction) {
+  const double length_squared = direction.squaredNorm();
+  std::size_t across = 0;
+  for (const SurfacePoint& p : scan.surface) {
+    const double along = p.normal().dot(direction);
+    across += along * along >= kAcross * length_squared ? 1U : 0U;
+  }
+  return static_cast<double>(across) > kEnoughAcross * static_cast<double>(scan.surface.size());
 }
 
 Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least) {

@@ -60,6 +60,10 @@ KeptScan keep_scan(std::span<const Point2> points_base_m);
 /// points is a motion that the scan cannot see, as along a corridor.
 Matrix3 shape_of(const KeptScan& scan);
 
+/// Whether enough of the scan's surfaces stand across this direction (robot frame, any length) to tell how far the
+/// robot went along it: in a bare corridor a match says what its prediction said.
+bool knows_way(const KeptScan& scan, const Point2& direction);
+
 /// The shape for one point, less what the noise of the normals feigns in directions in which there is nothing to be
 /// seen; never less than `least` in any direction.
 Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least);

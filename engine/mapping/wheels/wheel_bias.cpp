@@ -83,7 +83,7 @@ WheelBias estimate_bias(std::span<const WheelStretch> stretches, double overlap)
   std::vector<Equation> turns;
   for (const WheelStretch& s : stretches) {
     const double walk = walk_of(s.path_m, s.turned_rad);
-    if (s.path_m > 0.0) chords.push_back({s.chord_m, 0.0, s.true_chord_m - s.chord_m, s.path_m});
+    if (s.path_m > 0.0 && s.knows_way) chords.push_back({s.chord_m, 0.0, s.true_chord_m - s.chord_m, s.path_m});
     if (walk > 0.0) turns.push_back({s.turn_rad, s.forward_m, wrap_angle(s.true_turn_rad - s.turn_rad), walk});
   }
   const Solution distance = solve(chords, kNothingKnown.sigma_distance, 1.0, overlap);

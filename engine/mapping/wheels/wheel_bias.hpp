@@ -28,6 +28,7 @@ struct WheelStretch {
   double chord_m = 0.0;       ///< between its ends by the wheels
   double true_chord_m = 0.0;  ///< and in truth
   double true_turn_rad = 0.0;
+  bool knows_way = true;  ///< the true chord is known, not only the turn
 };
 
 /// What the variance of a heading by the wheels grows with: radians, or half the metres.

@@ -41,7 +41,7 @@ MotionNoise WheelNoise::of(double travelled_m, double turned_rad) const {
           hypotenuse(kLeastSigma_rad, errors_.slip_rad * std::sqrt(walk_of(travelled_m, turned_rad)))};
 }
 
-void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base) {
+void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way) {
   if (!T_odom_base) {
     marks_.clear();
     last_.reset();
@@ -60,7 +60,7 @@ void WheelNoise::take(const std::optional<Pose2>& T_odom_base, const std::option
       turned_rad_ - marks_.back().turned_rad < kMarkEvery_rad) {
     return;
   }
-  marks_.push_back({*T_odom_base, *T_map_base, path_m_, turned_rad_, forward_m_, turn_rad_});
+  marks_.push_back({*T_odom_base, *T_map_base, path_m_, turned_rad_, forward_m_, turn_rad_, knows_way});
   if (marks_.size() > kMostMarks) marks_.pop_front();
   if (++taken_ % kEstimateEvery == 0) estimate();
 }
@@ -77,7 +77,7 @@ void WheelNoise::spreads_over(std::size_t marks, const std::vector<Pose2>& odome
     const Tangent2 off =
         log_tangent(between(between(odometry[i], odometry[i + marks]), between(from.T_map_base, to.T_map_base)));
     const double path_m = to.path_m - from.path_m;
-    if (path_m > kMovedShare * static_cast<double>(marks)) {
+    if (from.knows_way && to.knows_way && path_m > kMovedShare * static_cast<double>(marks)) {
       off_m.push_back(hypotenuse(off[0], off[1]));
       path.push_back(path_m);
     }
@@ -130,7 +130,8 @@ std::vector<WheelStretch> WheelNoise::stretches() const {
                    .turn_rad = to.turn_rad - from.turn_rad,
                    .chord_m = length_of(between(from.T_odom_base, to.T_odom_base)),
                    .true_chord_m = length_of(T_from_to),
-                   .true_turn_rad = T_from_to.theta_rad});
+                   .true_turn_rad = T_from_to.theta_rad,
+                   .knows_way = from.knows_way && to.knows_way});
   }
   return all;
 }
@@ -151,12 +152,13 @@ void WheelNoise::estimate() {
   for (const std::size_t marks : {1U, 2U, 4U, 8U}) spreads_over(marks, odometry, metres, radians);
   const Line line_m = fit(metres, errors_.slip_m * errors_.slip_m);
   const Line line_rad = fit(radians, errors_.slip_rad * errors_.slip_rad);
-  const double trust = std::min(1.0, static_cast<double>(marks_.size()) / kFullTrust);
-  const auto slip = [trust](const Line& line, double unknown, double least) {
+  const auto slip = [](const Line& line, std::size_t marks, double unknown, double least) {
+    const double trust = std::min(1.0, static_cast<double>(marks) / kFullTrust);
     return std::max(least, trust * std::sqrt(line.slope) + (1.0 - trust) * unknown);
   };
-  errors_ = {.slip_m = slip(line_m, kUnknown.slip_m, kLeastSlip_m),
-             .slip_rad = slip(line_rad, kUnknown.slip_rad, kLeastSlip_rad),
+  const auto knowing_way = std::count_if(marks_.begin(), marks_.end(), [](const Mark& mark) { return mark.knows_way; });
+  errors_ = {.slip_m = slip(line_m, static_cast<std::size_t>(knowing_way), kUnknown.slip_m, kLeastSlip_m),
+             .slip_rad = slip(line_rad, marks_.size(), kUnknown.slip_rad, kLeastSlip_rad),
              .match_m = std::sqrt(0.5 * line_m.level),
              .match_rad = std::sqrt(0.5 * line_rad.level),
              .stretches = marks_.size()};

@@ -28,8 +28,9 @@ struct WheelErrors {
 class WheelNoise {
  public:
   /// The robot's pose by odometry when a scan was taken, and where an accepted match put it; nothing where the match is
-  /// not to be learnt from. Without odometry the path breaks off.
-  void take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base);
+  /// not to be learnt from. Without odometry the path breaks off. Where the match does not know the way, only its
+  /// heading is learnt from.
+  void take(const std::optional<Pose2>& T_odom_base, const std::optional<Pose2>& T_map_base, bool knows_way = true);
 
   [[nodiscard]] const WheelErrors& errors() const { return errors_; }
   [[nodiscard]] const WheelBias& bias() const { return bias_; }
@@ -47,6 +48,7 @@ class WheelNoise {
     double turned_rad = 0.0;
     double forward_m = 0.0;  // signed, as the next
     double turn_rad = 0.0;
+    bool knows_way = true;
   };
   /// Of all stretches of so many marks: how much path, and the variance of the difference.
   struct Spread {

@@ -1,6 +1,7 @@
 // Closing the loops of a short drive through a known room, and not closing them.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
   EXPECT_EQ(steps.back(), "adjusting scans");
   ASSERT_EQ(path.T_map_base.size(), truth_.size());
   ASSERT_EQ(path.covariances.size(), truth_.size());
+  EXPECT_LT(path.T_map_base.front().translation().norm(), 1.0e-12) << "the map's origin";
+  EXPECT_LT(std::fabs(path.T_map_base.front().theta_rad), 1.0e-12);
   for (std::size_t i = 0; i < truth_.size(); ++i) {
     EXPECT_LT((path.T_map_base[i].translation() - truth_[i].translation()).norm(), 0.05) << i;
     EXPECT_LT(path.covariances[i].sigma_m(), 0.05) << "a room that is seen whole from everywhere";

@@ -143,6 +143,39 @@ TEST(LoopEvidence, SpeaksForTheRightPlaceAndAgainstOthers) {
   EXPECT_GT(behind.turned, 0.3) << "one wall on the other's back";
 }
 
+/// One keyframe that saw two walls along x, and where it says so one across, each a point every 5 cm.
+KeptScan corridor_scan(double end_x) {
+  KeptScan scan;
+  const auto add = [&](double x, double y, double nx, double ny) {
+    scan.surface.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(nx),
+                            static_cast<float>(ny), static_cast<float>(direction_of(x, y))});
+  };
+  for (int k = -80; k <= 80; ++k) {
+    add(0.05 * k, 1.02, 0.0, -1.0);
+    add(0.05 * k, -1.02, 0.0, 1.0);
+  }
+  for (int k = -18; k <= 18 && end_x > 0.0; ++k) add(end_x, 0.05 * k, -1.0, 0.0);
+  return scan;
+}
+
+// The way along a corridor is known where both have seen its end, not where one has.
+TEST(LoopInformation, ComesFromTheWallsThatBothHave) {
+  const auto information = [](double end_of_reference, double end_of_query) {
+    const std::vector<KeptScan> scans{corridor_scan(end_of_reference), corridor_scan(end_of_query)};
+    const std::vector<Pose2> poses(2);
+    const std::vector<double> path_m{0.0, 100.0};
+    const KeyframePath keyframes{scans, poses, path_m};
+    const ScanGroup reference(keyframes, 0, 9.0, 0.03);
+    const ScanGroup query(keyframes, 1, 4.0, 0.1);
+    return loop_information(weigh_loop(reference, query, {}));
+  };
+  const Matrix3 both = information(3.5, 3.5);
+  const Matrix3 one = information(0.0, 3.5);
+  EXPECT_GT(both(0, 0), 0.1 * both(1, 1));
+  EXPECT_LT(one(0, 0), 0.01 * both(0, 0));
+  EXPECT_GT(one(1, 1), 0.5 * both(1, 1)) << "across it both know as much";
+}
+
 TEST(Revisits, AreTheEarlierPlacesThatMayBeHere) {
   const LoopDrive twice = drive(2, 0.02, 0.002, 4);
   LoopCloser closer(twice.path, {});

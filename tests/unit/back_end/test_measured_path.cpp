@@ -8,6 +8,8 @@
 #include "engine/mapping/loops/measured_path.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/random.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+#include "support/room.hpp"
 
 namespace gdtslam {
 namespace {
@@ -86,6 +88,47 @@ TEST(MeasuredPath, LoopsTellWhichSourceIsTheBetterOne) {
     const auto& [front_end, wheels] = measured.factors();
     EXPECT_GT(front_end.variance, 5.0 * wheels.variance) << seed;
   }
+}
+
+TEST(MeasuredPath, CautiousRelationsCountTheCautiousInformation) {
+  FrontEndPath path;
+  for (int i = 0; i <= 3; ++i) {
+    path.poses.push_back({1.0 * i, 0.0, 0.0});
+    const Matrix3 stated = Matrix3::diagonal(1.0e4, 1.0e4, 1.0e6);
+    const MeasuredStep step{{1.0, 0.0, 0.0}, stated, 0.25 * stated};
+    path.steps.push_back({step, step});
+  }
+  const MeasuredPath measured(path, {0, 3});
+  const std::vector<PoseRelation> cautious = measured.cautious_relations(0.3);
+  ASSERT_EQ(cautious.size(), 2U) << "of each source one";
+  EXPECT_NEAR(inverse(cautious[0].information)(0, 0), 4.0 * 3.0e-4, 1.0e-9);
+  const std::vector<PoseRelation> doubled = measured.cautious_relations(2.0);
+  EXPECT_NEAR(inverse(doubled[0].information)(0, 0), 2.0 * 4.0 * 3.0e-4, 1.0e-9) << "variances no less than twice";
+  EXPECT_NEAR(inverse(measured.relations()[0].information)(0, 0), 3.0e-4, 1.0e-9);
+}
+
+// At first nothing is known of wheels, so their first steps are stated as badly as any; in the end it is known better.
+TEST(MeasuredPath, StatesTheFirstStepsOfWheelsWithHindsight) {
+  constexpr double kSlip_m = 0.01;  // per root of a metre
+  SquareDrive drive = drive_squares(8, 4);
+  Random random(4);
+  drive.path.travels.emplace_back();
+  drive.path.scans.resize(drive.path.steps.size());
+  const std::vector<test::Segment> walls = test::furnished_room();
+  for (KeptScan& scan : drive.path.scans) scan = keep_scan(points_of(test::scan_of(walls, {1.0, 0.3, 0.7}, 0.0), {}));
+  for (std::size_t i = 1; i < drive.path.steps.size(); ++i) {
+    const double stated_m = i < 60 ? 0.3 : 0.03;
+    drive.path.steps[i][1] = noisy(square_step(i), kSlip_m, 0.002, stated_m, stated_m, random);
+    drive.path.travels.push_back({.path_m = 1.0, .turned_rad = std::fabs(square_step(i).theta_rad)});
+  }
+  MeasuredPath measured(drive.path, drive.places);
+  const auto sigma_of = [&](std::size_t step) {
+    return std::sqrt(inverse(measured.stretch(step - 1, step, StepSource::kWheels).information)(0, 0));
+  };
+  EXPECT_NEAR(sigma_of(5), 0.3, 1.0e-6) << "as stated";
+  measured.correct_wheels(drive.truth);
+  EXPECT_NEAR(sigma_of(5), kSlip_m, 0.5 * kSlip_m);
+  EXPECT_NEAR(sigma_of(5), sigma_of(205), 1.0e-9) << "of two steps alike the same";
 }
 
 }  // namespace

@@ -104,5 +104,19 @@ TEST(EigenOfSymmetric, GivesTheMatrixBack) {
   }
 }
 
+// Of a bare corridor nothing tells how far along it the robot is, and everything how far across.
+TEST(KnowsWay, WhereWallsStandAcrossIt) {
+  const KeptScan bare = keep_scan(seen(corridor(), {0.0, 0.2, 0.4}));
+  const Pose2 heading{0.0, 0.0, -0.4};  // of the world's axes in the robot's frame
+  EXPECT_FALSE(knows_way(bare, heading * Point2{1.0, 0.0}));
+  EXPECT_FALSE(knows_way(bare, heading * Point2{-0.01, 0.0})) << "the same, backwards and a little";
+  EXPECT_TRUE(knows_way(bare, heading * Point2{0.0, 0.5}));
+  const KeptScan room = keep_scan(seen(test::furnished_room(), {1.0, 0.3, 0.7}));
+  for (const double angle : {0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0}) {
+    EXPECT_TRUE(knows_way(room, {std::cos(angle), std::sin(angle)})) << angle;
+  }
+  EXPECT_FALSE(knows_way({}, {1.0, 0.0})) << "nothing was seen";
+}
+
 }  // namespace
 }  // namespace gdtslam

@@ -82,5 +82,26 @@ TEST(WheelNoise, WithoutOdometryNothingIsLearnt) {
   EXPECT_GT(noise.of(1.0, 0.0).sigma_m, 0.09);
 }
 
+// In a corridor a match slides along: here by a fifth of the way, of wheels that are right.
+TEST(WheelNoise, OfAWayThatTheMatchDoesNotKnowIsNotLearnt) {
+  const auto drive = [](bool knows_way) {
+    WheelNoise noise;
+    Pose2 truth;
+    Pose2 matched;
+    for (int i = 0; i < 600; ++i) {
+      const double slid = i % 10 < 5 ? 1.4 : 1.0;
+      truth = truth * Pose2{0.3, 0.0, 0.0};
+      matched = matched * Pose2{slid * 0.3, 0.0, 0.0};
+      noise.take(truth, matched, knows_way);
+    }
+    return noise;
+  };
+  EXPECT_GT(drive(true).bias().distance, 0.1);
+  const WheelNoise unknown = drive(false);
+  EXPECT_EQ(unknown.bias().distance, 0.0);
+  EXPECT_DOUBLE_EQ(unknown.errors().slip_m, WheelErrors{}.slip_m) << "as of any robot";
+  EXPECT_LT(unknown.errors().slip_rad, 0.01) << "the heading is known";
+}
+
 }  // namespace
 }  // namespace gdtslam

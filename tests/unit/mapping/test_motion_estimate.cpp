@@ -87,5 +87,20 @@ TEST_F(Drive, WhereTheOdometryLeapsTheMatchStands) {
   EXPECT_NEAR(result.T_map_base.theta_rad, pose.theta_rad, 0.02);
 }
 
+// Odometry that comes and goes: where it is missing the motion goes on as it did, not as far as over the gap.
+TEST_F(Drive, AMotionGoesOnAsItWasFromScanToScan) {
+  Pose2 pose;
+  for (int i = 0; i < 30; ++i) {
+    const bool is_seen = i < 20 || i == 25;
+    const MatchResult result = drive_to(is_seen ? pose : pose * Pose2{5.0, 5.0, 2.0}, std::nullopt);
+    EXPECT_EQ(result.accepted, is_seen) << i;
+    if (i > 1) {
+      EXPECT_NEAR(result.T_map_predicted.x_m, pose.x_m, 0.01) << i;
+      EXPECT_NEAR(result.T_map_predicted.theta_rad, pose.theta_rad, 0.01) << i;
+    }
+    pose = pose * kMotion;
+  }
+}
+
 }  // namespace
 }  // namespace gdtslam
