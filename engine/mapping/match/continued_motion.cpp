@@ -7,7 +7,6 @@
 namespace gdtslam {
 namespace {
 
-constexpr MotionNoise kOfAnyRobot{0.2, 0.2};  // of a robot that nothing is known of
 constexpr MotionNoise kLeastChange{0.01, 0.005};
 constexpr std::size_t kMostChanges = 200;
 constexpr std::size_t kChangesToTrust = 60;  // fewer are mixed with what is known of no robot

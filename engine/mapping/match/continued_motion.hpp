@@ -12,6 +12,9 @@
 
 namespace gdtslam {
 
+/// How far the motion of a robot that nothing is known of may change from scan to scan.
+inline constexpr MotionNoise kOfAnyRobot{0.2, 0.2};
+
 class ContinuedMotion {
  public:
   /// Where the next scan was, and whether a match says so.

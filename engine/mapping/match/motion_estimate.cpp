@@ -1,9 +1,10 @@
 #include "motion_estimate.hpp"
 
+#include <algorithm>
+
 namespace gdtslam {
 namespace {
 
-constexpr MotionNoise kMostOfLeap{0.2, 0.2};    // of a motion that goes on although the odometry says otherwise
 constexpr MotionNoise kNothingSaid{10.0, 3.0};  // of what odometry said of a motion that it did not measure
 
 }  // namespace
@@ -29,7 +30,12 @@ Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2
 }
 
 UncertainPose MotionEstimate::going_on(const MotionModel& model) const {
-  return {model.pose() * continued_.step(), is_measured_ ? kMostOfLeap : continued_.noise()};
+  MotionNoise noise = kOfAnyRobot;
+  if (!is_measured_) {
+    const MotionNoise learnt = continued_.noise();
+    noise = {std::max(noise.sigma_m, learnt.sigma_m), std::max(noise.sigma_rad, learnt.sigma_rad)};
+  }
+  return {model.pose() * continued_.step(), noise};
 }
 
 std::optional<Pose2> MotionEstimate::corrected(const std::optional<Pose2>& T_odom_base) {
