@@ -1,8 +1,11 @@
-"""What a run says of its own uncertainty: covariance.csv and graph.g2o."""
+"""What a run says of its own uncertainty: covariance.csv, graph.g2o and `evaluate`."""
 
+import json
 import math
+import shutil
 
-from cli_support import RUN, expect, scans_in
+import cli_support as cli
+from cli_support import RUN, TRUTH, command, expect, expect_exit, mapped, one_error_line, scans_in
 
 
 def wrapped(angle):
@@ -79,9 +82,63 @@ def graph_agrees_with_the_report():
 
 
 def covariances_belong_to_poses():
-    """One row a pose with its stamp; the largest deviation is that of the report."""
+    """One row a pose with its stamp; the largest deviation is that of the report; other rows are refused."""
     rows = [list(map(float, line.split(","))) for line in (RUN / "covariance.csv").read_text().splitlines()[1:]]
     poses = [line.split() for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
     expect([f"{row[0]:.9f}" for row in rows] == [pose[0] for pose in poses], "stamps differ")
     worst = max(0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy) for _, xx, xy, _, yy, _, _ in rows)
     expect(abs(math.sqrt(worst) - scans_in(RUN)["uncertain"]["sigma_max_m"]) < 1e-9, f"{math.sqrt(worst)} m")
+    folder = cli.fresh_folder("covariances") / "run"
+    shutil.copytree(RUN, folder)
+    lines = (RUN / "covariance.csv").read_text().splitlines(keepends=True)
+    faults = {"has no header": lines[1:], "rows, but": lines[:-1], "row 1 is of": [lines[0], *lines[2:], lines[1]],
+              ":3: the row ends after 2 of 7": [*lines[:2], "1,2\n", *lines[3:]]}
+    for says, text in faults.items():
+        (folder / "covariance.csv").write_text("".join(text))
+        process = command("evaluate", folder, "--reference", TRUTH)
+        expect_exit(process, 65)
+        one_error_line(process.stderr)
+        expect("covariance.csv" in process.stderr and says in process.stderr, process.stderr)
+
+
+def evaluate_what_is_stated():
+    """Shares within the stated deviations, against the truth and relations of it; nothing without closed loops."""
+    process = command("evaluate", RUN, "--reference", TRUTH, "--json")
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "evaluate_reference")
+    said = json.loads(process.stdout)
+    expect(said["stated"]["pose"]["count"] == said["matched"] == scans_in(RUN)["scans"], f"{said['stated']}")
+    alone = json.loads(command("evaluate", RUN / "trajectory.tum", "--reference", TRUTH, "--json").stdout)
+    expect({key: value for key, value in said.items() if key != "stated"} == alone, "the errors are others")
+    truth = [list(map(float, line.split())) for line in TRUTH.read_text().splitlines() if line[0] != "#"]
+    true_pose = {row[0]: (row[1], row[2], 2 * math.atan2(row[6], row[7])) for row in truth}
+    stamps = [row[0] for row in truth][::40]
+    folder = cli.fresh_folder("stated")
+    lines = [f"{a:.9f} {b:.9f} {x:.9f} {y:.9f} 0 0 0 {t:.9f}\n" for a in stamps for b in stamps if a < b
+             for x, y, t in [between(true_pose[a], true_pose[b])]]
+    (folder / "true.relations").write_text("".join(lines))
+    shares = {}
+    for noise in ("0/0", "1m/30deg"):
+        process = command("evaluate", RUN, "--relations", folder / "true.relations", "--noise", noise, "--json")
+        expect_exit(process, 0)
+        cli.validate(process.stdout, "evaluate_relations")
+        stated = json.loads(process.stdout)["stated"]
+        expect(stated["pose"]["count"] == len(lines) and stated["unstated"] == 0, f"{stated}")
+        shares[noise] = stated["pose"]["within"]
+        expect(shares[noise] == sorted(shares[noise]), f"{shares}")
+    expect(shares["1m/30deg"] == [1.0, 1.0, 1.0] and shares["0/0"][2] > 0.5, f"{shares}")
+    text = command("evaluate", RUN, "--relations", folder / "true.relations").stdout
+    expect("stated " in text and "if it is right    19.9 %    73.9 %    97.1 %\n" in text, text)
+    mapped(folder / "plain", "--no-loops", "--first", 60)
+    process = command("evaluate", folder / "plain", "--reference", TRUTH)
+    expect("stated           nothing: the run closed no loops" in process.stdout, process.stdout)
+    text = command("evaluate", RUN, "--reference", TRUTH, "--no-align").stdout
+    expect("stated           not compared" in text, text)
+    for arguments, says in ((("--noise", "1cm"), "is not LENGTH/ANGLE"), (("--noise=-1cm/1deg",), "out of range"),
+                            (("--noise", "1/1"), "needs a unit")):
+        process = command("evaluate", RUN, "--reference", TRUTH, *arguments)
+        expect_exit(process, 2)
+        expect(says in process.stderr, process.stderr)
+    process = command("evaluate", RUN / "trajectory.tum", "--reference", TRUTH, "--noise", "1cm/1deg")
+    expect_exit(process, 2)
+    expect("the run's folder" in process.stderr, process.stderr)
