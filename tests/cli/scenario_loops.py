@@ -1,11 +1,11 @@
-"""What a run says of its own uncertainty: covariance.csv, graph.g2o and `evaluate`."""
+"""What a run says of its own uncertainty: covariance.csv, graph.g2o, `evaluate` and `doctor --after`."""
 
 import json
 import math
 import shutil
 
 import cli_support as cli
-from cli_support import RUN, TRUTH, command, expect, expect_exit, mapped, one_error_line, scans_in
+from cli_support import LOG, RUN, TRUTH, command, digests, expect, expect_exit, mapped, one_error_line, scans_in
 
 
 def wrapped(angle):
@@ -142,3 +142,64 @@ def evaluate_what_is_stated():
     process = command("evaluate", RUN / "trajectory.tum", "--reference", TRUTH, "--noise", "1cm/1deg")
     expect_exit(process, 2)
     expect("the run's folder" in process.stderr, process.stderr)
+
+
+def doctor_of_a_map():
+    """`doctor --after`: nothing doubtful in the sample; runs without loops; a report that somebody made."""
+    process = command("doctor", "--after", RUN)
+    expect_exit(process, 0)
+    report = scans_in(RUN)
+    expect(f"{report['loops']['found']} found in" in process.stdout, process.stdout)
+    expect(process.stderr == "", process.stderr)
+    folder = cli.fresh_folder("doctor_after")
+    mapped(folder / "plain", "--no-loops", "--first", 60)
+    said = command("doctor", "--after", folder / "plain").stdout
+    expect("loops            not closed" in said and "map the log without --no-loops" in said, said)
+    shutil.copytree(RUN, folder / "made")
+    last = report["scans"] - 1
+    report["uncertain"]["stretches"] = [{"from": 100, "to": 140, "from_s": 0, "to_s": 0, "sigma_m": 0.4},
+                                        {"from": last, "to": last, "from_s": 0, "to_s": 0, "sigma_m": 0.2}]
+    report["loops"]["closures"][0].update(on=False, weight=1e-9, off_m=1.5, off_deg=4)
+    report["wheels"].update(distance=0.1, distance_sigma=0.01)
+    report["matches"].update(accepted=report["scans"] - 7, weak=2, refused=5)
+    (folder / "made/report.json").write_text(json.dumps(report))
+    before = digests(folder / "made")
+    arguments = ["doctor", "--after", folder / "made"]
+    if cli.OVERVIEW.endswith(".png"):
+        arguments += ["--picture", folder / "doubtful.png"]
+    process = command(*arguments, "--json")
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "doctor_after")
+    said = json.loads(process.stdout)
+    expect([note["about"] for note in said["notes"]] == ["scans", "stretch", "stretch", "loop", "wheels"], f"{said['notes']}")
+    expect([note["number"] for note in said["notes"]] == [1, 2, 3, 4, 5], f"{said['notes']}")
+    expect([note["at_m"] is not None for note in said["notes"]] == [False, True, True, True, False], f"{said['notes']}")
+    poses = [list(map(float, line.split())) for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+    end = said["uncertain"]["stretches"][1]
+    expect([end["x_m"], end["y_m"], end["from_s"]] == [poses[-1][1], poses[-1][2], poses[-1][0]], f"{end}")
+    expect(said["uncertain"]["scans"] == 42 and said["switched_off"][0]["off_m"] == 1.5, f"{said}")
+    text = command(*arguments).stdout
+    for words in ("5 of", "scans 100 to 140", "end the drive at a place", "switched off: 1.50 m and 4.0 deg off",
+                  "10.0 % too short", "by 1.100"):
+        expect(words in text, f"no {words!r} in {text}")
+    if cli.OVERVIEW.endswith(".png"):
+        expect((folder / "doubtful.png").read_bytes().startswith(b"\x89PNG"), "no picture")
+    expect(digests(folder / "made") == before, "the run changed")
+    vector = folder / "doubtful.svg"
+    expect_exit(command(*arguments[:3], "--picture", vector), 0)
+    words = vector.read_text()
+    for word in (">2<", ">3<", ">4<", "not to be trusted", "1 loop switched off", "3 sigma of the position"):
+        expect(word in words, f"no {word!r} in the picture")
+    report["wheels"]["turn"] = "none"
+    (folder / "made/report.json").write_text(json.dumps(report))
+    process = command(*arguments[:3])
+    expect_exit(process, 65)
+    one_error_line(process.stderr)
+    expect("'wheels.turn' is no number" in process.stderr, process.stderr)
+    for wrong, says in ((["doctor"], "give a LOG, or --after RUN"), (["doctor", LOG, "--after", RUN], "excludes"),
+                        (["doctor", LOG, "--picture", "a.svg"], "requires"),
+                        (["doctor", "--after", RUN, "--picture", "a.txt"], "a.txt")):
+        process = command(*wrong)
+        expect_exit(process, 2)
+        expect(says in process.stderr, process.stderr)
+    expect_exit(command("doctor", "--after", folder), 65)
