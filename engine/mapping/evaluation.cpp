@@ -180,20 +180,34 @@ ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory&
   return report;
 }
 
-PosesByStamp::PosesByStamp(Trajectory trajectory) : poses_(std::move(trajectory)) {
-  std::erase_if(poses_, [](const StampedPose& pose) { return !std::isfinite(pose.stamp_s); });
-  std::stable_sort(poses_.begin(), poses_.end(), [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
+PosesByStamp::PosesByStamp(const Trajectory& trajectory) {
+  entries_.reserve(trajectory.size());
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    if (std::isfinite(trajectory[i].stamp_s)) entries_.push_back({trajectory[i], i});
+  }
+  std::stable_sort(entries_.begin(), entries_.end(),
+                   [](const Entry& a, const Entry& b) { return a.pose.stamp_s < b.pose.stamp_s; });
+}
+
+const PosesByStamp::Entry* PosesByStamp::nearest(double stamp_s, double tolerance_s) const {
+  const auto later = [](double t_s, const Entry& entry) { return t_s < entry.pose.stamp_s; };
+  const auto after = std::upper_bound(entries_.begin(), entries_.end(), stamp_s, later);
+  const Entry* best = after == entries_.begin() ? nullptr : &*std::prev(after);
+  if (after != entries_.end() && (best == nullptr || after->pose.stamp_s - stamp_s < stamp_s - best->pose.stamp_s)) {
+    best = &*std::prev(std::upper_bound(after, entries_.end(), after->pose.stamp_s, later));
+  }
+  if (best == nullptr || !(std::fabs(best->pose.stamp_s - stamp_s) <= tolerance_s)) return nullptr;
+  return best;
 }
 
 std::optional<Pose2> PosesByStamp::find(double stamp_s, double tolerance_s) const {
-  const auto later = [](double t_s, const StampedPose& pose) { return t_s < pose.stamp_s; };
-  const auto after = std::upper_bound(poses_.begin(), poses_.end(), stamp_s, later);
-  const StampedPose* best = after == poses_.begin() ? nullptr : &*std::prev(after);
-  if (after != poses_.end() && (best == nullptr || after->stamp_s - stamp_s < stamp_s - best->stamp_s)) {
-    best = &*std::prev(std::upper_bound(after, poses_.end(), after->stamp_s, later));
-  }
-  if (best == nullptr || !(std::fabs(best->stamp_s - stamp_s) <= tolerance_s)) return std::nullopt;
-  return best->T_map_base;
+  const Entry* const entry = nearest(stamp_s, tolerance_s);
+  return entry == nullptr ? std::nullopt : std::optional(entry->pose.T_map_base);
+}
+
+std::optional<std::size_t> PosesByStamp::index_of(double stamp_s, double tolerance_s) const {
+  const Entry* const entry = nearest(stamp_s, tolerance_s);
+  return entry == nullptr ? std::nullopt : std::optional(entry->index);
 }
 
 }  // namespace gdtslam

@@ -16,17 +16,49 @@ MapperConfig front_end_config(MapperConfig config) {
   return config;
 }
 
+PoseInformation pose_information(const Matrix3& m) {
+  return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
+}
+
+std::size_t scan_of_place(const BackEndResult& result, std::size_t place) {
+  return result.keyframes[result.places[place]];
+}
+
 ClosedLoop closed_loop(const Loop& loop, const BackEndResult& result) {
   const PoseRelation& relation = loop.relation;
   const Tangent2 off = residual_of(relation, result.graph.poses[relation.from], result.graph.poses[relation.to]);
-  const auto scan_of = [&](std::size_t place) { return result.keyframes[result.places[place]]; };
-  return {.from = scan_of(relation.from),
-          .to = scan_of(relation.to),
+  return {.from = scan_of_place(result, relation.from),
+          .to = scan_of_place(result, relation.to),
           .T_from_to = relation.T_from_to,
+          .information = pose_information(relation.information),
           .weight = loop.weight,
           .off_m = std::sqrt(off[0] * off[0] + off[1] * off[1]),
           .off_rad = std::fabs(off[2]),
           .is_on = loop.is_on()};
+}
+
+std::vector<GraphPlace> graph_places(const BackEndResult& result) {
+  std::vector<GraphPlace> places;
+  places.reserve(result.places.size());
+  for (std::size_t i = 0; i < result.places.size(); ++i) {
+    places.push_back({scan_of_place(result, i), result.graph.poses[i]});
+  }
+  return places;
+}
+
+// The graph has those of the front end first, one between two places, then those of the wheels.
+std::vector<PathRelation> path_relations(const BackEndResult& result) {
+  const std::vector<PoseRelation>& path = result.graph.path;
+  std::vector<PathRelation> relations;
+  relations.reserve(path.size());
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    relations.push_back({.from = scan_of_place(result, path[k].from),
+                         .to = scan_of_place(result, path[k].to),
+                         .T_from_to = path[k].T_from_to,
+                         .information = pose_information(path[k].information),
+                         .is_by_wheels = k + 1 >= result.places.size()});
+  }
+  return relations;
 }
 
 WheelReport wheel_report(const BackEndResult& result) {
@@ -131,9 +163,13 @@ ClosedPath LoopMapper::close(const Progress& progress, const std::function<bool(
                   .wheels = wheel_report(result),
                   .keyframes = result.keyframes,
                   .loops = {},
+                  .places = graph_places(result),
+                  .path = path_relations(result),
                   .searches = result.counts.searched,
                   .pairs = result.joint.pairs,
                   .rms_m = result.joint.rms_m};
+  path.covariances.reserve(result.covariances.size());
+  path.loops.reserve(result.graph.loops.size());
   for (const Matrix3& covariance : result.covariances) path.covariances.push_back(pose_covariance(covariance));
   for (const Loop& loop : result.graph.loops) path.loops.push_back(closed_loop(loop, result));
   return path;

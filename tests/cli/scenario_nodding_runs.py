@@ -175,7 +175,7 @@ def nodding_full_disk():
     for options in (["--set", "cloud.remove=none"], ["--set", "cloud.remove=both", "--no-pictures"], ["--no-cloud"]):
         expect_exit(command(*arguments, "-o", drive.folder / "counted", *options, env={**environment, "FULL_DISK_AT": "0"}), 0)
         count = int(count_file.read_text())
-        expect(count >= 2 * len(cli.OUTPUTS), f"only {count} writes were seen")
+        expect(count >= 2 * len(cli.NODDING_OUTPUTS), f"only {count} writes were seen")
         for failing in range(1, count + 1):
             process = command(*arguments, "-o", run, *options, env={**environment, "FULL_DISK_AT": str(failing)})
             expect_exit(process, 74)

@@ -122,14 +122,14 @@ def render_views_of_each_input():
     errors = {"errors-box", "errors-cdf", "errors-time"}
     linkage = {"scene", "drawing"}
     cases = [
-        ([RUN], flat, {"still": "map"}),
+        ([RUN], flat | {"graph"}, {"still": "map"}),
         ([run], flat | solid | linkage | {"follow", "scan"}, {"still": "iso", "film": "orbit"}),
         ([run / "cloud.ply"], solid, {"still": "iso", "film": "orbit"}),
         (["paper-a"], linkage, {"still": "scene"}),
         ([drive.linkage], linkage, {"still": "scene"}),
         ([run / "map.yaml"], {"map"}, {"still": "map"}),
         ([run / "gdt.yaml"], {"field", "distance", "cells"}, {"still": "field"}),
-        ([LOG], flat, {"still": "map"}),
+        ([LOG], flat | {"graph"}, {"still": "map"}),
         ([drive.log], flat | solid | linkage | {"follow", "scan"}, {"still": "iso", "film": "orbit"}),
         ([RUN / "trajectory.tum", "--reference", TRUTH], errors, {"still": "errors-box"}),
     ]

@@ -9,7 +9,7 @@ import termios
 import time
 
 import cli_support as cli
-from cli_support import LOG, OUTPUTS, PROGRAM, command, digests, expect, expect_exit, finish, one_error_line, scans_in
+from cli_support import LOG, PLAIN_OUTPUTS, PROGRAM, command, digests, expect, expect_exit, finish, one_error_line, scans_in
 
 
 def start_slow_run(folder, **options):
@@ -34,7 +34,7 @@ def interrupt_writes_what_there_is():
         done = finish(process)
         expect_exit(done, 130)
         report = scans_in(folder)
-        expect(sorted(digests(folder)) == OUTPUTS, "files are missing")
+        expect(sorted(digests(folder)) == PLAIN_OUTPUTS, "files are missing")
         expect(report["interrupted"] is True and report["scans"] > 0, "the report does not say so")
         poses = [line for line in (folder / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
         expect(len(poses) == report["scans"], f"{len(poses)} poses, {report['scans']} scans")
@@ -56,7 +56,7 @@ def lost_terminal():
     time.sleep(1.0)
     os.close(ours)
     expect(process.wait(timeout=60) == 130, f"exit {process.returncode}")
-    expect(sorted(digests(folder)) == OUTPUTS and scans_in(folder)["interrupted"] is True, "files are missing")
+    expect(sorted(digests(folder)) == PLAIN_OUTPUTS and scans_in(folder)["interrupted"] is True, "files are missing")
     process = start_slow_run(folder, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
     time.sleep(0.3)
     process.send_signal(signal.SIGHUP)

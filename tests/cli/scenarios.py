@@ -11,6 +11,7 @@ import scenario_files
 import scenario_hostile_files
 import scenario_linkage
 import scenario_localize
+import scenario_loops
 import scenario_measure
 import scenario_nodding
 import scenario_nodding_faults
@@ -26,7 +27,7 @@ import scenario_signals
 import scenario_tilt3d
 
 MODULES = (scenario_bad_input, scenario_calibrate, scenario_compare, scenario_devices, scenario_files,
-           scenario_hostile_files, scenario_linkage, scenario_localize, scenario_measure, scenario_nodding,
+           scenario_hostile_files, scenario_linkage, scenario_localize, scenario_loops, scenario_measure, scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,
            scenario_tilt3d)

@@ -103,7 +103,7 @@ double darkness_of(double occupied_cells, double pixel_cells) {
          kLoneCellDarkness * std::max(share, std::min(1.0, occupied_cells));
 }
 
-CellColour colour_for(double free, double occupied, double all, const MapColours& colours) {
+CellColour mean_colour(double free, double occupied, double all, const MapColours& colours) {
   const double open = std::max(1e-12, all - occupied);
   const double free_share = std::clamp(free / open, 0.0, 1.0);
   const double darkness = darkness_of(occupied, all);
@@ -130,7 +130,7 @@ PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const M
       add_row(map, axes.x, y, std::min(end, y + 1.0) - std::max(begin, static_cast<double>(y)), areas);
     }
     for (std::uint32_t k = 0; k < axes.x.pixels; ++k) {
-      put(*image, k, axes.y.pixels - 1 - row, colour_for(areas.free[k], areas.occupied[k], all, colours));
+      put(*image, k, axes.y.pixels - 1 - row, mean_colour(areas.free[k], areas.occupied[k], all, colours));
     }
   }
   return {frame.panel, image};

@@ -89,4 +89,18 @@ MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Traje
   return {all.min_x_m - margin_m, all.min_y_m - margin_m, all.max_x_m + margin_m, all.max_y_m + margin_m};
 }
 
+// Free cells do not count: beams through windows reach far and would shrink the building.
+MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
+  CellBox box = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
+  const CellBox known = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
+  // A post in an open hall is not what the picture is about.
+  constexpr std::int32_t kPost = 4;
+  if (kPost * box.width() < known.width() && kPost * box.height() < known.height()) box = known;
+  if (box.empty()) box = {{0, 0}, {map.geometry.width, map.geometry.height}};
+  const MapArea area = area_of(map.geometry, box);
+  constexpr double kMarginShare = 0.02;
+  return with_path(area, map.geometry, trajectory,
+                   std::max(2.0 * map.geometry.resolution_m, kMarginShare * std::max(area.width_m(), area.height_m())));
+}
+
 }  // namespace gdtslam::picture

@@ -10,6 +10,7 @@
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/image.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam::picture {
 
@@ -65,5 +66,8 @@ MapArea area_of(const GridGeometry& geometry, const CellBox& box);
 /// The area with the whole path in it and a margin around; without poses that lie farther outside the grid than it is
 /// long, beside which nothing of the map would be seen.
 MapArea with_path(const MapArea& area, const GridGeometry& geometry, const Trajectory& trajectory, double margin_m);
+
+/// The part of an occupancy map that a picture of it is about: its walls and the path, with a margin.
+MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory);
 
 }  // namespace gdtslam::picture

@@ -14,20 +14,6 @@ using namespace picture;
 
 constexpr MapColours kMapColours{ink::kText, ink::kCard, colour_for(0xe4e2db)};
 
-/// Walls and path count; free cells do not: beams through windows reach far and would shrink the building.
-MapArea shown_area(const OccupancyMap& map, const Trajectory& trajectory) {
-  CellBox box = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) == CellState::kOccupied; });
-  const CellBox known = box_of(map.geometry, [&](CellIndex cell) { return map.at(cell) != CellState::kUnknown; });
-  // A post in an open hall is not what the picture is about.
-  constexpr std::int32_t kPost = 4;
-  if (kPost * box.width() < known.width() && kPost * box.height() < known.height()) box = known;
-  if (box.empty()) box = {{0, 0}, {map.geometry.width, map.geometry.height}};
-  const MapArea area = area_of(map.geometry, box);
-  constexpr double kMarginShare = 0.02;
-  return with_path(area, map.geometry, trajectory,
-                   std::max(2.0 * map.geometry.resolution_m, kMarginShare * std::max(area.width_m(), area.height_m())));
-}
-
 }  // namespace
 
 PictureSize size_for_content(double width, double height) {

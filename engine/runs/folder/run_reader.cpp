@@ -15,6 +15,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "report_reader.hpp"
 #include "run_report.hpp"
 
 namespace gdtslam {
@@ -26,96 +27,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kReport = "report.json";
 constexpr const char* kCloud = "cloud.ply";
 constexpr const char* kLinkage = "linkage.yaml";
-constexpr std::size_t kMostReportBytes = std::size_t{80} << 20U;  // of a day of scans, all of them doubtful
-constexpr const char* kMapAgain = "; map the log again: gdtslam map LOG -o ";
-
-// A report as text that somebody may have edited: every key is asked for by name and type.
-class ReportReader {
- public:
-  ReportReader(const std::string& file, const std::string& folder)
-      : file_(file), folder_(folder), report_(read_json(file, kMostReportBytes, kMapAgain + folder)) {
-    if (!report_.is_object()) fail("holds no JSON object");
-    const std::uint64_t format = whole("format");
-    if (format != kReportVersion) {
-      fail(fmt::format("has format {}, and this program reads format {}", format, kReportVersion));
-    }
-  }
-
-  [[nodiscard]] std::uint64_t whole(const char* key) const {
-    const Json& value = at(key);
-    if (!value.is_number_unsigned()) fail(fmt::format("'{}' is no whole number", key));
-    return value.get<std::uint64_t>();
-  }
-  [[nodiscard]] double number(const char* key) const {
-    const Json& value = at(key);
-    if (!value.is_number()) fail(fmt::format("'{}' is no number", key));
-    return value.get<double>();
-  }
-  [[nodiscard]] std::string text(const char* key) const {
-    const Json& value = at(key);
-    if (!value.is_string()) fail(fmt::format("'{}' is no text", key));
-    return value.get<std::string>();
-  }
-  [[nodiscard]] GridGeometry geometry(const char* key) const {
-    try {
-      const Json& value = at(key);
-      const Json& origin = value.at("origin_m");
-      return {.resolution_m = value.at("resolution_m").get<double>(),
-              .origin_x_m = origin.at(0).get<double>(),
-              .origin_y_m = origin.at(1).get<double>(),
-              .width = value.at("width").get<std::int32_t>(),
-              .height = value.at("height").get<std::int32_t>()};
-    } catch (const Json::exception&) {
-      fail(fmt::format("'{}' is no geometry of a grid", key));
-    }
-  }
-  [[nodiscard]] std::vector<std::string> texts(const char* key) const {
-    std::vector<std::string> list;
-    for (const Json& value : list_of(key)) {
-      if (!value.is_string()) fail(fmt::format("'{}' is no list of texts", key));
-      list.push_back(value.get<std::string>());
-    }
-    if (list.empty()) fail(fmt::format("'{}' is empty", key));
-    return list;
-  }
-  [[nodiscard]] bool has(const char* key) const { return report_.contains(key); }
-  // Of an object; false where it has no such member.
-  [[nodiscard]] bool has_member(const char* key, const char* member, const char* text) const {
-    const Json& object = at(key);
-    if (!object.is_object()) fail(fmt::format("'{}' is no object", key));
-    return object.contains(member) && object.at(member) == text;
-  }
-  // Whole numbers below `end`: entries of a list, or one member of each.
-  [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const {
-    std::vector<std::size_t> list;
-    for (const Json& entry : list_of(key)) {
-      const bool is_member = member != nullptr && entry.is_object() && entry.contains(member);
-      const Json& value = is_member ? entry.at(member) : entry;
-      if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= end) {
-        fail(fmt::format("'{}' names a scan that is none of its {}", key, end));
-      }
-      list.push_back(value.get<std::size_t>());
-    }
-    return list;
-  }
-
- private:
-  [[nodiscard]] const Json& at(const char* key) const {
-    const auto found = report_.find(key);
-    if (found == report_.end()) fail(fmt::format("has no '{}'", key));
-    return *found;
-  }
-  [[nodiscard]] const Json& list_of(const char* key) const {
-    const Json& value = at(key);
-    if (!value.is_array()) fail(fmt::format("'{}' is no list", key));
-    return value;
-  }
-  [[noreturn]] void fail(const std::string& fault) const { throw InputError({file_, 0}, fault + kMapAgain + folder_); }
-
-  std::string file_;
-  std::string folder_;
-  Json report_;
-};
+constexpr const char* kCovariances = "covariance.csv";
 
 }  // namespace
 
@@ -138,7 +50,7 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   if (!is_run(folder_)) {
     throw InputError({folder_, 0}, fmt::format("is no folder of a run: it has no {}{}{}", kReport, kMapAgain, folder_));
   }
-  const ReportReader report(file(kReport), folder_);
+  const ReportReader report = read_report(file(kReport), folder_);
   summary_.logs = report.texts("log");
   summary_.scans = report.whole("scans");
   summary_.matched = report.whole("matched");
@@ -148,6 +60,7 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   summary_.map = report.geometry("map");
   summary_.map_sha256 = report.text("map_sha256");
   summary_.nods = report.has("nodding");
+  summary_.has_loops = report.has("loops");
   summary_.tilts = summary_.nods && report.has_member("nodding", "told_by", "TILT");
   if (report.has("match_p99_m")) summary_.match_p99_m = report.number("match_p99_m");
   summary_.doubtful = report.indices("doubtful_scans", "index", summary_.scans);
@@ -155,6 +68,8 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
     summary_.keyframes = report.indices("keyframe_scans", nullptr, summary_.scans);
   }
 }
+
+RunDoubts RunReader::doubts() const { return doubts_of(read_report(file(kReport), folder_), summary_.scans); }
 
 std::string RunReader::file(const char* name) const { return (fs::path(folder_) / name).string(); }
 
@@ -186,6 +101,26 @@ Trajectory RunReader::trajectory() const {
            fmt::format("has {} poses, but {} tells of {} scans", trajectory.size(), kReport, summary_.scans));
   }
   return trajectory;
+}
+
+std::optional<std::vector<PoseCovariance>> RunReader::covariances() const {
+  std::error_code ignored;
+  if (!fs::exists(file(kCovariances), ignored)) return std::nullopt;
+  const std::vector<StampedCovariance> rows = read_covariances(file(kCovariances));
+  const Trajectory poses = trajectory();
+  if (rows.size() != poses.size()) {
+    refuse(kCovariances, fmt::format("has {} rows, but trajectory.tum has {} poses", rows.size(), poses.size()));
+  }
+  std::vector<PoseCovariance> covariances;
+  covariances.reserve(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].stamp_s != poses[i].stamp_s) {
+      refuse(kCovariances, fmt::format("row {} is of {} s, but pose {} of trajectory.tum is of {} s", i + 1,
+                                       rows[i].stamp_s, i + 1, poses[i].stamp_s));
+    }
+    covariances.push_back(rows[i].covariance);
+  }
+  return covariances;
 }
 
 OccupancyMap RunReader::map() const {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/runs/folder/covariance_file.hpp"
+#include "engine/runs/folder/run_doubts.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -26,7 +28,8 @@ struct RunSummary {
   GridGeometry map;        ///< of map.pgm
   std::string map_sha256;  ///< of the distance field
   bool nods = false;
-  bool tilts = false;  ///< nods without a linkage: the log told the elevation itself
+  bool has_loops = false;  ///< closed ones, perhaps none of them found: doubts() tells of them
+  bool tilts = false;      ///< nods without a linkage: the log told the elevation itself
   /// 99 of 100 matches left no larger mean distance to the map; nothing without one, or of an older version.
   std::optional<double> match_p99_m;
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
@@ -45,6 +48,11 @@ class RunReader {
   /// As the other members: throws InputError or FileError.
   [[nodiscard]] Trajectory trajectory() const;
   [[nodiscard]] bool has_trajectory() const;
+  /// How sure each pose of the trajectory is; nothing where the run closed no loops or is of an older version. Throws
+  /// InputError too where poses and covariances are not of one run.
+  [[nodiscard]] std::optional<std::vector<PoseCovariance>> covariances() const;
+  /// What the report says against the map; reads it again.
+  [[nodiscard]] RunDoubts doubts() const;
   [[nodiscard]] OccupancyMap map() const;
   [[nodiscard]] DistanceFieldFile field() const;
   /// The file of the 3D cloud; nothing where the run made none. Throws InputError where it is missing.

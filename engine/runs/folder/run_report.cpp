@@ -4,25 +4,22 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <filesystem>
 #include <optional>
 
 #include "engine/core/quantile.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
-#include "engine/io/maps/png.hpp"
 #include "engine/io/sha256.hpp"
+#include "engine/runs/folder/covariance_file.hpp"
+#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/loops_report.hpp"
+#include "engine/runs/folder/run_pictures.hpp"
 #include "gdtslam/core/angle.hpp"
-#include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
-#ifdef GDTSLAM_HAS_RASTER
-#include "gdtslam/drawing/raster.hpp"
-#endif
 
 namespace gdtslam {
 namespace {
@@ -136,49 +133,18 @@ void add_match_distances(Json& report, std::vector<double> distances_m) {
   report["match_p99_m"] = quantile_of_sorted(distances_m, 0.99);
 }
 
-// The map with the path on it, to look at.
-Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
-  PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}};
-  for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
-  const MapperStatistics& s = outcome.statistics;
-  const GridGeometry& geometry = outcome.occupancy.geometry;
-  MapLook look;
-  look.title = std::filesystem::path(log_name(job.logs.front())).filename().string();
-  look.subtitle =
-      fmt::format("{} scans, {} matched, {} doubtful, {} keyframes, {:.1f} m; {}x{} cells of {:g} m", scans_of(outcome),
-                  s.matched, s.doubtful, s.keyframes, s.path_m, geometry.width, geometry.height, geometry.resolution_m);
-  return map_picture(outcome.occupancy, overlay, look, size_for_content(geometry.width, geometry.height));
-}
-
-std::string png_of(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
-
-// The bytes of a picture; nothing and a warning where they cannot be made.
-template <class Encode>
-std::optional<std::string> encoded(const Encode& encode, const char* failure,
-                                   std::vector<LogReader::Warning>& warnings) {
-  try {
-    return encode();
-  } catch (const std::exception& error) {
-    warnings.push_back({failure, 1, error.what()});
-    return std::nullopt;
+// What is known of the path besides its poses; nothing where its loops were not closed.
+void write_path_facts(RunFolder& folder, const MapOutcome& outcome) {
+  if (!outcome.closed) {
+    for (const char* name : {"covariance.csv", "graph.g2o"}) folder.without(name);
+    return;
   }
+  write_file_atomically(folder.staged("covariance.csv"),
+                        covariance_text(outcome.trajectory, outcome.closed->covariances));
+  write_file_atomically(folder.staged("graph.g2o"), graph_text(*outcome.closed));
 }
 
 }  // namespace
-
-void write_overview(RunFolder& folder, const Canvas& overview, std::vector<LogReader::Warning>& warnings) {
-  std::optional<std::string> png;
-  std::optional<std::string> svg;
-#ifdef GDTSLAM_HAS_RASTER
-  png = encoded([&] { return png_of(raster_of(overview)); }, "no pixels for the overview", warnings);
-#endif
-  if (!png) svg = encoded([&] { return svg_of(overview, png_of); }, "no picture of the map", warnings);
-  const auto write = [&folder](const char* name, const std::optional<std::string>& bytes) {
-    bytes ? write_file_atomically(folder.staged(name), *bytes) : folder.without(name);
-  };
-  write("overview.png", png);
-  write("overview.svg", svg);
-}
 
 Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome, const GlobalField& field,
                 const DeviceInfo& device, double written_s) {
@@ -236,11 +202,8 @@ std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* no
   // The order in which the files take their names: what others refer to first, then the YAML that refers to them, and
   // last the report, without which a folder is no run.
   const std::string trajectory = folder.staged("trajectory.tum");
-  if (job.with_pictures) {
-    write_overview(folder, overview_of(job, outcome), outcome.warnings);
-  } else {
-    for (const char* name : {"overview.png", "overview.svg"}) folder.without(name);
-  }
+  write_path_facts(folder, outcome);
+  write_run_pictures(folder, job, outcome);
   const std::string config = folder.staged("config.yaml");
   folder.staged("map.pgm");
   folder.staged("gdt.png");

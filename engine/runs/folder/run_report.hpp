@@ -14,8 +14,6 @@
 
 namespace gdtslam {
 
-class Canvas;
-
 /// The version of the format.
 inline constexpr int kReportVersion = 1;
 
@@ -24,13 +22,9 @@ inline constexpr int kReportVersion = 1;
 nlohmann::ordered_json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
                                   const GlobalField& field, const DeviceInfo& device, double written_s);
 
-/// overview.png; overview.svg where this build makes no pixels or they fail, for want of a font or of memory; neither
-/// where that fails too. The run is as good without: each failure is one of the warnings. Throws FileError.
-void write_overview(RunFolder& folder, const Canvas& overview, std::vector<LogReader::Warning>& warnings);
-
-/// Writes what a run made into its folder: map, distance field, trajectory, picture, configuration and report, all or
-/// nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's warnings.
-/// `nodding` is null for a laser that does not nod; its cloud has been written by now.
+/// Writes what a run made into its folder: map, distance field, trajectory, graph, pictures, configuration and report,
+/// all or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's
+/// warnings. `nodding` is null for a laser that does not nod; its cloud has been written by now.
 std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, MapOutcome& outcome,
                       const GlobalField& field, const DeviceInfo& device, Settings settings);
 

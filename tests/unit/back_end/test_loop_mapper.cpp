@@ -56,6 +56,20 @@ TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
     EXPECT_LT(path.covariances[i].sigma_m(), 0.05) << "a room that is seen whole from everywhere";
     EXPECT_GE(path.covariances[i].tt, 0.0);
   }
+  // The graph: places along the path, held together by steps from each to the next, by the front end and the wheels.
+  ASSERT_GT(path.places.size(), 1U);
+  EXPECT_EQ(path.places.front().scan, 0U);
+  ASSERT_GE(path.path.size(), path.places.size() - 1);
+  for (std::size_t k = 0; k < path.path.size(); ++k) {
+    const PathRelation& step = path.path[k];
+    const std::size_t place = k % (path.places.size() - 1);
+    EXPECT_EQ(step.is_by_wheels, k >= path.places.size() - 1);
+    EXPECT_EQ(step.from, path.places[place].scan);
+    EXPECT_EQ(step.to, path.places[place + 1].scan);
+    EXPECT_GT(step.information.xx * step.information.yy, step.information.xy * step.information.xy);
+    const Pose2 actual = between(truth_[step.from], truth_[step.to]);
+    EXPECT_LT((step.T_from_to.translation() - actual.translation()).norm(), 0.1) << k;
+  }
   EXPECT_GT(path.wheels.sigma_distance, 0.0);
   EXPECT_LT(path.rms_m, 0.02);
   EXPECT_GT(mapper.field().geometry().cell_count(), 0U);
@@ -72,6 +86,8 @@ TEST_F(LoopMapperInARoom, StoppedItLeavesThePathAsItWasDriven) {
     const ClosedPath path = mapper.close([](std::string_view, double) {}, [&] { return asked++ >= calls; });
     EXPECT_FALSE(path.is_closed);
     EXPECT_TRUE(path.loops.empty());
+    EXPECT_TRUE(path.places.empty());
+    EXPECT_TRUE(path.path.empty());
     EXPECT_TRUE(path.covariances.empty());
     ASSERT_EQ(path.T_map_base.size(), front_end_.size());
     for (std::size_t i = 0; i < front_end_.size(); ++i) {

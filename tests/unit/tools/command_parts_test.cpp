@@ -14,6 +14,7 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/canvas.hpp"
@@ -129,8 +130,9 @@ TEST_F(RunFolderTest, FilesOfAnotherOriginAreRefused) {
   fs::create_directory(folder);
   write(folder / "notes.txt", "mine");
   EXPECT_NO_THROW(require_no_foreign_files(folder));
-  for (const char* name : {"trajectory.tum", "map.yaml", "map.pgm", "gdt.yaml", "gdt.png", "overview.png",
-                           "overview.svg", "config.yaml", "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
+  for (const char* name : {"trajectory.tum", "covariance.csv", "graph.g2o", "map.yaml", "map.pgm", "gdt.yaml",
+                           "gdt.png", "overview.png", "overview.svg", "graph.png", "graph.svg", "config.yaml",
+                           "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
     write(folder / name, "{}");
     EXPECT_THROW(require_no_foreign_files(folder), UsageError) << name;
     fs::remove(folder / name);
@@ -147,7 +149,7 @@ TEST_F(RunFolderTest, AnOverviewThatFailsCostsTheRunNoMoreThanThePicture) {
   std::vector<LogReader::Warning> warnings;
   const auto write_run = [&] {
     RunFolder run(work_);
-    write_overview(run, overview, warnings);
+    write_picture(run, "overview", overview, warnings);
     run.commit();
   };
   write_run();
@@ -156,7 +158,7 @@ TEST_F(RunFolderTest, AnOverviewThatFailsCostsTheRunNoMoreThanThePicture) {
   write_run();
   EXPECT_TRUE(fs::is_empty(work_)) << "nor is the old one left";
   ASSERT_FALSE(warnings.empty());
-  EXPECT_EQ(warnings.back().kind, "no picture of the map");
+  EXPECT_EQ(warnings.back().kind, "no picture overview");
 }
 
 TEST_F(RunFolderTest, LatestPointsToTheRunButReplacesNothingElse) {

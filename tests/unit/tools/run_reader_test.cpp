@@ -110,6 +110,18 @@ TEST_F(RunReaderTest, ARunWithoutACloudHasNone) {
   EXPECT_FALSE(reader().cloud_file().has_value());
 }
 
+TEST_F(RunReaderTest, CovariancesAreThoseOfTheTrajectory) {
+  EXPECT_FALSE(reader().covariances().has_value()) << "of a run that closed no loops";
+  const std::string header = "stamp_s,xx_m2,xy_m2,xt_m_rad,yy_m2,yt_m_rad,tt_rad2\n";
+  const std::string rows = "1.000000000,1,0,0,1,0,1\n2.000000000,0.25,0,0,1,0,1\n";
+  write("covariance.csv", header + rows + "3.000000000,1,0,0,1,0,1\n");
+  EXPECT_EQ(reader().covariances().value().at(1).xx, 0.25);
+  write("covariance.csv", header + rows);
+  expect_refused([this] { (void)reader().covariances(); }, path("covariance.csv"), "has 2 rows");
+  write("covariance.csv", header + rows + "4.000000000,1,0,0,1,0,1\n");
+  expect_refused([this] { (void)reader().covariances(); }, path("covariance.csv"), "row 3 is of 4 s");
+}
+
 TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
   const auto refused = [this](const std::string& fault) {
     expect_refused([this] { reader(); }, path("report.json"), fault);

@@ -1,4 +1,4 @@
-// gdtslam doctor: what is in a log, and what is wrong with it.
+// gdtslam doctor: what is in a log, and what is wrong with it; what is doubtful in a map (after.cpp).
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "doctor.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
@@ -23,11 +24,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostShown = 5;
-
-struct DoctorOptions {
-  std::string log;
-  bool json = false;
-};
 
 double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
@@ -237,23 +233,40 @@ int doctor(const DoctorOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+int run_doctor(const DoctorOptions& options) {
+  if (!options.after.empty()) return doctor_after(options);
+  if (options.log.empty()) throw UsageError("nothing to look at: give a LOG, or --after RUN");
+  return doctor(options);
+}
+
 }  // namespace
 
 void add_doctor_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command = add_command(app, "doctor", "What is in a log, and what is wrong with it");
-  command->add_option("log", options->log, fmt::format("{} log, plain or gzip; - is standard input", kLogFormats))
-      ->required()
-      ->type_name("LOG");
+  CLI::App* command = add_command(app, "doctor", "What is wrong with a log, or doubtful in a map");
+  CLI::Option* const log =
+      command->add_option("log", options->log, fmt::format("{} log, plain or gzip; - is standard input", kLogFormats));
+  log->type_name("LOG");
+  CLI::Option* const after = command->add_option(
+      "--after", options->after, "In place of a log: what is doubtful in the map of this run, and where");
+  after->type_name("RUN")->excludes(log);
+  command
+      ->add_option("--picture", options->picture,
+                   "With --after: draw loops, uncertainty and what is doubtful, numbered: .svg, .png or .pdf")
+      ->type_name("FILE")
+      ->needs(after);
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "Counts, rates, gaps, time jumps, impossible steps of the odometry, the value that means no return, the laser\n"
       "on the robot, the beams and the length of the path. Exit 65 when the log cannot be mapped.\n"
+      "After mapping: stretches whose position is uncertain, loops that were found and are not believed, wheels that\n"
+      "are off, scans that were refused, each with a line of advice; exit 0 whatever is doubtful.\n"
       "\n"
       "Examples:\n"
       "  gdtslam doctor intel.clf.gz\n"
-      "  gdtslam doctor drive.log --json | jq .impossible_steps.count");
-  command->callback([options, &context] { context.run = [options] { return doctor(*options); }; });
+      "  gdtslam doctor drive.log --json | jq .impossible_steps.count\n"
+      "  gdtslam doctor --after out --picture doubtful.png");
+  command->callback([options, &context] { context.run = [options] { return run_doctor(*options); }; });
 }
 
 }  // namespace gdtslam

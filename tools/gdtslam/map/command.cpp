@@ -183,13 +183,17 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "--no-loops", options->no_loops,
       "Match each scan with one map of all that was seen; without it loops are closed and the whole path\n"
       "is adjusted once the log has ended (not where the laser nods)");
-  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png (or .svg) and cloud.png");
+  command->add_flag("--no-pictures", options->no_pictures,
+                    "Do not write overview.png, graph.png (or .svg) and cloud.png");
   command->add_flag("--json", options->json, "Print report.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
-      "trajectory.tum, overview.png (or .svg), config.yaml and report.json; where the log tells how the laser nods\n"
-      "also cloud.ply, cloud.png and linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages.\n"
+      "trajectory.tum, overview.png (or .svg), config.yaml and report.json; where loops are closed also "
+      "covariance.csv,\n"
+      "graph.g2o and graph.png (or .svg), and where the log tells how the laser nods cloud.ply, cloud.png and\n"
+      "linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages; 'gdtslam doctor --after DIR' says\n"
+      "what in the map is doubtful.\n"
       "An interrupt (Ctrl-C, SIGTERM, a lost terminal) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"

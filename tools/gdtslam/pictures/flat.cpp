@@ -112,6 +112,15 @@ Canvas RenderStudio::map(const Wanted& wanted) {
   return map_picture(map, first().overlay(), map_look(), size);
 }
 
+Canvas RenderStudio::graph(const Wanted& wanted) {
+  const OccupancyMap& map = first().map();
+  const RenderSource::Graph graph = first().graph();
+  MapLook look = map_look();
+  if (!options_.no_caption) look.subtitle = graph.subtitle;
+  const PictureSize size = wanted.value_or(size_for_content(map.geometry.width, map.geometry.height));
+  return graph_picture(map, graph.overlay, look, size);
+}
+
 Canvas RenderStudio::field_still(bool is_intensity, const Wanted& wanted) {
   const FieldPicture& field = first().field();
   MapLook look = map_look();

@@ -153,6 +153,7 @@ RenderSource::RenderSource(std::string input)
       run_.emplace(input_);
       name_ = run_->name();
       parts_ = part::kMap | part::kField | (run_->has_trajectory() ? part::kTrajectory : 0U);
+      if (run_->summary().has_loops && run_->has_trajectory()) parts_ |= part::kGraph;
       if (const std::optional<std::string> cloud = run_->cloud_file()) {
         cloud_file_ = *cloud;
         parts_ |= part::kCloud;
@@ -234,6 +235,14 @@ PathOverlay RenderSource::overlay() {
     overlay.doubtful = run_->summary().doubtful;
   }
   return overlay;
+}
+
+RenderSource::Graph RenderSource::graph() {
+  const LoopFindings found = run_.value().doubts().loops.value();
+  const std::vector<PoseCovariance> covariances = run_->covariances().value_or(std::vector<PoseCovariance>());
+  const RunSummary& summary = run_->summary();
+  return {graph_overlay(trajectory(), summary.keyframes, found.loops, covariances, found.uncertain),
+          graph_subtitle(found.loops, found.uncertain, summary.scans)};
 }
 
 Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark) {

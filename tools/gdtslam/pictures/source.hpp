@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_reader.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/cloud.hpp"
@@ -32,8 +33,9 @@ inline constexpr unsigned kField = 2U;
 inline constexpr unsigned kTrajectory = 4U;
 inline constexpr unsigned kCloud = 8U;
 inline constexpr unsigned kLinkage = 16U;
-inline constexpr unsigned kTruth = 32U;  ///< --reference or --relations of a trajectory
-inline constexpr unsigned kMount = 64U;  ///< of a linkage or of a laser that tilts by itself
+inline constexpr unsigned kTruth = 32U;   ///< --reference or --relations of a trajectory
+inline constexpr unsigned kMount = 64U;   ///< of a linkage or of a laser that tilts by itself
+inline constexpr unsigned kGraph = 128U;  ///< of a run that closed loops
 }  // namespace part
 
 /// Hears of the points that are read and their share; below 0 where that is not known.
@@ -67,6 +69,12 @@ class RenderSource {
   [[nodiscard]] const std::string& cloud_file() const { return cloud_file_; }
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
   PathOverlay overlay();
+  /// Of what has kGraph: loops, covariances and what is not to be trusted, and a line that counts them.
+  struct Graph {
+    GraphOverlay overlay;
+    std::string subtitle;
+  };
+  Graph graph();
 
  private:
   void open_cloud();

@@ -51,6 +51,7 @@ class RenderStudio {
   Canvas poster_of_scan(const Wanted& wanted);
   Canvas linkage(const Wanted& wanted);
   Canvas map(const Wanted& wanted);
+  Canvas graph(const Wanted& wanted);
   template <bool kIsIntensity>
   Canvas field(const Wanted& wanted) {
     return field_still(kIsIntensity, wanted);

@@ -44,6 +44,8 @@ const std::vector<RenderView>& render_views() {
       {"elevation", "elevation of the nodding scan plane over time", part::kCloud, kPlot | kStretch,
        &Studio::elevation},
       {"map", "occupancy map, with the path where there is one", part::kMap, kMap, &Studio::map, 3},
+      {"graph", "loops over the map, how sure each pose is, and what is not to be trusted", part::kMap | part::kGraph,
+       kMap & ~kPath, &Studio::graph},
       {"field", "distance field as intensity, bright near obstacles", part::kField, kMap | kColourMap,
        &Studio::field<true>, 2},
       {"distance", "distance field in metres", part::kField, kMap | kColourMap, &Studio::field<false>},
@@ -81,13 +83,14 @@ const RenderView* default_view(unsigned parts, bool is_film) {
 }
 
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint) {
-  constexpr std::array<std::pair<unsigned, std::string_view>, 7> kNames{{
+  constexpr std::array<std::pair<unsigned, std::string_view>, 8> kNames{{
       {part::kMap, "map"},
       {part::kField, "distance field"},
       {part::kTrajectory, "trajectory"},
       {part::kCloud, "3D cloud"},
       {part::kLinkage, "linkage (--linkage NAME|FILE)"},
       {part::kMount, "linkage (--linkage NAME|FILE)"},
+      {part::kGraph, "closed loops"},
       {part::kTruth, "truth (--reference or --relations FILE)"},
   }};
   std::string text;

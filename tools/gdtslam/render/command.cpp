@@ -78,7 +78,7 @@ unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sourc
   unsigned parts = has_truth(options) ? part::kTruth : 0U;
   if (!sources.empty()) return parts | sources.front().parts();
   parts |= part::kMap | part::kField | part::kTrajectory;
-  if (nods != NodKind::kNone) parts |= part::kCloud | part::kMount;
+  parts |= nods == NodKind::kNone ? part::kGraph : part::kCloud | part::kMount;
   return nods == NodKind::kEncoder ? parts | part::kLinkage : parts;
 }
 

@@ -16,13 +16,21 @@ namespace gdtslam {
 /// finite stamp are left out. Thread-safe once made. O(n log n) to make, O(log n) to ask.
 class PosesByStamp {
  public:
-  explicit PosesByStamp(Trajectory trajectory);
+  explicit PosesByStamp(const Trajectory& trajectory);
   /// The pose with the nearest stamp within the tolerance, which itself still counts as within. Of two equally near
   /// stamps the earlier counts; of several poses with one stamp the last of the log.
   [[nodiscard]] std::optional<Pose2> find(double stamp_s, double tolerance_s) const;
+  /// Where the trajectory that was given has that pose.
+  [[nodiscard]] std::optional<std::size_t> index_of(double stamp_s, double tolerance_s) const;
 
  private:
-  Trajectory poses_;
+  struct Entry {
+    StampedPose pose;
+    std::size_t index = 0;
+  };
+  [[nodiscard]] const Entry* nearest(double stamp_s, double tolerance_s) const;
+
+  std::vector<Entry> entries_;  // in the order of time
 };
 
 /// The pose of the robot at time t2 in its frame at time t1, as somebody verified it.

@@ -113,15 +113,42 @@ class Mapper {
   std::unique_ptr<State> state_;
 };
 
+/// How well a relative pose is known: the inverse of the covariance of (x, y, theta), the motion along the axes of the
+/// measured pose that would make it the true one.
+struct PoseInformation {
+  double xx = 0.0;  ///< 1/m^2
+  double xy = 0.0;
+  double xt = 0.0;  ///< 1/(m rad)
+  double yy = 0.0;
+  double yt = 0.0;
+  double tt = 0.0;  ///< 1/rad^2
+};
+
 /// The robot was where it had been before.
 struct ClosedLoop {
   std::size_t from = 0;  ///< scans, by their number
   std::size_t to = 0;
-  Pose2 T_from_to;      ///< as it was measured
-  double weight = 0.0;  ///< how far it is believed, from 0 to 1
-  double off_m = 0.0;   ///< of the measured from the adjusted pose
+  Pose2 T_from_to;  ///< as it was measured
+  PoseInformation information;
+  double weight = 0.0;  ///< how far it is believed, from 0 to 1: its information counts so much
+  double off_m = 0.0;   ///< of the measured from the pose in the graph
   double off_rad = 0.0;
   bool is_on = false;
+};
+
+/// A place of the path: a node of the graph in which loops are closed.
+struct GraphPlace {
+  std::size_t scan = 0;  ///< by its number
+  Pose2 T_map_base;      ///< where the graph put it; the joint adjustment of all keyframes comes after that
+};
+
+/// What was measured between two places that follow each other.
+struct PathRelation {
+  std::size_t from = 0;  ///< scans, by their number
+  std::size_t to = 0;
+  Pose2 T_from_to;
+  PoseInformation information;  ///< as far as its source is believed now that loops are closed
+  bool is_by_wheels = false;    ///< else by the front end, which had the wheels to begin with
 };
 
 /// What the wheels get wrong always, with one standard deviation each, and how far they were believed.
@@ -157,6 +184,8 @@ struct ClosedPath {
   WheelReport wheels;
   std::vector<std::size_t> keyframes;  ///< scans, by their number
   std::vector<ClosedLoop> loops;
+  std::vector<GraphPlace> places;  ///< in the order of the path, the first at the origin; empty where it was stopped
+  std::vector<PathRelation> path;  ///< by the front end, then by the wheels, each in the order of the path
   std::uint64_t searches = 0;
   std::uint64_t pairs = 0;  ///< of keyframes that were laid on each other
   double rms_m = 0.0;       ///< of their points from the lines of the other

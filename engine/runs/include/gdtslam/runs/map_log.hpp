@@ -34,7 +34,7 @@ struct MapRequest {
   bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
   bool with_cloud = true;
   bool with_loops = true;      ///< closed once the log has ended; not where the laser nods
-  bool with_pictures = true;   ///< the overview (PNG, or SVG where nothing makes pixels) and cloud.png
+  bool with_pictures = true;   ///< overview and graph (PNG, or SVG where nothing makes pixels), cloud.png
   CloudPicture draw_cloud{};   ///< cloud.png; empty: none
   MapperOptions on_failure{};  ///< what is done when the device fails
 

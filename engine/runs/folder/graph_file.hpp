@@ -1,0 +1,17 @@
+// graph.g2o of a run: the graph in which its loops were closed, as g2o, GTSAM and Ceres' example read it
+// (docs/formats.md). Thread-safe; O(relations).
+#pragma once
+
+#include <string>
+
+#include "gdtslam/mapping/mapper.hpp"
+
+namespace gdtslam {
+
+/// A VERTEX_SE2 a place, numbered as its scan, and an EDGE_SE2 a relation: those of the path, then the loops in the
+/// order of the report. The information of a loop is multiplied by its weight, so that plain least squares over all
+/// edges is what the graph came to; a loop that is switched off counts for next to nothing. Numbers are in the shortest
+/// form that reads back as the same bits. No comments: not every reader skips them.
+std::string graph_text(const ClosedPath& closed);
+
+}  // namespace gdtslam

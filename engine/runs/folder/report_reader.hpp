@@ -1,0 +1,60 @@
+// A report as text that somebody may have edited: every key is asked for by name and type, and what is wrong is said in
+// one line with the file, the key and what to do. Thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "gdtslam/core/grid_geometry.hpp"
+
+namespace gdtslam {
+
+/// A report is read up to so many bytes: of a day of scans, all of them doubtful.
+inline constexpr std::size_t kMostReportBytes = std::size_t{80} << 20U;
+inline constexpr const char* kMapAgain = "; map the log again: gdtslam map LOG -o ";
+
+/// An object of a report: the whole, or one within. All members throw InputError.
+class ReportReader {
+ public:
+  ReportReader(std::string file, std::string folder, std::shared_ptr<const nlohmann::ordered_json> report);
+
+  [[nodiscard]] std::uint64_t whole(const char* key) const;
+  /// A whole number below `end`.
+  [[nodiscard]] std::size_t index(const char* key, std::uint64_t end) const;
+  [[nodiscard]] double number(const char* key) const;
+  [[nodiscard]] bool truth(const char* key) const;
+  [[nodiscard]] std::string text(const char* key) const;
+  [[nodiscard]] GridGeometry geometry(const char* key) const;
+  [[nodiscard]] std::vector<std::string> texts(const char* key) const;
+  [[nodiscard]] bool has(const char* key) const;
+  /// Of an object; false where it has no such member.
+  [[nodiscard]] bool has_member(const char* key, const char* member, const char* text) const;
+  /// Whole numbers below `end`: entries of a list, or one member of each.
+  [[nodiscard]] std::vector<std::size_t> indices(const char* key, const char* member, std::uint64_t end) const;
+  /// An object within this one, and a list of objects.
+  [[nodiscard]] ReportReader section(const char* key) const;
+  [[nodiscard]] std::vector<ReportReader> entries(const char* key) const;
+
+ private:
+  [[nodiscard]] const nlohmann::ordered_json& at(const char* key) const;
+  [[nodiscard]] const nlohmann::ordered_json& list_of(const char* key) const;
+  [[nodiscard]] ReportReader within(const nlohmann::ordered_json& object, const std::string& name) const;
+  /// "'loops.found'"
+  [[nodiscard]] std::string named(const char* key) const;
+  [[noreturn]] void fail(const std::string& fault) const;
+
+  std::string file_;
+  std::string folder_;
+  std::string path_;  // of this object within the report, with a dot at its end
+  std::shared_ptr<const nlohmann::ordered_json> report_;
+  const nlohmann::ordered_json* object_;
+};
+
+/// The report of the run in `folder`. Throws FileError; InputError where it is none of this version.
+ReportReader read_report(const std::string& file, const std::string& folder);
+
+}  // namespace gdtslam

@@ -1,0 +1,126 @@
+#include "run_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/maps/png.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#ifdef GDTSLAM_HAS_RASTER
+#include "gdtslam/drawing/raster.hpp"
+#endif
+
+namespace gdtslam {
+namespace {
+
+std::string title_of(const MapJob& job) {
+  return std::filesystem::path(log_name(job.logs.front())).filename().string();
+}
+
+// The map with the path on it, to look at.
+Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
+  PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}};
+  for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
+  const MapperStatistics& s = outcome.statistics;
+  const GridGeometry& geometry = outcome.occupancy.geometry;
+  MapLook look;
+  look.title = title_of(job);
+  look.subtitle =
+      fmt::format("{} scans, {} matched, {} doubtful, {} keyframes, {:.1f} m; {}x{} cells of {:g} m", scans_of(outcome),
+                  s.matched, s.doubtful, s.keyframes, s.path_m, geometry.width, geometry.height, geometry.resolution_m);
+  return map_picture(outcome.occupancy, overlay, look, size_for_content(geometry.width, geometry.height));
+}
+
+// Where loops hold the path, and where it is not to be trusted.
+Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
+  const ClosedPath& closed = *outcome.closed;
+  const std::vector<UncertainStretch> uncertain = uncertain_stretches(closed.covariances);
+  const GridGeometry& geometry = outcome.occupancy.geometry;
+  MapLook look;
+  look.title = title_of(job);
+  look.subtitle = graph_subtitle(closed.loops, uncertain, scans_of(outcome));
+  return graph_picture(
+      outcome.occupancy,
+      graph_overlay(outcome.trajectory, outcome.keyframes, closed.loops, closed.covariances, uncertain), look,
+      size_for_content(geometry.width, geometry.height));
+}
+
+std::string png_of(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
+
+// The bytes of a picture; nothing and a warning where they cannot be made.
+template <class Encode>
+std::optional<std::string> encoded(const Encode& encode, const std::string& failure,
+                                   std::vector<LogReader::Warning>& warnings) {
+  try {
+    return encode();
+  } catch (const std::exception& error) {
+    warnings.push_back({failure, 1, error.what()});
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
+                           std::span<const ClosedLoop> loops, const std::vector<PoseCovariance>& covariances,
+                           std::span<const UncertainStretch> uncertain) {
+  GraphOverlay overlay{.trajectory = trajectory,
+                       .keyframes = keyframes,
+                       .loops = {},
+                       .covariances = covariances,
+                       .doubtful = {},
+                       .numbers = {}};
+  overlay.loops.reserve(loops.size());
+  for (const ClosedLoop& loop : loops) overlay.loops.push_back({loop.from, loop.to, loop.weight, loop.is_on});
+  overlay.doubtful.reserve(uncertain.size());
+  for (const UncertainStretch& stretch : uncertain) overlay.doubtful.push_back({stretch.from, stretch.to});
+  return overlay;
+}
+
+std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const UncertainStretch> uncertain,
+                           std::uint64_t scans) {
+  const auto on = std::count_if(loops.begin(), loops.end(), [](const ClosedLoop& loop) { return loop.is_on; });
+  std::size_t doubted = 0;
+  double sigma_m = 0.0;
+  for (const UncertainStretch& stretch : uncertain) {
+    doubted += stretch.to - stretch.from + 1;
+    sigma_m = std::max(sigma_m, stretch.sigma_m);
+  }
+  std::string text = fmt::format("{} scans, {} of {} loops hold", scans, on, loops.size());
+  if (doubted > 0) {
+    text += fmt::format("; {} scans not to be trusted, standard deviation up to {:.2g} m", doubted, sigma_m);
+  }
+  return text;
+}
+
+void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
+                   std::vector<LogReader::Warning>& warnings) {
+  std::optional<std::string> png;
+  std::optional<std::string> svg;
+#ifdef GDTSLAM_HAS_RASTER
+  png = encoded([&] { return png_of(raster_of(picture)); }, "no pixels for " + name, warnings);
+#endif
+  if (!png) svg = encoded([&] { return svg_of(picture, png_of); }, "no picture " + name, warnings);
+  const auto write = [&folder](const std::string& file, const std::optional<std::string>& bytes) {
+    bytes ? write_file_atomically(folder.staged(file), *bytes) : folder.without(file);
+  };
+  write(name + ".png", png);
+  write(name + ".svg", svg);
+}
+
+void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome) {
+  const auto none = [&folder](const std::string& name) {
+    for (const char* ending : {".png", ".svg"}) folder.without(name + ending);
+  };
+  job.with_pictures ? write_picture(folder, "overview", overview_of(job, outcome), outcome.warnings) : none("overview");
+  const bool has_graph = job.with_pictures && outcome.closed;
+  has_graph ? write_picture(folder, "graph", graph_of(job, outcome), outcome.warnings) : none("graph");
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,172 @@
+#include "run_review.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kStandsOut = 3.0;  // standard deviations, as for what the mapper corrects
+// What makes 15 cm, from which on a pose is not to be trusted, over the 15 m of path that a local map has.
+constexpr double kWorthShare = 0.01;
+constexpr double kWorthPull_rad_per_m = 2.0 * 0.15 / (15.0 * 15.0);
+constexpr double kWorthFactor = 4.0;  // of a variance: twice the noise that was stated
+// Loops tell too little of matches that are far better than they say. Their factor is a tenth then, and that of the
+// wheels is larger in the same ratio and says nothing by itself.
+constexpr double kKnownFactor = 0.1 * (1.0 + 1.0e-9);
+
+PlacedStretch placed(const UncertainStretch& stretch, const Trajectory& trajectory,
+                     std::span<const PoseCovariance> covariances) {
+  std::size_t worst = stretch.from + (stretch.to - stretch.from) / 2;
+  if (!covariances.empty()) {
+    worst = stretch.from;
+    for (std::size_t i = stretch.from; i <= stretch.to; ++i) {
+      if (covariances[i].sigma_m() > covariances[worst].sigma_m()) worst = i;
+    }
+  }
+  return {stretch, trajectory[stretch.from].stamp_s, trajectory[stretch.to].stamp_s,
+          trajectory[worst].T_map_base.translation()};
+}
+
+PlacedLoop placed(const ClosedLoop& loop, const Trajectory& trajectory) {
+  const StampedPose& from = trajectory[loop.from];
+  const StampedPose& to = trajectory[loop.to];
+  return {loop, from.stamp_s, to.stamp_s, from.T_map_base.translation(), to.T_map_base.translation()};
+}
+
+std::string place_text(const Point2& at_m) { return fmt::format("({:.1f}, {:.1f}) m", at_m.x(), at_m.y()); }
+
+ReviewNote no_loops_note(const RunDoubts& doubts) {
+  if (doubts.was_interrupted) {
+    return {"run", "the run was interrupted before its loops were closed: drift stayed in the map",
+            "map the log to its end; loops are closed only then"};
+  }
+  if (doubts.nods) {
+    return {"run",
+            "the loops of a nodding laser's path are not closed: drift stayed in the map, and nothing tells where",
+            "compare it with a true path, where there is one: gdtslam evaluate"};
+  }
+  return {"run", "loops were not closed: drift stayed in the map, and nothing tells where",
+          "map the log without --no-loops"};
+}
+
+void add_run_notes(const RunDoubts& doubts, std::vector<ReviewNote>& notes) {
+  if (!doubts.loops) {
+    notes.push_back(no_loops_note(doubts));
+  } else if (doubts.was_interrupted) {
+    notes.push_back(
+        {"run", "the run was interrupted: the map is of the part of the log before that", "map the log to its end"});
+  }
+  if (doubts.loops && doubts.loops->loops.empty()) {
+    notes.push_back(
+        {"loops",
+         fmt::format("no loop was found in {}: nothing ties the path to itself",
+                     doubts.loops->searches == 1 ? "1 search" : fmt::format("{} searches", doubts.loops->searches)),
+         "let the robot come back to places that it has seen, looking the same way"});
+  }
+  if (doubts.refused > 0) {
+    notes.push_back(
+        {"scans",
+         fmt::format("{} of {} scans {} refused, {}: the pose is that of the odometry there", doubts.refused,
+                     doubts.scans, doubts.refused == 1 ? "was" : "were", percent_text(doubts.refused, doubts.scans)),
+         "find them in overview.png (rings) and report.json (doubtful_scans); map at the full scan rate"});
+  }
+  if (doubts.restarts > 0) {
+    notes.push_back({"scans",
+                     fmt::format("mapping went on {} where only odometry led",
+                                 doubts.restarts == 1 ? "once" : fmt::format("{} times", doubts.restarts)),
+                     "there the map may be bent or torn: drive slower, or where the laser sees something"});
+  }
+}
+
+ReviewNote note_of(const PlacedStretch& stretch, std::size_t scans) {
+  const UncertainStretch& range = stretch.scans;
+  const bool is_first = range.from == 0;
+  const bool is_last = range.to + 1 == scans;
+  std::string advice = "drive there again, from a place that is sure and back to one";
+  if (is_first) advice = "come back to where the drive began, before it ends";
+  if (is_last) advice = "end the drive at a place that it has seen before";
+  if (is_first && is_last) advice = "drive the way again in loops: places that are seen twice hold it";
+  return {"stretch",
+          fmt::format("scans {} to {} ({:.1f} s to {:.1f} s), worst at {}: standard deviation up to {:.2g} m",
+                      range.from, range.to, stretch.from_s, stretch.to_s, place_text(stretch.at_m), range.sigma_m),
+          std::move(advice), stretch.at_m};
+}
+
+ReviewNote note_of(const PlacedLoop& placed_loop) {
+  const ClosedLoop& loop = placed_loop.loop;
+  return {"loop",
+          fmt::format("loop from scan {} at {} to scan {} at {} is switched off: {:.2f} m and {:.1f} deg off",
+                      loop.from, place_text(placed_loop.from_m), loop.to, place_text(placed_loop.to_m), loop.off_m,
+                      deg_from_rad(loop.off_rad)),
+          "if walls are double there, it was right; if not, two places look alike", placed_loop.to_m};
+}
+
+void add_wheel_note(std::vector<ReviewNote>& notes, std::string finding, std::string advice) {
+  notes.push_back({"wheels", std::move(finding), std::move(advice)});
+}
+
+void add_wheel_notes(const WheelReport& wheels, std::vector<ReviewNote>& notes) {
+  const auto stands_out = [](double value, double sigma, double worth) {
+    return std::fabs(value) > kStandsOut * sigma && std::fabs(value) > worth;
+  };
+  if (stands_out(wheels.distance, wheels.sigma_distance, kWorthShare)) {
+    add_wheel_note(
+        notes,
+        fmt::format("distances by the wheels are {:.1f} % too {} (standard deviation {:.1f} %)",
+                    100.0 * std::fabs(wheels.distance), wheels.distance > 0.0 ? "short" : "long",
+                    100.0 * wheels.sigma_distance),
+        fmt::format("the map is corrected for it; multiply the odometry's distances by {:.3f}", 1.0 + wheels.distance));
+  }
+  if (stands_out(wheels.turn, wheels.sigma_turn, kWorthShare)) {
+    add_wheel_note(
+        notes,
+        fmt::format("turns by the wheels are {:.1f} % too {} (standard deviation {:.1f} %)",
+                    100.0 * std::fabs(wheels.turn), wheels.turn > 0.0 ? "small" : "large", 100.0 * wheels.sigma_turn),
+        fmt::format("the map is corrected for it; multiply the odometry's turns by {:.3f}", 1.0 + wheels.turn));
+  }
+  if (stands_out(wheels.turn_rad_per_m, wheels.sigma_rad_per_m, kWorthPull_rad_per_m)) {
+    add_wheel_note(notes,
+                   fmt::format("the wheels miss {:.2f} deg of turn in each metre (standard deviation {:.2f} deg)",
+                               deg_from_rad(wheels.turn_rad_per_m), deg_from_rad(wheels.sigma_rad_per_m)),
+                   "the map is corrected for it; one wheel is larger than the other: state both diameters");
+  }
+  if (wheels.variance_factor > kWorthFactor && wheels.variance_factor_of_matches > kKnownFactor) {
+    add_wheel_note(notes,
+                   fmt::format("the wheels slip: {:.1f} times as noisy as their steps tell, by what loops say",
+                               std::sqrt(wheels.variance_factor)),
+                   "look where the floor is smooth or the robot was pushed; turn more slowly");
+  }
+}
+
+}  // namespace
+
+std::string percent_text(std::uint64_t part, std::uint64_t whole) {
+  const double percent = whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+  return part > 0 && percent < 1.0 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.1f} %", percent);
+}
+
+RunReview review_of(const RunDoubts& doubts, const Trajectory& trajectory,
+                    std::span<const PoseCovariance> covariances) {
+  RunReview review{.doubts = doubts, .uncertain = {}, .switched_off = {}, .notes = {}};
+  add_run_notes(doubts, review.notes);
+  if (!doubts.loops) return review;
+  for (const UncertainStretch& stretch : doubts.loops->uncertain) {
+    review.uncertain.push_back(placed(stretch, trajectory, covariances));
+    review.uncertain_scans += stretch.to - stretch.from + 1;
+  }
+  for (const ClosedLoop& loop : doubts.loops->loops) {
+    if (!loop.is_on) review.switched_off.push_back(placed(loop, trajectory));
+  }
+  for (const PlacedStretch& stretch : review.uncertain) review.notes.push_back(note_of(stretch, trajectory.size()));
+  for (const PlacedLoop& loop : review.switched_off) review.notes.push_back(note_of(loop));
+  add_wheel_notes(doubts.loops->wheels, review.notes);
+  return review;
+}
+
+}  // namespace gdtslam

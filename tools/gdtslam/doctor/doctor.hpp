@@ -1,0 +1,19 @@
+// What `gdtslam doctor` is asked for, and the doctor of maps. Thread-safe apart from the files.
+#pragma once
+
+#include <string>
+
+namespace gdtslam {
+
+struct DoctorOptions {
+  std::string log;
+  std::string after;    ///< the folder of a run, in place of a log
+  std::string picture;  ///< with after
+  bool json = false;
+};
+
+/// Prints what is doubtful in the map of a run, draws it where a picture is asked for, and returns the exit code, which
+/// is 0 whatever is doubtful. Throws InputError, FileError, UsageError, UnavailableError.
+int doctor_after(const DoctorOptions& options);
+
+}  // namespace gdtslam
