@@ -19,11 +19,21 @@ MeasuredPath::MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> pl
 
 void MeasuredPath::state_between_places(std::size_t source) {
   stated_[source].clear();
-  for (std::size_t place = 1; place < places_.size(); ++place) {
-    PoseRelation relation = stated(places_[place - 1], places_[place], source);
-    relation.from = place - 1;
-    relation.to = place;
-    stated_[source].push_back(relation);
+  for (std::size_t place = 1; place < places_.size(); ++place) stated_[source].push_back(to_place(place, source));
+}
+
+PoseRelation MeasuredPath::to_place(std::size_t place, std::size_t source) const {
+  PoseRelation relation = stated(places_[place - 1], places_[place], source);
+  relation.from = place - 1;
+  relation.to = place;
+  return relation;
+}
+
+void MeasuredPath::add_place(std::size_t keyframe) {
+  places_.push_back(keyframe);
+  if (places_.size() < 2) return;
+  for (std::size_t source = 0; source < kStepSources; ++source) {
+    stated_[source].push_back(to_place(places_.size() - 1, source));
   }
 }
 

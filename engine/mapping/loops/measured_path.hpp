@@ -37,6 +37,9 @@ class MeasuredPath {
   /// Between places, which are keyframes, ascending; `path` must outlive this.
   MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places);
 
+  /// One place more, a keyframe behind the last place.
+  void add_place(std::size_t keyframe);
+
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
   /// From place to place by each of the sources, as much as they are believed now: all of the front end, then all of
   /// the wheels. Factors of the variance below `least_factor` count as that.
@@ -58,6 +61,7 @@ class MeasuredPath {
   [[nodiscard]] PoseRelation stated(std::size_t from, std::size_t to, std::size_t source) const;
 
   void state_between_places(std::size_t source);
+  [[nodiscard]] PoseRelation to_place(std::size_t place, std::size_t source) const;
 
   const FrontEndPath& path_;
   std::vector<std::size_t> places_;

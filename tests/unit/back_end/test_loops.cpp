@@ -146,6 +146,7 @@ TEST(LoopEvidence, SpeaksForTheRightPlaceAndAgainstOthers) {
 TEST(Revisits, AreTheEarlierPlacesThatMayBeHere) {
   const LoopDrive twice = drive(2, 0.02, 0.002, 4);
   LoopCloser closer(twice.path, {});
+  closer.follow([](double, int) {});
   PoseGraph graph;
   std::vector<double> path_m;
   for (const std::size_t keyframe : closer.places()) {
