@@ -53,7 +53,8 @@ struct Stopped {};  // thrown through the back end by its own progress
 struct LoopMapper::State {
   State(const MapperConfig& config, Backend& backend, const MapperOptions& options)
       : mapper(front_end_config(config), backend, options),
-        back_end({.loops = {}, .live = {.is_beside = options.loops_beside, .warn = options.warn}, .joint = {}, .scans = {}}),
+        back_end(
+            {.loops = {}, .live = {.is_beside = options.loops_beside, .warn = options.warn}, .joint = {}, .scans = {}}),
         map(config) {}
 
   BackEndResult closed(const Progress& progress, const std::function<bool()>& stop);
@@ -62,7 +63,7 @@ struct LoopMapper::State {
   Mapper mapper;
   BackEnd back_end;
   std::vector<Point2> points_base_m;  // of the scan in hand
-  SeparateMap map;  // of all keyframes, once they are where they belong
+  SeparateMap map;                    // of all keyframes, once they are where they belong
 };
 
 double PoseCovariance::sigma_m() const {
@@ -75,7 +76,7 @@ LoopMapper::~LoopMapper() = default;
 const GlobalField& LoopMapper::field() const { return state_->map.field(); }
 const Mapper& LoopMapper::front_end() const { return state_->mapper; }
 const Pose2& LoopMapper::correction() const { return state_->back_end.loops().correction(); }
-const LiveStatistics& LoopMapper::live_statistics() const { return state_->back_end.loops().statistics(); }
+LiveStatistics LoopMapper::live_statistics() const { return state_->back_end.loops().statistics(); }
 std::shared_future<FrozenMap> LoopMapper::request_map() {
   return state_->back_end.loops().request_map(state_->mapper.config());
 }

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -191,7 +192,24 @@ void LiveLoops::abandon() {
 }
 
 void LiveLoops::join() {
-  if (thread_.joinable()) thread_.join();
+  if (!thread_.joinable()) return;
+  statistics_.beside_cpu_s = thread_cpu_s();
+  thread_.join();
+}
+
+// By the thread's own clock, which others may read while it has not been joined.
+double LiveLoops::thread_cpu_s() const {
+  clockid_t clock{};
+  timespec time{};
+  const pthread_t handle = const_cast<std::thread&>(thread_).native_handle();
+  if (pthread_getcpuclockid(handle, &clock) != 0 || clock_gettime(clock, &time) != 0) return statistics_.beside_cpu_s;
+  return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
+}
+
+LiveStatistics LiveLoops::statistics() const {
+  LiveStatistics statistics = statistics_;
+  if (thread_.joinable()) statistics.beside_cpu_s = thread_cpu_s();
+  return statistics;
 }
 
 }  // namespace gdtslam

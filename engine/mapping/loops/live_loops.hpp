@@ -51,7 +51,7 @@ class LiveLoops {
   void take(Keyframe keyframe);
   /// From the front end's frame to the one with the loops closed that have taken effect.
   [[nodiscard]] const Pose2& correction() const { return T_closed_front_; }
-  [[nodiscard]] const LiveStatistics& statistics() const { return statistics_; }
+  [[nodiscard]] LiveStatistics statistics() const;
   /// The distance field of the keyframes handed over so far, once the thread has come to it.
   std::shared_future<FrozenMap> request_map(const MapperConfig& config);
 
@@ -79,6 +79,7 @@ class LiveLoops {
   void append(Keyframe& keyframe);
   void apply(std::size_t place);
   void join();
+  [[nodiscard]] double thread_cpu_s() const;
 
   LiveOptions live_;
   // The caller's:

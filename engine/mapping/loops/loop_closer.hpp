@@ -44,7 +44,6 @@ class LoopCloser {
   /// so that loops and graph are the same bytes however the keyframes came.
   static constexpr std::size_t kPlacesAround = 2;
 
-
   /// Called with the share of the places that were looked at in this round, and the round.
   using Progress = std::function<void(double, int)>;
 

@@ -172,6 +172,7 @@ struct LiveStatistics {
   std::uint64_t corrections = 0;  ///< changes of LoopMapper::correction()
   std::uint64_t waits = 0;        ///< scans that waited for loops to be looked for
   double waited_s = 0.0;          ///< all together
+  double beside_cpu_s = 0.0;      ///< CPU time of the thread beside; 0 where there is none
 };
 
 /// A map as it was known at some keyframe. It stays as it is, for any thread, also when the mapper is gone.
@@ -203,16 +204,16 @@ class LoopMapper {
   MatchResult finish();
 
   /// For those who steer while mapping goes on: T_closed_front * MatchResult::T_map_base is the pose with the loops
-  /// closed that have been found so far. It leaps where loops do; the front end's poses do not. What is found at a place
-  /// takes effect eight places later, at a keyframe that the log alone determines: live and offline, with any number
-  /// of threads, it has the same values at the same scans.
+  /// closed that have been found so far. It leaps where loops do; the front end's poses do not. What is found at a
+  /// place takes effect eight places later, at a keyframe that the log alone determines: live and offline, with any
+  /// number of threads, it has the same values at the same scans.
   [[nodiscard]] const Pose2& correction() const;
   /// The distance field of the keyframes so far, in the closed frame with the loops found by then; which those are
   /// depends on the log alone, when it is ready on the machine. Made by the thread that looks for loops, some 0.5 ms a
   /// keyframe, during which loops wait. Holds what was thrown, as InputError where the map would be beyond
   /// map.max_megacells; std::future_error (broken promise) where the mapper ended before. Not after close().
   std::shared_future<FrozenMap> request_map();
-  [[nodiscard]] const LiveStatistics& live_statistics() const;
+  [[nodiscard]] LiveStatistics live_statistics() const;
 
   /// To be called once, after the last scan. Where stop() is or becomes true, the path stays as it was driven.
   ClosedPath close(const Progress& progress, const std::function<bool()>& stop);
