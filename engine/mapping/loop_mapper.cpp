@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "engine/mapping/back_end/back_end.hpp"
-#include "engine/mapping/map/keyframe_map.hpp"
+#include "engine/mapping/map/separate_map.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
@@ -80,42 +80,41 @@ PoseCovariance pose_covariance(const Matrix3& c) {
 
 struct Stopped {};  // thrown through the back end by its own progress
 
-std::vector<Point2> points_of(const KeptScan& scan) {
-  std::vector<Point2> points;
-  points.reserve(scan.points());
-  for (const SurfacePoint& p : scan.surface) points.push_back(p.point());
-  for (const LonePoint& p : scan.lone) points.push_back(p.point());
-  return points;
-}
-
 }  // namespace
 
 struct LoopMapper::State {
-  State(const MapperConfig& config, Backend& backend, MapperOptions options)
-      : mapper(front_end_config(config), backend, std::move(options)), cpu(make_cpu_backend({})), map(config, *cpu) {}
+  State(const MapperConfig& config, Backend& backend, const MapperOptions& options)
+      : mapper(front_end_config(config), backend, options),
+        back_end(
+            {.loops = {}, .live = {.is_beside = options.loops_beside, .warn = options.warn}, .joint = {}, .scans = {}}),
+        map(config) {}
 
   BackEndResult closed(const Progress& progress, const std::function<bool()>& stop);
   void rebuild(const BackEndResult& result);
 
   Mapper mapper;
-  BackEnd back_end{{}};
+  BackEnd back_end;
   std::vector<Point2> points_base_m;  // of the scan in hand
-  std::unique_ptr<Backend> cpu;
-  KeyframeMap map;  // of all keyframes, once they are where they belong
+  SeparateMap map;                    // of all keyframes, once they are where they belong
 };
 
 double PoseCovariance::sigma_m() const {
   return std::sqrt(largest_variance(Matrix3{{xx, xy, xt, xy, yy, yt, xt, yt, tt}}));
 }
 
-LoopMapper::LoopMapper(const MapperConfig& config, Backend& backend, MapperOptions options)
-    : state_(std::make_unique<State>(config, backend, std::move(options))) {}
+LoopMapper::LoopMapper(const MapperConfig& config, Backend& backend, const MapperOptions& options)
+    : state_(std::make_unique<State>(config, backend, options)) {}
 LoopMapper::~LoopMapper() = default;
-const GlobalField& LoopMapper::field() const { return state_->map.field; }
+const GlobalField& LoopMapper::field() const { return state_->map.field(); }
 const Mapper& LoopMapper::front_end() const { return state_->mapper; }
+const Pose2& LoopMapper::correction() const { return state_->back_end.loops().correction(); }
+LiveStatistics LoopMapper::live_statistics() const { return state_->back_end.loops().statistics(); }
+std::shared_future<FrozenMap> LoopMapper::request_map() {
+  return state_->back_end.loops().request_map(state_->mapper.config());
+}
 
 void LoopMapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  start({scan.stamp_s, gdtslam::points_of(scan, state_->mapper.config().scan)}, T_odom_base);
+  start({scan.stamp_s, points_of(scan, state_->mapper.config().scan)}, T_odom_base);
 }
 
 void LoopMapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {
@@ -131,16 +130,8 @@ MatchResult LoopMapper::finish() {
 
 // Equations (1) and (9) to (11), in the order in which the keyframes were taken.
 void LoopMapper::State::rebuild(const BackEndResult& result) {
-  const MapConfig& config = mapper.config().map;
-  StageTimes times;
   const std::vector<KeptScan>& scans = back_end.keyframe_scans();
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    const Pose2& pose = result.poses[result.keyframes[i]];
-    const KeyframeCells keyframe =
-        keyframe_of(in_map(points_of(scans[i]), pose), config.resolution_m, config.radius_cells());
-    map.field.grow_to_hold(keyframe.window);
-    map.merge(keyframe, times);
-  }
+  for (std::size_t i = 0; i < scans.size(); ++i) map.merge(points_of(scans[i]), result.poses[result.keyframes[i]]);
 }
 
 BackEndResult LoopMapper::State::closed(const Progress& progress, const std::function<bool()>& stop) {

@@ -190,7 +190,12 @@ gdtslam_cli_test(bench.certified_json ARGS bench certified --scans 3 --lattice 0
 gdtslam_cli_test(bench.certified_text ARGS bench certified --scans 2 --lattice 0 STDOUT "office-start.log.gz: 350 scans mapped, 2 of them.*\n\\+-1 m, \\+-20 deg .* 100 % +100 %\n.*\n\\+-15 m, 360 deg")
 gdtslam_cli_test(bench.certified_no_log ARGS bench certified --log none.log EXIT 74 STDERR "none.log")
 gdtslam_cli_test(bench.certified_log_without_scans ARGS bench certified --log {data}/no_scan.log EXIT 65 STDERR "no_scan.log: holds no laser scan")
-gdtslam_cli_test(bench.log_of_something_else ARGS bench edt --log some.log EXIT 2 STDERR "--log is for 'gdtslam bench certified'")
+gdtslam_cli_test(bench.log_of_something_else ARGS bench edt --log some.log EXIT 2 STDERR "--log is for 'gdtslam bench certified' and 'gdtslam bench live'")
+gdtslam_cli_test(bench.live_json ARGS bench live --speed 0 --json SCHEMA bench_live)
+gdtslam_cli_test(bench.live_text ARGS bench live --speed 500 --threads 1 STDOUT ", one thread\noffice-start.log.gz: 350 scans.*\nscan ms .*\nlargest .*\nloops .* places")
+gdtslam_cli_test(bench.live_no_log ARGS bench live --log none.log EXIT 74 STDERR "none.log")
+gdtslam_cli_test(bench.live_log_without_scans ARGS bench live --log {data}/no_scan.log EXIT 65 STDERR "no_scan.log: holds no laser scan")
+gdtslam_cli_test(bench.live_speed ARGS bench live --speed -1 EXIT 2 STDERR "--speed")
 gdtslam_cli_test(bench.size ARGS bench --size 1 EXIT 2 STDERR "--size")
 
 if(TARGET gdtslam_sim)

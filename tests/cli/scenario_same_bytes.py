@@ -41,7 +41,7 @@ def same_bytes_with_loops():
     """Loops closed: threads, instruction sets and a device give the same bytes; the report lists each loop."""
     devices = json.loads(command("devices", "--json").stdout)
     variants = [v["name"] for v in devices["devices"][0]["isa"] if v["available"]]
-    runs = [("--threads", 1), ("--threads", 2), *(("--isa", isa) for isa in variants)]
+    runs = [(), ("--threads", 1), ("--threads", 2), *(("--isa", isa) for isa in variants)]
     reports = [mapped(cli.fresh_folder("loops") / "run", *run) for run in runs]
     expect(len({results(report) for report in reports}) == 1, "the result depends on threads or instruction set")
     loops = reports[0]["loops"]
@@ -79,6 +79,27 @@ def live_equals_offline():
         expect(row[:3] == pose[:3], f"live {row}, offline {pose}")
     expect({row[4] for row in rows} <= {"accepted", "predicted"}, "the rows have another form")
     expect(sum(row[4] == "accepted" for row in rows) == report["matched"], "accepted rows")
+
+
+def live_corrections():
+    """With --loops the example's poses are the front end's; corrections stand between them, the same each time."""
+    if "LIVE_MAPPER" not in os.environ:
+        skip("the examples are not built")
+    text = LOG.read_text()
+    runs = [subprocess.run([os.environ["LIVE_MAPPER"], "--loops"], input=text, capture_output=True, text=True, timeout=100)
+            for _ in range(2)]
+    for run in runs:
+        expect(run.returncode == 0, run.stderr)
+    expect(runs[0].stdout == runs[1].stdout, "two runs differ")
+    rows = [line.split() for line in runs[0].stdout.splitlines()]
+    corrections = [row for row in rows if row[0] == "correction"]
+    poses = [row for row in rows if row[0] != "correction"]
+    expect(len(poses) == sum(line.startswith("FLASER") for line in text.splitlines()), "a pose a scan")
+    expect(all(len(row) == 4 and all(abs(float(x)) < 1.0 for x in row[1:]) for row in corrections), str(corrections))
+    expect(all(a != b for a, b in zip(corrections, corrections[1:])), "a correction that changes nothing")
+    expect(rows[0][0] != "correction", "a correction before the first pose")
+    run = subprocess.run([os.environ["LIVE_MAPPER"], "--lops"], input="", capture_output=True, text=True, timeout=100)
+    expect(run.returncode == 2 and run.stderr.startswith("Usage:"), f"{run.returncode}: {run.stderr}")
 
 
 def logs_in_sequence():

@@ -51,16 +51,16 @@ void to_frame_of_first(std::vector<Pose2>& poses) {
 }  // namespace
 
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
-  if (!path_.poses.empty()) follow(result);
+  if (!keyframes_.empty()) follow(result);
   T_map_last_ = result.T_map_base;
   KeptScan kept = keep_scan(points_base_m);
-  if (result.merged || path_.poses.empty()) {
-    keyframes_.push_back(scans_.size());
-    scans_.push_back({{}, {}, path_.poses.size()});
-    add_keyframe(result, std::move(kept));
+  if (!result.merged && !keyframes_.empty()) {
+    scans_.push_back({std::move(kept), between(T_map_keyframe_, result.T_map_base), keyframes_.size() - 1});
     return;
   }
-  scans_.push_back({std::move(kept), between(path_.poses.back(), result.T_map_base), path_.poses.size() - 1});
+  scans_.push_back({{}, {}, keyframes_.size()});
+  keyframes_.push_back(scans_.size() - 1);
+  add_keyframe(result, std::move(kept));
 }
 
 // One scan on. Where the match is farther from what the wheels said than both can be, either may be wrong by all of it.
@@ -86,23 +86,21 @@ void BackEnd::follow(const MatchResult& result) {
 }
 
 void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
-  if (path_.poses.empty()) {
-    path_.path_m.push_back(0.0);
-    path_.steps.emplace_back();
-    path_.travels.emplace_back();
-  } else {
-    const Pose2 step = between(path_.poses.back(), result.T_map_base);
-    path_.path_m.push_back(path_.path_m.back() + length_of(step));
-    path_.steps.push_back(steps_to(result, points));
-    path_.travels.push_back(travel_);
-    path_.travels.back().besides += least_of_wheels() + leaps_;
+  Keyframe keyframe{
+      .scan = std::move(points), .T_map_base = result.T_map_base, .path_m = 0.0, .steps = {}, .travel = {}};
+  if (keyframes_.size() > 1) {
+    travelled_m_ += length_of(between(T_map_keyframe_, result.T_map_base));
+    keyframe.steps = steps_to(result, keyframe.scan);
+    keyframe.travel = travel_;
+    keyframe.travel.besides += least_of_wheels() + leaps_;
   }
-  path_.poses.push_back(result.T_map_base);
-  path_.scans.push_back(std::move(points));
+  keyframe.path_m = travelled_m_;
+  T_map_keyframe_ = result.T_map_base;
   T_wheels_ = {};
   wheels_covariance_ = {};
   leaps_ = {};
   travel_ = {};
+  loops_.take(std::move(keyframe));
 }
 
 // The pose of the front end is that of points and wheels; what the wheels alone tell. A scan that lies far from its map
@@ -117,7 +115,7 @@ MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& scan)
   const auto with_noise = [&](double noise_m) {
     return inverse(inverse(1.0 / square(noise_m) * shape + of_wheels) + floor + leaps_);
   };
-  return {MeasuredStep{between(path_.poses.back(), result.T_map_base), with_noise(kStepPointNoise_m),
+  return {MeasuredStep{between(T_map_keyframe_, result.T_map_base), with_noise(kStepPointNoise_m),
                        with_noise(std::max(kStepPointNoise_m, result.mean_cost_m))},
           MeasuredStep{T_wheels_, of_wheels, of_wheels}};
 }
@@ -194,7 +192,8 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
   return covariances;
 }
 
-BackEndResult BackEnd::as_driven() const {
+BackEndResult BackEnd::as_driven() {
+  loops_.abandon();
   BackEndResult result;
   result.poses = poses_of_scans(path_.poses);
   result.keyframes = keyframes_;
@@ -202,9 +201,11 @@ BackEndResult BackEnd::as_driven() const {
 }
 
 BackEndResult BackEnd::finish(const Progress& progress) {
-  LoopCloser closer(path_, options_.loops);
-  closer.run(
-      [&](double share, int round) { progress("closing loops", (share + round) / (options_.loops.rounds + 1)); });
+  const auto closing = [&](double share, int round) {
+    progress("closing loops", (share + round) / (options_.loops.rounds + 1));
+  };
+  LoopCloser& closer = loops_.end([&](double share) { closing(share, 0); });
+  closer.run(closing);
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;
   result.is_closed = true;

@@ -11,7 +11,7 @@
 
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
-#include "engine/mapping/loops/loop_closer.hpp"
+#include "engine/mapping/loops/live_loops.hpp"
 #include "engine/mapping/wheels/motion_noise.hpp"
 #include "gdtslam/mapping/match.hpp"
 
@@ -19,6 +19,7 @@ namespace gdtslam {
 
 struct BackEndOptions {
   LoopOptions loops;
+  LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
 };
@@ -42,16 +43,19 @@ class BackEnd {
   /// What is being done, and the share of it that is.
   using Progress = std::function<void(std::string_view, double)>;
 
-  explicit BackEnd(const BackEndOptions& options) : options_(options) {}
+  explicit BackEnd(const BackEndOptions& options) : options_(options), loops_(options.loops, options.live) {}
 
-  /// The next scan and where the front end put it.
+  /// The next scan and where the front end put it. Rethrows what looking for loops threw.
   void take(std::span<const Point2> points_base_m, const MatchResult& result);
 
   /// To be called once, after the last scan.
   BackEndResult finish(const Progress& progress);
-  /// The path of the front end.
-  [[nodiscard]] BackEndResult as_driven() const;
-  /// Of the keyframes.
+  /// The path of the front end; ends the look for loops.
+  [[nodiscard]] BackEndResult as_driven();
+  /// The loops that are found meanwhile.
+  [[nodiscard]] LiveLoops& loops() { return loops_; }
+  [[nodiscard]] const LiveLoops& loops() const { return loops_; }
+  /// Of the keyframes, after the end.
   [[nodiscard]] const std::vector<KeptScan>& keyframe_scans() const { return path_.scans; }
 
  private:
@@ -70,9 +74,12 @@ class BackEnd {
   void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, const Progress& progress) const;
 
   BackEndOptions options_;
-  FrontEndPath path_;
+  LiveLoops loops_;
+  const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
   std::vector<Scan> scans_;
   std::vector<std::size_t> keyframes_;  // which scans they are
+  Pose2 T_map_keyframe_;                // the last one
+  double travelled_m_ = 0.0;            // until it
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;

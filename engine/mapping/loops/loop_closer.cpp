@@ -1,6 +1,7 @@
 #include "loop_closer.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace gdtslam {
 namespace {
@@ -9,17 +10,6 @@ constexpr double kHeldShare = 0.8;  // of the loops that were on, to stay on wit
 constexpr double kLess = 4.0;       // times the variance
 constexpr int kMostTimesLess = 4;
 constexpr int kGraduatedEvery = 8;  // places with loops, after which the graph is solved from wide kernels on
-
-std::vector<std::size_t> places_along(const std::vector<double>& path_m, const LoopOptions& options) {
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < path_m.size(); ++i) {
-    if (places.empty() || path_m[i] - path_m[places.back()] >= options.place_every_m ||
-        i - places.back() >= options.most_between) {
-      places.push_back(i);
-    }
-  }
-  return places;
-}
 
 std::size_t loops_on(const PoseGraph& graph) {
   return static_cast<std::size_t>(
@@ -40,12 +30,17 @@ void take(std::vector<Loop>& loops, const Loop& loop) {
 
 }  // namespace
 
+bool PlaceCounter::is_place(double path_m) {
+  ++since_last_;
+  if (places_ > 0 && path_m - last_m_ < options_.place_every_m && since_last_ < options_.most_between) return false;
+  ++places_;
+  since_last_ = 0;
+  last_m_ = path_m;
+  return true;
+}
+
 LoopCloser::LoopCloser(const FrontEndPath& path, const LoopOptions& options)
-    : path_(path),
-      options_(options),
-      poses_(path.poses),
-      measured_(path, places_along(path.path_m, options)),
-      finder_({path.scans, poses_, path.path_m}, measured_.places(), options.search) {}
+    : path_(path), options_(options), counter_(options), measured_(path, {}), finder_(options.search) {}
 
 bool LoopCloser::take_loops(PoseGraph& graph, std::size_t here) {
   const std::vector<Loop> loops = finder_.look(graph, here);
@@ -53,17 +48,37 @@ bool LoopCloser::take_loops(PoseGraph& graph, std::size_t here) {
   return !loops.empty();
 }
 
-void LoopCloser::follow_the_path(const Progress& progress) {
-  int closed = 0;
-  graph_.poses = {poses_.front()};
-  for (std::size_t here = 1; here < places().size(); ++here) {
-    graph_.path.push_back(measured_.by_front_end(here));
-    graph_.poses.push_back(graph_.poses.back() * graph_.path.back().T_from_to);
-    if (take_loops(graph_, here)) graph_.optimise(++closed % kGraduatedEvery == 0);
-    progress(static_cast<double>(here) / static_cast<double>(places().size()), 0);
+// What comes after it is hidden from the search, so that the path may be taken in one piece or in many.
+void LoopCloser::take_keyframe() {
+  const std::size_t here = poses_.size();
+  poses_.push_back(path_.poses[here]);
+  const std::size_t known = here + 1;
+  finder_.extend({std::span(path_.scans).first(known), poses_, std::span(path_.path_m).first(known)});
+  if (!counter_.is_place(path_.path_m[here])) return;
+  measured_.add_place(here);
+  finder_.add_place(here);
+}
+
+void LoopCloser::follow_place(std::size_t here) {
+  if (here == 0) {
+    graph_.poses = {poses_.front()};
+    return;
   }
-  graph_.optimise(true);
-  carry_keyframes();
+  graph_.path.push_back(measured_.by_front_end(here));
+  graph_.poses.push_back(graph_.poses.back() * graph_.path.back().T_from_to);
+  if (!take_loops(graph_, here)) return;
+  graph_.optimise(++closed_ % kGraduatedEvery == 0);
+  T_closed_front_ = graph_.poses[here] * inverse(path_.poses[places()[here]]);
+}
+
+void LoopCloser::follow(const Progress& progress) {
+  while (poses_.size() < path_.poses.size()) {
+    take_keyframe();
+    const std::size_t here = graph_.poses.size();
+    if (places().size() <= here + kPlacesAround) continue;
+    follow_place(here);
+    if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
+  }
 }
 
 void LoopCloser::go_round(const Progress& progress, int round) {
@@ -93,31 +108,42 @@ void LoopCloser::weigh_sources() {
 }
 
 // Between two places the path keeps its shape; what the graph moved its end by is spread over it.
-void LoopCloser::carry_keyframes() {
+std::vector<Pose2> LoopCloser::carried_keyframes() const {
   const std::vector<Pose2>& shape = path_.poses;
-  for (std::size_t place = 0; place < places().size(); ++place) {
+  std::vector<Pose2> poses = poses_;
+  for (std::size_t place = 0; place < graph_.poses.size(); ++place) {
     const std::size_t from = places()[place];
-    const bool is_last = place + 1 == places().size();
-    const std::size_t to = is_last ? shape.size() : places()[place + 1];
-    for (std::size_t i = from; i < to; ++i) poses_[i] = graph_.poses[place] * between(shape[from], shape[i]);
+    const bool is_last = place + 1 == graph_.poses.size();
+    const std::size_t to = is_last ? poses.size() : places()[place + 1];
+    for (std::size_t i = from; i < to; ++i) poses[i] = graph_.poses[place] * between(shape[from], shape[i]);
     if (is_last) break;
     const Pose2 end = graph_.poses[place] * between(shape[from], shape[to]);
     const Tangent2 off = log_tangent(between(end, graph_.poses[place + 1]));
     for (std::size_t i = from + 1; i < to; ++i) {
       const double share = static_cast<double>(i - from) / static_cast<double>(to - from);
       const Tangent2 here = adjoint_matrix(between(shape[i], shape[to])) * off;
-      poses_[i] = poses_[i] * exp_tangent({share * here[0], share * here[1], share * here[2]});
+      poses[i] = poses[i] * exp_tangent({share * here[0], share * here[1], share * here[2]});
     }
   }
+  return poses;
+}
+
+// In place: the finder looks at them.
+void LoopCloser::carry_keyframes() {
+  const std::vector<Pose2> poses = carried_keyframes();
+  std::copy(poses.begin(), poses.end(), poses_.begin());
   finder_.forget_bent();
 }
 
 void LoopCloser::run(const Progress& progress) {
-  if (places().size() < 2) {
-    graph_.poses.assign(poses_.begin(), poses_.begin() + static_cast<std::ptrdiff_t>(places().size()));
-    return;
+  follow(progress);
+  for (std::size_t here = graph_.poses.size(); here < places().size(); ++here) {
+    follow_place(here);
+    if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
   }
-  follow_the_path(progress);
+  if (places().size() < 2) return;
+  graph_.optimise(true);
+  carry_keyframes();
   for (int round = 1; round <= options_.rounds; ++round) go_round(progress, round);
   measured_.correct_wheels(poses_);
   weigh_sources();

@@ -1,6 +1,7 @@
 // Closes the loops of a path: a graph of places along it, loops looked for in the order of the path, each in a graph
-// that has those before, then in rounds over all places, and the keyframes between the places carried along. Frame:
-// that of the path's first keyframe, which stays. Not thread-safe. Cost: some milliseconds a place (docs/loops.md).
+// that has those before, while the path grows; then in rounds over all places, and the keyframes between the places
+// carried along. Frame: that of the path's first keyframe, which stays. Not thread-safe. Cost: some milliseconds a
+// place (docs/loops.md).
 #pragma once
 
 #include <cstddef>
@@ -21,20 +22,48 @@ struct LoopOptions {
   LoopSearchOptions search;
 };
 
+/// Tells which keyframes are places as they come.
+class PlaceCounter {
+ public:
+  explicit PlaceCounter(const LoopOptions& options) : options_(options) {}
+  /// The next keyframe and the path until it, metres.
+  bool is_place(double path_m);
+  /// So far.
+  [[nodiscard]] std::size_t places() const { return places_; }
+
+ private:
+  LoopOptions options_;
+  std::size_t places_ = 0;
+  std::size_t since_last_ = 0;  // keyframes
+  double last_m_ = 0.0;
+};
+
 class LoopCloser {
  public:
+  /// A place is looked at when so many others have come after it: the scans around it are there then. Fixed by counts,
+  /// so that loops and graph are the same bytes however the keyframes came.
+  static constexpr std::size_t kPlacesAround = 2;
+
   /// Called with the share of the places that were looked at in this round, and the round.
   using Progress = std::function<void(double, int)>;
 
-  /// `path` must outlive this.
+  /// `path` may grow; it must outlive this.
   LoopCloser(const FrontEndPath& path, const LoopOptions& options);
 
+  /// Takes the keyframes that the path has gained, and looks at the places that are due.
+  void follow(const Progress& progress);
+  /// To be called once, when the path is whole: follows it to its end, then goes round.
   void run(const Progress& progress);
 
-  /// Of the keyframes, loops closed.
+  /// Of the keyframes; loops are closed after run().
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
-  /// Its nodes are the places.
+  /// Its nodes are the places, as far as they were looked at.
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
+  /// Of the keyframes, by the graph as it is.
+  [[nodiscard]] std::vector<Pose2> carried_keyframes() const;
+  /// What poses of the front end near the last place that was looked at have to be multiplied by, from the left, to be
+  /// those of the graph; changes with loops only.
+  [[nodiscard]] const Pose2& correction() const { return T_closed_front_; }
   [[nodiscard]] const std::vector<std::size_t>& places() const { return measured_.places(); }
   /// The path as far as each of its sources is believed now that loops are closed.
   [[nodiscard]] const MeasuredPath& measured() const { return measured_; }
@@ -42,17 +71,21 @@ class LoopCloser {
 
  private:
   bool take_loops(PoseGraph& graph, std::size_t here);
-  void follow_the_path(const Progress& progress);
+  void take_keyframe();
+  void follow_place(std::size_t here);
   void go_round(const Progress& progress, int round);
   void weigh_sources();
   void carry_keyframes();
 
   const FrontEndPath& path_;
   LoopOptions options_;
+  PlaceCounter counter_;
   std::vector<Pose2> poses_;
   MeasuredPath measured_;
   PoseGraph graph_;
   LoopFinder finder_;
+  int closed_ = 0;  // places with loops
+  Pose2 T_closed_front_;
 };
 
 }  // namespace gdtslam

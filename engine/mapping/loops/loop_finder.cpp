@@ -83,12 +83,14 @@ struct LoopFinder::Reference {
   std::uint64_t asked = 0;  // when it was last
 };
 
-LoopFinder::LoopFinder(const KeyframePath& keyframes, std::vector<std::size_t> places, const LoopSearchOptions& options)
-    : keyframes_(keyframes), places_(std::move(places)), options_(options), backend_(make_cpu_backend({})) {
-  for (const std::size_t keyframe : places_) path_m_.push_back(keyframes_.path_m[keyframe]);
-}
+LoopFinder::LoopFinder(const LoopSearchOptions& options) : options_(options), backend_(make_cpu_backend({})) {}
 
 LoopFinder::~LoopFinder() = default;
+
+void LoopFinder::add_place(std::size_t keyframe) {
+  places_.push_back(keyframe);
+  path_m_.push_back(keyframes_.path_m[keyframe]);
+}
 
 void LoopFinder::forget_bent() {
   std::erase_if(references_, [&](const auto& entry) { return entry.second->group.is_bent(keyframes_.poses); });

@@ -39,12 +39,16 @@ struct LoopCounts {
 
 class LoopFinder {
  public:
-  /// `keyframes` must outlive this; `places` are the keyframes in the middle of each group, ascending.
-  LoopFinder(const KeyframePath& keyframes, std::vector<std::size_t> places, const LoopSearchOptions& options);
+  explicit LoopFinder(const LoopSearchOptions& options);
   ~LoopFinder();
   LoopFinder(const LoopFinder&) = delete;
   LoopFinder& operator=(const LoopFinder&) = delete;
 
+  /// The path has grown: all its keyframes, where those that were there lie as before. They must stay until the next
+  /// call, or the end.
+  void extend(const KeyframePath& keyframes) { keyframes_ = keyframes; }
+  /// The keyframe in the middle of the next group, behind the last one's.
+  void add_place(std::size_t keyframe);
   /// The loops of a place to earlier ones that the graph does not have yet, or has switched off. Its nodes are the
   /// places.
   std::vector<Loop> look(const PoseGraph& graph, std::size_t here);

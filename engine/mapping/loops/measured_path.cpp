@@ -27,6 +27,14 @@ void MeasuredPath::state_between_places(std::size_t source) {
   }
 }
 
+void MeasuredPath::add_place(std::size_t keyframe) {
+  places_.push_back(keyframe);
+  if (places_.size() < 2) return;
+  for (std::size_t source = 0; source < kStepSources; ++source) {
+    stated_[source].push_back(between_places(places_.size() - 1, source, &MeasuredStep::information));
+  }
+}
+
 // Between two keyframes the wheels' step is a chord and a turn.
 void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
   constexpr auto kWheels = static_cast<std::size_t>(StepSource::kWheels);

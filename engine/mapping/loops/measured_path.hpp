@@ -48,6 +48,9 @@ class MeasuredPath {
   /// Between places, which are keyframes, ascending; `path` must outlive this.
   MeasuredPath(const FrontEndPath& path, std::vector<std::size_t> places);
 
+  /// One place more, a keyframe behind the last place.
+  void add_place(std::size_t keyframe);
+
   [[nodiscard]] const std::vector<std::size_t>& places() const { return places_; }
   /// From place to place by each of the sources, as much as they are believed now: all of the front end, then all of
   /// the wheels.

@@ -71,6 +71,14 @@ std::optional<Point2> normal_of(const Neighbourhood& sums) {
 
 }  // namespace
 
+std::vector<Point2> points_of(const KeptScan& scan) {
+  std::vector<Point2> points;
+  points.reserve(scan.points());
+  for (const SurfacePoint& p : scan.surface) points.push_back(p.point());
+  for (const LonePoint& p : scan.lone) points.push_back(p.point());
+  return points;
+}
+
 KeptScan keep_scan(std::span<const Point2> points_base_m) {
   KeptScan kept;
   for (std::size_t i = 0; i < points_base_m.size(); ++i) {

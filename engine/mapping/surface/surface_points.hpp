@@ -42,6 +42,9 @@ struct KeptScan {
   }
 };
 
+/// All of them, those on surfaces first.
+std::vector<Point2> points_of(const KeptScan& scan);
+
 /// Grows with the bearing, from -2 to 2 once around, by 0.5 to 1 a radian: what bearings are compared for, for the
 /// price of a division.
 inline double direction_of(double x, double y) {

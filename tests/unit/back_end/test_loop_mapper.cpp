@@ -75,6 +75,23 @@ TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
   EXPECT_GT(mapper.field().geometry().cell_count(), 0U);
 }
 
+TEST_F(LoopMapperInARoom, GivesTheSameBytesWithAndWithoutAThreadBeside) {
+  std::vector<ClosedPath> paths;
+  for (const bool is_beside : {true, false}) {
+    MapperOptions options;
+    options.loops_beside = is_beside;
+    LoopMapper mapper({}, *backend_, options);
+    drive(mapper);
+    EXPECT_EQ(mapper.correction(), Pose2{}) << "fewer than eight places";
+    const FrozenMap map = mapper.request_map().get();
+    EXPECT_EQ(map.keyframes, mapper.front_end().statistics().keyframes);
+    paths.push_back(mapper.close([](std::string_view, double) {}, [] { return false; }));
+  }
+  EXPECT_EQ(paths.front().T_map_base, paths.back().T_map_base);
+  EXPECT_EQ(paths.front().keyframes, paths.back().keyframes);
+  EXPECT_EQ(paths.front().pairs, paths.back().pairs);
+}
+
 // An interrupt, before it begins or while it goes on: the path is that of the front end, and the map is there.
 TEST_F(LoopMapperInARoom, StoppedItLeavesThePathAsItWasDriven) {
   for (const int calls : {0, 1, 4}) {

@@ -34,10 +34,13 @@ struct BenchOptions {
   std::string filter;
   std::uint32_t size = 1024;
   TimingOptions timing;
-  CertifiedBenchJob certified{};  ///< no log: the sample
+  std::string log;  ///< none: the sample
+  CertifiedBenchJob certified{};
+  LiveBenchJob live{};
   bool json = false;
   bool flood_errors = false;
   [[nodiscard]] bool is_certified() const { return filter == "certified"; }
+  [[nodiscard]] bool is_live() const { return filter == "live"; }
 };
 
 /// All rows of one backend, and what it is called.
@@ -242,18 +245,29 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
 
 int print_certified(Backend& cpu, const BenchOptions& options) {
   CertifiedBenchJob job = options.certified;
-  if (job.log.empty()) job.log = sample_log_file();
+  job.log = options.log.empty() ? sample_log_file() : options.log;
   job.mapper = load_settings({}).mapper;
   print_result(bench_certified(
       job, cpu, [] { return interrupted(); }, options.json));
   return static_cast<int>(ExitCode::kDone);
 }
 
+int print_live(Backend& cpu, const BenchOptions& options) {
+  LiveBenchJob job = options.live;
+  job.log = options.log.empty() ? sample_log_file() : options.log;
+  job.mapper = load_settings({}).mapper;
+  job.options = on_failure_of(options.device);
+  print_result(bench_live(
+      job, cpu, [] { return interrupted(); }, options.json));
+  return static_cast<int>(ExitCode::kDone);
+}
+
 int bench(const BenchOptions& options) {
-  if (!options.is_certified() && !options.certified.log.empty()) {
-    throw UsageError("bench: --log is for 'gdtslam bench certified'");
+  if (!options.is_certified() && !options.is_live() && !options.log.empty()) {
+    throw UsageError("bench: --log is for 'gdtslam bench certified' and 'gdtslam bench live'");
   }
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
+  if (options.is_live()) return print_live(*cpu, options);
   if (options.is_certified()) return print_certified(*cpu, options);
   const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
   if (options.flood_errors) return print_flood_errors(device ? *device : *cpu, options);
@@ -276,7 +290,8 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->add_option("filter", options->filter,
                    "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; "
                    "'sweep': whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage; "
-                   "'certified': certified matching in the merged map of a log, on the CPU")
+                   "'certified': certified matching in the merged map of a log, on the CPU; 'live': each scan of a log "
+                   "that is mapped with loops, as it comes, on the CPU")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
@@ -287,8 +302,8 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->check(CLI::Range(1, 1000).description(""))
       ->capture_default_str();
   command
-      ->add_option("--log", options->certified.log,
-                   "certified: the log that is mapped (default: the sample that comes along)")
+      ->add_option("--log", options->log,
+                   "certified, live: the log that is mapped (default: the sample that comes along)")
       ->type_name("LOG");
   command->add_option("--scans", options->certified.scans, "certified: scans that are looked for, evenly over the log")
       ->type_name("N")
@@ -297,6 +312,12 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
   add_quantity_option(*command, "--lattice", options->certified.lattice_s, Unit::kSecond, {0.0, 1.0e6},
                       "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
       ->default_str(format_quantity(options->certified.lattice_s, Unit::kSecond));
+  command
+      ->add_option("--speed", options->live.speed,
+                   "live: scans come so many times as fast as their stamps say; 0: as fast as they are done")
+      ->type_name("N")
+      ->check(CLI::Range(0.0, 1.0e6).description(""))
+      ->capture_default_str();
   command->add_flag("--flood-errors", options->flood_errors,
                     "Instead of times: the errors of jump flooding from 512 to --size, as a table");
   command->add_flag("--json", options->json, "Print JSON");
@@ -307,6 +328,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       "\n"
       "Examples:\n  gdtslam bench\n  gdtslam bench --device vulkan --json\n  gdtslam bench pose_cost --isa avx2\n"
       "  gdtslam bench clouds\n  gdtslam bench viewer\n  gdtslam bench certified --log intel.clf.gz\n"
+      "  gdtslam bench live --log intel.clf.gz --json\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");
   command->callback([options, &context] { context.run = [options] { return bench(*options); }; });
 }

@@ -104,6 +104,7 @@ void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fal
   command
       .add_option("--threads", options.threads, "Threads of the CPU; 0: one per processor. Results do not depend on it")
       ->type_name("N")
+      ->each([&options](const std::string&) { options.are_threads_given = true; })
       ->check(CLI::Range(0U, kMostThreads).description(""))
       ->capture_default_str();
   command
@@ -172,9 +173,10 @@ DeviceChoice choose_device(const DeviceName& name, const VulkanListing& listing,
 }
 
 MapperOptions on_failure_of(const DeviceOptions& options) {
-  return {.fall_back = !options.no_fallback, .cpu = cpu_options(options), .warn = [](const std::string& text) {
-            print_remark("warning: " + text);
-          }};
+  return {.fall_back = !options.no_fallback,
+          .cpu = cpu_options(options),
+          .warn = [](const std::string& text) { print_remark("warning: " + text); },
+          .loops_beside = options.threads != 1 || !options.are_threads_given};
 }
 
 }  // namespace gdtslam

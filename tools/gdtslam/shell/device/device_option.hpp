@@ -17,7 +17,8 @@ namespace gdtslam {
 struct DeviceOptions {
   std::string device = "auto";
   unsigned threads = 1;
-  std::string isa{};  ///< empty: the strongest there is
+  bool are_threads_given = false;  ///< else a mapper may look for loops by a thread more
+  std::string isa{};               ///< empty: the strongest there is
   bool no_fallback = false;
 };
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,8 +54,11 @@ struct MapperOptions {
   /// Of that backend. Where the backend given is a device, matchers that walk on the host map on it from the start. It
   /// has one thread unless more are asked for.
   CpuOptions cpu;
-  /// Called once, with one line that says what failed and what happens now.
+  /// Called once for each failure, with one line that says what failed and what happens now.
   std::function<void(const std::string&)> warn;
+  /// Of LoopMapper: a thread of its own looks for loops while the caller maps; else the caller's does so at the same
+  /// keyframes. The results are the same.
+  bool loops_beside = true;
 };
 
 /// Maps one robot's scans, one after the other.
@@ -191,24 +195,54 @@ struct ClosedPath {
   double rms_m = 0.0;       ///< of their points from the lines of the other
 };
 
-/// Maps with loops closed: a front end that matches each scan with a map of the last stretch of the path, and, once the
-/// log has ended, the back end that finds where the robot came back, adjusts all keyframes together, then every scan
-/// (docs/loops.md).
+/// Loops that took effect while mapping went on.
+struct LiveStatistics {
+  std::uint64_t places = 0;       ///< reached
+  std::uint64_t corrections = 0;  ///< changes of LoopMapper::correction()
+  std::uint64_t waits = 0;        ///< scans that waited for loops to be looked for
+  double waited_s = 0.0;          ///< all together
+  double beside_cpu_s = 0.0;      ///< CPU time of the thread beside; 0 where there is none
+};
+
+/// A map as it was known at some keyframe. It stays as it is, for any thread, also when the mapper is gone.
+struct FrozenMap {
+  std::shared_ptr<const GlobalField> field;  ///< distance field; nothing in it before the first keyframe
+  std::size_t keyframes = 0;                 ///< that it holds
+  Pose2 T_closed_front;                      ///< LoopMapper::correction() that belongs to it
+};
+
+/// Maps with loops closed: a front end that matches each scan with a map of the last stretch of the path; beside it a
+/// thread that finds where the robot came back; and, once the log has ended, the back end that adjusts all keyframes
+/// together, then every scan (docs/loops.md). Two frames: the front end's, whose poses are right relative to those
+/// shortly before and never leap, and the closed one, in which places that were seen again lie where they were.
 class LoopMapper {
  public:
   /// The step at work, and the share of it that is done.
   using Progress = std::function<void(std::string_view, double)>;
 
   /// As Mapper; the configuration is that of a mapper without loops, and what the front end does otherwise is set here.
-  LoopMapper(const MapperConfig& config, Backend& backend, MapperOptions options = {});
+  LoopMapper(const MapperConfig& config, Backend& backend, const MapperOptions& options = {});
   ~LoopMapper();
   LoopMapper(const LoopMapper&) = delete;
   LoopMapper& operator=(const LoopMapper&) = delete;
 
-  /// As Mapper::start and finish: the pose is that of the front end, right relative to those shortly before.
+  /// As Mapper::start and finish: the pose is that of the front end. finish() also rethrows what the look for loops
+  /// threw. It waits for that where it is more than eight places, 32 m of path, behind.
   void start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
   void start(PointScan scan, const std::optional<Pose2>& T_odom_base);
   MatchResult finish();
+
+  /// For those who steer while mapping goes on: T_closed_front * MatchResult::T_map_base is the pose with the loops
+  /// closed that have been found so far. It leaps where loops do; the front end's poses do not. What is found at a
+  /// place takes effect eight places later, at a keyframe that the log alone determines: live and offline, with any
+  /// number of threads, it has the same values at the same scans.
+  [[nodiscard]] const Pose2& correction() const;
+  /// The distance field of the keyframes so far, in the closed frame with the loops found by then; which those are
+  /// depends on the log alone, when it is ready on the machine. Made by the thread that looks for loops, some 0.5 ms a
+  /// keyframe, during which loops wait. Holds what was thrown, as InputError where the map would be beyond
+  /// map.max_megacells; std::future_error (broken promise) where the mapper ended before. Not after close().
+  std::shared_future<FrozenMap> request_map();
+  [[nodiscard]] LiveStatistics live_statistics() const;
 
   /// To be called once, after the last scan. Where stop() is or becomes true, the path stays as it was driven.
   ClosedPath close(const Progress& progress, const std::function<bool()>& stop);

@@ -1,0 +1,216 @@
+#include "live_loops.hpp"
+
+#include <pthread.h>
+
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include "engine/mapping/map/separate_map.hpp"
+
+namespace gdtslam {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kBetweenProgress = 50ms;
+
+/// While it lives, threads that are started block all signals: handlers run in the program's own threads.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_{};
+};
+
+}  // namespace
+
+LiveLoops::LiveLoops(const LoopOptions& options, LiveOptions live)
+    : live_(std::move(live)), counter_(options), closer_(path_, options) {}
+
+// With the first order, so that whoever maps nothing has no thread.
+void LiveLoops::start() {
+  if (is_started_) return;
+  is_started_ = true;
+  is_over_ = !live_.is_beside;
+  if (!live_.is_beside) return;
+  const SignalsBlocked blocked;
+  try {
+    thread_ = std::thread([this] { work(); });
+  } catch (const std::system_error& error) {
+    is_over_ = true;
+    if (live_.warn) {
+      live_.warn(std::string("no thread to look for loops beside the mapping (") + error.what() +
+                 "): it is done in between; the result is the same");
+    }
+  }
+}
+
+void LiveLoops::take(Keyframe keyframe) {
+  const bool is_place = counter_.is_place(keyframe.path_m);
+  statistics_.places = counter_.places();
+  hand_over(std::move(keyframe));
+  if (is_place && counter_.places() > kPlacesLate) apply(counter_.places() - 1 - kPlacesLate);
+}
+
+std::shared_future<FrozenMap> LiveLoops::request_map(const MapperConfig& config) {
+  MapRequest request{config, {}};
+  std::shared_future<FrozenMap> map = request.promise.get_future().share();
+  hand_over(std::move(request));
+  return map;
+}
+
+// Without a thread the order is carried out here, unless one has failed: the others wait for abandon() then, too.
+void LiveLoops::hand_over(Order order) {
+  start();
+  if (thread_.joinable() || failure_) {
+    {
+      const std::lock_guard lock(mutex_);
+      orders_.push_back(std::move(order));
+    }
+    wake_.notify_one();
+    return;
+  }
+  carry_out(order);
+}
+
+void LiveLoops::work() {
+  std::unique_lock lock(mutex_);
+  while (!is_abandoned_ && !failure_) {
+    if (orders_.empty() && is_ending_) break;
+    if (orders_.empty()) {
+      wake_.wait(lock);
+      continue;
+    }
+    Order order = std::move(orders_.front());
+    orders_.pop_front();
+    lock.unlock();
+    carry_out(order);
+    lock.lock();
+  }
+  is_over_ = true;
+  done_.notify_all();
+}
+
+void LiveLoops::carry_out(Order& order) {
+  if (auto* const request = std::get_if<MapRequest>(&order)) {
+    draw_map(*request);
+    return;
+  }
+  try {
+    follow(std::get<Keyframe>(order));
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    done_.notify_all();
+  }
+}
+
+void LiveLoops::append(Keyframe& keyframe) {
+  path_.scans.push_back(std::move(keyframe.scan));
+  path_.poses.push_back(keyframe.T_map_base);
+  path_.path_m.push_back(keyframe.path_m);
+  path_.steps.push_back(keyframe.steps);
+  path_.travels.push_back(keyframe.travel);
+}
+
+// One keyframe on, and one place at most.
+void LiveLoops::follow(Keyframe& keyframe) {
+  append(keyframe);
+  closer_.follow([](double, int) {});
+  const std::lock_guard lock(mutex_);
+  if (found_.size() == closer_.graph().poses.size()) return;
+  found_.push_back(closer_.correction());
+  done_.notify_all();
+}
+
+void LiveLoops::draw_map(MapRequest& request) const {
+  try {
+    auto map = std::make_shared<SeparateMap>(request.config);
+    const std::vector<Pose2> poses = closer_.carried_keyframes();
+    for (std::size_t i = 0; i < poses.size(); ++i) map->merge(points_of(path_.scans[i]), poses[i]);
+    const GlobalField* const field = &map->field();
+    request.promise.set_value(
+        {.field = {std::move(map), field}, .keyframes = poses.size(), .T_closed_front = closer_.correction()});
+  } catch (...) {
+    request.promise.set_exception(std::current_exception());
+  }
+}
+
+void LiveLoops::apply(std::size_t place) {
+  std::unique_lock lock(mutex_);
+  const auto is_there = [&] { return found_.size() > place || failure_; };
+  if (!is_there()) {
+    const auto since = std::chrono::steady_clock::now();
+    done_.wait(lock, is_there);
+    ++statistics_.waits;
+    statistics_.waited_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+  }
+  if (found_.size() <= place) std::rethrow_exception(failure_);
+  if (found_[place] == T_closed_front_) return;
+  T_closed_front_ = found_[place];
+  ++statistics_.corrections;
+}
+
+LoopCloser& LiveLoops::end(const std::function<void(double)>& progress) {
+  std::unique_lock lock(mutex_);
+  is_ending_ = true;
+  wake_.notify_one();
+  while (thread_.joinable() && !done_.wait_for(lock, kBetweenProgress, [this] { return is_over_; })) {
+    const double share = static_cast<double>(found_.size() + 1) / static_cast<double>(counter_.places() + 1);
+    lock.unlock();
+    progress(share);
+    lock.lock();
+  }
+  lock.unlock();
+  join();
+  if (failure_) std::rethrow_exception(failure_);
+  return closer_;
+}
+
+void LiveLoops::abandon() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_abandoned_ = true;
+  }
+  wake_.notify_one();
+  join();
+  for (Order& order : orders_) {
+    if (auto* const keyframe = std::get_if<Keyframe>(&order)) append(*keyframe);
+  }
+  orders_.clear();
+}
+
+void LiveLoops::join() {
+  if (!thread_.joinable()) return;
+  statistics_.beside_cpu_s = thread_cpu_s();
+  thread_.join();
+}
+
+// By the thread's own clock, which others may read while it has not been joined.
+double LiveLoops::thread_cpu_s() const {
+  clockid_t clock{};
+  timespec time{};
+  const pthread_t handle = const_cast<std::thread&>(thread_).native_handle();
+  if (pthread_getcpuclockid(handle, &clock) != 0 || clock_gettime(clock, &time) != 0) return statistics_.beside_cpu_s;
+  return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
+}
+
+LiveStatistics LiveLoops::statistics() const {
+  LiveStatistics statistics = statistics_;
+  if (thread_.joinable()) statistics.beside_cpu_s = thread_cpu_s();
+  return statistics;
+}
+
+}  // namespace gdtslam

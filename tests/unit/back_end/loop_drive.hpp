@@ -1,0 +1,114 @@
+// A drive around a corridor whose walls and poses are known, and what a front end with known noise makes of it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/mapping/loops/measured_path.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+#include "support/room.hpp"
+
+namespace gdtslam::test {
+
+/// Of the path around that corridor, from pose to pose.
+inline constexpr double kRingRound_m = 2.0 * (26.0 + 14.0) + 36.0 * 3.14159265358979 / 18.0;
+
+inline void add_box(std::vector<Segment>& walls, const Point2& low, const Point2& high) {
+  walls.push_back({low, {high.x(), low.y()}});
+  walls.push_back({{high.x(), low.y()}, high});
+  walls.push_back({high, {low.x(), high.y()}});
+  walls.push_back({{low.x(), high.y()}, low});
+}
+
+/// A corridor around a block of 26 x 14 m, with niches at unequal distances, turned out of the grid.
+inline std::vector<Segment> ring_corridor() {
+  std::vector<Segment> walls;
+  add_box(walls, {-15.0, -9.0}, {15.0, 9.0});
+  add_box(walls, {-13.0, -7.0}, {13.0, 7.0});
+  for (const double x : {-11.0, -6.5, -1.0, 2.0, 8.5}) add_box(walls, {x, -9.0}, {x + 0.5, -8.7});
+  for (const double x : {-9.0, -3.5, 4.5, 6.0, 11.0}) add_box(walls, {x, 8.6}, {x + 0.6, 9.0});
+  for (const double y : {-4.0, 1.5, 3.0}) add_box(walls, {14.7, y}, {15.0, y + 0.7});
+  for (const double y : {-5.5, -1.0, 4.0}) add_box(walls, {-15.0, y}, {-14.6, y + 0.5});
+  const Pose2 turned{0.011, 0.007, 0.21};
+  for (Segment& wall : walls) wall = {turned * wall.from, turned * wall.to};
+  return walls;
+}
+
+/// Along the middle of that corridor, a keyframe each 0.25 m or 10 degrees.
+inline std::vector<Pose2> poses_around_ring(int rounds) {
+  const Pose2 turned{0.011, 0.007, 0.21};
+  std::vector<Pose2> poses;
+  Pose2 pose{-13.0, -8.0, 0.0};
+  const auto straight = [&](double length_m) {
+    for (int k = 0; k < static_cast<int>(std::lround(length_m / 0.25)); ++k) {
+      poses.push_back(turned * pose);
+      pose = pose * Pose2{0.25, 0.0, 0.0};
+    }
+  };
+  const auto corner = [&] {
+    for (int k = 0; k < 9; ++k) {
+      poses.push_back(turned * pose);
+      pose = pose * exp_se2({1.0 * kPi / 18.0, 0.0, kPi / 18.0});
+    }
+  };
+  for (int round = 0; round < rounds; ++round) {
+    straight(26.0);
+    corner();
+    straight(14.0);
+    corner();
+    straight(26.0);
+    corner();
+    straight(14.0);
+    corner();
+  }
+  return poses;
+}
+
+/// Driven by wheels with this noise a step, where the truth is known.
+struct LoopDrive {
+  std::vector<Pose2> truth;
+  FrontEndPath path;
+};
+
+inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad, std::uint64_t seed) {
+  Random random(seed);
+  const std::vector<Segment> walls = ring_corridor();
+  LoopDrive result;
+  result.truth = poses_around_ring(rounds);
+  const Matrix3 information = inverse(Matrix3::diagonal(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad));
+  for (std::size_t i = 0; i < result.truth.size(); ++i) {
+    const LaserScan scan = scan_of(walls, result.truth[i], 0.0, 180);
+    result.path.scans.push_back(keep_scan(points_of(scan, {})));
+    if (i == 0) {
+      result.path.poses.push_back(result.truth.front());
+      result.path.path_m.push_back(0.0);
+      result.path.steps.emplace_back();
+      continue;
+    }
+    const Pose2 step = between(result.truth[i - 1], result.truth[i]);
+    const double x = random.normal(0.0, sigma_m);
+    const double y = random.normal(0.0, sigma_m);
+    const double turn = random.normal(0.0, sigma_rad);
+    const Pose2 measured = step * exp_se2({x, y, turn});
+    result.path.poses.push_back(result.path.poses.back() * measured);
+    result.path.steps.push_back({MeasuredStep{measured, information}, MeasuredStep{measured, 0.01 * information}});
+    result.path.path_m.push_back(result.path.path_m.back() + step.translation().norm());
+  }
+  return result;
+}
+
+inline double largest_error_m(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    largest = std::max(largest, (poses[i].translation() - truth[i].translation()).norm());
+  }
+  return largest;
+}
+
+}  // namespace gdtslam::test
