@@ -89,6 +89,7 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
       result.path.poses.push_back(result.truth.front());
       result.path.path_m.push_back(0.0);
       result.path.steps.emplace_back();
+      result.path.travels.emplace_back();
       continue;
     }
     const Pose2 step = between(result.truth[i - 1], result.truth[i]);
@@ -98,6 +99,7 @@ inline LoopDrive drive_around_ring(int rounds, double sigma_m, double sigma_rad,
     const Pose2 measured = step * exp_se2({x, y, turn});
     result.path.poses.push_back(result.path.poses.back() * measured);
     result.path.steps.push_back({MeasuredStep{measured, information}, MeasuredStep{measured, 0.01 * information}});
+    result.path.travels.push_back({.path_m = length_of(measured), .turned_rad = std::fabs(measured.theta_rad)});
     result.path.path_m.push_back(result.path.path_m.back() + step.translation().norm());
   }
   return result;
