@@ -68,7 +68,8 @@ TEST_F(LoopMapperInARoom, GivesAPoseAndACovarianceAScan) {
     EXPECT_EQ(step.to, path.places[place + 1].scan);
     EXPECT_GT(step.information.xx * step.information.yy, step.information.xy * step.information.xy);
     const Pose2 actual = between(truth_[step.from], truth_[step.to]);
-    EXPECT_LT((step.T_from_to.translation() - actual.translation()).norm(), 0.1) << k;
+    // Places are 4 m apart, so wheels that miss a tenth of the way would be off by 0.4 m were they not corrected.
+    EXPECT_LT((step.T_from_to.translation() - actual.translation()).norm(), step.is_by_wheels ? 0.2 : 0.1) << k;
   }
   EXPECT_GT(path.wheels.sigma_distance, 0.0);
   EXPECT_LT(path.rms_m, 0.02);
