@@ -239,6 +239,16 @@ def render_hostile_runs():
     header = (run / "cloud.ply").read_bytes().split(b"end_header\n")[0]
     count = [word for word in header.split() if word.isdigit()][0]
     broken("cloud.ply", header.replace(count, b"9" * len(count)) + b"end_header\n" + b"\0" * 280, "--view", "iso")
+    run = RUN  # whose loops are closed
+    graph = ("--view", "graph")
+    rows = (run / "covariance.csv").read_text().splitlines(keepends=True)
+    broken("covariance.csv", b"", *graph)
+    broken("covariance.csv", bytes(range(256)) * 4, *graph)
+    broken("covariance.csv", "".join(rows[:-1]).encode(), *graph, says=("not of one run", *again))
+    report = json.loads((run / "report.json").read_text())
+    loops = {**report["loops"], "closures": [{**report["loops"]["closures"][0], "to": report["scans"]}]}
+    broken("report.json", json.dumps({**report, "loops": loops}).encode(), *graph, says=("'loops.closures[0].to'", *again))
+    broken("report.json", json.dumps({**report, "uncertain": []}).encode(), *graph, says=("'uncertain' is no object",))
     empty = cli.fresh_folder("render_hostile_runs/empty")
     refused(65, empty, says=("no run of 'gdtslam map'",))
 
@@ -256,7 +266,9 @@ def render_mistakes():
         ((RUN, "-o", folder / "a.mp4"), "no view that moves"),
         ((RUN, "-o", f"{folder}/"), "no view that moves"),
         ((RUN, "-o", folder / "a.mp4", "--view", "map"), "does not move"),
-        ((RUN, "--view", "iso", *out), "has no 3D cloud; its views are map, field, distance, cells"),
+        ((RUN, "--view", "iso", *out), "has no 3D cloud; its views are map, graph, field, distance, cells"),
+        ((RUN / "map.yaml", "--view", "graph", *out), "has no closed loops; its views are map"),
+        ((RUN, "--view", "graph", "--no-path", *out), "--no-path: has no effect on view graph"),
         ((RUN, "--view", "scan", *out), "has no 3D cloud and no linkage"),
         ((RUN, "--view", "fild", *out), "did you mean 'field'"),
         ((RUN, "--view", "errors-box", *out), "--reference or --relations"),

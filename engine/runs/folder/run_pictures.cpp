@@ -12,6 +12,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/maps/png.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 #ifdef GDTSLAM_HAS_RASTER
 #include "gdtslam/drawing/raster.hpp"
 #endif
@@ -92,9 +93,10 @@ std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const Un
     doubted += stretch.to - stretch.from + 1;
     sigma_m = std::max(sigma_m, stretch.sigma_m);
   }
-  std::string text = fmt::format("{} scans, {} of {} loops hold", scans, on, loops.size());
+  std::string text = counted(scans, "scan");
+  text += loops.empty() ? ", no loop found" : fmt::format(", {} of {} hold", on, counted(loops.size(), "loop"));
   if (doubted > 0) {
-    text += fmt::format("; {} scans not to be trusted, standard deviation up to {:.2g} m", doubted, sigma_m);
+    text += fmt::format("; {} not to be trusted, standard deviation up to {:.2g} m", counted(doubted, "scan"), sigma_m);
   }
   return text;
 }

@@ -14,8 +14,9 @@ namespace {
 constexpr double kStandsOut = 3.0;  // standard deviations, as for what the mapper corrects
 // What makes 15 cm, from which on a pose is not to be trusted, over the 15 m of path that a local map has.
 constexpr double kWorthShare = 0.01;
-constexpr double kWorthPull_rad_per_m = 2.0 * 0.15 / (15.0 * 15.0);
-constexpr double kWorthFactor = 4.0;  // of a variance: twice the noise that was stated
+constexpr double kWorthPull_rad_per_m = 2.0 * kUncertain_m / (15.0 * 15.0);
+constexpr double kFarOff_m = 2.0 * kUncertain_m;  // of a loop: more than poses that are trusted may be off
+constexpr double kWorthFactor = 4.0;              // of a variance: twice the noise that was stated
 // Loops tell too little of matches that are far better than they say. Their factor is a tenth then, and that of the
 // wheels is larger in the same ratio and says nothing by itself.
 constexpr double kKnownFactor = 0.1 * (1.0 + 1.0e-9);
@@ -100,11 +101,14 @@ ReviewNote note_of(const PlacedStretch& stretch, std::size_t scans) {
 
 ReviewNote note_of(const PlacedLoop& placed_loop) {
   const ClosedLoop& loop = placed_loop.loop;
+  const char* const advice = loop.off_m < kFarOff_m
+                                 ? "it is off by little: nothing to do where walls are single there"
+                                 : "where walls are double there it was right; else two places look alike";
   return {"loop",
           fmt::format("loop from scan {} at {} to scan {} at {} is switched off: {:.2f} m and {:.1f} deg off",
                       loop.from, place_text(placed_loop.from_m), loop.to, place_text(placed_loop.to_m), loop.off_m,
                       deg_from_rad(loop.off_rad)),
-          "if walls are double there, it was right; if not, two places look alike", placed_loop.to_m};
+          advice, placed_loop.to_m};
 }
 
 void add_wheel_note(std::vector<ReviewNote>& notes, std::string finding, std::string advice) {

@@ -91,6 +91,9 @@ TEST(RunReview, NamesLoopsThatAreNotBelieved) {
   ASSERT_EQ(review.notes.size(), 1U);
   EXPECT_EQ(review.notes[0].finding,
             "loop from scan 2 at (2.0, -0.5) m to scan 7 at (7.0, -0.5) m is switched off: 1.25 m and 3.0 deg off");
+  EXPECT_THAT(review.notes[0].advice, HasSubstr("two places look alike"));
+  doubts.loops->loops.back().off_m = 0.1;
+  EXPECT_THAT(review_of(doubts, ten_poses(), {}).notes.at(0).advice, HasSubstr("off by little"));
 }
 
 TEST(RunReview, WheelsAreOffWhereItStandsOutAndMatters) {

@@ -14,6 +14,7 @@
 #include "engine/runs/folder/run_review.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/ticks.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
@@ -60,8 +61,8 @@ std::string loops_text(const RunReview& review) {
 
 std::string review_text(const RunReader& run, const RunReview& review) {
   const RunDoubts& doubts = review.doubts;
-  std::string text = fmt::format("run              {}: {}, {} scans, {:.1f} m of path\n", printable(run.folder()),
-                                 run.name(), doubts.scans, run.summary().path_m);
+  std::string text = fmt::format("run              {}: {}, {}, {:.1f} m of path\n", printable(run.folder()), run.name(),
+                                 counted(doubts.scans, "scan"), run.summary().path_m);
   text += fmt::format("scans            {} accepted, {} with weak evidence, {} refused ({})\n", doubts.accepted,
                       doubts.weak, doubts.refused, percent_text(doubts.refused, doubts.scans));
   text += loops_text(review);
@@ -152,7 +153,8 @@ void draw_review(const RunReader& run, const RunReview& review, const Trajectory
   }
   MapLook look;
   look.title = run.name();
-  look.subtitle = graph_subtitle(found.loops, found.uncertain, review.doubts.scans);
+  look.subtitle = review.doubts.loops ? graph_subtitle(found.loops, found.uncertain, review.doubts.scans)
+                                      : counted(review.doubts.scans, "scan") + ", loops not closed";
   const PictureSize size = size_for_content(map.geometry.width, map.geometry.height);
   write_file_atomically(file, drawing_bytes(graph_picture(map, overlay, look, size), file));
 }
