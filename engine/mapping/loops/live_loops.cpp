@@ -34,6 +34,12 @@ class SignalsBlocked {
   sigset_t before_{};
 };
 
+double own_cpu_s() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
+}
+
 }  // namespace
 
 LiveLoops::LiveLoops(const LoopOptions& options, LiveOptions live)
@@ -98,6 +104,7 @@ void LiveLoops::work() {
     lock.unlock();
     carry_out(order);
     lock.lock();
+    beside_cpu_s_ = own_cpu_s();
   }
   is_over_ = true;
   done_.notify_all();
@@ -193,23 +200,13 @@ void LiveLoops::abandon() {
 }
 
 void LiveLoops::join() {
-  if (!thread_.joinable()) return;
-  statistics_.beside_cpu_s = thread_cpu_s();
-  thread_.join();
-}
-
-// By the thread's own clock, which others may read while it has not been joined.
-double LiveLoops::thread_cpu_s() const {
-  clockid_t clock{};
-  timespec time{};
-  const pthread_t handle = const_cast<std::thread&>(thread_).native_handle();
-  if (pthread_getcpuclockid(handle, &clock) != 0 || clock_gettime(clock, &time) != 0) return statistics_.beside_cpu_s;
-  return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
+  if (thread_.joinable()) thread_.join();
 }
 
 LiveStatistics LiveLoops::statistics() const {
   LiveStatistics statistics = statistics_;
-  if (thread_.joinable()) statistics.beside_cpu_s = thread_cpu_s();
+  const std::lock_guard lock(mutex_);
+  statistics.beside_cpu_s = beside_cpu_s_;
   return statistics;
 }
 

@@ -80,7 +80,6 @@ class LiveLoops {
   void append(Keyframe& keyframe);
   void apply(std::size_t place);
   void join();
-  [[nodiscard]] double thread_cpu_s() const;
 
   LiveOptions live_;
   // The caller's:
@@ -92,11 +91,12 @@ class LiveLoops {
   FrontEndPath path_;
   LoopCloser closer_;
   // Of both, under the lock:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::condition_variable done_;
   std::deque<Order> orders_;
-  std::vector<Pose2> found_;  // corrections, one a place
+  std::vector<Pose2> found_;   // corrections, one a place
+  double beside_cpu_s_ = 0.0;  // of the thread
   std::exception_ptr failure_;
   bool is_ending_ = false;     // when all orders are carried out
   bool is_abandoned_ = false;  // at once

@@ -138,31 +138,19 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   outcome_.trajectory.push_back({result.stamp_s, T_map_base});
 }
 
-void MapRun::mapper_begins() {
-  if (loops_) beside_cpu_s_ = loops_->live_statistics().beside_cpu_s;
-}
-
-// What the thread beside it did meanwhile is not the mapper's.
-void MapRun::mapper_pauses() {
-  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
-  if (loops_) outcome_.mapper_cpu_s -= loops_->live_statistics().beside_cpu_s - beside_cpu_s_;
-}
-
 // The next scan is read while the device works on this one. What the reader has to complain of in it counts once this
 // one is done.
 MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
-  mapper_begins();
   loops_ ? loops_->start(scan.scan, scan.T_odom_base) : mapper_->start(scan.scan, scan.T_odom_base);
-  mapper_pauses();
+  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   try {
     next.scan = next_of(scans_);
   } catch (...) {
     next.problem = std::current_exception();
   }
   watch_.add_to(outcome_.read_s);
-  mapper_begins();
   const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
-  mapper_pauses();
+  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   return result;
 }
 

@@ -88,8 +88,6 @@ class MapRun {
   void note_stamp(double stamp_s);
   [[nodiscard]] const Mapper& front_end() const { return loops_ ? loops_->front_end() : *mapper_; }
   void close_loops();
-  void mapper_begins();
-  void mapper_pauses();
   void require_a_map() const;
   void finish();
 
@@ -102,7 +100,6 @@ class MapRun {
   std::unique_ptr<Nodding> nodding_;  ///< null: the laser does not nod
   std::function<bool()> stop_;
   Stopwatch watch_;
-  double beside_cpu_s_ = 0.0;  ///< of the thread that looks for loops, until the mapper began
   double first_s_;
   double last_s_;
   MapOutcome outcome_;

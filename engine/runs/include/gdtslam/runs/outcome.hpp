@@ -84,9 +84,8 @@ struct MapOutcome {
   double wall_s = 0.0;          ///< of the whole run, reading included
   double cpu_s = 0.0;           ///< of the process during the run
   double read_s = 0.0;
-  double mapper_s = 0.0;  ///< inside the mapper
-  /// Likewise, CPU time of all threads but the one that looks for loops beside it.
-  double mapper_cpu_s = 0.0;
+  double mapper_s = 0.0;      ///< inside the mapper
+  double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads, the one that looks for loops too
   double occupancy_s = 0.0;
   double loops_s = 0.0;  ///< closing the rest of the loops and adjusting the path, once the log has ended
   bool interrupted = false;
