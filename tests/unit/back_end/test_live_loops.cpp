@@ -22,8 +22,7 @@ namespace {
 using test::LoopDrive;
 
 Keyframe keyframe_at(const LoopDrive& drive, std::size_t i) {
-  return {drive.path.scans[i], drive.path.poses[i], drive.path.path_m[i], drive.path.steps[i],
-          drive.path.travels[i]};
+  return {drive.path.scans[i], drive.path.poses[i], drive.path.path_m[i], drive.path.steps[i], drive.path.travels[i]};
 }
 
 /// The correction after each keyframe.
