@@ -7,8 +7,8 @@
 #include <optional>
 #include <span>
 
-#include "engine/mapping/match/continued_motion.hpp"
 #include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/wheels/continued_motion.hpp"
 #include "engine/mapping/wheels/pose_filter.hpp"
 #include "engine/mapping/wheels/wheel_noise.hpp"
 #include "gdtslam/mapping/match.hpp"

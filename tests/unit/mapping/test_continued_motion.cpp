@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "engine/mapping/match/continued_motion.hpp"
+#include "engine/mapping/wheels/continued_motion.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {
