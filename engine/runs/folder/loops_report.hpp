@@ -13,8 +13,9 @@
 
 namespace gdtslam {
 
-/// From here on a pose is not to be trusted: two standard deviations are 0.3 m.
-inline constexpr double kUncertain_m = 0.15;
+/// From this standard deviation on a pose is not to be trusted. On sparse logs 99 % of the poses that are off by 0.3 m
+/// are beyond it (docs/loops.md).
+inline constexpr double kUncertain_m = 0.2;
 
 /// Scans one after the other whose poses are not to be trusted.
 struct UncertainStretch {
