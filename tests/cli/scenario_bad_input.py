@@ -27,10 +27,7 @@ def out_of_memory():
     failures = set()
     while (process := limited(megabytes, "map", LOG, "-o", folder, "-q", "--first", 50)).returncode != 0:
         expect_exit(process, 1)
-        lines = process.stderr.splitlines(keepends=True)
-        remarks = [line for line in lines if line.startswith("gdtslam: warning: no thread to look for loops")]
-        expect(len(remarks) <= 1, process.stderr)  # there is no room for a thread's stack either
-        error = "".join(line for line in lines if line not in remarks)
+        error = cli.without_thread_remark(process.stderr)
         one_error_line(error)
         expect(re.search("(out of|insufficient) memory", error), process.stderr)
         expect(not folder.exists(), "a folder was left")

@@ -22,7 +22,7 @@ def has_vulkan_part():
     return json.loads(command("devices", "--json").stdout)["vulkan"]["built"]
 
 
-def everything_works_without(changes, words):
+def everything_works_without(changes, words, scenario):
     """Commands without a Vulkan device: each says so in one line, and the CPU does its work."""
     env = environment(**changes)
     process = command("devices", env=env)
@@ -30,7 +30,7 @@ def everything_works_without(changes, words):
     lines = [line for line in process.stdout.splitlines() if line.startswith("vulkan")]
     expect(len(lines) == 1 and words in lines[0], f"devices: {process.stdout}")
     expect(process.stderr == "", f"devices: {process.stderr}")
-    folder = fresh_folder("without_vulkan")
+    folder = fresh_folder(f"without_vulkan_{scenario}")
     for arguments in (["map", LOG, "-o", folder / "no"], ["verify"], ["bench"]):
         for device in ("vulkan", "vulkan:0"):
             process = command(*arguments, "--device", device, env=env)
@@ -48,11 +48,11 @@ def everything_works_without(changes, words):
 def no_vulkan_driver():
     """A loader that finds no driver."""
     if not has_vulkan_part():
-        everything_works_without({}, "this build has no Vulkan backend")
+        everything_works_without({}, "this build has no Vulkan backend", "no_vulkan_driver")
         return
     if ctypes.util.find_library("vulkan") is None:
         skip("there is no Vulkan loader here")
-    everything_works_without(NO_DRIVER, "no driver")
+    everything_works_without(NO_DRIVER, "no driver", "no_vulkan_driver")
 
 
 def vulkan_driver_that_does_not_load():
@@ -78,7 +78,7 @@ def no_vulkan_loader():
         skip("this build has no Vulkan backend")
     folder = fresh_folder("no_loader")
     (folder / "libvulkan.so.1").write_text("")
-    everything_works_without({"LD_LIBRARY_PATH": str(folder)}, "libvulkan")
+    everything_works_without({"LD_LIBRARY_PATH": str(folder)}, "libvulkan", "no_vulkan_loader")
 
 
 def auto_leaves_lavapipe_alone():

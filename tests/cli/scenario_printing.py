@@ -124,5 +124,5 @@ def out_of_memory_of_a_command():
     expect("out of memory in 'gdtslam map'; a smaller map.max_megacells" in process.stderr, process.stderr)
     process = limited(megabytes + 4, "map", LOG, "-o", folder / "run")
     expect_exit(process, 1)
-    one_error_line(process.stderr)
+    one_error_line(cli.without_thread_remark(process.stderr))
     expect("out of memory" in process.stderr and not (folder / "run").exists(), process.stderr)
