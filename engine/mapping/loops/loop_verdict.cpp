@@ -1,5 +1,6 @@
 #include "loop_verdict.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "engine/core/elementary.hpp"
@@ -11,7 +12,11 @@ constexpr double kOnWall_m = 0.15;
 constexpr double kSameSide = 0.5;            // least cosine between normals
 constexpr double kGroupPointNoise_m = 0.05;  // of a point of a group: its own scans drift a little
 constexpr double kGroupIndependent = 60.0;   // points that tell something new
-constexpr double kGroupLeastShape = 1.0e-6;
+// In a direction in which little holds a group the search stays where it was told to begin, and that is no measurement:
+// hundreds of loops along a corridor would say together that the path is right as it drifted. So what normals that are
+// off by six degrees could feign counts as nothing.
+constexpr double kGroupShapeOfNoise = 0.01;
+constexpr double kGroupLeastShape = 1.0e-10;
 constexpr double kLoopFloor_m = 0.03;
 constexpr double kLoopFloor_rad = 0.006;
 constexpr std::size_t kEvery = 4;  // of the reference's points, which are many
@@ -90,7 +95,9 @@ bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits) {
 
 Matrix3 loop_information(const LoopEvidence& evidence) {
   const double weight = kGroupIndependent * evidence.overlap / (kGroupPointNoise_m * kGroupPointNoise_m);
-  const Matrix3 information = weight * shape_of_one(evidence.shape, 1, kGroupLeastShape);
+  const Matrix3 information = weight * with_eigenvalues(eigen_of_symmetric(evidence.shape), [](double value) {
+                                return std::max(kGroupLeastShape, value - kGroupShapeOfNoise);
+                              });
   const Matrix3 floor =
       Matrix3::diagonal(kLoopFloor_m * kLoopFloor_m, kLoopFloor_m * kLoopFloor_m, kLoopFloor_rad * kLoopFloor_rad);
   return inverse(inverse(information) + floor);
