@@ -15,8 +15,9 @@ import subprocess
 import sys
 import tempfile
 
-WRONG_M = 0.5  # a loop that is farther off is another place
+WRONG_M = 0.5  # a loop that is farther off, and by more than chance, is another place
 WRONG_RAD = 0.1
+WRONG_CHI2 = 25.0
 OFF_M = 0.3  # a pose that is farther off is a bad one
 AGAIN_M = 2.0  # a place this near an earlier one
 AGAIN_AFTER_M = 20.0  # of path
@@ -200,16 +201,25 @@ def errors_of(poses, truth):
 
 
 def loops_of(folder):
-    """(from, to, measured pose, whether it is believed) of each loop."""
+    """(from, to, measured pose, its information, weight) of each loop; the file has the information times the weight."""
     closures = json.loads((folder / "report.json").read_text())["loops"]["closures"]
-    believed = {(c["from"], c["to"]): c["weight"] > 0.25 for c in closures}
+    weights = {(c["from"], c["to"]): c["weight"] for c in closures}
     loops = []
     for line in (folder / "graph.g2o").read_text().splitlines():
         word = line.split()
-        if word and word[0] == "EDGE_SE2" and (int(word[1]), int(word[2])) in believed:
+        if word and word[0] == "EDGE_SE2" and (int(word[1]), int(word[2])) in weights:
             pair = int(word[1]), int(word[2])
-            loops.append((*pair, tuple(map(float, word[3:6])), believed[pair]))
+            weight = weights[pair]
+            information = [float(value) / max(weight, 1e-9) for value in word[6:12]]
+            loops.append((*pair, tuple(map(float, word[3:6])), information, weight))
     return loops
+
+
+def is_wrong(off, information):
+    """Whether a loop says that the robot was where it was not; along a bare corridor it may say nothing."""
+    (x, y, turn), (xx, xy, xt, yy, yt, tt) = off, information
+    chi2 = xx * x * x + yy * y * y + tt * turn * turn + 2.0 * (xy * x * y + xt * x * turn + yt * y * turn)
+    return chi2 > WRONG_CHI2 and (math.hypot(x, y) > WRONG_M or abs(turn) > WRONG_RAD)
 
 
 def places_of(folder):
@@ -233,12 +243,11 @@ def figures(folder, truth):
         listed.update(range(stretch["from"], stretch["to"] + 1))
     wrong, closed = 0, set()
     loops = loops_of(folder)
-    for a, b, measured, is_on in loops:
-        off = between(between(truth[a], truth[b]), measured)
-        if is_on and (math.hypot(off[0], off[1]) > WRONG_M or abs(off[2]) > WRONG_RAD):
-            wrong += 1
-        if is_on:
-            closed.add(b)
+    for a, b, measured, information, weight in loops:
+        if weight <= 0.25:
+            continue
+        closed.add(b)
+        wrong += is_wrong(between(between(truth[a], truth[b]), measured), information)
     again = passed_again(places_of(folder), truth)
     bad = [i for i, error in enumerate(errors) if error > OFF_M]
     return {"ate": sum(errors) / len(errors), "largest": max(errors), "loops": len(loops), "wrong": wrong,
