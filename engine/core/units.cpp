@@ -125,7 +125,15 @@ std::optional<double> refuse(std::string* why, std::string reason) {
   return std::nullopt;
 }
 
-std::string quoted(std::string_view text) { return std::string(1, '\'').append(text).append(1, '\''); }
+// In quotation marks, one printable line, short: a quoted text in a file may hold anything.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kMaxShown = 48;
+  std::string shown = "'";
+  for (const char c : text.substr(0, kMaxShown)) {
+    shown += c >= ' ' && c <= '~' ? c : '?';
+  }
+  return shown.append(text.size() > kMaxShown ? "...'" : "'");
+}
 
 }  // namespace
 

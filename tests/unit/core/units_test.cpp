@@ -80,6 +80,7 @@ TEST(ParseQuantity, SaysWhyNot) {
   EXPECT_THAT(reason("5 metres", Unit::kMetre), HasSubstr("'metres'"));
   EXPECT_THAT(reason("5 M", Unit::kMetre), HasSubstr("'M'"));
   EXPECT_THAT(reason("5,5", Unit::kNone), HasSubstr("',5'"));
+  EXPECT_THAT(reason("5 a\nb", Unit::kMetre), HasSubstr("'a?b'"));  // the reason is one line whatever was quoted
   EXPECT_THAT(reason("1 2", Unit::kNone), HasSubstr("'2'"));
   EXPECT_THAT(reason("0x10", Unit::kNone), HasSubstr("'x10'"));
   EXPECT_THAT(reason("5e", Unit::kNone), HasSubstr("'e'"));
