@@ -9,13 +9,13 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::ptrdiff_t kMostLookedAt = 12;  // to each side of the direction
+constexpr std::size_t kMostLookedAt = 12;  // to each side of the direction
 constexpr double kMostReach_rad = 0.6;
 constexpr double kLeastRange_m = 0.1;
+// direction_of() grows by at most 1 a radian, and the sine of what is below kMostReach_rad is more than this share of it.
+constexpr double kRayShare = 0.9;
 constexpr double kSameFace = 0.8;     // least cosine between normals
 constexpr double kKernelShare = 0.3;  // of the gate: the scale of the kernel
-
-double stored_direction(const SurfacePoint& p) { return p.direction; }
 
 /// A surface point in the frame of the scan that stands still.
 struct Placed {
@@ -44,29 +44,80 @@ class Motion {
   SinCos<double> turn_;
 };
 
-// The nearest point within the gate among those in about the same direction; null where there is none.
-const SurfacePoint* nearest(const std::vector<SurfacePoint>& surface, const Placed& q, double most_m) {
-  const double range_m = std::max(kLeastRange_m, std::sqrt(q.x * q.x + q.y * q.y));
-  const double direction = direction_of(q.x, q.y);
-  const double reach = std::min(kMostReach_rad, most_m / range_m);
-  const auto at = std::lower_bound(surface.begin(), surface.end(), direction,
-                                   [](const SurfacePoint& p, double value) { return stored_direction(p) < value; });
-  const SurfacePoint* best = nullptr;
-  double least = most_m * most_m;
-  const auto look = [&](const SurfacePoint& p) {
-    const double dx = static_cast<double>(p.x_m) - q.x;
-    const double dy = static_cast<double>(p.y_m) - q.y;
-    const double square = dx * dx + dy * dy;
-    if (square >= least) return;
-    least = square;
-    best = &p;
-  };
-  const auto last = at + std::min(kMostLookedAt, surface.end() - at);
-  for (auto it = at; it != last && stored_direction(*it) - direction <= reach; ++it) look(*it);
-  const auto first = at - std::min(kMostLookedAt, at - surface.begin());
-  for (auto it = at; it != first && direction - stored_direction(*std::prev(it)) <= reach;) look(*--it);
-  return best;
-}
+// Looks up surface points by direction. Points asked for one after the other lie near each other, so the search goes
+// on where the last one ended.
+class SurfaceLookup {
+ public:
+  explicit SurfaceLookup(const std::vector<SurfacePoint>& surface) : surface_(surface) {}
+
+  /// The nearest point within the gate among those in about the same direction; null where there is none.
+  const SurfacePoint* nearest(const Placed& q, double most_m) {
+    const double range_squared = q.x * q.x + q.y * q.y;
+    const double direction = direction_of(q.x, q.y);
+    const double reach = std::min(kMostReach_rad, most_m / std::max(kLeastRange_m, std::sqrt(range_squared)));
+    const std::size_t at = go_to(direction);
+    const SurfacePoint* best = nullptr;
+    double least = most_m * most_m;
+    // False where neither this point nor one beyond it can be nearer: all lie beyond a ray at this angle.
+    const auto look = [&](const SurfacePoint& p, double apart) {
+      const double ray = kRayShare * apart;
+      if (!(apart <= reach) || ray * ray * range_squared >= least) return false;
+      const double dx = static_cast<double>(p.x_m) - q.x;
+      const double dy = static_cast<double>(p.y_m) - q.y;
+      const double square = dx * dx + dy * dy;
+      if (square < least) {
+        least = square;
+        best = &p;
+      }
+      return true;
+    };
+    const std::size_t last = at + std::min(kMostLookedAt, surface_.size() - at);
+    for (std::size_t k = at; k != last && look(surface_[k], stored(k) - direction);) ++k;
+    const std::size_t first = at - std::min(kMostLookedAt, at);
+    for (std::size_t k = at; k != first && look(surface_[k - 1], direction - stored(k - 1));) --k;
+    return best;
+  }
+
+ private:
+  [[nodiscard]] double stored(std::size_t k) const { return surface_[k].direction; }
+
+  // The first point whose direction is not less: by steps that double, away from the last place, then by halves.
+  std::size_t go_to(double direction) {
+    std::size_t low = 0;
+    std::size_t high = surface_.size();
+    if (at_ < high && stored(at_) < direction) {
+      low = at_ + 1;
+      for (std::size_t step = 1; low + step < high; step *= 2) {
+        if (!(stored(low + step) < direction)) {
+          high = low + step;
+          break;
+        }
+        low += step + 1;
+      }
+    } else {
+      high = at_;
+      for (std::size_t step = 1; step < high; step *= 2) {
+        if (stored(high - step) < direction) {
+          low = high - step + 1;
+          break;
+        }
+        high -= step;
+      }
+    }
+    while (low < high) {
+      const std::size_t middle = low + (high - low) / 2;
+      if (stored(middle) < direction) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return at_ = low;
+  }
+
+  const std::vector<SurfacePoint>& surface_;
+  std::size_t at_ = 0;
+};
 
 }  // namespace
 
@@ -75,11 +126,12 @@ LineEquations line_equations(const KeptScan& fixed, const KeptScan& moving, cons
   LineEquations sum;
   const Motion motion(T_fixed_moving);
   const double scale_m = kKernelShare * gate.most_m;
+  SurfaceLookup lookup(fixed.surface);
   const std::size_t step = std::max<std::size_t>(1, moving.surface.size() / gate.points);
   for (std::size_t i = 0; i < moving.surface.size(); i += step) {
     const SurfacePoint& p = moving.surface[i];
     const Placed q = motion(p);
-    const SurfacePoint* line = nearest(fixed.surface, q, gate.most_m);
+    const SurfacePoint* line = lookup.nearest(q, gate.most_m);
     if (line == nullptr) continue;
     const double nx = line->normal_x;
     const double ny = line->normal_y;
