@@ -80,7 +80,8 @@ JointResult JointAdjustment::run(std::vector<Pose2>& poses, const Progress& prog
   std::optional<BlockCholesky> factor;
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
-    if (step % options_.pairs_every == 0) {
+    const bool has_new_pairs = step % options_.pairs_every == 0;
+    if (has_new_pairs) {
       pairs = pairs_of(poses);
       system.emplace(system_for(pairs));
       factor.emplace(*system);
@@ -90,7 +91,8 @@ JointResult JointAdjustment::run(std::vector<Pose2>& poses, const Progress& prog
     const LineGate gate{.most_m = gate_m, .points = options_.points};
     for (const KeyframePair& pair : pairs) add_pair(pair, poses, gate, *system, total);
     for (const PoseRelation& relation : held_) add_relation(relation, poses, 1.0, *system);
-    result.largest_step_m = take_step(*system, *factor, poses);
+    result.largest_step_m =
+        has_new_pairs ? take_step(*system, *factor, poses) : take_step_near(*system, *factor, poses);
     result.rms_m = total.weight > 0.0 ? std::sqrt(total.cost_m2 / total.weight) : 0.0;
     result.pairs = pairs.size();
     const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;

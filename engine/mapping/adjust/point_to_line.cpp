@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t kMostLookedAt = 12;  // to each side of the direction
 constexpr double kMostReach_rad = 0.6;
 constexpr double kLeastRange_m = 0.1;
-// direction_of() grows by at most 1 a radian, and the sine of what is below kMostReach_rad is more than this share of it.
+// direction_of() grows by at most 1 a radian, and the sine of what is below kMostReach_rad is more than this share of
+// it.
 constexpr double kRayShare = 0.9;
 constexpr double kSameFace = 0.8;     // least cosine between normals
 constexpr double kKernelShare = 0.3;  // of the gate: the scale of the kernel

@@ -134,7 +134,7 @@ struct Eigen3 {
   Matrix3 vectors = Matrix3::identity();
 };
 
-/// By Jacobi's rotations, one pair of axes after the other [Golub2013, section 8.5.2].
+/// By Jacobi's rotations, one pair of axes after the other [GolubVanLoan2013, section 8.5.2].
 inline Eigen3 eigen_of_symmetric(Matrix3 a) {
   constexpr int kMostSweeps = 32;
   constexpr double kNothing = 1.0e-300;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "conjugate_gradients.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -25,6 +27,23 @@ void fill(const PoseGraph& graph, BlockSystem& system) {
   system.clear();
   for (const PoseRelation& relation : graph.path) add_relation(relation, graph.poses, 1.0, system);
   for (const Loop& loop : graph.loops) add_relation(loop.relation, graph.poses, loop.weight, system);
+}
+
+// How far the farthest went, metres.
+double move_by(const std::vector<Tangent2>& steps, std::vector<Pose2>& poses) {
+  double farthest_m = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i] = poses[i] * exp_tangent(steps[i]);
+    farthest_m = std::max(farthest_m, std::sqrt(steps[i][0] * steps[i][0] + steps[i][1] * steps[i][1]));
+  }
+  return farthest_m;
+}
+
+double solve_and_move(const BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
+  if (!factor.factorise(system)) return -1.0;
+  std::vector<Tangent2> steps = system.right;
+  factor.solve(steps);
+  return move_by(steps, poses);
 }
 
 void hold_first(BlockSystem& system) { system.diagonal.front() += Matrix3::diagonal(kHeld, kHeld, kHeld); }
@@ -58,15 +77,13 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
 
 double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
   hold_first(system);
-  if (!factor.factorise(system)) return -1.0;
-  std::vector<Tangent2> steps = system.right;
-  factor.solve(steps);
-  double farthest_m = 0.0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i] = poses[i] * exp_tangent(steps[i]);
-    farthest_m = std::max(farthest_m, std::sqrt(steps[i][0] * steps[i][0] + steps[i][1] * steps[i][1]));
-  }
-  return farthest_m;
+  return solve_and_move(system, factor, poses);
+}
+
+double take_step_near(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
+  hold_first(system);
+  const std::vector<Tangent2> steps = solve_near(system, factor);
+  return steps.empty() ? solve_and_move(system, factor, poses) : move_by(steps, poses);
 }
 
 double PoseGraph::largest_chi2() const {

@@ -29,6 +29,8 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
 /// Moves the poses by the system's solution, the first one held; returns how far the farthest went, metres, or nothing
 /// below zero where the system has no solution, and the poses stay.
 double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
+/// The same where the factor is that of a system that has changed by little since; made anew where by too much.
+double take_step_near(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
 
 /// A loop and how far it is believed, from 0 to 1.
 struct Loop {

@@ -1,5 +1,6 @@
 // The sparse factorisation against dense ones of Eigen.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "engine/mapping/graph/block_cholesky.hpp"
+#include "engine/mapping/graph/conjugate_gradients.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {
@@ -113,6 +115,48 @@ TEST(BlockCholesky, IsUsedAgainForOtherValuesOfThePattern) {
   std::vector<Tangent2> expected = problem.system.right;
   fresh.solve(expected);
   EXPECT_EQ(again, expected) << "to the bit";
+}
+
+// Whose exact solution is Eigen's, of the changed matrix in full.
+TEST(SolveNear, SolvesASystemThatChangedByLittleWithTheOldFactor) {
+  Problem problem(60, 25, 8);
+  BlockCholesky factor(problem.system);
+  ASSERT_TRUE(factor.factorise(problem.system));
+  for (std::size_t row = 0; row < problem.system.rows(); ++row) {
+    const Matrix3 more = Matrix3::diagonal(6.0, 3.0, 0.5 * static_cast<double>(row % 7));
+    problem.system.diagonal[row] += more;
+    const auto at = static_cast<Eigen::Index>(3 * row);
+    problem.dense.block<3, 3>(at, at) += dense_of(more);
+  }
+  const std::vector<Tangent2> solution = solve_near(problem.system, factor);
+  ASSERT_EQ(solution.size(), 60U);
+  const Eigen::VectorXd expected = problem.dense.llt().solve(problem.right);
+  for (std::size_t i = 0; i < solution.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(solution[i][k], expected[static_cast<Eigen::Index>(3 * i + k)], 1e-3 * expected.norm());
+    }
+  }
+}
+
+TEST(SolveNear, HasNoSolutionWhereTheSystemsHaveTooLittleInCommon) {
+  Problem problem(60, 25, 9);
+  BlockCholesky factor(problem.system);
+  ASSERT_TRUE(factor.factorise(problem.system));
+  Random random(4);
+  for (Matrix3& block : problem.system.diagonal) {
+    block += Matrix3::diagonal(random.uniform(0.0, 1e6), random.uniform(0.0, 1e3), random.uniform(0.0, 1e5));
+  }
+  EXPECT_TRUE(solve_near(problem.system, factor).empty());
+  problem.system.diagonal[7](0, 0) = std::nan("");
+  EXPECT_TRUE(solve_near(problem.system, factor).empty());
+}
+
+TEST(SolveNear, AsksForNoStepWhereNothingPulls) {
+  Problem problem(12, 3, 10);
+  BlockCholesky factor(problem.system);
+  ASSERT_TRUE(factor.factorise(problem.system));
+  for (Tangent2& value : problem.system.right) value = {};
+  EXPECT_EQ(solve_near(problem.system, factor), std::vector<Tangent2>(12));
 }
 
 TEST(BlockCholesky, SaysWhereNothingCanBeSolved) {
