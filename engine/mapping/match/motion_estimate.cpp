@@ -15,7 +15,7 @@ Prediction MotionEstimate::predict(MotionModel& model, const std::optional<Pose2
   Prediction prediction = model.predict(corrected(T_odom_base));
   is_measured_ = prediction.by_odometry;
   if (is_measured_) {
-    step_ = between(*before, *T_odom_base);
+    step_ = model.has_caught_up() ? between(model.pose(), prediction.T_map_base) : between(*before, *T_odom_base);
     noise_ = wheels_.of(prediction.travelled_m, prediction.turned_rad);
   } else {
     step_ = continued_.step();

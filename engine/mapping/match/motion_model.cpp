@@ -4,6 +4,15 @@
 #include <cmath>
 
 namespace gdtslam {
+namespace {
+
+// A radian counts as a metre: kOfAnyRobot.
+double squared_change(const Pose2& from, const Pose2& to) {
+  const Pose2 moved = between(from, to);
+  return moved.x_m * moved.x_m + moved.y_m * moved.y_m + moved.theta_rad * moved.theta_rad;
+}
+
+}  // namespace
 
 bool is_within_reach(const UncertainPose& expected, const Pose2& T_map_base) {
   const Pose2 off = between(expected.T_map_base, T_map_base);
@@ -22,7 +31,9 @@ std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_
     ++leaps_;
     return std::nullopt;
   }
+  T_map_resumed_ = std::nullopt;
   if (!(*before == *T_odom_base)) {
+    T_map_resumed_ = T_map_stop_;
     T_map_stop_ = std::nullopt;
     frozen_ = false;
   } else if (!T_map_stop_) {
@@ -31,10 +42,22 @@ std::optional<Pose2> MotionModel::odometry_motion(const std::optional<Pose2>& T_
   return frozen_ ? std::nullopt : std::optional(motion);
 }
 
+// Odometry that stood still for some scans either missed what the robot did meanwhile or tells it now, all at once; a
+// robot does not leap, so it is what goes on more nearly as the robot went.
+Pose2 MotionModel::moved_by(const Pose2& motion) {
+  const Pose2 missed = T_map_base_ * motion;
+  has_caught_up_ = false;
+  if (!config_.estimate || !T_map_resumed_) return missed;
+  const Pose2 told = *T_map_resumed_ * motion;
+  const Pose2 going_on = T_map_base_ * last_motion_;
+  has_caught_up_ = squared_change(told, going_on) < squared_change(missed, going_on);
+  return has_caught_up_ ? told : missed;
+}
+
 Prediction MotionModel::predict(const std::optional<Pose2>& T_odom_base) {
   const std::optional<Pose2> motion = odometry_motion(T_odom_base);
   if (motion) {
-    return {T_map_base_ * *motion, motion->translation().norm(), std::fabs(motion->theta_rad), true};
+    return {moved_by(*motion), motion->translation().norm(), std::fabs(motion->theta_rad), true};
   }
   return {T_map_base_ * last_motion_, std::max(last_motion_.translation().norm(), config_.unknown_step_m),
           std::max(std::fabs(last_motion_.theta_rad), config_.unknown_turn_rad), false};

@@ -1,6 +1,6 @@
 // Where the robot should be at the next scan, paper equations (5) and (6): the last estimate moved by what the odometry
 // says. Where there is no odometry, or it stands still while the scans show motion, or it leaps, the last motion is
-// taken to go on. Frame: map. Not thread-safe; constant time.
+// taken to go on; odometry that tells late what it missed is laid on where it stopped. Frame: map. Not thread-safe; constant time.
 #pragma once
 
 #include <cstdint>
@@ -46,17 +46,23 @@ class MotionModel {
 
   /// The last estimate.
   [[nodiscard]] const Pose2& pose() const { return T_map_base_; }
+  /// Whether odometry told in the last step what the robot did in the scans before too, while it stood still.
+  [[nodiscard]] bool has_caught_up() const { return has_caught_up_; }
   /// Steps longer than the odometry may take.
   [[nodiscard]] std::uint64_t leaps() const { return leaps_; }
 
  private:
   [[nodiscard]] std::optional<Pose2> odometry_motion(const std::optional<Pose2>& T_odom_base);
 
+  Pose2 moved_by(const Pose2& motion);
+
   OdometryConfig config_;
   Pose2 T_map_base_;
   std::optional<Pose2> last_odometry_;
   Pose2 last_motion_;                // of the estimate, in the robot's frame
   std::optional<Pose2> T_map_stop_;  // where the odometry stopped; nothing while it moves
+  std::optional<Pose2> T_map_resumed_;  // where it had stopped, at the first scan of its moving again
+  bool has_caught_up_ = false;
   bool frozen_ = false;              // the scans moved on from there
   std::uint64_t leaps_ = 0;
 };
