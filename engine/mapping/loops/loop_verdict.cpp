@@ -13,9 +13,8 @@ constexpr double kSameSide = 0.5;            // least cosine between normals
 constexpr double kGroupPointNoise_m = 0.05;  // of a point of a group: its own scans drift a little
 constexpr double kGroupIndependent = 60.0;   // points that tell something new
 // In a direction in which little holds a group the search stays where it was told to begin, and that is no measurement:
-// hundreds of loops along a corridor would say together that the path is right as it drifted. So what normals that are
-// off by six degrees could feign counts as nothing.
-constexpr double kGroupShapeOfNoise = 0.01;
+// hundreds of loops along a corridor would say together that the path is right as it drifted. So what tilted normals
+// could feign counts as nothing.
 constexpr double kGroupLeastShape = 1.0e-10;
 constexpr double kLoopFloor_m = 0.03;
 constexpr double kLoopFloor_rad = 0.006;
@@ -96,7 +95,7 @@ bool is_possible(const LoopEvidence& evidence, const LoopLimits& limits) {
 Matrix3 loop_information(const LoopEvidence& evidence) {
   const double weight = kGroupIndependent * evidence.overlap / (kGroupPointNoise_m * kGroupPointNoise_m);
   const Matrix3 information = weight * with_eigenvalues(eigen_of_symmetric(evidence.shape), [](double value) {
-                                return std::max(kGroupLeastShape, value - kGroupShapeOfNoise);
+                                return std::max(kGroupLeastShape, value - kShapeOfTiltedNormals);
                               });
   const Matrix3 floor =
       Matrix3::diagonal(kLoopFloor_m * kLoopFloor_m, kLoopFloor_m * kLoopFloor_m, kLoopFloor_rad * kLoopFloor_rad);

@@ -1,6 +1,7 @@
 // Where the robot should be at the next scan, paper equations (5) and (6): the last estimate moved by what the odometry
 // says. Where there is no odometry, or it stands still while the scans show motion, or it leaps, the last motion is
-// taken to go on; odometry that tells late what it missed is laid on where it stopped. Frame: map. Not thread-safe; constant time.
+// taken to go on; odometry that tells late what it missed is laid on where it stopped. Frame: map. Not thread-safe;
+// constant time.
 #pragma once
 
 #include <cstdint>
@@ -59,11 +60,11 @@ class MotionModel {
   OdometryConfig config_;
   Pose2 T_map_base_;
   std::optional<Pose2> last_odometry_;
-  Pose2 last_motion_;                // of the estimate, in the robot's frame
-  std::optional<Pose2> T_map_stop_;  // where the odometry stopped; nothing while it moves
+  Pose2 last_motion_;                   // of the estimate, in the robot's frame
+  std::optional<Pose2> T_map_stop_;     // where the odometry stopped; nothing while it moves
   std::optional<Pose2> T_map_resumed_;  // where it had stopped, at the first scan of its moving again
   bool has_caught_up_ = false;
-  bool frozen_ = false;              // the scans moved on from there
+  bool frozen_ = false;  // the scans moved on from there
   std::uint64_t leaps_ = 0;
 };
 

@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kMostNeighbours = 8;  // on each side
 constexpr std::size_t kFewestPoints = 4;
 constexpr double kReachShare = 0.05;  // of the range: neighbours at a grazing angle lie far apart
+constexpr double kReachNexts = 3.5;   // and of the next point's distance: beams may be few
 constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
 constexpr double kFlatness = 0.05;        // most of the variance across, as a share of that along
@@ -38,7 +39,11 @@ struct Neighbourhood {
 Neighbourhood neighbourhood_of(std::span<const Point2> points, std::size_t at) {
   const double px = points[at].x();
   const double py = points[at].y();
-  const double reach_m = std::clamp(kReachShare * std::sqrt(px * px + py * py), kLeastReach_m, kMostReach_m);
+  const auto away_m = [&](std::size_t other) { return (points[other] - points[at]).norm(); };
+  const double next_m = std::min(at > 0 ? away_m(at - 1) : kMostReach_m,  //
+                                 at + 1 < points.size() ? away_m(at + 1) : kMostReach_m);
+  const double usual_m = kReachShare * std::sqrt(px * px + py * py);
+  const double reach_m = std::clamp(std::max(usual_m, kReachNexts * next_m), kLeastReach_m, kMostReach_m);
   Neighbourhood sums;
   sums.add(0.0, 0.0);
   const auto take = [&](std::size_t neighbour) {

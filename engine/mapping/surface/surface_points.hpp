@@ -63,6 +63,10 @@ KeptScan keep_scan(std::span<const Point2> points_base_m);
 /// points is a motion that the scan cannot see, as along a corridor.
 Matrix3 shape_of(const KeptScan& scan);
 
+/// Of the shape for one point, what normals that are off by six degrees could feign in a direction in which nothing is
+/// to be seen.
+inline constexpr double kShapeOfTiltedNormals = 0.01;
+
 /// Whether enough of the scan's surfaces stand across this direction (robot frame, any length) to tell how far the
 /// robot went along it: in a bare corridor a match says what its prediction said.
 bool knows_way(const KeptScan& scan, const Point2& direction);
