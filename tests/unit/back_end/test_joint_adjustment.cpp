@@ -1,6 +1,7 @@
 // Scans of a room whose poses are known, moved away from them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -80,6 +81,35 @@ TEST(JointAdjustment, BringsKeyframesBackToWhereTheyWere) {
     EXPECT_LT(away_m(poses[i], drive.truth[i]), 0.004) << i;
     EXPECT_LT(std::fabs(between(poses[i], drive.truth[i]).theta_rad), 0.002) << i;
   }
+}
+
+/// The same two walls along x whatever the robot's x, 40 points each, every fourth with a normal that is tilted by four
+/// degrees: what a robot sees in a corridor in which nothing tells how far it went.
+KeptScan corridor_with_tilted_normals() {
+  KeptScan scan;
+  for (const double side : {-1.0, 1.0}) {
+    for (int k = 0; k < 40; ++k) {
+      const double x = 0.1 * k - 1.0;
+      const double tilt = k % 4 == 0 ? 0.07 : 0.0;
+      scan.surface.push_back({static_cast<float>(x), static_cast<float>(side), static_cast<float>(std::sin(tilt)),
+                              static_cast<float>(-side * std::cos(tilt)), static_cast<float>(direction_of(x, side))});
+    }
+  }
+  std::sort(scan.surface.begin(), scan.surface.end(),
+            [](const SurfacePoint& a, const SurfacePoint& b) { return a.direction < b.direction; });
+  return scan;
+}
+
+TEST(JointAdjustment, TiltedNormalsPullNothingAlongACorridor) {
+  const std::vector<KeptScan> scans(6, corridor_with_tilted_normals());
+  std::vector<Pose2> poses;
+  std::vector<PoseRelation> held;
+  for (std::size_t i = 0; i < scans.size(); ++i) poses.push_back({0.03 * static_cast<double>(i), 0.0, 0.0});
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    held.push_back({i - 1, i, {0.03, 0.0, 0.0}, Matrix3::diagonal(1.0e3, 1.0e3, 1.0e3)});  // 3 cm
+  }
+  JointAdjustment(scans, held, {}).run(poses);
+  EXPECT_NEAR(between(poses.front(), poses.back()).x_m, 0.15, 1.0e-6);
 }
 
 TEST(JointAdjustment, TheFirstKeyframeStays) {

@@ -50,9 +50,21 @@ TEST(KeptScan, KeepsEveryReturnOnceAndSortsSurfacesByBearing) {
   EXPECT_NEAR(kept_sum, sum, 1e-3);
 }
 
+// At 5 m beams two degrees apart meet a wall 0.17 m apart and more.
+TEST(KeptScan, SparseBeamsFindTheirSurfaces) {
+  std::vector<Point2> wall;
+  for (int k = -12; k <= 12; ++k) {
+    const double bearing = rad_from_deg(2.0 * k);
+    wall.emplace_back(5.0, 5.0 * std::tan(bearing));
+  }
+  const KeptScan kept = keep_scan(wall);
+  EXPECT_GE(kept.surface.size(), 23U);
+  for (const SurfacePoint& p : kept.surface) EXPECT_NEAR(p.normal_x, -1.0, 1e-6);
+}
+
 TEST(KeptScan, PointsWithoutNeighboursHaveNoSurface) {
   std::vector<Point2> poles;
-  for (int k = 0; k < 20; ++k) poles.emplace_back(std::cos(0.15 * k) * 5.0, std::sin(0.15 * k) * 5.0);
+  for (int k = 0; k < 20; ++k) poles.emplace_back(std::cos(0.15 * k) * 5.0, std::sin(0.15 * k) * 5.0);  // 0.75 m
   const KeptScan kept = keep_scan(poles);
   EXPECT_TRUE(kept.surface.empty());
   EXPECT_EQ(kept.lone.size(), poles.size());

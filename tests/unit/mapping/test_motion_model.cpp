@@ -76,5 +76,34 @@ TEST(MotionModel, OdometryThatStandsStillWhileScansMoveIsTakenAsMissing) {
   EXPECT_TRUE(step(model, Pose2{3.1, 4.0, 0.5}, Pose2{0.5, 0, 0}).by_odometry) << "it moves again: it is trusted again";
 }
 
+/// The model after four scans 0.2 m apart in which the odometry stood still.
+MotionModel after_a_stop(bool estimate) {
+  OdometryConfig config;
+  config.estimate = estimate;
+  MotionModel model{config};
+  step(model, Pose2{5.0, 0.0, 0.0}, Pose2{});
+  for (int k = 1; k <= 4; ++k) step(model, Pose2{5.0, 0.0, 0.0}, Pose2{0.2 * k, 0, 0});
+  return model;
+}
+
+TEST(MotionModel, OdometryThatTellsLateWhatItMissedIsLaidOnWhereItStopped) {
+  MotionModel model = after_a_stop(true);
+  EXPECT_THAT(model.predict(Pose2{6.02, 0.0, 0.0}).T_map_base, PoseNear({1.02, 0, 0}, 1e-9, 1e-7));
+  EXPECT_TRUE(model.has_caught_up());
+  model.correct(Pose2{1.0, 0, 0}, true);
+  EXPECT_THAT(model.predict(Pose2{6.22, 0.0, 0.0}).T_map_base, PoseNear({1.2, 0, 0}, 1e-9, 1e-7)) << "once, not again";
+  EXPECT_FALSE(model.has_caught_up());
+}
+
+TEST(MotionModel, OdometryThatNeverTellsWhatItMissedGoesOnFromTheLastPose) {
+  MotionModel model = after_a_stop(true);
+  EXPECT_THAT(model.predict(Pose2{5.21, 0.0, 0.0}).T_map_base, PoseNear({1.01, 0, 0}, 1e-9, 1e-7));
+  EXPECT_FALSE(model.has_caught_up());
+}
+
+TEST(MotionModel, WithoutEstimatesAStepIsAStep) {
+  EXPECT_THAT(after_a_stop(false).predict(Pose2{6.02, 0.0, 0.0}).T_map_base, PoseNear({1.82, 0, 0}, 1e-9, 1e-7));
+}
+
 }  // namespace
 }  // namespace gdtslam
