@@ -176,7 +176,8 @@ class LoopsFilm : public Film {
     std::vector<double> glow(begins_.size(), 0.0);
     for (std::size_t stage = 0; stage < begins_.size(); ++stage) {
       if (k < begins_[stage] || k - begins_[stage] >= kGlowFrames) continue;
-      glow[stage] = 1.0 - static_cast<double>(k - begins_[stage]) / static_cast<double>(kGlowFrames);
+      const double share = static_cast<double>(k - begins_[stage]) / static_cast<double>(kGlowFrames);
+      glow[stage] = (1.0 - share) * (1.0 - timeline_[k].map_share);
     }
     MapLook look = look_;
     if (!look.title.empty()) look.subtitle = replay_.read_out(timeline_[k]);
