@@ -79,7 +79,7 @@ std::string BagBytes::read_text(std::size_t count, std::size_t limit, const char
   std::string text;
   while (text.size() < count) {
     const std::size_t begin = text.size();
-    text.resize(begin + std::min(count - begin, kPiece));
+    text.resize(begin + std::min(count - begin, kBagPiece));
     read({text.data() + begin, text.size() - begin});
   }
   return text;

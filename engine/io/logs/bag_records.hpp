@@ -51,9 +51,9 @@ class BagBytes {
 
  private:
   bool fill();
-  static constexpr std::size_t kPiece = std::size_t{1} << 16U;
+  static constexpr std::size_t kBagPiece = std::size_t{1} << 16U;
   std::unique_ptr<ByteSource> source_;
-  std::vector<char> buffer_ = std::vector<char>(kPiece);
+  std::vector<char> buffer_ = std::vector<char>(kBagPiece);
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::uint64_t offset_ = 0;
