@@ -113,7 +113,7 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
 MapResult map_logs(const MapRequest& request, Backend& backend) {
   if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
   const MapJob job{.logs = request.logs,
-                   .read = read_options_of(request.settings.log, request.lenient),
+                   .read = read_options_of(request.settings.log, request.lenient, request.topic),
                    .range = request.range,
                    .mapper = request.settings.mapper,
                    .occupancy = request.settings.occupancy,

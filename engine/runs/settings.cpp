@@ -82,8 +82,9 @@ std::vector<std::string> faults_of(const LogConfig& config) {
   return faults;
 }
 
-ReadOptions read_options_of(const LogConfig& config, bool lenient) {
+ReadOptions read_options_of(const LogConfig& config, bool lenient, const std::string& topic) {
   ReadOptions options{.lenient = lenient};
+  options.topic = topic;
   if (config.mount == LogSource::kStated) options.T_base_laser = config.T_base_laser;
   if (config.bearings == LogSource::kStated) {
     options.first_bearing_rad = config.first_bearing_rad;

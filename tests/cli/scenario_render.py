@@ -122,14 +122,14 @@ def render_views_of_each_input():
     errors = {"errors-box", "errors-cdf", "errors-time"}
     linkage = {"scene", "drawing"}
     cases = [
-        ([RUN], flat | {"graph"}, {"still": "map"}),
+        ([RUN], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
         ([run], flat | solid | linkage | {"follow", "scan"}, {"still": "iso", "film": "orbit"}),
         ([run / "cloud.ply"], solid, {"still": "iso", "film": "orbit"}),
         (["paper-a"], linkage, {"still": "scene"}),
         ([drive.linkage], linkage, {"still": "scene"}),
         ([run / "map.yaml"], {"map"}, {"still": "map"}),
         ([run / "gdt.yaml"], {"field", "distance", "cells"}, {"still": "field"}),
-        ([LOG], flat | {"graph"}, {"still": "map"}),
+        ([LOG], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
         ([drive.log], flat | solid | linkage | {"follow", "scan"}, {"still": "iso", "film": "orbit"}),
         ([RUN / "trajectory.tum", "--reference", TRUTH], errors, {"still": "errors-box"}),
     ]
@@ -358,6 +358,30 @@ def render_films():
     rendered("paper-b", "-o", f"{folder}/f%02d.png", *small, "--frames", 2, "--no-caption")
     expect(not (folder / "f03.png").exists(), "a frame of the longer film is still there")
     expect((Png(folder / "f01.png").width, Png(folder / "f02.png").height) == (160, 90), "frames by a pattern")
+
+
+def render_loops():
+    """The film of loops closing: the same bytes again, counts as in the report, a still end; before and after as a still."""
+    require_viewer()
+    folder = cli.fresh_folder("render_loops")
+    small = ("--size", "320x200")
+    said = rendered(RUN, "-o", f"{folder}/a/", *small, "--frames", 40, "--fps", 5)
+    expect(said["view"] == "loops" and said["frames"] == 40, f"{said}")
+    frames = [path.read_bytes() for path in sorted((folder / "a").iterdir())]
+    expect(len(set(frames[:30])) == 30, "frames of the drive are the same picture")
+    expect(len(set(frames[-5:])) == 1 and frames[-6] != frames[-5], "the last second does not stand still")
+    rendered(RUN, "-o", f"{folder}/b/", *small, "--frames", 40, "--fps", 5)
+    expect([path.read_bytes() for path in sorted((folder / "b").iterdir())] == frames, "the same film has other bytes")
+    rendered(RUN, "-o", f"{folder}/c/", "--view", "loops", *small, "--frames", 1)
+    expect(len(list((folder / "c").iterdir())) == 1, "a film of one frame")
+    said = rendered(RUN, "-o", folder / "a.png", "--view", "loops")
+    expect(Png(folder / "a.png").width == 1600 == said["size_px"][0], f"{said}")
+    report = json.loads((RUN / "report.json").read_text())
+    found, on = report["loops"]["found"], report["loops"]["on"]
+    words = words_of(folder / "a.svg", RUN, "--view", "loops")
+    expect((f"{found} loops, all on" if on == found else f"{on} of {found} loops on") in words, f"{words}")
+    expect("as it was driven" in words and "With loops" in words and f"{report['path_m']:.0f} m" in words, f"{words}")
+    refused(2, RUN, "--view", "loops", "--no-path", "-o", folder / "b.png", says="--no-path")
 
 
 def render_log():

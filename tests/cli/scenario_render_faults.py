@@ -249,6 +249,19 @@ def render_hostile_runs():
     loops = {**report["loops"], "closures": [{**report["loops"]["closures"][0], "to": report["scans"]}]}
     broken("report.json", json.dumps({**report, "loops": loops}).encode(), *graph, says=("'loops.closures[0].to'", *again))
     broken("report.json", json.dumps({**report, "uncertain": []}).encode(), *graph, says=("'uncertain' is no object",))
+    loops = ("--view", "loops")
+    lines = (run / "graph.g2o").read_text().splitlines(keepends=True)
+    first_edge = next(k for k, line in enumerate(lines) if line.startswith("EDGE"))
+    broken("graph.g2o", None, *loops, says=("is missing", *again))
+    broken("graph.g2o", b"", *loops, says=("has no places", *again))
+    broken("graph.g2o", bytes(range(256)) * 4, *loops, says=("graph.g2o:1",))
+    broken("graph.g2o", "".join(lines[:-1]).encode(), *loops, says=("not of one run", *again))
+    step = lines[first_edge].split()[:3]  # by the front end, and by the wheels
+    rest = [line for line in lines if line.split()[:3] != step]
+    broken("graph.g2o", "".join(rest).encode(), *loops, says=("no edge from one of its places to the next", *again))
+    broken("graph.g2o", "".join(lines[:first_edge] + lines[-1:]).encode(), *loops, says=("not of one run", *again))
+    broken("graph.g2o", "".join(lines[1:]).encode(), *loops, says=("no such vertex", *again))
+    broken("graph.g2o", "".join([*lines[1:first_edge], lines[0], *lines[first_edge:]]).encode(), *loops, says=("in the order", *again))
     empty = cli.fresh_folder("render_hostile_runs/empty")
     refused(65, empty, says=("no run of 'gdtslam map'",))
 
@@ -263,10 +276,10 @@ def render_mistakes():
         ((RUN, "-o", folder / "a.glft"), "did you mean '.gltf'"),
         ((RUN, "-o", folder / "a"), "has none of the endings"),
         ((RUN, "-o", folder / "f%d-%d.png"), "no pattern for frames"),
-        ((RUN, "-o", folder / "a.mp4"), "no view that moves"),
-        ((RUN, "-o", f"{folder}/"), "no view that moves"),
+        ((RUN / "map.yaml", "-o", folder / "a.mp4"), "no view that moves"),
+        ((RUN / "map.yaml", "-o", f"{folder}/"), "no view that moves"),
         ((RUN, "-o", folder / "a.mp4", "--view", "map"), "does not move"),
-        ((RUN, "--view", "iso", *out), "has no 3D cloud; its views are map, graph, field, distance, cells"),
+        ((RUN, "--view", "iso", *out), "has no 3D cloud; its views are map, graph, loops, field, distance, cells"),
         ((RUN / "map.yaml", "--view", "graph", *out), "has no closed loops; its views are map"),
         ((RUN, "--view", "graph", "--no-path", *out), "--no-path: has no effect on view graph"),
         ((RUN, "--view", "scan", *out), "has no 3D cloud and no linkage"),

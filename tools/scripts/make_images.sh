@@ -34,5 +34,7 @@ gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.p
 # Of a real log, where there is one: GDTSLAM_DATA names the folder of slam2d/intel.clf.gz.
 if [[ -n ${GDTSLAM_DATA:-} ]]; then
   gdtslam compare "$GDTSLAM_DATA/slam2d/intel.clf.gz" --picture "$images/matchers-intel.svg" -q
+  gdtslam map "$GDTSLAM_DATA/slam2d/intel.clf.gz" -o intel
+  gdtslam render intel --view loops -o "$images/loops-intel.png" --size 740x410
 fi
 ls -l "$images"

@@ -16,21 +16,18 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr double kSigmas = 3.0;
-constexpr double kEllipsePx = 30.0;     // all of one unit: the largest that is enlarged,
+constexpr double kEllipsePx = 30.0;     // times `unit`: the largest that is enlarged,
 constexpr double kEllipseStep = 56.0;   // from one to the next along the path,
 constexpr double kEllipseApart = 26.0;  // and of those of other visits
 constexpr double kMostEnlarged = 1.0e4;
 constexpr int kEllipsePoints = 48;
-constexpr double kPathPx = 1.7;
-constexpr double kNodePx = 2.3;
 constexpr double kLoopPx = 2.6;
 constexpr double kLoopEndPx = 3.4;
 constexpr double kBandPx = 15.0;
+constexpr double kPiecePx = 46.0;  // of what a legend shows of a line
 constexpr double kPinPx = 13.0;
 constexpr double kLeastWeight = 0.25;  // of a loop that holds
 
-constexpr Colour kPathInk = colour_for(0x3b4552);
 constexpr Colour kWeakLoop = colour_for(0x8fc9f2);
 constexpr Colour kStrongLoop = colour_for(0x0b4fa8);
 constexpr Colour kEllipseInk = colour_for(0x8a3f86);
@@ -39,11 +36,6 @@ constexpr std::string_view kDashes = "7 5";
 
 Colour loop_colour(double weight) {
   return mixed(kWeakLoop, kStrongLoop, std::clamp((weight - kLeastWeight) / (1.0 - kLeastWeight), 0.0, 1.0));
-}
-
-bool is_on_sheet(const Point2& at) {
-  return std::isfinite(at.x()) && std::isfinite(at.y()) && std::fabs(at.x()) <= kFarthest_px &&
-         std::fabs(at.y()) <= kFarthest_px;
 }
 
 Point2 pixel_of_pose(const MapFrame& frame, const GraphOverlay& overlay, std::size_t index) {
@@ -104,18 +96,8 @@ void draw_ellipses(Canvas& canvas, const MapFrame& frame, const GraphOverlay& ov
   if (scale.every_m <= 0.0) return;
   const double px_per_sigma = kSigmas * scale.factor * frame.px_per_m;
   for (const std::size_t i : ellipse_poses(frame, overlay, scale.every_m, kEllipseApart * sizes.unit)) {
-    std::vector<Point2> points = ellipse_around(pixel_of_pose(frame, overlay, i), overlay.covariances[i], px_per_sigma);
-    if (!std::all_of(points.begin(), points.end(), is_on_sheet)) continue;
-    canvas.polygon(points, Fill{kEllipseInk, 0.10});
-    canvas.polyline(std::move(points), {.colour = kEllipseInk, .width = 1.3 * sizes.unit, .opacity = 0.9});
+    draw_ellipse(canvas, pixel_of_pose(frame, overlay, i), overlay.covariances[i], px_per_sigma, sizes);
   }
-}
-
-void draw_loop(Canvas& canvas, const Point2& from, const Point2& to, const LoopLine& loop, const Proportions& sizes) {
-  const Colour colour = loop.is_on ? loop_colour(loop.weight) : ink::kWarning;
-  canvas.line(from, to,
-              {.colour = colour, .width = kLoopPx * sizes.unit, .dashes = loop.is_on ? std::string_view() : kDashes});
-  for (const Point2& end : {from, to}) canvas.circle(end, kLoopEndPx * sizes.unit, Fill{colour});
 }
 
 void draw_pin(Canvas& canvas, const Point2& at, std::size_t number, const Proportions& sizes) {
@@ -139,7 +121,42 @@ void draw_nodes(Canvas& canvas, const MapFrame& frame, const GraphOverlay& overl
   }
 }
 
-/// Words after a mark that a function draws into the first `mark_px` of the item.
+std::size_t loops_that(const GraphOverlay& overlay, bool are_on) {
+  return static_cast<std::size_t>(std::count_if(overlay.loops.begin(), overlay.loops.end(),
+                                                [&](const LoopLine& loop) { return loop.is_on == are_on; }));
+}
+
+void add_loop_items(std::vector<LegendItem>& items, const GraphOverlay& overlay, const LegendLook& look) {
+  if (const std::size_t on = loops_that(overlay, true); on > 0) {
+    items.push_back(loops_on_item(counted(on, "loop") + (on == 1 ? " holds" : " hold"), look));
+  }
+  if (const std::size_t off = loops_that(overlay, false); off > 0) {
+    items.push_back(loops_off_item(counted(off, "loop") + " switched off", look));
+  }
+}
+
+}  // namespace
+
+bool is_on_sheet(const Point2& at) {
+  return std::isfinite(at.x()) && std::isfinite(at.y()) && std::fabs(at.x()) <= kFarthest_px &&
+         std::fabs(at.y()) <= kFarthest_px;
+}
+
+void draw_loop(Canvas& canvas, const Point2& from, const Point2& to, const LoopLine& loop, const Proportions& sizes) {
+  const Colour colour = loop.is_on ? loop_colour(loop.weight) : ink::kWarning;
+  canvas.line(from, to,
+              {.colour = colour, .width = kLoopPx * sizes.unit, .dashes = loop.is_on ? std::string_view() : kDashes});
+  for (const Point2& end : {from, to}) canvas.circle(end, kLoopEndPx * sizes.unit, Fill{colour});
+}
+
+void draw_ellipse(Canvas& canvas, const Point2& centre, const PoseCovariance& covariance, double px_per_sigma,
+                  const Proportions& sizes) {
+  std::vector<Point2> points = ellipse_around(centre, covariance, px_per_sigma);
+  if (!std::all_of(points.begin(), points.end(), is_on_sheet)) return;
+  canvas.polygon(points, Fill{kEllipseInk, 0.10});
+  canvas.polyline(std::move(points), {.colour = kEllipseInk, .width = 1.3 * sizes.unit, .opacity = 0.9});
+}
+
 LegendItem graph_item(const std::string& words, double mark_px, const LegendLook& look,
                       std::function<void(Canvas&, const Point2&)> draw_mark) {
   const double size = look.sizes.body_px;
@@ -151,27 +168,28 @@ LegendItem graph_item(const std::string& words, double mark_px, const LegendLook
           }};
 }
 
-std::size_t loops_that(const GraphOverlay& overlay, bool are_on) {
-  return static_cast<std::size_t>(std::count_if(overlay.loops.begin(), overlay.loops.end(),
-                                                [&](const LoopLine& loop) { return loop.is_on == are_on; }));
+LegendItem loops_on_item(const std::string& words, const LegendLook& look) {
+  const auto colour_at = [](double share) { return loop_colour(kLeastWeight + share * (1.0 - kLeastWeight)); };
+  return colour_bar_item(words + ", weight 0.25", "1", colour_at, look);
 }
 
-void add_loop_items(std::vector<LegendItem>& items, const GraphOverlay& overlay, const LegendLook& look) {
-  const double piece = 46.0 * look.sizes.unit;
-  if (const std::size_t on = loops_that(overlay, true); on > 0) {
-    const auto colour_at = [](double share) { return loop_colour(kLeastWeight + share * (1.0 - kLeastWeight)); };
-    items.push_back(
-        colour_bar_item(counted(on, "loop") + (on == 1 ? " holds" : " hold") + ", weight 0.25", "1", colour_at, look));
-  }
-  if (const std::size_t off = loops_that(overlay, false); off > 0) {
-    const auto mark = [piece, sizes = look.sizes](Canvas& canvas, const Point2& left) {
-      draw_loop(canvas, left, left + Point2(piece, 0.0), {.weight = 0.0, .is_on = false}, sizes);
-    };
-    items.push_back(graph_item(counted(off, "loop") + " switched off", piece, look, mark));
-  }
+LegendItem loops_off_item(const std::string& words, const LegendLook& look) {
+  const double piece = kPiecePx * look.sizes.unit;
+  return graph_item(words, piece, look, [piece, sizes = look.sizes](Canvas& canvas, const Point2& left) {
+    draw_loop(canvas, left, left + Point2(piece, 0.0), {.weight = 0.0, .is_on = false}, sizes);
+  });
 }
 
-}  // namespace
+LegendItem ellipse_item(const std::string& words, const LegendLook& look) {
+  const double share = 0.3 * kPiecePx * look.sizes.unit;
+  return graph_item(words, 2.0 * share, look, [share, sizes = look.sizes](Canvas& canvas, const Point2& left) {
+    draw_ellipse(canvas, left + Point2(share, 0.0), {.xx = 1.0, .xy = 0.25, .yy = 0.35}, share, sizes);
+  });
+}
+
+double ellipse_factor(double sigma_m, double px_per_m, const Proportions& sizes) {
+  return std::clamp(round_length_m(kEllipsePx * sizes.unit / (kSigmas * sigma_m * px_per_m)), 1.0, kMostEnlarged);
+}
 
 void check(const GraphOverlay& overlay) {
   const std::size_t poses = overlay.trajectory.size();
@@ -196,8 +214,7 @@ EllipseScale ellipse_scale(const GraphOverlay& overlay, double px_per_m, const P
   for (const PoseCovariance& covariance : overlay.covariances) sigma_m = std::max(sigma_m, covariance.sigma_m());
   if (!(sigma_m > 0.0) || !std::isfinite(sigma_m)) return scale;
   scale.every_m = round_length_m(2.0 * kEllipseStep * sizes.unit / px_per_m);
-  const double wanted = kEllipsePx * sizes.unit / (kSigmas * sigma_m * px_per_m);
-  scale.factor = std::clamp(round_length_m(wanted), 1.0, kMostEnlarged);
+  scale.factor = ellipse_factor(sigma_m, px_per_m, sizes);
   return scale;
 }
 
@@ -234,7 +251,7 @@ void draw_graph(Canvas& canvas, const MapFrame& frame, const GraphOverlay& overl
 void add_graph_items(std::vector<LegendItem>& items, const GraphOverlay& overlay, double px_per_m,
                      const LegendLook& look) {
   const Proportions sizes = look.sizes;
-  const double piece = 46.0 * sizes.unit;
+  const double piece = kPiecePx * sizes.unit;
   if (!overlay.keyframes.empty()) {
     items.push_back(
         graph_item(counted(overlay.keyframes.size(), "keyframe"), piece, look, [=](Canvas& canvas, const Point2& left) {
@@ -248,13 +265,7 @@ void add_graph_items(std::vector<LegendItem>& items, const GraphOverlay& overlay
   if (const EllipseScale scale = ellipse_scale(overlay, px_per_m, sizes); scale.every_m > 0.0) {
     std::string words = fmt::format("3 sigma of the position every {}", length_text(scale.every_m));
     if (scale.factor > 1.0) words += fmt::format(", drawn {:g} times as large", scale.factor);
-    items.push_back(graph_item(words, 0.6 * piece, look, [=](Canvas& canvas, const Point2& left) {
-      const Point2 centre = left + Point2(0.3 * piece, 0.0);
-      const double share = 0.3 * piece;
-      std::vector<Point2> ring = ellipse_around(centre, {.xx = 1.0, .xy = 0.25, .yy = 0.35}, share);
-      canvas.polygon(ring, Fill{kEllipseInk, 0.10});
-      canvas.polyline(std::move(ring), {.colour = kEllipseInk, .width = 1.3 * sizes.unit, .opacity = 0.9});
-    }));
+    items.push_back(ellipse_item(words, look));
   }
   if (!overlay.doubtful.empty()) {
     items.push_back(graph_item("not to be trusted", piece, look, [=](Canvas& canvas, const Point2& left) {

@@ -10,44 +10,14 @@
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "line_reader.hpp"
+#include "scan_sequence.hpp"
+#include "warning_counter.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr std::size_t kBinaryProbeBytes = 4096;
 constexpr double kFarMountM = 3.0;  // farther than a laser sits on any robot of these logs
-
-/// Warnings counted by kind, in the order in which the kinds were first met. The number of kinds is bounded, so that a
-/// hostile file cannot make the list grow.
-class WarningCounter {
- public:
-  /// `first` is kept of the first one only; make it cheap or call add_to first.
-  void add(std::string_view kind, const std::string& first, std::uint64_t count = 1) {
-    if (!add_to(kind, count)) {
-      const bool full = list_.size() >= kMaxKinds;
-      if (full && add_to(kOtherKinds, count)) {
-        return;
-      }
-      list_.push_back({std::string(full ? kOtherKinds : kind), count, first});
-    }
-  }
-  /// Counts a kind that is already there; false when it is not.
-  bool add_to(std::string_view kind, std::uint64_t count = 1) {
-    for (LogReader::Warning& warning : list_) {
-      if (warning.kind == kind) {
-        warning.count += count;
-        return true;
-      }
-    }
-    return false;
-  }
-  [[nodiscard]] const std::vector<LogReader::Warning>& list() const { return list_; }
-
- private:
-  static constexpr std::size_t kMaxKinds = 64;
-  static constexpr std::string_view kOtherKinds = "other kinds";
-  std::vector<LogReader::Warning> list_;
-};
 
 class CarmenReader final : public LogReader {
  public:
@@ -142,20 +112,7 @@ class CarmenReader final : public LogReader {
     if (scan.max_range_m == 0.0) {
       scan.max_range_m = stated_max_range_m_;
     }
-    if (scan.ranges_m.empty()) {
-      warn("scan without beams", "it is kept");
-    }
-    if (previous_) {
-      if (scan.ranges_m.size() != previous_->beams) {
-        warn("beam count changed", "from that of the scan before");
-      }
-      if (scan.stamp_s < previous_->stamp_s) {
-        warn("backward stamp", "file order is kept");
-      } else if (scan.stamp_s == previous_->stamp_s) {
-        warn("repeated stamp", "file order is kept");
-      }
-    }
-    previous_ = {scan.stamp_s, scan.ranges_m.size()};
+    sequence_.check(scan, [this](std::string_view kind, std::string_view detail) { warn(kind, detail); });
     if (scan.T_base_laser.translation().norm() > kFarMountM) {
       warn("laser far from robot",
            "the laser pose of the line may be corrected, not odometry; state the mount (log.mount)");
@@ -197,16 +154,11 @@ class CarmenReader final : public LogReader {
     }
   }
 
-  struct Previous {
-    double stamp_s = 0.0;
-    std::size_t beams = 0;
-  };
-
   std::string name_;
   ReadOptions options_;
   LineReader lines_;
   WarningCounter warnings_;
-  std::optional<Previous> previous_;
+  ScanSequence sequence_;
   double stated_max_range_m_ = 0.0;
   std::uint64_t last_line_ = 0;
   std::uint64_t record_count_ = 0;
@@ -222,6 +174,11 @@ std::unique_ptr<LogReader> read_carmen(std::unique_ptr<ByteSource> source, const
 
 std::unique_ptr<LogReader> open_carmen(const std::string& path, const ReadOptions& options) {
   return read_carmen(open_file_source(path), path == "-" ? "standard input" : path, options);
+}
+
+std::unique_ptr<LogReader> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                       const ReadOptions& options) {
+  return std::make_unique<CarmenReader>(std::move(unpacked), name, options);
 }
 
 std::unique_ptr<LogReader> open_carmen(std::span<const std::byte> data, const std::string& name,

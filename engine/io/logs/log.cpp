@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string_view>
+#include <utility>
 
+#include "bag.hpp"
 #include "carmen.hpp"
 #include "engine/io/byte_source.hpp"
 #include "gdtslam/core/error.hpp"
@@ -14,46 +19,53 @@ namespace gdtslam {
 namespace {
 
 // What every refusal ends with.
-std::string supported() { return fmt::format("supported are {} text logs, plain or gzip", kLogFormats); }
+std::string supported() { return fmt::format("supported are {} logs, plain or gzip", kLogFormats); }
 
-/// What the first bytes say about a container that is not read; empty when they say nothing.
-std::string_view foreign_kind(std::string_view head) {
-  struct Magic {
-    std::string_view bytes;
-    std::string_view kind;
-  };
-  static constexpr std::array<Magic, 6> kMagics = {{{"#ROSBAG V", "a ROS 1 bag"},
-                                                    {"\x89MCAP0\r\n", "an MCAP file"},
-                                                    {"SQLite format 3", "an SQLite file (a ROS 2 bag?)"},
-                                                    {"BZh", "bzip2 data"},
-                                                    {"\xfd"
-                                                     "7zXZ",
-                                                     "xz data"},
-                                                    {"\x28\xb5\x2f\xfd", "zstd data"}}};
-  for (const Magic& magic : kMagics) {
-    if (head.starts_with(magic.bytes)) {
-      return magic.kind;
-    }
-  }
-  return {};
+/// The first bytes of a container. One that is read has no kind.
+struct Magic {
+  std::string_view bytes;
+  std::string_view kind;
+};
+constexpr std::array<Magic, 6> kMagics = {{{"#ROSBAG V", ""},
+                                           {"\x89MCAP0\r\n", "an MCAP file"},
+                                           {"SQLite format 3", "an SQLite file (a ROS 2 bag?)"},
+                                           {"BZh", "bzip2 data"},
+                                           {"\xfd"
+                                            "7zXZ",
+                                            "xz data"},
+                                           {"\x28\xb5\x2f\xfd", "zstd data"}}};
+
+bool may_be_magic(std::string_view head) {
+  return std::any_of(kMagics.begin(), kMagics.end(),
+                     [head](const Magic& magic) { return magic.bytes.starts_with(head); });
 }
 
-/// The beginning of a file, unpacked; never called for standard input, whose bytes come only once.
-std::string head_of(const std::string& path) {
-  constexpr std::size_t kHeadBytes = 16;
-  const std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), path);
-  std::string head(kHeadBytes, '\0');
-  std::size_t size = 0;
-  while (size < head.size()) {
-    const std::size_t count = source->read({head.data() + size, head.size() - size});
-    if (count == 0) {
-      break;
-    }
-    size += count;
-  }
-  head.resize(size);
+/// The first bytes, as many as tell the kind, and no more: those of a pipe come only once, and late.
+std::string head_of(ByteSource& source) {
+  std::string head;
+  for (char byte = 0; may_be_magic(head) && source.read({&byte, 1}) == 1;) head.push_back(byte);
   return head;
 }
+
+/// The bytes that were read to tell the kind, then the rest.
+class HeadedSource final : public ByteSource {
+ public:
+  HeadedSource(std::string head, std::unique_ptr<ByteSource> rest) : head_(std::move(head)), rest_(std::move(rest)) {}
+  std::size_t read(std::span<char> target) override {
+    if (begin_ == head_.size()) return rest_->read(target);
+    const std::size_t count = head_.copy(target.data(), target.size(), begin_);
+    begin_ += count;
+    return count;
+  }
+  [[nodiscard]] double progress() const override { return rest_->progress(); }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return rest_->bytes_from_file(); }
+  [[nodiscard]] std::string defect() const override { return rest_->defect(); }
+
+ private:
+  std::string head_;
+  std::size_t begin_ = 0;
+  std::unique_ptr<ByteSource> rest_;
+};
 
 }  // namespace
 
@@ -63,13 +75,16 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& 
     const bool is_bag = std::filesystem::exists(std::filesystem::path(path) / "metadata.yaml", ignored);
     throw InputError({path, 0}, fmt::format("is {}; {}", is_bag ? "a ROS 2 bag" : "a folder", supported()));
   }
-  if (path != "-" && std::filesystem::is_regular_file(path, ignored)) {
-    const std::string_view kind = foreign_kind(head_of(path));
-    if (!kind.empty()) {
-      throw InputError({path, 0}, fmt::format("is {}; {}", kind, supported()));
-    }
+  const std::string name = path == "-" ? "standard input" : path;
+  std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), name);
+  const std::string head = head_of(*source);
+  source = std::make_unique<HeadedSource>(head, std::move(source));
+  for (const Magic& magic : kMagics) {
+    if (!head.starts_with(magic.bytes)) continue;
+    if (magic.kind.empty()) return open_bag(std::move(source), name, options);
+    throw InputError({name, 0}, fmt::format("is {}; {}", magic.kind, supported()));
   }
-  return open_carmen(path, options);
+  return open_carmen(std::move(source), name, options);
 }
 
 }  // namespace gdtslam

@@ -117,6 +117,18 @@ void PoseGraph::optimise(bool is_graduated) {
   weigh_loops(kScale);
 }
 
+void PoseGraph::settle() {
+  BlockSystem system = system_for(*this);
+  BlockCholesky factor(system);
+  std::vector<Pose2> before = poses;
+  for (int step = 0; step < kMostSteps; ++step) {
+    fill(*this, system);
+    const double moved_m = take_step(system, factor, poses);
+    if (!(moved_m >= kStill_m)) break;
+  }
+  if (!std::all_of(poses.begin(), poses.end(), [](const Pose2& pose) { return pose.is_finite(); })) poses.swap(before);
+}
+
 GraphCovariance::GraphCovariance(const PoseGraph& graph) : graph_(graph), system_(system_for(graph)), factor_(system_) {
   fill(graph, system_);
   hold_first(system_);

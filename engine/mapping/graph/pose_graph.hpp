@@ -52,6 +52,8 @@ class PoseGraph {
   /// Least squares over path and loops. `is_graduated` starts from a kernel so wide that every loop counts and narrows
   /// it; otherwise from the poses as they are, for a graph that changed by little.
   void optimise(bool is_graduated);
+  /// Plain least squares with the weights as they are; the poses stay where it has no solution.
+  void settle();
 
  private:
   void weigh_loops(double scale);

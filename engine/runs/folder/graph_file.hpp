@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "gdtslam/mapping/mapper.hpp"
 
@@ -13,5 +14,15 @@ namespace gdtslam {
 /// edges is what the graph came to; a loop that is switched off counts for next to nothing. Numbers are in the shortest
 /// form that reads back as the same bits. No comments: not every reader skips them.
 std::string graph_text(const ClosedPath& closed);
+
+/// What the file has, line by line.
+struct GraphLines {
+  std::vector<GraphPlace> places;
+  std::vector<PathRelation> relations;  ///< path and loops, which look alike; who measured them is not said
+};
+
+/// Throws InputError with file and line where a line is neither of the two, has a number that is not finite or goes on
+/// after its last; FileError. Vertices and edges in any order, blank lines are skipped.
+GraphLines read_graph(const std::string& path);
 
 }  // namespace gdtslam

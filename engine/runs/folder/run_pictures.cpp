@@ -84,6 +84,13 @@ GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::
   return overlay;
 }
 
+std::string loops_text(std::size_t found, std::size_t on) {
+  if (found == 0) return "no loop found";
+  const std::string loops = counted(found, "loop");
+  if (on == found) return loops + (found == 1 ? " on" : ", all on");
+  return on == 0 ? loops + " switched off" : fmt::format("{} of {} on", with_commas(on), loops);
+}
+
 std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const UncertainStretch> uncertain,
                            std::uint64_t scans) {
   const auto on = std::count_if(loops.begin(), loops.end(), [](const ClosedLoop& loop) { return loop.is_on; });
@@ -94,7 +101,7 @@ std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const Un
     sigma_m = std::max(sigma_m, stretch.sigma_m);
   }
   std::string text = counted(scans, "scan");
-  text += loops.empty() ? ", no loop found" : fmt::format(", {} of {} hold", on, counted(loops.size(), "loop"));
+  text += ", " + loops_text(loops.size(), static_cast<std::size_t>(on));
   if (doubted > 0) {
     text += fmt::format("; {} not to be trusted, standard deviation up to {:.2g} m", counted(doubted, "scan"), sigma_m);
   }

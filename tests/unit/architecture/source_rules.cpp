@@ -54,6 +54,8 @@ const std::vector<Library>& libraries() {
       {"fmt/", {"io", "runs", "drawing", "viewer"}},
       {"png.h", {"io"}},
       {"zlib.h", {"io"}},
+      {"bzlib.h", {"io"}},
+      {"lz4frame.h", {"io"}},
       {"openssl/", {"io"}},
       {"embree3/", {"sim"}},
       {"ceres/", {"calib"}},

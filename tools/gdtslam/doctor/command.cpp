@@ -15,8 +15,10 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
+#include "gdtslam/runs/settings.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
 namespace {
@@ -216,7 +218,7 @@ Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log
 int doctor(const DoctorOptions& options) {
   const StepBounds bounds;
   LogChecker checker(bounds);
-  const std::unique_ptr<LogReader> reader = open_log(options.log, {.lenient = true});
+  const std::unique_ptr<LogReader> reader = open_log(options.log, read_options_of({}, true, options.topic));
   ProgressLine progress("records", false);
   std::uint64_t records = 0;
   while (const std::optional<LogRecord> record = reader->next()) {
@@ -247,6 +249,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
   CLI::Option* const log =
       command->add_option("log", options->log, fmt::format("{} log, plain or gzip; - is standard input", kLogFormats));
   log->type_name("LOG");
+  add_topic_option(*command, options->topic);
   CLI::Option* const after = command->add_option(
       "--after", options->after, "In place of a log: what is doubtful in the map of this run, and where");
   after->type_name("RUN")->excludes(log);

@@ -7,6 +7,7 @@ namespace gdtslam {
 
 struct DoctorOptions {
   std::string log;
+  std::string topic;    ///< of a bag
   std::string after;    ///< the folder of a run, in place of a log
   std::string picture;  ///< with after
   bool json = false;

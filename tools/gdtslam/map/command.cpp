@@ -35,6 +35,7 @@ struct MapOptions {
   ScanRange range;
   std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
   bool lenient = false;
+  std::string topic;
   bool force = false;  ///< replace files of other origin in the folder
   bool no_cloud = false;
   bool no_pictures = false;
@@ -99,6 +100,7 @@ MapRequest request_of(const MapOptions& options) {
                      .folder = options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder,
                      .settings = settings_of(options),
                      .lenient = options.lenient,
+                     .topic = options.topic,
                      .range = options.range,
                      .linkage = options.linkage,
                      .replace_foreign_files = options.force,
@@ -148,6 +150,7 @@ void add_input_options(CLI::App& command, MapOptions& options) {
       ->required()
       ->type_name("LOG");
   command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
+  add_topic_option(command, options.topic);
   add_count_option(command, "--skip", options.range.skip, 0, "Leave out the first N scans");
   add_count_option(command, "--first", options.range.count, 1, "Map N scans only");
 }

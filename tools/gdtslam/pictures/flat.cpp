@@ -14,6 +14,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "loops_film.hpp"
 #include "studio.hpp"
 
 namespace gdtslam {
@@ -119,6 +120,18 @@ Canvas RenderStudio::graph(const Wanted& wanted) {
   if (!options_.no_caption) look.subtitle = graph.subtitle;
   const PictureSize size = wanted.value_or(size_for_content(map.geometry.width, map.geometry.height));
   return graph_picture(map, graph.overlay, look, size);
+}
+
+Canvas RenderStudio::before_and_after_loops(const Wanted& wanted) {
+  return loops_before_and_after(first(), map_look(), wanted);
+}
+
+std::unique_ptr<Film> RenderStudio::loops(const PictureSize& size, std::size_t frames) {
+  constexpr std::size_t kHeldShare = 5;  // of a short film
+  const auto second = static_cast<std::size_t>(std::lround(frames_per_s()));
+  const LoopsFilmLength length{frames,
+                               std::clamp<std::size_t>(second, 1, std::max<std::size_t>(frames / kHeldShare, 1))};
+  return loops_film(first(), map_look(), size, length);
 }
 
 Canvas RenderStudio::field_still(bool is_intensity, const Wanted& wanted) {

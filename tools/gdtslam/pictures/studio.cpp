@@ -255,8 +255,12 @@ std::unique_ptr<Film> RenderStudio::scan_film(const PictureSize& size, std::size
   return scanning_film(graphics(), input, look_, words, size, frames);
 }
 
+double RenderStudio::frames_per_s() const {
+  return options_.frames_per_s > 0.0 ? options_.frames_per_s : kFramesPerSecond;
+}
+
 FilmLength RenderStudio::length_of(const RenderView& view) {
-  FilmLength length{options_.frames, options_.frames_per_s > 0.0 ? options_.frames_per_s : kFramesPerSecond};
+  FilmLength length{options_.frames, frames_per_s()};
   if (length.frames == 0) {
     double seconds = view.film_s;
     if ((view.effects & effect::kStretch) != 0) {

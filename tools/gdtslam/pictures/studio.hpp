@@ -52,6 +52,7 @@ class RenderStudio {
   Canvas linkage(const Wanted& wanted);
   Canvas map(const Wanted& wanted);
   Canvas graph(const Wanted& wanted);
+  Canvas before_and_after_loops(const Wanted& wanted);
   template <bool kIsIntensity>
   Canvas field(const Wanted& wanted) {
     return field_still(kIsIntensity, wanted);
@@ -66,6 +67,8 @@ class RenderStudio {
   std::unique_ptr<Film> follow(const PictureSize& size, std::size_t frames);
   std::unique_ptr<Film> scan(const PictureSize& size, std::size_t frames);
   std::unique_ptr<Film> linkage_turn(const PictureSize& size, std::size_t frames);
+  /// Held for a second at its end.
+  std::unique_ptr<Film> loops(const PictureSize& size, std::size_t frames);
   static constexpr double kLongestScan_s = 20.0;
 
   /// By --frames, --seconds, --fps, else what suits the view.
@@ -114,6 +117,7 @@ class RenderStudio {
   };
   Errors errors();
   [[nodiscard]] MapLook map_look() const;
+  [[nodiscard]] double frames_per_s() const;
   /// The stretch of --from and --to in the log's clock; by default the first `longest_s` of it.
   struct Stretch {
     double from_s = 0.0;

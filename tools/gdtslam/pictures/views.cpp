@@ -46,6 +46,8 @@ const std::vector<RenderView>& render_views() {
       {"map", "occupancy map, with the path where there is one", part::kMap, kMap, &Studio::map, 3},
       {"graph", "loops over the map, how sure each pose is, and what is not to be trusted", part::kMap | part::kGraph,
        kMap & ~kPath, &Studio::graph},
+      {"loops", "the path as it was driven, and how loops bend it; a still has before and after side by side",
+       part::kMap | part::kGraph, kMap & ~kPath, &Studio::before_and_after_loops, 1, &Studio::loops, 12.0},
       {"field", "distance field as intensity, bright near obstacles", part::kField, kMap | kColourMap,
        &Studio::field<true>, 2},
       {"distance", "distance field in metres", part::kField, kMap | kColourMap, &Studio::field<false>},

@@ -233,7 +233,7 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
   CLI::Option* const frames = add(command, kFilm, "--frames", chosen.frames, "Number of frames", "N");
   frames->check(whole_number_from(1));
   add(command, kFilm, "--seconds", chosen.seconds,
-      "Instead: how long it plays [orbit 8, follow 20, scan real time up to 20, scene 4]", "TIME")
+      "Instead: how long it plays [orbit 8, follow 20, scan real time up to 20, scene 4,\nloops 12]", "TIME")
       ->excludes(frames);
   add(command, kFilm, "--from", chosen.from, "Of scan and elevation: begin, counted from the first pose", "TIME");
   add(command, kFilm, "--to", chosen.to, "And end", "TIME");

@@ -1,5 +1,5 @@
 // Opens a log of whatever kind it is. Kinds are told apart by content, not by name. Memory is bounded by the longest
-// line allowed (4 MiB), whatever the log's length. One reader belongs to one thread.
+// line (4 MiB) or message (16 MiB) allowed, whatever the log's length. One reader belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace gdtslam {
 
 /// What open_log() reads, as it stands before "log" or "logs" in help and messages.
-inline constexpr std::string_view kLogFormats = "CARMEN";
+inline constexpr std::string_view kLogFormats = "CARMEN or ROS 1 bag";
 
 /// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
 struct ReadOptions {
@@ -24,6 +24,7 @@ struct ReadOptions {
   std::optional<double> bearing_step_rad{};   ///< between beams; likewise
   std::optional<double> max_range_m{};        ///< the sensor's limit; what the log says when empty
   std::optional<Pose2> T_base_laser{};        ///< the mount; from the two poses of each scan line when empty
+  std::string topic{};                        ///< of a bag: where its scans are; the only one that has any when empty
 };
 
 /// Which part of the logs is wanted.
@@ -32,8 +33,8 @@ struct ScanRange {
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// A CARMEN text log, plain or gzip; "-" is standard input. Throws InputError that names what is supported for a bag,
-/// an MCAP file or a folder, FileError for what cannot be read.
+/// A CARMEN text log or a ROS 1 bag, plain or gzip; "-" is standard input. Throws InputError that names what is
+/// supported for an MCAP file, a ROS 2 bag or a folder, FileError for what cannot be read.
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options);
 
 }  // namespace gdtslam

@@ -28,6 +28,7 @@ struct MapRequest {
   std::string folder{};             ///< of the results; made if need be
   Settings settings{};              ///< every option of the configuration
   bool lenient = false;             ///< count and skip malformed lines instead of throwing
+  std::string topic{};              ///< of a bag: where its scans are; empty: the only one that has any
   ScanRange range{};
   std::string
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default

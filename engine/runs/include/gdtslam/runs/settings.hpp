@@ -47,7 +47,7 @@ std::vector<Option> option_table(LogConfig& config);
 std::vector<std::string> faults_of(const LogConfig& config);
 
 /// What the reader of a log is told: only what is stated, the rest as the log has it.
-ReadOptions read_options_of(const LogConfig& config, bool lenient);
+ReadOptions read_options_of(const LogConfig& config, bool lenient, const std::string& topic = "");
 
 /// Every option of a run, and which of them do not have their defaults.
 struct Settings {

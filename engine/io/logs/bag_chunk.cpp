@@ -1,0 +1,115 @@
+#include "bag_chunk.hpp"
+
+#include <bzlib.h>
+#include <fmt/format.h>
+#include <lz4frame.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "bag_records.hpp"
+#include "engine/io/message_text.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kPackedPiece = std::size_t{1} << 15U;
+
+/// What all packed chunks share: a piece of packed bytes, and how far it was used.
+class PackedChunk : public ByteSource {
+ public:
+  explicit PackedChunk(std::unique_ptr<ByteSource> packed) : packed_(std::move(packed)) {}
+  std::size_t read(std::span<char> target) override {
+    while (!is_over_ && !target.empty()) {
+      // What filled its target may hold more that needs no further bytes.
+      if (begin_ == end_ && !may_hold_more_) {
+        begin_ = 0;
+        end_ = packed_->read(piece_);
+        if (end_ == 0) throw BagFault("has a chunk whose packed data stop early");
+      }
+      const std::size_t count = unpack({piece_.data() + begin_, end_ - begin_}, target);
+      may_hold_more_ = count == target.size();
+      if (count > 0) return count;
+    }
+    return 0;
+  }
+  [[nodiscard]] double progress() const override { return packed_->progress(); }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return packed_->bytes_from_file(); }
+
+ protected:
+  /// Unpacks some bytes and calls used(), and over() at the end.
+  virtual std::size_t unpack(std::span<char> packed, std::span<char> target) = 0;
+  void used(std::size_t count) { begin_ += count; }
+  void over() { is_over_ = true; }
+
+ private:
+  std::unique_ptr<ByteSource> packed_;
+  std::array<char, kPackedPiece> piece_{};
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  bool is_over_ = false;
+  bool may_hold_more_ = false;
+};
+
+class Bzip2Chunk final : public PackedChunk {
+ public:
+  explicit Bzip2Chunk(std::unique_ptr<ByteSource> packed) : PackedChunk(std::move(packed)) {
+    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw BagFault("cannot be unpacked: no memory for bzip2");
+  }
+  Bzip2Chunk(const Bzip2Chunk&) = delete;
+  Bzip2Chunk& operator=(const Bzip2Chunk&) = delete;
+  ~Bzip2Chunk() override { BZ2_bzDecompressEnd(&stream_); }
+
+ private:
+  std::size_t unpack(std::span<char> packed, std::span<char> target) override {
+    constexpr std::size_t kMost = std::size_t{1} << 30U;
+    const auto room = static_cast<unsigned>(std::min(target.size(), kMost));
+    stream_.next_in = packed.data();
+    stream_.avail_in = static_cast<unsigned>(packed.size());
+    stream_.next_out = target.data();
+    stream_.avail_out = room;
+    const int status = BZ2_bzDecompress(&stream_);
+    if (status != BZ_OK && status != BZ_STREAM_END) throw BagFault("has a chunk with damaged bzip2 data");
+    if (status == BZ_STREAM_END) over();
+    used(packed.size() - stream_.avail_in);
+    return room - stream_.avail_out;
+  }
+  bz_stream stream_{};
+};
+
+class Lz4Chunk final : public PackedChunk {
+ public:
+  explicit Lz4Chunk(std::unique_ptr<ByteSource> packed) : PackedChunk(std::move(packed)) {
+    if (LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)) != 0U) {
+      throw BagFault("cannot be unpacked: no memory for lz4");
+    }
+  }
+  Lz4Chunk(const Lz4Chunk&) = delete;
+  Lz4Chunk& operator=(const Lz4Chunk&) = delete;
+  ~Lz4Chunk() override { LZ4F_freeDecompressionContext(context_); }
+
+ private:
+  std::size_t unpack(std::span<char> packed, std::span<char> target) override {
+    std::size_t written = target.size();
+    std::size_t taken = packed.size();
+    const std::size_t status = LZ4F_decompress(context_, target.data(), &written, packed.data(), &taken, nullptr);
+    if (LZ4F_isError(status) != 0U) throw BagFault("has a chunk with damaged lz4 data");
+    if (status == 0) over();
+    used(taken);
+    return written;
+  }
+  LZ4F_dctx* context_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<ByteSource> unpacked_chunk(std::unique_ptr<ByteSource> packed, std::string_view compression) {
+  if (compression == "none") return packed;
+  if (compression == "bz2") return std::make_unique<Bzip2Chunk>(std::move(packed));
+  if (compression == "lz4") return std::make_unique<Lz4Chunk>(std::move(packed));
+  throw BagFault(fmt::format("has a chunk packed as {}; none, bz2 and lz4 are read", in_quotes(compression)));
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,146 @@
+"""ROS 1 bags from end to end: written here by the format's page with struct and bz2, mapped, doctored, piped, cut."""
+
+import bz2
+import gzip
+import json
+import math
+import struct
+import subprocess
+
+import cli_support as cli
+from cli_support import command, expect, expect_exit, mapped, one_error_line, results
+
+SCAN, ODOMETRY, TRANSFORM = "sensor_msgs/LaserScan", "nav_msgs/Odometry", "tf2_msgs/TFMessage"
+
+
+def text(value):
+    return struct.pack("<I", len(value)) + value
+
+
+def fields(**values):
+    return b"".join(text(name.encode() + b"=" + value) for name, value in values.items())
+
+
+def record(data, **header):
+    return text(fields(**header)) + text(data)
+
+
+def stamp(seconds):
+    whole = math.floor(seconds)
+    return struct.pack("<II", whole, round((seconds - whole) * 1e9))
+
+
+def connection(number, topic, kind):
+    header = fields(topic=topic.encode(), type=kind.encode(), md5sum=b"*", message_definition=b"")
+    return record(header, op=b"\x07", conn=struct.pack("<I", number), topic=topic.encode())
+
+
+def message(number, seconds, data):
+    return record(data, op=b"\x02", conn=struct.pack("<I", number), time=stamp(seconds))
+
+
+def header(seconds, frame):
+    return struct.pack("<I", 1) + stamp(seconds) + text(frame.encode())
+
+
+def scan(seconds, ranges, first=-math.pi / 2, step=math.pi / 180, frame="laser"):
+    numbers = struct.pack("<7f", first, -first, step, 0, 0, 0.05, 80.0)
+    return header(seconds, frame) + numbers + struct.pack(f"<I{len(ranges)}fI", len(ranges), *ranges, 0)
+
+
+def pose(x, y, theta):
+    return struct.pack("<7d", x, y, 0, 0, 0, math.sin(theta / 2), math.cos(theta / 2))
+
+
+def odometry(seconds, x, y, theta):
+    return header(seconds, "odom") + text(b"base_link") + pose(x, y, theta) + bytes(8 * 78)
+
+
+def transform(seconds, parent, child, x, y, theta):
+    return struct.pack("<I", 1) + header(seconds, parent) + text(child.encode()) + pose(x, y, theta)
+
+
+def chunk(data, compression="none"):
+    packed = bz2.compress(data) if compression == "bz2" else data
+    return record(packed, op=b"\x05", compression=compression.encode(), size=struct.pack("<I", len(data)))
+
+
+def bag(*parts):
+    start = record(b" " * 100, op=b"\x03", index_pos=bytes(8), conn_count=bytes(4), chunk_count=bytes(4))
+    return b"#ROSBAG V2.0\n" + start + b"".join(parts)
+
+
+def drive():
+    """Poses of a drive through the room of the cases; headings stay 0, so that a quaternion says them without rounding."""
+    return [(100.0 + 0.25 * k, 1.0 + 0.05 * k, 1.5 + 0.02 * k) for k in range(40)]
+
+
+def drive_records(step=1):
+    data = connection(0, "/scan", SCAN) + connection(1, "/odom", ODOMETRY) + connection(2, "/tf_static", TRANSFORM)
+    data += message(2, 100.0, transform(0, "base_link", "laser", 0, 0, 0))
+    for seconds, x, y in drive()[::step]:
+        data += message(0, seconds, scan(seconds, cli.room_ranges(x, y, 0.0))) + message(1, seconds, odometry(seconds, x, y, 0.0))
+    return data
+
+
+STATED = ("--set", "log.bearings=stated", "--set", "log.first_bearing=-90deg", "--set", "log.bearing_step=1deg", "--set",
+          "log.max_range=80m")
+
+
+def bag_is_mapped_as_its_carmen_log():
+    """The same numbers in both formats give the same map and poses, byte for byte, packed or not, from a file or a pipe."""
+    folder = cli.fresh_folder("bag_is_mapped_as_its_carmen_log")
+    lines = ""
+    for seconds, x, y in drive():
+        ranges = struct.unpack("<180f", struct.pack("<180f", *cli.room_ranges(x, y, 0.0)))
+        words = " ".join(repr(value) for value in ranges)
+        lines += f"FLASER 180 {words} {x!r} {y!r} 0 {x!r} {y!r} 0 {seconds!r} robot {seconds!r}\n"
+    (folder / "a.log").write_text(lines)
+    expected = results(mapped(folder / "log", *STATED, log=folder / "a.log"))
+    data = drive_records()
+    bags = {"a.bag": bag(chunk(data)), "b.bag": bag(chunk(data, "bz2")), "c": gzip.compress(bag(chunk(data, "bz2")))}
+    for name, content in bags.items():
+        (folder / name).write_bytes(content)
+        report = mapped(folder / f"run-{name}", *STATED, log=folder / name)
+        expect(results(report) == expected, f"{name}: another map or path than of the CARMEN log")
+        expect(report["warnings"] == {}, f"{name}: {report['warnings']}")
+    process = subprocess.run([cli.PROGRAM, "map", "-", "-o", str(folder / "piped"), "--json", *STATED], input=bags["b.bag"],
+                             capture_output=True, check=False)
+    expect(process.returncode == 0, process.stderr.decode())
+    expect(results(json.loads(process.stdout)) == expected, "another map from the pipe")
+
+
+def bag_faults():
+    """Cut, damaged and ambiguous bags: what is read of them, and one line with the right exit code."""
+    folder = cli.fresh_folder("bag_faults")
+    data = drive_records()
+    whole = bag(chunk(data))
+
+    def refused(code, content, *arguments, says=()):
+        (folder / "a.bag").write_bytes(content)
+        process = command("map", folder / "a.bag", "-o", folder / "run", *arguments)
+        expect_exit(process, code)
+        one_error_line(process.stderr)
+        expect(all(part in process.stderr for part in ("a.bag", *says)), process.stderr)
+        expect(not (folder / "run").exists(), "something was written")
+
+    (folder / "cut.bag").write_bytes(whole[: len(whole) * 3 // 4])
+    report = mapped(folder / "cut", log=folder / "cut.bag")
+    expect(report["warnings"]["cut bag"] == 1, f"{report['warnings']}")
+    expect(20 < report["scans"] < 40, f"{report['scans']} scans of a cut bag")
+    refused(65, whole[:13], says=("LaserScan",))
+    refused(65, b"#ROSBAG V1.2\n" + whole[13:], says=("2.0",))
+    refused(65, bag(chunk(data, "bz2").replace(b"BZh9", b"BZx9")), says=("--lenient",))
+    refused(65, bag(chunk(data).replace(b"=none", b"=zip1")), says=("bz2",))
+    refused(65, bag(chunk(connection(0, "/camera", "sensor_msgs/Image") + message(0, 1.0, b"x"))), says=("/camera", "LaserScan"))
+    two = data + connection(7, "/rear", SCAN) + message(7, 200.0, scan(200.0, [1.0] * 180))
+    refused(2, bag(chunk(two)), says=("/scan", ", 40)", "/rear", ", 1)", "--topic"))
+    refused(2, whole, "--topic", "/rear", says=("/rear", "/scan"))
+    (folder / "two.bag").write_bytes(bag(chunk(two)))
+    expect(mapped(folder / "two", "--topic", "/scan", log=folder / "two.bag")["scans"] == 40, "scans of one of two topics")
+    process = command("doctor", folder / "two.bag", "--topic", "/scan", "--json")
+    expect_exit(process, 0)
+    found = json.loads(process.stdout)
+    expect(found["scans"] == 40, f"{found}")
+    process = command("doctor", folder / "two.bag")
+    expect_exit(process, 2)

@@ -1,0 +1,79 @@
+#include "loops_path.hpp"
+
+#include <algorithm>
+
+#include "engine/drawing/maps/seen_walls.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kPointEvery_m = 0.1;
+constexpr double kReach_m = 15.0;  // farther away a degree of heading would cover everything
+constexpr int kBeams = 720;
+
+}  // namespace
+
+LoopsPath::LoopsPath(const Trajectory& trajectory, const std::vector<std::size_t>& scans, const OccupancyMap& map) {
+  std::vector<double> driven_m(trajectory.size(), 0.0);
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    const Point2 step = trajectory[i].T_map_base.translation() - trajectory[i - 1].T_map_base.translation();
+    driven_m[i] = driven_m[i - 1] + step.norm();
+  }
+  T_map_places_.reserve(scans.size());
+  places_m_.reserve(scans.size());
+  walls_.reserve(scans.size());
+  for (const std::size_t scan : scans) {
+    T_map_places_.push_back(trajectory[scan].T_map_base);
+    places_m_.push_back(driven_m[scan]);
+    walls_.push_back(picture::walls_seen_from(map, trajectory[scan].T_map_base, kReach_m, kBeams));
+  }
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const bool is_last = i + 1 == trajectory.size();
+    if (!points_.empty() && !is_last && driven_m[i] - points_.back().driven_m < kPointEvery_m) continue;
+    PathPoint point{.driven_m = driven_m[i], .stamp_s = trajectory[i].stamp_s, .place = place_at(driven_m[i])};
+    const std::size_t next = std::min(point.place + 1, scans.size() - 1);
+    const double way_m = places_m_[next] - places_m_[point.place];
+    point.share = way_m > 0.0 ? std::clamp((driven_m[i] - places_m_[point.place]) / way_m, 0.0, 1.0) : 0.0;
+    const Point2 at = trajectory[i].T_map_base.translation();
+    point.from_last = inverse(T_map_places_[point.place]) * at;
+    point.from_next = inverse(T_map_places_[next]) * at;
+    points_.push_back(point);
+  }
+}
+
+std::size_t LoopsPath::place_at(double driven_m) const {
+  const auto next = std::upper_bound(places_m_.begin(), places_m_.end(), driven_m);
+  return next == places_m_.begin() ? 0 : static_cast<std::size_t>(next - places_m_.begin()) - 1;
+}
+
+std::vector<LoopsPath::PathPoint>::const_iterator LoopsPath::end_at(double driven_m) const {
+  const auto end = std::upper_bound(points_.begin(), points_.end(), driven_m,
+                                    [](double at_m, const PathPoint& point) { return at_m < point.driven_m; });
+  return end == points_.begin() ? end + 1 : end;
+}
+
+double LoopsPath::stamp_at(double driven_m) const { return std::prev(end_at(driven_m))->stamp_s; }
+
+std::vector<Point2> LoopsPath::bent(const std::vector<Pose2>& T_map_places, double driven_m) const {
+  std::vector<Point2> path;
+  path.reserve(points_.size());
+  for (auto point = points_.begin(); point != end_at(driven_m); ++point) {
+    const Point2 by_last = T_map_places[point->place] * point->from_last;
+    const std::size_t next = std::min(point->place + 1, T_map_places.size() - 1);
+    const Point2 by_next = T_map_places[next] * point->from_next;
+    path.emplace_back((1.0 - point->share) * by_last + point->share * by_next);
+  }
+  return path;
+}
+
+std::vector<Point2> LoopsPath::walls(const std::vector<Pose2>& T_map_places, double driven_m) const {
+  std::vector<Point2> all;
+  const std::size_t last = place_at(driven_m);
+  for (std::size_t place = 0; place <= last; ++place) {
+    all.reserve(all.size() + walls_[place].size());
+    for (const Point2& wall : walls_[place]) all.push_back(T_map_places[place] * wall);
+  }
+  return all;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,50 @@
+// The path of a run between the places of its graph: where the places go, it goes, and the walls seen from them.
+// Frames: map; metres. Thread-safe; O(poses) to make, O(poses shown) to bend.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+class LoopsPath {
+ public:
+  /// `scans`: of each place, ascending indices into the trajectory, at least one. What is seen from a place is what the
+  /// map has around its pose in the trajectory.
+  LoopsPath(const Trajectory& trajectory, const std::vector<std::size_t>& scans, const OccupancyMap& map);
+
+  [[nodiscard]] double length_m() const { return points_.back().driven_m; }
+  [[nodiscard]] double place_m(std::size_t place) const { return places_m_[place]; }
+  /// The last place that was reached.
+  [[nodiscard]] std::size_t place_at(double driven_m) const;
+  [[nodiscard]] double stamp_at(double driven_m) const;
+  /// The places as the trajectory has them.
+  [[nodiscard]] const std::vector<Pose2>& final_places() const { return T_map_places_; }
+
+  /// The path so far with the places at these poses: between two of them by both, in the ratio of the way.
+  [[nodiscard]] std::vector<Point2> bent(const std::vector<Pose2>& T_map_places, double driven_m) const;
+  /// What is seen from the places so far.
+  [[nodiscard]] std::vector<Point2> walls(const std::vector<Pose2>& T_map_places, double driven_m) const;
+
+ private:
+  struct PathPoint {
+    double driven_m = 0.0;
+    double stamp_s = 0.0;
+    std::size_t place = 0;  ///< the last one before
+    double share = 0.0;     ///< of the way to the next
+    Point2 from_last = Point2::Zero();
+    Point2 from_next = Point2::Zero();
+  };
+  [[nodiscard]] std::vector<PathPoint>::const_iterator end_at(double driven_m) const;
+
+  std::vector<Pose2> T_map_places_;
+  std::vector<double> places_m_;
+  std::vector<PathPoint> points_;
+  std::vector<std::vector<Point2>> walls_;  ///< of each place, in its frame
+};
+
+}  // namespace gdtslam
