@@ -151,7 +151,7 @@ std::vector<Station> stations_of(const SmootherConfig& config, const PoseFix& fr
   double way = 0.0;
   const auto measure = [&config](const PoseFix& a, const PoseFix& b) {
     const Pose2 step = between(a.T_odom_base, b.T_odom_base);
-    return std::max(step.translation().norm() / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
+    return std::max(length_of(step) / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
   };
   const PoseFix* last = &from;
   for (const PoseFix& node : nodes) {
