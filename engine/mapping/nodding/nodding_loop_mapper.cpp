@@ -1,10 +1,9 @@
-#include "gdtslam/mapping/nodding_loop_mapper.hpp"
-
 #include <cstddef>
 #include <deque>
 #include <optional>
 #include <utility>
 
+#include "gdtslam/mapping/nodding_mapper.hpp"
 #include "horizontal_scans.hpp"
 #include "scan_placer.hpp"
 

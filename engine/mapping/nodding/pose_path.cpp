@@ -77,13 +77,6 @@ void place_between(PoseInterpolation how, const PoseFix& from, const PoseFix& to
   }
 }
 
-void place_along(const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes) {
-  const std::vector<double> shares = shares_of_variance(from, to, nodes);
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    nodes[k].T_map_base = interpolate(PoseInterpolation::kGeodesic, from, to, shares[k], {});
-  }
-}
-
 Pose2 PosePath::at(std::size_t index, double offset_s) const {
   const bool goes_back = index + 1 == nodes_.size() || (offset_s < 0.0 && index > 0);
   if (nodes_.size() == 1) return nodes_.front().T_map_base;

@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/core/error.hpp"
 #include "level_scan.hpp"
+#include "path_noise.hpp"
 #include "path_smoother.hpp"
 #include "pose_path.hpp"
 
@@ -47,11 +49,13 @@ struct ScanPlacer::State {
         valid(valid_ranges),
         field(std::move(field_source)),
         placed(std::move(placed_scans)),
-        assembler(of_scans, limits_of(valid_ranges, nodding), placed.backend, placed.cloud) {}
+        assembler(of_scans, limits_of(valid_ranges, nodding), placed.backend, placed.cloud),
+        noise(nodding.smoother) {}
 
   Held hold(NoddingScan scan);
   void wait(Held scan);
   std::vector<PoseFix> place(const PoseFix& next);
+  void learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& points_of);
   Pose2 rested(const Pose2& T_map_fixed, const std::optional<Pose2>& T_odom);
   void close_segment(const PoseFix& next);
   void dead_reckon();
@@ -70,6 +74,7 @@ struct ScanPlacer::State {
   std::unique_ptr<Backend> fallback;  // must outlive the assembler
   SweepAssembler assembler;
   NoddingStatistics statistics;
+  PathNoise noise;
   std::vector<std::string> warnings;
 
   std::deque<Held> held;                  // the last fix's scan, where there is one, and all after it
@@ -143,9 +148,20 @@ std::vector<PoseFix> ScanPlacer::State::place(const PoseFix& next) {
       if (scan.scan.knots.empty()) return std::vector<Point2>{};
       return level_points(scan.scan, scanner, valid, scan.odometry_before, band).points_base_m;
     };
-    statistics.smoothed += smooth_path(config.smoother, field(), *last_fix, next, inner, points_of_scan);
+    learn(next, inner, points_of_scan);
+    statistics.smoothed += smooth_path(noise.found(), field(), *last_fix, next, inner, points_of_scan);
   }
   return inner;
+}
+
+// How good wheels and points are, by what this stretch tells; of its points those half way, the farthest from both
+// fixes.
+void ScanPlacer::State::learn(const PoseFix& next, std::span<const PoseFix> inner, const PointsOfNode& points_of) {
+  noise.take_closing(*last_fix, next, inner);
+  if (inner.empty()) return;
+  const std::size_t middle = inner.size() / 2;
+  const PointsView view = view_from(config.smoother, field(), inner[middle].T_map_base, points_of(middle));
+  noise.take_view(*last_fix, next, inner, middle, view);
 }
 
 // All scans that wait get their poses between the fix before them and this one, (13), and their points. Before the

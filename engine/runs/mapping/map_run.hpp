@@ -19,7 +19,6 @@
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/mapper.hpp"
-#include "gdtslam/mapping/nodding_loop_mapper.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/outcome.hpp"
