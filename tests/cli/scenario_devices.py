@@ -4,6 +4,7 @@ import ctypes.util
 import gzip
 import json
 import os
+import pathlib
 import shutil
 import signal
 import subprocess
@@ -134,19 +135,24 @@ def verify_passes_and_is_remembered():
     target = report["targets"][0]
     expect(target["decoys"] == len(target["kernels"]) >= 15, f"{target['decoys']} decoys of {len(target['kernels'])} kernels")
     expect(target["submissions"] >= target["dispatches"] > 1000, f"{target['dispatches']} dispatches")
-    shipped = {run["matcher"]: run for run in json.loads(EXPECTED.read_text())["runs"]}
-    expect({log["matcher"] for log in target["logs"]} == {"simplex-newton", "exhaustive"}, "matchers")
-    for log in target["logs"]:
+    shipped = {(name, run["matcher"], run["loops"]): run for name in ("office-start", "nodding-start")
+               for run in json.loads(EXPECTED.with_name(f"{name}.json").read_text())["runs"]}
+    found = {(pathlib.Path(log["log"]).name.split(".")[0], log["matcher"], log["loops"]): log for log in target["logs"]}
+    expect(set(found) == set(shipped) and len(found) == 4, f"{set(found)}")
+    for which, log in found.items():
         for side in ("reference", "device"):
-            expect(results(log[side]) == results(shipped[log["matcher"]]), f"{log['matcher']} on {side} is not as shipped")
-        # Only exhaustive walks on the device; the map of the other matchers stays on the host.
+            expect(results(log[side]) == results(shipped[which]), f"{which} on {side} is not as shipped")
+            expect((log[side]["cloud_sha256"] or "") == shipped[which]["cloud_sha256"], f"the cloud of {which} on {side} is not as shipped")
+        # Only exhaustive and a cloud's points are made on the device; the map of the other matchers stays on the host.
         if log["matcher"] == "exhaustive":
             expect(log["device"]["dispatches"] > log["scans"] and log["device"]["submissions"] > 0, f"{log['device']}")
+        elif log["device"]["cloud_sha256"]:
+            expect(log["device"]["dispatches"] > 0 and log["device"]["submissions"] > 0, f"{log['device']}")
         else:
             expect(log["device"]["dispatches"] == 0 and log["device"]["submissions"] == 0, f"{log['device']}")
         expect(log["device"]["copy_equal"], "copy")
     verified = vulkan_devices(env=env)[0]["verified"]
-    expect(verified is not None and verified["passed"] and verified["logs"] == 2, f"{verified}")
+    expect(verified is not None and verified["passed"] and verified["logs"] == 4, f"{verified}")
     expect("equal to the CPU" in command("devices", env=env).stdout, "devices does not say so")
 
 

@@ -55,9 +55,10 @@ def nodding_encoder_stands():
 
 
 def nodding_encoder_jumps():
-    """The scans between the two messages are lost, those before and after are not; one wild message loses both sides."""
+    """The scans between the two messages are lost, those before and after are not; one wild message loses both sides.
+    Without loops what comes before does not know what comes after; with them the path is adjusted as a whole."""
     drive = Drive("nodding_encoder_jumps")
-    plain = drive.map("plain", drive.lines)
+    plain = drive.map("plain", drive.lines, "--no-loops")
     wild = first_after(drive, 6.0)
     at = stamp_of(wild)
     outcome = drive.map("wild", drive.edited(lambda line: encoder(line, ticks_of(line) + 9000) if line == wild else line))
@@ -66,7 +67,7 @@ def nodding_encoder_jumps():
     expect_lost(outcome, drive, lost, "wild")
     expect_warnings(outcome, {"nodding jumps": 2, UNCOVERED: lost}, "wild")
     # The counter is 45 deg off for four seconds: nobody can tell, but the two jumps are counted.
-    outcome = drive.map("off", drive.edited(lambda line: encoder(line, (ticks_of(line) + 2500) % TICKS_PER_TURN) if at <= stamp_of(line) < 10.0 else line))
+    outcome = drive.map("off", drive.edited(lambda line: encoder(line, (ticks_of(line) + 2500) % TICKS_PER_TURN) if at <= stamp_of(line) < 10.0 else line), "--no-loops")
     lost = scans_between(drive.lines, at - 0.02, at) + scans_between(drive.lines, 9.98, 10.0)
     expect(outcome.nodding["without_nod"] == lost, f"off: {outcome.nodding}")
     expect_warnings(outcome, {"nodding jumps": 2, APART: 1, **({UNCOVERED: lost} if lost else {})}, "off")

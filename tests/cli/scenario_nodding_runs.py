@@ -84,13 +84,37 @@ def nodding_interrupt():
     process = interrupted_run(drive, lines)
     expect_exit(process, 130)
     report = cli.scans_in(run)
-    expect(sorted(digests(run)) == sorted([*cli.NODDING_OUTPUTS, "cloud.ply"]), "files are missing")
+    expect(sorted(digests(run)) == sorted([*cli.PLAIN_NODDING_OUTPUTS, "cloud.ply"]), "files are missing")
     points = points_of(run / "cloud.ply")
     expect(report["interrupted"] is True and report["cloud_points"] == len(points) > 10000, f"{report['cloud_points']} points")
     poses = [line for line in (run / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
     scans = sum(kind_of(line) == SCAN for line in lines)
     expect(f"interrupted after {len(poses)} scans" in process.stderr, process.stderr)
     expect(scans - 2 <= len(poses) <= scans, f"{len(poses)} poses of {scans} scans")
+
+
+def nodding_closes_loops():
+    """The path's loops are closed and the sweeps follow it: the files and the report of a run with loops, one covariance a scan, the same
+    bytes with one thread; --no-loops leaves all that out."""
+    drive = Drive("nodding_closes_loops")
+    outcome = drive.map("closed", drive.lines)
+    expect(sorted(digests(outcome.folder)) == cli.CLOUD_OUTPUTS, f"{sorted(digests(outcome.folder))}")
+    expect(len(outcome.poses) == outcome.report["scans"] == drive.scans, f"{len(outcome.poses)} poses")
+    expect({"loops", "wheels", "uncertain"} <= set(outcome.report), f"{sorted(outcome.report)}")
+    rows = [line for line in (outcome.folder / "covariance.csv").read_text().splitlines() if line[0].isdigit()]
+    expect(len(rows) == drive.scans, f"{len(rows)} covariances of {drive.scans} scans")
+    expect(max(outcome.report["keyframe_scans"]) < drive.scans, f"{outcome.report['keyframe_scans']}")
+    outcome.expect_right_points(0.8 * FULL, "closed")
+    one = drive.map("one-thread", drive.lines, "--threads", 1)
+    for name in ("cloud.ply", "trajectory.tum", "covariance.csv", "graph.g2o", "gdt.png"):
+        expect(digests(one.folder)[name] == digests(outcome.folder)[name], f"{name} is another with one thread")
+    plain = drive.map("plain", drive.lines, "--no-loops")
+    expect("loops" not in plain.report and "wheels" not in plain.report, f"{sorted(plain.report)}")
+    expect(sorted(digests(plain.folder)) == sorted([*cli.PLAIN_NODDING_OUTPUTS, "cloud.ply", *cli.CLOUD_PICTURE]), f"{sorted(digests(plain.folder))}")
+    plain.expect_right_points(0.8 * FULL, "plain")
+    process = command("doctor", "--after", outcome.folder)
+    expect_exit(process, 0)
+    expect("not closed" not in process.stdout, process.stdout)
 
 
 def nodding_no_horizontal_scan():

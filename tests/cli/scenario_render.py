@@ -123,14 +123,14 @@ def render_views_of_each_input():
     linkage = {"scene", "drawing"}
     cases = [
         ([RUN], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
-        ([run], flat | solid | linkage | {"follow", "scan"}, {"still": "iso", "film": "orbit"}),
+        ([run], flat | solid | linkage | {"follow", "scan", "graph", "loops"}, {"still": "iso", "film": "orbit"}),
         ([run / "cloud.ply"], solid, {"still": "iso", "film": "orbit"}),
         (["paper-a"], linkage, {"still": "scene"}),
         ([drive.linkage], linkage, {"still": "scene"}),
         ([run / "map.yaml"], {"map"}, {"still": "map"}),
         ([run / "gdt.yaml"], {"field", "distance", "cells"}, {"still": "field"}),
         ([LOG], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
-        ([drive.log], flat | solid | linkage | {"follow", "scan"}, {"still": "iso", "film": "orbit"}),
+        ([drive.log], flat | solid | linkage | {"follow", "scan", "graph", "loops"}, {"still": "iso", "film": "orbit"}),
         ([RUN / "trajectory.tum", "--reference", TRUTH], errors, {"still": "errors-box"}),
     ]
     for inputs, views, defaults in cases:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/map/scan_beams.hpp"
 
 namespace gdtslam {
@@ -31,11 +32,16 @@ class ElevationCourse {
 };
 
 // Motion per second of the robot, from one scan to the next; zero where the odometry does not tell.
-Eigen::Vector3d velocity_of(const ScanRecord& record, const std::optional<Odometry>& before) {
-  if (!before || !record.T_odom_base) return Eigen::Vector3d::Zero();
+Tangent2 velocity_of(const ScanRecord& record, const std::optional<Odometry>& before) {
+  if (!before || !record.T_odom_base) return {};
   const double span_s = record.scan.stamp_s - before->stamp_s;
-  if (!(span_s > 0.0 && span_s <= kLongestStep_s)) return Eigen::Vector3d::Zero();
-  return log_se2(between(before->T_odom_base, *record.T_odom_base)) / span_s;
+  if (!(span_s > 0.0 && span_s <= kLongestStep_s)) return {};
+  const Tangent2 motion = log_tangent(between(before->T_odom_base, *record.T_odom_base));
+  return {motion[0] / span_s, motion[1] / span_s, motion[2] / span_s};
+}
+
+Pose2 moved_for(const Tangent2& velocity, double time_s) {
+  return exp_tangent({velocity[0] * time_s, velocity[1] * time_s, velocity[2] * time_s});
 }
 
 }  // namespace
@@ -45,9 +51,10 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
   const LaserScan& laser = scan.record.scan;
   const double limit_m = range_limit_m(laser, valid.max_range_m);
   const BeamTiming timing = scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
-  const Eigen::Vector3d velocity = velocity_of(scan.record, before);
+  const Tangent2 velocity = velocity_of(scan.record, before);
   ElevationCourse course(scan, scanner.table);
   PointScan level{laser.stamp_s, {}};
+  level.points_base_m.reserve(laser.ranges_m.size());
   for (std::size_t beam = 0; beam < laser.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(laser.ranges_m[beam]);
     if (!(range_m >= valid.min_range_m && range_m < limit_m)) continue;  // false for NaN too
@@ -56,7 +63,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
     const Pose3 T_level = T_level_laser(scanner.mount, course.at(offset_s));
     const Point3 point = T_level * Point3(range_m * bearing.cos, range_m * bearing.sin, 0.0);
     if (!(point.z() >= band.low_m && point.z() <= band.high_m)) continue;
-    level.points_base_m.push_back(exp_se2(velocity * offset_s) * (laser.T_base_laser * Point2(point.x(), point.y())));
+    level.points_base_m.push_back(moved_for(velocity, offset_s) * (laser.T_base_laser * Point2(point.x(), point.y())));
   }
   return level;
 }
@@ -67,8 +74,9 @@ LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
   ElevationCourse course(scan, scanner.table);
   for (std::size_t beam = 0; beam < level.ranges_m.size(); ++beam) {
     const auto bearing = beam_direction(level, beam);
-    const Eigen::Quaterniond turn = T_level_laser(scanner.mount, course.at(timing.of_beam_s(beam))).rotation;
-    const Point3 direction = rotation_matrix(turn) * Point3(bearing.cos, bearing.sin, 0.0);
+    Pose3 turn = T_level_laser(scanner.mount, course.at(timing.of_beam_s(beam)));
+    turn.translation_m = Point3::Zero();
+    const Point3 direction = turn * Point3(bearing.cos, bearing.sin, 0.0);
     const double share = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());
     const double range_m = static_cast<double>(level.ranges_m[beam]);
     if (level.max_range_m > 0.0 && range_m >= level.max_range_m) continue;  // no return stays none

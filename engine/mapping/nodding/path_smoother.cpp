@@ -66,8 +66,8 @@ constexpr std::size_t kMostStations = 400;
 /// A pose that is estimated: a node of the path with what its scan saw.
 struct Station {
   std::size_t node = 0;
+  PoseFix placed;  ///< as it was before
   Pose2 T_map_base;
-  Pose2 T_odom_base;
   std::vector<Point2> points;
 };
 
@@ -77,14 +77,14 @@ struct Link {
   Matrix3 information;
 };
 
-Link link_of(const SmootherConfig& config, const Pose2& T_odom_from, const Pose2& T_odom_to) {
-  const Pose2 motion = between(T_odom_from, T_odom_to);
+Link link_of(const SmootherConfig& config, const PoseFix& from, const PoseFix& to) {
+  const Pose2 T_placed = between(from.T_map_base, to.T_map_base);
+  const Pose2 motion = between(from.T_odom_base, to.T_odom_base);
   const double way_m = std::sqrt(motion.x_m * motion.x_m + motion.y_m * motion.y_m);
   const double turn_rad = std::fabs(motion.theta_rad);
   const double along = config.odometry_m_per_sqrt_m * config.odometry_m_per_sqrt_m * way_m + kLeastVariance;
-  const double about = config.odometry_rad_per_sqrt_m * config.odometry_rad_per_sqrt_m * way_m +
-                       config.odometry_rad_per_sqrt_rad * config.odometry_rad_per_sqrt_rad * turn_rad + kLeastVariance;
-  return {motion, Matrix3::diagonal(1.0 / along, 1.0 / along, 1.0 / about)};
+  const double about = square(config.odometry_rad_per_sqrt_rad) * (kTurnsPerMetre * way_m + turn_rad) + kLeastVariance;
+  return {T_placed, Matrix3::diagonal(1.0 / along, 1.0 / along, 1.0 / about)};
 }
 
 // What the odometry says about two neighbours; nothing of a fix moves.
@@ -104,16 +104,15 @@ void add_link(const Link& link, const Pose2& from, const Pose2& to, std::optiona
   if (row_from && row_to) chain.add(*row_to, *row_from, link.information * by_from);
 }
 
-// What the walls say about a station: each point's distance to the map, which a move changes by the gradient.
-void add_points(const SmootherConfig& config, const FieldGradient& field, double gate_m, const Station& station,
-                std::size_t row, BlockSystem& chain) {
-  Matrix3 information;
-  Tangent2 pull{};
+// Each point's distance to the map, which a move changes by the gradient.
+PointsView view_of(const SmootherConfig& config, const FieldGradient& field, double gate_m, const Pose2& T_map_base,
+                   std::span<const Point2> points) {
+  PointsView view;
   double count = 0.0;
-  const auto turn = sin_cos(station.T_map_base.theta_rad);
-  for (const Point2& p : station.points) {
-    const Point2 q(turn.cos * p.x() - turn.sin * p.y() + station.T_map_base.x_m,
-                   turn.sin * p.x() + turn.cos * p.y() + station.T_map_base.y_m);
+  const auto turn = sin_cos(T_map_base.theta_rad);
+  for (const Point2& p : points) {
+    const Point2 q(turn.cos * p.x() - turn.sin * p.y() + T_map_base.x_m,
+                   turn.sin * p.x() + turn.cos * p.y() + T_map_base.y_m);
     const std::optional<FieldGradient::Value> value = field.at(q);
     if (!value || value->distance_m > gate_m) continue;
     const Point2 g(turn.cos * value->gradient.x() + turn.sin * value->gradient.y(),
@@ -121,14 +120,24 @@ void add_points(const SmootherConfig& config, const FieldGradient& field, double
     const Tangent2 J{g.x(), g.y(), g.y() * p.x() - g.x() * p.y()};
     const double share = value->distance_m / gate_m;
     const double weight = (1.0 - share * share) * (1.0 - share * share);  // Tukey's
-    information += weight * outer(J, J);
-    for (std::size_t k = 0; k < 3; ++k) pull[k] += weight * value->distance_m * J[k];
+    view.information += weight * outer(J, J);
+    for (std::size_t k = 0; k < 3; ++k) view.away[k] += weight * value->distance_m * J[k];
     count += weight;
   }
-  if (!(count > 0.0)) return;
-  const double scale = std::min(1.0, config.independent_points / count) / (config.point_sigma_m * config.point_sigma_m);
-  chain.diagonal[row] += scale * information;
-  for (std::size_t k = 0; k < 3; ++k) chain.right[row][k] -= scale * pull[k];
+  if (!(count > 0.0)) return {};
+  const double scale = std::min(1.0, config.independent_points / count) / square(config.point_sigma_m);
+  view.information = scale * view.information;
+  for (double& value : view.away) value *= scale;
+  return view;
+}
+
+// Student's t for all that a scan sees [Lange1989]: what stands before the walls at other heights asks for a motion
+// that no odometry explains. A direction that nothing holds does not count.
+double trust_in(const PointsView& view) {
+  const Matrix3 covariance = with_eigenvalues(eigen_of_symmetric(view.information), [](double information) {
+    return information > kLeastViewInformation ? 1.0 / information : 0.0;
+  });
+  return student_weight(squared_norm(covariance, view.away));
 }
 
 BlockSystem chain_of(std::size_t stations) {
@@ -145,17 +154,36 @@ std::vector<Point2> thinned(std::vector<Point2> points, std::size_t most) {
   return points;
 }
 
+// From one node to another by odometry, in steps of stations.
+double steps_between(const SmootherConfig& config, const PoseFix& a, const PoseFix& b) {
+  const Pose2 step = between(a.T_odom_base, b.T_odom_base);
+  return std::max(length_of(step) / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
+}
+
+// How far along each node is from one place to another, 0 to 1.
+std::vector<double> shares_of_way(const SmootherConfig& config, const PoseFix& from, const PoseFix& to,
+                                  std::span<const PoseFix> nodes) {
+  std::vector<double> shares;
+  shares.reserve(nodes.size());
+  double sum = 0.0;
+  const PoseFix* last = &from;
+  for (const PoseFix& node : nodes) {
+    sum += steps_between(config, *last, node);
+    shares.push_back(sum);
+    last = &node;
+  }
+  sum += steps_between(config, *last, to);
+  for (double& share : shares) share = sum > 0.0 ? share / sum : 1.0;
+  return shares;
+}
+
 // Nodes that are far enough from each other by odometry, fewer where there would be too many.
 std::vector<Station> stations_of(const SmootherConfig& config, const PoseFix& from, const std::vector<PoseFix>& nodes,
                                  const PointsOfNode& points_of) {
   double way = 0.0;
-  const auto measure = [&config](const PoseFix& a, const PoseFix& b) {
-    const Pose2 step = between(a.T_odom_base, b.T_odom_base);
-    return std::max(step.translation().norm() / config.spacing_m, std::fabs(step.theta_rad) / config.spacing_rad);
-  };
   const PoseFix* last = &from;
   for (const PoseFix& node : nodes) {
-    way += measure(*last, node);
+    way += steps_between(config, *last, node);
     last = &node;
   }
   const double spacing = std::max(1.0, way / static_cast<double>(kMostStations));
@@ -163,12 +191,12 @@ std::vector<Station> stations_of(const SmootherConfig& config, const PoseFix& fr
   way = 0.0;
   last = &from;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    way += measure(*last, nodes[k]);
+    way += steps_between(config, *last, nodes[k]);
     last = &nodes[k];
     if (way < spacing) continue;
     way = 0.0;
-    stations.push_back({k, nodes[k].T_map_base, nodes[k].T_odom_base,
-                        thinned(points_of(k), static_cast<std::size_t>(config.max_points))});
+    stations.push_back(
+        {k, nodes[k], nodes[k].T_map_base, thinned(points_of(k), static_cast<std::size_t>(config.max_points))});
   }
   return stations;
 }
@@ -180,29 +208,46 @@ void add_equations(const SmootherConfig& config, const FieldGradient& field, dou
     const bool is_last = k == stations.size();
     const Pose2& a = is_first ? from.T_map_base : stations[k - 1].T_map_base;
     const Pose2& b = is_last ? to.T_map_base : stations[k].T_map_base;
-    const Link link = link_of(config, is_first ? from.T_odom_base : stations[k - 1].T_odom_base,
-                              is_last ? to.T_odom_base : stations[k].T_odom_base);
+    const Link link = link_of(config, is_first ? from : stations[k - 1].placed, is_last ? to : stations[k].placed);
     add_link(link, a, b, is_first ? std::nullopt : std::optional(k - 1), is_last ? std::nullopt : std::optional(k),
              chain);
-    if (!is_last) add_points(config, field, gate_m, stations[k], k, chain);
+    if (is_last) continue;
+    const PointsView view = view_of(config, field, gate_m, stations[k].T_map_base, stations[k].points);
+    const double trust = trust_in(view);
+    chain.diagonal[k] += trust * view.information;
+    subtract(chain.right[k], {trust * view.away[0], trust * view.away[1], trust * view.away[2]});
   }
 }
 
-// Nodes between two stations lie on the circle between them: so close together, that is smoother than the odometry.
-void place_nodes(const PoseFix& from, const PoseFix& to, const std::vector<Station>& stations,
-                 std::vector<PoseFix>& nodes) {
+// Nodes between two stations lie on the circle between them, each as far along as the odometry has it: so close
+// together, that is smoother than the odometry.
+void place_nodes(const SmootherConfig& config, const PoseFix& from, const PoseFix& to,
+                 const std::vector<Station>& stations, std::vector<PoseFix>& nodes) {
   PoseFix last = from;
   std::size_t begin = 0;
+  const auto place_until = [&](std::size_t end, const PoseFix& next) {
+    const std::span<PoseFix> between_them = std::span(nodes).subspan(begin, end - begin);
+    const std::vector<double> shares = shares_of_way(config, last, next, between_them);
+    for (std::size_t k = 0; k < between_them.size(); ++k) {
+      between_them[k].T_map_base = interpolate(PoseInterpolation::kGeodesic, last, next, shares[k], {});
+    }
+    last = next;
+  };
   for (const Station& station : stations) {
     nodes[station.node].T_map_base = station.T_map_base;
-    place_along(last, nodes[station.node], std::span(nodes).subspan(begin, station.node - begin));
-    last = nodes[station.node];
+    place_until(station.node, nodes[station.node]);
     begin = station.node + 1;
   }
-  place_along(last, to, std::span(nodes).subspan(begin));
+  place_until(nodes.size(), to);
 }
 
 }  // namespace
+
+PointsView view_from(const SmootherConfig& config, const GlobalField& field, const Pose2& T_map_base,
+                     const std::vector<Point2>& points) {
+  const std::vector<Point2> few = thinned(points, static_cast<std::size_t>(config.max_points));
+  return view_of(config, FieldGradient(field), config.gate_m, T_map_base, few);
+}
 
 std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, const PoseFix& from, const PoseFix& to,
                         std::vector<PoseFix>& nodes, const PointsOfNode& points_of) {
@@ -223,7 +268,7 @@ std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, 
     }
     gate_m = std::max(config.gate_m, kGateShrinks * gate_m);
   }
-  place_nodes(from, to, stations, nodes);
+  place_nodes(config, from, to, stations, nodes);
   return static_cast<std::size_t>(
       std::count_if(stations.begin(), stations.end(), [](const Station& station) { return !station.points.empty(); }));
 }

@@ -11,6 +11,7 @@
 
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
+#include "path_noise.hpp"
 #include "pose_path.hpp"
 
 namespace gdtslam {
@@ -18,7 +19,11 @@ namespace gdtslam {
 /// Points of scan k of the nodes, robot frame; empty where it has none.
 using PointsOfNode = std::function<std::vector<Point2>(std::size_t k)>;
 
-/// Corrects the nodes' T_map_base, which must hold a first estimate; returns how many nodes' points helped.
+/// What points, robot frame, say of a pose.
+PointsView view_from(const SmootherConfig& config, const GlobalField& field, const Pose2& T_map_base,
+                     const std::vector<Point2>& points);
+
+/// Corrects the nodes' T_map_base, placed between the fixes by place_between(); returns how many nodes' points helped.
 std::size_t smooth_path(const SmootherConfig& config, const GlobalField& field, const PoseFix& from, const PoseFix& to,
                         std::vector<PoseFix>& nodes, const PointsOfNode& points_of);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/mapping/graph/matrix3.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
@@ -16,7 +17,7 @@ constexpr double kVariancePerSecond = 1.0e-5;
 
 double variance_of(const PoseFix& from, const PoseFix& to) {
   const Pose2 motion = between(from.T_odom_base, to.T_odom_base);
-  return std::fabs(motion.theta_rad) + kVariancePerMetre * motion.translation().norm() +
+  return std::fabs(motion.theta_rad) + kVariancePerMetre * length_of(motion) +
          kVariancePerSecond * std::fabs(to.stamp_s - from.stamp_s);
 }
 
@@ -49,7 +50,10 @@ Pose2 linear(const Pose2& from, const Pose2& to, double share) {
 }
 
 /// A share of a motion, along one arc.
-Pose2 part_of(const Pose2& motion, double share) { return exp_se2(share * log_se2(motion)); }
+Pose2 part_of(const Pose2& motion, double share) {
+  const Tangent2 whole = log_tangent(motion);
+  return exp_tangent({share * whole[0], share * whole[1], share * whole[2]});
+}
 
 // What is left over at the end is a motion of the map. Its share is one about the same centre: where a turn was
 // measured wrongly, that is where the robot turned.
@@ -73,13 +77,6 @@ void place_between(PoseInterpolation how, const PoseFix& from, const PoseFix& to
   }
 }
 
-void place_along(const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes) {
-  const std::vector<double> shares = shares_of_variance(from, to, nodes);
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    nodes[k].T_map_base = interpolate(PoseInterpolation::kGeodesic, from, to, shares[k], {});
-  }
-}
-
 Pose2 PosePath::at(std::size_t index, double offset_s) const {
   const bool goes_back = index + 1 == nodes_.size() || (offset_s < 0.0 && index > 0);
   if (nodes_.size() == 1) return nodes_.front().T_map_base;
@@ -89,7 +86,7 @@ Pose2 PosePath::at(std::size_t index, double offset_s) const {
   if (!(span_s > 0.0)) return nodes_[index].T_map_base;
   const double share =
       std::clamp((nodes_[index].stamp_s + offset_s - from.stamp_s) / span_s, -kFurthestPose, kFurthestPose);
-  return from.T_map_base * exp_se2(share * log_se2(between(from.T_map_base, to.T_map_base)));
+  return from.T_map_base * part_of(between(from.T_map_base, to.T_map_base), share);
 }
 
 std::vector<PoseKnot> PosePath::knots(std::size_t index, std::span<const PhaseKnot> phases,

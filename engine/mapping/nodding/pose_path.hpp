@@ -31,10 +31,6 @@ PoseFix by_odometry(const PoseFix& fix, double stamp_s, const Pose2& T_odom_base
 /// distance, then time.
 void place_between(PoseInterpolation how, const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes);
 
-/// The same along one circle, each node as far along it as its part of the odometry's way: where two poses are close
-/// and both better known than the odometry between them.
-void place_along(const PoseFix& from, const PoseFix& to, std::span<PoseFix> nodes);
-
 /// Evenly along a circle from each node to the next.
 class PosePath {
  public:

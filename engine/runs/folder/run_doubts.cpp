@@ -57,7 +57,6 @@ LoopFindings loop_findings(const ReportReader& report, std::uint64_t scans) {
 RunDoubts doubts_of(const ReportReader& report, std::uint64_t scans) {
   const ReportReader matches = report.section("matches");
   RunDoubts doubts{.was_interrupted = report.truth("interrupted"),
-                   .nods = report.has("nodding"),
                    .scans = scans,
                    .accepted = matches.whole("accepted"),
                    .weak = matches.whole("weak"),

@@ -28,7 +28,6 @@ struct LoopFindings {
 /// A report's doubts.
 struct RunDoubts {
   bool was_interrupted = false;
-  bool nods = false;  ///< loops are not closed then
   std::uint64_t scans = 0;
   std::uint64_t accepted = 0;         ///< of the scans without doubt,
   std::uint64_t weak = 0;             ///< with weak evidence,

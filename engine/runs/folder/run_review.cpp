@@ -47,11 +47,6 @@ ReviewNote no_loops_note(const RunDoubts& doubts) {
     return {"run", "the run was interrupted before its loops were closed: drift stayed in the map",
             "map the log to its end; loops are closed only then"};
   }
-  if (doubts.nods) {
-    return {"run",
-            "the loops of a nodding laser's path are not closed: drift stayed in the map, and nothing tells where",
-            "compare it with a true path, where there is one: gdtslam evaluate"};
-  }
   return {"run", "loops were not closed: drift stayed in the map, and nothing tells where",
           "map the log without --no-loops"};
 }
@@ -61,7 +56,8 @@ void add_run_notes(const RunDoubts& doubts, std::vector<ReviewNote>& notes) {
     notes.push_back(no_loops_note(doubts));
   } else if (doubts.was_interrupted) {
     notes.push_back(
-        {"run", "the run was interrupted: the map is of the part of the log before that", "map the log to its end"});
+        {"run", "the run was interrupted while its scans were placed: the cloud is of the part of the log before that",
+         "map the log again"});
   }
   if (doubts.loops && doubts.loops->loops.empty()) {
     notes.push_back(

@@ -50,14 +50,28 @@ struct MapRun::Nodding : CloudSink {
       : scanner(scanner_for(job)),
         stream(run.scans_, job.kind, job.model, job.limits),
         cloud(std::move(output)),
-        sampler(job.check),
-        mapper(
-            job.nodding, scanner, *run.mapper_, backend, *this,
-            [&run](const NoddingPose& pose, const NoddingScan& scan) { run.take(pose, scan); }, run.job_.on_failure) {}
+        sampler(job.check) {
+    const auto take = [&run](const NoddingPose& pose, const NoddingScan& scan) { run.take(pose, scan); };
+    const MapperOptions& on_failure = run.job_.on_failure;
+    if (run.loops_) {
+      with_loops.emplace(job.nodding, scanner, *run.loops_, backend, *this, take, on_failure);
+    } else {
+      without_loops.emplace(job.nodding, scanner, *run.mapper_, backend, *this, take, on_failure);
+    }
+  }
 
   void add(std::span<const CloudPoint> points) override {
     if (cloud) cloud->add(points);
     sampler.add(points);
+  }
+  void process(NoddingScan scan) {
+    with_loops ? with_loops->process(std::move(scan)) : without_loops->process(std::move(scan));
+  }
+  [[nodiscard]] const NoddingStatistics& statistics() const {
+    return with_loops ? with_loops->statistics() : without_loops->statistics();
+  }
+  [[nodiscard]] const std::vector<std::string>& mapper_warnings() const {
+    return with_loops ? with_loops->warnings() : without_loops->warnings();
   }
   NoddingOutcome finish(std::vector<LogReader::Warning>& warnings);
 
@@ -65,12 +79,13 @@ struct MapRun::Nodding : CloudSink {
   NoddingStream stream;
   std::unique_ptr<CloudOutput> cloud;
   SweepSampler sampler;
-  NoddingMapper mapper;
+  std::optional<NoddingMapper> without_loops;  // one of the two
+  std::optional<NoddingLoopMapper> with_loops;
 };
 
 NoddingOutcome MapRun::Nodding::finish(std::vector<LogReader::Warning>& warnings) {
   NoddingOutcome outcome;
-  outcome.statistics = mapper.statistics();
+  outcome.statistics = statistics();
   outcome.check = sampler.finish();
   if (std::string doubt = outcome.check.doubt(); !doubt.empty()) {
     warnings.push_back({"sweeps that do not agree", 1, std::move(doubt)});
@@ -94,14 +109,13 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
       occupancy_(job.occupancy, occupancy_limits(job.mapper)),
       first_s_(kNever),
       last_s_(-kNever) {
-  if (nodding != nullptr) {
-    mapper_ = std::make_unique<Mapper>(mapper_config_of(job.mapper, nodding->nodding), backend, job.on_failure);
-    nodding_ = std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this);
-  } else if (job.with_loops) {
-    loops_ = std::make_unique<LoopMapper>(job.mapper, backend, job.on_failure);
+  const MapperConfig config = nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper;
+  if (job.with_loops) {
+    loops_ = std::make_unique<LoopMapper>(config, backend, job.on_failure);
   } else {
-    mapper_ = std::make_unique<Mapper>(job.mapper, backend, job.on_failure);
+    mapper_ = std::make_unique<Mapper>(config, backend, job.on_failure);
   }
+  if (nodding != nullptr) nodding_ = std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this);
 }
 
 MapRun::~MapRun() = default;
@@ -124,10 +138,12 @@ void MapRun::note_stamp(double stamp_s) {
   last_s_ = std::max(last_s_, stamp_s);
 }
 
-// The pose is the one given, which may be better than the match; what is in doubt is the match.
+// The pose is the one given, which may be better than the match; what is in doubt is the match. A nodding laser's poses
+// come when its loops are closed.
 void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
-  if (job_.with_occupancy && result.accepted && !loops_) occupancy_.add(scan, T_map_base);
-  if (loops_) scans_kept_.push_back(job_.with_occupancy && result.accepted ? scan : LaserScan{});
+  const bool is_final = nodding_ || !loops_;
+  if (job_.with_occupancy && result.accepted && is_final) occupancy_.add(scan, T_map_base);
+  if (!is_final) scans_kept_.push_back(job_.with_occupancy && result.accepted ? scan : LaserScan{});
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
     outcome_.doubtful.push_back({outcome_.trajectory.size(), result.stamp_s, result.doubt, result.accepted,
@@ -173,13 +189,20 @@ void MapRun::map_flat(const Progress& progress) {
 // Poses, keyframes and occupancy are those of the path with its loops closed.
 void MapRun::close_loops() {
   if (front_end().statistics().keyframes == 0) return;
-  ClosedPath path = loops_->close(
-      job_.closing ? job_.closing : [](std::string_view, double) {}, stop_);
-  outcome_.interrupted = outcome_.interrupted || !path.is_closed;
+  ClosedPath path = loops_->close(closing(), stop_);
   for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
     outcome_.trajectory[i].T_map_base = path.T_map_base[i];
     if (!scans_kept_[i].ranges_m.empty()) occupancy_.add(scans_kept_[i], path.T_map_base[i]);
   }
+  take_closed(std::move(path));
+}
+
+LoopMapper::Progress MapRun::closing() const {
+  return job_.closing ? job_.closing : [](std::string_view, double) {};
+}
+
+void MapRun::take_closed(ClosedPath path) {
+  outcome_.interrupted = outcome_.interrupted || !path.is_closed;
   outcome_.keyframes = path.keyframes;
   if (path.is_closed) outcome_.closed = std::move(path);
   watch_.add_to(outcome_.loops_s);
@@ -200,21 +223,31 @@ void MapRun::map_nodding(const Progress& progress) {
     watch_.add_to(outcome_.read_s);
     if (!scan) break;
     note_stamp(scan->record.scan.stamp_s);
-    nodding_->mapper.process(std::move(*scan));
+    nodding_->process(std::move(*scan));
     progress(++scans, scans_.progress());
     watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   }
   outcome_.interrupted = stop_();
   if (scans == 0) return;
   try {
-    nodding_->mapper.finish();
+    finish_nodding();
   } catch (const InputError& error) {
     if (outcome_.interrupted) {
       throw Error(ExitCode::kInterrupted, "interrupted before a scan could be placed; nothing is written");
     }
     throw InputError(FilePosition{log_name(job_.logs.front()), 0}, error.what());
   }
-  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+}
+
+// With loops only now poses and points come, from the closed path.
+void MapRun::finish_nodding() {
+  if (!loops_) {
+    nodding_->without_loops->finish();
+    watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+    return;
+  }
+  take_closed(nodding_->with_loops->close(closing(), stop_));
+  outcome_.interrupted = outcome_.interrupted || stop_();
 }
 
 // Without one merged scan there is no map to write.
@@ -239,7 +272,7 @@ void MapRun::finish() {
   outcome_.warnings = scans_.warnings();
   if (nodding_) {
     for (LogReader::Warning& warning : nodding_->stream.warnings()) outcome_.warnings.push_back(std::move(warning));
-    for (const std::string& text : nodding_->mapper.warnings()) {
+    for (const std::string& text : nodding_->mapper_warnings()) {
       outcome_.warnings.push_back({"no horizontal scan", 1, text});
     }
   }
@@ -258,7 +291,7 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   watch_ = {};
   Stopwatch whole;
   nodding_ ? map_nodding(progress) : map_flat(progress);
-  if (loops_) close_loops();
+  if (loops_ && !nodding_) close_loops();
   finish();
   whole.add_to(outcome_.wall_s, outcome_.cpu_s);
   return std::move(outcome_);

@@ -36,7 +36,7 @@ struct MapJob {
   OccupancyConfig occupancy;
   bool with_occupancy = true;
   bool with_pictures = true;       ///< the overview of the map
-  bool with_loops = false;         ///< closed once the log has ended; not where the laser nods
+  bool with_loops = false;         ///< closed once the log has ended
   LoopMapper::Progress closing{};  ///< as that goes on; empty: nobody is told
   MapperOptions on_failure;        ///< of the device
 };
@@ -87,7 +87,10 @@ class MapRun {
   void take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan);
   void note_stamp(double stamp_s);
   [[nodiscard]] const Mapper& front_end() const { return loops_ ? loops_->front_end() : *mapper_; }
+  void finish_nodding();
   void close_loops();
+  [[nodiscard]] LoopMapper::Progress closing() const;
+  void take_closed(ClosedPath path);
   void require_a_map() const;
   void finish();
 
@@ -95,7 +98,7 @@ class MapRun {
   ScanStream scans_;
   std::unique_ptr<Mapper> mapper_;     ///< without loops
   std::unique_ptr<LoopMapper> loops_;  ///< or with them
-  std::vector<LaserScan> scans_kept_;  ///< for the occupancy of a path that will still change
+  std::vector<LaserScan> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
   OccupancyBuilder occupancy_;
   std::unique_ptr<Nodding> nodding_;  ///< null: the laser does not nod
   std::function<bool()> stop_;

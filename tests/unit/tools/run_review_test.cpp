@@ -44,10 +44,11 @@ TEST(RunReview, SaysWhyLoopsWereNotClosed) {
   RunDoubts doubts = sound();
   doubts.loops.reset();
   EXPECT_THAT(review_of(doubts, ten_poses(), {}).notes.at(0).advice, HasSubstr("without --no-loops"));
-  doubts.nods = true;
-  EXPECT_THAT(review_of(doubts, ten_poses(), {}).notes.at(0).finding, HasSubstr("nodding laser"));
   doubts.was_interrupted = true;
   EXPECT_THAT(review_of(doubts, ten_poses(), {}).notes.at(0).advice, HasSubstr("to its end"));
+  doubts = sound();
+  doubts.was_interrupted = true;
+  EXPECT_THAT(review_of(doubts, ten_poses(), {}).notes.at(0).finding, HasSubstr("the cloud is of the part"));
   doubts = sound();
   doubts.loops->loops.clear();
   const RunReview none = review_of(doubts, ten_poses(), {});

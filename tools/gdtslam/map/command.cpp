@@ -185,7 +185,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   command->add_flag(
       "--no-loops", options->no_loops,
       "Match each scan with one map of all that was seen; without it loops are closed and the whole path\n"
-      "is adjusted once the log has ended (not where the laser nods)");
+      "is adjusted once the log has ended");
   command->add_flag("--no-pictures", options->no_pictures,
                     "Do not write overview.png, graph.png (or .svg) and cloud.png");
   command->add_flag("--json", options->json, "Print report.json on standard output");

@@ -77,8 +77,8 @@ void check_options(const RenderOptions& options) {
 unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sources, NodKind nods) {
   unsigned parts = has_truth(options) ? part::kTruth : 0U;
   if (!sources.empty()) return parts | sources.front().parts();
-  parts |= part::kMap | part::kField | part::kTrajectory;
-  parts |= nods == NodKind::kNone ? part::kGraph : part::kCloud | part::kMount;
+  parts |= part::kMap | part::kField | part::kTrajectory | part::kGraph;
+  if (nods != NodKind::kNone) parts |= part::kCloud | part::kMount;
   return nods == NodKind::kEncoder ? parts | part::kLinkage : parts;
 }
 

@@ -79,6 +79,8 @@ std::string asset_file(std::string_view kind, const std::string& name) {
 
 std::string sample_log_file() { return asset_file("logs", "office-start.log.gz"); }
 
+std::string nodding_sample_log_file() { return asset_file("logs", "nodding-start.log.gz"); }
+
 TemporaryFolder::TemporaryFolder(const std::string& name, std::string below) {
   const char* const variable = std::getenv("TMPDIR");
   if (below.empty()) below = variable != nullptr && *variable != '\0' ? variable : "/tmp";

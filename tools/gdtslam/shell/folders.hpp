@@ -17,6 +17,8 @@ std::string asset_file(std::string_view kind, const std::string& name);
 
 /// The sample log that comes with the command. Throws FileError.
 std::string sample_log_file();
+/// That of a laser that nods; its linkage lies beside it. Throws likewise.
+std::string nodding_sample_log_file();
 
 /// A folder of its own below another one, else $TMPDIR or /tmp, that is gone with its object, with all that is in it.
 class TemporaryFolder {

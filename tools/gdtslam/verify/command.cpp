@@ -61,9 +61,10 @@ std::string work_text(const TargetReport& target) {
 
 std::string log_text(const LogVerdict& log, bool is_vulkan) {
   std::string text =
-      fmt::format("{}, {}: {} scans, map {}, trajectory {}", log.task.log.substr(log.task.log.rfind('/') + 1),
-                  log.task.matcher, log.found.scans, log.found.map_sha256.substr(0, kDigestShown),
-                  log.found.trajectory_sha256.substr(0, kDigestShown));
+      fmt::format("{}, {}{}: {} scans, map {}, trajectory {}", log.task.log.substr(log.task.log.rfind('/') + 1),
+                  log.task.matcher, log.task.with_loops ? ", loops closed" : "", log.found.scans,
+                  log.found.map_sha256.substr(0, kDigestShown), log.found.trajectory_sha256.substr(0, kDigestShown));
+  if (!log.found.cloud_sha256.empty()) text += ", cloud " + log.found.cloud_sha256.substr(0, kDigestShown);
   if (log.faults.empty()) text += log.task.expected ? ": equal, and as shipped" : ": equal";
   for (const std::string& fault : log.faults) text += "; DIFFERENT: " + fault;
   text += fmt::format("\n    {:.2f} s on the CPU, {:.2f} s here", log.reference.wall_s, log.found.wall_s);
@@ -98,14 +99,19 @@ Json kernel_json(const KernelVerdict& kernel) {
 }
 
 Json run_json(const LogRun& run) {
-  return {{"map_sha256", run.map_sha256},    {"trajectory_sha256", run.trajectory_sha256},
-          {"dispatches", run.dispatches},    {"submissions", run.submissions},
-          {"copy_equal", run.copy_is_equal}, {"wall_s", run.wall_s}};
+  return {{"map_sha256", run.map_sha256},
+          {"trajectory_sha256", run.trajectory_sha256},
+          {"cloud_sha256", run.cloud_sha256.empty() ? Json() : Json(run.cloud_sha256)},
+          {"dispatches", run.dispatches},
+          {"submissions", run.submissions},
+          {"copy_equal", run.copy_is_equal},
+          {"wall_s", run.wall_s}};
 }
 
 Json log_json(const LogVerdict& log) {
   return {{"log", log.task.log},
           {"matcher", log.task.matcher},
+          {"loops", log.task.with_loops},
           {"scans", log.found.scans},
           {"shipped", log.task.expected.has_value()},
           {"reference", run_json(log.reference)},
@@ -192,8 +198,8 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
       ->capture_default_str();
   command
       .add_option("--write-expected", chosen.write_expected,
-                  "Only map the sample log on the CPU and write what it gives as what it must give; for a change\n"
-                  "of gdtslam that is meant to change results")
+                  "Only map the sample log on the CPU, or nodding-start where FILE is named after it, and write what\n"
+                  "it gives as what it must give; for a change of gdtslam that is meant to change results")
       ->type_name("FILE");
 }
 
@@ -210,8 +216,11 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
       "Every kernel runs on the CPU and on the device, on the cases of the project's tests; then the sample log is\n"
       "mapped with the matchers " +
       fmt::format("{}", fmt::join(verified_matchers(), " and ")) +
-      " on both, and must also give the shipped hashes. That\n"
-      "the device did it itself is shown: no CPU kernel runs meanwhile, and each kernel runs once without its CPU\n"
+      " on both, and once as map does,\n"
+      "with its loops closed; so is a log of a laser that nods, with its cloud. All must give the shipped hashes, "
+      "too.\n"
+      "That the device did it itself is shown: no CPU kernel runs meanwhile, and each kernel runs once without its "
+      "CPU\n"
       "functions. --device cpu compares the CPU's instruction sets and threads with the baseline.\n"
       "Exit 0: no difference; 1: differences, or the device failed; 69: there is no such device. 'gdtslam devices'\n"
       "shows the last result of the whole, and differences and failures of a part, with the shaders that the device\n"

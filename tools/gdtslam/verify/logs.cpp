@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -10,8 +11,12 @@
 #include "engine/io/json_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/mapping/cloud_output.hpp"
+#include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/mapper.hpp"
@@ -26,6 +31,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
 constexpr const char* kSampleExpected = "office-start.json";
+constexpr const char* kNoddingExpected = "nodding-start.json";
 
 std::string sha256_of_file(const std::string& path) { return Sha256().update(read_text<InputError>(path)).hex(); }
 
@@ -38,7 +44,12 @@ SampleLog sample_in(const Json& root, const std::string& log) {
   if (root.at("log") != file_name_of(log)) throw InputError("is not of " + file_name_of(log));
   if (root.at("log_sha256") != sha256_of_file(log)) throw InputError("is not of this " + file_name_of(log));
   for (const Json& run : root.at("runs")) {
-    sample.runs.push_back({run.at("matcher"), run.at("scans"), run.at("map_sha256"), run.at("trajectory_sha256")});
+    sample.runs.push_back({.matcher = run.at("matcher"),
+                           .with_loops = run.at("loops"),
+                           .scans = run.at("scans"),
+                           .map_sha256 = run.at("map_sha256"),
+                           .trajectory_sha256 = run.at("trajectory_sha256"),
+                           .cloud_sha256 = run.at("cloud_sha256")});
   }
   return sample;
 }
@@ -62,11 +73,8 @@ void compare(const std::string& what, const std::string& expected, const std::st
     faults.push_back(what + " " + found.substr(0, 12) + ", " + whose + " " + expected.substr(0, 12));
 }
 
-}  // namespace
-
-SampleLog sample_log() {
-  const std::string log = sample_log_file();
-  const std::string expected = asset_file("expected", kSampleExpected);
+SampleLog sample_of(const std::string& log, const char* results) {
+  const std::string expected = asset_file("expected", results);
   constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
   const Json root = read_json(expected, kMostBytes, "; install gdtslam again");
   try {
@@ -78,24 +86,10 @@ SampleLog sample_log() {
   }
 }
 
-void write_expected(const std::string& path, const std::string& log, const std::vector<ExpectedRun>& runs) {
-  Json list = Json::array();
-  for (const ExpectedRun& run : runs) {
-    list.push_back({{"matcher", run.matcher},
-                    {"scans", run.scans},
-                    {"map_sha256", run.map_sha256},
-                    {"trajectory_sha256", run.trajectory_sha256}});
-  }
-  write_json(path,
-             {{"format", kFormat}, {"log", file_name_of(log)}, {"log_sha256", sha256_of_file(log)}, {"runs", list}});
-}
-
-LogRun run_log(const LogTask& task, Backend& backend, const LogProgress& progress) {
-  const auto start = std::chrono::steady_clock::now();
+// Each scan through the mapper.
+LogRun run_mapper(const LogTask& task, Backend& backend, const LogProgress& progress) {
   const Settings settings = load_settings({.file = {}, .sets = {"match.matcher=" + task.matcher}});
   ScanStream scans({task.log}, {}, {});
-  const std::uint64_t dispatches = backend.dispatch_count();
-  const std::uint64_t submissions = backend.submit_count();
   Mapper mapper(settings.mapper, backend, {.fall_back = false, .cpu = {}, .warn = {}});
   Trajectory trajectory;
   while (const std::optional<ScanRecord> record = scans.next()) {
@@ -113,6 +107,69 @@ LogRun run_log(const LogTask& task, Backend& backend, const LogProgress& progres
   run.copy_is_equal = copy_is_equal(mapper);
   run.map_sha256 = sha256_of(view_of(mapper.field()));
   run.trajectory_sha256 = sha256_of(trajectory);
+  return run;
+}
+
+// The whole of `map`, with its loops closed; of a nodding laser the points too, which go to a file that is removed
+// again.
+LogRun run_with_loops(const LogTask& task, Backend& backend, const LogProgress& progress) {
+  const Settings settings = load_settings({.file = {}, .sets = {"match.matcher=" + task.matcher}});
+  ScanStream scans({task.log}, {}, {});
+  const MapJob job{.logs = {task.log},
+                   .read = {},
+                   .range = {},
+                   .mapper = settings.mapper,
+                   .occupancy = {},
+                   .with_occupancy = false,
+                   .with_pictures = false,
+                   .with_loops = true,
+                   .on_failure = {.fall_back = false, .cpu = {}, .warn = {}}};
+  NoddingJob nodding;
+  nodding.kind = scans.nod_kind(ScanStream::kMostAhead);
+  const bool nods = nodding.kind != NodKind::kNone;
+  const TemporaryFolder folder("gdtslam-verify");
+  std::unique_ptr<CloudOutput> cloud;
+  if (nods) {
+    const std::string linkage = linkage_sidecar(task.log);
+    nodding.model = resolve_linkage(linkage.empty() ? std::string(calib::kDefaultLinkage) : linkage);
+    cloud = std::make_unique<CloudOutput>(settings.cloud, folder.path() + "/cloud.ply");
+  }
+  MapRun mapping(job, backend, std::move(scans), nods ? &nodding : nullptr, std::move(cloud));
+  const MapOutcome outcome = mapping.run(progress, [] { return interrupted(); });
+  if (outcome.interrupted) throw Error(ExitCode::kInterrupted, "interrupted; nothing is kept of this verification");
+  LogRun run;
+  run.scans = outcome.trajectory.size();
+  run.copy_is_equal = true;
+  run.map_sha256 = sha256_of(view_of(mapping.field()));
+  run.trajectory_sha256 = sha256_of(outcome.trajectory);
+  if (nods) run.cloud_sha256 = outcome.nodding->cloud.sha256;
+  return run;
+}
+
+}  // namespace
+
+std::vector<SampleLog> sample_logs() {
+  return {sample_of(sample_log_file(), kSampleExpected), sample_of(nodding_sample_log_file(), kNoddingExpected)};
+}
+void write_expected(const std::string& path, const std::string& log, const std::vector<ExpectedRun>& runs) {
+  Json list = Json::array();
+  for (const ExpectedRun& run : runs) {
+    list.push_back({{"matcher", run.matcher},
+                    {"loops", run.with_loops},
+                    {"scans", run.scans},
+                    {"map_sha256", run.map_sha256},
+                    {"trajectory_sha256", run.trajectory_sha256},
+                    {"cloud_sha256", run.cloud_sha256}});
+  }
+  write_json(path,
+             {{"format", kFormat}, {"log", file_name_of(log)}, {"log_sha256", sha256_of_file(log)}, {"runs", list}});
+}
+
+LogRun run_log(const LogTask& task, Backend& backend, const LogProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::uint64_t dispatches = backend.dispatch_count();
+  const std::uint64_t submissions = backend.submit_count();
+  LogRun run = task.with_loops ? run_with_loops(task, backend, progress) : run_mapper(task, backend, progress);
   run.dispatches = backend.dispatch_count() - dispatches;
   run.submissions = backend.submit_count() - submissions;
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -123,11 +180,13 @@ LogVerdict judge(const LogTask& task, const LogRun& reference, const LogRun& fou
   LogVerdict verdict{task, reference, found, {}};
   compare("map", reference.map_sha256, found.map_sha256, "on the CPU", verdict.faults);
   compare("trajectory", reference.trajectory_sha256, found.trajectory_sha256, "on the CPU", verdict.faults);
+  compare("cloud", reference.cloud_sha256, found.cloud_sha256, "on the CPU", verdict.faults);
   if (!found.copy_is_equal) verdict.faults.emplace_back("the host's copy of the map is not what the device holds");
   if (!task.expected) return verdict;
   if (task.expected->scans != found.scans) verdict.faults.emplace_back("another number of scans than shipped");
   compare("map", task.expected->map_sha256, found.map_sha256, "shipped", verdict.faults);
   compare("trajectory", task.expected->trajectory_sha256, found.trajectory_sha256, "shipped", verdict.faults);
+  compare("cloud", task.expected->cloud_sha256, found.cloud_sha256, "shipped", verdict.faults);
   return verdict;
 }
 

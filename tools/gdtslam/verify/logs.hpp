@@ -16,25 +16,29 @@ namespace gdtslam {
 /// What a log must give, on any host and device.
 struct ExpectedRun {
   std::string matcher;
+  bool with_loops = false;  ///< the whole of `map`, loops closed; else the mapper alone
   std::uint64_t scans = 0;
   std::string map_sha256;
   std::string trajectory_sha256;
+  std::string cloud_sha256{};  ///< of a nodding laser's points; else empty
 };
 
-/// The sample log that comes with the project, and what it must give.
+/// A sample log that comes with the project, and what it must give.
 struct SampleLog {
   std::string path;
   std::vector<ExpectedRun> runs;
 };
-/// Throws FileError or InputError where the files are missing, damaged or do not belong together.
-SampleLog sample_log();
-/// Writes what `runs` gave as the expected results of the sample log.
+/// Those of a flat laser and of one that nods. Throws FileError or InputError where the files are missing, damaged or
+/// do not belong together.
+std::vector<SampleLog> sample_logs();
+/// Writes what `runs` gave as the expected results of a sample log.
 void write_expected(const std::string& path, const std::string& log, const std::vector<ExpectedRun>& runs);
 
 /// A log to map, and how.
 struct LogTask {
   std::string log;
   std::string matcher;                  ///< name, as --matcher takes it
+  bool with_loops = false;              ///< as ExpectedRun has it
   std::optional<ExpectedRun> expected;  ///< shipped
 };
 
@@ -43,10 +47,11 @@ struct LogRun {
   std::uint64_t scans = 0;
   std::string map_sha256;
   std::string trajectory_sha256;
+  std::string cloud_sha256;  ///< where the laser nods and loops are closed
   std::uint64_t dispatches = 0;
   std::uint64_t submissions = 0;
   double wall_s = 0.0;
-  bool copy_is_equal = false;  ///< the host's copy of the map holds what the device's buffer holds
+  bool copy_is_equal = false;  ///< the host's copy of the map holds what the device's buffer holds, where it has one
 };
 
 /// Called with the scans so far and the share of the log (negative when unknown).

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "engine/mapping/match/matchers.hpp"
@@ -75,10 +77,11 @@ std::vector<KernelCaseSource> chosen_cases(const VerifyOptions& options) {
 std::vector<LogTask> chosen_logs(const VerifyOptions& options) {
   if (!options.filter.empty() && options.filter != kLogsFilter) return {};
   std::vector<LogTask> tasks;
-  const SampleLog sample = sample_log();
-  for (const ExpectedRun& run : sample.runs) tasks.push_back({sample.path, run.matcher, run});
+  for (const SampleLog& sample : sample_logs()) {
+    for (const ExpectedRun& run : sample.runs) tasks.push_back({sample.path, run.matcher, run.with_loops, run});
+  }
   for (const std::string& log : options.logs) {
-    for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, std::nullopt});
+    for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, false, std::nullopt});
   }
   return tasks;
 }
@@ -120,7 +123,7 @@ class Verification {
   }
 
   LogVerdict verify_log(const LogTask& task, const Target& target, Backend& reference, Backend& device) {
-    const auto key = std::make_pair(task.log, task.matcher);
+    const auto key = std::make_tuple(task.log, task.matcher, task.with_loops);
     if (!references_.contains(key)) references_[key] = run(task, "cpu", reference);
     return judge(task, references_[key], run(task, target.name, device));
   }
@@ -133,7 +136,7 @@ class Verification {
   const VerifyOptions& options_;
   std::vector<KernelCaseSource> cases_;
   std::vector<LogTask> logs_;
-  std::map<std::pair<std::string, std::string>, LogRun> references_;  ///< by log and matcher
+  std::map<std::tuple<std::string, std::string, bool>, LogRun> references_;  ///< by log, matcher and loops
 };
 
 }  // namespace
@@ -207,12 +210,22 @@ std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOp
 
 void write_expected_results(const VerifyOptions& options, const std::string& path) {
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
-  const std::string log = sample_log_file();
+  const std::string nodding = nodding_sample_log_file();
+  const auto stem = [](const std::string& file) {
+    const std::string name = std::filesystem::path(file).filename().string();
+    return name.substr(0, name.find('.'));
+  };
+  const bool nods = stem(path) == stem(nodding);
+  const std::string log = nods ? nodding : sample_log_file();
   std::vector<ExpectedRun> runs;
-  for (const std::string& matcher : verified_matchers()) {
-    const LogRun run = run_log({log, matcher, std::nullopt}, *cpu, [](std::uint64_t, double) {});
-    runs.push_back({matcher, run.scans, run.map_sha256, run.trajectory_sha256});
+  const auto add = [&](const std::string& matcher, bool with_loops) {
+    const LogRun run = run_log({log, matcher, with_loops, std::nullopt}, *cpu, [](std::uint64_t, double) {});
+    runs.push_back({matcher, with_loops, run.scans, run.map_sha256, run.trajectory_sha256, run.cloud_sha256});
+  };
+  if (!nods) {
+    for (const std::string& matcher : verified_matchers()) add(matcher, false);
   }
+  add(std::string(to_string(MatchConfig{}.matcher)), true);
   write_expected(path, log, runs);
 }
 

@@ -63,7 +63,8 @@ VerifyReport run_verify(const VerifyOptions& options);
 std::optional<VerifyRecord> record_of(const VerifyReport& report, const VerifyOptions& options,
                                       const std::string& date);
 
-/// Maps the sample log on the CPU and writes what it gave as what it must give. Throws FileError.
+/// Maps the sample log, or the one that nods, on the CPU and writes what it gave as what it must give. Which one the
+/// name of the file says. Throws FileError.
 void write_expected_results(const VerifyOptions& options, const std::string& path);
 
 }  // namespace gdtslam

@@ -31,10 +31,11 @@ struct SmootherConfig {
   double above_floor_m = 0.15;  ///< and down to this much above the floor
   double spacing_m = 0.1;       ///< of the poses that are estimated; those between lie on circles
   double spacing_rad = 0.05;
-  double odometry_m_per_sqrt_m = 0.02;  ///< standard deviations of the odometry, a random walk
-  double odometry_rad_per_sqrt_m = 0.03;
+  /// Standard deviations of the odometry, a random walk, until the log tells them; a metre counts as 0.36 rad of turn.
+  double odometry_m_per_sqrt_m = 0.02;
   double odometry_rad_per_sqrt_rad = 0.05;
-  double point_sigma_m = 0.03;  ///< of a point's distance to the map
+  double point_sigma_m = 0.03;  ///< of a point's distance to the map, likewise
+  double same_view_m = 0.5;     ///< poses so close see the same things, and their points err together
   double gate_m = 0.2;          ///< points farther from the map do not count
   std::int32_t max_points = 240;
   std::int32_t independent_points = 40;  ///< the points of a scan weigh no more than so many
@@ -110,6 +111,34 @@ class NoddingMapper {
   /// The log has ended. Throws InputError when no scan was horizontal, with the range of elevations seen and what to
   /// do.
   void finish();
+  [[nodiscard]] const NoddingStatistics& statistics() const;
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The same with loops closed: horizontal scans go through a LoopMapper as they come, and once the log has ended and
+/// its loops are closed, all scans are placed between the corrected fixes. Poses and points come at the end; who needs
+/// them at once takes NoddingMapper. Memory: every scan until it is placed, 4 bytes a beam and some 300 bytes a scan,
+/// beside that of the LoopMapper.
+class NoddingLoopMapper {
+ public:
+  using PoseSink = NoddingMapper::PoseSink;
+  /// As NoddingMapper. The mapper gets the horizontal scans from here alone.
+  NoddingLoopMapper(const NoddingConfig& config, const NoddingScanner& scanner, LoopMapper& mapper, Backend& backend,
+                    CloudSink& cloud, PoseSink poses, MapperOptions on_failure = {});
+  ~NoddingLoopMapper();
+  /// The next scan in log order. Throws as LoopMapper does.
+  void process(NoddingScan scan);
+  /// To be called once, when the log has ended: closes the loops as LoopMapper::close() does, then gives poses and
+  /// points of all scans. Scans of the result are those whose poses were given, in that order; the covariance between
+  /// two fixes is linear by their number, before the first and behind the last it is that of the fix. Where stop() is
+  /// true before the loops are closed, the path is that of the front end, and all scans get their points; where it
+  /// becomes true later, the scans that are left get poses and no points. Throws InputError when no scan was
+  /// horizontal, with the range of elevations seen and what to do, and DeviceError as NoddingMapper does.
+  ClosedPath close(const LoopMapper::Progress& progress, const std::function<bool()>& stop);
   [[nodiscard]] const NoddingStatistics& statistics() const;
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 

@@ -34,7 +34,7 @@ struct MapRequest {
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
   bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
   bool with_cloud = true;
-  bool with_loops = true;      ///< closed once the log has ended; not where the laser nods
+  bool with_loops = true;      ///< closed once the log has ended
   bool with_pictures = true;   ///< overview and graph (PNG, or SVG where nothing makes pixels), cloud.png
   CloudPicture draw_cloud{};   ///< cloud.png; empty: none
   MapperOptions on_failure{};  ///< what is done when the device fails

@@ -1,0 +1,45 @@
+// The scans of a nodding laser that are near horizontal, levelled for the 2D system, and what the elevations of all
+// scans were: strokes, and the range that was seen. One object belongs to one thread; linear in the beams.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "gdtslam/mapping/nodding_mapper.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+
+namespace gdtslam {
+
+struct ElevationRange {
+  double low_rad = std::numeric_limits<double>::infinity();
+  double high_rad = -std::numeric_limits<double>::infinity();
+};
+
+class HorizontalScans {
+ public:
+  /// `valid`: which ranges count.
+  HorizontalScans(const NoddingConfig& config, const NoddingScanner& scanner, const ScanConfig& valid);
+  /// The next scan in log order: its points over the floor, robot frame at the scan's stamp, where all its elevations
+  /// lie within the tolerance; else nothing.
+  std::optional<PointScan> take(const NoddingScan& scan);
+  /// Strokes of the mount so far, up or down.
+  [[nodiscard]] std::uint64_t strokes() const { return strokes_; }
+  /// Throws InputError that says why none of the scans was horizontal.
+  [[noreturn]] void throw_none() const;
+
+ private:
+  void note_stroke(double elevation_rad);
+
+  double horizontal_rad_;
+  NoddingScanner scanner_;
+  ScanConfig valid_;
+  std::optional<Odometry> last_odometry_;  ///< of the scan before the one in hand
+  ElevationRange seen_;
+  double last_elevation_rad_ = 0.0;
+  int stroke_ = 0;  ///< +1 up, -1 down
+  std::uint64_t strokes_ = 0;
+  bool is_elevation_known_ = false;  ///< of any scan
+};
+
+}  // namespace gdtslam
