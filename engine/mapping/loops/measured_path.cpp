@@ -42,16 +42,16 @@ void MeasuredPath::correct_wheels(const std::vector<Pose2>& keyframes) {
   for (std::size_t from = 0; from + kBiasSteps < keyframes.size(); ++from) {
     const Pose2 actual = between(keyframes[from], keyframes[from + kBiasSteps]);
     WheelStretch stretch{.true_chord_m = length_of(actual), .true_turn_rad = actual.theta_rad};
-    Pose2 by_wheels;
+    StraightenedWay way;
     for (std::size_t i = from + 1; i <= from + kBiasSteps; ++i) {
       const Pose2& step = path_.steps[i][kWheels].T;
-      by_wheels = by_wheels * step;
+      way.add(step, between(keyframes[i - 1], keyframes[i]));
       stretch.path_m += length_of(step);
       stretch.turned_rad += std::fabs(step.theta_rad);
       stretch.forward_m += step.x_m;
       stretch.turn_rad += step.theta_rad;
     }
-    stretch.chord_m = length_of(by_wheels);
+    stretch.chord_m = way.chord_m();
     stretches.push_back(stretch);
   }
   bias_ = estimate_bias(stretches, static_cast<double>(kBiasSteps));

@@ -17,7 +17,7 @@ constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
 constexpr double kFlatness = 0.05;        // most of the variance across, as a share of that along
 constexpr double kRoughness_m = 0.01;     // and beyond that share: a laser's noise
-constexpr double kShapeOfNoise = 3.0e-3;  // of normals that are off by three degrees
+constexpr double kShapeOfNoise = 6.0e-3;  // of normals that are off by 4.4 degrees
 constexpr double kAcross = 0.5;           // least squared cosine between a normal and the way: 45 degrees
 constexpr double kEnoughAcross = 0.1;     // of the surface
 

@@ -19,13 +19,31 @@ struct WheelBias {
   double sigma_rad_per_m = 0.05;
 };
 
+/// A way of the wheels' distances in true directions. By the wheels' own turns, whose noise bends it, its chord would
+/// be too short, and what the turns get wrong would be taken for missing distance.
+class StraightenedWay {
+ public:
+  /// One step on, by the wheels and in truth.
+  void add(const Pose2& by_wheels, const Pose2& in_truth) {
+    const double turn_rad = heading_rad_ + 0.5 * (in_truth.theta_rad - by_wheels.theta_rad);
+    end_ = end_ + (Pose2{0.0, 0.0, turn_rad} * by_wheels).translation();
+    heading_rad_ += in_truth.theta_rad;
+  }
+  /// Between its ends.
+  [[nodiscard]] double chord_m() const { return end_.norm(); }
+
+ private:
+  Point2 end_{0.0, 0.0};
+  double heading_rad_ = 0.0;
+};
+
 /// A stretch of the path by the wheels, and what is known of it otherwise.
 struct WheelStretch {
   double path_m = 0.0;
   double turned_rad = 0.0;
   double forward_m = 0.0;  ///< signed, as the next
   double turn_rad = 0.0;
-  double chord_m = 0.0;       ///< between its ends by the wheels
+  double chord_m = 0.0;       ///< between its ends by the wheels' distances: StraightenedWay
   double true_chord_m = 0.0;  ///< and in truth
   double true_turn_rad = 0.0;
   bool knows_way = true;  ///< the true chord is known, not only the turn

@@ -61,6 +61,32 @@ TEST(WheelBias, OfGoodWheelsLeavesThemAlone) {
   }
 }
 
+// Distances are exact and headings walk by 0.1 rad for a root of a metre. The square of a chord by both is the mean of
+// the cosines between pieces of the way, 1 - 0.01 d / 2 for pieces d metres apart, and those are a third of it apart.
+TEST(StraightenedWay, HeadingsThatWalkTakeNothingFromTheDistance) {
+  Random random(7);
+  double by_wheels_m = 0.0;
+  double straightened_m = 0.0;
+  double true_m = 0.0;
+  for (int stretch = 0; stretch < 2000; ++stretch) {
+    Pose2 wheels;
+    Pose2 truth;
+    StraightenedWay way;
+    for (int k = 0; k < 16; ++k) {
+      const Pose2 true_step{0.25, 0.0, 0.02};
+      const Pose2 step{0.25, 0.0, 0.02 + random.normal(0.0, 0.1 * std::sqrt(0.25))};
+      way.add(step, true_step);
+      wheels = wheels * step;
+      truth = truth * true_step;
+    }
+    by_wheels_m += std::hypot(wheels.x_m, wheels.y_m);
+    straightened_m += way.chord_m();
+    true_m += std::hypot(truth.x_m, truth.y_m);
+  }
+  EXPECT_NEAR(by_wheels_m / true_m, std::sqrt(1.0 - 0.5 * 0.01 * 4.0 / 3.0), 0.001);
+  EXPECT_NEAR(straightened_m / true_m, 1.0, 0.001);
+}
+
 TEST(WheelBias, WithoutStretchesIsNothing) {
   const WheelBias bias = estimate_bias({}, 1.0);
   EXPECT_EQ(bias.distance, 0.0);
