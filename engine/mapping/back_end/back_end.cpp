@@ -16,6 +16,7 @@ constexpr double kStepPointNoise_m = 0.02;
 constexpr double kStepIndependent = 20.0;
 constexpr double kEnoughPoints = 60.0;
 constexpr double kStepLeastShape = 1.0e-6;
+constexpr double kStepShapeOfNoise = 3.0e-3;  // of normals that are off by three degrees
 constexpr double kStepFloor_m = 0.005;
 constexpr double kStepFloor_rad = 0.0015;
 constexpr double kStepLeastShare = 0.01;
@@ -108,8 +109,8 @@ void BackEnd::add_keyframe(const MatchResult& result, KeptScan points) {
 MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& scan) const {
   const std::size_t points = scan.surface.size();
   const double share = std::min(1.0, static_cast<double>(points) / kEnoughPoints);
-  const Matrix3 shape =
-      kStepIndependent * std::max(share, kStepLeastShare) * shape_of_one(shape_of(scan), points, kStepLeastShape);
+  const Matrix3 shape = kStepIndependent * std::max(share, kStepLeastShare) *
+                        shape_of_one(shape_of(scan), points, kStepLeastShape, kStepShapeOfNoise);
   const Matrix3 floor = Matrix3::diagonal(square(kStepFloor_m), square(kStepFloor_m), square(kStepFloor_rad));
   const Matrix3 of_wheels = inverse(wheels_covariance_ + least_of_wheels() + leaps_);
   const auto with_noise = [&](double noise_m) {

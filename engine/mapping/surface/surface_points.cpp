@@ -15,11 +15,10 @@ constexpr double kReachShare = 0.05;  // of the range: neighbours at a grazing a
 constexpr double kReachNexts = 3.5;   // and of the next point's distance: beams may be few
 constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
-constexpr double kFlatness = 0.05;        // most of the variance across, as a share of that along
-constexpr double kRoughness_m = 0.01;     // and beyond that share: a laser's noise
-constexpr double kShapeOfNoise = 6.0e-3;  // of normals that are off by 4.4 degrees
-constexpr double kAcross = 0.5;           // least squared cosine between a normal and the way: 45 degrees
-constexpr double kEnoughAcross = 0.1;     // of the surface
+constexpr double kFlatness = 0.05;     // most of the variance across, as a share of that along
+constexpr double kRoughness_m = 0.01;  // and beyond that share: a laser's noise
+constexpr double kAcross = 0.5;        // least squared cosine between a normal and the way: 45 degrees
+constexpr double kEnoughAcross = 0.1;  // of the surface
 
 // Sums over the neighbours of a point, relative to it.
 struct Neighbourhood {
@@ -127,10 +126,10 @@ bool knows_way(const KeptScan& scan, const Point2& direction) {
   return static_cast<double>(across) > kEnoughAcross * static_cast<double>(scan.surface.size());
 }
 
-Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least) {
+Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise) {
   const double share = points > 0 ? 1.0 / static_cast<double>(points) : 0.0;
   return with_eigenvalues(eigen_of_symmetric(share * shape),
-                          [least](double value) { return std::max(least, value - kShapeOfNoise); });
+                          [=](double value) { return std::max(least, value - noise); });
 }
 
 }  // namespace gdtslam

@@ -72,7 +72,7 @@ inline constexpr double kShapeOfTiltedNormals = 0.01;
 bool knows_way(const KeptScan& scan, const Point2& direction);
 
 /// The shape for one point, less what the noise of the normals feigns in directions in which there is nothing to be
-/// seen; never less than `least` in any direction.
-Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least);
+/// seen, `noise`; never less than `least` in any direction.
+Matrix3 shape_of_one(const Matrix3& shape, std::size_t points, double least, double noise);
 
 }  // namespace gdtslam

@@ -10,8 +10,9 @@ constexpr double kMatchPointNoise_m = 0.02;
 constexpr double kMatchIndependent = 400.0;  // points of a scan and of its map that tell something new
 constexpr double kMatchEnough = 100.0;       // points, with fewer of which a scan tells less
 constexpr double kMatchLeastShare = 0.01;
-constexpr double kMatchLeastShape = 4.0e-9;  // of a direction in which the scan tells nothing
-constexpr double kMostMatchChi2 = 30.0;      // farther apart one of the two is wrong
+constexpr double kMatchLeastShape = 4.0e-9;    // of a direction in which the scan tells nothing
+constexpr double kMatchShapeOfNoise = 6.0e-3;  // of normals that are off by 4.4 degrees
+constexpr double kMostMatchChi2 = 30.0;        // farther apart one of the two is wrong
 
 }  // namespace
 
@@ -19,7 +20,8 @@ Matrix3 match_information(const KeptScan& scan) {
   const std::size_t points = scan.surface.size();
   const double count =
       kMatchIndependent * std::clamp(static_cast<double>(points) / kMatchEnough, kMatchLeastShare, 1.0);
-  return count / (kMatchPointNoise_m * kMatchPointNoise_m) * shape_of_one(shape_of(scan), points, kMatchLeastShape);
+  return count / (kMatchPointNoise_m * kMatchPointNoise_m) *
+         shape_of_one(shape_of(scan), points, kMatchLeastShape, kMatchShapeOfNoise);
 }
 
 void PoseFilter::predict(const Pose2& T_map_predicted, const MotionNoise& noise) {
