@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "gdtslam/core/angle.hpp"
+#include "one_line.hpp"
 #include "stated_quantity.hpp"
 
 namespace gdtslam {
@@ -125,14 +126,10 @@ std::optional<double> refuse(std::string* why, std::string reason) {
   return std::nullopt;
 }
 
-// In quotation marks, one printable line, short: a quoted text in a file may hold anything.
+// A quoted text in a file may hold anything.
 std::string quoted(std::string_view text) {
-  constexpr std::size_t kMaxShown = 48;
-  std::string shown = "'";
-  for (const char c : text.substr(0, kMaxShown)) {
-    shown += c >= ' ' && c <= '~' ? c : '?';
-  }
-  return shown.append(text.size() > kMaxShown ? "...'" : "'");
+  constexpr std::size_t kMostShown = 48;
+  return "'" + one_line(text, kMostShown) + "'";
 }
 
 }  // namespace

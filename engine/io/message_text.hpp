@@ -5,10 +5,9 @@
 #include <string_view>
 #include <system_error>
 
-namespace gdtslam {
+#include "engine/core/one_line.hpp"
 
-/// The text with '?' for everything that is no printable ASCII; cut at `limit` characters.
-std::string one_line(std::string_view text, std::size_t limit = 200);
+namespace gdtslam {
 
 /// A short piece in quotation marks.
 std::string in_quotes(std::string_view text);
