@@ -19,6 +19,9 @@ struct LaserScan {
   double first_bearing_rad = 0.0;
   double bearing_step_rad = 0.0;
   double max_range_m = 0.0;  ///< at or above it a range means no return; 0 when the log does not say
+  /// Beam k was measured at stamp_s + first_beam_after_s + k * beam_period_s. All at stamp_s when the log does not say.
+  double first_beam_after_s = 0.0;
+  double beam_period_s = 0.0;  ///< negative where the beams were measured from the last one on
   std::vector<float> ranges_m;
   Pose2 T_base_laser;
 };
@@ -33,6 +36,7 @@ struct Odometry {
 struct ScanRecord {
   LaserScan scan;
   std::optional<Pose2> T_odom_base;
+  std::size_t laser = 0;  ///< which of several lasers on the robot, in the order of their first scans
 };
 
 /// Position of the crank.
