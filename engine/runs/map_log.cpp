@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "engine/io/atomic_file.hpp"
@@ -10,6 +12,7 @@
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
+#include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
@@ -90,6 +93,21 @@ NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   return job;
 }
 
+std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const MapJob& job) {
+  const LogConfig& log = request.settings.log;
+  if (log.odometry_stamps == OdometryStamps::kLog) return std::nullopt;
+  if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
+  std::optional<OdometryDelay> delay = measured_delay(request.logs.front(), job.read, job.mapper);
+  if (!delay || !delay->stands_out()) return std::nullopt;
+  if (request.warn) {
+    request.warn(
+        fmt::format("odometry is stamped {:.2f} s {} than the scans that it belongs to (+-{:.3f} s), which is "
+                    "made up for; log.odometry_stamps=log leaves it",
+                    std::fabs(delay->delay_s), delay->delay_s < 0.0 ? "earlier" : "later", delay->sigma_s));
+  }
+  return delay;
+}
+
 MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& backend) {
   ScanStream scans(job.logs, job.read, job.range);
   // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
@@ -103,7 +121,12 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
                     ScanStream::kMostAhead));
   }
   RunFolder folder(request.folder);
-  if (kind == NodKind::kNone) return map_into(folder, request, job, nullptr, backend, std::move(scans));
+  if (kind == NodKind::kNone) {
+    MapJob flat = job;
+    flat.odometry_delay = odometry_delay_of(request, job);
+    if (flat.odometry_delay) scans.set_odometry_delay(flat.odometry_delay->delay_s);
+    return map_into(folder, request, flat, nullptr, backend, std::move(scans));
+  }
   const NoddingJob nodding = nodding_job(request, kind);
   return map_into(folder, request, job, &nodding, backend, std::move(scans));
 }

@@ -26,6 +26,7 @@ std::vector<Option> options_besides_mapper(Settings& settings) {
 }
 
 constexpr std::array<std::string_view, 2> kSourceNames{"log", "stated"};
+constexpr std::array<std::string_view, 3> kOdometryStamps{"measured", "stated", "log"};
 constexpr double kMostMount_m = 100.0;
 constexpr double kMostAngle_rad = 6.3;
 constexpr double kMostRange_m = 1000.0;
@@ -51,29 +52,35 @@ void require_valid(Settings& settings) {
 
 std::vector<Option> option_table(LogConfig& config) {
   Pose2& mount = config.T_base_laser;
-  return {{"log.mount", "where the laser sits on the robot: by each line of the log, or stated by the next three",
-           Unit::kNone, 0.0, 0.0, Choice(config.mount, kSourceNames)},
-          {"log.mount_x", "the laser's place ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
-           &mount.x_m},
-          {"log.mount_y", "and to its left", Unit::kMetre, -kMostMount_m, kMostMount_m, &mount.y_m},
-          {"log.mount_angle", "and its heading there, counter-clockwise", Unit::kRadian, -kMostAngle_rad,
-           kMostAngle_rad, &mount.theta_rad},
-          {"log.bearings", "bearings of the beams: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
-           Choice(config.bearings, kSourceNames)},
-          {"log.first_bearing", "of the first beam, counter-clockwise from straight ahead", Unit::kRadian,
-           -kMostAngle_rad, kMostAngle_rad, &config.first_bearing_rad},
-          {"log.bearing_step", "from beam to beam; negative where the laser hangs upside down", Unit::kRadian,
-           -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
-          {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
-           Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
-          {"log.beam_times", "when the beams were measured: by the log, or stated by the next two", Unit::kNone, 0.0,
-           0.0, Choice(config.beam_times, kSourceNames)},
-          {"log.first_beam_after", "of the first beam, after the scan's stamp", Unit::kSecond, -kLongestScan_s,
-           kLongestScan_s, &config.first_beam_after_s},
-          {"log.beam_period", "from beam to beam; negative where the last one was measured first", Unit::kSecond,
-           -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
-          {"log.deskew", "place each beam where the robot was when it was measured", Unit::kNone, 0.0, 1.0,
-           &config.deskew}};
+  return {
+      {"log.mount", "where the laser sits on the robot: by each line of the log, or stated by the next three",
+       Unit::kNone, 0.0, 0.0, Choice(config.mount, kSourceNames)},
+      {"log.mount_x", "the laser's place ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
+       &mount.x_m},
+      {"log.mount_y", "and to its left", Unit::kMetre, -kMostMount_m, kMostMount_m, &mount.y_m},
+      {"log.mount_angle", "and its heading there, counter-clockwise", Unit::kRadian, -kMostAngle_rad, kMostAngle_rad,
+       &mount.theta_rad},
+      {"log.bearings", "bearings of the beams: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
+       Choice(config.bearings, kSourceNames)},
+      {"log.first_bearing", "of the first beam, counter-clockwise from straight ahead", Unit::kRadian, -kMostAngle_rad,
+       kMostAngle_rad, &config.first_bearing_rad},
+      {"log.bearing_step", "from beam to beam; negative where the laser hangs upside down", Unit::kRadian,
+       -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
+      {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
+       Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
+      {"log.beam_times", "when the beams were measured: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
+       Choice(config.beam_times, kSourceNames)},
+      {"log.first_beam_after", "of the first beam, after the scan's stamp", Unit::kSecond, -kLongestScan_s,
+       kLongestScan_s, &config.first_beam_after_s},
+      {"log.beam_period", "from beam to beam; negative where the last one was measured first", Unit::kSecond,
+       -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
+      {"log.deskew", "place each beam where the robot was when it was measured", Unit::kNone, 0.0, 1.0, &config.deskew},
+      {"log.odometry_stamps",
+       "whether odometry is stamped later than the scans that it belongs to: measured at the log's begin, stated by "
+       "log.odometry_delay, or right as the log has them",
+       Unit::kNone, 0.0, 0.0, Choice(config.odometry_stamps, kOdometryStamps)},
+      {"log.odometry_delay", "how much later; negative where the scans are", Unit::kSecond, -kLongestScan_s,
+       kLongestScan_s, &config.odometry_delay_s}};
 }
 
 std::vector<std::string> faults_of(const LogConfig& config) {
@@ -87,6 +94,9 @@ std::vector<std::string> faults_of(const LogConfig& config) {
   }
   if (config.beam_times == LogSource::kLog && (config.first_beam_after_s != 0.0 || config.beam_period_s != 0.0)) {
     faults.emplace_back("log.first_beam_after and log.beam_period count only with log.beam_times: stated");
+  }
+  if (config.odometry_stamps != OdometryStamps::kStated && config.odometry_delay_s != 0.0) {
+    faults.emplace_back("log.odometry_delay counts only with log.odometry_stamps: stated");
   }
   if (config.bearings == LogSource::kStated && config.bearing_step_rad == 0.0) {
     faults.emplace_back("log.bearing_step: stated bearings need a step that is not 0, for example 0.5 deg");

@@ -184,6 +184,9 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
   report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
   if (nodding != nullptr) report["nodding"] = nodding_json(*nodding, *outcome.nodding);
+  if (job.odometry_delay) {
+    report["odometry_delay"] = {{"delay_s", job.odometry_delay->delay_s}, {"sigma_s", job.odometry_delay->sigma_s}};
+  }
   if (outcome.closed) {
     report["loops"] = loops_json(*outcome.closed);
     report["wheels"] = wheels_json(outcome.closed->wheels);

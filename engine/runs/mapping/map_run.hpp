@@ -35,10 +35,11 @@ struct MapJob {
   MapperConfig mapper;
   OccupancyConfig occupancy;
   bool with_occupancy = true;
-  bool with_pictures = true;       ///< the overview of the map
-  bool with_loops = false;         ///< closed once the log has ended
-  LoopMapper::Progress closing{};  ///< as that goes on; empty: nobody is told
-  MapperOptions on_failure;        ///< of the device
+  std::optional<OdometryDelay> odometry_delay{};  ///< that the scans' stream makes up for
+  bool with_pictures = true;                      ///< the overview of the map
+  bool with_loops = false;                        ///< closed once the log has ended
+  LoopMapper::Progress closing{};                 ///< as that goes on; empty: nobody is told
+  MapperOptions on_failure;                       ///< of the device
 };
 
 /// What a nodding log needs besides a MapJob.

@@ -9,18 +9,13 @@
 #include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
-namespace {
 
-// Along the circular arc from a to b; the share is that of the time between them, and `a` where the clock stood still
-// or went backward.
 Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s) {
   const double span_s = b.stamp_s - a.stamp_s;
   if (!(span_s > 0.0)) return a.T_odom_base;
   const double share = std::clamp((stamp_s - a.stamp_s) / span_s, 0.0, 1.0);
   return a.T_odom_base * exp_se2(share * log_se2(between(a.T_odom_base, b.T_odom_base)));
 }
-
-}  // namespace
 
 std::string log_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
@@ -73,6 +68,7 @@ bool ScanStream::open_next() {
   reader_ = open_log(paths_[opened_++], options_);
   interpolator_ = {};
   speed_.reset();
+  if (shift_) shift_.emplace(shift_->delay_s());
   T_first_this_.reset();
   return true;
 }
@@ -150,18 +146,31 @@ bool ScanStream::feed_listener() {
   }
 }
 
+std::optional<ScanRecord> ScanStream::next_with_odometry() {
+  std::optional<ScanRecord> scan = interpolator_.next(false);
+  while (!scan) {
+    std::optional<LogRecord> record = next_record();
+    if (!record) return interpolator_.next(true);
+    notify_listener(*record);
+    if (auto* found = std::get_if<ScanRecord>(&*record)) interpolator_.take(std::move(*found));
+    if (const auto* odometry = std::get_if<Odometry>(&*record)) interpolator_.take(*odometry);
+    scan = interpolator_.next(false);
+  }
+  return scan;
+}
+
+std::optional<ScanRecord> ScanStream::next_shifted() {
+  while (true) {
+    if (std::optional<ScanRecord> scan = shift_->next(false)) return scan;
+    std::optional<ScanRecord> ahead = next_with_odometry();
+    if (!ahead) return shift_->next(true);
+    shift_->take(std::move(*ahead));
+  }
+}
+
 std::optional<ScanRecord> ScanStream::next_of_all() {
   while (reader_) {
-    std::optional<ScanRecord> scan = interpolator_.next(false);
-    while (!scan) {
-      std::optional<LogRecord> record = next_record();
-      if (!record) break;
-      notify_listener(*record);
-      if (auto* found = std::get_if<ScanRecord>(&*record)) interpolator_.take(std::move(*found));
-      if (const auto* odometry = std::get_if<Odometry>(&*record)) interpolator_.take(*odometry);
-      scan = interpolator_.next(false);
-    }
-    if (!scan) scan = interpolator_.next(true);
+    std::optional<ScanRecord> scan = shift_ ? next_shifted() : next_with_odometry();
     if (scan) {
       ++read_;
       connect(scan->T_odom_base);

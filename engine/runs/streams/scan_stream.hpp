@@ -20,12 +20,17 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/runs/outcome.hpp"
+#include "odometry_delay.hpp"
 #include "scan_speed.hpp"
 
 namespace gdtslam {
 
 /// The log as messages name it: "-" is the standard input.
 std::string log_name(const std::string& path);
+
+/// Along the circular arc from a to b; the share is that of the time between them, and `a` where the clock stood still
+/// or went backward.
+Pose2 interpolated(const Odometry& a, const Odometry& b, double stamp_s);
 
 /// Gives scans without odometry the pose between the odometry records before and after them in the log. Scans before
 /// the first odometry record stay without. At most kMostHeld scans wait for the next record.
@@ -68,6 +73,8 @@ class ScanStream {
   bool feed_listener();
   /// Share of the wanted scans or of the input, whichever is further; negative when unknown.
   [[nodiscard]] double progress() const;
+  /// From now on, before the first scan is taken: odometry is stamped so much later than the scans that it belongs to.
+  void set_odometry_delay(double delay_s) { shift_.emplace(delay_s); }
   /// Scans that were read so far, those that were left out at the start among them.
   [[nodiscard]] std::uint64_t scans_read() const { return read_; }
   /// Of all logs so far, by kind.
@@ -76,6 +83,8 @@ class ScanStream {
  private:
   std::optional<LogRecord> next_record();
   void notify_listener(const LogRecord& record);
+  std::optional<ScanRecord> next_with_odometry();
+  std::optional<ScanRecord> next_shifted();
   std::optional<ScanRecord> next_of_all();
   bool open_next();
   void connect(std::optional<Pose2>& T_odom_base);
@@ -88,6 +97,7 @@ class ScanStream {
   std::unique_ptr<LogReader> reader_;
   OdometryInterpolator interpolator_;
   OdometrySpeed speed_;
+  std::optional<OdometryShift> shift_;
   std::deque<LogRecord> ahead_;
   std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
   Listener listener_;

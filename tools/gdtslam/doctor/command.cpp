@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "doctor.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/streams/log_check.hpp"
+#include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -121,9 +123,17 @@ std::string faults_text(const LogCheck& c, const StepBounds& bounds) {
   return text;
 }
 
-std::string as_text(const LogCheck& check, const StepBounds& bounds, const std::string& log) {
+std::string delay_text(const std::optional<OdometryDelay>& delay) {
+  if (!delay) return "";
+  return fmt::format("odometry stamps  {:.3f} s {} than the scans, +-{:.3f} s{}\n", std::fabs(delay->delay_s),
+                     delay->delay_s < 0.0 ? "earlier" : "later", delay->sigma_s,
+                     delay->stands_out() ? ": map makes up for it" : "; too little to matter");
+}
+
+std::string as_text(const LogCheck& check, const StepBounds& bounds, const std::string& log,
+                    const std::optional<OdometryDelay>& delay) {
   std::string text = fmt::format("log              {}\n", log_name(log)) + counts_text(check) + sensor_text(check) +
-                     faults_text(check, bounds);
+                     faults_text(check, bounds) + delay_text(delay);
   for (const std::string& suggestion : check.suggestions()) text += "-> " + suggestion + "\n";
   text += check.obstacle().empty() ? "It can be mapped.\n" : "It cannot be mapped: " + check.obstacle() + ".\n";
   return text;
@@ -178,7 +188,8 @@ Json nod_json(const NodCheck& nod) {
           {"highest_tilt_rad", nod.highest_tilt_rad}};
 }
 
-Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log) {
+Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log,
+             const std::optional<OdometryDelay>& delay) {
   Json report{{"log", log}, {"mappable", c.obstacle().empty()}, {"obstacle", c.obstacle()}};
   report["scans"] = c.scans;
   report["mappable_scans"] = c.mappable_scans;
@@ -198,6 +209,10 @@ Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log
   report["backward_stamps"] = as_json(c.backward_stamps);
   report["repeated_stamps"] = as_json(c.repeated_stamps);
   report["impossible_steps"] = as_json(c.impossible_steps);
+  if (delay) {
+    report["odometry_delay"] = {
+        {"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}, {"stands_out", delay->stands_out()}};
+  }
   report["step_bounds"] = {{"distance_m", bounds.distance_m},
                            {"speed_m_s", bounds.speed_m_s},
                            {"angle_rad", bounds.angle_rad},
@@ -218,7 +233,8 @@ Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log
 int doctor(const DoctorOptions& options) {
   const StepBounds bounds;
   LogChecker checker(bounds);
-  const std::unique_ptr<LogReader> reader = open_log(options.log, read_options_of({}, true, options.topic));
+  const ReadOptions read = read_options_of({}, true, options.topic);
+  const std::unique_ptr<LogReader> reader = open_log(options.log, read);
   ProgressLine progress("records", false);
   std::uint64_t records = 0;
   while (const std::optional<LogRecord> record = reader->next()) {
@@ -228,7 +244,10 @@ int doctor(const DoctorOptions& options) {
   }
   progress.clear();
   const LogCheck check = checker.finish(reader->warnings());
-  print_result(options.json ? json_text(as_json(check, bounds, options.log)) : as_text(check, bounds, options.log));
+  std::optional<OdometryDelay> delay;
+  if (!interrupted() && check.obstacle().empty()) delay = measured_delay(options.log, read, MapperConfig{});
+  print_result(options.json ? json_text(as_json(check, bounds, options.log, delay))
+                            : as_text(check, bounds, options.log, delay));
   if (interrupted())
     throw Error(ExitCode::kInterrupted, "interrupted; the figures are those of the part that was read");
   if (!check.obstacle().empty()) throw InputError({log_name(options.log), 0}, "cannot be mapped: " + check.obstacle());

@@ -19,6 +19,20 @@ namespace gdtslam {
 /// Which messages tell how the laser nods.
 enum class NodKind : std::uint8_t { kNone, kEncoder, kTilt };
 
+/// How much later odometry is stamped than the scans that it belongs to.
+struct OdometryDelay {
+  double delay_s = 0.0;  ///< negative where the scans are stamped later
+  double sigma_s = 0.0;  ///< 0 where it was stated
+  /// Share of the squared differences of turns that is left at this delay, beside none and beside as much the other
+  /// way.
+  double unexplained = 0.0;
+  /// Whether it is worth a change: beyond chance, and odometry and scans agree much better with it.
+  [[nodiscard]] bool stands_out() const {
+    const double away_s = delay_s < 0.0 ? -delay_s : delay_s;
+    return away_s >= 0.02 && away_s > 5.0 * sigma_s && unexplained < 0.7;
+  }
+};
+
 /// A scan whose match is in doubt.
 struct DoubtfulScan {
   std::uint64_t index = 0;  ///< in the trajectory, from 0

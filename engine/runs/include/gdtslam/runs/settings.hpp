@@ -29,6 +29,9 @@ std::vector<Option> option_table(CloudConfig& config);
 /// Whether the log's own lines are believed or the values beside it.
 enum class LogSource : std::uint8_t { kLog, kStated };
 
+/// Who says how much later odometry is stamped than the scans.
+enum class OdometryStamps : std::uint8_t { kMeasured, kStated, kLog };
+
 /// What an option may state of a log's laser where the log itself is wrong about it: the mount, the bearings of the
 /// beams, the limit of the ranges (docs/formats.md, CARMEN logs). Metres, radians.
 struct LogConfig {
@@ -42,6 +45,8 @@ struct LogConfig {
   double first_beam_after_s = 0.0;  ///< both count where `beam_times` are stated
   double beam_period_s = 0.0;
   bool deskew = true;
+  OdometryStamps odometry_stamps = OdometryStamps::kMeasured;
+  double odometry_delay_s = 0.0;  ///< counts where they are stated
 };
 
 /// Likewise, under "log.".

@@ -1,0 +1,166 @@
+#include "odometry_delay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/mapper.hpp"
+#include "scan_stream.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kMostDelay_s = 1.5;
+constexpr double kDelayStep_s = 0.01;
+constexpr double kLongestStep_s = 1.0;  // between scans
+constexpr double kSlip_rad = 0.05;      // beyond which a difference counts as this much
+constexpr double kLeastTurn_rad = 3.0;  // of all steps, to tell anything
+constexpr double kEnoughTurn_rad = 20.0;
+constexpr std::size_t kMostScans = 3000;
+constexpr std::size_t kMostTrack = 4096;
+constexpr std::size_t kMostWaiting = 512;
+
+/// Headings by odometry over time, unwrapped; along straight lines between the stamps.
+class HeadingTrack {
+ public:
+  explicit HeadingTrack(std::span<const TimedHeading> headings) {
+    for (const TimedHeading& heading : headings) {
+      if (!points_.empty() && !(heading.stamp_s > points_.back().first)) continue;
+      const double last = points_.empty() ? heading.by_odometry_rad : points_.back().second;
+      points_.emplace_back(heading.stamp_s, last + wrap_angle(heading.by_odometry_rad - last));
+    }
+  }
+  /// Nothing outside of the track, and where it has a gap.
+  [[nodiscard]] std::optional<double> at(double stamp_s) const {
+    const auto after = std::lower_bound(points_.begin(), points_.end(), std::pair(stamp_s, -1e300));
+    if (after == points_.begin() || after == points_.end()) return std::nullopt;
+    const auto before = std::prev(after);
+    const double span_s = after->first - before->first;
+    if (span_s > kLongestStep_s) return std::nullopt;
+    return before->second + (after->second - before->second) * (stamp_s - before->first) / span_s;
+  }
+
+ private:
+  std::vector<std::pair<double, double>> points_;
+};
+
+/// How badly turns by scans and by odometry agree at a shift.
+struct Agreement {
+  double sum = 0.0;  ///< of squared differences, those of slips capped, rad^2
+  std::size_t steps = 0;
+  [[nodiscard]] double mean() const {
+    return steps > 0 ? sum / static_cast<double>(steps) : std::numeric_limits<double>::infinity();
+  }
+};
+
+Agreement agreement_at(std::span<const TimedHeading> headings, const HeadingTrack& odometry, double shift_s) {
+  Agreement agreement;
+  for (std::size_t i = 1; i < headings.size(); ++i) {
+    const TimedHeading& from = headings[i - 1];
+    const TimedHeading& to = headings[i];
+    if (!(to.stamp_s > from.stamp_s && to.stamp_s - from.stamp_s <= kLongestStep_s)) continue;
+    const std::optional<double> odometry_from = odometry.at(from.stamp_s + shift_s);
+    const std::optional<double> odometry_to = odometry.at(to.stamp_s + shift_s);
+    if (!odometry_from || !odometry_to) continue;
+    const double off = wrap_angle(to.by_scans_rad - from.by_scans_rad) - (*odometry_to - *odometry_from);
+    agreement.sum += std::min(off * off, kSlip_rad * kSlip_rad);
+    ++agreement.steps;
+  }
+  return agreement;
+}
+
+double turned_rad(std::span<const TimedHeading> headings) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < headings.size(); ++i) {
+    sum += std::fabs(wrap_angle(headings[i].by_scans_rad - headings[i - 1].by_scans_rad));
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
+  if (turned_rad(headings) < kLeastTurn_rad) return std::nullopt;
+  const HeadingTrack odometry(headings);
+  const int most = static_cast<int>(kMostDelay_s / kDelayStep_s);
+  std::vector<Agreement> at;
+  at.reserve(static_cast<std::size_t>(2 * most + 1));
+  for (int k = -most; k <= most; ++k) at.push_back(agreement_at(headings, odometry, k * kDelayStep_s));
+  std::size_t best = static_cast<std::size_t>(most);
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    if (at[k].mean() < at[best].mean()) best = k;
+  }
+  if (best == 0 || best + 1 == at.size()) return std::nullopt;  // agrees best beyond what is looked for
+  const double before = at[best - 1].mean();
+  const double here = at[best].mean();
+  const double after = at[best + 1].mean();
+  const double bend = before - 2.0 * here + after;
+  if (!(bend > 0.0) || !std::isfinite(bend)) return std::nullopt;
+  // Between two stamps the noise of the odometry is smoothed, whichever way it is shifted; a delay is one way only.
+  const double without = std::min(at[static_cast<std::size_t>(most)].mean(), at[at.size() - 1 - best].mean());
+  const double off_steps = 0.5 * (before - after) / bend;
+  const double variance = 2.0 * here / (static_cast<double>(at[best].steps) * bend) * kDelayStep_s * kDelayStep_s;
+  return OdometryDelay{.delay_s = (static_cast<double>(best) - most + off_steps) * kDelayStep_s,
+                       .sigma_s = std::sqrt(variance),
+                       .unexplained = here / without};
+}
+
+std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options,
+                                            const MapperConfig& mapper) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(log, ignored) && !std::filesystem::is_directory(log, ignored)) return {};
+  MapperConfig config = mapper;
+  config.odometry.estimate = true;
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  std::vector<TimedHeading> headings;
+  double turned = 0.0;
+  try {
+    Mapper by_scans(config, *cpu);
+    ScanStream scans({log}, options, {.skip = 0, .count = kMostScans});
+    while (turned < kEnoughTurn_rad) {
+      const std::optional<ScanRecord> record = scans.next();
+      if (!record) break;
+      const MatchResult result = by_scans.process(record->scan, std::nullopt);
+      if (!record->T_odom_base || !result.accepted) continue;
+      headings.push_back({result.stamp_s, record->T_odom_base->theta_rad, result.T_map_base.theta_rad});
+      if (headings.size() > 1) turned += turned_rad(std::span(headings).last(2));
+    }
+  } catch (const Error&) {  // what is wrong with the log is told by those who map it
+    return std::nullopt;
+  }
+  return delay_of(headings);
+}
+
+void OdometryShift::take(ScanRecord scan) {
+  if (scan.T_odom_base && (track_.empty() || scan.scan.stamp_s > track_.back().stamp_s)) {
+    track_.push_back({scan.scan.stamp_s, *scan.T_odom_base});
+    if (track_.size() > kMostTrack) track_.pop_front();
+  }
+  waiting_.push_back(std::move(scan));
+}
+
+Pose2 OdometryShift::odometry_at(double stamp_s) const {
+  const auto after = std::lower_bound(track_.begin(), track_.end(), stamp_s,
+                                      [](const Odometry& pose, double at_s) { return pose.stamp_s < at_s; });
+  if (after == track_.end()) return track_.back().T_odom_base;
+  if (after == track_.begin()) return after->T_odom_base;
+  return interpolated(*std::prev(after), *after, stamp_s);
+}
+
+std::optional<ScanRecord> OdometryShift::next(bool at_end) {
+  if (waiting_.empty()) return std::nullopt;
+  const double wanted_s = waiting_.front().scan.stamp_s + delay_s_;
+  const bool is_there = !waiting_.front().T_odom_base || (!track_.empty() && track_.back().stamp_s >= wanted_s);
+  if (!is_there && !at_end && waiting_.size() < kMostWaiting) return std::nullopt;
+  ScanRecord scan = std::move(waiting_.front());
+  waiting_.pop_front();
+  if (scan.T_odom_base && !track_.empty()) scan.T_odom_base = odometry_at(wanted_s);
+  return scan;
+}
+
+}  // namespace gdtslam

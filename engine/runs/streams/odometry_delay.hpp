@@ -1,0 +1,53 @@
+// By how much odometry lags behind the laser: recorders stamp both when they arrive, and one may come late. The turns
+// of the robot by its scans are laid on those by its odometry; the shift at which they agree best is the delay. Not
+// thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/runs/outcome.hpp"
+
+namespace gdtslam {
+
+/// Where the robot headed when a scan was taken: by odometry of the same stamp, and by the scans alone. Radians.
+struct TimedHeading {
+  double stamp_s = 0.0;
+  double by_odometry_rad = 0.0;
+  double by_scans_rad = 0.0;
+};
+
+/// Nothing where the robot turned too little to tell. A shift of up to 1.5 s either way is looked for; each difference
+/// counts up to some degrees, so that slips and wrong matches are a few of many. Cost: some milliseconds a thousand
+/// headings.
+std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings);
+
+/// Of the begin of a log, until the robot has turned enough, at most 3,000 scans: they are matched as if there were no
+/// odometry. Nothing where that fails or tells nothing, and of what can be read only once, as a pipe.
+std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options,
+                                            const MapperConfig& mapper);
+
+/// Gives scans the odometry that was stamped a delay later than they, once it has come.
+class OdometryShift {
+ public:
+  explicit OdometryShift(double delay_s) : delay_s_(delay_s) {}
+  [[nodiscard]] double delay_s() const { return delay_s_; }
+  void take(ScanRecord scan);
+  /// The next scan whose odometry is there; with `at_end` also those that wait, with the last that is known.
+  std::optional<ScanRecord> next(bool at_end);
+
+ private:
+  [[nodiscard]] Pose2 odometry_at(double stamp_s) const;
+
+  double delay_s_;
+  std::deque<Odometry> track_;
+  std::deque<ScanRecord> waiting_;
+};
+
+}  // namespace gdtslam

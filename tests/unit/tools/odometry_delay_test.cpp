@@ -1,0 +1,107 @@
+// Delays that were put in, of a robot that turns as a sum of waves does.
+#include "engine/runs/streams/odometry_delay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+double heading_at(double t) { return 1.1 * std::sin(0.7 * t) + 0.6 * std::sin(1.9 * t + 0.4); }
+
+/// 5 scans a second for 80 s. Odometry tells late what the robot did, with noise in each step, and slips now and then.
+std::vector<TimedHeading> drive(double delay_s, double scan_noise_rad, double step_noise_rad, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<TimedHeading> headings;
+  double slip = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    const double t = 1000.0 + 0.2 * k;
+    slip += step_noise_rad * random.normal() + (k % 57 == 56 ? 0.4 : 0.0);
+    headings.push_back(
+        {t, wrap_angle(heading_at(t - delay_s) + slip), heading_at(t) + scan_noise_rad * random.normal()});
+  }
+  return headings;
+}
+
+TEST(OdometryDelay, IsFoundEitherWayWithItsDeviation) {
+  for (const double delay_s : {-0.65, -0.13, 0.07, 0.31, 0.65}) {
+    int within = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto found = delay_of(drive(delay_s, 0.003, 0.004, seed));
+      ASSERT_TRUE(found && found->stands_out()) << delay_s;
+      EXPECT_NEAR(found->delay_s, delay_s, 0.015) << delay_s;
+      within += std::fabs(found->delay_s - delay_s) <= 3.0 * found->sigma_s + 0.005 ? 1 : 0;
+    }
+    EXPECT_GE(within, 9) << delay_s;
+  }
+}
+
+TEST(OdometryDelay, OfNoneNothingStandsOut) {
+  // Steps that are as noisy as the turns themselves tempt to smooth them between two stamps.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (const double noise_rad : {0.002, 0.02, 0.1}) {
+      const auto found = delay_of(drive(0.0, 0.003, noise_rad, seed));
+      EXPECT_FALSE(found && found->stands_out()) << noise_rad << ' ' << seed << ' ' << found->delay_s;
+    }
+  }
+}
+
+TEST(OdometryDelay, ARobotThatHardlyTurnsTellsNothing) {
+  std::vector<TimedHeading> headings;
+  for (int k = 0; k < 400; ++k) headings.push_back({0.2 * k, 0.002 * k, 0.002 * k});
+  EXPECT_FALSE(delay_of(headings));
+  EXPECT_FALSE(delay_of({}));
+}
+
+TEST(OdometryDelay, StampsThatStepBackAreLeftOut) {
+  std::vector<TimedHeading> headings = drive(0.31, 0.003, 0.004, 3);
+  for (std::size_t k = 10; k < headings.size(); k += 25) headings[k].stamp_s -= 5.0;
+  const auto found = delay_of(headings);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->delay_s, 0.31, 0.02);
+}
+
+ScanRecord scan_with_odometry(double stamp_s, double x_m) {
+  ScanRecord record;
+  record.scan.stamp_s = stamp_s;
+  record.T_odom_base = Pose2{x_m, 0.0, 0.0};
+  return record;
+}
+
+TEST(OdometryShift, GivesTheOdometryOfALaterOrEarlierStamp) {
+  // x = t: 0.25 s later the odometry is 0.25 m farther, but for the last scans, whose odometry never comes.
+  for (const double delay_s : {0.25, -0.25}) {
+    OdometryShift shift(delay_s);
+    std::vector<ScanRecord> out;
+    for (int k = 0; k <= 10; ++k) {
+      shift.take(scan_with_odometry(0.1 * k, 0.1 * k));
+      while (auto scan = shift.next(false)) out.push_back(std::move(*scan));
+    }
+    while (auto scan = shift.next(true)) out.push_back(std::move(*scan));
+    ASSERT_EQ(out.size(), 11U);
+    for (int k = 0; k <= 10; ++k) {
+      EXPECT_NEAR(out[static_cast<std::size_t>(k)].scan.stamp_s, 0.1 * k, 1e-12);
+      const double expected = std::clamp(0.1 * k + delay_s, 0.0, 1.0);
+      EXPECT_NEAR(out[static_cast<std::size_t>(k)].T_odom_base->x_m, expected, 1e-9) << k;
+    }
+  }
+}
+
+TEST(OdometryShift, ScansWithoutOdometryPass) {
+  OdometryShift shift(0.3);
+  ScanRecord bare;
+  bare.scan.stamp_s = 1.0;
+  shift.take(bare);
+  const auto scan = shift.next(false);
+  ASSERT_TRUE(scan);
+  EXPECT_FALSE(scan->T_odom_base);
+}
+
+}  // namespace
+}  // namespace gdtslam
