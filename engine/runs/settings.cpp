@@ -32,6 +32,7 @@ constexpr double kMostZero = 1.0e9;
 constexpr double kMostMount_m = 100.0;
 constexpr double kMostAngle_rad = 6.3;
 constexpr double kMostRange_m = 1000.0;
+constexpr double kLongestScan_s = 10.0;
 
 }  // namespace
 
@@ -51,24 +52,11 @@ void require_valid(Settings& settings) {
   if (!all.empty()) throw ConfigError(all);
 }
 
-std::vector<Option> option_table(LogConfig& config) {
-  Pose2& mount = config.T_base_laser;
-  return {{"log.mount", "where the laser sits on the robot: by each line of the log, or stated by the next three",
-           Unit::kNone, 0.0, 0.0, Choice(config.mount, kSourceNames)},
-          {"log.mount_x", "the laser's place ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
-           &mount.x_m},
-          {"log.mount_y", "and to its left", Unit::kMetre, -kMostMount_m, kMostMount_m, &mount.y_m},
-          {"log.mount_angle", "and its heading there, counter-clockwise", Unit::kRadian, -kMostAngle_rad,
-           kMostAngle_rad, &mount.theta_rad},
-          {"log.bearings", "bearings of the beams: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
-           Choice(config.bearings, kSourceNames)},
-          {"log.first_bearing", "of the first beam, counter-clockwise from straight ahead", Unit::kRadian,
-           -kMostAngle_rad, kMostAngle_rad, &config.first_bearing_rad},
-          {"log.bearing_step", "from beam to beam; negative where the laser hangs upside down", Unit::kRadian,
-           -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
-          {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
-           Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
-          {"log.clock",
+namespace {
+
+/// What counts for recordings of messages only.
+std::vector<Option> recording_options(LogConfig& config) {
+  return {{"log.clock",
            "of a recording, how far the clocks of odometry and crank are off the laser's: by when their messages were "
            "received, or stated by the next one",
            Unit::kNone, 0.0, 0.0, Choice(config.clock, kSourceNames)},
@@ -84,6 +72,39 @@ std::vector<Option> option_table(LogConfig& config) {
            -kMostZero, kMostZero, &config.crank.zero}};
 }
 
+}  // namespace
+
+std::vector<Option> option_table(LogConfig& config) {
+  Pose2& mount = config.T_base_laser;
+  std::vector<Option> rows{
+      {"log.mount", "where the laser sits on the robot: by each line of the log, or stated by the next three",
+       Unit::kNone, 0.0, 0.0, Choice(config.mount, kSourceNames)},
+      {"log.mount_x", "the laser's place ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
+       &mount.x_m},
+      {"log.mount_y", "and to its left", Unit::kMetre, -kMostMount_m, kMostMount_m, &mount.y_m},
+      {"log.mount_angle", "and its heading there, counter-clockwise", Unit::kRadian, -kMostAngle_rad, kMostAngle_rad,
+       &mount.theta_rad},
+      {"log.bearings", "bearings of the beams: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
+       Choice(config.bearings, kSourceNames)},
+      {"log.first_bearing", "of the first beam, counter-clockwise from straight ahead", Unit::kRadian, -kMostAngle_rad,
+       kMostAngle_rad, &config.first_bearing_rad},
+      {"log.bearing_step", "from beam to beam; negative where the laser hangs upside down", Unit::kRadian,
+       -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
+      {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
+       Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
+      {"log.beam_times", "when the beams were measured: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
+       Choice(config.beam_times, kSourceNames)},
+      {"log.first_beam_after", "of the first beam, after the scan's stamp", Unit::kSecond, -kLongestScan_s,
+       kLongestScan_s, &config.first_beam_after_s},
+      {"log.beam_period", "from beam to beam; negative where the last one was measured first", Unit::kSecond,
+       -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
+      {"log.deskew", "place each beam where the robot was when it was measured", Unit::kNone, 0.0, 1.0,
+       &config.deskew}};
+  const std::vector<Option> recordings = recording_options(config);
+  rows.insert(rows.end(), recordings.begin(), recordings.end());
+  return rows;
+}
+
 std::vector<std::string> faults_of(const LogConfig& config) {
   std::vector<std::string> faults;
   const Pose2& mount = config.T_base_laser;
@@ -92,6 +113,9 @@ std::vector<std::string> faults_of(const LogConfig& config) {
   }
   if (config.bearings == LogSource::kLog && (config.first_bearing_rad != 0.0 || config.bearing_step_rad != 0.0)) {
     faults.emplace_back("log.first_bearing and log.bearing_step count only with log.bearings: stated");
+  }
+  if (config.beam_times == LogSource::kLog && (config.first_beam_after_s != 0.0 || config.beam_period_s != 0.0)) {
+    faults.emplace_back("log.first_beam_after and log.beam_period count only with log.beam_times: stated");
   }
   if (config.bearings == LogSource::kStated && config.bearing_step_rad == 0.0) {
     faults.emplace_back("log.bearing_step: stated bearings need a step that is not 0, for example 0.5 deg");
@@ -115,6 +139,11 @@ ReadOptions read_options_of(const LogConfig& config, bool lenient) {
     options.first_bearing_rad = config.first_bearing_rad;
     options.bearing_step_rad = config.bearing_step_rad;
   }
+  if (config.beam_times == LogSource::kStated) {
+    options.first_beam_after_s = config.first_beam_after_s;
+    options.beam_period_s = config.beam_period_s;
+  }
+  options.deskew = config.deskew;
   if (config.max_range_m > 0.0) options.max_range_m = config.max_range_m;
   return options;
 }

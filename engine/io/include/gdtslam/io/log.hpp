@@ -44,11 +44,15 @@ struct CrankOptions {
 
 /// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
 struct ReadOptions {
-  bool lenient = false;                       ///< count and skip malformed lines instead of throwing
-  std::optional<double> first_bearing_rad{};  ///< of beam 0; by the number of beams or by the line when empty
-  std::optional<double> bearing_step_rad{};   ///< between beams; likewise
-  std::optional<double> max_range_m{};        ///< the sensor's limit; what the log says when empty
-  std::optional<Pose2> T_base_laser{};        ///< the mount; from the two poses of each scan line when empty
+  bool lenient = false;                        ///< count and skip malformed lines instead of throwing
+  std::optional<double> first_bearing_rad{};   ///< of beam 0; by the number of beams or by the line when empty
+  std::optional<double> bearing_step_rad{};    ///< between beams; likewise
+  std::optional<double> max_range_m{};         ///< the sensor's limit; what the log says when empty
+  std::optional<Pose2> T_base_laser{};         ///< the mount; from the two poses of each scan line when empty
+  std::optional<double> first_beam_after_s{};  ///< when beam 0 was measured, after the stamp; the log's when empty
+  std::optional<double> beam_period_s{};       ///< from beam to beam; likewise
+  bool deskew =
+      true;  ///< tell with each scan how the robot moved meanwhile, where its beams were not all measured at once
   TopicChoice topics{};
   CrankOptions crank{};
   std::optional<double> clock_offset_s{};  ///< of a recording: added to stamps of odometry and crank; measured if empty

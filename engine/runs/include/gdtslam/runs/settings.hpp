@@ -38,6 +38,10 @@ struct LogConfig {
   double first_bearing_rad = 0.0;  ///< both count where `bearings` are stated
   double bearing_step_rad = 0.0;
   double max_range_m = 0.0;  ///< 0: what the log says
+  LogSource beam_times = LogSource::kLog;
+  double first_beam_after_s = 0.0;  ///< both count where `beam_times` are stated
+  double beam_period_s = 0.0;
+  bool deskew = true;
   LogSource clock = LogSource::kLog;
   double clock_offset_s = 0.0;  ///< counts where `clock` is stated
   CrankOptions crank;
