@@ -136,7 +136,7 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
 MapResult map_logs(const MapRequest& request, Backend& backend) {
   if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
   const MapJob job{.logs = request.logs,
-                   .read = read_options_of(request.settings.log, request.lenient, request.topic),
+                   .read = read_options_of(request.settings.log, request.lenient),
                    .range = request.range,
                    .mapper = request.settings.mapper,
                    .occupancy = request.settings.occupancy,
@@ -152,8 +152,8 @@ MapResult map_logs(const MapRequest& request, Backend& backend) {
   }
 }
 
-NodKind nod_kind_of(const std::vector<std::string>& logs) {
-  ScanStream scans(logs, {}, {});
+NodKind nod_kind_of(const std::vector<std::string>& logs, const ReadOptions& options) {
+  ScanStream scans(logs, options, {});
   const NodKind kind = scans.nod_kind(ScanStream::kMostAhead);
   scans.expect_readable();
   return kind;

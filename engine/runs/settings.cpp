@@ -27,6 +27,9 @@ std::vector<Option> options_besides_mapper(Settings& settings) {
 
 constexpr std::array<std::string_view, 2> kSourceNames{"log", "stated"};
 constexpr std::array<std::string_view, 3> kOdometryStamps{"measured", "stated", "log"};
+constexpr std::array<std::string_view, 2> kCrankNames{"ticks", "tilt"};
+constexpr double kMostOffset_s = 1.0e10;
+constexpr double kMostZero = 1.0e9;
 constexpr double kMostMount_m = 100.0;
 constexpr double kMostAngle_rad = 6.3;
 constexpr double kMostRange_m = 1000.0;
@@ -50,9 +53,31 @@ void require_valid(Settings& settings) {
   if (!all.empty()) throw ConfigError(all);
 }
 
+namespace {
+
+/// What counts for recordings of messages only.
+std::vector<Option> recording_options(LogConfig& config) {
+  return {{"log.clock",
+           "of a recording, how far the clocks of odometry and crank are off the laser's: by when their messages were "
+           "received, or stated by the next one",
+           Unit::kNone, 0.0, 0.0, Choice(config.clock, kSourceNames)},
+          {"log.clock_offset", "what is added to the stamps of odometry and crank", Unit::kSecond, -kMostOffset_s,
+           kMostOffset_s, &config.clock_offset_s},
+          {"log.crank",
+           "of a recording, what the messages of --crank are: the crank's ticks, or the tilt of the scan plane itself",
+           Unit::kNone, 0.0, 0.0, Choice(config.crank.kind, kCrankNames)},
+          {"log.crank_step",
+           "the angle of one unit of a tilt, or of one tick where the messages are angles; 0: a radian, a tick",
+           Unit::kRadian, -kMostAngle_rad, kMostAngle_rad, &config.crank.step_rad},
+          {"log.crank_zero", "the message of a tilt whose scan plane is level, in its own units", Unit::kNone,
+           -kMostZero, kMostZero, &config.crank.zero}};
+}
+
+}  // namespace
+
 std::vector<Option> option_table(LogConfig& config) {
   Pose2& mount = config.T_base_laser;
-  return {
+  std::vector<Option> rows{
       {"log.mount", "where the laser sits on the robot: by each line of the log, or stated by the next three",
        Unit::kNone, 0.0, 0.0, Choice(config.mount, kSourceNames)},
       {"log.mount_x", "the laser's place ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
@@ -81,6 +106,9 @@ std::vector<Option> option_table(LogConfig& config) {
        Unit::kNone, 0.0, 0.0, Choice(config.odometry_stamps, kOdometryStamps)},
       {"log.odometry_delay", "how much later; negative where the scans are", Unit::kSecond, -kLongestScan_s,
        kLongestScan_s, &config.odometry_delay_s}};
+  const std::vector<Option> recordings = recording_options(config);
+  rows.insert(rows.end(), recordings.begin(), recordings.end());
+  return rows;
 }
 
 std::vector<std::string> faults_of(const LogConfig& config) {
@@ -101,12 +129,20 @@ std::vector<std::string> faults_of(const LogConfig& config) {
   if (config.bearings == LogSource::kStated && config.bearing_step_rad == 0.0) {
     faults.emplace_back("log.bearing_step: stated bearings need a step that is not 0, for example 0.5 deg");
   }
+  if (config.clock == LogSource::kLog && config.clock_offset_s != 0.0) {
+    faults.emplace_back("log.clock_offset counts only with log.clock: stated");
+  }
+  if (config.crank.kind == CrankKind::kTicks && config.crank.zero != 0.0) {
+    faults.emplace_back("log.crank_zero counts only with log.crank: tilt");
+  }
   return faults;
 }
 
-ReadOptions read_options_of(const LogConfig& config, bool lenient, const std::string& topic) {
+ReadOptions read_options_of(const LogConfig& config, bool lenient) {
   ReadOptions options{.lenient = lenient};
-  options.topic = topic;
+  options.topics = config.topics;
+  options.crank = config.crank;
+  if (config.clock == LogSource::kStated) options.clock_offset_s = config.clock_offset_s;
   if (config.mount == LogSource::kStated) options.T_base_laser = config.T_base_laser;
   if (config.bearings == LogSource::kStated) {
     options.first_bearing_rad = config.first_bearing_rad;

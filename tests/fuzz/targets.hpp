@@ -11,11 +11,12 @@
 #include <string>
 #include <string_view>
 
-#include "engine/io/logs/bag.hpp"
 #include "engine/io/logs/carmen.hpp"
 #include "engine/io/maps/pgm.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/meshes/mesh_file.hpp"
+#include "engine/io/recordings/messages.hpp"
+#include "engine/io/recordings/recording_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -74,6 +75,48 @@ inline void read_carmen(std::span<const std::byte> data) {
 inline void read_bag(std::span<const std::byte> data) {
   detail::drain(open_bag, data, false);
   detail::drain(open_bag, data, true);
+}
+
+inline void read_mcap(std::span<const std::byte> data) {
+  detail::drain(open_mcap, data, false);
+  detail::drain(open_mcap, data, true);
+}
+
+inline void read_sqlite_bag(std::span<const std::byte> data) {
+  detail::drain(open_sqlite_bag, data, false);
+  detail::drain(open_sqlite_bag, data, true);
+}
+
+/// A message: its first byte says which, its second one how it is encoded.
+inline void read_cdr(std::span<const std::byte> data) {
+  if (data.size() < 2) return;
+  const MessageEncoding encoding = data[1] == std::byte{0} ? MessageEncoding::kRos1 : MessageEncoding::kCdr;
+  const MessageBytes message{.bytes = {reinterpret_cast<const char*>(data.data()) + 2, data.size() - 2},
+                             .encoding = encoding};
+  try {
+    switch (std::to_integer<unsigned>(data[0]) % 6U) {
+      case 0:
+        detail::require(read_scan(message).ranges_m.size() * sizeof(float) <= data.size());
+        break;
+      case 1:
+        detail::require(read_echo_scan(message).ranges_m.size() * sizeof(float) <= data.size());
+        break;
+      case 2:
+        detail::require(read_odometry(message).T_parent_child.is_finite());
+        break;
+      case 3:
+        detail::require(read_transforms(message).size() <= data.size());
+        break;
+      case 4:
+        (void)read_joint(message, "");
+        break;
+      default:
+        (void)read_number(message, "std_msgs/Int32");
+        break;
+    }
+  } catch (const RecordingFault& fault) {
+    detail::require(detail::is_one_line(fault.what()));
+  }
 }
 
 inline void read_config(std::span<const std::byte> data) {

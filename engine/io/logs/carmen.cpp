@@ -8,10 +8,10 @@
 #include "engine/io/byte_source.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/scan_sequence.hpp"
+#include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
 #include "line_reader.hpp"
-#include "scan_sequence.hpp"
-#include "warning_counter.hpp"
 
 namespace gdtslam {
 namespace {

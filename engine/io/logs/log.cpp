@@ -10,9 +10,9 @@
 #include <string_view>
 #include <utility>
 
-#include "bag.hpp"
 #include "carmen.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/recordings/recording_reader.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -21,19 +21,25 @@ namespace {
 // What every refusal ends with.
 std::string supported() { return fmt::format("supported are {} logs, plain or gzip", kLogFormats); }
 
-/// The first bytes of a container. One that is read has no kind.
+using OpenUnpacked = std::unique_ptr<LogReader> (*)(std::unique_ptr<ByteSource>, const std::string&,
+                                                    const ReadOptions&);
+
+/// The first bytes of a container: what reads it or, where nothing does, what it is.
 struct Magic {
   std::string_view bytes;
   std::string_view kind;
+  OpenUnpacked open = nullptr;
 };
-constexpr std::array<Magic, 6> kMagics = {{{"#ROSBAG V", ""},
-                                           {"\x89MCAP0\r\n", "an MCAP file"},
-                                           {"SQLite format 3", "an SQLite file (a ROS 2 bag?)"},
-                                           {"BZh", "bzip2 data"},
-                                           {"\xfd"
-                                            "7zXZ",
-                                            "xz data"},
-                                           {"\x28\xb5\x2f\xfd", "zstd data"}}};
+constexpr std::string_view kSqliteHead = "SQLite format 3";
+constexpr std::array<Magic, 6> kMagics = {
+    {{"#ROSBAG V", "", open_bag},
+     {"\x89MCAP", "", open_mcap},
+     {kSqliteHead, "SQLite on standard input, which cannot be read forwards; give the file"},
+     {"BZh", "bzip2 data"},
+     {"\xfd"
+      "7zXZ",
+      "xz data"},
+     {"\x28\xb5\x2f\xfd", "zstd data"}}};
 
 bool may_be_magic(std::string_view head) {
   return std::any_of(kMagics.begin(), kMagics.end(),
@@ -71,17 +77,15 @@ class HeadedSource final : public ByteSource {
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
-  if (path != "-" && std::filesystem::is_directory(path, ignored)) {
-    const bool is_bag = std::filesystem::exists(std::filesystem::path(path) / "metadata.yaml", ignored);
-    throw InputError({path, 0}, fmt::format("is {}; {}", is_bag ? "a ROS 2 bag" : "a folder", supported()));
-  }
+  if (path != "-" && std::filesystem::is_directory(path, ignored)) return open_ros2_bag(path, options);
   const std::string name = path == "-" ? "standard input" : path;
   std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), name);
   const std::string head = head_of(*source);
   source = std::make_unique<HeadedSource>(head, std::move(source));
   for (const Magic& magic : kMagics) {
     if (!head.starts_with(magic.bytes)) continue;
-    if (magic.kind.empty()) return open_bag(std::move(source), name, options);
+    if (magic.bytes == kSqliteHead && path != "-") return open_ros2_bag(path, options);
+    if (magic.open != nullptr) return magic.open(std::move(source), name, options);
     throw InputError({name, 0}, fmt::format("is {}; {}", magic.kind, supported()));
   }
   return open_carmen(std::move(source), name, options);

@@ -83,13 +83,14 @@ struct RosScan {
   std::string frame = "laser";
   float first_rad = -1.0F;
   float step_rad = 0.5F;
+  float beam_period_s = 0.0F;
   float least_m = 0.1F;
   float most_m = 30.0F;
   std::vector<float> ranges_m = {1.0F, 2.0F, 3.0F};
 };
 inline std::string ros_scan(const RosScan& scan) {
   std::string bytes = ros_header(scan.stamp_s, scan.frame) + raw(scan.first_rad) + raw(0.0F) + raw(scan.step_rad) +
-                      raw(0.0F) + raw(0.1F) + raw(scan.least_m) + raw(scan.most_m);
+                      raw(scan.beam_period_s) + raw(0.1F) + raw(scan.least_m) + raw(scan.most_m);
   bytes += raw(static_cast<std::uint32_t>(scan.ranges_m.size()));
   for (const float range_m : scan.ranges_m) bytes += raw(range_m);
   return bytes + raw(std::uint32_t{0});

@@ -20,6 +20,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
@@ -27,6 +28,8 @@ namespace {
 
 struct CalibrateCommand {
   CalibrateJob job;
+  RecordingOptions recording;
+  bool lenient = false;
   std::string start = std::string(calib::kDefaultLinkage);
   std::string output;
   std::string picture;
@@ -47,8 +50,15 @@ double angle_within(const std::string& option, const std::string& text, double l
   throw UsageError(fmt::format("{}: {} is not between {:g} and {:g} deg", option, text, least_deg, most_deg));
 }
 
+ReadOptions read_of(const CalibrateCommand& command) {
+  LogConfig log;
+  state_recording(command.recording, log);
+  return read_options_of(log, command.lenient);
+}
+
 CalibrateJob job_of(const CalibrateCommand& command) {
   CalibrateJob job = command.job;
+  job.read = read_of(command);
   job.start = resolve_linkage(command.start);
   job.options.max_elevation_rad = angle_within("--up-to", command.up_to, 5.0, 89.0);
   if (!command.sector.empty()) job.sector_rad = angle_within("--sector", command.sector, 0.0, 360.0);
@@ -126,7 +136,7 @@ int run_calibrate(const CalibrateCommand& command) {
 
 int run_self(const CalibrateCommand& command) {
   SelfCalibrateJob job{
-      .logs = command.job.logs, .start = resolve_linkage(command.start), .read = command.job.read, .options = {}};
+      .logs = command.job.logs, .start = resolve_linkage(command.start), .read = read_of(command), .options = {}};
   job.options.priors.free_lever = command.job.options.free_lever;
   job.options.priors.free_sensor_angles = command.job.options.free_sensor_angles;
   const SelfCalibrateOutcome outcome = with_progress(command, "steps", [&job](const auto& progress, const auto& stop) {
@@ -153,7 +163,8 @@ void add_data_options(CLI::App& command, CalibrateCommand& chosen) {
       ->capture_default_str();
   command.add_option("--sigma", chosen.sigma, "Standard deviation of one range [from the scatter]")
       ->type_name("LENGTH");
-  command.add_flag("--lenient", chosen.job.read.lenient, "Count and skip malformed lines");
+  add_recording_options(command, chosen.recording);
+  command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines");
 }
 
 }  // namespace

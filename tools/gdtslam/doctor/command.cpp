@@ -233,7 +233,9 @@ Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log
 int doctor(const DoctorOptions& options) {
   const StepBounds bounds;
   LogChecker checker(bounds);
-  const ReadOptions read = read_options_of({}, true, options.topic);
+  LogConfig config;
+  state_recording(options.recording, config);
+  const ReadOptions read = read_options_of(config, true);
   const std::unique_ptr<LogReader> reader = open_log(options.log, read);
   ProgressLine progress("records", false);
   std::uint64_t records = 0;
@@ -268,7 +270,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
   CLI::Option* const log =
       command->add_option("log", options->log, fmt::format("{} log, plain or gzip; - is standard input", kLogFormats));
   log->type_name("LOG");
-  add_topic_option(*command, options->topic);
+  add_recording_options(*command, options->recording);
   CLI::Option* const after = command->add_option(
       "--after", options->after, "In place of a log: what is doubtful in the map of this run, and where");
   after->type_name("RUN")->excludes(log);

@@ -3,11 +3,13 @@
 
 #include <string>
 
+#include "tools/gdtslam/shell/recording_options.hpp"
+
 namespace gdtslam {
 
 struct DoctorOptions {
   std::string log;
-  std::string topic;    ///< of a bag
+  RecordingOptions recording;
   std::string after;    ///< the folder of a run, in place of a log
   std::string picture;  ///< with after
   bool json = false;

@@ -19,6 +19,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
@@ -39,7 +40,7 @@ struct LocalizeOptions {
   bool strict = false;
   DeviceOptions device{.device = "cpu"};
   bool lenient = false;
-  std::string topic;
+  RecordingOptions recording;
   bool json = false;
   bool quiet = false;
   std::string trajectory;  ///< to be written; empty: none
@@ -76,7 +77,9 @@ LocalizeLimits limits_of(const LocalizeOptions& options) {
 LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
   LocalizeJob job;
   job.log = options.log;
-  job.read = read_options_of(settings.log, options.lenient, options.topic);
+  LogConfig log = settings.log;
+  state_recording(options.recording, log);
+  job.read = read_options_of(log, options.lenient);
   job.choice = options.choice;
   job.threads = options.device.threads > 0 ? options.device.threads : std::max(1U, std::thread::hardware_concurrency());
   if (options.leave_out_s >= 0.0) {
@@ -268,7 +271,7 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("-o,--output", chosen.trajectory, "Write the poses as a trajectory, TUM")->type_name("FILE");
   command.add_option("--picture", chosen.picture, "Draw the poses on the map: .svg, .png or .pdf")->type_name("FILE");
   command.add_flag("--lenient", chosen.lenient, "Count and skip malformed lines of the log");
-  add_topic_option(command, chosen.topic);
+  add_recording_options(command, chosen.recording);
   command.add_flag("--json", chosen.json, "Print JSON; what depends on the machine is under \"times\"");
   command.add_flag("-q,--quiet", chosen.quiet, "Print errors only");
 }

@@ -18,6 +18,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #ifdef GDTSLAM_HAS_VIEWER
 #include "tools/gdtslam/pictures/cloud_picture.hpp"
@@ -35,7 +36,7 @@ struct MapOptions {
   ScanRange range;
   std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
   bool lenient = false;
-  std::string topic;
+  RecordingOptions recording;
   bool force = false;  ///< replace files of other origin in the folder
   bool no_cloud = false;
   bool no_pictures = false;
@@ -48,7 +49,9 @@ struct MapOptions {
 Settings settings_of(const MapOptions& options) {
   SettingsOptions settings = options.settings;
   if (!options.matcher.empty()) settings.sets.push_back("match.matcher=" + options.matcher);
-  return load_settings(settings);
+  Settings loaded = load_settings(settings);
+  state_recording(options.recording, loaded.log);
+  return loaded;
 }
 
 // A device shows by its submissions that it did the work.
@@ -100,7 +103,6 @@ MapRequest request_of(const MapOptions& options) {
                      .folder = options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder,
                      .settings = settings_of(options),
                      .lenient = options.lenient,
-                     .topic = options.topic,
                      .range = options.range,
                      .linkage = options.linkage,
                      .replace_foreign_files = options.force,
@@ -150,7 +152,7 @@ void add_input_options(CLI::App& command, MapOptions& options) {
       ->required()
       ->type_name("LOG");
   command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
-  add_topic_option(command, options.topic);
+  add_recording_options(command, options.recording);
   add_count_option(command, "--skip", options.range.skip, 0, "Leave out the first N scans");
   add_count_option(command, "--first", options.range.count, 1, "Map N scans only");
 }

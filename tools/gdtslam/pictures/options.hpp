@@ -11,12 +11,14 @@
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/viewer/camera.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 
 namespace gdtslam {
 
 /// What the command line says; empty or 0: not said.
 struct RenderOptions {
   std::vector<std::string> inputs;
+  RecordingOptions recording;
   std::string output;
   std::string view;
   std::string size;

@@ -20,6 +20,7 @@
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
@@ -115,8 +116,11 @@ int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
 }
 
 MapOutcome map_into(const RenderOptions& options, const std::string& folder) {
+  Settings settings;
+  state_recording(options.recording, settings.log);
   MapRequest request{.logs = options.inputs,
                      .folder = folder,
+                     .settings = settings,
                      .linkage = options.linkage,
                      .with_pictures = !options.run_folder.empty(),
                      .draw_cloud = draw_run_cloud};
@@ -174,7 +178,11 @@ int render_inputs(const RenderOptions& options) {
   std::optional<MappedLog> mapped;
   if (kinds.front() == RenderKind::kLog) {
     if (options.lists_views) {
-      return list_views(options, RenderKind::kRun, parts_of(options, sources, nod_kind_of(options.inputs)));
+      LogConfig log;
+      state_recording(options.recording, log);
+      const ReadOptions log_options = read_options_of(log, false);
+      return list_views(options, RenderKind::kRun,
+                        parts_of(options, sources, nod_kind_of(options.inputs, log_options)));
     }
     mapped.emplace(options);
     sources.emplace_back(mapped->folder());
@@ -257,6 +265,7 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
       ->check(whole_number_from(1));
   add(command, kData, "--linkage", chosen.linkage, "How the laser nods, where the input does not say: preset or file",
       "NAME|FILE");
+  add_recording_options(command, chosen.recording);
   add(command, kData, "--run", chosen.run_folder, "Of a log: keep the run that is mapped for the picture", "DIR");
 }
 

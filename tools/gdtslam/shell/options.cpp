@@ -88,9 +88,4 @@ template CLI::Option* add_count_option(CLI::App&, const std::string&, std::uint3
 template CLI::Option* add_count_option(CLI::App&, const std::string&, std::uint64_t&, std::uint64_t,
                                        const std::string&);
 
-CLI::Option* add_topic_option(CLI::App& command, std::string& topic) {
-  return command.add_option("--topic", topic, "Of a bag: the topic of its scans [the only one that has any]")
-      ->type_name("NAME");
-}
-
 }  // namespace gdtslam

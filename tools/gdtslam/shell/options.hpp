@@ -36,9 +36,6 @@ template <class Count>
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, Count& count, std::uint64_t minimum,
                               const std::string& doc);
 
-/// --topic: of a bag, where its scans are.
-CLI::Option* add_topic_option(CLI::App& command, std::string& topic);
-
 // Files that a command is told to write, checked before its work begins: a run of minutes should not end with "cannot
 // be created", and none should replace what it reads.
 

@@ -18,6 +18,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "variants.hpp"
 
@@ -29,6 +30,7 @@ struct AblationOptions {
   std::string relations;
   std::string output;
   std::vector<std::string> variants;  ///< assignments, separated by blanks
+  RecordingOptions recording;
   SettingsOptions settings;
   DeviceOptions device;
   ScanRange range;
@@ -85,7 +87,8 @@ RelationReport evaluated(const MapOutcome& outcome, const std::vector<Relation>&
 /// A row of the table; `unmatched`: relations whose stamps the log does not have.
 std::string variant_row(const AblationVariant& variant, const AblationOptions& options,
                         const std::vector<Relation>& relations, Backend& backend, std::size_t& unmatched) {
-  const Settings settings = settings_of(options, variant);
+  Settings settings = settings_of(options, variant);
+  state_recording(options.recording, settings.log);
   MapJob job{.logs = {options.log},
              .read = read_options_of(settings.log, false),
              .range = options.range,
@@ -157,6 +160,7 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
                    "Compare this instead of the standard list: assignments separated by blanks; may be repeated")
       ->type_name("\"PATH=VALUE ...\"")
       ->allow_extra_args(false);
+  add_recording_options(*command, options->recording);
   add_settings_options(*command, options->settings);
   add_device_options(*command, options->device);
   add_count_option(*command, "--skip", options->range.skip, 0, "Leave out the first N scans");

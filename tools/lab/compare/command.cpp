@@ -17,6 +17,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 #include "tools/lab/matchers/output.hpp"
 #include "tools/lab/matchers/run.hpp"
@@ -36,6 +37,7 @@ struct CompareOptions {
   std::string relations;
   std::string csv;
   std::string picture;
+  RecordingOptions recording;
   SettingsOptions settings;
   DeviceOptions device{.device = "cpu"};
   bool lenient = false;
@@ -88,7 +90,8 @@ CompareJob job_of(const CompareOptions& options) {
     throw UsageError(fmt::format("--starts: {} is more than {}", options.starts, kMostStarts));
   }
   CompareJob job = options.job;
-  const Settings settings = load_settings(options.settings);
+  Settings settings = load_settings(options.settings);
+  state_recording(options.recording, settings.log);
   job.read = read_options_of(settings.log, options.lenient);
   job.mapper = settings.mapper;
   job.methods = compare_methods_of("--matchers", options.methods);
@@ -211,6 +214,7 @@ void add_compare_command(CLI::App& app, CommandContext& context) {
   add_count_option(*command, "--skip", options->job.range.skip, 0, "Leave out the first N scans");
   add_count_option(*command, "--first", options->job.range.count, 1, "Read N scans only");
   add_protocol_options(*command, *options);
+  add_recording_options(*command, options->recording);
   add_settings_options(*command, options->settings);
   add_device_options(*command, options->device, false);
   add_output_options(*command, *options);

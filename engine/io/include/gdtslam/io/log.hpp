@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
@@ -15,7 +16,31 @@
 namespace gdtslam {
 
 /// What open_log() reads, as it stands before "log" or "logs" in help and messages.
-inline constexpr std::string_view kLogFormats = "CARMEN or ROS 1 bag";
+inline constexpr std::string_view kLogFormats = "CARMEN, ROS bag or MCAP";
+
+/// A laser's place on the robot, by the topic of its scans.
+struct TopicMount {
+  std::string topic;
+  Pose2 T_base_laser;
+};
+
+/// Which topics of a recording (bag, MCAP) are read.
+struct TopicChoice {
+  std::vector<std::string> scans{};  ///< the only one that has any when empty; "all" are all of them
+  std::string odometry{};            ///< the first one that has any, then transforms, when empty
+  std::string crank{};               ///< of a nodding mount, "TOPIC" or "TOPIC:JOINT"; none when empty
+  std::vector<TopicMount> mounts{};  ///< what the frames of the recording say of the others
+};
+
+/// Ticks of the crank, or the elevation of the scan plane itself.
+enum class CrankKind : std::uint8_t { kTicks, kTilt };
+
+/// What the crank's messages of a recording count.
+struct CrankOptions {
+  CrankKind kind = CrankKind::kTicks;
+  double step_rad = 0.0;  ///< one unit of the message; 0: one tick, or one radian of a joint
+  double zero = 0.0;      ///< the message's value of a level scan plane, in the message's unit
+};
 
 /// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
 struct ReadOptions {
@@ -28,7 +53,9 @@ struct ReadOptions {
   std::optional<double> beam_period_s{};       ///< from beam to beam; likewise
   bool deskew =
       true;  ///< tell with each scan how the robot moved meanwhile, where its beams were not all measured at once
-  std::string topic{};  ///< of a bag: where its scans are; the only one that has any when empty
+  TopicChoice topics{};
+  CrankOptions crank{};
+  std::optional<double> clock_offset_s{};  ///< of a recording: added to stamps of odometry and crank; measured if empty
 };
 
 /// Which part of the logs is wanted.
@@ -37,8 +64,8 @@ struct ScanRange {
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// A CARMEN text log or a ROS 1 bag, plain or gzip; "-" is standard input. Throws InputError that names what is
-/// supported for an MCAP file, a ROS 2 bag or a folder, FileError for what cannot be read.
+/// A CARMEN text log, a ROS 1 bag or an MCAP file, plain or gzip; "-" is standard input. Throws InputError that names
+/// what is supported for anything else, FileError for what cannot be read.
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options);
 
 }  // namespace gdtslam

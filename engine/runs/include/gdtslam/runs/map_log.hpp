@@ -28,7 +28,6 @@ struct MapRequest {
   std::string folder{};             ///< of the results; made if need be
   Settings settings{};              ///< every option of the configuration
   bool lenient = false;             ///< count and skip malformed lines instead of throwing
-  std::string topic{};              ///< of a bag: where its scans are; empty: the only one that has any
   ScanRange range{};
   std::string
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
@@ -59,6 +58,6 @@ MapResult map_logs(const MapRequest& request, Backend& backend);
 
 /// How the logs tell, among the first 10,000 records of the first one, how their laser nods. What is read of the
 /// standard input ("-") is lost to a later reader. Throws InputError or FileError for what cannot be read.
-NodKind nod_kind_of(const std::vector<std::string>& logs);
+NodKind nod_kind_of(const std::vector<std::string>& logs, const ReadOptions& options = {});
 
 }  // namespace gdtslam

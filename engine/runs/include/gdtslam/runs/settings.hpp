@@ -33,7 +33,7 @@ enum class LogSource : std::uint8_t { kLog, kStated };
 enum class OdometryStamps : std::uint8_t { kMeasured, kStated, kLog };
 
 /// What an option may state of a log's laser where the log itself is wrong about it: the mount, the bearings of the
-/// beams, the limit of the ranges (docs/formats.md, CARMEN logs). Metres, radians.
+/// beams, the limit of the ranges, the clock of the odometry, what a crank counts (docs/formats.md). Metres, radians.
 struct LogConfig {
   LogSource mount = LogSource::kLog;
   Pose2 T_base_laser;  ///< counts where `mount` is stated
@@ -47,6 +47,10 @@ struct LogConfig {
   bool deskew = true;
   OdometryStamps odometry_stamps = OdometryStamps::kMeasured;
   double odometry_delay_s = 0.0;  ///< counts where they are stated
+  LogSource clock = LogSource::kLog;
+  double clock_offset_s = 0.0;  ///< counts where `clock` is stated
+  CrankOptions crank;
+  TopicChoice topics;  ///< of recordings; no option, but the command line's --topic, --odom, --crank and --mount
 };
 
 /// Likewise, under "log.".
@@ -56,7 +60,7 @@ std::vector<Option> option_table(LogConfig& config);
 std::vector<std::string> faults_of(const LogConfig& config);
 
 /// What the reader of a log is told: only what is stated, the rest as the log has it.
-ReadOptions read_options_of(const LogConfig& config, bool lenient, const std::string& topic = "");
+ReadOptions read_options_of(const LogConfig& config, bool lenient);
 
 /// Every option of a run, and which of them do not have their defaults.
 struct Settings {

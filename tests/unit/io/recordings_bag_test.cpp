@@ -1,12 +1,11 @@
 // ROS 1 bags by a writer of the tests' own: scans, odometry, mounts, topics, and every kind of damage.
-#include "engine/io/logs/bag.hpp"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
 
 #include "bag_writer.hpp"
+#include "engine/io/recordings/recording_reader.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"
@@ -166,11 +165,11 @@ TEST(Bag, SeveralTopicsAreToldWithTheirCounts) {
   EXPECT_THAT(refused, HasSubstr("--topic"));
   for (const std::string topic : {"/rear", "rear"}) {
     ReadOptions options;
-    options.topic = topic;
+    options.topics.scans = {topic};
     EXPECT_EQ(drained_bag(bag, options).of<ScanRecord>().size(), 1U);
   }
   ReadOptions options;
-  options.topic = "/none";
+  options.topics.scans = {"/none"};
   EXPECT_THAT(bag_refusal<UsageError>(bag, options), HasSubstr("/rear"));
   const std::string image = bag_file(bag_connection(0, "/camera", "sensor_msgs/Image") + bag_message(0, 1.0, "x"));
   EXPECT_THAT(bag_refusal<InputError>(image), HasSubstr("/camera (sensor_msgs/Image, 1)"));

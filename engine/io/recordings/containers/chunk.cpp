@@ -1,15 +1,15 @@
-#include "bag_chunk.hpp"
+#include "chunk.hpp"
 
 #include <bzlib.h>
 #include <fmt/format.h>
 #include <lz4frame.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <utility>
 
-#include "bag_records.hpp"
 #include "engine/io/message_text.hpp"
 
 namespace gdtslam {
@@ -27,7 +27,7 @@ class PackedChunk : public ByteSource {
       if (begin_ == end_ && !may_hold_more_) {
         begin_ = 0;
         end_ = packed_->read(piece_);
-        if (end_ == 0) throw BagFault("has a chunk whose packed data stop early");
+        if (end_ == 0) throw RecordingCut("has packed data that stop early");
       }
       const std::size_t count = unpack({piece_.data() + begin_, end_ - begin_}, target);
       may_hold_more_ = count == target.size();
@@ -56,7 +56,7 @@ class PackedChunk : public ByteSource {
 class Bzip2Chunk final : public PackedChunk {
  public:
   explicit Bzip2Chunk(std::unique_ptr<ByteSource> packed) : PackedChunk(std::move(packed)) {
-    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw BagFault("cannot be unpacked: no memory for bzip2");
+    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw RecordingFault("cannot be unpacked: no memory for bzip2");
   }
   Bzip2Chunk(const Bzip2Chunk&) = delete;
   Bzip2Chunk& operator=(const Bzip2Chunk&) = delete;
@@ -71,7 +71,7 @@ class Bzip2Chunk final : public PackedChunk {
     stream_.next_out = target.data();
     stream_.avail_out = room;
     const int status = BZ2_bzDecompress(&stream_);
-    if (status != BZ_OK && status != BZ_STREAM_END) throw BagFault("has a chunk with damaged bzip2 data");
+    if (status != BZ_OK && status != BZ_STREAM_END) throw RecordingFault("has a chunk with damaged bzip2 data");
     if (status == BZ_STREAM_END) over();
     used(packed.size() - stream_.avail_in);
     return room - stream_.avail_out;
@@ -83,7 +83,7 @@ class Lz4Chunk final : public PackedChunk {
  public:
   explicit Lz4Chunk(std::unique_ptr<ByteSource> packed) : PackedChunk(std::move(packed)) {
     if (LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)) != 0U) {
-      throw BagFault("cannot be unpacked: no memory for lz4");
+      throw RecordingFault("cannot be unpacked: no memory for lz4");
     }
   }
   Lz4Chunk(const Lz4Chunk&) = delete;
@@ -95,7 +95,7 @@ class Lz4Chunk final : public PackedChunk {
     std::size_t written = target.size();
     std::size_t taken = packed.size();
     const std::size_t status = LZ4F_decompress(context_, target.data(), &written, packed.data(), &taken, nullptr);
-    if (LZ4F_isError(status) != 0U) throw BagFault("has a chunk with damaged lz4 data");
+    if (LZ4F_isError(status) != 0U) throw RecordingFault("has a chunk with damaged lz4 data");
     if (status == 0) over();
     used(taken);
     return written;
@@ -103,13 +103,41 @@ class Lz4Chunk final : public PackedChunk {
   LZ4F_dctx* context_ = nullptr;
 };
 
+class ZstdChunk final : public PackedChunk {
+ public:
+  explicit ZstdChunk(std::unique_ptr<ByteSource> packed)
+      : PackedChunk(std::move(packed)), context_(ZSTD_createDCtx(), &ZSTD_freeDCtx) {
+    if (context_ == nullptr) throw RecordingFault("cannot be unpacked: no memory for zstd");
+  }
+
+ private:
+  std::size_t unpack(std::span<char> packed, std::span<char> target) override {
+    ZSTD_inBuffer in{packed.data(), packed.size(), 0};
+    ZSTD_outBuffer out{target.data(), target.size(), 0};
+    const std::size_t status = ZSTD_decompressStream(context_.get(), &out, &in);
+    if (ZSTD_isError(status) != 0U) throw RecordingFault("has damaged zstd data");
+    if (status == 0) over();
+    used(in.pos);
+    return out.pos;
+  }
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context_;
+};
+
 }  // namespace
 
-std::unique_ptr<ByteSource> unpacked_chunk(std::unique_ptr<ByteSource> packed, std::string_view compression) {
-  if (compression == "none") return packed;
+std::size_t ChunkBytes::read(std::span<char> target) {
+  const std::uint64_t left = end_ - file_.offset();
+  if (left > 0 && file_.at_end()) throw RecordingCut("ends in the middle of a chunk");
+  return file_.read_some(target.first(static_cast<std::size_t>(std::min<std::uint64_t>(target.size(), left))));
+}
+
+std::unique_ptr<ByteSource> unpacked_chunk(std::unique_ptr<ByteSource> packed, std::string_view compression,
+                                           std::string_view supported) {
+  if (compression.empty() || compression == "none") return packed;
   if (compression == "bz2") return std::make_unique<Bzip2Chunk>(std::move(packed));
   if (compression == "lz4") return std::make_unique<Lz4Chunk>(std::move(packed));
-  throw BagFault(fmt::format("has a chunk packed as {}; none, bz2 and lz4 are read", in_quotes(compression)));
+  if (compression == "zstd") return std::make_unique<ZstdChunk>(std::move(packed));
+  throw RecordingFault(fmt::format("has a chunk packed as {}; {} are read", in_quotes(compression), supported));
 }
 
 }  // namespace gdtslam

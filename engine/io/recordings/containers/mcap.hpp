@@ -1,0 +1,54 @@
+// The records of an MCAP file one after the other, those within chunks among them (none, lz4, zstd), without going
+// back: a pipe will do, and so will a file that was cut off. What stands behind the data (summary, index) is not
+// needed. CRCs are checked where the file gives them. One file belongs to one thread. Format: mcap.dev/spec.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "counted_bytes.hpp"
+#include "engine/io/byte_source.hpp"
+#include "recording.hpp"
+
+namespace gdtslam {
+
+inline constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
+
+class McapFile final : public Recording {
+ public:
+  /// The source is before the first byte of the file. Throws RecordingFault where it is no MCAP file of version 0.
+  explicit McapFile(std::unique_ptr<ByteSource> source);
+
+  std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override;
+  /// False where the damage is outside of chunks, or the file ended in it.
+  bool skip_damage() override;
+  [[nodiscard]] std::string place() const override;
+  [[nodiscard]] double progress() const override { return file_.source().progress(); }
+  [[nodiscard]] std::string defect() const override { return file_.source().defect(); }
+
+ private:
+  struct Chunk {
+    CountedBytes bytes;
+    std::uint64_t stated_bytes = 0;  ///< unpacked
+    std::uint32_t stated_crc = 0;    ///< 0: none
+    std::uint64_t end = 0;           ///< in the file
+  };
+  void open_chunk(std::uint64_t size);
+  void close_chunk();
+  void take_schema(const std::string& content);
+  RecordingItem channel_of(const std::string& content) const;
+  RecordingItem message_of(std::uint64_t size, CountedBytes& bytes, const Wanted& wanted);
+  void end_data(std::uint32_t crc);
+
+  CountedBytes file_;
+  std::optional<Chunk> chunk_;
+  bool is_over_ = false;
+  std::map<std::uint16_t, std::string> schemas_;  ///< names of types
+  std::string content_;
+};
+
+}  // namespace gdtslam

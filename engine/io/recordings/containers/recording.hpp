@@ -1,0 +1,74 @@
+// What the containers of recorded messages have in common: channels and messages one after the other, in the order of
+// the file, and without going back wherever the format allows it. One recording belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace gdtslam {
+
+/// The longest message that is read; memory grows with the bytes that arrive, never with a number of the file.
+inline constexpr std::size_t kMostMessageBytes = std::size_t{16} << 20U;
+/// The longest header of a record, and the longest name of a topic or a type.
+inline constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
+
+/// What is wrong with a recording, without its name and the place.
+class RecordingFault : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+/// The recording ends in the middle of something.
+class RecordingCut : public RecordingFault {
+ public:
+  using RecordingFault::RecordingFault;
+};
+
+/// How the fields of a message lie in its bytes.
+enum class MessageEncoding : std::uint8_t { kOther, kRos1, kCdr };
+
+/// What the messages of a topic are. A topic may have several channels.
+struct RecordingChannel {
+  std::string topic;
+  std::string type;           ///< pkg/Type or pkg/msg/Type
+  std::string md5{};          ///< of the type's definition, where the container has it
+  std::string encoding_name;  ///< as the container says it
+  MessageEncoding encoding = MessageEncoding::kOther;
+};
+
+/// A channel or a message.
+struct RecordingItem {
+  std::uint32_t channel = 0;
+  std::optional<RecordingChannel> definition{};  ///< of a channel; a message has none
+  double received_s = 0.0;                       ///< of a message: when it was recorded, seconds since 1970
+  std::string_view bytes{};                      ///< of a message that was wanted; until the next call
+};
+
+class Recording {
+ public:
+  /// Whether the bytes of a channel's messages are wanted; those of others are passed over.
+  using Wanted = std::function<bool(std::uint32_t channel)>;
+  using Warn = std::function<void(std::string_view kind, const std::string& detail)>;
+
+  Recording() = default;
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+  virtual ~Recording() = default;
+  /// The next channel or message; nothing at the end. Throws RecordingCut, or RecordingFault for what is damaged;
+  /// skip_damage() can go on after that.
+  virtual std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) = 0;
+  /// Leaves what is damaged (a chunk, a file of several) behind; false where nothing can be read after it.
+  virtual bool skip_damage() = 0;
+  /// Where the reading is, for messages: "before byte 120".
+  [[nodiscard]] virtual std::string place() const = 0;
+  /// Share of the input consumed, 0 to 1; negative when unknown.
+  [[nodiscard]] virtual double progress() const = 0;
+  /// What is wrong with the end of a packed input, else empty; known at the end.
+  [[nodiscard]] virtual std::string defect() const { return {}; }
+};
+
+}  // namespace gdtslam

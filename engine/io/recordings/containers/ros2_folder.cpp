@@ -1,0 +1,347 @@
+#include "ros2_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "chunk.hpp"
+#include "engine/io/byte_source.hpp"
+#include "engine/io/file_limits.hpp"
+#include "engine/io/message_text.hpp"
+#include "engine/io/yaml/yaml_text.hpp"
+#include "gdtslam/core/error.hpp"
+#include "mcap.hpp"
+#include "sqlite_bag.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 2> kFileEndings{".db3", ".mcap"};
+constexpr std::array<std::string_view, 3> kPackedEndings{"", ".zstd", ".gz"};
+constexpr std::size_t kMostFiles = 100'000;
+constexpr std::size_t kMostHeadBytes = 16;
+
+bool is_recording_name(std::string_view name) {
+  for (const std::string_view packed : kPackedEndings) {
+    for (const std::string_view ending : kFileEndings) {
+      if (name.ends_with(std::string(ending) + std::string(packed))) return true;
+    }
+  }
+  return false;
+}
+
+/// bag_2 before bag_10.
+bool comes_before(const std::string& a, const std::string& b) {
+  const auto digits_from = [](const std::string& text, std::size_t at) {
+    std::size_t end = at;
+    while (end < text.size() && text[end] >= '0' && text[end] <= '9') ++end;
+    return end - at;
+  };
+  std::size_t i = 0;
+  std::size_t j = 0;
+  while (i < a.size() && j < b.size()) {
+    const std::size_t m = digits_from(a, i);
+    const std::size_t n = digits_from(b, j);
+    if (m > 0 && n > 0) {
+      const std::string x = a.substr(std::min(a.find_first_not_of('0', i), i + m - 1), std::string::npos);
+      const std::string y = b.substr(std::min(b.find_first_not_of('0', j), j + n - 1), std::string::npos);
+      const std::size_t p = digits_from(x, 0);
+      const std::size_t q = digits_from(y, 0);
+      if (p != q) return p < q;
+      if (const int order = x.compare(0, p, y, 0, q); order != 0) return order < 0;
+      i += m;
+      j += n;
+    } else if (a[i] != b[j]) {
+      return a[i] < b[j];
+    } else {
+      ++i;
+      ++j;
+    }
+  }
+  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::string name = entry->path().filename().string();
+    if (is_recording_name(name) && names.size() < kMostFiles) names.push_back(std::move(name));
+  }
+  if (error) throw FileError(folder, fmt::format("cannot be read: {}", error.message()));
+  std::sort(names.begin(), names.end(), comes_before);
+  return names;
+}
+
+/// Names as metadata.yaml has them; nothing where it is not there or has none.
+std::vector<std::string> names_in_metadata(const std::string& file, const Recording::Warn& warn) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return names;
+  try {
+    const YAML::Node root = parse_yaml<InputError>(gdtslam::read_text<InputError>(file, kMaxYamlBytes), file);
+    const YAML::Node paths = root["rosbag2_bagfile_information"]["relative_file_paths"];
+    for (const YAML::Node& path : paths) {
+      if (names.size() < kMostFiles) names.push_back(path.as<std::string>());
+    }
+  } catch (const std::exception& error) {
+    names.clear();
+    warn("metadata.yaml not used", fmt::format("{}; files are read by their names", one_line(error.what(), 300)));
+  }
+  return names;
+}
+
+/// A name of metadata.yaml as it is called in the folder: early versions put the bag's name before it, and somebody may
+/// have packed or unpacked the file since.
+std::optional<std::string> find_name(const std::string& stated, const std::vector<std::string>& names) {
+  std::string plain = fs::path(stated).filename().string();
+  for (const std::string_view ending : {".zstd", ".gz"}) {
+    if (plain.ends_with(ending)) plain.resize(plain.size() - ending.size());
+  }
+  for (const std::string_view packed : kPackedEndings) {
+    const std::string name = plain + std::string(packed);
+    if (std::find(names.begin(), names.end(), name) != names.end()) return name;
+  }
+  return std::nullopt;
+}
+
+/// A temporary file, which gets a name only when it is whole, so that a killed process leaves none behind.
+class SpooledFile {
+ public:
+  SpooledFile(ByteSource& source, std::string_view head) : folder_(fs::temp_directory_path().string()) {
+    descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    if (descriptor_ < 0) make_named();  // not every file system has files without names
+    write(head);
+    std::vector<char> piece(std::size_t{1} << 18U);
+    try {
+      while (const std::size_t count = source.read(piece)) write({piece.data(), count});
+      defect_ = source.defect();
+    } catch (const RecordingFault& fault) {  // SQLite reads what there is
+      defect_ = fault.what();
+    }
+    if (name_.empty()) give_name();
+  }
+  SpooledFile(const SpooledFile&) = delete;
+  SpooledFile& operator=(const SpooledFile&) = delete;
+  ~SpooledFile() {
+    remove_name();
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  /// What is wrong with the packed bytes, else empty.
+  [[nodiscard]] const std::string& defect() const { return defect_; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  void remove_name() {
+    if (!name_.empty()) ::unlink(name_.c_str());
+    name_.clear();
+  }
+
+ private:
+  [[noreturn]] void fail() {
+    const int why = errno;
+    remove_name();
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw FileError(folder_,
+                    fmt::format("cannot hold what a bag unpacks to: {}; TMPDIR names another folder", errno_text(why)));
+  }
+  void make_named() {
+    std::string pattern = folder_ + "/gdtslam-bag-XXXXXX";
+    descriptor_ = ::mkstemp(pattern.data());
+    if (descriptor_ < 0) fail();
+    name_ = pattern;
+  }
+  void give_name() {
+    const std::string file = fmt::format("/proc/self/fd/{}", descriptor_);
+    for (int number = 0;; ++number) {
+      const std::string name = fmt::format("{}/gdtslam-bag-{}-{}", folder_, ::getpid(), number);
+      if (::linkat(AT_FDCWD, file.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+        name_ = name;
+        return;
+      }
+      if (errno != EEXIST) fail();
+    }
+  }
+  void write(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+      if (count < 0 && errno != EINTR) fail();
+      if (count > 0) bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
+  }
+  std::string folder_;
+  std::string name_;
+  std::string defect_;
+  int descriptor_ = -1;
+};
+
+/// SQLite over a file that was unpacked.
+class SpooledBag final : public Recording {
+ public:
+  SpooledBag(ByteSource& source, std::string_view head) : file_(source, head), bag_(file_.name()) {
+    file_.remove_name();
+  }
+  std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override { return bag_.next(wanted, warn); }
+  bool skip_damage() override { return bag_.skip_damage(); }
+  [[nodiscard]] std::string place() const override { return bag_.place(); }
+  [[nodiscard]] double progress() const override { return bag_.progress(); }
+  [[nodiscard]] std::string defect() const override { return file_.defect(); }
+
+ private:
+  SpooledFile file_;
+  SqliteBag bag_;
+};
+
+/// What was read of a source to know it, then the rest.
+class BegunSource final : public ByteSource {
+ public:
+  BegunSource(std::string head, std::unique_ptr<ByteSource> rest) : head_(std::move(head)), rest_(std::move(rest)) {}
+  std::size_t read(std::span<char> target) override {
+    if (begin_ == head_.size()) return rest_->read(target);
+    const std::size_t count = head_.copy(target.data(), target.size(), begin_);
+    begin_ += count;
+    return count;
+  }
+  [[nodiscard]] double progress() const override { return rest_->progress(); }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return rest_->bytes_from_file(); }
+  [[nodiscard]] std::string defect() const override { return rest_->defect(); }
+
+ private:
+  std::string head_;
+  std::size_t begin_ = 0;
+  std::unique_ptr<ByteSource> rest_;
+};
+
+std::string first_bytes(ByteSource& source) {
+  std::string head(kMostHeadBytes, '\0');
+  std::size_t size = 0;
+  while (size < head.size()) {
+    const std::size_t count = source.read({head.data() + size, head.size() - size});
+    if (count == 0) break;
+    size += count;
+  }
+  head.resize(size);
+  return head;
+}
+
+/// Several files one after the other. Channels of each are numbered anew, because each file has its own numbers.
+class FileSequence final : public Recording {
+ public:
+  explicit FileSequence(std::string folder) : folder_(std::move(folder)) {}
+
+  std::optional<RecordingItem> next(const Wanted& wanted, const Warn& warn) override {
+    if (!has_files_) files_ = files_of_ros2_folder(folder_, warn);
+    has_files_ = true;
+    while (true) {
+      if (!file_ && !open_next()) return std::nullopt;
+      std::optional<RecordingItem> item = next_of_file(wanted, warn);
+      if (item) return item;
+      leave_file(warn);
+    }
+  }
+
+  bool skip_damage() override {
+    if (file_ && file_->skip_damage()) return true;
+    file_.reset();
+    return next_file_ < files_.size();
+  }
+
+  [[nodiscard]] std::string place() const override {
+    if (next_file_ == 0) return "before its first file";
+    return fmt::format("in {} {}", in_quotes(files_[next_file_ - 1]), file_ ? file_->place() : "at its beginning");
+  }
+
+  [[nodiscard]] double progress() const override {
+    if (files_.empty()) return -1.0;
+    const double share = file_ ? std::max(0.0, file_->progress()) : 0.0;
+    const std::size_t done = file_ ? next_file_ - 1 : next_file_;
+    return (static_cast<double>(done) + share) / static_cast<double>(files_.size());
+  }
+
+ private:
+  bool open_next() {
+    if (next_file_ == files_.size()) return false;
+    numbers_.clear();
+    file_ = open_ros2_file((fs::path(folder_) / files_[next_file_++]).string());
+    return true;
+  }
+
+  void leave_file(const Warn& warn) {
+    if (const std::string defect = file_->defect(); !defect.empty()) warn("packed stream", defect);
+    file_.reset();
+  }
+
+  std::optional<RecordingItem> next_of_file(const Wanted& wanted, const Warn& warn) {
+    const auto number_of = [this](std::uint32_t channel) {
+      const auto known = numbers_.find(channel);
+      return known == numbers_.end() ? kNoChannel : known->second;
+    };
+    std::optional<RecordingItem> item =
+        file_->next([&](std::uint32_t channel) { return wanted(number_of(channel)); }, warn);
+    if (!item) return item;
+    if (item->definition && numbers_.emplace(item->channel, next_number_).second) ++next_number_;
+    item->channel = number_of(item->channel);
+    return item;
+  }
+
+  static constexpr std::uint32_t kNoChannel = 0xffffffffU;
+  std::string folder_;
+  std::vector<std::string> files_;
+  bool has_files_ = false;
+  std::size_t next_file_ = 0;
+  std::unique_ptr<Recording> file_;
+  std::map<std::uint32_t, std::uint32_t> numbers_;  ///< of the file's channels
+  std::uint32_t next_number_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::string> files_of_ros2_folder(const std::string& folder, const Recording::Warn& warn) {
+  const std::vector<std::string> names = names_in(folder);
+  std::vector<std::string> files;
+  for (const std::string& stated : names_in_metadata((fs::path(folder) / "metadata.yaml").string(), warn)) {
+    if (const std::optional<std::string> name = find_name(stated, names)) {
+      if (std::find(files.begin(), files.end(), *name) == files.end()) files.push_back(*name);
+    } else {
+      warn("missing file of the bag", fmt::format("metadata.yaml names {}", in_quotes(stated)));
+    }
+  }
+  if (files.empty()) files = names;
+  if (files.empty()) {
+    throw InputError({folder, 0}, "is a folder without .db3 and .mcap files, so no ROS 2 bag");
+  }
+  return files;
+}
+
+std::unique_ptr<Recording> open_ros2_file(const std::string& path) {
+  const std::string packed_head = first_bytes(*open_file_source(path));
+  if (packed_head.starts_with(kSqliteMagic)) return std::make_unique<SqliteBag>(path);
+  std::unique_ptr<ByteSource> source = open_file_source(path);
+  if (packed_head.starts_with(kZstdMagic)) {
+    source = unpacked_chunk(std::move(source), "zstd", "zstd");
+  } else {
+    source = gunzip_if_packed(std::move(source), path);
+  }
+  std::string head = first_bytes(*source);
+  if (head.starts_with(kSqliteMagic)) return std::make_unique<SpooledBag>(*source, head);
+  return std::make_unique<McapFile>(std::make_unique<BegunSource>(std::move(head), std::move(source)));
+}
+
+std::unique_ptr<Recording> open_ros2_folder(const std::string& folder) {
+  return std::make_unique<FileSequence>(folder);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,59 @@
+// The fields of a message one after the other: ROS 1 serialisation, which is packed, and CDR as ROS 2 writes it, whose
+// values are aligned from behind the four bytes that say how the rest is encoded. Thread-safe; linear in the bytes.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "containers/recording.hpp"
+
+namespace gdtslam {
+
+class MessageCursor {
+ public:
+  /// Throws RecordingFault where the bytes of a CDR message say that they are something else.
+  MessageCursor(std::string_view bytes, MessageEncoding encoding);
+
+  template <class Whole>
+  Whole whole() {
+    using Bits = std::make_unsigned_t<Whole>;
+    const std::string_view raw = take_aligned(sizeof(Whole));
+    Bits value = 0;
+    for (std::size_t k = 0; k < sizeof(Whole); ++k) {
+      const std::size_t place = is_big_ ? sizeof(Whole) - 1 - k : k;
+      value |= static_cast<Bits>(static_cast<Bits>(static_cast<unsigned char>(raw[k])) << (8U * place));
+    }
+    return static_cast<Whole>(value);
+  }
+  float single() { return std::bit_cast<float>(whole<std::uint32_t>()); }
+  double real() { return std::bit_cast<double>(whole<std::uint64_t>()); }
+  /// Seconds.
+  double time();
+  /// Of a message with a header: its sequence number in ROS 1, then its time.
+  double header_time();
+  std::string_view text();
+  /// A frame's name without a leading slash.
+  std::string frame();
+  /// The count of what follows, each of `least_bytes` at least. Throws RecordingFault where they cannot be there.
+  std::size_t count(std::size_t least_bytes);
+  void singles(std::vector<float>& values);
+  void skip_singles();
+  [[nodiscard]] MessageEncoding encoding() const { return encoding_; }
+
+ private:
+  std::string_view take(std::size_t count);
+  std::string_view take_aligned(std::size_t size);
+
+  std::string_view bytes_;
+  std::size_t position_ = 0;
+  MessageEncoding encoding_;
+  std::size_t most_alignment_ = 1;
+  bool is_big_ = false;
+};
+
+}  // namespace gdtslam

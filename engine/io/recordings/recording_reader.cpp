@@ -1,0 +1,316 @@
+#include "recording_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "containers/mcap.hpp"
+#include "containers/ros1_bag.hpp"
+#include "containers/ros2_folder.hpp"
+#include "containers/sqlite_bag.hpp"
+#include "engine/io/message_text.hpp"
+#include "engine/io/scan_sequence.hpp"
+#include "engine/io/warning_counter.hpp"
+#include "gdtslam/core/error.hpp"
+#include "messages.hpp"
+#include "scan_assembler.hpp"
+#include "topics.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::string_view kAllTopics = "all";
+
+/// As recordings have them, with a slash before.
+std::string topic_name(const std::string& text) {
+  return text.empty() || text.starts_with('/') || text == kAllTopics ? text : "/" + text;
+}
+
+ReadOptions with_topic_names(ReadOptions options) {
+  TopicChoice& topics = options.topics;
+  for (std::string& topic : topics.scans) topic = topic_name(topic);
+  topics.odometry = topic_name(topics.odometry);
+  topics.crank = topic_name(topics.crank);
+  for (TopicMount& mount : topics.mounts) mount.topic = topic_name(mount.topic);
+  if (std::find(topics.scans.begin(), topics.scans.end(), kAllTopics) != topics.scans.end()) {
+    topics.scans.assign(1, std::string(kAllTopics));
+  }
+  return options;
+}
+
+class RecordingReader final : public LogReader {
+ public:
+  RecordingReader(const RecordingMaker& make, std::string name, const ReadOptions& options)
+      : name_(std::move(name)),
+        options_(with_topic_names(options)),
+        recording_(opened(make)),
+        assembler_(options_, [this](std::string_view kind, const std::string& detail) { warn(kind, detail); }) {
+    const std::size_t colon = options_.topics.crank.find(':');
+    crank_topic_ = options_.topics.crank.substr(0, colon);
+    if (colon != std::string::npos) joint_ = options_.topics.crank.substr(colon + 1);
+  }
+
+  std::optional<LogRecord> next() override {
+    while (true) {
+      if (std::optional<LogRecord> record = assembler_.next(is_over_)) {
+        if (const auto* const scan = std::get_if<ScanRecord>(&*record)) check(*scan);
+        return record;
+      }
+      if (is_over_) break;
+      const std::optional<RecordingItem> item = next_item();
+      item ? take(*item) : void(is_over_ = true);
+    }
+    finish();
+    return std::nullopt;
+  }
+  [[nodiscard]] double progress() const override { return recording_->progress(); }
+  [[nodiscard]] const std::vector<Warning>& warnings() const override { return warnings_.list(); }
+
+ private:
+  std::unique_ptr<Recording> opened(const RecordingMaker& make) const {
+    try {
+      return make();
+    } catch (const RecordingFault& fault) {
+      throw InputError({name_, 0}, fault.what());
+    }
+  }
+
+  void check(const ScanRecord& record) {
+    if (sequences_.size() <= record.laser) sequences_.resize(record.laser + 1);
+    sequences_[record.laser].check(record.scan,
+                                   [this](std::string_view kind, const char* detail) { warn(kind, detail); });
+    ++given_;
+  }
+
+  [[nodiscard]] bool is_chosen(const std::string& topic) const {
+    const std::vector<std::string>& chosen = options_.topics.scans;
+    if (chosen.empty()) return lasers_.empty() || lasers_.contains(topic);
+    return chosen.front() == kAllTopics || std::find(chosen.begin(), chosen.end(), topic) != chosen.end();
+  }
+
+  [[nodiscard]] bool is_wanted(std::uint32_t number) const {
+    const TopicChannel* const channel = topics_.find(number);
+    if (channel == nullptr) return false;
+    const std::string& topic = channel->definition.topic;
+    if (has_scans(*channel)) return is_chosen(topic);
+    if (channel->kind == MessageKind::kOdometry) return odometry_topic_.empty() || topic == odometry_topic_;
+    if (channel->kind == MessageKind::kTransforms) return true;
+    return channel->kind != MessageKind::kOther && topic == crank_topic_;
+  }
+
+  /// Nothing at the end, also of a recording that was cut.
+  std::optional<RecordingItem> next_item() {
+    while (true) {
+      try {
+        return recording_->next([this](std::uint32_t channel) { return is_wanted(channel); },
+                                [this](std::string_view kind, const std::string& detail) { warn(kind, detail); });
+      } catch (const RecordingFault& fault) {
+        const bool is_cut = dynamic_cast<const RecordingCut*>(&fault) != nullptr;
+        const std::string what = fault.what();
+        const std::string place = recording_->place();
+        const bool goes_on = recording_->skip_damage();
+        if (is_cut && !goes_on) {
+          warn_at("cut bag", what + "; what came before counts", place);
+          return std::nullopt;
+        }
+        refuse("damaged chunk", what, place);
+        if (!goes_on) return std::nullopt;
+      }
+    }
+  }
+
+  void refuse(std::string_view kind, const std::string& what, const std::string& place) {
+    if (!options_.lenient) {
+      throw InputError({name_, 0}, fmt::format("{} {}; --lenient leaves out what is damaged", what, place));
+    }
+    warn_at(kind, what, place);
+  }
+
+  void take(const RecordingItem& item) {
+    if (item.definition) {
+      topics_.add(item.channel, *item.definition);
+      return;
+    }
+    try {
+      const TopicChannel* const channel = topics_.count(item);
+      if (channel == nullptr) throw RecordingFault("has a message of no known channel");
+      take_message(*channel, item);
+    } catch (const RecordingFault& fault) {
+      refuse("malformed message", fault.what(), recording_->place());
+    }
+  }
+
+  void take_message(const TopicChannel& channel, const RecordingItem& item) {
+    const std::string& topic = channel.definition.topic;
+    const MessageBytes message{.bytes = item.bytes, .encoding = channel.definition.encoding};
+    if (has_scans(channel)) {
+      take_scan(channel, message, item.received_s);
+    } else if (channel.kind == MessageKind::kOdometry) {
+      take_odometry(topic, message, item.received_s);
+    } else if (channel.kind == MessageKind::kTransforms) {
+      if (topic == options_.topics.odometry) odometry_topic_ = topic;
+      for (const TransformMessage& transform : read_transforms(message)) {
+        assembler_.add_transform(transform, item.received_s);
+      }
+    } else if (topic == crank_topic_ && channel.kind != MessageKind::kOther) {
+      take_crank(channel, message, item.received_s);
+    }
+  }
+
+  void take_odometry(const std::string& topic, const MessageBytes& message, double received_s) {
+    if (!options_.topics.odometry.empty() && topic != options_.topics.odometry) return;
+    if (odometry_topic_.empty()) odometry_topic_ = topic;
+    if (topic == odometry_topic_) {
+      assembler_.add_odometry(read_odometry(message), received_s);
+    } else {
+      warn("second odometry topic",
+           fmt::format("{} is used, {} is not; --odom chooses", in_quotes(odometry_topic_), in_quotes(topic)));
+    }
+  }
+
+  void take_crank(const TopicChannel& channel, const MessageBytes& message, double received_s) {
+    const bool is_joint = channel.kind == MessageKind::kJoints;
+    const NumberMessage number = is_joint ? read_joint(message, joint_) : read_number(message, channel.definition.type);
+    if (!std::isfinite(number.value)) throw RecordingFault("has a position of the crank that is not finite");
+    const CrankOptions& crank = options_.crank;
+    if (crank.step_rad == 0.0 && (crank.kind == CrankKind::kTilt) != is_joint) {
+      throw UsageError(fmt::format("{}: {} {}", name_, in_quotes(crank_topic_),
+                                   is_joint
+                                       ? "has angles: state log.crank=tilt, or the angle of a tick as log.crank_step"
+                                       : "has numbers: state the angle of one as log.crank_step, e.g. 1deg"));
+    }
+    ++crank_messages_;
+    assembler_.add_crank(number, received_s);
+  }
+
+  void take_scan(const TopicChannel& channel, const MessageBytes& message, double received_s) {
+    const std::string& topic = channel.definition.topic;
+    if (!is_chosen(topic)) {
+      if (options_.topics.scans.empty()) refuse_to_choose();
+      return;
+    }
+    ScanMessage scan = channel.kind == MessageKind::kScan ? read_scan(message) : read_echo_scan(message);
+    if (scan.stamp_s == 0.0) {
+      scan.stamp_s = received_s;
+      warn("scan without stamp", "it gets the time when it was recorded");
+    }
+    const auto known = lasers_.find(topic);
+    const std::size_t laser =
+        known != lasers_.end() ? known->second : lasers_.emplace(topic, assembler_.add_laser(topic)).first->second;
+    assembler_.add_scan(laser, std::move(scan), received_s);
+  }
+
+  /// Counts the rest of the recording, so that the choice can be told with its numbers.
+  [[noreturn]] void refuse_to_choose() {
+    try {
+      while (const std::optional<RecordingItem> item =
+                 recording_->next([](std::uint32_t) { return false; }, [](std::string_view, const std::string&) {})) {
+        item->definition ? void(topics_.add(item->channel, *item->definition)) : void(topics_.count(*item));
+      }
+    } catch (const RecordingFault&) {  // counted as far as it goes
+    }
+    throw UsageError(
+        fmt::format("{}: has several topics with scans: {}; choose one with --topic, or all of them with "
+                    "--topic all",
+                    name_, topics_.text(has_scans)));
+  }
+
+  /// What was asked for by name and is not there.
+  void check_choice() const {
+    const TopicChoice& choice = options_.topics;
+    for (const std::string& topic : choice.scans) {
+      if (topic == kAllTopics || lasers_.contains(topic)) continue;
+      throw UsageError(fmt::format("{}: has no scans in topic {}; those with scans are {}", name_, in_quotes(topic),
+                                   topics_.text(has_scans)));
+    }
+    if (!choice.odometry.empty() && odometry_topic_.empty()) {
+      throw UsageError(fmt::format(
+          "{}: has no odometry in topic {}; those with odometry are {}", name_, in_quotes(choice.odometry),
+          topics_.text([](const TopicChannel& channel) { return channel.kind == MessageKind::kOdometry; })));
+    }
+    if (!choice.crank.empty() && crank_messages_ == 0) {
+      throw UsageError(fmt::format("{}: has no numbers or joints in topic {}; its topics are {}", name_,
+                                   in_quotes(crank_topic_), topics_.text([](const TopicChannel&) { return true; })));
+    }
+  }
+
+  void finish() {
+    if (is_finished_) return;
+    is_finished_ = true;
+    if (const std::string defect = recording_->defect(); !defect.empty()) warn("gzip stream", defect);
+    check_choice();
+    if (given_ > 0) return;
+    throw InputError({name_, 0}, fmt::format("has no message sensor_msgs/LaserScan; its topics are {}",
+                                             topics_.text([](const TopicChannel&) { return true; })));
+  }
+
+  void warn(std::string_view kind, const std::string& detail) { warn_at(kind, detail, recording_->place()); }
+  void warn_at(std::string_view kind, const std::string& detail, const std::string& place) {
+    if (!warnings_.add_to(kind)) warnings_.add(kind, fmt::format("{}: {}: {}", name_, place, detail));
+  }
+
+  std::string name_;
+  ReadOptions options_;
+  std::unique_ptr<Recording> recording_;
+  ScanAssembler assembler_;
+  WarningCounter warnings_;
+  std::vector<ScanSequence> sequences_;  ///< of each laser
+  TopicTable topics_;
+  std::map<std::string, std::size_t, std::less<>> lasers_;  ///< numbers of lasers by their topics
+  std::string odometry_topic_;
+  std::string crank_topic_;
+  std::string joint_;
+  std::uint64_t crank_messages_ = 0;
+  std::uint64_t given_ = 0;
+  bool is_over_ = false;
+  bool is_finished_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<LogReader> read_recording(const RecordingMaker& make, const std::string& name,
+                                          const ReadOptions& options) {
+  return std::make_unique<RecordingReader>(make, name, options);
+}
+
+std::unique_ptr<LogReader> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                    const ReadOptions& options) {
+  return read_recording([&] { return std::make_unique<Ros1Bag>(std::move(unpacked)); }, name, options);
+}
+
+std::unique_ptr<LogReader> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                     const ReadOptions& options) {
+  return read_recording([&] { return std::make_unique<McapFile>(std::move(unpacked)); }, name, options);
+}
+
+std::unique_ptr<LogReader> open_ros2_bag(const std::string& path, const ReadOptions& options) {
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(path, ignored);
+  return read_recording([&] { return is_folder ? open_ros2_folder(path) : open_ros2_file(path); }, path, options);
+}
+
+std::unique_ptr<LogReader> open_sqlite_bag(std::span<const std::byte> data, const std::string& name,
+                                           const ReadOptions& options) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data.data()), data.size());
+  return read_recording([&] { return std::make_unique<SqliteBag>(bytes); }, name, options);
+}
+
+std::unique_ptr<LogReader> open_bag(std::span<const std::byte> data, const std::string& name,
+                                    const ReadOptions& options) {
+  return open_bag(gunzip_if_packed(open_memory_source(data), name), name, options);
+}
+
+std::unique_ptr<LogReader> open_mcap(std::span<const std::byte> data, const std::string& name,
+                                     const ReadOptions& options) {
+  return open_mcap(gunzip_if_packed(open_memory_source(data), name), name, options);
+}
+
+}  // namespace gdtslam

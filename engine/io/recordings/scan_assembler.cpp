@@ -1,0 +1,241 @@
+#include "scan_assembler.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "engine/io/message_text.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kLevelCosine = 0.94;  // within 20 degrees
+constexpr double kMostSweep_s = 10.0;  // a longer one is no sweep, but a field that nobody filled
+
+/// From the first beam to the last; 0 where the message does not say.
+double sweep_s(const ScanMessage& scan) {
+  if (!std::isfinite(scan.beam_period_s) || scan.ranges_m.empty()) return 0.0;
+  const double duration_s = static_cast<double>(scan.ranges_m.size() - 1) * std::fabs(scan.beam_period_s);
+  return duration_s <= kMostSweep_s ? duration_s : 0.0;
+}
+
+/// The laser's own step and direction, from right to left as seen from above.
+void turn_right_to_left(LaserScan& scan, bool is_upside_down) {
+  if (is_upside_down) {
+    scan.first_bearing_rad = -scan.first_bearing_rad;
+    scan.bearing_step_rad = -scan.bearing_step_rad;
+  }
+  if (scan.bearing_step_rad >= 0.0 || scan.ranges_m.empty()) return;
+  const auto steps = static_cast<double>(scan.ranges_m.size() - 1);
+  scan.first_bearing_rad += steps * scan.bearing_step_rad;
+  scan.bearing_step_rad = -scan.bearing_step_rad;
+  scan.first_beam_after_s = steps * scan.beam_period_s;
+  scan.beam_period_s = -scan.beam_period_s;
+  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+}
+
+/// REP 117: not a number, minus infinity and what is nearer than the least range say nothing of a place.
+void clear_missing_ranges(std::vector<float>& ranges_m, double min_range_m) {
+  for (float& range_m : ranges_m) {
+    if (!(range_m > 0.0F) || static_cast<double>(range_m) < min_range_m) {
+      range_m = std::numeric_limits<float>::infinity();
+    }
+  }
+}
+
+}  // namespace
+
+ScanAssembler::ScanAssembler(const ReadOptions& options, Warn warn) : options_(options), warn_(std::move(warn)) {
+  const std::string& chosen = options_.topics.odometry;
+  if (!chosen.empty()) source_ = chosen == kTransformTopic ? PoseSource::kTransforms : PoseSource::kOdometry;
+}
+
+std::size_t ScanAssembler::add_laser(const std::string& topic) {
+  Laser laser{.T_base_laser = options_.T_base_laser};
+  for (const TopicMount& mount : options_.topics.mounts) {
+    if (mount.topic == topic) laser.T_base_laser = mount.T_base_laser;
+  }
+  lasers_.push_back(laser);
+  return lasers_.size() - 1;
+}
+
+void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double received_s) {
+  scan_clock_.add(received_s, scan.stamp_s, sweep_s(scan));
+  lasers_[laser].last_stamp_s = scan.stamp_s;
+  auto place = waiting_.end();
+  for (auto before = waiting_.end(); before != waiting_.begin();) {
+    --before;
+    const auto* const held = std::get_if<HeldScan>(&*before);
+    if (held == nullptr) continue;
+    if (held->laser == laser || held->scan.stamp_s <= scan.stamp_s) break;
+    place = before;
+  }
+  waiting_.insert(place, HeldScan{.laser = laser, .scan = std::move(scan)});
+  ++held_scans_;
+}
+
+void ScanAssembler::add_odometry(const TransformMessage& pose, double received_s) {
+  if (source_ == PoseSource::kTransforms) return;
+  if (source_ == PoseSource::kUnknown) {
+    source_ = PoseSource::kOdometry;
+    poses_.clear();  // those of transforms
+    pose_clock_ = {};
+    base_.clear();
+  }
+  add_pose(pose, received_s);
+}
+
+void ScanAssembler::add_transform(const TransformMessage& transform, double received_s) {
+  if (!transform.parent.starts_with("odom")) {
+    frames_.add(transform.parent, transform.child, transform.T_parent_child);
+  } else if (source_ != PoseSource::kOdometry && (base_.empty() || base_ == transform.child)) {
+    add_pose(transform, received_s);
+  }
+}
+
+void ScanAssembler::add_pose(const TransformMessage& pose, double received_s) {
+  if (base_.empty()) base_ = pose.child;
+  pose_clock_.add(received_s, pose.stamp_s, 0.0);
+  if (!poses_.empty() && pose.stamp_s <= poses_.back().stamp_s) {
+    if (pose.stamp_s < poses_.back().stamp_s) warn_("odometry steps back in time", "it is left out");
+    return;
+  }
+  poses_.push_back({pose.stamp_s, seen_from_above(pose.T_parent_child)});
+  if (poses_.size() > kMostPoses) poses_.pop_front();
+}
+
+void ScanAssembler::add_crank(const NumberMessage& number, double received_s) {
+  NumberMessage stamped = number;
+  if (stamped.stamp_s == 0.0) stamped.stamp_s = received_s;
+  crank_clock_.add(received_s, stamped.stamp_s, 0.0);
+  waiting_.emplace_back(stamped);
+}
+
+// Clocks that are the same need no waiting. How far two others are apart is known the better, the more was received.
+bool ScanAssembler::is_clock_known(bool must_go) {
+  const auto settle = [&](std::optional<double>& shift_s, const TopicClock& clock, std::string_view what) {
+    if (shift_s || !clock.is_known()) return true;
+    if (options_.clock_offset_s) {
+      shift_s = options_.clock_offset_s;
+    } else if (!scan_clock_.is_known()) {
+      return must_go;
+    } else {
+      const double apart_s = clock.offset_s() - scan_clock_.offset_s();
+      if (std::fabs(apart_s) > TopicClock::kMostDelay_s && !must_go) return false;
+      shift_s = shift_of(clock, what);
+    }
+    return true;
+  };
+  const bool is_pose_clock_known = settle(pose_shift_s_, pose_clock_, "odometry");
+  return settle(crank_shift_s_, crank_clock_, "the crank") && is_pose_clock_known;
+}
+
+double ScanAssembler::shift_of(const TopicClock& clock, std::string_view what) {
+  const double apart_s = clock.offset_s() - scan_clock_.offset_s();
+  if (std::fabs(apart_s) <= TopicClock::kMostDelay_s) return 0.0;
+  warn_("clocks differ", fmt::format("by when they were received, the stamps of {} are moved by {:.6f} s into the "
+                                     "laser's clock; log.clock=stated says better",
+                                     what, apart_s));
+  return apart_s;
+}
+
+// Along the circular arc between the poses around it; nothing before the first, the last one after it.
+std::optional<Pose2> ScanAssembler::odometry_at(double stamp_s) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp_s,
+                                      [](const Odometry& pose, double at_s) { return pose.stamp_s < at_s; });
+  if (after == poses_.end()) return poses_.empty() ? std::nullopt : std::optional(poses_.back().T_odom_base);
+  if (after->stamp_s == stamp_s) return after->T_odom_base;
+  if (after == poses_.begin()) return std::nullopt;
+  const Odometry& before = *std::prev(after);
+  const double share = (stamp_s - before.stamp_s) / (after->stamp_s - before.stamp_s);
+  return before.T_odom_base * exp_se2(share * log_se2(between(before.T_odom_base, after->T_odom_base)));
+}
+
+// The transforms of the mount may come some messages after the first scan.
+bool ScanAssembler::is_complete(const HeldScan& held) const {
+  const double stamp_s = held.scan.stamp_s;
+  if (source_ == PoseSource::kUnknown || poses_.empty()) return false;
+  if (poses_.back().stamp_s < stamp_s - pose_shift_s_.value_or(0.0)) return false;
+  const std::string& frame = held.scan.frame;
+  if (!lasers_[held.laser].T_base_laser && !mounts_.contains(frame) && !frames_.find(frame, base_)) return false;
+  if (lasers_.size() < options_.topics.scans.size()) return false;
+  return std::all_of(lasers_.begin(), lasers_.end(), [&](const Laser& other) { return other.last_stamp_s >= stamp_s; });
+}
+
+const Transform3& ScanAssembler::mount_of(const std::string& frame) {
+  if (const auto known = mounts_.find(frame); known != mounts_.end()) return known->second;
+  std::optional<Transform3> mount = frames_.find(frame, base_);
+  if (!mount) mount = frames_.find(frame, "");
+  if (mount && std::fabs(mount->rotation[8]) < kLevelCosine) {
+    warn_("laser is not level", fmt::format("frame {} is tilted by more than 20 degrees", in_quotes(frame)));
+  }
+  if (mounts_.size() >= FrameTree::kMostFrames) mounts_.clear();
+  if (mount) return mounts_.emplace(frame, *mount).first->second;
+  return mounts_.emplace(frame, Transform3()).first->second;
+}
+
+ScanRecord ScanAssembler::record_of(HeldScan held) {
+  ScanMessage& scan = held.scan;
+  const std::optional<Pose2>& stated = lasers_[held.laser].T_base_laser;
+  if (!stated && !mounts_.contains(scan.frame) && !frames_.find(scan.frame, base_) && !frames_.find(scan.frame, "")) {
+    warn_("laser mount unknown",
+          fmt::format("no transform leads from frame {} to {} (frames: {}); it is taken as the robot's own frame: "
+                      "--mount x,y,yaw (or log.mount) says better",
+                      in_quotes(scan.frame), base_.empty() ? "a base_link" : in_quotes(base_), frames_.text()));
+  }
+  const Transform3& mount = mount_of(scan.frame);
+  ScanRecord record;
+  record.laser = held.laser;
+  record.scan.stamp_s = scan.stamp_s;
+  record.scan.first_bearing_rad = options_.first_bearing_rad.value_or(scan.first_bearing_rad);
+  record.scan.bearing_step_rad = options_.bearing_step_rad.value_or(scan.bearing_step_rad);
+  const bool has_limit = std::isfinite(scan.max_range_m) && scan.max_range_m > 0.0;
+  record.scan.max_range_m = options_.max_range_m.value_or(has_limit ? scan.max_range_m : 0.0);
+  record.scan.beam_period_s = sweep_s(scan) > 0.0 ? scan.beam_period_s : 0.0;
+  record.scan.ranges_m = std::move(scan.ranges_m);
+  clear_missing_ranges(record.scan.ranges_m, scan.min_range_m);
+  record.scan.T_base_laser = stated.value_or(seen_from_above(mount));
+  const bool are_stated = options_.bearing_step_rad.has_value();
+  if (!are_stated) turn_right_to_left(record.scan, mount.rotation[8] < 0.0);
+  record.T_odom_base = odometry_at(scan.stamp_s - pose_shift_s_.value_or(0.0));
+  return record;
+}
+
+LogRecord ScanAssembler::record_of(const NumberMessage& number) const {
+  const CrankOptions& crank = options_.crank;
+  const double stamp_s = number.stamp_s + crank_shift_s_.value_or(0.0);
+  if (crank.kind == CrankKind::kTilt) {
+    const double step_rad = crank.step_rad == 0.0 ? 1.0 : crank.step_rad;
+    return Tilt{.stamp_s = stamp_s, .elevation_rad = (number.value - crank.zero) * step_rad};
+  }
+  if (number.whole) return Encoder{.stamp_s = stamp_s, .ticks = *number.whole};
+  const double ticks = crank.step_rad == 0.0 ? number.value : number.value / crank.step_rad;
+  return Encoder{.stamp_s = stamp_s, .ticks = static_cast<std::int64_t>(std::llround(ticks))};
+}
+
+std::optional<LogRecord> ScanAssembler::next(bool at_end) {
+  if (waiting_.empty()) return std::nullopt;
+  const bool must_go = at_end || held_scans_ > kMostHeldScans || waiting_.size() > kMostHeldScans + kMostHeldNumbers;
+  if (!must_go && !scan_clock_.is_known()) return std::nullopt;
+  if (!is_clock_known(must_go)) return std::nullopt;
+  if (const auto* const number = std::get_if<NumberMessage>(&waiting_.front())) {
+    const LogRecord record = record_of(*number);
+    waiting_.pop_front();
+    return record;
+  }
+  auto& held = std::get<HeldScan>(waiting_.front());
+  if (!must_go && !is_complete(held)) return std::nullopt;
+  if (source_ == PoseSource::kUnknown && !poses_.empty()) source_ = PoseSource::kTransforms;
+  if (!poses_.empty() && poses_.back().stamp_s < held.scan.stamp_s - pose_shift_s_.value_or(0.0)) {
+    warn_("scan after the last odometry", "it gets the last pose that is known");
+  }
+  HeldScan scan = std::move(held);
+  waiting_.pop_front();
+  --held_scans_;
+  return record_of(std::move(scan));
+}
+
+}  // namespace gdtslam

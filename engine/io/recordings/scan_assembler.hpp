@@ -1,0 +1,86 @@
+// From the messages of a recording to scans with odometry: where each laser sits, which way its beams go, and where the
+// wheels were at the scan's stamp; with several lasers, their scans in the order of their stamps; the crank of a
+// nodding mount beside them. Frames: laser, base (the child of the odometry), odom. Not thread-safe; memory is bounded:
+// kMostHeldScans scans wait for odometry, kMostHeldNumbers messages of a crank with them, kMostPoses poses are kept.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/log.hpp"
+#include "messages.hpp"
+#include "topic_clock.hpp"
+#include "transform3.hpp"
+
+namespace gdtslam {
+
+class ScanAssembler {
+ public:
+  static constexpr std::size_t kMostHeldScans = 64;
+  static constexpr std::size_t kMostHeldNumbers = 4096;
+  static constexpr std::size_t kMostPoses = 4096;
+
+  using Warn = std::function<void(std::string_view kind, const std::string& detail)>;
+  ScanAssembler(const ReadOptions& options, Warn warn);
+
+  /// A laser's number for the scans of a topic; call once a topic, in the order of their first scans.
+  std::size_t add_laser(const std::string& topic);
+  void add_scan(std::size_t laser, ScanMessage scan, double received_s);
+  /// Of an odometry topic, which counts for more than transforms.
+  void add_odometry(const TransformMessage& pose, double received_s);
+  /// A transform from a frame called odom... is odometry; all others say how frames lie to each other.
+  void add_transform(const TransformMessage& transform, double received_s);
+  void add_crank(const NumberMessage& number, double received_s);
+  /// The next record that is complete: of a scan the odometry, the mount and the scans of other lasers before it are
+  /// known, or too many wait, or it is the end.
+  std::optional<LogRecord> next(bool at_end);
+
+ private:
+  /// kUnknown: transforms, as long as no odometry has come.
+  enum class PoseSource : std::uint8_t { kUnknown, kOdometry, kTransforms };
+  struct Laser {
+    std::optional<Pose2> T_base_laser;  ///< stated
+    double last_stamp_s = 0.0;
+  };
+  struct HeldScan {
+    std::size_t laser = 0;
+    ScanMessage scan;
+  };
+  using Held = std::variant<HeldScan, NumberMessage>;
+
+  void add_pose(const TransformMessage& pose, double received_s);
+  [[nodiscard]] bool is_clock_known(bool must_go);
+  [[nodiscard]] double shift_of(const TopicClock& clock, std::string_view what);
+  [[nodiscard]] bool is_complete(const HeldScan& held) const;
+  [[nodiscard]] std::optional<Pose2> odometry_at(double stamp_s) const;
+  [[nodiscard]] const Transform3& mount_of(const std::string& frame);
+  [[nodiscard]] ScanRecord record_of(HeldScan held);
+  [[nodiscard]] LogRecord record_of(const NumberMessage& number) const;
+
+  ReadOptions options_;
+  Warn warn_;
+  PoseSource source_ = PoseSource::kUnknown;
+  std::string base_;
+  std::vector<Laser> lasers_;
+  std::deque<Held> waiting_;
+  std::size_t held_scans_ = 0;
+  std::deque<Odometry> poses_;  ///< in the odometry's own clock
+  TopicClock scan_clock_;
+  TopicClock pose_clock_;
+  TopicClock crank_clock_;
+  std::optional<double> pose_shift_s_;  ///< from the odometry's clock to the laser's, once it is settled
+  std::optional<double> crank_shift_s_;
+  FrameTree frames_;
+  std::map<std::string, Transform3, std::less<>> mounts_;  ///< of each frame that scans have
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,72 @@
+#include "transform3.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "engine/core/elementary.hpp"
+#include "engine/io/message_text.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kMostSteps = 32;  // up a tree of frames, which may be a ring
+constexpr std::size_t kMostFramesTold = 12;
+constexpr std::array<std::string_view, 3> kBaseNames{"base_link", "base_footprint", "base"};
+
+}  // namespace
+
+bool Transform3::is_finite() const {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  return std::all_of(rotation.begin(), rotation.end(), finite) && std::all_of(shift_m.begin(), shift_m.end(), finite);
+}
+
+Transform3 operator*(const Transform3& a, const Transform3& b) {
+  Transform3 product;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double* const row = a.rotation.data() + 3 * i;
+    for (std::size_t j = 0; j < 3; ++j) {
+      product.rotation[3 * i + j] = row[0] * b.rotation[j] + row[1] * b.rotation[3 + j] + row[2] * b.rotation[6 + j];
+    }
+    product.shift_m[i] = row[0] * b.shift_m[0] + row[1] * b.shift_m[1] + row[2] * b.shift_m[2] + a.shift_m[i];
+  }
+  return product;
+}
+
+Pose2 seen_from_above(const Transform3& transform) {
+  return {transform.shift_m[0], transform.shift_m[1], atan2(transform.rotation[3], transform.rotation[0])};
+}
+
+void FrameTree::add(const std::string& parent, const std::string& child, const Transform3& T_parent_child) {
+  if (edges_.size() >= kMostFrames && !edges_.contains(child)) return;
+  edges_[child] = {parent, T_parent_child};
+}
+
+std::optional<Transform3> FrameTree::find(const std::string& frame, const std::string& base) const {
+  Transform3 T_here_frame;
+  std::string here = frame;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const bool is_base =
+        base.empty() ? std::find(kBaseNames.begin(), kBaseNames.end(), here) != kBaseNames.end() : here == base;
+    if (is_base) return T_here_frame;
+    const auto edge = edges_.find(here);
+    if (edge == edges_.end()) return std::nullopt;
+    T_here_frame = edge->second.T_parent_child * T_here_frame;
+    here = edge->second.parent;
+  }
+  return std::nullopt;
+}
+
+std::string FrameTree::text() const {
+  std::string text;
+  std::size_t told = 0;
+  for (const auto& [child, edge] : edges_) {
+    if (told++ == kMostFramesTold) return text + " and others";
+    text += fmt::format("{}{} in {}", text.empty() ? "" : ", ", in_quotes(child), in_quotes(edge.parent));
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,42 @@
+// A rotation and a shift in space, and how frames lie to each other. Metres. Thread-safe.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "gdtslam/core/pose.hpp"
+
+namespace gdtslam {
+
+/// Points of the child in the parent.
+struct Transform3 {
+  std::array<double, 9> rotation{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};  ///< row-major
+  std::array<double, 3> shift_m{};
+  [[nodiscard]] bool is_finite() const;
+};
+Transform3 operator*(const Transform3& a, const Transform3& b);
+/// As seen from above: position, and where the x axis points.
+Pose2 seen_from_above(const Transform3& transform);
+
+/// How frames lie to each other, as far as they do not move; at most kMostFrames are kept.
+class FrameTree {
+ public:
+  static constexpr std::size_t kMostFrames = 4096;
+  void add(const std::string& parent, const std::string& child, const Transform3& T_parent_child);
+  /// From a frame up to another one, or to one that is called as robots' bases are where `base` is empty.
+  [[nodiscard]] std::optional<Transform3> find(const std::string& frame, const std::string& base) const;
+  /// "laser in plate, plate in base": for messages, at most a dozen.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  struct Edge {
+    std::string parent;
+    Transform3 T_parent_child;
+  };
+  std::map<std::string, Edge, std::less<>> edges_;  ///< by child
+};
+
+}  // namespace gdtslam
