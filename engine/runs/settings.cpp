@@ -26,6 +26,7 @@ std::vector<Option> options_besides_mapper(Settings& settings) {
 }
 
 constexpr std::array<std::string_view, 2> kSourceNames{"log", "stated"};
+constexpr std::array<std::string_view, 2> kLaserNames{"front", "all"};
 constexpr double kMostMount_m = 100.0;
 constexpr double kMostAngle_rad = 6.3;
 constexpr double kMostRange_m = 1000.0;
@@ -64,7 +65,9 @@ std::vector<Option> option_table(LogConfig& config) {
           {"log.bearing_step", "from beam to beam; negative where the laser hangs upside down", Unit::kRadian,
            -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
           {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
-           Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m}};
+           Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
+          {"log.lasers", "of a CARMEN log: the front laser alone, or all: RLASER and ROBOTLASER2 as a second one too",
+           Unit::kNone, 0.0, 0.0, Choice(config.lasers, kLaserNames)}};
 }
 
 std::vector<std::string> faults_of(const LogConfig& config) {
@@ -90,6 +93,7 @@ ReadOptions read_options_of(const LogConfig& config, bool lenient, const std::st
     options.first_bearing_rad = config.first_bearing_rad;
     options.bearing_step_rad = config.bearing_step_rad;
   }
+  options.all_lasers = config.lasers == LogLasers::kAll;
   if (config.max_range_m > 0.0) options.max_range_m = config.max_range_m;
   return options;
 }

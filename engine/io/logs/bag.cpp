@@ -11,9 +11,9 @@
 #include "bag_records.hpp"
 #include "bag_scans.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/scan_sequence.hpp"
+#include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
-#include "scan_sequence.hpp"
-#include "warning_counter.hpp"
 
 namespace gdtslam {
 namespace {

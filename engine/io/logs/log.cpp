@@ -13,6 +13,7 @@
 #include "bag.hpp"
 #include "carmen.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/tables/table_reader.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -47,6 +48,29 @@ std::string head_of(ByteSource& source) {
   return head;
 }
 
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '"';
+}
+
+/// A line of JSON begins with a brace; a header of CSV with a name and a comma, where CARMEN has a blank. Reads up to
+/// there.
+std::optional<TableKind> table_kind_of(ByteSource& source, std::string& head) {
+  static constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  static constexpr std::size_t kLongestName = 64;
+  const auto text_of = [&head] {
+    const std::string_view text = head;
+    return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+  };
+  const auto goes_on = [](std::string_view text) {
+    return kByteOrderMark.starts_with(text) || (text.size() < kLongestName && is_name_character(text.back()));
+  };
+  for (char byte = 0; goes_on(text_of()) && source.read({&byte, 1}) == 1;) head.push_back(byte);
+  const std::string_view text = text_of();
+  if (text.starts_with('{')) return TableKind::kJsonLines;
+  const bool has_name = text.size() > 1 && is_name_character(text[text.size() - 2]);
+  return has_name && (text.ends_with(',') || text.ends_with(';')) ? std::optional(TableKind::kCsv) : std::nullopt;
+}
+
 /// The bytes that were read to tell the kind, then the rest.
 class HeadedSource final : public ByteSource {
  public:
@@ -77,8 +101,10 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& 
   }
   const std::string name = path == "-" ? "standard input" : path;
   std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), name);
-  const std::string head = head_of(*source);
+  std::string head = head_of(*source);
+  const std::optional<TableKind> table = table_kind_of(*source, head);
   source = std::make_unique<HeadedSource>(head, std::move(source));
+  if (table) return open_table(*table, std::move(source), name, options);
   for (const Magic& magic : kMagics) {
     if (!head.starts_with(magic.bytes)) continue;
     if (magic.kind.empty()) return open_bag(std::move(source), name, options);

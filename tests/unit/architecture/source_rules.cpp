@@ -56,6 +56,8 @@ const std::vector<Library>& libraries() {
       {"zlib.h", {"io"}},
       {"bzlib.h", {"io"}},
       {"lz4frame.h", {"io"}},
+      {"zstd.h", {"io"}},
+      {"sqlite3.h", {"io"}},
       {"openssl/", {"io"}},
       {"embree3/", {"sim"}},
       {"ceres/", {"calib"}},

@@ -15,7 +15,7 @@
 namespace gdtslam {
 
 /// What open_log() reads, as it stands before "log" or "logs" in help and messages.
-inline constexpr std::string_view kLogFormats = "CARMEN or ROS 1 bag";
+inline constexpr std::string_view kLogFormats = "CARMEN, CSV, JSON lines or ROS 1 bag";
 
 /// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
 struct ReadOptions {
@@ -24,6 +24,7 @@ struct ReadOptions {
   std::optional<double> bearing_step_rad{};   ///< between beams; likewise
   std::optional<double> max_range_m{};        ///< the sensor's limit; what the log says when empty
   std::optional<Pose2> T_base_laser{};        ///< the mount; from the two poses of each scan line when empty
+  bool all_lasers = false;                    ///< of CARMEN: the second laser too, as ScanRecord::laser 1
   std::string topic{};                        ///< of a bag: where its scans are; the only one that has any when empty
 };
 
@@ -33,8 +34,8 @@ struct ScanRange {
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// A CARMEN text log or a ROS 1 bag, plain or gzip; "-" is standard input. Throws InputError that names what is
-/// supported for an MCAP file, a ROS 2 bag or a folder, FileError for what cannot be read.
+/// A CARMEN text log, a CSV file, JSON lines or a ROS 1 bag, plain or gzip; "-" is standard input. Throws InputError
+/// that names what is supported for an MCAP file, a ROS 2 bag or a folder, FileError for what cannot be read.
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options);
 
 }  // namespace gdtslam

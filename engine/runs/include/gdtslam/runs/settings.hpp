@@ -29,6 +29,9 @@ std::vector<Option> option_table(CloudConfig& config);
 /// Whether the log's own lines are believed or the values beside it.
 enum class LogSource : std::uint8_t { kLog, kStated };
 
+/// Which of CARMEN's two lasers are read.
+enum class LogLasers : std::uint8_t { kFront, kAll };
+
 /// What an option may state of a log's laser where the log itself is wrong about it: the mount, the bearings of the
 /// beams, the limit of the ranges (docs/formats.md, CARMEN logs). Metres, radians.
 struct LogConfig {
@@ -38,6 +41,7 @@ struct LogConfig {
   double first_bearing_rad = 0.0;  ///< both count where `bearings` are stated
   double bearing_step_rad = 0.0;
   double max_range_m = 0.0;  ///< 0: what the log says
+  LogLasers lasers = LogLasers::kFront;
 };
 
 /// Likewise, under "log.".
