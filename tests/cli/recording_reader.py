@@ -199,3 +199,32 @@ def cdr_pose(data):
     body.take("36d")
     assert body.left() == 0
     return seconds * 10**9 + nanoseconds, frame[:-1].decode(), child[:-1].decode(), x, y, z, w
+
+
+def cdr_header(body):
+    """Stamp in ns and frame."""
+    seconds, nanoseconds = body.take("II")
+    return seconds * 10**9 + nanoseconds, body.block()[:-1].decode()
+
+
+def cdr_stamped_pose(data):
+    """A PoseStamped in CDR: stamp in ns, frame, x, y and the quaternion's z and w."""
+    body = Bytes(data[4:])
+    stamp_ns, frame = cdr_header(body)
+    body.at += -body.at % 8
+    x, y, _, _, _, z, w = body.take("7d")
+    assert body.left() == 0
+    return stamp_ns, frame, x, y, z, w
+
+
+def cdr_grid(data):
+    """An OccupancyGrid in CDR: width, height, cells from the lower left one on."""
+    body = Bytes(data[4:])
+    cdr_header(body)
+    body.at += -body.at % 4
+    _, _, _, width, height = body.take("IIfII")
+    body.at += -body.at % 8
+    body.take("7d")
+    cells = struct.unpack(f"<{width * height}b", body.block())
+    assert body.left() == 0
+    return width, height, cells

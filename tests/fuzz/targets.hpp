@@ -16,6 +16,7 @@
 #include "engine/io/maps/pgm.hpp"
 #include "engine/io/maps/png.hpp"
 #include "engine/io/meshes/mesh_file.hpp"
+#include "engine/io/tables/table_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -74,6 +75,22 @@ inline void read_carmen(std::span<const std::byte> data) {
 inline void read_bag(std::span<const std::byte> data) {
   detail::drain(open_bag, data, false);
   detail::drain(open_bag, data, true);
+}
+
+inline void read_csv(std::span<const std::byte> data) {
+  constexpr auto kOpen = [](std::span<const std::byte> bytes, const std::string& name, const ReadOptions& options) {
+    return open_table(TableKind::kCsv, bytes, name, options);
+  };
+  detail::drain(kOpen, data, false);
+  detail::drain(kOpen, data, true);
+}
+
+inline void read_json_lines(std::span<const std::byte> data) {
+  constexpr auto kOpen = [](std::span<const std::byte> bytes, const std::string& name, const ReadOptions& options) {
+    return open_table(TableKind::kJsonLines, bytes, name, options);
+  };
+  detail::drain(kOpen, data, false);
+  detail::drain(kOpen, data, true);
 }
 
 inline void read_config(std::span<const std::byte> data) {

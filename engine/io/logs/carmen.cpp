@@ -11,6 +11,7 @@
 #include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/scan_sequence.hpp"
+#include "engine/io/unpack_source.hpp"
 #include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -142,7 +143,7 @@ class CarmenReader final : public LogReader {
     finished_ = true;
     const std::string defect = lines_.source().defect();
     if (!defect.empty()) {
-      warn("gzip stream", defect);
+      warn(defect_kind(defect), defect);
     }
     if (record_count_ == 0) {
       throw InputError({name_, 0},

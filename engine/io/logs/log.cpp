@@ -14,27 +14,31 @@
 #include "carmen.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/tables/table_reader.hpp"
+#include "engine/io/unpack_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
 
 // What every refusal ends with.
-std::string supported() { return fmt::format("supported are {} logs, plain or gzip", kLogFormats); }
+std::string supported() {
+  return fmt::format("supported are {} logs, plain or packed by gzip, bzip2, xz or zstd", kLogFormats);
+}
 
-/// The first bytes of a container. One that is read has no kind.
+/// The first bytes of a container. One that is read has no kind; one that is unpacked has its packing.
 struct Magic {
   std::string_view bytes;
   std::string_view kind;
+  std::optional<StreamPacking> packing{};
 };
 constexpr std::array<Magic, 6> kMagics = {{{"#ROSBAG V", ""},
                                            {"\x89MCAP0\r\n", "an MCAP file"},
                                            {"SQLite format 3", "an SQLite file (a ROS 2 bag?)"},
-                                           {"BZh", "bzip2 data"},
+                                           {"BZh", "bzip2 data", StreamPacking::kBzip2},
                                            {"\xfd"
                                             "7zXZ",
-                                            "xz data"},
-                                           {"\x28\xb5\x2f\xfd", "zstd data"}}};
+                                            "xz data", StreamPacking::kXz},
+                                           {"\x28\xb5\x2f\xfd", "zstd data", StreamPacking::kZstd}}};
 
 bool may_be_magic(std::string_view head) {
   return std::any_of(kMagics.begin(), kMagics.end(),
@@ -91,6 +95,19 @@ class HeadedSource final : public ByteSource {
   std::unique_ptr<ByteSource> rest_;
 };
 
+/// Unpacks what is packed, once: packed data in packed data are nobody's log. `head` is what was read to know.
+std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const std::string& name, std::string& head) {
+  source = gunzip_if_packed(std::move(source), name);
+  head = head_of(*source);
+  for (const Magic& magic : kMagics) {
+    if (!magic.packing || !head.starts_with(magic.bytes)) continue;
+    source = unpack_source(*magic.packing, std::make_unique<HeadedSource>(head, std::move(source)), name);
+    head = head_of(*source);
+    break;
+  }
+  return source;
+}
+
 }  // namespace
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options) {
@@ -100,8 +117,8 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& 
     throw InputError({path, 0}, fmt::format("is {}; {}", is_bag ? "a ROS 2 bag" : "a folder", supported()));
   }
   const std::string name = path == "-" ? "standard input" : path;
-  std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), name);
-  std::string head = head_of(*source);
+  std::string head;
+  std::unique_ptr<ByteSource> source = unpacked(open_file_source(path), name, head);
   const std::optional<TableKind> table = table_kind_of(*source, head);
   source = std::make_unique<HeadedSource>(head, std::move(source));
   if (table) return open_table(*table, std::move(source), name, options);

@@ -9,6 +9,7 @@
 #include "csv_rows.hpp"
 #include "engine/io/line_reader.hpp"
 #include "engine/io/scan_sequence.hpp"
+#include "engine/io/unpack_source.hpp"
 #include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
 #include "json_rows.hpp"
@@ -87,7 +88,7 @@ class TableReader final : public LogReader {
 
   void finish() {
     if (std::exchange(is_finished_, true)) return;
-    if (const std::string defect = lines_.source().defect(); !defect.empty()) warn("packed stream", defect);
+    if (const std::string defect = lines_.source().defect(); !defect.empty()) warn(defect_kind(defect), defect);
     if (records_ > 0) return;
     throw InputError({name_, 0},
                      fmt::format("is {} of {} lines without a complete row; docs/formats.md shows how a log "

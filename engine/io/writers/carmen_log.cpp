@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/io/decimal.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/angle.hpp"
 
@@ -51,7 +52,10 @@ void CarmenLog::write_parameter(const Parameter& parameter) {
     leave_out("parameter", "a name or value of several words: " + in_quotes(parameter.name));
     return;
   }
-  if (parameter.name == kLimitParameter) told_max_range_m_ = -1.0;  // whatever it says, it may have changed
+  if (parameter.name == kLimitParameter) {
+    const char* const end = parameter.value.data() + parameter.value.size();
+    if (parse_double(parameter.value.data(), end, told_max_range_m_) != end) told_max_range_m_ = -1.0;
+  }
   sink_.write(writer_.parameter(parameter.name, parameter.value));
 }
 

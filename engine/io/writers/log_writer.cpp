@@ -72,14 +72,19 @@ ChunkPacking packing_of(LogFormat format, const LogWriteOptions& options) {
 
 std::string log_format_names() { return fmt::format("{}", fmt::join(format_names(), ", ")); }
 
+std::optional<LogFormat> log_format_by_ending(const std::string& path) {
+  for (const LogEnding& one : kLogEndings) {
+    if (path.ends_with(one.ending) || path.ends_with(std::string(one.ending) + ".gz")) return one.format;
+  }
+  return std::nullopt;
+}
+
 LogFormat log_format_of(const std::string& path, const std::string& name) {
-  const auto fits = [&](const LogEnding& one) {
-    if (!name.empty()) return one.name == name;
-    return path.ends_with(one.ending) || path.ends_with(std::string(one.ending) + ".gz");
-  };
-  const auto* const found = std::find_if(kLogEndings.begin(), kLogEndings.end(), fits);
-  if (found != kLogEndings.end()) return found->format;
+  if (const auto format = name.empty() ? log_format_by_ending(path) : std::nullopt) return *format;
   if (!name.empty()) {
+    const auto* const found = std::find_if(kLogEndings.begin(), kLogEndings.end(),
+                                           [&name](const LogEnding& one) { return one.name == name; });
+    if (found != kLogEndings.end()) return found->format;
     throw UsageError(fmt::format("--format: there is no {}{}; there are {}", in_quotes(name),
                                  did_you_mean(name, format_names()), log_format_names()));
   }

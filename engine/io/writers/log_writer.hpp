@@ -54,6 +54,9 @@ class LogWriter {
 /// which .gz is passed over; a name that ends in a slash is a ROS 2 folder. Throws UsageError that lists what there is.
 LogFormat log_format_of(const std::string& path, const std::string& name);
 
+/// The same by the ending alone; nothing where it is none of these.
+std::optional<LogFormat> log_format_by_ending(const std::string& path);
+
 /// "carmen, csv, ...": for help and messages.
 std::string log_format_names();
 

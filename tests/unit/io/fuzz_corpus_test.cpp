@@ -23,6 +23,8 @@ void replay(const std::string& corpus, Target target, std::size_t fewest_files) 
 
 TEST(FuzzCorpus, Carmen) { replay("carmen", fuzz::read_carmen, 12); }
 TEST(FuzzCorpus, Bag) { replay("bag", fuzz::read_bag, 14); }
+TEST(FuzzCorpus, Csv) { replay("csv", fuzz::read_csv, 6); }
+TEST(FuzzCorpus, JsonLines) { replay("jsonl", fuzz::read_json_lines, 5); }
 TEST(FuzzCorpus, Config) { replay("config", fuzz::read_config, 8); }
 TEST(FuzzCorpus, Map) { replay("map", fuzz::read_map_image, 3); }
 TEST(FuzzCorpus, Tum) { replay("tum", fuzz::read_trajectory, 2); }

@@ -37,12 +37,21 @@ TEST(OpenLog, NamesWhatItDoesNotRead) {
     std::string content;
     std::string kind;
   };
-  for (const Case& c :
-       {Case{"mcap", std::string("\x89MCAP0\r\n\0\0", 10), "an MCAP file"},
-        Case{"ros2.db3", std::string("SQLite format 3\0rest", 20), "SQLite"}, Case{"x.bz2", "BZh91AY", "bzip2"},
-        Case{"x.zst", "\x28\xb5\x2f\xfd rest", "zstd"}, Case{"x.xz", "\xfd\x37zXZ", "xz"}}) {
+  for (const Case& c : {Case{"mcap", std::string("\x89MCAP0\r\n\0\0", 10), "an MCAP file"},
+                        Case{"ros2.db3", std::string("SQLite format 3\0rest", 20), "SQLite"}}) {
     put_file(folder / c.name, c.content);
     EXPECT_THAT(refusal(folder / c.name), AllOf(HasSubstr(c.kind), HasSubstr("CARMEN"))) << c.name;
+  }
+}
+
+TEST(OpenLog, NamesWhatIsDamagedAroundALog) {
+  const TemporaryFolder folder;
+  put_file(folder / "x.bz2", "BZh91AY&SYdamaged, for it goes on like nothing that bzip2 writes");
+  put_file(folder / "x.zst", "\x28\xb5\x2f\xfd rest");
+  put_file(folder / "x.xz", std::string("\xfd\x37zXZ\0\0\x01wrong header", 20));
+  for (const std::string kind : {"bzip2", "zstd", "xz"}) {
+    const std::string name = kind == "bzip2" ? "x.bz2" : kind == "zstd" ? "x.zst" : "x.xz";
+    EXPECT_THAT(refusal(folder / name), AllOf(HasSubstr(name), HasSubstr("damaged " + kind + " data"))) << name;
   }
 }
 
