@@ -73,7 +73,7 @@ gdtslam_cli_test(usage.measure_points ARGS measure {data}/bad.tum --planes --min
 
 gdtslam_cli_test(usage.convert_no_output ARGS convert {log} EXIT 2 STDERR "--output is required")
 gdtslam_cli_test(usage.convert_ending ARGS convert {log} -o drive.txt EXIT 2 STDERR "drive.txt: its name does not tell the format")
-gdtslam_cli_test(usage.convert_format ARGS convert {log} -o a --format mcpa EXIT 2 STDERR "--format: there is no 'mcpa'. did you mean 'mcap'")
+gdtslam_cli_test(usage.convert_format ARGS convert {log} -o a --format mcpa EXIT 2 STDERR "--format: there is no .mcpa.. did you mean 'mcap'")
 gdtslam_cli_test(usage.convert_packing ARGS convert {log} -o a.bag --compression zstd EXIT 2 STDERR "--compression: bags take none, bz2 and lz4")
 gdtslam_cli_test(usage.convert_pipe ARGS convert {log} -o - --format bag EXIT 2 STDERR "can go to standard output")
 gdtslam_cli_test(usage.convert_exists ARGS convert {log} -o {truth} --format csv EXIT 2 STDERR "exists. give another name, or --force")
