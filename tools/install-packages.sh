@@ -8,7 +8,7 @@ set -euo pipefail
 build_packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
-  libpng-dev libssl-dev zlib1g-dev libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev
+  libpng-dev libssl-dev zlib1g-dev libbz2-dev liblz4-dev libzstd-dev liblzma-dev libsqlite3-dev
   libembree-dev libceres-dev libnanoflann-dev
   libvulkan-dev libglm-dev glslang-tools spirv-tools
   libvtk9-dev libegl-dev libglew-dev libcairo2-dev ffmpeg

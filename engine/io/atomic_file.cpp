@@ -147,6 +147,12 @@ void AtomicFile::write_through(const char* data, std::size_t size) {
   }
 }
 
+const std::string& AtomicFile::written_path() const {
+  if (temporary_.empty())
+    throw FileError(path_, "is a pipe or a device, but a file is written out of order; give a file");
+  return temporary_;
+}
+
 void AtomicFile::flush() {
   write_through(buffer_.data(), buffer_.size());
   buffer_.clear();

@@ -32,6 +32,9 @@ class AtomicFile {
   /// The file takes its name; the last call.
   void commit();
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// Where the bytes are until the file takes its name, for a library that writes them itself. Throws FileError where
+  /// that is a pipe or a device.
+  [[nodiscard]] const std::string& written_path() const;
 
  private:
   void open_temporary();

@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 3> kOdometryStamps{"measured", "stated", 
 constexpr std::array<std::string_view, 2> kCrankNames{"ticks", "tilt"};
 constexpr double kMostOffset_s = 1.0e10;
 constexpr double kMostZero = 1.0e9;
+constexpr std::array<std::string_view, 2> kLaserNames{"front", "all"};
 constexpr double kMostMount_m = 100.0;
 constexpr double kMostAngle_rad = 6.3;
 constexpr double kMostRange_m = 1000.0;
@@ -54,6 +55,24 @@ void require_valid(Settings& settings) {
 }
 
 namespace {
+
+/// When beams and odometry were measured.
+std::vector<Option> timing_options(LogConfig& config) {
+  return {
+      {"log.beam_times", "when the beams were measured: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
+       Choice(config.beam_times, kSourceNames)},
+      {"log.first_beam_after", "of the first beam, after the scan's stamp", Unit::kSecond, -kLongestScan_s,
+       kLongestScan_s, &config.first_beam_after_s},
+      {"log.beam_period", "from beam to beam; negative where the last one was measured first", Unit::kSecond,
+       -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
+      {"log.deskew", "place each beam where the robot was when it was measured", Unit::kNone, 0.0, 1.0, &config.deskew},
+      {"log.odometry_stamps",
+       "whether odometry is stamped later than the scans that it belongs to: measured at the log's begin, stated by "
+       "log.odometry_delay, or right as the log has them",
+       Unit::kNone, 0.0, 0.0, Choice(config.odometry_stamps, kOdometryStamps)},
+      {"log.odometry_delay", "how much later; negative where the scans are", Unit::kSecond, -kLongestScan_s,
+       kLongestScan_s, &config.odometry_delay_s}};
+}
 
 /// What counts for recordings of messages only.
 std::vector<Option> recording_options(LogConfig& config) {
@@ -93,21 +112,11 @@ std::vector<Option> option_table(LogConfig& config) {
        -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
       {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
        Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
-      {"log.beam_times", "when the beams were measured: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
-       Choice(config.beam_times, kSourceNames)},
-      {"log.first_beam_after", "of the first beam, after the scan's stamp", Unit::kSecond, -kLongestScan_s,
-       kLongestScan_s, &config.first_beam_after_s},
-      {"log.beam_period", "from beam to beam; negative where the last one was measured first", Unit::kSecond,
-       -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
-      {"log.deskew", "place each beam where the robot was when it was measured", Unit::kNone, 0.0, 1.0, &config.deskew},
-      {"log.odometry_stamps",
-       "whether odometry is stamped later than the scans that it belongs to: measured at the log's begin, stated by "
-       "log.odometry_delay, or right as the log has them",
-       Unit::kNone, 0.0, 0.0, Choice(config.odometry_stamps, kOdometryStamps)},
-      {"log.odometry_delay", "how much later; negative where the scans are", Unit::kSecond, -kLongestScan_s,
-       kLongestScan_s, &config.odometry_delay_s}};
-  const std::vector<Option> recordings = recording_options(config);
-  rows.insert(rows.end(), recordings.begin(), recordings.end());
+      {"log.lasers", "of a CARMEN log: the front laser alone, or all: RLASER and ROBOTLASER2 as a second one too",
+       Unit::kNone, 0.0, 0.0, Choice(config.lasers, kLaserNames)}};
+  for (const std::vector<Option>& part : {timing_options(config), recording_options(config)}) {
+    rows.insert(rows.end(), part.begin(), part.end());
+  }
   return rows;
 }
 
@@ -153,6 +162,7 @@ ReadOptions read_options_of(const LogConfig& config, bool lenient) {
     options.beam_period_s = config.beam_period_s;
   }
   options.deskew = config.deskew;
+  options.all_lasers = config.lasers == LogLasers::kAll;
   if (config.max_range_m > 0.0) options.max_range_m = config.max_range_m;
   return options;
 }

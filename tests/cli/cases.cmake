@@ -71,6 +71,20 @@ gdtslam_cli_test(usage.measure_close_sizes ARGS measure {data}/bad.tum --boxes -
 gdtslam_cli_test(usage.measure_csv ARGS measure {data}/bad.tum --boxes --planes --csv t.csv EXIT 2 STDERR "--csv writes one table")
 gdtslam_cli_test(usage.measure_points ARGS measure {data}/bad.tum --planes --min-points 2 EXIT 2 STDERR "--min-points: '2' is no whole number of at least 3")
 
+gdtslam_cli_test(usage.convert_no_output ARGS convert {log} EXIT 2 STDERR "--output is required")
+gdtslam_cli_test(usage.convert_ending ARGS convert {log} -o drive.txt EXIT 2 STDERR "drive.txt: its name does not tell the format")
+gdtslam_cli_test(usage.convert_format ARGS convert {log} -o a --format mcpa EXIT 2 STDERR "--format: there is no .mcpa.. did you mean 'mcap'")
+gdtslam_cli_test(usage.convert_packing ARGS convert {log} -o a.bag --compression zstd EXIT 2 STDERR "--compression: bags take none, bz2 and lz4")
+gdtslam_cli_test(usage.convert_pipe ARGS convert {log} -o - --format bag EXIT 2 STDERR "can go to standard output")
+gdtslam_cli_test(usage.convert_exists ARGS convert {log} -o {truth} --format csv EXIT 2 STDERR "exists. give another name, or --force")
+gdtslam_cli_test(usage.convert_itself ARGS convert {log} -o {log} --force EXIT 2 STDERR "is what is read. give another file")
+gdtslam_cli_test(convert.csv ARGS convert {log} -o drive.csv STDOUT "^[0-9]+ scans, [0-9]+ odometry, 0 of the crank, [0-9]+ parameters. .* MB in drive.csv")
+gdtslam_cli_test(convert.mcap ARGS convert {log} -o drive.mcap STDOUT "scans" STDERR "the format cannot carry: parameter")
+gdtslam_cli_test(convert.json ARGS convert {log} -o drive.jsonl --json STDOUT "\"scans\": [0-9]+")
+
+gdtslam_cli_test(usage.map_mcap_pipe ARGS map - -o out --mcap a.mcap EXIT 2 STDERR "--mcap reads the logs twice")
+gdtslam_cli_test(file.map_mcap_folder ARGS map {log} -o out --mcap nowhere/a.mcap EXIT 74 STDERR "there is no folder nowhere")
+
 # 65: bad input data
 gdtslam_cli_test(input.measure_no_cloud ARGS measure {data}/bad.tum --planes EXIT 65 STDERR "bad.tum")
 gdtslam_cli_test(input.measure_empty ARGS measure {data}/none.ply --planes EXIT 65 STDERR "none.ply: holds no point to measure")

@@ -17,6 +17,7 @@
 #include "engine/io/meshes/mesh_file.hpp"
 #include "engine/io/recordings/messages.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
+#include "engine/io/tables/table_reader.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/cloud_file.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -117,6 +118,22 @@ inline void read_cdr(std::span<const std::byte> data) {
   } catch (const RecordingFault& fault) {
     detail::require(detail::is_one_line(fault.what()));
   }
+}
+
+inline void read_csv(std::span<const std::byte> data) {
+  constexpr auto kOpen = [](std::span<const std::byte> bytes, const std::string& name, const ReadOptions& options) {
+    return open_table(TableKind::kCsv, bytes, name, options);
+  };
+  detail::drain(kOpen, data, false);
+  detail::drain(kOpen, data, true);
+}
+
+inline void read_json_lines(std::span<const std::byte> data) {
+  constexpr auto kOpen = [](std::span<const std::byte> bytes, const std::string& name, const ReadOptions& options) {
+    return open_table(TableKind::kJsonLines, bytes, name, options);
+  };
+  detail::drain(kOpen, data, false);
+  detail::drain(kOpen, data, true);
 }
 
 inline void read_config(std::span<const std::byte> data) {

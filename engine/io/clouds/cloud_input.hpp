@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/io/logs/line_reader.hpp"
+#include "engine/io/line_reader.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

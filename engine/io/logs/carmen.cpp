@@ -2,16 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "carmen_line.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/decimal.hpp"
+#include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/scan_sequence.hpp"
+#include "engine/io/unpack_source.hpp"
 #include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
-#include "line_reader.hpp"
 
 namespace gdtslam {
 namespace {
@@ -112,7 +114,8 @@ class CarmenReader final : public LogReader {
     if (scan.max_range_m == 0.0) {
       scan.max_range_m = stated_max_range_m_;
     }
-    sequence_.check(scan, [this](std::string_view kind, std::string_view detail) { warn(kind, detail); });
+    sequences_[record.laser].check(scan,
+                                   [this](std::string_view kind, std::string_view detail) { warn(kind, detail); });
     if (scan.T_base_laser.translation().norm() > kFarMountM) {
       warn("laser far from robot",
            "the laser pose of the line may be corrected, not odometry; state the mount (log.mount)");
@@ -140,7 +143,7 @@ class CarmenReader final : public LogReader {
     finished_ = true;
     const std::string defect = lines_.source().defect();
     if (!defect.empty()) {
-      warn("gzip stream", defect);
+      warn(defect_kind(defect), defect);
     }
     if (record_count_ == 0) {
       throw InputError({name_, 0},
@@ -158,7 +161,7 @@ class CarmenReader final : public LogReader {
   ReadOptions options_;
   LineReader lines_;
   WarningCounter warnings_;
-  ScanSequence sequence_;
+  std::array<ScanSequence, 2> sequences_;  ///< of each laser
   double stated_max_range_m_ = 0.0;
   std::uint64_t last_line_ = 0;
   std::uint64_t record_count_ = 0;

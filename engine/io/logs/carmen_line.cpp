@@ -183,7 +183,13 @@ CarmenLine parse_carmen_line(std::string_view text, const ReadOptions& options) 
     return line;
   }
   const std::string_view kind = cursor.word("message kind");
-  if (kind == "FLASER") {
+  const bool is_second = options.all_lasers && (kind == "RLASER" || kind == "ROBOTLASER2");
+  if (is_second) {
+    ScanRecord record = kind == "RLASER" ? parse_flaser(cursor, options, line.repairs)
+                                         : parse_robotlaser(cursor, options, line.repairs);
+    record.laser = 1;
+    line.record = std::move(record);
+  } else if (kind == "FLASER") {
     line.record = parse_flaser(cursor, options, line.repairs);
   } else if (kind == "ODOM") {
     line.record = parse_odom(cursor);

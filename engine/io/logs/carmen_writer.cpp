@@ -11,54 +11,64 @@ namespace gdtslam {
 namespace {
 
 constexpr int kDecimals = 6;
-constexpr std::string_view kHost = "simulated";
+constexpr int kBearingDecimals = 12;
 
-void append_fixed(std::string& line, double value, int decimals) {
-  // The longest double in fixed notation has 309 digits before the point.
-  std::array<char, 352> text{};
-  const auto [end, error] =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals);
-  assert(error == std::errc());
-  line.append(text.data(), end);
+// Less than 0 decimals: as many as read back the same.
+template <class Number>
+void append_fixed(std::string& line, Number value, int decimals) {
+  // The longest double in fixed notation has 309 digits before the point, the shortest form at most 1100 characters.
+  std::array<char, 1200> text{};
+  char* const end = text.data() + text.size();
+  const std::to_chars_result result = decimals < 0
+                                          ? std::to_chars(text.data(), end, value, std::chars_format::fixed)
+                                          : std::to_chars(text.data(), end, value, std::chars_format::fixed, decimals);
+  assert(result.ec == std::errc());
+  line.append(text.data(), result.ptr);
 }
 
-void append_field(std::string& line, double value, int decimals = kDecimals) {
+}  // namespace
+
+void CarmenWriter::append_field(std::string& line, double value) const {
   line += ' ';
-  append_fixed(line, value, decimals);
+  append_fixed(line, value, range_decimals_ < 0 ? kAsNeeded : kDecimals);
 }
 
-void append_pose(std::string& line, const Pose2& pose) {
+void CarmenWriter::append_bearing(std::string& line, double value) const {
+  line += ' ';
+  append_fixed(line, value, range_decimals_ < 0 ? kAsNeeded : kBearingDecimals);
+}
+
+void CarmenWriter::append_pose(std::string& line, const Pose2& pose) const {
   append_field(line, pose.x_m);
   append_field(line, pose.y_m);
   append_field(line, pose.theta_rad);
 }
 
-void append_stamp(std::string& line, double stamp_s) {
+void CarmenWriter::append_stamp(std::string& line, double stamp_s) const {
   append_field(line, stamp_s);
   line += ' ';
-  line += kHost;
+  line += host_;
   append_field(line, stamp_s);
   line += '\n';
 }
 
-void append_ranges(std::string& line, const std::vector<float>& ranges_m, int decimals) {
+void CarmenWriter::append_ranges(std::string& line, const std::vector<float>& ranges_m) const {
   line += ' ' + std::to_string(ranges_m.size());
   for (const float range_m : ranges_m) {
-    append_field(line, static_cast<double>(range_m), decimals);
+    line += ' ';
+    append_fixed(line, range_m, range_decimals_);
   }
 }
 
 // A reader knows the bearings of a FLASER line only by its number of beams.
-bool is_told_by_beam_count(const LaserScan& scan) {
-  constexpr double kTolerance_rad = 1e-9;
+bool CarmenWriter::is_told_by_beam_count(const LaserScan& scan) const {
+  const double tolerance_rad = range_decimals_ < 0 ? 0.0 : 1e-9;
   const std::size_t beams = scan.ranges_m.size();
   const BearingRule rule = bearing_rule(beams);
   return (beams == 180 || beams == 181 || beams == 360 || beams == 361) &&
-         std::fabs(rule.first_rad - scan.first_bearing_rad) < kTolerance_rad &&
-         std::fabs(rule.step_rad - scan.bearing_step_rad) < kTolerance_rad;
+         std::fabs(rule.first_rad - scan.first_bearing_rad) <= tolerance_rad &&
+         std::fabs(rule.step_rad - scan.bearing_step_rad) <= tolerance_rad;
 }
-
-}  // namespace
 
 std::string fixed_text(double value, int decimals) {
   std::string text;
@@ -103,24 +113,34 @@ std::string CarmenWriter::encoder(const Encoder& encoder) const {
   return line;
 }
 
+std::string CarmenWriter::tilt(const Tilt& tilt) const {
+  std::string line = "TILT";
+  append_field(line, tilt.elevation_rad);
+  append_stamp(line, tilt.stamp_s);
+  return line;
+}
+
 std::string CarmenWriter::scan(const ScanRecord& record) {
   assert(record.T_odom_base);
   const LaserScan& scan = record.scan;
   const Pose2& T_odom_base = *record.T_odom_base;
   const Speeds speeds = move_to(scan.stamp_s, T_odom_base);
   const bool is_flaser = is_told_by_beam_count(scan);
-  std::string line = is_flaser ? "FLASER" : "ROBOTLASER1 0";
+  assert(record.laser < 2);
+  std::string line =
+      is_flaser ? (record.laser == 0 ? "FLASER" : "RLASER") : (record.laser == 0 ? "ROBOTLASER1 0" : "ROBOTLASER2 0");
   if (!is_flaser) {
     const auto steps = static_cast<double>(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
-    append_field(line, scan.first_bearing_rad, 12);
-    append_field(line, steps * scan.bearing_step_rad, 12);
-    append_field(line, scan.bearing_step_rad, 12);
+    append_bearing(line, scan.first_bearing_rad);
+    append_bearing(line, steps * scan.bearing_step_rad);
+    append_bearing(line, scan.bearing_step_rad);
     append_field(line, scan.max_range_m);
     line += " 0.010000 0";
   }
-  append_ranges(line, scan.ranges_m, range_decimals_);
+  append_ranges(line, scan.ranges_m);
   line += is_flaser ? "" : " 0";
-  append_pose(line, T_odom_base * scan.T_base_laser);
+  // Equal poses tell the reader that there is no mount; a product would have its angle turned back into one turn.
+  append_pose(line, scan.T_base_laser == Pose2{} ? T_odom_base : T_odom_base * scan.T_base_laser);
   append_pose(line, T_odom_base);
   if (!is_flaser) {
     append_field(line, speeds.forward_m_per_s);

@@ -1,10 +1,12 @@
-// CARMEN log lines (docs/formats.md): FLASER where the number of beams tells their bearings, else ROBOTLASER1; ODOM;
-// ENCODER; PARAM. Metres, radians, seconds; poses and stamps with six decimals, the same bytes on every host. One
-// object belongs to one thread.
+// CARMEN log lines (docs/formats.md): FLASER where the number of beams tells their bearings, else ROBOTLASER1; RLASER
+// and ROBOTLASER2 for the second laser; ODOM; ENCODER; TILT; PARAM. Metres, radians, seconds; poses and stamps with six
+// decimals or with as many as read back the same, the same bytes on every host. One object belongs to one thread.
 #pragma once
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "gdtslam/core/stream.hpp"
 
@@ -12,15 +14,21 @@ namespace gdtslam {
 
 class CarmenWriter {
  public:
-  /// Ranges are written with this many decimals, 0 to 9.
-  explicit CarmenWriter(int range_decimals) : range_decimals_(range_decimals) {}
+  /// As many decimals as read back as the same number, for ranges, poses and stamps.
+  static constexpr int kAsNeeded = -1;
+  /// Ranges are written with this many decimals, 0 to 9; `host` stands as the name of the computer, one word.
+  explicit CarmenWriter(int range_decimals, std::string host = "simulated")
+      : range_decimals_(range_decimals), host_(std::move(host)) {}
 
   /// Each returns its line with the line end. Speeds are those since the odometry written before.
   std::string parameter(std::string_view name, std::string_view value) const;
   std::string odometry(const Odometry& odometry);
   std::string encoder(const Encoder& encoder) const;
-  /// The scan must carry odometry.
+  std::string tilt(const Tilt& tilt) const;
+  /// The scan must carry odometry, be of laser 0 or 1, and have a step above 0.
   std::string scan(const ScanRecord& record);
+  /// True where the line needs no bearings; then it has no limit of the ranges either.
+  [[nodiscard]] bool is_told_by_beam_count(const LaserScan& scan) const;
 
  private:
   struct Speeds {
@@ -28,8 +36,14 @@ class CarmenWriter {
     double turn_rad_per_s = 0.0;
   };
   Speeds move_to(double stamp_s, const Pose2& T_odom_base);
+  void append_field(std::string& line, double value) const;
+  void append_bearing(std::string& line, double value) const;
+  void append_pose(std::string& line, const Pose2& pose) const;
+  void append_stamp(std::string& line, double stamp_s) const;
+  void append_ranges(std::string& line, const std::vector<float>& ranges_m) const;
 
   int range_decimals_;
+  std::string host_;
   Speeds speeds_;
   bool has_last_ = false;
   double last_stamp_s_ = 0.0;

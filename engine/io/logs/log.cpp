@@ -13,33 +13,38 @@
 #include "carmen.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
+#include "engine/io/tables/table_reader.hpp"
+#include "engine/io/unpack_source.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
 namespace {
 
 // What every refusal ends with.
-std::string supported() { return fmt::format("supported are {} logs, plain or gzip", kLogFormats); }
+std::string supported() {
+  return fmt::format("supported are {} logs, plain or packed by gzip, bzip2, xz or zstd", kLogFormats);
+}
 
 using OpenUnpacked = std::unique_ptr<LogReader> (*)(std::unique_ptr<ByteSource>, const std::string&,
                                                     const ReadOptions&);
 
-/// The first bytes of a container: what reads it or, where nothing does, what it is.
+/// The first bytes of a container: what reads it, how it is unpacked or, where nothing does, what it is.
 struct Magic {
   std::string_view bytes;
   std::string_view kind;
   OpenUnpacked open = nullptr;
+  std::optional<StreamPacking> packing{};
 };
 constexpr std::string_view kSqliteHead = "SQLite format 3";
 constexpr std::array<Magic, 6> kMagics = {
     {{"#ROSBAG V", "", open_bag},
      {"\x89MCAP", "", open_mcap},
      {kSqliteHead, "SQLite on standard input, which cannot be read forwards; give the file"},
-     {"BZh", "bzip2 data"},
+     {"BZh", "bzip2 data", nullptr, StreamPacking::kBzip2},
      {"\xfd"
       "7zXZ",
-      "xz data"},
-     {"\x28\xb5\x2f\xfd", "zstd data"}}};
+      "xz data", nullptr, StreamPacking::kXz},
+     {"\x28\xb5\x2f\xfd", "zstd data", nullptr, StreamPacking::kZstd}}};
 
 bool may_be_magic(std::string_view head) {
   return std::any_of(kMagics.begin(), kMagics.end(),
@@ -51,6 +56,29 @@ std::string head_of(ByteSource& source) {
   std::string head;
   for (char byte = 0; may_be_magic(head) && source.read({&byte, 1}) == 1;) head.push_back(byte);
   return head;
+}
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '"';
+}
+
+/// A line of JSON begins with a brace; a header of CSV with a name and a comma, where CARMEN has a blank. Reads up to
+/// there.
+std::optional<TableKind> table_kind_of(ByteSource& source, std::string& head) {
+  static constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  static constexpr std::size_t kLongestName = 64;
+  const auto text_of = [&head] {
+    const std::string_view text = head;
+    return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+  };
+  const auto goes_on = [](std::string_view text) {
+    return kByteOrderMark.starts_with(text) || (text.size() < kLongestName && is_name_character(text.back()));
+  };
+  for (char byte = 0; goes_on(text_of()) && source.read({&byte, 1}) == 1;) head.push_back(byte);
+  const std::string_view text = text_of();
+  if (text.starts_with('{')) return TableKind::kJsonLines;
+  const bool has_name = text.size() > 1 && is_name_character(text[text.size() - 2]);
+  return has_name && (text.ends_with(',') || text.ends_with(';')) ? std::optional(TableKind::kCsv) : std::nullopt;
 }
 
 /// The bytes that were read to tell the kind, then the rest.
@@ -73,15 +101,30 @@ class HeadedSource final : public ByteSource {
   std::unique_ptr<ByteSource> rest_;
 };
 
+/// Unpacks what is packed, once: packed data in packed data are nobody's log. `head` is what was read to know.
+std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const std::string& name, std::string& head) {
+  source = gunzip_if_packed(std::move(source), name);
+  head = head_of(*source);
+  for (const Magic& magic : kMagics) {
+    if (!magic.packing || !head.starts_with(magic.bytes)) continue;
+    source = unpack_source(*magic.packing, std::make_unique<HeadedSource>(head, std::move(source)), name);
+    head = head_of(*source);
+    break;
+  }
+  return source;
+}
+
 }  // namespace
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   if (path != "-" && std::filesystem::is_directory(path, ignored)) return open_ros2_bag(path, options);
   const std::string name = path == "-" ? "standard input" : path;
-  std::unique_ptr<ByteSource> source = gunzip_if_packed(open_file_source(path), name);
-  const std::string head = head_of(*source);
+  std::string head;
+  std::unique_ptr<ByteSource> source = unpacked(open_file_source(path), name, head);
+  const std::optional<TableKind> table = table_kind_of(*source, head);
   source = std::make_unique<HeadedSource>(head, std::move(source));
+  if (table) return open_table(*table, std::move(source), name, options);
   for (const Magic& magic : kMagics) {
     if (!head.starts_with(magic.bytes)) continue;
     if (magic.bytes == kSqliteHead && path != "-") return open_ros2_bag(path, options);

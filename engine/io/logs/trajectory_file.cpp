@@ -10,10 +10,10 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/file_limits.hpp"
+#include "engine/io/line_reader.hpp"
 #include "field_cursor.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "line_reader.hpp"
 
 namespace gdtslam {
 namespace {

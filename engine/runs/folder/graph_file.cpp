@@ -13,7 +13,7 @@
 #include "engine/io/byte_source.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/file_limits.hpp"
-#include "engine/io/logs/line_reader.hpp"
+#include "engine/io/line_reader.hpp"
 #include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 

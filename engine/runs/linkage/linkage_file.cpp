@@ -331,7 +331,8 @@ void write_linkage(const std::string& file, const SweepModel& model, const std::
 
 std::string sidecar_path(const std::string& log, const std::string& suffix) {
   std::string_view stem = log;
-  for (const std::string_view ending : {".gz", ".log", ".clf"}) {
+  for (const std::string_view ending :
+       {"/", ".bz2", ".xz", ".zst", ".gz", ".log", ".clf", ".csv", ".jsonl", ".mcap", ".bag", ".db3"}) {
     if (stem.ends_with(ending)) stem.remove_suffix(ending.size());
   }
   return std::string(stem) + suffix;

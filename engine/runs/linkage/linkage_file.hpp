@@ -59,7 +59,8 @@ inline constexpr std::array<LinkageParameter, 10> kLinkageParameters{{{"crank", 
                                                                       {"sensor.roll", Unit::kRadian},
                                                                       {"sensor.yaw", Unit::kRadian}}};
 
-/// LOG without .gz, .log and .clf, with `suffix`: the name of a file that belongs to a log.
+/// LOG without .gz (.bz2, .xz, .zst) and the ending of its format (.log, .clf, .csv, .jsonl, .mcap, .bag, .db3, /),
+/// with `suffix`: the name of a file that belongs to a log.
 std::string sidecar_path(const std::string& log, const std::string& suffix);
 /// sidecar_path(log, ".linkage.yaml") where that file exists; empty where not, and for the standard input.
 std::string linkage_sidecar(const std::string& log);

@@ -57,6 +57,7 @@ const std::vector<Library>& libraries() {
       {"bzlib.h", {"io"}},
       {"lz4frame.h", {"io"}},
       {"zstd.h", {"io"}},
+      {"lzma.h", {"io"}},
       {"sqlite3.h", {"io"}},
       {"openssl/", {"io"}},
       {"embree3/", {"sim"}},

@@ -26,6 +26,8 @@ TEST(FuzzCorpus, Bag) { replay("bag", fuzz::read_bag, 14); }
 TEST(FuzzCorpus, Mcap) { replay("mcap", fuzz::read_mcap, 5); }
 TEST(FuzzCorpus, SqliteBag) { replay("sqlite_bag", fuzz::read_sqlite_bag, 2); }
 TEST(FuzzCorpus, Cdr) { replay("cdr", fuzz::read_cdr, 6); }
+TEST(FuzzCorpus, Csv) { replay("csv", fuzz::read_csv, 6); }
+TEST(FuzzCorpus, JsonLines) { replay("jsonl", fuzz::read_json_lines, 5); }
 TEST(FuzzCorpus, Config) { replay("config", fuzz::read_config, 8); }
 TEST(FuzzCorpus, Map) { replay("map", fuzz::read_map_image, 3); }
 TEST(FuzzCorpus, Tum) { replay("tum", fuzz::read_trajectory, 2); }

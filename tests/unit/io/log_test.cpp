@@ -30,17 +30,20 @@ TEST(OpenLog, ReadsCarmenPlainAndPackedWhateverTheName) {
   EXPECT_EQ(drain(*open_log(folder / "b", {})).records.size(), 1U);
 }
 
-TEST(OpenLog, NamesWhatItDoesNotRead) {
+TEST(OpenLog, ADamagedDatabaseIsNamed) {
   const TemporaryFolder folder;
-  struct Case {
-    std::string name;
-    std::string content;
-    std::string kind;
-  };
-  for (const Case& c : {Case{"x.bz2", "BZh91AY", "bzip2"}, Case{"x.zst", "\x28\xb5\x2f\xfd rest", "zstd"},
-                        Case{"x.xz", "\xfd\x37zXZ", "xz"}}) {
-    put_file(folder / c.name, c.content);
-    EXPECT_THAT(refusal(folder / c.name), AllOf(HasSubstr(c.kind), HasSubstr("CARMEN"))) << c.name;
+  put_file(folder / "ros2.db3", std::string("SQLite format 3\0rest", 20));
+  EXPECT_THAT(refusal(folder / "ros2.db3"), HasSubstr("ros2.db3"));
+}
+
+TEST(OpenLog, NamesWhatIsDamagedAroundALog) {
+  const TemporaryFolder folder;
+  put_file(folder / "x.bz2", "BZh91AY&SYdamaged, for it goes on like nothing that bzip2 writes");
+  put_file(folder / "x.zst", "\x28\xb5\x2f\xfd rest");
+  put_file(folder / "x.xz", std::string("\xfd\x37zXZ\0\0\x01wrong header", 20));
+  for (const std::string kind : {"bzip2", "zstd", "xz"}) {
+    const std::string name = kind == "bzip2" ? "x.bz2" : kind == "zstd" ? "x.zst" : "x.xz";
+    EXPECT_THAT(refusal(folder / name), AllOf(HasSubstr(name), HasSubstr("damaged " + kind + " data"))) << name;
   }
 }
 

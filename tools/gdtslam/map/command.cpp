@@ -10,6 +10,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/folder/loops_report.hpp"
 #include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_recording.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
@@ -37,6 +38,7 @@ struct MapOptions {
   std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
   bool lenient = false;
   RecordingOptions recording;
+  std::string mcap;    ///< empty: none
   bool force = false;  ///< replace files of other origin in the folder
   bool no_cloud = false;
   bool no_pictures = false;
@@ -118,7 +120,27 @@ MapRequest request_of(const MapOptions& options) {
   return request;
 }
 
+// The scans are read again: a run keeps none of them.
+void check_mcap(const MapOptions& options) {
+  if (options.mcap.empty()) return;
+  if (std::find(options.logs.begin(), options.logs.end(), "-") != options.logs.end()) {
+    throw UsageError("--mcap reads the logs twice: give files, not standard input");
+  }
+  check_written_file("--mcap", options.mcap, options.logs);
+}
+
+void write_mcap(const MapOptions& options, const MapRequest& request, const MapOutcome& outcome) {
+  if (options.mcap.empty()) return;
+  const ReadOptions read = read_options_of(request.settings.log, request.lenient);
+  const std::size_t left_out = write_run_recording(options.mcap, request.logs, read, request.range, outcome);
+  if (left_out > 0) {
+    print_remark(fmt::format("{} scans are not in {}: ROS knows no stamps before 1970 or after 2038", left_out,
+                             printable(options.mcap)));
+  }
+}
+
 int map(const MapOptions& options) {
+  check_mcap(options);
   MapRequest request = request_of(options);
   const std::unique_ptr<Backend> backend = make_backend(options.device);
   ProgressLine line("scans", options.quiet);
@@ -131,6 +153,7 @@ int map(const MapOptions& options) {
   const MapResult result = map_logs(request, *backend);
   line.clear();
   closing.clear();
+  write_mcap(options, request, result.outcome);
   if (options.folder.empty()) link_latest(request.folder);
   if (!options.quiet) print_remarks(result.outcome);
   if (options.json) {
@@ -181,7 +204,7 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option("--linkage", options->linkage,
                    "Linkage of a nodding laser: a preset ('gdtslam linkage --list') or a file. Without it the file\n"
-                   "LOG.linkage.yaml beside the log (LOG without .gz, .log, .clf) is taken, else the preset paper-b")
+                   "LOG.linkage.yaml beside the log (LOG without its endings) is taken, else the preset paper-b")
       ->type_name("NAME|FILE");
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
   command->add_flag(
@@ -190,6 +213,11 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "is adjusted once the log has ended");
   command->add_flag("--no-pictures", options->no_pictures,
                     "Do not write overview.png, graph.png (or .svg) and cloud.png");
+  command
+      ->add_option(
+          "--mcap", options->mcap,
+          "Write map, poses and scans as an MCAP file of ROS 2 messages, too, for Foxglove, rerun and the like")
+      ->type_name("FILE");
   command->add_flag("--json", options->json, "Print report.json on standard output");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(

@@ -14,7 +14,6 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/logs/carmen_writer.hpp"
-#include "engine/io/logs/gzip_file.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/sim/clearance.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
@@ -22,6 +21,7 @@
 #include "gdtslam/io/trajectory_file.hpp"
 #include "scene_file.hpp"
 #include "scene_parts.hpp"
+#include "simulated_log.hpp"
 
 namespace gdtslam {
 namespace {
@@ -289,7 +289,7 @@ void HitCloud::finish() {
 
 /// The files that a simulation writes; they appear together.
 struct Output {
-  Output(const SimulateOptions& options, const SceneFile& scene) : log(files.add(options.output)) {
+  Output(const SimulateOptions& options, const SceneFile& scene) : log(options.output, files) {
     truth_file = &files.add(sidecar_path(options.output, ".truth.tum"));
     if (scene.config.nodding) {
       files.add(sidecar_path(options.output, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
@@ -299,7 +299,7 @@ struct Output {
   }
 
   AtomicFileSet files;
-  TextSink log;
+  SimulatedLog log;
   AtomicFile* truth_file = nullptr;
   std::optional<ElevationRows> elevations;
   std::optional<HitCloud> hits;
@@ -309,15 +309,16 @@ struct Output {
 sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& scene, const sim::MotionPlan& plan,
                               const sim::RayCaster& caster, Output& output) {
   CarmenWriter writer(range_decimals(scene.config.laser));
-  output.log.write(header_of(scene, writer));
+  const double limit_m = scene.config.laser.max_range_m;
+  output.log.write(header_of(scene, writer), limit_m);
   sim::SimulationSink sink;
-  sink.odometry = [&](const Odometry& odometry) { output.log.write(writer.odometry(odometry)); };
-  sink.encoder = [&](const Encoder& encoder) { output.log.write(writer.encoder(encoder)); };
+  sink.odometry = [&](const Odometry& odometry) { output.log.write(writer.odometry(odometry), limit_m); };
+  sink.encoder = [&](const Encoder& encoder) { output.log.write(writer.encoder(encoder), limit_m); };
   sink.scan = [&](const sim::SimulatedScan& scan) {
-    output.log.write(writer.scan(scan.record));
+    output.log.write(writer.scan(scan.record), limit_m);
     output.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
     if (output.elevations) output.elevations->add(scan);
-    if (output.hits) output.hits->add(scan, scene.config.laser.max_range_m);
+    if (output.hits) output.hits->add(scan, limit_m);
   };
   sink.keep_on = [&](double share) {
     if (options.progress) options.progress(output.truth.size(), share);
@@ -347,6 +348,7 @@ SimulateResult simulate(const SimulateOptions& options) {
   SimulateResult result;
   static_cast<sim::SimulationSummary&>(result) = record(options, scene, plan, caster, output);
   result.log_bytes = output.log.bytes();
+  result.left_out = output.log.left_out();
   result.truth_file = sidecar_path(options.output, ".truth.tum");
   if (output.elevations) result.linkage_file = sidecar_path(options.output, ".linkage.yaml");
   if (output.elevations) result.elevation_file = sidecar_path(options.output, ".elevation.csv");

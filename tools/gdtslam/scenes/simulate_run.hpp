@@ -17,7 +17,7 @@ namespace gdtslam {
 struct SimulateOptions {
   std::string scene;  ///< a file, or the name of a scene in one of the folders
   std::vector<std::string> scene_folders;
-  std::string output;  ///< .gz compresses
+  std::string output;  ///< its ending tells the format, CARMEN where that is none; .gz compresses
   std::uint64_t seed = 1;
   std::optional<std::string> laser{};       ///< a preset instead of the scene's laser; mount and height stay
   std::optional<double> scan_rate_hz{};     ///< instead of the scene's
@@ -40,13 +40,14 @@ struct SimulateOptions {
 struct SimulateResult : sim::SimulationSummary {
   std::string scene_file;
   std::string log_file;
-  std::string truth_file;      ///< <log>.truth.tum, without .gz
+  std::string truth_file;      ///< <log>.truth.tum, without the endings of the log
   std::string linkage_file;    ///< <log>.linkage.yaml; empty when the laser does not nod, as the next
   std::string elevation_file;  ///< <log>.elevation.csv
   std::string hits_file;       ///< <log>.truth.ply; empty unless asked for
   std::size_t triangles = 0;
-  std::uint64_t log_bytes = 0;  ///< as text, before compression
-  double clearance_m = 0.0;     ///< nearest that the robot's centre comes to an obstacle, at most 2 m
+  std::uint64_t log_bytes = 0;               ///< as text, before compression
+  std::vector<LogReader::Warning> left_out;  ///< what the format of the log cannot carry
+  double clearance_m = 0.0;                  ///< nearest that the robot's centre comes to an obstacle, at most 2 m
   double wall_s = 0.0;
 };
 

@@ -88,6 +88,10 @@ int run_simulate(const SimulateCommand& command) {
   options.stop = [] { return interrupted(); };
   const SimulateResult result = simulate(options);
   progress.clear();
+  for (const LogReader::Warning& one : result.left_out) {
+    if (!command.quiet)
+      print_remark(fmt::format("the format of the log cannot carry: {} ({} times)", one.kind, one.count));
+  }
   if (command.json) {
     print_result(json_text(report_of(result, options.seed)));
   } else if (!command.quiet) {
@@ -155,7 +159,8 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option(
           "-o,--output", options.output,
-          "The log to write; .gz compresses it. The truth goes beside it: NAME.truth.tum and, for a laser that "
+          "The log to write: .log, .csv, .jsonl, .mcap, .bag, .db3 or NAME/ (a ROS 2 folder) tell the format, any "
+          "other name means CARMEN; .gz compresses it. The truth goes beside it: NAME.truth.tum and, for a laser that "
           "nods, NAME.linkage.yaml and NAME.elevation.csv")
       ->required()
       ->type_name("LOG");
@@ -176,6 +181,7 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       "\n"
       "Examples:\n"
       "  gdtslam simulate office-loop -o office-loop.log\n"
+      "  gdtslam simulate office-loop -o office-loop.mcap\n"
       "  gdtslam simulate corridor -o corridor.log.gz --seed 7 --laser hokuyo-961 --rate 20\n"
       "  gdtslam simulate office-7f -o office-7f.log.gz --nod stop-and-scan --truth-hits\n"
       "  gdtslam simulate my-scene.yaml -o my.log --trajectory my-path.yaml --json");

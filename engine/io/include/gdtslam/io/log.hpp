@@ -16,7 +16,7 @@
 namespace gdtslam {
 
 /// What open_log() reads, as it stands before "log" or "logs" in help and messages.
-inline constexpr std::string_view kLogFormats = "CARMEN, ROS bag or MCAP";
+inline constexpr std::string_view kLogFormats = "CARMEN, CSV, JSON lines, ROS bag or MCAP";
 
 /// A laser's place on the robot, by the topic of its scans.
 struct TopicMount {
@@ -56,6 +56,7 @@ struct ReadOptions {
   TopicChoice topics{};
   CrankOptions crank{};
   std::optional<double> clock_offset_s{};  ///< of a recording: added to stamps of odometry and crank; measured if empty
+  bool all_lasers = false;                 ///< of CARMEN: the second laser too, as ScanRecord::laser 1
 };
 
 /// Which part of the logs is wanted.
@@ -64,8 +65,8 @@ struct ScanRange {
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// A CARMEN text log, a ROS 1 bag or an MCAP file, plain or gzip; "-" is standard input. Throws InputError that names
-/// what is supported for anything else, FileError for what cannot be read.
+/// A CARMEN text log, a CSV file, JSON lines, a ROS 1 bag or an MCAP file, plain or packed, or a ROS 2 bag; "-" is
+/// standard input. Throws InputError that names what is supported for anything else, FileError for what cannot be read.
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options);
 
 }  // namespace gdtslam

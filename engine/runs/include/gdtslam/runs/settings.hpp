@@ -32,6 +32,9 @@ enum class LogSource : std::uint8_t { kLog, kStated };
 /// Who says how much later odometry is stamped than the scans.
 enum class OdometryStamps : std::uint8_t { kMeasured, kStated, kLog };
 
+/// Which of CARMEN's two lasers are read.
+enum class LogLasers : std::uint8_t { kFront, kAll };
+
 /// What an option may state of a log's laser where the log itself is wrong about it: the mount, the bearings of the
 /// beams, the limit of the ranges, the clock of the odometry, what a crank counts (docs/formats.md). Metres, radians.
 struct LogConfig {
@@ -51,6 +54,7 @@ struct LogConfig {
   double clock_offset_s = 0.0;  ///< counts where `clock` is stated
   CrankOptions crank;
   TopicChoice topics;  ///< of recordings; no option, but the command line's --topic, --odom, --crank and --mount
+  LogLasers lasers = LogLasers::kFront;
 };
 
 /// Likewise, under "log.".

@@ -1,0 +1,30 @@
+// Readers of CSV files and of JSON lines (docs/formats.md gives every column, rule and limit), for who wrote a logger
+// of their own. Metres, radians, seconds. Memory is bounded by the longest line allowed (4 MiB), whatever the log's
+// length. One reader belongs to one thread.
+//
+// File order is kept. A malformed row throws InputError with file, line and column, or is counted with
+// ReadOptions::lenient; a last line that was cut off is dropped and counted.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "engine/io/byte_source.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/log.hpp"
+
+namespace gdtslam {
+
+enum class TableKind : std::uint8_t { kCsv, kJsonLines };
+
+/// A log out of a source that was unpacked already. Throws InputError when it is empty.
+std::unique_ptr<LogReader> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                      const ReadOptions& options);
+
+/// A log in memory, which must outlive the reader; `name` stands in messages.
+std::unique_ptr<LogReader> open_table(TableKind kind, std::span<const std::byte> data, const std::string& name,
+                                      const ReadOptions& options);
+
+}  // namespace gdtslam

@@ -1,0 +1,77 @@
+// What one row of a CSV file or one JSON line says, before it is known what it means. The names are those of
+// docs/formats.md; metres, radians, seconds. Thread-safe.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gdtslam {
+
+/// A row that breaks its format; what() says how, with the name of the column.
+class MalformedRow : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class TableNumber : std::uint8_t {
+  kStamp,
+  kX,
+  kY,
+  kTheta,
+  kLaser,
+  kLaserX,
+  kLaserY,
+  kLaserTheta,
+  kAngleMin,
+  kAngleMax,
+  kAngleIncrement,
+  kRangeMax,
+  kFirstBeamAfter,
+  kTimeIncrement,
+  kElevation,
+  kTicks,  // last: the only one that is whole
+};
+inline constexpr std::size_t kTableNumbers = static_cast<std::size_t>(TableNumber::kTicks) + 1;
+
+/// Other kinds of columns.
+enum class TableList : std::uint8_t { kRanges, kPoints };
+enum class TableText : std::uint8_t { kName, kValue };
+
+struct TableRow {
+  std::array<std::optional<double>, kTableNumbers> numbers{};  ///< all but the ticks
+  std::optional<std::int64_t> ticks{};
+  bool has_ranges = false;
+  bool has_points = false;
+  std::vector<double> ranges_m{};
+  std::vector<double> points_m{};  ///< x and y in turn, in the laser's frame
+  std::optional<std::string> name{};
+  std::string value{};
+
+  std::optional<double>& operator[](TableNumber number) { return numbers[static_cast<std::size_t>(number)]; }
+  const std::optional<double>& operator[](TableNumber number) const {
+    return numbers[static_cast<std::size_t>(number)];
+  }
+};
+
+/// The name of the column, as messages call it.
+std::string_view table_name(TableNumber number);
+
+/// By its name or one of its other names (timestamp, time, yaw, heading), in small letters.
+std::optional<TableNumber> table_number(std::string_view name);
+std::optional<TableList> table_list(std::string_view name);
+std::optional<TableText> table_text(std::string_view name);
+
+/// "; did you mean 'angle_min'?" for a name of four letters or more that is no column but resembles one; else empty.
+std::string table_hint(std::string_view name);
+
+/// The number that all of the text is. Throws MalformedRow that names the column.
+double table_value(std::string_view text, std::string_view column);
+std::int64_t table_whole(std::string_view text, std::string_view column);
+
+}  // namespace gdtslam

@@ -1,0 +1,26 @@
+// Bytes out of bzip2, xz and zstd streams, in order and once, as gunzip_if_packed() does for gzip: several streams one
+// after the other are one; what a cut stream had is given, and told as its defect. Memory is bounded by what the format
+// asks for, at most 128 MiB, whatever the stream unpacks to. One source belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "byte_source.hpp"
+
+namespace gdtslam {
+
+enum class StreamPacking : std::uint8_t { kBzip2, kXz, kZstd };
+
+/// `packed` begins with the first byte of the stream; `name` stands in messages. Reading throws InputError where the
+/// data are damaged.
+std::unique_ptr<ByteSource> unpack_source(StreamPacking packing, std::unique_ptr<ByteSource> packed, std::string name);
+
+/// What a warning about the end of a packed input is called.
+inline std::string_view defect_kind(std::string_view defect) {
+  return defect.find("gzip") != std::string_view::npos ? "gzip stream" : "packed stream";
+}
+
+}  // namespace gdtslam

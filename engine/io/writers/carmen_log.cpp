@@ -1,0 +1,83 @@
+#include "carmen_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/io/decimal.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::string_view kLimitParameter = "robot_front_laser_max";
+
+/// CARMEN knows a step above 0 only.
+void turn_beams_right_to_left(LaserScan& scan) {
+  if (scan.ranges_m.size() < 2 && !(scan.bearing_step_rad > 0.0)) scan.bearing_step_rad = rad_from_deg(1.0);
+  if (scan.bearing_step_rad > 0.0) return;
+  scan.first_bearing_rad += static_cast<double>(scan.ranges_m.size() - 1) * scan.bearing_step_rad;
+  scan.bearing_step_rad = -scan.bearing_step_rad;
+  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+}
+
+bool is_one_word(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
+
+}  // namespace
+
+CarmenLog::CarmenLog(AtomicFile& file, const LogWriteOptions& options)
+    : sink_(file), writer_(options.range_decimals.value_or(CarmenWriter::kAsNeeded), options.host) {}
+
+void CarmenLog::write(const LogRecord& record) {
+  if (const auto* scan = std::get_if<ScanRecord>(&record)) {
+    write_scan(*scan);
+  } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
+    T_odom_last_ = odometry->T_odom_base;
+    sink_.write(writer_.odometry(*odometry));
+  } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
+    sink_.write(writer_.encoder(*encoder));
+  } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
+    sink_.write(writer_.tilt(*tilt));
+  } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
+    write_parameter(*parameter);
+  }
+}
+
+void CarmenLog::write_parameter(const Parameter& parameter) {
+  if (!is_one_word(parameter.name) || (!parameter.value.empty() && !is_one_word(parameter.value))) {
+    leave_out("parameter", "a name or value of several words: " + in_quotes(parameter.name));
+    return;
+  }
+  if (parameter.name == kLimitParameter) {
+    const char* const end = parameter.value.data() + parameter.value.size();
+    if (parse_double(parameter.value.data(), end, told_max_range_m_) != end) told_max_range_m_ = -1.0;
+  }
+  sink_.write(writer_.parameter(parameter.name, parameter.value));
+}
+
+void CarmenLog::write_scan(ScanRecord record) {
+  LaserScan& scan = record.scan;
+  const std::string at = fmt::format("scan at {:.6f} s", scan.stamp_s);
+  if (record.laser > 1) {
+    leave_out("scan of a third laser", at);
+    return;
+  }
+  if (scan.first_beam_after_s != 0.0 || scan.beam_period_s != 0.0) leave_out("time of each beam", at);
+  if (!record.T_odom_base) {
+    leave_out("missing odometry", at + " gets the pose of the odometry before it");
+    record.T_odom_base = T_odom_last_;
+  }
+  T_odom_last_ = *record.T_odom_base;
+  turn_beams_right_to_left(scan);
+  if (scan.max_range_m != told_max_range_m_ && writer_.is_told_by_beam_count(scan)) {
+    told_max_range_m_ = scan.max_range_m;
+    if (scan.max_range_m > 0.0) sink_.write(writer_.parameter(kLimitParameter, fmt::format("{}", scan.max_range_m)));
+  }
+  sink_.write(writer_.scan(record));
+}
+
+}  // namespace gdtslam

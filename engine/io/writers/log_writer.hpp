@@ -1,0 +1,68 @@
+// Writes the records of a log in one of the formats of docs/formats.md. Files appear whole or not at all: the caller
+// commits the set of files once finish() has returned. Metres, radians, seconds; the same records give the same bytes
+// on every host. Memory is a chunk (1 MiB) or a record, whatever the log's length. One object belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/warning_counter.hpp"
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+enum class LogFormat : std::uint8_t { kCarmen, kCsv, kJsonLines, kMcap, kBag, kRos2Folder, kDb3 };
+
+/// How the chunks of MCAP files and bags are packed; a bag has no zstd, an MCAP file no bz2.
+enum class ChunkPacking : std::uint8_t { kNone, kLz4, kBz2, kZstd };
+
+struct LogWriteOptions {
+  /// Of CARMEN: fixed numbers, poses with six decimals; as short as reads back the same when empty.
+  std::optional<int> range_decimals{};
+  std::string host = "gdtslam";           ///< of CARMEN: what stands as the computer's name
+  std::optional<ChunkPacking> packing{};  ///< zstd for MCAP, none for bags when empty
+};
+
+class LogWriter {
+ public:
+  LogWriter() = default;
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+  virtual ~LogWriter() = default;
+  /// Throws FileError, as finish() does.
+  virtual void write(const LogRecord& record) = 0;
+  /// Ends the files; the last call before they are committed.
+  virtual void finish() = 0;
+  /// Bytes so far, before a .gz around them.
+  [[nodiscard]] virtual std::uint64_t bytes() const = 0;
+  /// What the format cannot carry, counted by kind.
+  [[nodiscard]] const std::vector<LogReader::Warning>& left_out() const { return left_out_.list(); }
+
+ protected:
+  void leave_out(std::string_view kind, const std::string& first) { left_out_.add(kind, first); }
+
+ private:
+  WarningCounter left_out_;
+};
+
+/// The format by its name (`carmen`, `csv`, ...) where one is given, else by the ending of the file's name, before
+/// which .gz is passed over; a name that ends in a slash is a ROS 2 folder. Throws UsageError that lists what there is.
+LogFormat log_format_of(const std::string& path, const std::string& name);
+
+/// The same by the ending alone; nothing where it is none of these.
+std::optional<LogFormat> log_format_by_ending(const std::string& path);
+
+/// "carmen, csv, ...": for help and messages.
+std::string log_format_names();
+
+/// Adds its files to `files`; "-" as the path is standard output. Throws UsageError where the format cannot go there or
+/// cannot be packed so, FileError.
+std::unique_ptr<LogWriter> make_log_writer(LogFormat format, const std::string& path, const LogWriteOptions& options,
+                                           AtomicFileSet& files);
+
+}  // namespace gdtslam

@@ -1,0 +1,221 @@
+#include "mcap_writer.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "chunk_packer.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMcapChunkBytes = std::size_t{1} << 20U;
+constexpr std::string_view kWrittenMcapMagic = "\x89MCAP0\r\n";
+
+enum class McapWritten : unsigned char {
+  kHeader = 0x01,
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kMessageIndex = 0x07,
+  kChunkIndex = 0x08,
+  kStatistics = 0x0b,
+  kSummaryOffset = 0x0e,
+  kDataEnd = 0x0f
+};
+
+void append_mcap_text(std::string& bytes, std::string_view text) {
+  append_whole(bytes, static_cast<std::uint32_t>(text.size()));
+  bytes += text;
+}
+
+std::string mcap_record(McapWritten opcode, std::string_view content) {
+  std::string record(1, static_cast<char>(opcode));
+  append_whole(record, static_cast<std::uint64_t>(content.size()));
+  return record.append(content);
+}
+
+unsigned long checksum_of(std::string_view bytes, unsigned long before = 0) {
+  return crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+}
+
+}  // namespace
+
+void McapWriter::Times::widen(std::uint64_t ns, bool is_first) {
+  first_ns = is_first ? ns : std::min(first_ns, ns);
+  last_ns = is_first ? ns : std::max(last_ns, ns);
+}
+
+McapWriter::McapWriter(AtomicFile& file, ChunkPacking packing) : sink_(file), packing_(packing) {
+  std::string content;
+  append_mcap_text(content, "ros2");
+  append_mcap_text(content, "gdtslam");
+  write(kWrittenMcapMagic);
+  write(mcap_record(McapWritten::kHeader, content));
+}
+
+void McapWriter::write(std::string_view bytes) {
+  checksum_ = checksum_of(bytes, checksum_);
+  sink_.write(bytes);
+}
+
+std::uint32_t McapWriter::add_channel(const std::string& topic, RosType type, bool is_latched) {
+  if (!schemas_.contains(type)) {
+    std::string schema;
+    append_whole(schema, static_cast<std::uint16_t>(static_cast<unsigned>(type) + 1));  // 0 means none
+    append_mcap_text(schema, ros_type_name(type, RosEncoding::kCdr));
+    append_mcap_text(schema, "ros2msg");
+    append_mcap_text(schema, ros_definition(type, RosEncoding::kCdr));
+    chunk_ += schemas_.emplace(type, mcap_record(McapWritten::kSchema, schema)).first->second;
+  }
+  const auto number = static_cast<std::uint32_t>(channels_.size());
+  std::string quality;
+  append_mcap_text(quality, "offered_qos_profiles");
+  append_mcap_text(quality, ros2_service_quality(is_latched));
+  std::string channel;
+  append_whole(channel, static_cast<std::uint16_t>(number));
+  append_whole(channel, static_cast<std::uint16_t>(static_cast<unsigned>(type) + 1));
+  append_mcap_text(channel, topic);
+  append_mcap_text(channel, "cdr");
+  append_mcap_text(channel, quality);
+  channels_.push_back({mcap_record(McapWritten::kChannel, channel)});
+  chunk_ += channels_.back().record;
+  return number;
+}
+
+void McapWriter::add(std::uint32_t channel, std::int64_t received_ns, std::string_view message) {
+  const auto time_ns = static_cast<std::uint64_t>(received_ns);
+  chunk_times_.widen(time_ns, chunk_messages_ == 0);
+  times_.widen(time_ns, messages_ == 0);
+  chunk_index_[channel].push_back({time_ns, chunk_.size()});
+  std::string content;
+  append_whole(content, static_cast<std::uint16_t>(channel));
+  append_whole(content, static_cast<std::uint32_t>(channels_[channel].messages));
+  append_whole(content, time_ns);
+  append_whole(content, time_ns);
+  content += message;
+  chunk_ += mcap_record(McapWritten::kMessage, content);
+  ++channels_[channel].messages;
+  ++chunk_messages_;
+  ++messages_;
+  if (chunk_.size() >= kMcapChunkBytes) write_chunk();
+}
+
+void McapWriter::write_chunk() {
+  if (chunk_.empty()) return;
+  const std::string_view name = packing_ == ChunkPacking::kNone ? "" : packing_name(packing_);
+  const std::string records = packed_chunk(chunk_, packing_);
+  std::string chunk;
+  append_whole(chunk, chunk_times_.first_ns);
+  append_whole(chunk, chunk_times_.last_ns);
+  append_whole(chunk, static_cast<std::uint64_t>(chunk_.size()));
+  append_whole(chunk, static_cast<std::uint32_t>(checksum_of(chunk_)));
+  append_mcap_text(chunk, name);
+  append_whole(chunk, static_cast<std::uint64_t>(records.size()));
+  chunk += records;
+  const std::string record = mcap_record(McapWritten::kChunk, chunk);
+  std::string index;
+  append_whole(index, chunk_times_.first_ns);
+  append_whole(index, chunk_times_.last_ns);
+  append_whole(index, sink_.bytes());
+  append_whole(index, static_cast<std::uint64_t>(record.size()));
+  write(record);
+  write_message_indexes(index);
+  append_mcap_text(index, name);
+  append_whole(index, static_cast<std::uint64_t>(records.size()));
+  append_whole(index, static_cast<std::uint64_t>(chunk_.size()));
+  chunk_records_.push_back(mcap_record(McapWritten::kChunkIndex, index));
+  chunk_.clear();
+  chunk_messages_ = 0;
+}
+
+// Behind the chunk, one for each channel, and where they stand into the index of the chunk.
+void McapWriter::write_message_indexes(std::string& chunk_index) {
+  const std::uint64_t begin = sink_.bytes();
+  std::string places;
+  for (const auto& [channel, entries] : chunk_index_) {
+    append_whole(places, static_cast<std::uint16_t>(channel));
+    append_whole(places, sink_.bytes());
+    std::string rows;
+    for (const IndexEntry& entry : entries) {
+      append_whole(rows, entry.received_ns);
+      append_whole(rows, entry.offset);
+    }
+    std::string content;
+    append_whole(content, static_cast<std::uint16_t>(channel));
+    append_mcap_text(content, rows);
+    write(mcap_record(McapWritten::kMessageIndex, content));
+  }
+  chunk_index_.clear();
+  append_mcap_text(chunk_index, places);
+  append_whole(chunk_index, sink_.bytes() - begin);
+}
+
+std::string McapWriter::statistics() const {
+  std::string content;
+  append_whole(content, messages_);
+  append_whole(content, static_cast<std::uint16_t>(schemas_.size()));
+  append_whole(content, static_cast<std::uint32_t>(channels_.size()));
+  append_whole(content, std::uint32_t{0});  // attachments
+  append_whole(content, std::uint32_t{0});  // metadata
+  append_whole(content, static_cast<std::uint32_t>(chunk_records_.size()));
+  append_whole(content, times_.first_ns);
+  append_whole(content, times_.last_ns);
+  std::string counts;
+  for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
+    append_whole(counts, static_cast<std::uint16_t>(channel));
+    append_whole(counts, channels_[channel].messages);
+  }
+  append_mcap_text(content, counts);
+  return mcap_record(McapWritten::kStatistics, content);
+}
+
+void McapWriter::write_summary() {
+  const std::uint64_t begin = sink_.bytes();
+  std::string summary;
+  std::string offsets;
+  const auto add_group = [&](McapWritten opcode, const auto& add_records) {
+    const std::size_t before = summary.size();
+    add_records();
+    if (summary.size() == before) return;
+    std::string content(1, static_cast<char>(opcode));
+    append_whole(content, begin + before);
+    append_whole(content, static_cast<std::uint64_t>(summary.size() - before));
+    offsets += mcap_record(McapWritten::kSummaryOffset, content);
+  };
+  add_group(McapWritten::kSchema, [&] {
+    for (const auto& [type, record] : schemas_) summary += record;
+  });
+  add_group(McapWritten::kChannel, [&] {
+    for (const Channel& channel : channels_) summary += channel.record;
+  });
+  add_group(McapWritten::kStatistics, [&] { summary += statistics(); });
+  add_group(McapWritten::kChunkIndex, [&] {
+    for (const std::string& record : chunk_records_) summary += record;
+  });
+  std::string footer;
+  append_whole(footer, begin);
+  append_whole(footer, begin + summary.size());
+  summary += offsets;
+  // The checksum of the summary reaches into the footer, up to itself.
+  std::string record = mcap_record(McapWritten::kFooter, footer + std::string(4, '\0'));
+  record.resize(record.size() - 4);
+  append_whole(record, static_cast<std::uint32_t>(checksum_of(record, checksum_of(summary))));
+  write(summary);
+  write(record);
+}
+
+void McapWriter::finish() {
+  write_chunk();
+  std::string content;
+  append_whole(content, static_cast<std::uint32_t>(checksum_));
+  write(mcap_record(McapWritten::kDataEnd, content));
+  write_summary();
+  write(kWrittenMcapMagic);
+  sink_.finish();
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,128 @@
+#include "ros_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::string_view kOdomFrame = "odom";
+constexpr std::string_view kBaseFrame = "base_link";
+// CARMEN's poses have six decimals: a mount out of two of them is known to little more.
+constexpr double kSameMount = 1e-5;
+
+std::string numbered(std::string_view name, std::size_t laser) {
+  return laser == 0 ? std::string(name) : fmt::format("{}_{}", name, laser + 1);
+}
+
+bool is_same_mount(const Pose2& a, const Pose2& b) {
+  return (a.translation() - b.translation()).norm() < kSameMount &&
+         std::fabs(wrap_angle(a.theta_rad - b.theta_rad)) < kSameMount;
+}
+
+}  // namespace
+
+void RosLog::write(const LogRecord& record) {
+  if (const auto* scan = std::get_if<ScanRecord>(&record)) {
+    if (is_stamp_possible(scan->scan.stamp_s) &&
+        is_stamp_possible(scan->scan.stamp_s + scan->scan.first_beam_after_s)) {
+      write_scan(*scan);
+    }
+  } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
+    if (is_stamp_possible(odometry->stamp_s)) write_odometry(*odometry);
+  } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
+    if (is_stamp_possible(encoder->stamp_s)) write_encoder(*encoder);
+  } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
+    if (is_stamp_possible(tilt->stamp_s)) write_tilt(*tilt);
+  } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
+    leave_out("parameter", parameter->name);
+  }
+}
+
+bool RosLog::is_stamp_possible(double stamp_s) {
+  if (stamp_s >= 0.0 && stamp_s < kRosStampLimit_s) return true;
+  leave_out("stamp that ROS does not know", fmt::format("{} s is not between 1970 and 2038", stamp_s));
+  return false;
+}
+
+std::uint32_t RosLog::channel(const std::string& topic, RosType type, bool is_latched) {
+  const auto known = channels_.find(topic);
+  if (known != channels_.end()) return known->second;
+  return channels_.emplace(topic, container_->add_channel(topic, type, is_latched)).first->second;
+}
+
+std::int64_t RosLog::received_ns(double stamp_s) {
+  newest_ns_ = std::max(newest_ns_, ros_time_ns(stamp_s));
+  return newest_ns_;
+}
+
+void RosLog::write_mount(const ScanRecord& record, const std::string& frame) {
+  const Pose2& mount = record.scan.T_base_laser;
+  const auto told = mounts_.find(record.laser);
+  if (told != mounts_.end() && is_same_mount(told->second, mount)) return;
+  if (told != mounts_.end()) {
+    leave_out("change of a mount",
+              fmt::format("at {:.6f} s: most readers keep the first /tf_static", record.scan.stamp_s));
+  }
+  mounts_[record.laser] = mount;
+  const RosTransform T{{record.scan.stamp_s, kBaseFrame}, frame, mount};
+  container_->add(channel("/tf_static", RosType::kTransforms, true), received_ns(record.scan.stamp_s),
+                  ros_transforms(container_->encoding(), {&T, 1}));
+}
+
+void RosLog::write_odometry(const Odometry& odometry) {
+  if (last_ && last_->stamp_s == odometry.stamp_s && last_->T_odom_base == odometry.T_odom_base) return;
+  if (const double elapsed_s = last_ ? odometry.stamp_s - last_->stamp_s : 0.0; elapsed_s > 0.0) {
+    const Eigen::Vector3d moved = log_se2(between(last_->T_odom_base, odometry.T_odom_base));
+    speed_ = {moved.x() / elapsed_s, moved.z() / elapsed_s};
+  }
+  last_ = odometry;
+  const RosTransform pose{{odometry.stamp_s, kOdomFrame}, kBaseFrame, odometry.T_odom_base};
+  const std::int64_t now_ns = received_ns(odometry.stamp_s);
+  container_->add(channel("/odom", RosType::kOdometry), now_ns, ros_odometry(container_->encoding(), pose, speed_));
+  container_->add(channel("/tf", RosType::kTransforms), now_ns, ros_transforms(container_->encoding(), {&pose, 1}));
+}
+
+void RosLog::write_scan(const ScanRecord& record) {
+  const LaserScan& scan = record.scan;
+  const std::string frame = numbered("laser", record.laser);
+  if (record.T_odom_base) write_odometry({scan.stamp_s, *record.T_odom_base});
+  write_mount(record, frame);
+  const auto before = scan_stamps_s_.find(record.laser);
+  const double scan_time_s = before == scan_stamps_s_.end() ? 0.0 : std::max(0.0, scan.stamp_s - before->second);
+  scan_stamps_s_[record.laser] = scan.stamp_s;
+  container_->add(channel(numbered("/scan", record.laser), RosType::kLaserScan), received_ns(scan.stamp_s),
+                  ros_laser_scan(container_->encoding(), scan, frame, scan_time_s));
+}
+
+// Its message has no stamp: only the time when it came says when it was.
+void RosLog::write_encoder(const Encoder& encoder) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  if (encoder.ticks < Limits::min() || encoder.ticks > Limits::max()) {
+    leave_out("crank beyond 32 bits", std::to_string(encoder.ticks));
+    return;
+  }
+  container_->add(channel("/crank", RosType::kInt32), ros_time_ns(encoder.stamp_s),
+                  ros_int32(container_->encoding(), static_cast<std::int32_t>(encoder.ticks)));
+}
+
+void RosLog::write_tilt(const Tilt& tilt) {
+  container_->add(channel("/tilt", RosType::kJointState), received_ns(tilt.stamp_s),
+                  ros_joint_state(container_->encoding(), {tilt.stamp_s, kBaseFrame}, "tilt", tilt.elevation_rad));
+}
+
+std::string ros2_service_quality(bool is_latched) {
+  constexpr std::string_view kForever = "\n    sec: 9223372036\n    nsec: 854775807\n";
+  return fmt::format(
+      "- history: 1\n  depth: {}\n  reliability: 1\n  durability: {}\n  deadline:{}  lifespan:{}  liveliness: 1\n"
+      "  liveliness_lease_duration:{}  avoid_ros_namespace_conventions: false",
+      is_latched ? 1 : 10, is_latched ? 1 : 2, kForever, kForever, kForever);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,146 @@
+#include "ros_messages.hpp"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/elementary.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kCovarianceNumbers = 36;
+
+/// Little endian values one after the other; in CDR each starts at a multiple of its size, counted behind the four
+/// bytes that name the encoding.
+class MessageBytes {
+ public:
+  explicit MessageBytes(RosEncoding encoding) : is_cdr_(encoding == RosEncoding::kCdr) {
+    if (is_cdr_) bytes_.assign("\0\1\0\0", kEncapsulation);
+  }
+  template <class Whole>
+  void whole(Whole value) {
+    if (is_cdr_) {
+      while ((bytes_.size() - kEncapsulation) % sizeof(Whole) != 0) bytes_ += '\0';
+    }
+    for (std::size_t k = 0; k < sizeof(Whole); ++k) bytes_ += static_cast<char>((value >> (8U * k)) & 0xffU);
+  }
+  void count(std::size_t value) { whole(static_cast<std::uint32_t>(value)); }
+  void single(float value) { whole(std::bit_cast<std::uint32_t>(value)); }
+  void real(double value) { whole(std::bit_cast<std::uint64_t>(value)); }
+  void text(std::string_view value) {
+    count(value.size() + (is_cdr_ ? 1 : 0));
+    bytes_ += value;
+    if (is_cdr_) bytes_ += '\0';
+  }
+  void time(double stamp_s) {
+    const auto ns = static_cast<std::uint64_t>(ros_time_ns(stamp_s));
+    whole(static_cast<std::uint32_t>(ns / 1'000'000'000U));
+    whole(static_cast<std::uint32_t>(ns % 1'000'000'000U));
+  }
+  void header(const RosStamp& stamp) {
+    if (!is_cdr_) whole(std::uint32_t{0});  // the sequence number
+    time(stamp.stamp_s);
+    text(stamp.frame);
+  }
+  void pose(const Pose2& pose) {
+    for (const double value : {pose.x_m, pose.y_m, 0.0, 0.0, 0.0}) real(value);
+    const SinCos<double> half = sin_cos(0.5 * pose.theta_rad);
+    real(half.sin);
+    real(half.cos);
+  }
+  void cells(std::span<const std::int8_t> values) {
+    count(values.size());
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size());
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  static constexpr std::size_t kEncapsulation = 4;
+  bool is_cdr_;
+  std::string bytes_;
+};
+
+}  // namespace
+
+std::int64_t ros_time_ns(double stamp_s) {
+  const double seconds = std::floor(stamp_s);
+  return static_cast<std::int64_t>(seconds) * 1'000'000'000 + std::llround((stamp_s - seconds) * 1e9);
+}
+
+std::string ros_laser_scan(RosEncoding encoding, const LaserScan& scan, std::string_view frame, double scan_time_s) {
+  MessageBytes bytes(encoding);
+  const std::size_t beams = scan.ranges_m.size();
+  const double steps = beams == 0 ? 0.0 : static_cast<double>(beams - 1);
+  bytes.header({scan.stamp_s + scan.first_beam_after_s, frame});
+  const double limit_m = scan.max_range_m > 0.0 ? scan.max_range_m : std::numeric_limits<double>::infinity();
+  for (const double value : {scan.first_bearing_rad, scan.first_bearing_rad + steps * scan.bearing_step_rad,
+                             scan.bearing_step_rad, scan.beam_period_s, scan_time_s, 0.0, limit_m}) {
+    bytes.single(static_cast<float>(value));
+  }
+  bytes.count(beams);
+  for (const float range_m : scan.ranges_m) bytes.single(range_m);
+  bytes.count(0);  // intensities
+  return bytes.take();
+}
+
+std::string ros_odometry(RosEncoding encoding, const RosTransform& pose, const RosSpeed& speed) {
+  MessageBytes bytes(encoding);
+  bytes.header(pose.parent);
+  bytes.text(pose.child);
+  bytes.pose(pose.T_parent_child);
+  for (std::size_t k = 0; k < kCovarianceNumbers; ++k) bytes.real(0.0);  // 0: not known
+  for (const double value : {speed.forward_m_per_s, 0.0, 0.0, 0.0, 0.0, speed.turn_rad_per_s}) bytes.real(value);
+  for (std::size_t k = 0; k < kCovarianceNumbers; ++k) bytes.real(0.0);
+  return bytes.take();
+}
+
+std::string ros_transforms(RosEncoding encoding, std::span<const RosTransform> transforms) {
+  MessageBytes bytes(encoding);
+  bytes.count(transforms.size());
+  for (const RosTransform& one : transforms) {
+    bytes.header(one.parent);
+    bytes.text(one.child);
+    bytes.pose(one.T_parent_child);
+  }
+  return bytes.take();
+}
+
+std::string ros_int32(RosEncoding encoding, std::int32_t value) {
+  MessageBytes bytes(encoding);
+  bytes.whole(static_cast<std::uint32_t>(value));
+  return bytes.take();
+}
+
+std::string ros_joint_state(RosEncoding encoding, const RosStamp& stamp, std::string_view joint, double position) {
+  MessageBytes bytes(encoding);
+  bytes.header(stamp);
+  bytes.count(1);
+  bytes.text(joint);
+  bytes.count(1);
+  bytes.real(position);
+  bytes.count(0);  // speeds, and
+  bytes.count(0);  // efforts
+  return bytes.take();
+}
+
+std::string ros_pose(RosEncoding encoding, const RosStamp& stamp, const Pose2& pose) {
+  MessageBytes bytes(encoding);
+  bytes.header(stamp);
+  bytes.pose(pose);
+  return bytes.take();
+}
+
+std::string ros_occupancy_grid(RosEncoding encoding, const RosStamp& stamp, const RosGrid& grid) {
+  MessageBytes bytes(encoding);
+  bytes.header(stamp);
+  bytes.time(stamp.stamp_s);
+  bytes.single(static_cast<float>(grid.resolution_m));
+  bytes.whole(grid.width);
+  bytes.whole(grid.height);
+  bytes.pose(grid.T_map_origin);
+  bytes.cells(grid.cells);
+  return bytes.take();
+}
+
+}  // namespace gdtslam

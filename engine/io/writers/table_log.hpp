@@ -1,0 +1,36 @@
+// The records of a log as rows of CSV and as JSON lines (docs/formats.md). Every number is as short as reads back the
+// same, so that a log gives the same map in both. One object belongs to one thread.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/io/logs/gzip_file.hpp"
+#include "log_writer.hpp"
+
+namespace gdtslam {
+
+class CsvLog final : public LogWriter {
+ public:
+  /// `file` must outlive this.
+  explicit CsvLog(AtomicFile& file);
+  void write(const LogRecord& record) override;
+  void finish() override { sink_.finish(); }
+  [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
+
+ private:
+  TextSink sink_;
+};
+
+class JsonLinesLog final : public LogWriter {
+ public:
+  /// `file` must outlive this.
+  explicit JsonLinesLog(AtomicFile& file) : sink_(file) {}
+  void write(const LogRecord& record) override;
+  void finish() override { sink_.finish(); }
+  [[nodiscard]] std::uint64_t bytes() const override { return sink_.bytes(); }
+
+ private:
+  TextSink sink_;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,203 @@
+"""Logs in other formats: what convert and simulate write, read by gdtslam and by readers that are not ours."""
+
+import bz2
+import collections
+import gzip
+import json
+import lzma
+import math
+import shutil
+import struct
+import subprocess
+
+import cli_support as cli
+import recording_reader
+from cli_support import LOG, command, expect, expect_exit, mapped, results
+
+
+def converted(target, *arguments, log=LOG):
+    process = command("convert", log, "-o", target, "-q", *arguments)
+    expect_exit(process, 0)
+    expect(process.stdout == process.stderr == "", process.stdout + process.stderr)
+    return target
+
+
+def lines_of(log):
+    """FLASER lines as (stamp, ranges, odometry), ODOM lines as (stamp, pose)."""
+    scans, odometry = [], []
+    for line in log.read_text().splitlines():
+        words = line.split()
+        if words[0] == "FLASER":
+            count = int(words[1])
+            numbers = [float(word) for word in words[2 : 2 + count + 6]]
+            scans.append((float(words[count + 8]), numbers[:count], numbers[count + 3 :]))
+        elif words[0] == "ODOM":
+            odometry.append((float(words[7]), [float(word) for word in words[1:4]]))
+    return scans, odometry
+
+
+def single(values):
+    return struct.unpack(f"<{len(values)}f", struct.pack(f"<{len(values)}f", *values))
+
+
+def check_messages(messages, scans, poses, what):
+    """The messages against the lines of the log."""
+    counts = collections.Counter(topic for topic, *_ in messages)
+    expect(counts == {"/scan": len(scans), "/odom": len(poses), "/tf": len(poses), "/tf_static": 1}, f"{what}: {counts}")
+    expect({topic: kind for topic, kind, *_ in messages} ==
+           {"/scan": "sensor_msgs/msg/LaserScan", "/odom": "nav_msgs/msg/Odometry", "/tf": "tf2_msgs/msg/TFMessage",
+            "/tf_static": "tf2_msgs/msg/TFMessage"}, what)
+    for (stamp, ranges, _), (_, _, received, data) in zip(scans, [m for m in messages if m[0] == "/scan"]):
+        stamp_ns, frame, numbers, found = recording_reader.cdr_scan(data)
+        expect(stamp_ns == received == round(stamp * 1e9) and frame == "laser", f"{what}: {stamp_ns}, {received}, {stamp}")
+        expect(found == single(ranges), f"{what}: ranges at {stamp}")
+        expect(numbers[:3] == single([-math.pi / 2, math.pi / 2 - math.pi / 180, math.pi / 180]), f"{what}: {numbers}")
+    for (stamp, pose), (_, _, _, data) in zip(poses, [m for m in messages if m[0] == "/odom"]):
+        stamp_ns, frame, child, x, y, z, w = recording_reader.cdr_pose(data)
+        expect((stamp_ns, frame, child) == (round(stamp * 1e9), "odom", "base_link"), f"{what}: {stamp_ns} {frame} {child}")
+        expect([x, y] == pose[:2] and abs(2 * math.atan2(z, w) - pose[2]) < 1e-12, f"{what}: pose at {stamp}")
+
+
+def check_definitions(connections):
+    """Each MD5 sum is that of its definition, computed as ROS does: fields, with the sums of the types among them."""
+    import hashlib
+
+    def fields_sum(text, parts):
+        rows = []
+        for row in text.strip().splitlines():
+            kind, name = row.split()
+            base = kind.split("[")[0]
+            rows.append(f"{fields_sum(parts[base], parts)} {name}" if "/" in base else row)
+        return hashlib.md5("\n".join(rows).encode()).hexdigest()
+
+    for connection in connections.values():
+        first, *others = connection["message_definition"].decode().split("=" * 80 + "\nMSG: ")
+        parts = dict(other.split("\n", 1) for other in others)
+        found = fields_sum(first, parts)
+        expect(found == connection["md5sum"].decode(), f"{connection['type']}: {found}")
+
+
+def largest_distance(run, other):
+    """Between the poses of two runs."""
+    rows = [[[float(word) for word in line.split()] for line in (folder / "trajectory.tum").read_text().splitlines()]
+            for folder in (run, other)]
+    expect(len(rows[0]) == len(rows[1]), "another number of poses")
+    return max(math.hypot(a[1] - b[1], a[2] - b[2]) for a, b in zip(*rows))
+
+
+# With the bearings and the mount as doubles, a ROS recording has the numbers of the CARMEN log but for the last bit of
+# headings.
+STATED = ("--set", "log.bearings=stated", "--set", "log.first_bearing=-90deg", "--set", "log.bearing_step=1deg", "--set",
+          "log.mount=stated", "--set", "log.mount_x=10cm", "--set", "log.max_range=80m")
+
+
+def converted_logs_give_the_same_map():
+    """CARMEN, CSV and JSON lines carry every number: the same map and path, byte for byte. Those of ROS have 32-bit bearings,
+    one mount, and headings as quaternions: with bearings and mount stated the path is the same within a millimetre. What they contain is checked by readers that are not ours."""
+    folder = cli.fresh_folder("converted_logs_give_the_same_map")
+    expected = results(mapped(folder / "run"))
+    for name in ("a.log", "a.csv", "a.jsonl", "b.csv.gz"):
+        report = mapped(folder / f"run-{name}", log=converted(folder / name))
+        expect(results(report) == expected and report["warnings"] == {}, f"{name}: another map or path")
+    expect_exit(command("convert", folder / "a.csv", "-o", folder / "c.jsonl", "-q"), 0)
+    expect((folder / "c.jsonl").read_bytes() == (folder / "a.jsonl").read_bytes(), "by way of CSV another file")
+    mapped(folder / "stated", *STATED)
+    for name, packing in (("none.bag", "none"), ("bz2.bag", "bz2"), ("lz4.bag", "lz4")):
+        mapped(folder / f"run-{name}", *STATED, log=converted(folder / name, "--compression", packing))
+        off_m = largest_distance(folder / f"run-{name}", folder / "stated")
+        expect(off_m < 1e-3, f"{name}: poses differ by {off_m} m")
+    scans, odometry = lines_of(LOG)
+    poses = sorted({(stamp, tuple(pose)) for stamp, *_, pose in scans} | {(stamp, tuple(pose)) for stamp, pose in odometry})
+    poses = [(stamp, list(pose)) for stamp, pose in poses]
+    for name, packing in (("a.mcap", "zstd"), ("b.mcap", "none")):
+        data = converted(folder / name, "--compression", packing).read_bytes()
+        check_messages(recording_reader.mcap_messages(data), scans, poses, name)
+    mcap = recording_reader.mcap_messages(data)
+    for name in ("none.bag", "bz2.bag"):
+        messages, connections = recording_reader.bag_messages((folder / name).read_bytes())
+        expect([(m[0], m[2]) for m in messages] == [(m[0], m[2]) for m in mcap], f"{name}: other messages than MCAP")
+        check_definitions(connections)
+    converted(str(folder / "ros2") + "/")
+    expect(sorted(p.name for p in (folder / "ros2").iterdir()) == ["metadata.yaml", "ros2_0.db3"], "files of the folder")
+    for database in (folder / "ros2" / "ros2_0.db3", converted(folder / "a.db3")):
+        expect([m[3] for m in recording_reader.database_messages(database)] == [m[3] for m in mcap], f"{database}")
+    text = (folder / "ros2" / "metadata.yaml").read_text()
+    expect(f"message_count: {len(mcap)}\n" in text and text.count("topic_metadata:") == 4, text)
+    process = command("convert", LOG, "-o", folder / "a.csv", "-q")
+    expect_exit(process, 2)
+    expect_exit(command("convert", LOG, "-o", folder / "a.csv", "-q", "--force"), 0)
+
+
+def simulated_formats():
+    """simulate writes every format with the numbers of its CARMEN log."""
+    folder = cli.fresh_folder("simulated_formats")
+    drive = ("simulate", "office-loop", "--seed", 3, "--rate", 1, "-q")
+    expect_exit(command(*drive, "-o", folder / "a.log"), 0)
+    for name in ("a.csv", "a.jsonl", "a.mcap", "a.bag", "a.db3"):
+        expect_exit(command(*drive, "-o", folder / name), 0)
+        expect_exit(command("convert", folder / "a.log", "-o", folder / f"c-{name}", "-q"), 0)
+        expect((folder / name).read_bytes() == (folder / f"c-{name}").read_bytes(), f"{name} is not the converted log")
+    expect_exit(command(*drive, "-o", str(folder / "b") + "/"), 0)
+    expect((folder / "b" / "b_0.db3").read_bytes() == (folder / "a.db3").read_bytes(), "the folder's database")
+    expect((folder / "a.truth.tum").read_bytes() == (folder / "b.truth.tum").read_bytes(), "the truth beside a folder")
+    report = mapped(folder / "run", log=folder / "a.csv")
+    expect(results(report) == results(mapped(folder / "carmen", log=folder / "a.log")), "another map of CSV")
+
+
+def packed_logs_give_the_same_map():
+    """bzip2, xz, zstd and gzip around a log, in one or two streams, from a file or a pipe; cut and damaged ones."""
+    folder = cli.fresh_folder("packed_logs_give_the_same_map")
+    text = b"".join(LOG.read_bytes().splitlines(keepends=True)[:400])
+    (folder / "a.log").write_bytes(text)
+    expected = results(mapped(folder / "run", log=folder / "a.log"))
+    packers = {"bz2": bz2.compress, "xz": lzma.compress, "gz": gzip.compress}
+    if shutil.which("zstd"):
+        packers["zst"] = lambda data: subprocess.run(["zstd", "-c"], input=data, capture_output=True, check=True).stdout
+    for name, pack in packers.items():
+        half = text.index(b"\n", len(text) // 2) + 1
+        for form, data in (("one", pack(text)), ("two", pack(text[:half]) + pack(text[half:]))):
+            file = folder / f"{form}.log.{name}"
+            file.write_bytes(data)
+            report = mapped(folder / f"run-{form}-{name}", log=file)
+            expect(results(report) == expected and report["warnings"] == {}, f"{file.name}: another map")
+        process = subprocess.run([cli.PROGRAM, "map", "-", "-o", str(folder / f"pipe-{name}"), "--json"], input=data,
+                                 capture_output=True, check=False)
+        expect(process.returncode == 0 and results(json.loads(process.stdout)) == expected, process.stderr.decode())
+        (folder / "cut").write_bytes(data[:-30])
+        report = mapped(folder / f"cut-{name}", log=folder / "cut")
+        kind = "gzip stream" if name == "gz" else "packed stream"
+        expect(report["warnings"].get(kind) == 1, f"{name}: {report['warnings']}")
+        hurt = bytearray(data)
+        hurt[len(hurt) // 4] ^= 0x55
+        (folder / "hurt").write_bytes(hurt)
+        process = command("map", folder / "hurt", "-o", folder / "none")
+        expect_exit(process, 65)
+        cli.one_error_line(process.stderr)
+        expect("hurt" in process.stderr, process.stderr)
+
+
+def recorded_run():
+    """map --mcap: the poses of trajectory.tum, the cells of map.pgm and the ranges of the log, read by a reader not ours."""
+    folder = cli.fresh_folder("recorded_run")
+    report = mapped(folder / "run", "--mcap", folder / "run.mcap")
+    expect(results(report) == results(mapped(folder / "plain")), "--mcap changed the run")
+    messages = recording_reader.mcap_messages((folder / "run.mcap").read_bytes())
+    scans, _ = lines_of(LOG)
+    found = [m for m in messages if m[0] == "/scan"]
+    expect(len(found) == len(scans) == report["scans"], f"{len(found)} scans")
+    for (stamp, ranges, _), (*_, data) in zip(scans, found):
+        stamp_ns, frame, _, values = recording_reader.cdr_scan(data)
+        expect((stamp_ns, frame, values) == (round(stamp * 1e9), "laser", single(ranges)), f"scan at {stamp}")
+    rows = [[float(word) for word in line.split()] for line in (folder / "run" / "trajectory.tum").read_text().splitlines()]
+    poses = [recording_reader.cdr_stamped_pose(m[3]) for m in messages if m[0] == "/pose"]
+    expect(len(poses) == len(rows), f"{len(poses)} poses")
+    for row, (stamp_ns, frame, x, y, z, w) in zip(rows, poses):
+        expect(frame == "map" and abs(stamp_ns * 1e-9 - row[0]) < 1e-9, f"{stamp_ns} {frame}")
+        expect(max(abs(x - row[1]), abs(y - row[2]), abs(z - row[6]), abs(w - row[7])) < 1e-8, f"pose at {row[0]}")
+    (grid,) = [m[3] for m in messages if m[0] == "/map"]
+    width, height, cells = recording_reader.cdr_grid(grid)
+    data = (folder / "run" / "map.pgm").read_bytes()
+    values = {0: 100, 254: 0, 205: -1}
+    pixels = data[len(data) - width * height :]
+    expected = [values[value] for y in reversed(range(height)) for value in pixels[y * width : (y + 1) * width]]
+    expect(list(cells) == expected, "the grid is not map.pgm")

@@ -1,0 +1,186 @@
+// gdtslam convert: a log in another format.
+#include <fmt/format.h>
+#include <CLI/App.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "engine/io/json_file.hpp"
+#include "engine/io/message_text.hpp"
+#include "engine/io/writers/log_writer.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ConvertOptions {
+  std::string log;
+  std::string output;
+  std::string format;
+  std::string compression;
+  RecordingOptions recording;
+  SettingsOptions settings;
+  bool lenient = false;
+  bool force = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+struct ConvertCounts {
+  std::uint64_t scans = 0;
+  std::uint64_t odometry = 0;
+  std::uint64_t crank = 0;
+  std::uint64_t parameters = 0;
+  bool is_whole = true;
+};
+
+std::optional<ChunkPacking> packing_named(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  for (const auto& [text, packing] : {std::pair("none", ChunkPacking::kNone), std::pair("lz4", ChunkPacking::kLz4),
+                                      std::pair("bz2", ChunkPacking::kBz2), std::pair("zstd", ChunkPacking::kZstd)}) {
+    if (name == text) return packing;
+  }
+  throw UsageError(fmt::format("--compression: {} is none of none, lz4, bz2, zstd", in_quotes(name)));
+}
+
+// A converted log is as dear as its original: nothing is replaced unless that was said.
+void check_output(const ConvertOptions& options) {
+  namespace fs = std::filesystem;
+  if (options.output == "-") return;
+  std::error_code error;
+  const bool is_folder = fs::is_directory(options.output, error);
+  fs::path place(options.output);
+  if (!place.has_filename()) place = place.parent_path();
+  if (!is_folder) check_written_file("--output", place.string(), {options.log});
+  const bool exists = is_folder ? !fs::is_empty(place, error) : fs::is_regular_file(place, error);
+  if (exists && !options.force) {
+    throw UsageError(
+        fmt::format("--output: {} exists; give another name, or --force to replace it", one_line(options.output)));
+  }
+}
+
+void count_record(const LogRecord& record, ConvertCounts& counts) {
+  if (std::holds_alternative<ScanRecord>(record)) ++counts.scans;
+  if (std::holds_alternative<Odometry>(record)) ++counts.odometry;
+  if (std::holds_alternative<Encoder>(record) || std::holds_alternative<Tilt>(record)) ++counts.crank;
+  if (std::holds_alternative<Parameter>(record)) ++counts.parameters;
+}
+
+ConvertCounts copy_records(LogReader& reader, LogWriter& writer, bool quiet) {
+  ConvertCounts counts;
+  ProgressLine progress("scans", quiet);
+  while (const std::optional<LogRecord> record = reader.next()) {
+    writer.write(*record);
+    count_record(*record, counts);
+    progress.update(counts.scans, reader.progress());
+    if (interrupted()) {
+      counts.is_whole = false;
+      break;
+    }
+  }
+  return counts;
+}
+
+Json warnings_json(const std::vector<LogReader::Warning>& warnings) {
+  Json list = Json::array();
+  for (const LogReader::Warning& one : warnings) {
+    list.push_back({{"kind", one.kind}, {"count", one.count}, {"first", one.first}});
+  }
+  return list;
+}
+
+void print_left_out(const std::vector<LogReader::Warning>& left_out) {
+  for (const LogReader::Warning& one : left_out) {
+    print_remark(fmt::format("the format cannot carry: {} ({} times; first: {})", one.kind, one.count, one.first));
+  }
+}
+
+std::string text_of(const ConvertCounts& counts, std::uint64_t bytes, const std::string& output) {
+  return fmt::format("{} scans, {} odometry, {} of the crank, {} parameters; {:.1f} MB in {}\n", counts.scans,
+                     counts.odometry, counts.crank, counts.parameters, 1e-6 * static_cast<double>(bytes), output);
+}
+
+int convert(const ConvertOptions& options) {
+  const LogFormat format = log_format_of(options.output, options.format);
+  const LogWriteOptions write{.packing = packing_named(options.compression)};
+  check_output(options);
+  Settings settings = load_settings(options.settings);
+  state_recording(options.recording, settings.log);
+  const std::unique_ptr<LogReader> reader = open_log(options.log, read_options_of(settings.log, options.lenient));
+  AtomicFileSet files;
+  const std::unique_ptr<LogWriter> writer = make_log_writer(format, options.output, write, files);
+  const ConvertCounts counts = copy_records(*reader, *writer, options.quiet);
+  writer->finish();
+  files.commit();
+  if (!options.quiet) {
+    print_warnings(reader->warnings());
+    print_left_out(writer->left_out());
+  }
+  const bool is_stdout_free = options.output != "-";
+  if (options.json && is_stdout_free) {
+    print_result(json_text({{"log", options.log},
+                            {"output", options.output},
+                            {"scans", counts.scans},
+                            {"odometry", counts.odometry},
+                            {"crank", counts.crank},
+                            {"parameters", counts.parameters},
+                            {"bytes", writer->bytes()},
+                            {"warnings", warnings_json(reader->warnings())},
+                            {"left_out", warnings_json(writer->left_out())},
+                            {"interrupted", !counts.is_whole}}));
+  } else if (!options.quiet && is_stdout_free) {
+    print_result(text_of(counts, writer->bytes(), printable(options.output)));
+  }
+  if (counts.is_whole) return static_cast<int>(ExitCode::kDone);
+  print_remark(fmt::format("interrupted after {} scans, which were written", counts.scans));
+  return static_cast<int>(ExitCode::kInterrupted);
+}
+
+}  // namespace
+
+void add_convert_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<ConvertOptions>();
+  CLI::App* command = add_command(app, "convert", "A log in another format: CARMEN, CSV, JSON lines, MCAP, ROS bags");
+  command->add_option("log", options->log, fmt::format("{} log, plain or packed; - is standard input", kLogFormats))
+      ->required()
+      ->type_name("LOG");
+  command
+      ->add_option("-o,--output", options->output,
+                   "The log to write. Its ending tells the format: .log or .clf (CARMEN), .csv, .jsonl, .mcap, .bag, "
+                   ".db3, NAME/ (a ROS 2 folder); .gz after the first four packs it; - is standard output")
+      ->required()
+      ->type_name("OUT");
+  command->add_option("--format", options->format, "Instead of by the name: " + log_format_names())->type_name("NAME");
+  command
+      ->add_option("--compression", options->compression,
+                   "Of the chunks: none, lz4 or zstd in an MCAP file [zstd], none, lz4 or bz2 in a bag [none]")
+      ->type_name("NAME");
+  command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
+  add_recording_options(*command, options->recording);
+  add_settings_options(*command, options->settings);
+  command->add_flag("--force", options->force, "Replace what OUT is now");
+  command->add_flag("--json", options->json, "Print what was written as JSON");
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->footer(
+      "What the target cannot carry is counted on standard error. CSV and JSON lines carry every number of a log, so\n"
+      "that it gives the same map, byte for byte; bearings are 32-bit numbers in ROS.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam convert intel.clf.gz -o intel.mcap\n"
+      "  gdtslam convert drive.bag -o drive.csv.gz --topic /front/scan\n"
+      "  gdtslam convert drive.csv -o drive/\n"
+      "  gdtslam convert office.log -o - --format jsonl | head -n 1");
+  command->callback([options, &context] { context.run = [options] { return convert(*options); }; });
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,44 @@
+#include "simulated_log.hpp"
+
+#include <variant>
+
+#include "engine/io/logs/carmen_line.hpp"
+
+namespace gdtslam {
+
+SimulatedLog::SimulatedLog(const std::string& path, AtomicFileSet& files) {
+  const LogFormat format = log_format_by_ending(path).value_or(LogFormat::kCarmen);
+  if (format == LogFormat::kCarmen) {
+    text_ = std::make_unique<TextSink>(files.add(path));
+  } else {
+    records_ = make_log_writer(format, path, {}, files);
+  }
+}
+
+void SimulatedLog::write(std::string_view lines, double max_range_m) {
+  if (text_) {
+    text_->write(lines);
+    return;
+  }
+  while (!lines.empty()) {
+    const std::size_t end = lines.find('\n');
+    CarmenLine line = parse_carmen_line(lines.substr(0, end), {});
+    if (auto* scan = std::get_if<ScanRecord>(&*line.record)) scan->scan.max_range_m = max_range_m;
+    records_->write(*line.record);
+    lines.remove_prefix(end + 1);
+  }
+}
+
+void SimulatedLog::finish() {
+  if (text_) {
+    text_->finish();
+  } else {
+    records_->finish();
+  }
+}
+
+std::vector<LogReader::Warning> SimulatedLog::left_out() const {
+  return text_ ? std::vector<LogReader::Warning>() : records_->left_out();
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,34 @@
+// The log of a simulation in the format of its name, CARMEN where that is no other. Every format has the numbers of the
+// CARMEN log: its lines are read again for the others. One object belongs to one thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/logs/gzip_file.hpp"
+#include "engine/io/writers/log_writer.hpp"
+
+namespace gdtslam {
+
+class SimulatedLog {
+ public:
+  /// Throws UsageError, FileError, as all members do the latter.
+  SimulatedLog(const std::string& path, AtomicFileSet& files);
+  /// Whole lines of CARMEN; the limit of the ranges is that of their scans.
+  void write(std::string_view lines, double max_range_m);
+  void finish();
+  /// Before a .gz around them.
+  [[nodiscard]] std::uint64_t bytes() const { return text_ ? text_->bytes() : records_->bytes(); }
+  /// What the format cannot carry.
+  [[nodiscard]] std::vector<LogReader::Warning> left_out() const;
+
+ private:
+  std::unique_ptr<TextSink> text_;      ///< CARMEN
+  std::unique_ptr<LogWriter> records_;  ///< the others
+};
+
+}  // namespace gdtslam
