@@ -39,7 +39,7 @@ constexpr std::string_view kSqliteHead = "SQLite format 3";
 constexpr std::array<Magic, 6> kMagics = {
     {{"#ROSBAG V", "", open_bag},
      {"\x89MCAP", "", open_mcap},
-     {kSqliteHead, "SQLite on standard input, which cannot be read forwards; give the file"},
+     {kSqliteHead, "an SQLite file, which cannot be read from a pipe (give its name)"},
      {"BZh", "bzip2 data", nullptr, StreamPacking::kBzip2},
      {"\xfd"
       "7zXZ",

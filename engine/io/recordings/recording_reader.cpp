@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "containers/chunk.hpp"
 #include "containers/mcap.hpp"
 #include "containers/ros1_bag.hpp"
 #include "containers/ros2_folder.hpp"
@@ -150,7 +151,10 @@ class RecordingReader final : public LogReader {
 
   void take_message(const TopicChannel& channel, const RecordingItem& item) {
     const std::string& topic = channel.definition.topic;
-    const MessageBytes message{.bytes = item.bytes, .encoding = channel.definition.encoding};
+    const MessageEncoding encoding = channel.definition.encoding;
+    const bool is_cdr = encoding == MessageEncoding::kCdr;
+    const MessageBytes message{.bytes = is_cdr ? unpacked_message(item.bytes, unpacked_) : item.bytes,
+                               .encoding = encoding};
     if (has_scans(channel)) {
       take_scan(channel, message, item.received_s);
     } else if (channel.kind == MessageKind::kOdometry) {
@@ -268,6 +272,7 @@ class RecordingReader final : public LogReader {
   std::string odometry_topic_;
   std::string crank_topic_;
   std::string joint_;
+  std::string unpacked_;  ///< the message that is being read, where it was packed by itself
   std::uint64_t crank_messages_ = 0;
   std::uint64_t given_ = 0;
   bool is_over_ = false;

@@ -131,6 +131,19 @@ std::size_t ChunkBytes::read(std::span<char> target) {
   return file_.read_some(target.first(static_cast<std::size_t>(std::min<std::uint64_t>(target.size(), left))));
 }
 
+std::string_view unpacked_message(std::string_view bytes, std::string& buffer) {
+  constexpr std::size_t kMostUnpackedPerByte = std::size_t{1} << 17U;  // a block of zstd has at most 128 KiB
+  if (!bytes.starts_with(kZstdMagic)) return bytes;
+  const unsigned long long stated = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
+  if (stated > kMostMessageBytes || stated > kMostUnpackedPerByte * bytes.size()) {  // or not stated
+    throw RecordingFault("has a packed message that is too long, or does not state its length");
+  }
+  buffer.resize(static_cast<std::size_t>(stated));
+  const std::size_t size = ZSTD_decompress(buffer.data(), buffer.size(), bytes.data(), bytes.size());
+  if (ZSTD_isError(size) != 0U || size != buffer.size()) throw RecordingFault("has a damaged packed message");
+  return buffer;
+}
+
 std::unique_ptr<ByteSource> unpacked_chunk(std::unique_ptr<ByteSource> packed, std::string_view compression,
                                            std::string_view supported) {
   if (compression.empty() || compression == "none") return packed;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "counted_bytes.hpp"
@@ -22,6 +23,12 @@ class ChunkBytes final : public ByteSource {
   CountedBytes& file_;
   std::uint64_t end_;
 };
+
+inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
+
+/// A message that was packed by itself (rosbag2's compression by message), out of `buffer`; others as they are, because
+/// no message of CDR begins like one of zstd. Throws RecordingFault for one that is damaged or longer than allowed.
+std::string_view unpacked_message(std::string_view bytes, std::string& buffer);
 
 /// `compression` as a chunk's header has it: none or nothing, bz2, lz4 (frames) or zstd. Throws RecordingFault for
 /// another one, with `supported` of the container; reading throws RecordingFault where the data are damaged or stop

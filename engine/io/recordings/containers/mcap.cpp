@@ -48,7 +48,8 @@ class McapFields {
 
 double mcap_seconds(std::uint64_t time_ns) {
   constexpr std::uint64_t kSecond_ns = 1'000'000'000;
-  return static_cast<double>(time_ns / kSecond_ns) + 1.0e-9 * static_cast<double>(time_ns % kSecond_ns);
+  const std::uint64_t whole_s = time_ns / kSecond_ns;
+  return static_cast<double>(whole_s) + 1.0e-9 * static_cast<double>(time_ns % kSecond_ns);
 }
 
 MessageEncoding mcap_encoding(std::string_view name) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -193,19 +192,7 @@ std::string_view SqliteBag::message_bytes() {
   }
   data_.resize(size);
   if (const int read = sqlite3_blob_read(blob, data_.data(), static_cast<int>(size), 0); read != SQLITE_OK) fail(read);
-  return std::string_view(data_).starts_with(kZstdMagic) ? unpacked(data_) : data_;  // no CDR begins like that
-}
-
-std::string_view SqliteBag::unpacked(std::string_view bytes) {
-  constexpr std::size_t kMostUnpackedPerByte = std::size_t{1} << 17U;  // a block of zstd has at most 128 KiB
-  const unsigned long long stated = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-  if (stated > kMostMessageBytes || stated > kMostUnpackedPerByte * bytes.size()) {  // or not stated
-    fail_at_message("has a packed message that is too long, or does not state its length");
-  }
-  unpacked_.resize(static_cast<std::size_t>(stated));
-  const std::size_t size = ZSTD_decompress(unpacked_.data(), unpacked_.size(), bytes.data(), bytes.size());
-  if (ZSTD_isError(size) != 0U || size != unpacked_.size()) fail_at_message("has a damaged packed message");
-  return unpacked_;
+  return data_;
 }
 
 std::optional<RecordingItem> SqliteBag::next(const Wanted& wanted, const Warn& /*warn*/) {
@@ -226,7 +213,8 @@ std::optional<RecordingItem> SqliteBag::next(const Wanted& wanted, const Warn& /
   RecordingItem item{.channel = static_cast<std::uint32_t>(sqlite3_column_int64(messages_.get(), 1))};
   const std::int64_t time_ns = sqlite3_column_int64(messages_.get(), 2);
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
-  item.received_s = static_cast<double>(time_ns / kSecond_ns) + 1.0e-9 * static_cast<double>(time_ns % kSecond_ns);
+  const std::int64_t whole_s = time_ns / kSecond_ns;
+  item.received_s = static_cast<double>(whole_s) + 1.0e-9 * static_cast<double>(time_ns % kSecond_ns);
   if (wanted(item.channel)) item.bytes = message_bytes();
   return item;
 }

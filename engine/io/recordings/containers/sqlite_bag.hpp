@@ -1,6 +1,6 @@
 // A ROS 2 bag in one SQLite file (rosbag2's schema versions 1 to 4; also without the table that says which), row after
 // row in the order of writing. Only that file is opened, for reading, and its folder is left as it is; a journal (-wal)
-// beside it is read too. What was packed message by message (zstd) is unpacked. One bag belongs to one thread.
+// beside it is read too. One bag belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,6 @@ struct sqlite3_stmt;  // NOLINT(readability-identifier-naming)
 namespace gdtslam {
 
 inline constexpr std::string_view kSqliteMagic = "SQLite format 3";
-inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 
 class SqliteBag final : public Recording {
  public:
@@ -57,7 +56,6 @@ class SqliteBag final : public Recording {
   void require_tables();
   void read_topics();
   std::string_view message_bytes();
-  std::string_view unpacked(std::string_view bytes);
   [[noreturn]] void fail_at_message(const std::string& what);
 
   std::unique_ptr<sqlite3, CloseDatabase> database_;
@@ -69,7 +67,6 @@ class SqliteBag final : public Recording {
   bool is_message_fault_ = false;
   bool is_shortened_ = false;  ///< has fewer pages than it states
   std::string data_;
-  std::string unpacked_;
 };
 
 }  // namespace gdtslam
