@@ -22,13 +22,15 @@ std::int32_t cell_floor(double cells) {
 
 std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid) {
   const double limit = range_limit_m(scan, valid.max_range_m);
+  const bool moved = is_skewed(scan);
   std::vector<Point2> points;
   points.reserve(scan.ranges_m.size());
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range = static_cast<double>(scan.ranges_m[beam]);
     if (!(range >= valid.min_range_m && range < limit)) continue;  // false for NaN too
     const auto direction = beam_direction(scan, beam);
-    const Point2 point = scan.T_base_laser * Point2(range * direction.cos, range * direction.sin);
+    const Point2 seen(range * direction.cos, range * direction.sin);
+    const Point2 point = (moved ? laser_at_beam(scan, beam) : scan.T_base_laser) * seen;
     if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthestFromRobot_m) points.push_back(point);
   }
   return points;

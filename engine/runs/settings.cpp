@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 2> kLaserNames{"front", "all"};
 constexpr double kMostMount_m = 100.0;
 constexpr double kMostAngle_rad = 6.3;
 constexpr double kMostRange_m = 1000.0;
+constexpr double kLongestScan_s = 10.0;
 
 }  // namespace
 
@@ -67,7 +68,15 @@ std::vector<Option> option_table(LogConfig& config) {
           {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
            Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
           {"log.lasers", "of a CARMEN log: the front laser alone, or all: RLASER and ROBOTLASER2 as a second one too",
-           Unit::kNone, 0.0, 0.0, Choice(config.lasers, kLaserNames)}};
+           Unit::kNone, 0.0, 0.0, Choice(config.lasers, kLaserNames)},
+          {"log.beam_times", "when the beams were measured: by the log, or stated by the next two", Unit::kNone, 0.0,
+           0.0, Choice(config.beam_times, kSourceNames)},
+          {"log.first_beam_after", "of the first beam, after the scan's stamp", Unit::kSecond, -kLongestScan_s,
+           kLongestScan_s, &config.first_beam_after_s},
+          {"log.beam_period", "from beam to beam; negative where the last one was measured first", Unit::kSecond,
+           -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
+          {"log.deskew", "place each beam where the robot was when it was measured", Unit::kNone, 0.0, 1.0,
+           &config.deskew}};
 }
 
 std::vector<std::string> faults_of(const LogConfig& config) {
@@ -78,6 +87,9 @@ std::vector<std::string> faults_of(const LogConfig& config) {
   }
   if (config.bearings == LogSource::kLog && (config.first_bearing_rad != 0.0 || config.bearing_step_rad != 0.0)) {
     faults.emplace_back("log.first_bearing and log.bearing_step count only with log.bearings: stated");
+  }
+  if (config.beam_times == LogSource::kLog && (config.first_beam_after_s != 0.0 || config.beam_period_s != 0.0)) {
+    faults.emplace_back("log.first_beam_after and log.beam_period count only with log.beam_times: stated");
   }
   if (config.bearings == LogSource::kStated && config.bearing_step_rad == 0.0) {
     faults.emplace_back("log.bearing_step: stated bearings need a step that is not 0, for example 0.5 deg");
@@ -94,6 +106,11 @@ ReadOptions read_options_of(const LogConfig& config, bool lenient, const std::st
     options.bearing_step_rad = config.bearing_step_rad;
   }
   options.all_lasers = config.lasers == LogLasers::kAll;
+  if (config.beam_times == LogSource::kStated) {
+    options.first_beam_after_s = config.first_beam_after_s;
+    options.beam_period_s = config.beam_period_s;
+  }
+  options.deskew = config.deskew;
   if (config.max_range_m > 0.0) options.max_range_m = config.max_range_m;
   return options;
 }

@@ -64,6 +64,8 @@ ScanRecord record_of(const SimulationConfig& config, double stamp_s, std::vector
   record.scan.first_bearing_rad = config.laser.first_bearing_rad;
   record.scan.bearing_step_rad = config.laser.bearing_step_rad;
   record.scan.max_range_m = config.laser.max_range_m;
+  record.scan.first_beam_after_s = config.laser.time_of_beam_s(0);
+  record.scan.beam_period_s = config.laser.time_of_beam_s(1) - config.laser.time_of_beam_s(0);
   record.scan.ranges_m = std::move(ranges_m);
   record.scan.T_base_laser = config.T_base_laser;
   record.T_odom_base = T_odom_base;

@@ -111,10 +111,11 @@ MeasuredSteps BackEnd::steps_to(const MatchResult& result, const KeptScan& scan)
   const double share = std::min(1.0, static_cast<double>(points) / kEnoughPoints);
   const Matrix3 shape = kStepIndependent * std::max(share, kStepLeastShare) *
                         shape_of_one(shape_of(scan), points, kStepLeastShape, kStepShapeOfNoise);
+  const Matrix3 lone = lone_information(scan);
   const Matrix3 floor = Matrix3::diagonal(square(kStepFloor_m), square(kStepFloor_m), square(kStepFloor_rad));
   const Matrix3 of_wheels = inverse(wheels_covariance_ + least_of_wheels() + leaps_);
   const auto with_noise = [&](double noise_m) {
-    return inverse(inverse(1.0 / square(noise_m) * shape + of_wheels) + floor + leaps_);
+    return inverse(inverse(1.0 / square(noise_m) * shape + lone + of_wheels) + floor + leaps_);
   };
   return {MeasuredStep{between(T_map_keyframe_, result.T_map_base), with_noise(kStepPointNoise_m),
                        with_noise(std::max(kStepPointNoise_m, result.mean_cost_m))},

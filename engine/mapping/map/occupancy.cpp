@@ -17,6 +17,17 @@ namespace {
 constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
 constexpr double kEvenSteps = 256.0;
 
+/// A pose whose sine and cosine are wanted for each beam.
+struct Laser {
+  explicit Laser(const Pose2& T) : T_map_laser(T), heading(sin_cos(T.theta_rad)) {}
+  [[nodiscard]] Point2 in_map(const Point2& d) const {
+    return {T_map_laser.x_m + heading.cos * d.x() - heading.sin * d.y(),
+            T_map_laser.y_m + heading.sin * d.x() + heading.cos * d.y()};
+  }
+  Pose2 T_map_laser;
+  SinCos<double> heading;
+};
+
 CellBox box_of(CellIndex cell) { return {cell, cell + CellOffset{1, 1}}; }
 
 std::uint64_t cells_of(const CellBox& box) {
@@ -86,9 +97,12 @@ void OccupancyBuilder::update_bearings(const LaserScan& scan) {
   }
 }
 
-CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map_laser) {
+CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map_base) {
   const double limit_m = range_limit_m(scan, limits_.max_range_m);
-  const auto [sine, cosine] = sin_cos(T_map_laser.theta_rad);
+  const bool moved = is_skewed(scan);
+  Laser laser(T_map_base * scan.T_base_laser);
+  if (!laser.T_map_laser.is_finite()) throw InputError("a scan of the occupancy map has a pose that is not finite");
+  SubCell start = sub_cell_of(laser.T_map_laser.translation());
   CellBox touched;
   rays_.clear();
   for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
@@ -97,12 +111,14 @@ CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map
     const bool is_return = range_m < limit_m;  // false for NaN and infinity
     const double length_m = is_return ? range_m : std::min(config_.no_return_free_m, limit_m);
     if (!(length_m > 0.0)) continue;
-    const Point2 d = bearings_.directions[k] * length_m;
-    const Point2 end_m{T_map_laser.x_m + cosine * d.x() - sine * d.y(),
-                       T_map_laser.y_m + sine * d.x() + cosine * d.y()};
+    if (moved) {
+      laser = Laser(T_map_base * laser_at_beam(scan, k));
+      start = sub_cell_of(laser.T_map_laser.translation());
+    }
+    const Point2 end_m = laser.in_map(bearings_.directions[k] * length_m);
     if (!end_m.allFinite()) continue;
-    rays_.push_back({sub_cell_of(end_m), is_return});
-    touched = hull_of(touched, box_of(rays_.back().end.cell()));
+    rays_.push_back({start, sub_cell_of(end_m), is_return});
+    touched = hull_of(hull_of(touched, box_of(start.cell())), box_of(rays_.back().end.cell()));
   }
   return touched;
 }
@@ -142,7 +158,8 @@ void OccupancyBuilder::move_to(const CellBox& box) {
 }
 
 // Marks the cells from the start up to the end; the cell of a return was marked before.
-void OccupancyBuilder::cast(const SubCell& start, const Ray& ray) {
+void OccupancyBuilder::cast(const Ray& ray) {
+  const SubCell& start = ray.start;
   const std::int64_t dx = ray.end.x - start.x;
   const std::int64_t dy = ray.end.y - start.y;
   const std::int64_t run_x = std::abs(dx);
@@ -172,12 +189,8 @@ void OccupancyBuilder::cast(const SubCell& start, const Ray& ray) {
 
 void OccupancyBuilder::add(const LaserScan& scan, const Pose2& T_map_base) {
   update_bearings(scan);
-  const Pose2 T_map_laser = T_map_base * scan.T_base_laser;
-  if (!T_map_laser.is_finite()) throw InputError("a scan of the occupancy map has a pose that is not finite");
-  CellBox touched = collect_rays(scan, T_map_laser);
+  const CellBox touched = collect_rays(scan, T_map_base);
   if (rays_.empty()) return;
-  const SubCell start = sub_cell_of(T_map_laser.translation());
-  touched = hull_of(touched, box_of(start.cell()));
   grow_to_hold(touched);
   ++scan_;
   for (const Ray& ray : rays_) {
@@ -187,7 +200,7 @@ void OccupancyBuilder::add(const LaserScan& scan, const Pose2& T_map_base) {
     cell.last_scan = scan_;
     increment(cell.ends, cell.passes);
   }
-  for (const Ray& ray : rays_) cast(start, ray);
+  for (const Ray& ray : rays_) cast(ray);
 }
 
 CellState OccupancyBuilder::state_of(const Cell& cell) const {

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "engine/core/elementary.hpp"
+#include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
 
 namespace gdtslam {
@@ -19,6 +20,17 @@ inline double beam_bearing_rad(const LaserScan& scan, std::size_t beam) {
 /// Sine and cosine of a beam's bearing in the laser's frame.
 inline SinCos<double> beam_direction(const LaserScan& scan, std::size_t beam) {
   return sin_cos(beam_bearing_rad(scan, beam));
+}
+
+/// Whether the laser is known to have moved between the beams of the scan.
+inline bool is_skewed(const LaserScan& scan) {
+  return scan.speed && (scan.first_beam_after_s != 0.0 || scan.beam_period_s != 0.0);
+}
+
+/// The laser when it measured the beam, in the robot's frame at the scan's stamp.
+inline Pose2 laser_at_beam(const LaserScan& scan, std::size_t beam) {
+  const double after_s = scan.first_beam_after_s + static_cast<double>(beam) * scan.beam_period_s;
+  return exp_se2(after_s * *scan.speed) * scan.T_base_laser;
 }
 
 /// At or above it a range is no return: the configured limit, or the sensor's own where that is lower.

@@ -70,6 +70,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
 
 LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
   LaserScan level = scan.record.scan;
+  level.speed.reset();
   const BeamTiming timing = scanner.timing(level.ranges_m.size(), level.bearing_step_rad);
   ElevationCourse course(scan, scanner.table);
   for (std::size_t beam = 0; beam < level.ranges_m.size(); ++beam) {

@@ -15,10 +15,13 @@ constexpr double kReachShare = 0.05;  // of the range: neighbours at a grazing a
 constexpr double kReachNexts = 3.5;   // and of the next point's distance: beams may be few
 constexpr double kLeastReach_m = 0.12;
 constexpr double kMostReach_m = 0.5;
-constexpr double kFlatness = 0.05;     // most of the variance across, as a share of that along
-constexpr double kRoughness_m = 0.01;  // and beyond that share: a laser's noise
-constexpr double kAcross = 0.5;        // least squared cosine between a normal and the way: 45 degrees
-constexpr double kEnoughAcross = 0.1;  // of the surface
+constexpr double kFlatness = 0.05;       // most of the variance across, as a share of that along
+constexpr double kRoughness_m = 0.01;    // and beyond that share: a laser's noise
+constexpr double kLonePlace_m = 0.5;     // beams that have no neighbours are about so far apart
+constexpr double kMostLone = 20.0;       // that tell something new
+constexpr double kSurfaceEnough = 20.0;  // points on surfaces, beside which lone ones tell nothing
+constexpr double kAcross = 0.5;          // least squared cosine between a normal and the way: 45 degrees
+constexpr double kEnoughAcross = 0.1;    // of the surface
 
 // Sums over the neighbours of a point, relative to it.
 struct Neighbourhood {
@@ -114,6 +117,18 @@ Matrix3 shape_of(const KeptScan& scan) {
     shape += outer(J, J);
   }
   return shape;
+}
+
+Matrix3 lone_information(const KeptScan& scan) {
+  const double missing = std::max(0.0, 1.0 - static_cast<double>(scan.surface.size()) / kSurfaceEnough);
+  if (scan.lone.empty() || missing == 0.0) return {};
+  Matrix3 sum;
+  for (const LonePoint& p : scan.lone) {
+    sum += outer(Tangent2{1.0, 0.0, -static_cast<double>(p.y_m)}, Tangent2{1.0, 0.0, -static_cast<double>(p.y_m)});
+    sum += outer(Tangent2{0.0, 1.0, static_cast<double>(p.x_m)}, Tangent2{0.0, 1.0, static_cast<double>(p.x_m)});
+  }
+  const double share = std::min(1.0, kMostLone / static_cast<double>(scan.lone.size()));
+  return missing * share / (kLonePlace_m * kLonePlace_m) * sum;
 }
 
 bool knows_way(const KeptScan& scan, const Point2& direction) {

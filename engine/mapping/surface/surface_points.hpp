@@ -63,6 +63,11 @@ KeptScan keep_scan(std::span<const Point2> points_base_m);
 /// points is a motion that the scan cannot see, as along a corridor.
 Matrix3 shape_of(const KeptScan& scan);
 
+/// What the returns tell of the pose of which no surface is known: where each of them lies, within a metre's fraction,
+/// in both directions. Information of the tangent (x, y, theta), 1/m^2 and so on; nothing where surfaces tell enough.
+/// Far away in the open, where beams are a foot apart, there is nothing else.
+Matrix3 lone_information(const KeptScan& scan);
+
 /// Of the shape for one point, what normals that are off by six degrees could feign in a direction in which nothing is
 /// to be seen.
 inline constexpr double kShapeOfTiltedNormals = 0.01;

@@ -21,7 +21,8 @@ Matrix3 match_information(const KeptScan& scan) {
   const double count =
       kMatchIndependent * std::clamp(static_cast<double>(points) / kMatchEnough, kMatchLeastShare, 1.0);
   return count / (kMatchPointNoise_m * kMatchPointNoise_m) *
-         shape_of_one(shape_of(scan), points, kMatchLeastShape, kMatchShapeOfNoise);
+             shape_of_one(shape_of(scan), points, kMatchLeastShape, kMatchShapeOfNoise) +
+         lone_information(scan);
 }
 
 void PoseFilter::predict(const Pose2& T_map_predicted, const MotionNoise& noise) {

@@ -175,9 +175,11 @@ void MapRun::map_flat(const Progress& progress) {
   if (!stop_()) next.scan = next_of(scans_);
   watch_.add_to(outcome_.read_s);
   while (next.scan && !stop_()) {
-    const ScanRecord record = *std::exchange(next.scan, std::nullopt);
+    ScanRecord record = *std::exchange(next.scan, std::nullopt);
+    speed_.complete(record.scan);
     const MatchResult result = map_scan(record, next);
     take_match(result, result.T_map_base, record.scan);
+    speed_.take({result.stamp_s, result.T_map_base});
     note_stamp(result.stamp_s);
     progress(outcome_.trajectory.size(), scans_.progress());
     watch_.add_to(outcome_.occupancy_s);

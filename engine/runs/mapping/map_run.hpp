@@ -98,6 +98,7 @@ class MapRun {
   ScanStream scans_;
   std::unique_ptr<Mapper> mapper_;     ///< without loops
   std::unique_ptr<LoopMapper> loops_;  ///< or with them
+  MapSpeed speed_;
   std::vector<LaserScan> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
   OccupancyBuilder occupancy_;
   std::unique_ptr<Nodding> nodding_;  ///< null: the laser does not nod

@@ -72,6 +72,7 @@ bool ScanStream::open_next() {
   if (opened_ > 0 && listener_.next_log) listener_.next_log();
   reader_ = open_log(paths_[opened_++], options_);
   interpolator_ = {};
+  speed_.reset();
   T_first_this_.reset();
   return true;
 }
@@ -85,6 +86,14 @@ void ScanStream::connect(std::optional<Pose2>& T_odom_base) {
     T_odom_base = *T_first_this_ * *T_odom_base;
   }
   T_odom_base_last_ = T_odom_base;
+}
+
+// As stated, or as the log says; without deskewing all at the scan's stamp.
+void ScanStream::time_beams(ScanRecord& scan) {
+  if (options_.first_beam_after_s) scan.scan.first_beam_after_s = *options_.first_beam_after_s;
+  if (options_.beam_period_s) scan.scan.beam_period_s = *options_.beam_period_s;
+  if (!options_.deskew) scan.scan.first_beam_after_s = scan.scan.beam_period_s = 0.0;
+  speed_.complete(scan);
 }
 
 NodKind ScanStream::nod_kind(std::size_t scans_ahead) {
@@ -156,6 +165,7 @@ std::optional<ScanRecord> ScanStream::next_of_all() {
     if (scan) {
       ++read_;
       connect(scan->T_odom_base);
+      time_beams(*scan);
       return scan;
     }
     open_next();

@@ -20,6 +20,7 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/runs/outcome.hpp"
+#include "scan_speed.hpp"
 
 namespace gdtslam {
 
@@ -78,6 +79,7 @@ class ScanStream {
   std::optional<ScanRecord> next_of_all();
   bool open_next();
   void connect(std::optional<Pose2>& T_odom_base);
+  void time_beams(ScanRecord& scan);
 
   std::vector<std::string> paths_;
   ReadOptions options_;
@@ -85,6 +87,7 @@ class ScanStream {
   std::size_t opened_ = 0;
   std::unique_ptr<LogReader> reader_;
   OdometryInterpolator interpolator_;
+  OdometrySpeed speed_;
   std::deque<LogRecord> ahead_;
   std::exception_ptr ahead_problem_;  ///< behind the records of ahead_
   Listener listener_;

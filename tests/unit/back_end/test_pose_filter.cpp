@@ -1,6 +1,7 @@
 // Wheels and match as one pose, against the closed form for normal errors.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -52,6 +53,22 @@ TEST(PoseFilter, AlongABareCorridorTheWheelsAreFollowedAndAcrossItTheMatch) {
   EXPECT_NEAR(bare.T_map_base.y_m, 0.04, 0.002);
   const PoseFilter::Fused ended = filter.fused_with({1.03, 0.04, 0.0}, match_information(corridor(true)));
   EXPECT_NEAR(ended.T_map_base.x_m, 1.03, 0.002);
+}
+
+// Two things far away in the open, their returns too far apart for a surface: wheels that turn badly do not outweigh
+// them.
+TEST(PoseFilter, FarReturnsWithoutASurfaceHoldTheHeading) {
+  std::vector<Point2> returns;
+  for (int k = 0; k < 8; ++k) {
+    returns.emplace_back(10.0 + 0.6 * k, -12.0);
+    returns.emplace_back(11.0 + 0.6 * k, 12.0);
+  }
+  std::sort(returns.begin(), returns.end(), [](const Point2& a, const Point2& b) { return a.y() < b.y(); });
+  PoseFilter filter;
+  filter.predict({1.0, 0.0, 0.0}, {.sigma_m = 0.02, .sigma_rad = 0.05});
+  const PoseFilter::Fused fused = filter.fused_with({1.0, 0.0, 0.08}, match_information(keep_scan(returns)));
+  EXPECT_TRUE(fused.is_possible);
+  EXPECT_NEAR(fused.T_map_base.theta_rad, 0.08, 0.012);
 }
 
 }  // namespace

@@ -130,5 +130,32 @@ TEST(KnowsWay, WhereWallsStandAcrossIt) {
   EXPECT_FALSE(knows_way({}, {1.0, 0.0})) << "nothing was seen";
 }
 
+// Half the second difference of the squared ways, in half metres, that the returns go when the pose moves.
+TEST(LoneInformation, IsTheCurvatureOfWhereTheReturnsLie) {
+  const std::vector<Point2> returns{{15.0, 9.0}, {14.0, 10.0}, {-2.0, -17.0}, {-4.0, -16.0}};  // a metre apart and more
+  const KeptScan kept = keep_scan(returns);
+  ASSERT_TRUE(kept.surface.empty());
+  const Matrix3 information = lone_information(kept);
+  const auto squared_ways = [&returns](const Eigen::Vector3d& v) {
+    double sum = 0.0;
+    for (const Point2& p : returns) sum += (exp_se2(v) * p - p).squaredNorm() / (0.5 * 0.5);
+    return sum;
+  };
+  constexpr double kStep = 1e-4;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Eigen::Vector3d a = kStep * Eigen::Vector3d::Unit(i);
+      const Eigen::Vector3d b = kStep * Eigen::Vector3d::Unit(j);
+      const double mixed = (squared_ways(a + b) - squared_ways(a - b)) / (4.0 * kStep * kStep);
+      EXPECT_NEAR(information(i, j), i == j ? squared_ways(a) / (kStep * kStep) : mixed, 0.05) << i << ' ' << j;
+    }
+  }
+}
+
+TEST(LoneInformation, CountsForNothingWhereSurfacesTell) {
+  EXPECT_EQ(lone_information(keep_scan(seen(test::furnished_room(), {1.0, 0.3, 0.7}))), Matrix3{});
+  EXPECT_EQ(lone_information({}), Matrix3{});
+}
+
 }  // namespace
 }  // namespace gdtslam

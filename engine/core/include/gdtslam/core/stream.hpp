@@ -22,6 +22,8 @@ struct LaserScan {
   /// Beam k was measured at stamp_s + first_beam_after_s + k * beam_period_s. All at stamp_s when the log does not say.
   double first_beam_after_s = 0.0;
   double beam_period_s = 0.0;  ///< negative where the beams were measured from the last one on
+  /// How the robot moved meanwhile: tangent (x, y, theta) a second in its own frame. Unknown: as if it stood.
+  std::optional<Eigen::Vector3d> speed{};
   std::vector<float> ranges_m;
   Pose2 T_base_laser;
 };

@@ -19,13 +19,17 @@ inline constexpr std::string_view kLogFormats = "CARMEN, CSV, JSON lines or ROS 
 
 /// How a log is read. The defaults suit every log whose lines follow docs/formats.md.
 struct ReadOptions {
-  bool lenient = false;                       ///< count and skip malformed lines instead of throwing
-  std::optional<double> first_bearing_rad{};  ///< of beam 0; by the number of beams or by the line when empty
-  std::optional<double> bearing_step_rad{};   ///< between beams; likewise
-  std::optional<double> max_range_m{};        ///< the sensor's limit; what the log says when empty
-  std::optional<Pose2> T_base_laser{};        ///< the mount; from the two poses of each scan line when empty
-  bool all_lasers = false;                    ///< of CARMEN: the second laser too, as ScanRecord::laser 1
-  std::string topic{};                        ///< of a bag: where its scans are; the only one that has any when empty
+  bool lenient = false;                        ///< count and skip malformed lines instead of throwing
+  std::optional<double> first_bearing_rad{};   ///< of beam 0; by the number of beams or by the line when empty
+  std::optional<double> bearing_step_rad{};    ///< between beams; likewise
+  std::optional<double> max_range_m{};         ///< the sensor's limit; what the log says when empty
+  std::optional<Pose2> T_base_laser{};         ///< the mount; from the two poses of each scan line when empty
+  std::optional<double> first_beam_after_s{};  ///< when beam 0 was measured, after the stamp; the log's when empty
+  std::optional<double> beam_period_s{};       ///< from beam to beam; likewise
+  bool deskew =
+      true;  ///< tell with each scan how the robot moved meanwhile, where its beams were not all measured at once
+  bool all_lasers = false;  ///< of CARMEN: the second laser too, as ScanRecord::laser 1
+  std::string topic{};      ///< of a bag: where its scans are; the only one that has any when empty
 };
 
 /// Which part of the logs is wanted.

@@ -51,8 +51,9 @@ class OccupancyBuilder {
   };
   OccupancyBuilder(const OccupancyConfig& config, const Limits& limits);
 
-  /// Casts the scan's beams from the robot's final pose. Ranges that are not finite are no returns. Throws InputError
-  /// when the grid would pass max_cells; the builder is unchanged then.
+  /// Casts the scan's beams from the robot's final pose, each from where the laser was when it measured it. Ranges that
+  /// are not finite are no returns. Throws InputError when the grid would pass max_cells; the builder is unchanged
+  /// then.
   void add(const LaserScan& scan, const Pose2& T_map_base);
 
   /// The map of what was added so far; 1 x 1 unknown cell when nothing was.
@@ -71,6 +72,7 @@ class OccupancyBuilder {
     [[nodiscard]] CellIndex cell() const;
   };
   struct Ray {
+    SubCell start;
     SubCell end;
     bool is_return = false;
   };
@@ -82,10 +84,10 @@ class OccupancyBuilder {
 
   void update_bearings(const LaserScan& scan);
   [[nodiscard]] SubCell sub_cell_of(const Point2& point_m) const;
-  CellBox collect_rays(const LaserScan& scan, const Pose2& T_map_laser);
+  CellBox collect_rays(const LaserScan& scan, const Pose2& T_map_base);
   void grow_to_hold(const CellBox& needed);
   void move_to(const CellBox& box);
-  void cast(const SubCell& start, const Ray& ray);
+  void cast(const Ray& ray);
   [[nodiscard]] std::size_t index_of(CellIndex map_cell) const;
   [[nodiscard]] CellState state_of(const Cell& cell) const;
 

@@ -12,7 +12,8 @@
 
 namespace gdtslam {
 
-/// End points of the valid beams in beam order. Ranges that are not finite or outside min_range_m and max_range_m are
+/// End points of the valid beams in beam order, each seen from where the laser was when it measured it, as far as the
+/// scan's `speed` tells. Ranges that are not finite or outside min_range_m and max_range_m are
 /// no return (the scan's own limit counts too where the log states one; min_points does not count here), nor are points
 /// that are not finite or 100 km away because a bearing or the mount is wrong.
 std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid);

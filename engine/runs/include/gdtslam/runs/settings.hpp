@@ -42,6 +42,10 @@ struct LogConfig {
   double bearing_step_rad = 0.0;
   double max_range_m = 0.0;  ///< 0: what the log says
   LogLasers lasers = LogLasers::kFront;
+  LogSource beam_times = LogSource::kLog;
+  double first_beam_after_s = 0.0;  ///< both count where `beam_times` are stated
+  double beam_period_s = 0.0;
+  bool deskew = true;
 };
 
 /// Likewise, under "log.".

@@ -1,0 +1,47 @@
+#include "scan_speed.hpp"
+
+#include <cmath>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kLongest_s = 1.0;
+constexpr double kFastest_m_per_s = 30.0;
+constexpr double kFastestTurn_rad_per_s = 2.0 * kTwoPi;
+constexpr std::size_t kMostLasers = 64;
+
+bool has_beam_times(const LaserScan& scan) { return scan.first_beam_after_s != 0.0 || scan.beam_period_s != 0.0; }
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> speed_between(const Odometry& before, const Odometry& now) {
+  const double span_s = now.stamp_s - before.stamp_s;
+  if (!(span_s > 0.0 && span_s <= kLongest_s)) return std::nullopt;
+  const Eigen::Vector3d speed = log_se2(between(before.T_odom_base, now.T_odom_base)) / span_s;
+  const bool is_possible = speed.head<2>().norm() <= kFastest_m_per_s && std::fabs(speed[2]) <= kFastestTurn_rad_per_s;
+  return is_possible ? std::optional(speed) : std::nullopt;  // false for NaN too
+}
+
+void OdometrySpeed::complete(ScanRecord& scan) {
+  if (!scan.T_odom_base || scan.laser >= kMostLasers || !has_beam_times(scan.scan)) return;
+  if (scan.laser >= before_.size()) before_.resize(scan.laser + 1);
+  std::optional<Odometry>& before = before_[scan.laser];
+  const Odometry now{scan.scan.stamp_s, *scan.T_odom_base};
+  if (before && !scan.scan.speed) scan.scan.speed = speed_between(*before, now);
+  before = now;
+}
+
+void MapSpeed::complete(LaserScan& scan) const {
+  if (has_beam_times(scan) && !scan.speed) scan.speed = speed_;
+}
+
+void MapSpeed::take(const StampedPose& pose) {
+  const Odometry now{pose.stamp_s, pose.T_map_base};
+  if (last_ && now.stamp_s == last_->stamp_s) return;
+  speed_ = last_ ? speed_between(*last_, now) : std::nullopt;
+  last_ = now;
+}
+
+}  // namespace gdtslam

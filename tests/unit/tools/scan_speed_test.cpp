@@ -1,0 +1,76 @@
+#include "engine/runs/streams/scan_speed.hpp"
+
+#include <gtest/gtest.h>
+
+#include "gdtslam/core/angle.hpp"
+
+namespace gdtslam {
+namespace {
+
+ScanRecord timed_scan(double stamp_s, const std::optional<Pose2>& T_odom_base, std::size_t laser = 0) {
+  ScanRecord record;
+  record.scan.stamp_s = stamp_s;
+  record.scan.beam_period_s = 1e-4;
+  record.T_odom_base = T_odom_base;
+  record.laser = laser;
+  return record;
+}
+
+TEST(ScanSpeed, AQuarterOfACircleInHalfASecond) {
+  // Radius 1 m to the left: an arc of pi/2 m and a turn of pi/2, in half a second.
+  const auto speed = speed_between({10.0, {}}, {10.5, {1.0, 1.0, kPi / 2}});
+  ASSERT_TRUE(speed);
+  EXPECT_LT((*speed - Eigen::Vector3d(kPi, 0.0, kPi)).norm(), 1e-9);
+}
+
+TEST(ScanSpeed, NoRobotMovesLikeThat) {
+  EXPECT_FALSE(speed_between({10.0, {}}, {10.0, {0.1, 0.0, 0.0}}));
+  EXPECT_FALSE(speed_between({10.0, {}}, {9.9, {0.1, 0.0, 0.0}}));
+  EXPECT_FALSE(speed_between({10.0, {}}, {11.5, {0.1, 0.0, 0.0}}));  // too long ago
+  EXPECT_FALSE(speed_between({10.0, {}}, {10.1, {3.1, 0.0, 0.0}}));  // 31 m/s
+  EXPECT_FALSE(speed_between({10.0, {}}, {10.1, {0.0, 0.0, 1.3}}));  // 13 rad/s
+  EXPECT_FALSE(speed_between({10.0, {}}, {10.1, {0.0, std::nan(""), 0.0}}));
+}
+
+TEST(ScanSpeed, ByOdometryOfTheSameLaser) {
+  OdometrySpeed odometry;
+  ScanRecord front = timed_scan(1.0, Pose2{}, 0);
+  ScanRecord rear = timed_scan(1.001, Pose2{0.01, 0.0, 0.0}, 1);
+  odometry.complete(front);
+  odometry.complete(rear);
+  EXPECT_FALSE(front.scan.speed || rear.scan.speed);
+  front = timed_scan(1.2, Pose2{0.1, 0.0, 0.0}, 0);
+  odometry.complete(front);
+  ASSERT_TRUE(front.scan.speed);
+  EXPECT_NEAR((*front.scan.speed)[0], 0.5, 1e-12);
+}
+
+TEST(ScanSpeed, WhatTheReaderKnowsStays) {
+  OdometrySpeed odometry;
+  ScanRecord scan = timed_scan(1.0, Pose2{});
+  odometry.complete(scan);
+  scan = timed_scan(1.1, Pose2{0.1, 0.0, 0.0});
+  scan.scan.speed = Eigen::Vector3d(7.0, 0.0, 0.0);
+  odometry.complete(scan);
+  EXPECT_EQ((*scan.scan.speed)[0], 7.0);
+}
+
+TEST(ScanSpeed, WithoutOdometryTheMapTells) {
+  MapSpeed map;
+  LaserScan scan = timed_scan(2.2, {}).scan;
+  map.take({2.0, {0.0, 0.0, 0.0}});
+  map.complete(scan);
+  EXPECT_FALSE(scan.speed);
+  map.take({2.1, {0.05, 0.0, 0.0}});
+  map.complete(scan);
+  ASSERT_TRUE(scan.speed);
+  EXPECT_NEAR((*scan.speed)[0], 0.5, 1e-12);
+  LaserScan at_once = scan;
+  at_once.speed.reset();
+  at_once.beam_period_s = 0.0;
+  map.complete(at_once);
+  EXPECT_FALSE(at_once.speed);
+}
+
+}  // namespace
+}  // namespace gdtslam
