@@ -201,3 +201,4 @@ def recorded_run():
     pixels = data[len(data) - width * height :]
     expected = [values[value] for y in reversed(range(height)) for value in pixels[y * width : (y + 1) * width]]
     expect(list(cells) == expected, "the grid is not map.pgm")
+    expect(sum(m[0] == "/tf_static" for m in messages) == 1, "the mount is told more than once")

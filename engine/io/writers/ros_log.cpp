@@ -7,23 +7,13 @@
 #include <cmath>
 #include <limits>
 
-#include "gdtslam/core/angle.hpp"
-
 namespace gdtslam {
 namespace {
 
 constexpr std::string_view kOdomFrame = "odom";
 constexpr std::string_view kBaseFrame = "base_link";
-// CARMEN's poses have six decimals: a mount out of two of them is known to little more.
-constexpr double kSameMount = 1e-5;
-
 std::string numbered(std::string_view name, std::size_t laser) {
   return laser == 0 ? std::string(name) : fmt::format("{}_{}", name, laser + 1);
-}
-
-bool is_same_mount(const Pose2& a, const Pose2& b) {
-  return (a.translation() - b.translation()).norm() < kSameMount &&
-         std::fabs(wrap_angle(a.theta_rad - b.theta_rad)) < kSameMount;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/core/elementary.hpp"
+#include "gdtslam/core/angle.hpp"
 
 namespace gdtslam {
 namespace {
@@ -62,6 +63,12 @@ class MessageBytes {
 };
 
 }  // namespace
+
+bool is_same_mount(const Pose2& a, const Pose2& b) {
+  constexpr double kSameMount = 1e-5;  // metres, radians
+  return (a.translation() - b.translation()).norm() < kSameMount &&
+         std::fabs(wrap_angle(a.theta_rad - b.theta_rad)) < kSameMount;
+}
 
 std::int64_t ros_time_ns(double stamp_s) {
   const double seconds = std::floor(stamp_s);

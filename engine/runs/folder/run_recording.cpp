@@ -51,7 +51,8 @@ class RunMessages {
     const std::int64_t now_ns = received_ns(scan.stamp_s);
     const RosStamp in_map{scan.stamp_s, kMapFrame};
     const std::string frame = record.laser == 0 ? "laser" : fmt::format("laser_{}", record.laser + 1);
-    if (const auto told = told_.find(record.laser); told == told_.end() || told->second != scan.T_base_laser) {
+    if (const auto told = told_.find(record.laser);
+        told == told_.end() || !is_same_mount(told->second, scan.T_base_laser)) {
       told_[record.laser] = scan.T_base_laser;
       add_transform(mounts_, now_ns, {{scan.stamp_s, kRobotFrame}, frame, scan.T_base_laser});
     }
