@@ -8,10 +8,22 @@
 #include <limits>
 
 #include "engine/io/message_text.hpp"
+#include "gdtslam/core/angle.hpp"
 #include "message_cursor.hpp"
 
 namespace gdtslam {
 namespace {
+
+// Lasers are made in degrees: the angle of the fewest decimals, up to four, of which this is the rounded one in
+// radians.
+double unrounded_angle(float rounded_rad) {
+  const double deg = deg_from_rad(static_cast<double>(rounded_rad));
+  for (double parts = 1.0; parts <= 10000.0; parts *= 10.0) {
+    const double whole_rad = rad_from_deg(std::floor(deg * parts + 0.5) / parts);
+    if (static_cast<float>(whole_rad) == rounded_rad) return whole_rad;
+  }
+  return static_cast<double>(rounded_rad);
+}
 
 /// Types by name, and by the sum that ROS 1 makes of their definition.
 struct KnownType {
@@ -71,9 +83,9 @@ ScanMessage scan_without_ranges(MessageCursor& cursor) {
   ScanMessage scan;
   scan.stamp_s = cursor.header_time();
   scan.frame = cursor.frame();
-  scan.first_bearing_rad = static_cast<double>(cursor.single());
+  scan.first_bearing_rad = unrounded_angle(cursor.single());
   (void)cursor.single();  // the last bearing, which follows from the step
-  scan.bearing_step_rad = static_cast<double>(cursor.single());
+  scan.bearing_step_rad = unrounded_angle(cursor.single());
   scan.beam_period_s = static_cast<double>(cursor.single());
   (void)cursor.single();  // between scans, seconds
   scan.min_range_m = static_cast<double>(cursor.single());

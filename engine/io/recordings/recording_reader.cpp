@@ -204,7 +204,7 @@ class RecordingReader final : public LogReader {
     ScanMessage scan = channel.kind == MessageKind::kScan ? read_scan(message) : read_echo_scan(message);
     if (scan.stamp_s == 0.0) {
       scan.stamp_s = received_s;
-      warn("scan without stamp", "it gets the time when it was recorded");
+      if (received_s != 0.0) warn("scan without stamp", "it gets the time when it was recorded");
     }
     const auto known = lasers_.find(topic);
     const std::size_t laser =

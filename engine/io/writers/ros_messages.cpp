@@ -14,9 +14,9 @@ constexpr std::size_t kCovarianceNumbers = 36;
 
 /// Little endian values one after the other; in CDR each starts at a multiple of its size, counted behind the four
 /// bytes that name the encoding.
-class MessageBytes {
+class WrittenMessage {
  public:
-  explicit MessageBytes(RosEncoding encoding) : is_cdr_(encoding == RosEncoding::kCdr) {
+  explicit WrittenMessage(RosEncoding encoding) : is_cdr_(encoding == RosEncoding::kCdr) {
     if (is_cdr_) bytes_.assign("\0\1\0\0", kEncapsulation);
   }
   template <class Whole>
@@ -76,7 +76,7 @@ std::int64_t ros_time_ns(double stamp_s) {
 }
 
 std::string ros_laser_scan(RosEncoding encoding, const LaserScan& scan, std::string_view frame, double scan_time_s) {
-  MessageBytes bytes(encoding);
+  WrittenMessage bytes(encoding);
   const std::size_t beams = scan.ranges_m.size();
   const double steps = beams == 0 ? 0.0 : static_cast<double>(beams - 1);
   bytes.header({scan.stamp_s + scan.first_beam_after_s, frame});
@@ -92,7 +92,7 @@ std::string ros_laser_scan(RosEncoding encoding, const LaserScan& scan, std::str
 }
 
 std::string ros_odometry(RosEncoding encoding, const RosTransform& pose, const RosSpeed& speed) {
-  MessageBytes bytes(encoding);
+  WrittenMessage bytes(encoding);
   bytes.header(pose.parent);
   bytes.text(pose.child);
   bytes.pose(pose.T_parent_child);
@@ -103,7 +103,7 @@ std::string ros_odometry(RosEncoding encoding, const RosTransform& pose, const R
 }
 
 std::string ros_transforms(RosEncoding encoding, std::span<const RosTransform> transforms) {
-  MessageBytes bytes(encoding);
+  WrittenMessage bytes(encoding);
   bytes.count(transforms.size());
   for (const RosTransform& one : transforms) {
     bytes.header(one.parent);
@@ -114,13 +114,13 @@ std::string ros_transforms(RosEncoding encoding, std::span<const RosTransform> t
 }
 
 std::string ros_int32(RosEncoding encoding, std::int32_t value) {
-  MessageBytes bytes(encoding);
+  WrittenMessage bytes(encoding);
   bytes.whole(static_cast<std::uint32_t>(value));
   return bytes.take();
 }
 
 std::string ros_joint_state(RosEncoding encoding, const RosStamp& stamp, std::string_view joint, double position) {
-  MessageBytes bytes(encoding);
+  WrittenMessage bytes(encoding);
   bytes.header(stamp);
   bytes.count(1);
   bytes.text(joint);
@@ -132,14 +132,14 @@ std::string ros_joint_state(RosEncoding encoding, const RosStamp& stamp, std::st
 }
 
 std::string ros_pose(RosEncoding encoding, const RosStamp& stamp, const Pose2& pose) {
-  MessageBytes bytes(encoding);
+  WrittenMessage bytes(encoding);
   bytes.header(stamp);
   bytes.pose(pose);
   return bytes.take();
 }
 
 std::string ros_occupancy_grid(RosEncoding encoding, const RosStamp& stamp, const RosGrid& grid) {
-  MessageBytes bytes(encoding);
+  WrittenMessage bytes(encoding);
   bytes.header(stamp);
   bytes.time(stamp.stamp_s);
   bytes.single(static_cast<float>(grid.resolution_m));

@@ -23,7 +23,7 @@ constexpr double kLeastTurn_rad = 3.0;  // of all steps, to tell anything
 constexpr double kEnoughTurn_rad = 20.0;
 constexpr std::size_t kMostScans = 3000;
 constexpr std::size_t kMostTrack = 4096;
-constexpr std::size_t kMostWaiting = 512;
+constexpr std::size_t kMostShifted = 512;
 
 /// Headings by odometry over time, unwrapped; along straight lines between the stamps.
 class HeadingTrack {
@@ -156,7 +156,7 @@ std::optional<ScanRecord> OdometryShift::next(bool at_end) {
   if (waiting_.empty()) return std::nullopt;
   const double wanted_s = waiting_.front().scan.stamp_s + delay_s_;
   const bool is_there = !waiting_.front().T_odom_base || (!track_.empty() && track_.back().stamp_s >= wanted_s);
-  if (!is_there && !at_end && waiting_.size() < kMostWaiting) return std::nullopt;
+  if (!is_there && !at_end && waiting_.size() < kMostShifted) return std::nullopt;
   ScanRecord scan = std::move(waiting_.front());
   waiting_.pop_front();
   if (scan.T_odom_base && !track_.empty()) scan.T_odom_base = odometry_at(wanted_s);

@@ -173,7 +173,7 @@ TEST(Table, StatedOptionsBeatTheFile) {
 }
 
 /// The stamps of all records, which tell how far a cut log was read.
-std::vector<double> stamps_of(const WholeLog& log) {
+std::vector<double> table_stamps_of(const WholeLog& log) {
   std::vector<double> stamps;
   for (const LogRecord& record : log.records) {
     if (const auto* scan = std::get_if<ScanRecord>(&record)) stamps.push_back(scan->scan.stamp_s);
@@ -194,7 +194,7 @@ void expect_each_cut_told(TableKind kind, std::string_view text, std::string_vie
     if (whole_rows == 0) {
       EXPECT_THAT(table_error(kind, cut), HasSubstr("without a complete row")) << length;
     } else {
-      EXPECT_EQ(stamps_of(read_rows(kind, cut)).size(), whole_rows) << length;
+      EXPECT_EQ(table_stamps_of(read_rows(kind, cut)).size(), whole_rows) << length;
     }
   }
 }
