@@ -179,7 +179,7 @@ void MapRun::map_flat(const Progress& progress) {
     speed_.complete(record.scan);
     const MatchResult result = map_scan(record, next);
     take_match(result, result.T_map_base, record.scan);
-    speed_.take({result.stamp_s, result.T_map_base});
+    speed_.take(record.scan, result.T_map_base);
     note_stamp(result.stamp_s);
     progress(outcome_.trajectory.size(), scans_.progress());
     watch_.add_to(outcome_.occupancy_s);

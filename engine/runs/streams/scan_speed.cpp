@@ -1,5 +1,6 @@
 #include "scan_speed.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "gdtslam/core/angle.hpp"
@@ -37,8 +38,12 @@ void MapSpeed::complete(LaserScan& scan) const {
   if (has_beam_times(scan) && !scan.speed) scan.speed = speed_;
 }
 
-void MapSpeed::take(const StampedPose& pose) {
-  const Odometry now{pose.stamp_s, pose.T_map_base};
+void MapSpeed::take(const LaserScan& scan, const Pose2& T_map_base) {
+  if (!has_beam_times(scan)) return;
+  const double beams = static_cast<double>(scan.ranges_m.size());
+  const double middle_s = scan.first_beam_after_s + 0.5 * std::max(0.0, beams - 1.0) * scan.beam_period_s;
+  const Pose2 T_map_middle = scan.speed ? T_map_base * exp_se2(middle_s * *scan.speed) : T_map_base;
+  const Odometry now{scan.stamp_s + middle_s, T_map_middle};
   if (last_ && now.stamp_s == last_->stamp_s) return;
   speed_ = last_ ? speed_between(*last_, now) : std::nullopt;
   last_ = now;

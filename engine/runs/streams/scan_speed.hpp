@@ -25,11 +25,13 @@ class OdometrySpeed {
   std::vector<std::optional<Odometry>> before_;  ///< by laser
 };
 
-/// Likewise by the map's poses, for scans that still have none.
+/// Likewise by the map's poses, for scans that still have none: from the middle of one sweep to that of the next. There
+/// a scan is where it is, whatever speed it was given; from stamp to stamp each speed would make the next one.
 class MapSpeed {
  public:
   void complete(LaserScan& scan) const;
-  void take(const StampedPose& pose);
+  /// The scan as it was matched.
+  void take(const LaserScan& scan, const Pose2& T_map_base);
 
  private:
   std::optional<Odometry> last_;
