@@ -247,7 +247,9 @@ int doctor(const DoctorOptions& options) {
   progress.clear();
   const LogCheck check = checker.finish(reader->warnings());
   std::optional<OdometryDelay> delay;
-  if (!interrupted() && check.obstacle().empty()) delay = measured_delay(options.log, read, MapperConfig{});
+  if (!interrupted() && check.obstacle().empty()) {
+    delay = measured_delay(options.log, read, {}, MapperConfig{}, [] { return interrupted(); });
+  }
   print_result(options.json ? json_text(as_json(check, bounds, options.log, delay))
                             : as_text(check, bounds, options.log, delay));
   if (interrupted())
