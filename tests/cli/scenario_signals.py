@@ -18,13 +18,17 @@ def start_slow_run(folder, **options):
                             stderr=subprocess.PIPE, text=True, **options)
 
 
+# Mapping begins at once, without a look at the turns of the log's beginning.
+AT_ONCE = ("--set", "log.odometry_stamps=log")
+
+
 def interrupt_writes_what_there_is():
     """SIGINT, SIGTERM or SIGHUP in the middle of a file: the scan in hand is finished, all files are there, exit 130. Of a
     terminal that goes away two SIGHUPs come, from the kernel and from the shell."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         folder = cli.fresh_folder("interrupt") / "run"
         logs = [str(LOG)] * 200
-        process = subprocess.Popen([PROGRAM, "map", *logs, "-o", str(folder)], stdout=subprocess.PIPE,
+        process = subprocess.Popen([PROGRAM, "map", *logs, "-o", str(folder), *AT_ONCE], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
         time.sleep(1.0)
         process.send_signal(number)
@@ -50,8 +54,8 @@ def lost_terminal():
         os.setsid()
         fcntl.ioctl(theirs, termios.TIOCSCTTY, 0)
 
-    process = subprocess.Popen([PROGRAM, "map", *([str(LOG)] * 200), "-o", str(folder)], stdin=theirs, stdout=theirs, stderr=theirs,
-                               preexec_fn=take_terminal)
+    process = subprocess.Popen([PROGRAM, "map", *([str(LOG)] * 200), "-o", str(folder), *AT_ONCE], stdin=theirs, stdout=theirs,
+                               stderr=theirs, preexec_fn=take_terminal)
     os.close(theirs)
     time.sleep(1.0)
     os.close(ours)

@@ -89,7 +89,7 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
   const HeadingTrack odometry(headings);
   const int most = static_cast<int>(kMostDelay_s / kDelayStep_s);
   std::vector<Agreement> at;
-  at.reserve(static_cast<std::size_t>(2 * most + 1));
+  at.reserve(2 * static_cast<std::size_t>(most) + 1);
   for (int k = -most; k <= most; ++k) at.push_back(agreement_at(headings, odometry, k * kDelayStep_s));
   std::size_t best = static_cast<std::size_t>(most);
   for (std::size_t k = 0; k < at.size(); ++k) {
@@ -111,7 +111,7 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
 }
 
 std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options,
-                                            const MapperConfig& mapper) {
+                                            const MapperConfig& mapper, const std::function<bool()>& stop) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(log, ignored) && !std::filesystem::is_directory(log, ignored)) return {};
   MapperConfig config = mapper;
@@ -122,7 +122,7 @@ std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOp
   try {
     Mapper by_scans(config, *cpu);
     ScanStream scans({log}, options, {.skip = 0, .count = kMostScans});
-    while (turned < kEnoughTurn_rad) {
+    while (turned < kEnoughTurn_rad && !stop()) {
       const std::optional<ScanRecord> record = scans.next();
       if (!record) break;
       const MatchResult result = by_scans.process(record->scan, std::nullopt);

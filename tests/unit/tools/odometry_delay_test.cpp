@@ -93,6 +93,14 @@ TEST(OdometryShift, GivesTheOdometryOfALaterOrEarlierStamp) {
   }
 }
 
+TEST(OdometryDelay, AnInterruptEndsTheMeasurementWithTheScanInHand) {
+  int asked = 0;
+  const auto stop_at_the_tenth = [&asked] { return ++asked == 10; };
+  EXPECT_FALSE(
+      measured_delay(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", ReadOptions{}, {}, stop_at_the_tenth));
+  EXPECT_EQ(asked, 10);
+}
+
 TEST(OdometryShift, ScansWithoutOdometryPass) {
   OdometryShift shift(0.3);
   ScanRecord bare;
