@@ -18,7 +18,7 @@ Usage: tools/test.sh [--quick]
 Vulkan runs on lavapipe, which needs no GPU; VK_DRIVER_FILES=FILE names another driver.
 
 GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are none)
-GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 30)
+GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 15)
 GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours)
 GDTSLAM_JOBS=N     compiler processes at a time
 USAGE

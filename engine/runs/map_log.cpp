@@ -99,7 +99,7 @@ std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const 
   if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
   if (!request.with_loops) return std::nullopt;  // what maps without loops are compared with was made without it
   std::optional<OdometryDelay> delay =
-      measured_delay(request.logs.front(), job.read, job.mapper, [&request] { return stopped(request); });
+      measured_delay(request.logs.front(), job.read, job.range, job.mapper, [&request] { return stopped(request); });
   if (!delay || !delay->stands_out()) return std::nullopt;
   if (request.warn) {
     request.warn(

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets with clang and runs each from its corpus for GDTSLAM_FUZZ_S seconds (default 30), one per processor at
+# Builds the fuzz targets with clang and runs each from its corpus for GDTSLAM_FUZZ_S seconds (default 15), one per processor at
 # a time. New inputs go into the build tree, and so does one that breaks something; the exit status is 1 then.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.." && pwd)
@@ -10,7 +10,7 @@ fuzzed=$root/build/fuzz
 fuzz_target() {
   local runs=$fuzzed/runs/$1
   mkdir -p "$runs/found"
-  "$fuzzed/bin/gdtslam_fuzz_$1" -max_total_time="${GDTSLAM_FUZZ_S:-30}" -max_len=4096 -timeout=5 -rss_limit_mb=1024 \
+  "$fuzzed/bin/gdtslam_fuzz_$1" -max_total_time="${GDTSLAM_FUZZ_S:-15}" -max_len=4096 -timeout=5 -rss_limit_mb=1024 \
     -malloc_limit_mb=256 -print_final_stats=1 -artifact_prefix="$runs/" "$runs/found" "$root/tests/fuzz/corpus/$1" \
     >"$runs/log" 2>&1 || {
     tail -n 40 "$runs/log"

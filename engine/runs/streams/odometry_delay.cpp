@@ -110,7 +110,7 @@ std::optional<OdometryDelay> delay_of(std::span<const TimedHeading> headings) {
                        .unexplained = here / without};
 }
 
-std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options,
+std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOptions& options, const ScanRange& range,
                                             const MapperConfig& mapper, const std::function<bool()>& stop) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(log, ignored) && !std::filesystem::is_directory(log, ignored)) return {};
@@ -121,7 +121,7 @@ std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOp
   double turned = 0.0;
   try {
     Mapper by_scans(config, *cpu);
-    ScanStream scans({log}, options, {.skip = 0, .count = kMostScans});
+    ScanStream scans({log}, options, {.skip = range.skip, .count = std::min<std::uint64_t>(range.count, kMostScans)});
     while (turned < kEnoughTurn_rad && !stop()) {
       const std::optional<ScanRecord> record = scans.next();
       if (!record) break;

@@ -97,8 +97,16 @@ TEST(OdometryDelay, AnInterruptEndsTheMeasurementWithTheScanInHand) {
   int asked = 0;
   const auto stop_at_the_tenth = [&asked] { return ++asked == 10; };
   EXPECT_FALSE(
-      measured_delay(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", ReadOptions{}, {}, stop_at_the_tenth));
+      measured_delay(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", ReadOptions{}, {}, {}, stop_at_the_tenth));
   EXPECT_EQ(asked, 10);
+}
+
+TEST(OdometryDelay, IsMeasuredWithinTheRangeThatIsMapped) {
+  int asked = 0;
+  const auto count = [&asked] { return ++asked == 0; };
+  EXPECT_FALSE(measured_delay(GDTSLAM_SOURCE_DIR "/assets/logs/office-start.log.gz", ReadOptions{},
+                              {.skip = 20, .count = 30}, {}, count));
+  EXPECT_EQ(asked, 31);  // the last time there is no scan left
 }
 
 TEST(OdometryShift, ScansWithoutOdometryPass) {

@@ -302,7 +302,7 @@ Findings findings_of(const DoctorOptions& options) {
   found.check = checker.finish(reader->warnings());
   found.contents = reader->contents();
   if (!interrupted() && found.check.obstacle().empty()) {
-    found.delay = measured_delay(options.log, read, settings.mapper, [] { return interrupted(); });
+    found.delay = measured_delay(options.log, read, {}, settings.mapper, [] { return interrupted(); });
   }
   found.commands = map_commands(options, found.contents, found.check);
   return found;
