@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
@@ -89,12 +90,35 @@ class MemorySource final : public ByteSource {
   std::size_t position_ = 0;
 };
 
+class HeadedSource final : public ByteSource {
+ public:
+  HeadedSource(std::string head, std::unique_ptr<ByteSource> rest) : head_(std::move(head)), rest_(std::move(rest)) {}
+  std::size_t read(std::span<char> target) override {
+    if (begin_ == head_.size()) return rest_->read(target);
+    const std::size_t count = head_.copy(target.data(), target.size(), begin_);
+    begin_ += count;
+    return count;
+  }
+  [[nodiscard]] double progress() const override { return rest_->progress(); }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return rest_->bytes_from_file(); }
+  [[nodiscard]] std::string defect() const override { return rest_->defect(); }
+
+ private:
+  std::string head_;
+  std::size_t begin_ = 0;
+  std::unique_ptr<ByteSource> rest_;
+};
+
 }  // namespace
 
 std::unique_ptr<ByteSource> open_file_source(const std::string& path) { return std::make_unique<FileSource>(path); }
 
 std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data) {
   return std::make_unique<MemorySource>(data);
+}
+
+std::unique_ptr<ByteSource> with_head(std::string head, std::unique_ptr<ByteSource> rest) {
+  return std::make_unique<HeadedSource>(std::move(head), std::move(rest));
 }
 
 std::string read_all(ByteSource& source, std::size_t limit, const std::string& name, const std::string& advice) {

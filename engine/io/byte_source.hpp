@@ -28,6 +28,8 @@ class ByteSource {
 /// A file, "-" being standard input; FileError when it cannot be opened, also when it is a folder.
 std::unique_ptr<ByteSource> open_file_source(const std::string& path);
 std::unique_ptr<ByteSource> open_memory_source(std::span<const std::byte> data);
+/// The bytes that were read of a source to know what it is, then the rest of it.
+std::unique_ptr<ByteSource> with_head(std::string head, std::unique_ptr<ByteSource> rest);
 /// Unpacks gzip when the first two bytes say so, passes anything else through. `name` stands in messages.
 std::unique_ptr<ByteSource> gunzip_if_packed(std::unique_ptr<ByteSource> packed, const std::string& name);
 

@@ -210,6 +210,9 @@ gdtslam_cli_test(bench.live_text ARGS bench live --speed 500 --threads 1 STDOUT 
 gdtslam_cli_test(bench.live_no_log ARGS bench live --log none.log EXIT 74 STDERR "none.log")
 gdtslam_cli_test(bench.live_log_without_scans ARGS bench live --log {data}/no_scan.log EXIT 65 STDERR "no_scan.log: holds no laser scan")
 gdtslam_cli_test(bench.live_speed ARGS bench live --speed -1 EXIT 2 STDERR "--speed")
+gdtslam_cli_test(bench.logs_json ARGS bench logs --megabytes 0.2 --samples 1 --json SCHEMA bench_logs)
+gdtslam_cli_test(bench.logs_text ARGS bench logs --megabytes 0.2 --samples 1 STDOUT "a drive of [0-9]+ scans of 720 beams.*ROS 1 bag +lz4 .*MCAP +zstd .*CARMEN +gzip ")
+gdtslam_cli_test(bench.logs_size ARGS bench logs --megabytes 0 EXIT 2 STDERR "--megabytes")
 gdtslam_cli_test(bench.size ARGS bench --size 1 EXIT 2 STDERR "--size")
 
 if(TARGET gdtslam_sim)

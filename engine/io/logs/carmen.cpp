@@ -16,6 +16,7 @@
 #include "engine/io/unpack_source.hpp"
 #include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
+#include "steady_mount.hpp"
 
 namespace gdtslam {
 namespace {
@@ -110,6 +111,9 @@ class CarmenReader final : public DescribedLog {
     } else if (line.record) {
       if (auto* scan = std::get_if<ScanRecord>(&*line.record)) {
         note_repairs(line.repairs);
+        if (!options_.T_base_laser) {
+          scan->scan.T_base_laser = mounts_[scan->laser].of(scan->scan.T_base_laser, line.pose_decimals);
+        }
         note_scan(*scan);
       } else if (const auto* parameter = std::get_if<Parameter>(&*line.record)) {
         note_parameter(*parameter);
@@ -180,6 +184,7 @@ class CarmenReader final : public DescribedLog {
   WarningCounter warnings_;
   LineCounter kinds_;
   std::array<ScanSequence, 2> sequences_;  ///< of each laser
+  std::array<SteadyMount, 2> mounts_;      ///< likewise
   double stated_max_range_m_ = 0.0;
   std::uint64_t last_line_ = 0;
   std::uint64_t record_count_ = 0;

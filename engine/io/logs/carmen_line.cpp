@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -41,11 +42,17 @@ std::vector<float> read_ranges(FieldCursor& cursor, std::size_t count, RangeRepa
   return ranges_m;
 }
 
-Pose2 read_pose(FieldCursor& cursor, std::string_view name) {
+/// `decimals` grows to the most digits behind a point.
+Pose2 read_pose(FieldCursor& cursor, std::string_view name, int& decimals) {
+  const auto next = [&] {
+    const double value = cursor.finite(name);
+    decimals = std::max(decimals, cursor.decimals());
+    return value;
+  };
   Pose2 pose;
-  pose.x_m = cursor.finite(name);
-  pose.y_m = cursor.finite(name);
-  pose.theta_rad = cursor.finite(name);
+  pose.x_m = next();
+  pose.y_m = next();
+  pose.theta_rad = next();
   return pose;
 }
 
@@ -72,13 +79,13 @@ void apply(const ReadOptions& options, LaserScan& scan) {
   scan.max_range_m = options.max_range_m.value_or(scan.max_range_m);
 }
 
-ScanRecord parse_flaser(FieldCursor& cursor, const ReadOptions& options, RangeRepairs& repairs) {
+ScanRecord parse_flaser(FieldCursor& cursor, const ReadOptions& options, CarmenLine& line) {
   ScanRecord record;
   LaserScan& scan = record.scan;
   const std::size_t beams = read_count(cursor, "number of beams");
-  scan.ranges_m = read_ranges(cursor, beams, repairs);
-  const Pose2 T_odom_laser = read_pose(cursor, "laser pose");
-  const Pose2 T_odom_base = read_pose(cursor, "robot pose");
+  scan.ranges_m = read_ranges(cursor, beams, line.repairs);
+  const Pose2 T_odom_laser = read_pose(cursor, "laser pose", line.pose_decimals);
+  const Pose2 T_odom_base = read_pose(cursor, "robot pose", line.pose_decimals);
   scan.stamp_s = read_stamp(cursor);
   const BearingRule rule = bearing_rule(beams);
   scan.first_bearing_rad = rule.first_rad;
@@ -109,17 +116,17 @@ void read_sensor(FieldCursor& cursor, LaserScan& scan) {
   }
 }
 
-ScanRecord parse_robotlaser(FieldCursor& cursor, const ReadOptions& options, RangeRepairs& repairs) {
+ScanRecord parse_robotlaser(FieldCursor& cursor, const ReadOptions& options, CarmenLine& line) {
   ScanRecord record;
   LaserScan& scan = record.scan;
   read_sensor(cursor, scan);
-  scan.ranges_m = read_ranges(cursor, read_count(cursor, "number of beams"), repairs);
+  scan.ranges_m = read_ranges(cursor, read_count(cursor, "number of beams"), line.repairs);
   const std::size_t remissions = read_count(cursor, "number of remissions");
   for (std::size_t k = 0; k < remissions; ++k) {
     cursor.number("remission");
   }
-  const Pose2 T_odom_laser = read_pose(cursor, "laser pose");
-  const Pose2 T_odom_base = read_pose(cursor, "robot pose");
+  const Pose2 T_odom_laser = read_pose(cursor, "laser pose", line.pose_decimals);
+  const Pose2 T_odom_base = read_pose(cursor, "robot pose", line.pose_decimals);
   for (const std::string_view name : {"tv", "rv", "forward safety distance", "side safety distance", "turn axis"}) {
     cursor.number(name);
   }
@@ -132,7 +139,8 @@ ScanRecord parse_robotlaser(FieldCursor& cursor, const ReadOptions& options, Ran
 
 Odometry parse_odom(FieldCursor& cursor) {
   Odometry odometry;
-  odometry.T_odom_base = read_pose(cursor, "robot pose");
+  int decimals = 0;
+  odometry.T_odom_base = read_pose(cursor, "robot pose", decimals);
   for (const std::string_view name : {"tv", "rv", "accel"}) {
     cursor.number(name);
   }
@@ -185,16 +193,16 @@ CarmenLine parse_carmen_line(std::string_view text, const ReadOptions& options) 
   const std::string_view kind = cursor.word("message kind");
   const bool is_second = options.all_lasers && (kind == "RLASER" || kind == "ROBOTLASER2");
   if (is_second) {
-    ScanRecord record = kind == "RLASER" ? parse_flaser(cursor, options, line.repairs)
-                                         : parse_robotlaser(cursor, options, line.repairs);
+    ScanRecord record =
+        kind == "RLASER" ? parse_flaser(cursor, options, line) : parse_robotlaser(cursor, options, line);
     record.laser = 1;
     line.record = std::move(record);
   } else if (kind == "FLASER") {
-    line.record = parse_flaser(cursor, options, line.repairs);
+    line.record = parse_flaser(cursor, options, line);
   } else if (kind == "ODOM") {
     line.record = parse_odom(cursor);
   } else if (kind == "ROBOTLASER1") {
-    line.record = parse_robotlaser(cursor, options, line.repairs);
+    line.record = parse_robotlaser(cursor, options, line);
   } else if (kind == "ENCODER") {
     const std::int64_t ticks = cursor.integer("ticks");
     line.record = Encoder{read_stamp(cursor), ticks};

@@ -30,7 +30,8 @@ struct CarmenLine {
   std::optional<LogRecord> record;  ///< empty for comments, blank lines and message kinds that are not read
   std::string_view skipped_kind;    ///< of a message that is not read
   RangeRepairs repairs;
-  bool is_whole = true;  ///< the fields after the ones we use are there, so nothing we use was cut off
+  int pose_decimals = 0;  ///< most digits behind the point of the poses of a scan, from which its mount was computed
+  bool is_whole = true;   ///< the fields after the ones we use are there, so nothing we use was cut off
 };
 
 /// Throws MalformedLine.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -35,6 +36,7 @@ class FieldCursor {
   /// Any number, also not finite.
   double number(std::string_view name) {
     skip_blanks();
+    number_ = position_;
     double value = 0.0;
     const char* const stop = parse_double(position_, end_, value);
     if (stop == nullptr || (stop != end_ && !is_blank(*stop))) {
@@ -52,6 +54,8 @@ class FieldCursor {
     }
     return value;
   }
+  /// Digits behind the point of the number that was read last, as far as its exponent leaves them there.
+  [[nodiscard]] int decimals() const { return decimals_of({number_, static_cast<std::size_t>(position_ - number_)}); }
   std::int64_t integer(std::string_view name) {
     skip_blanks();
     std::int64_t value = 0;
@@ -84,6 +88,16 @@ class FieldCursor {
     }
     return {start, static_cast<std::size_t>(position_ - start)};
   }
+  static int decimals_of(std::string_view number) {
+    const std::size_t exponent = std::min(number.find_first_of("eE"), number.size());
+    const std::size_t point = std::min(number.find('.'), exponent);
+    int decimals = std::max(0, static_cast<int>(exponent) - static_cast<int>(point) - 1);
+    double power = 0.0;
+    if (exponent < number.size()) {
+      parse_double(number.data() + exponent + 1, number.data() + number.size(), power);
+    }
+    return decimals - static_cast<int>(std::clamp(power, -400.0, 400.0));
+  }
   [[noreturn]] void fail(std::string_view name, std::string_view wanted) {
     const std::string_view text = word(name);
     throw MalformedLine(fmt::format("has {} as its {}, which is not {}", in_quotes(text), name, wanted));
@@ -91,6 +105,7 @@ class FieldCursor {
 
   const char* position_;
   const char* end_;
+  const char* number_ = position_;
 };
 
 }  // namespace gdtslam

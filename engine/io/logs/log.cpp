@@ -82,33 +82,13 @@ std::optional<TableKind> table_kind_of(ByteSource& source, std::string& head) {
   return has_name && (text.ends_with(',') || text.ends_with(';')) ? std::optional(TableKind::kCsv) : std::nullopt;
 }
 
-/// The bytes that were read to tell the kind, then the rest.
-class HeadedSource final : public ByteSource {
- public:
-  HeadedSource(std::string head, std::unique_ptr<ByteSource> rest) : head_(std::move(head)), rest_(std::move(rest)) {}
-  std::size_t read(std::span<char> target) override {
-    if (begin_ == head_.size()) return rest_->read(target);
-    const std::size_t count = head_.copy(target.data(), target.size(), begin_);
-    begin_ += count;
-    return count;
-  }
-  [[nodiscard]] double progress() const override { return rest_->progress(); }
-  [[nodiscard]] std::uint64_t bytes_from_file() const override { return rest_->bytes_from_file(); }
-  [[nodiscard]] std::string defect() const override { return rest_->defect(); }
-
- private:
-  std::string head_;
-  std::size_t begin_ = 0;
-  std::unique_ptr<ByteSource> rest_;
-};
-
 /// Unpacks what is packed, once: packed data in packed data are nobody's log. `head` is what was read to know.
 std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const std::string& name, std::string& head) {
   source = gunzip_if_packed(std::move(source), name);
   head = head_of(*source);
   for (const Magic& magic : kMagics) {
     if (!magic.packing || !head.starts_with(magic.bytes)) continue;
-    source = unpack_source(*magic.packing, std::make_unique<HeadedSource>(head, std::move(source)), name);
+    source = unpack_source(*magic.packing, with_head(head, std::move(source)), name);
     head = head_of(*source);
     break;
   }
@@ -139,7 +119,7 @@ std::unique_ptr<DescribedLog> open_described_log(const std::string& path, const 
   std::string head;
   std::unique_ptr<ByteSource> source = unpacked(open_file_source(path), name, head);
   const std::optional<TableKind> table = table_kind_of(*source, head);
-  source = std::make_unique<HeadedSource>(head, std::move(source));
+  source = with_head(head, std::move(source));
   if (table) {
     refuse_topics(options.topics, name, *table == TableKind::kCsv ? "a CSV file" : "a file of JSON lines");
     return open_table(*table, std::move(source), name, options);

@@ -16,6 +16,14 @@ constexpr int kMostSteps = 32;  // up a tree of frames, which may be a ring
 constexpr std::size_t kMostFramesTold = 12;
 constexpr std::array<std::string_view, 3> kBaseNames{"base_link", "base_footprint", "base"};
 
+// A quaternion takes the last bits of an angle. An angle that is a number of nine decimals but for them is that number.
+double unrounded_heading(double heading_rad) {
+  constexpr double kParts = 1e9;
+  constexpr double kLost_rad = 2e-15;
+  const double whole_rad = std::floor(heading_rad * kParts + 0.5) / kParts;
+  return std::fabs(whole_rad - heading_rad) <= kLost_rad ? whole_rad : heading_rad;
+}
+
 bool is_base_called(const std::string& frame, const std::string& base) {
   if (!base.empty()) return frame == base;
   return std::find(kBaseNames.begin(), kBaseNames.end(), frame) != kBaseNames.end();
@@ -41,7 +49,8 @@ Transform3 operator*(const Transform3& a, const Transform3& b) {
 }
 
 Pose2 seen_from_above(const Transform3& transform) {
-  return {transform.shift_m[0], transform.shift_m[1], atan2(transform.rotation[3], transform.rotation[0])};
+  return {transform.shift_m[0], transform.shift_m[1],
+          unrounded_heading(atan2(transform.rotation[3], transform.rotation[0]))};
 }
 
 void FrameTree::add(const std::string& parent, const std::string& child, const Transform3& T_parent_child) {

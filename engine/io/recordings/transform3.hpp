@@ -19,7 +19,8 @@ struct Transform3 {
   [[nodiscard]] bool is_finite() const;
 };
 Transform3 operator*(const Transform3& a, const Transform3& b);
-/// As seen from above: position, and where the x axis points.
+/// As seen from above: position, and where the x axis points. What is within 2e-15 rad of an angle of nine decimals,
+/// which is what a quaternion takes of it, is that angle.
 Pose2 seen_from_above(const Transform3& transform);
 
 /// How frames lie to each other, as far as they do not move; at most kMostFrames are kept.

@@ -152,9 +152,9 @@ void read_pose(JsonCursor& cursor, std::string_view key, std::array<TableNumber,
 }
 
 void read_member(JsonCursor& cursor, const std::string& key, TableRow& row, const RowParser::Warn& warn) {
-  if (key == "odom") {
+  if (key == kOdomKey) {
     read_pose(cursor, key, {TableNumber::kX, TableNumber::kY, TableNumber::kTheta}, row);
-  } else if (key == "mount") {
+  } else if (key == kMountKey) {
     read_pose(cursor, key, {TableNumber::kLaserX, TableNumber::kLaserY, TableNumber::kLaserTheta}, row);
   } else if (const auto list = table_list(key)) {
     const bool is_ranges = *list == TableList::kRanges;

@@ -36,19 +36,22 @@ std::optional<TableNumber> table_number(std::string_view name) {
 }
 
 std::optional<TableList> table_list(std::string_view name) {
-  if (name == "ranges") return TableList::kRanges;
-  return name == "points" ? std::optional(TableList::kPoints) : std::nullopt;
+  if (name == kRangesColumn) return TableList::kRanges;
+  return name == kPointsColumn ? std::optional(TableList::kPoints) : std::nullopt;
 }
 
 std::optional<TableText> table_text(std::string_view name) {
-  if (name == "name") return TableText::kName;
-  return name == "value" ? std::optional(TableText::kValue) : std::nullopt;
+  if (name == kNameColumn) return TableText::kName;
+  return name == kValueColumn ? std::optional(TableText::kValue) : std::nullopt;
 }
 
 std::string table_hint(std::string_view name) {
   if (name.size() < kShortestHinted) return {};
   std::vector<std::string> names(kTableNames.begin(), kTableNames.end());
-  for (const char* other : {"ranges", "points", "odom", "mount", "timestamp", "heading"}) names.emplace_back(other);
+  for (const std::string_view other : {kRangesColumn, kPointsColumn, kOdomKey, kMountKey}) names.emplace_back(other);
+  for (const auto& [other, number] : kOtherNames) {
+    if (other.size() > kShortestHinted) names.emplace_back(other);  // type is not time misspelt
+  }
   std::erase_if(names, [](const std::string& one) { return one.size() < kShortestHinted; });
   return did_you_mean(name, names);
 }

@@ -39,6 +39,14 @@ enum class TableNumber : std::uint8_t {
 };
 inline constexpr std::size_t kTableNumbers = static_cast<std::size_t>(TableNumber::kTicks) + 1;
 
+/// What is no number: lists, and the name and value of a parameter; poses in one, which JSON has.
+inline constexpr std::string_view kRangesColumn = "ranges";
+inline constexpr std::string_view kPointsColumn = "points";
+inline constexpr std::string_view kNameColumn = "name";
+inline constexpr std::string_view kValueColumn = "value";
+inline constexpr std::string_view kOdomKey = "odom";
+inline constexpr std::string_view kMountKey = "mount";
+
 /// Other kinds of columns.
 enum class TableList : std::uint8_t { kRanges, kPoints };
 enum class TableText : std::uint8_t { kName, kValue };

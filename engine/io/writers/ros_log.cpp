@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/io/logs/steady_mount.hpp"
+
 namespace gdtslam {
 namespace {
 

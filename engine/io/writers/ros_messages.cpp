@@ -64,12 +64,6 @@ class WrittenMessage {
 
 }  // namespace
 
-bool is_same_mount(const Pose2& a, const Pose2& b) {
-  constexpr double kSameMount = 1e-5;  // metres, radians
-  return (a.translation() - b.translation()).norm() < kSameMount &&
-         std::fabs(wrap_angle(a.theta_rad - b.theta_rad)) < kSameMount;
-}
-
 std::int64_t ros_time_ns(double stamp_s) {
   const double seconds = std::floor(stamp_s);
   return static_cast<std::int64_t>(seconds) * 1'000'000'000 + std::llround((stamp_s - seconds) * 1e9);

@@ -32,9 +32,6 @@ std::string ros_definition(RosType type, RosEncoding encoding);
 /// Of ROS 1: the MD5 sum by which a reader knows the type.
 std::string_view ros_md5(RosType type);
 
-/// CARMEN's poses have six decimals: a mount out of two of them is known to little more, and is told once.
-bool is_same_mount(const Pose2& a, const Pose2& b);
-
 /// Nanoseconds since the epoch; the stamp must be at least 0 and below kRosStampLimit_s.
 std::int64_t ros_time_ns(double stamp_s);
 /// ROS 1 has 32 bits for seconds, ROS 2 31.

@@ -9,43 +9,49 @@
 #include <string>
 #include <string_view>
 
+#include "engine/io/tables/table_row.hpp"
+
 namespace gdtslam {
 namespace {
 
-/// The columns of a written CSV file, in their order.
-enum CsvColumn : std::size_t {
-  kStamp,
-  kX,
-  kY,
-  kTheta,
-  kLaser,
-  kLaserX,
-  kLaserY,
-  kLaserTheta,
-  kAngleMin,
-  kAngleIncrement,
-  kRangeMax,
-  kFirstBeamAfter,
-  kTimeIncrement,
-  kTicks,
-  kElevation,
-  kName,
-  kValue,
-  kRanges,
-  kCsvColumns
-};
-constexpr std::string_view kCsvHeader =
-    "stamp,x,y,theta,laser,laser_x,laser_y,laser_theta,angle_min,angle_increment,range_max,first_beam_after,"
-    "time_increment,ticks,elevation,name,value,ranges\n";
+/// Numbers in a written CSV file, in their order; what is no number comes behind them.
+constexpr std::array kWrittenNumbers{
+    TableNumber::kStamp,          TableNumber::kX,          TableNumber::kY,
+    TableNumber::kTheta,          TableNumber::kLaser,      TableNumber::kLaserX,
+    TableNumber::kLaserY,         TableNumber::kLaserTheta, TableNumber::kAngleMin,
+    TableNumber::kAngleIncrement, TableNumber::kRangeMax,   TableNumber::kFirstBeamAfter,
+    TableNumber::kTimeIncrement,  TableNumber::kTicks,      TableNumber::kElevation};
+constexpr std::array kRobotPose{TableNumber::kX, TableNumber::kY, TableNumber::kTheta};
+constexpr std::array kLaserPose{TableNumber::kLaserX, TableNumber::kLaserY, TableNumber::kLaserTheta};
 
-using CsvCells = std::array<std::string, kCsvColumns>;
+/// A row by its columns.
+struct CsvCells {
+  std::array<std::string, kTableNumbers> numbers{};
+  std::string name{};
+  std::string value{};
+  std::string ranges{};
+
+  std::string& operator[](TableNumber number) { return numbers[static_cast<std::size_t>(number)]; }
+  [[nodiscard]] std::string line() const {
+    std::string text;
+    for (const TableNumber number : kWrittenNumbers) (text += numbers[static_cast<std::size_t>(number)]) += ',';
+    return text + fmt::format("{},{},{}\n", name, value, ranges);
+  }
+};
+
+std::string csv_header() {
+  CsvCells names{
+      .name = std::string(kNameColumn), .value = std::string(kValueColumn), .ranges = std::string(kRangesColumn)};
+  for (const TableNumber number : kWrittenNumbers) names[number] = table_name(number);
+  return names.line();
+}
 
 std::string shortest(double value) { return fmt::format("{}", value); }
 
-void fill_pose(CsvCells& cells, const Pose2& pose, std::size_t first) {
-  cells[first] = shortest(pose.x_m);
-  cells[first + 1] = shortest(pose.y_m);
-  cells[first + 2] = shortest(pose.theta_rad);
+void fill_pose(CsvCells& cells, const Pose2& pose, const std::array<TableNumber, 3>& columns) {
+  cells[columns[0]] = shortest(pose.x_m);
+  cells[columns[1]] = shortest(pose.y_m);
+  cells[columns[2]] = shortest(pose.theta_rad);
 }
 
 std::string csv_text(std::string_view text) {
@@ -60,16 +66,16 @@ std::string csv_text(std::string_view text) {
 
 void fill_scan(CsvCells& cells, const ScanRecord& record) {
   const LaserScan& scan = record.scan;
-  cells[kStamp] = shortest(scan.stamp_s);
-  if (record.T_odom_base) fill_pose(cells, *record.T_odom_base, kX);
-  cells[kLaser] = std::to_string(record.laser);
-  fill_pose(cells, scan.T_base_laser, kLaserX);
-  cells[kAngleMin] = shortest(scan.first_bearing_rad);
-  cells[kAngleIncrement] = shortest(scan.bearing_step_rad);
-  cells[kRangeMax] = shortest(scan.max_range_m);
-  cells[kFirstBeamAfter] = shortest(scan.first_beam_after_s);
-  cells[kTimeIncrement] = shortest(scan.beam_period_s);
-  std::string& list = cells[kRanges];
+  cells[TableNumber::kStamp] = shortest(scan.stamp_s);
+  if (record.T_odom_base) fill_pose(cells, *record.T_odom_base, kRobotPose);
+  cells[TableNumber::kLaser] = std::to_string(record.laser);
+  fill_pose(cells, scan.T_base_laser, kLaserPose);
+  cells[TableNumber::kAngleMin] = shortest(scan.first_bearing_rad);
+  cells[TableNumber::kAngleIncrement] = shortest(scan.bearing_step_rad);
+  cells[TableNumber::kRangeMax] = shortest(scan.max_range_m);
+  cells[TableNumber::kFirstBeamAfter] = shortest(scan.first_beam_after_s);
+  cells[TableNumber::kTimeIncrement] = shortest(scan.beam_period_s);
+  std::string& list = cells.ranges;
   for (const float range_m : scan.ranges_m) fmt::format_to(std::back_inserter(list), "{} ", range_m);
   list.empty() ? void(list = "none") : list.pop_back();
 }
@@ -82,20 +88,30 @@ void append_pose_of(std::string& line, std::string_view key, const Pose2& pose) 
   append_numbers(line, key, {pose.x_m, pose.y_m, pose.theta_rad});
 }
 
+template <class Number>
+void append_number(std::string& line, TableNumber key, Number number) {
+  fmt::format_to(std::back_inserter(line), ",\"{}\":{}", table_name(key), number);
+}
+
+std::string line_of(double stamp_s) { return fmt::format("{{\"{}\":{}", table_name(TableNumber::kStamp), stamp_s); }
+
 std::string scan_line(const ScanRecord& record) {
   const LaserScan& scan = record.scan;
-  std::string line = fmt::format("{{\"stamp\":{}", scan.stamp_s);
-  if (record.T_odom_base) append_pose_of(line, "odom", *record.T_odom_base);
-  append_pose_of(line, "mount", scan.T_base_laser);
-  fmt::format_to(std::back_inserter(line), ",\"laser\":{},\"angle_min\":{},\"angle_increment\":{},\"range_max\":{}",
-                 record.laser, scan.first_bearing_rad, scan.bearing_step_rad, scan.max_range_m);
-  fmt::format_to(std::back_inserter(line), ",\"first_beam_after\":{},\"time_increment\":{},\"ranges\":[",
-                 scan.first_beam_after_s, scan.beam_period_s);
+  std::string line = line_of(scan.stamp_s);
+  if (record.T_odom_base) append_pose_of(line, kOdomKey, *record.T_odom_base);
+  append_pose_of(line, kMountKey, scan.T_base_laser);
+  append_number(line, TableNumber::kLaser, record.laser);
+  append_number(line, TableNumber::kAngleMin, scan.first_bearing_rad);
+  append_number(line, TableNumber::kAngleIncrement, scan.bearing_step_rad);
+  append_number(line, TableNumber::kRangeMax, scan.max_range_m);
+  append_number(line, TableNumber::kFirstBeamAfter, scan.first_beam_after_s);
+  append_number(line, TableNumber::kTimeIncrement, scan.beam_period_s);
+  fmt::format_to(std::back_inserter(line), ",\"{}\":[", kRangesColumn);
   for (const float range_m : scan.ranges_m) {  // JSON has no infinity
     line += std::isfinite(range_m) ? fmt::format("{},", range_m) : "null,";
   }
   if (!scan.ranges_m.empty()) line.pop_back();
-  return line + "]}\n";
+  return line + ']';
 }
 
 std::string json_string(const std::string& text) {
@@ -104,26 +120,26 @@ std::string json_string(const std::string& text) {
 
 }  // namespace
 
-CsvLog::CsvLog(AtomicFile& file) : sink_(file) { sink_.write(kCsvHeader); }
+CsvLog::CsvLog(AtomicFile& file) : sink_(file) { sink_.write(csv_header()); }
 
 void CsvLog::write(const LogRecord& record) {
   CsvCells cells;
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     fill_scan(cells, *scan);
   } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
-    cells[kStamp] = shortest(odometry->stamp_s);
-    fill_pose(cells, odometry->T_odom_base, kX);
+    cells[TableNumber::kStamp] = shortest(odometry->stamp_s);
+    fill_pose(cells, odometry->T_odom_base, kRobotPose);
   } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
-    cells[kStamp] = shortest(encoder->stamp_s);
-    cells[kTicks] = std::to_string(encoder->ticks);
+    cells[TableNumber::kStamp] = shortest(encoder->stamp_s);
+    cells[TableNumber::kTicks] = std::to_string(encoder->ticks);
   } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
-    cells[kStamp] = shortest(tilt->stamp_s);
-    cells[kElevation] = shortest(tilt->elevation_rad);
+    cells[TableNumber::kStamp] = shortest(tilt->stamp_s);
+    cells[TableNumber::kElevation] = shortest(tilt->elevation_rad);
   } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
-    cells[kName] = csv_text(parameter->name);
-    cells[kValue] = csv_text(parameter->value);
+    cells.name = csv_text(parameter->name);
+    cells.value = csv_text(parameter->value);
   }
-  sink_.write(fmt::format("{}\n", fmt::join(cells, ",")));
+  sink_.write(cells.line());
 }
 
 void JsonLinesLog::write(const LogRecord& record) {
@@ -131,17 +147,19 @@ void JsonLinesLog::write(const LogRecord& record) {
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     line = scan_line(*scan);
   } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
-    line = fmt::format("{{\"stamp\":{}", odometry->stamp_s);
-    append_pose_of(line, "odom", odometry->T_odom_base);
-    line += "}\n";
+    line = line_of(odometry->stamp_s);
+    append_pose_of(line, kOdomKey, odometry->T_odom_base);
   } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
-    line = fmt::format("{{\"stamp\":{},\"ticks\":{}}}\n", encoder->stamp_s, encoder->ticks);
+    line = line_of(encoder->stamp_s);
+    append_number(line, TableNumber::kTicks, encoder->ticks);
   } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
-    line = fmt::format("{{\"stamp\":{},\"elevation\":{}}}\n", tilt->stamp_s, tilt->elevation_rad);
+    line = line_of(tilt->stamp_s);
+    append_number(line, TableNumber::kElevation, tilt->elevation_rad);
   } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
-    line = fmt::format("{{\"name\":{},\"value\":{}}}\n", json_string(parameter->name), json_string(parameter->value));
+    line = fmt::format("{{\"{}\":{},\"{}\":{}", kNameColumn, json_string(parameter->name), kValueColumn,
+                       json_string(parameter->value));
   }
-  sink_.write(line);
+  sink_.write(line + "}\n");
 }
 
 }  // namespace gdtslam

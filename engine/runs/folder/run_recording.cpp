@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/logs/steady_mount.hpp"
 #include "engine/io/writers/mcap_writer.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 

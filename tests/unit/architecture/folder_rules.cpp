@@ -37,7 +37,7 @@ Arrows make_arrows() {
       {"engine/io/recordings", {"engine/io", "engine/io/recordings/containers"}},
       {"engine/io/tables", {"engine/io"}},
       {"engine/io/logs", {"engine/io", "engine/io/recordings", "engine/io/tables"}},
-      {"engine/io/writers", {"engine/io", "engine/io/logs"}},
+      {"engine/io/writers", {"engine/io", "engine/io/logs", "engine/io/tables"}},
       {"engine/io/clouds", {"engine/io", "engine/io/logs"}},
       {"engine/io/meshes", {"engine/io", "engine/io/logs", "engine/io/clouds"}},
       {"engine/io/maps", {"engine/io", "engine/io/logs", "engine/io/yaml"}},

@@ -105,6 +105,21 @@ TEST(Bag, TransformsAreOdometryWhereThereIsNoOther) {
                    .T_odom_base.has_value());
 }
 
+// A quaternion of doubles tells an angle to some 1e-16, so that one of nine decimals is found again.
+TEST(Bag, AHeadingOfFewDecimalsComesBackAsItWas) {
+  const auto heading_of = [](double yaw_rad) {
+    const std::string data = bag_connection(0, "/scan", kScanType) + bag_connection(1, "/odom", kOdometryType) +
+                             bag_message(1, 1.0, ros_odometry(1.0, {.yaw_rad = yaw_rad})) +
+                             bag_message(0, 1.0, ros_scan({.stamp_s = 1.0}));
+    return drained_bag(bag_file(data)).of<ScanRecord>().at(0).T_odom_base->theta_rad;
+  };
+  for (const double yaw_rad : {0.0, 0.001, -0.004, 0.7853, 1.570796, -2.123456789, 3.141592, -3.141592653}) {
+    EXPECT_EQ(heading_of(yaw_rad), yaw_rad);
+  }
+  for (int k = -3141; k <= 3141; k += 7) EXPECT_EQ(heading_of(k / 1000.0), k / 1000.0);
+  for (const double yaw_rad : {1.0 / 3.0, -2.0 / 3.0, 0.5 * kPi}) EXPECT_NEAR(heading_of(yaw_rad), yaw_rad, 4e-15);
+}
+
 TEST(Bag, TheMountComesFromTheTreeOfFrames) {
   const auto scan_with = [](const std::string& transforms, const RosScan& scan, const ReadOptions& options = {}) {
     const std::string data = bag_connection(0, "/scan", kScanType) + bag_connection(1, "/tf_static", kTransformType);

@@ -23,7 +23,10 @@ void SimulatedLog::write(std::string_view lines, double max_range_m) {
   while (!lines.empty()) {
     const std::size_t end = lines.find('\n');
     CarmenLine line = parse_carmen_line(lines.substr(0, end), {});
-    if (auto* scan = std::get_if<ScanRecord>(&*line.record)) scan->scan.max_range_m = max_range_m;
+    if (auto* const scan = std::get_if<ScanRecord>(&*line.record)) {
+      scan->scan.max_range_m = max_range_m;
+      scan->scan.T_base_laser = mount_.of(scan->scan.T_base_laser, line.pose_decimals);
+    }
     records_->write(*line.record);
     lines.remove_prefix(end + 1);
   }

@@ -10,6 +10,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/logs/gzip_file.hpp"
+#include "engine/io/logs/steady_mount.hpp"
 #include "engine/io/writers/log_writer.hpp"
 
 namespace gdtslam {
@@ -29,6 +30,7 @@ class SimulatedLog {
  private:
   std::unique_ptr<TextSink> text_;      ///< CARMEN
   std::unique_ptr<LogWriter> records_;  ///< the others
+  SteadyMount mount_;
 };
 
 }  // namespace gdtslam

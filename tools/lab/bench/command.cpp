@@ -39,10 +39,12 @@ struct BenchOptions {
   RecordingOptions recording;
   CertifiedBenchJob certified{};
   LiveBenchJob live{};
+  LogBenchJob logs{};
   bool json = false;
   bool flood_errors = false;
   [[nodiscard]] bool is_certified() const { return filter == "certified"; }
   [[nodiscard]] bool is_live() const { return filter == "live"; }
+  [[nodiscard]] bool is_logs() const { return filter == "logs"; }
 };
 
 /// All rows of one backend, and what it is called.
@@ -272,6 +274,15 @@ int print_live(Backend& cpu, const BenchOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+int print_logs(const Backend& cpu, const BenchOptions& options) {
+  LogBenchJob job = options.logs;
+  job.timing = options.timing;
+  job.timing.longest_s = 0.5;  // of nine formats, each with what stands beside it
+  print_result(bench_logs(
+      job, cpu, [] { return interrupted(); }, options.json));
+  return static_cast<int>(ExitCode::kDone);
+}
+
 int bench(const BenchOptions& options) {
   if (!options.is_certified() && !options.is_live() && !options.log.empty()) {
     throw UsageError("bench: --log is for 'gdtslam bench certified' and 'gdtslam bench live'");
@@ -282,6 +293,7 @@ int bench(const BenchOptions& options) {
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
   if (options.is_live()) return print_live(*cpu, options);
   if (options.is_certified()) return print_certified(*cpu, options);
+  if (options.is_logs()) return print_logs(*cpu, options);
   const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
   if (options.flood_errors) return print_flood_errors(device ? *device : *cpu, options);
   std::vector<Measured> all{measure_all(*cpu, "cpu", options)};
@@ -304,7 +316,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
                    "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; "
                    "'sweep': whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage; "
                    "'certified': certified matching in the merged map of a log, on the CPU; 'live': each scan of a log "
-                   "that is mapped with loops, as it comes, on the CPU")
+                   "that is mapped with loops, as it comes, on the CPU; 'logs': logs of every format read")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
@@ -332,6 +344,12 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->type_name("N")
       ->check(CLI::Range(0.0, 1.0e6).description(""))
       ->capture_default_str();
+  command
+      ->add_option("--megabytes", options->logs.megabytes,
+                   "logs: size of the drive, as an MCAP file that is not packed, in 1e6 bytes")
+      ->type_name("N")
+      ->check(CLI::Range(0.1, 1.0e4).description(""))
+      ->capture_default_str();
   command->add_flag("--flood-errors", options->flood_errors,
                     "Instead of times: the errors of jump flooding from 512 to --size, as a table");
   command->add_flag("--json", options->json, "Print JSON");
@@ -343,6 +361,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       "Examples:\n  gdtslam bench\n  gdtslam bench --device vulkan --json\n  gdtslam bench pose_cost --isa avx2\n"
       "  gdtslam bench clouds\n  gdtslam bench viewer\n  gdtslam bench certified --log intel.clf.gz\n"
       "  gdtslam bench live --log intel.clf.gz --json\n"
+      "  gdtslam bench logs --megabytes 100\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");
   command->callback([options, &context] { context.run = [options] { return bench(*options); }; });
 }

@@ -160,4 +160,14 @@ struct LiveBenchJob {
 /// As the command prints it, for people or JSON. The backend is the CPU's. Throws as bench_certified().
 std::string bench_live(const LiveBenchJob& job, Backend& backend, const std::function<bool()>& stop, bool is_json);
 
+/// What `gdtslam bench logs` measures: a drive is written in every format into a temporary folder, in memory where the
+/// system has such a place, and each file is read as `map` reads it.
+struct LogBenchJob {
+  double megabytes = 32.0;  ///< of the drive as an MCAP file that is not packed; text takes about twice that
+  TimingOptions timing;
+};
+
+/// As the command prints it, for people or JSON. Throws FileError; Error(kInterrupted) when stop() became true.
+std::string bench_logs(const LogBenchJob& job, const Backend& backend, const std::function<bool()>& stop, bool is_json);
+
 }  // namespace gdtslam

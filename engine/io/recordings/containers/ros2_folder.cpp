@@ -205,26 +205,6 @@ class SpooledBag final : public Recording {
   SqliteBag bag_;
 };
 
-/// What was read of a source to know it, then the rest.
-class BegunSource final : public ByteSource {
- public:
-  BegunSource(std::string head, std::unique_ptr<ByteSource> rest) : head_(std::move(head)), rest_(std::move(rest)) {}
-  std::size_t read(std::span<char> target) override {
-    if (begin_ == head_.size()) return rest_->read(target);
-    const std::size_t count = head_.copy(target.data(), target.size(), begin_);
-    begin_ += count;
-    return count;
-  }
-  [[nodiscard]] double progress() const override { return rest_->progress(); }
-  [[nodiscard]] std::uint64_t bytes_from_file() const override { return rest_->bytes_from_file(); }
-  [[nodiscard]] std::string defect() const override { return rest_->defect(); }
-
- private:
-  std::string head_;
-  std::size_t begin_ = 0;
-  std::unique_ptr<ByteSource> rest_;
-};
-
 std::string first_bytes(ByteSource& source) {
   std::string head(kMostHeadBytes, '\0');
   std::size_t size = 0;
@@ -337,7 +317,7 @@ std::unique_ptr<Recording> open_ros2_file(const std::string& path) {
   }
   std::string head = first_bytes(*source);
   if (head.starts_with(kSqliteMagic)) return std::make_unique<SpooledBag>(*source, head);
-  return std::make_unique<McapFile>(std::make_unique<BegunSource>(std::move(head), std::move(source)));
+  return std::make_unique<McapFile>(with_head(std::move(head), std::move(source)));
 }
 
 std::unique_ptr<Recording> open_ros2_folder(const std::string& folder) {
