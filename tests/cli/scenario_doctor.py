@@ -84,6 +84,24 @@ def doctor_of_several_lasers():
     examined(folder / "my drive.bag", "--crank", "/servo", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg")
 
 
+def doctor_of_hostile_names():
+    """Names of topics, frames and files that would add lines of their own, or words to the line to type."""
+    folder = cli.fresh_folder("doctor_of_hostile_names")
+    name, frame = "/a\n-> rm -rf '/$HOME'\x1b[2J", "b\n-> c"
+    data = bags.connection(0, name, bags.SCAN) + bags.connection(1, "/scan", bags.SCAN)
+    for seconds, x, y in bags.drive():
+        data += bags.message(0, seconds, bags.scan(seconds, cli.room_ranges(x, y, 0.0), frame=frame))
+        data += bags.message(1, seconds, bags.scan(seconds, cli.room_ranges(x, y, 0.0)))
+    log = folder / "it's $(a) log.bag"
+    log.write_bytes(bags.bag(bags.chunk(data)))
+    text = command("doctor", log).stdout
+    expect("\x1b" not in text and not any(line.startswith("-> rm") or line == "-> c" for line in text.splitlines()), text)
+    lines = [entry["line"] for entry in examined(log)["commands"]]
+    expect(len(lines) == 3 and all("\n" not in line and "\x1b" not in line for line in lines), lines)
+    words = subprocess.run(["bash", "-c", f"printf '%s\\0' {lines[0]}"], capture_output=True, text=True, check=True).stdout
+    expect(words.split("\0") == ["gdtslam", "map", str(log), "--topic", name, "-o", "out", ""], words)
+
+
 def doctor_without_scans():
     """A recording without scans is told to hold what it holds; a cut one gives what it has."""
     folder = cli.fresh_folder("doctor_without_scans")
