@@ -259,5 +259,3 @@ def bag_faults():
     expect_exit(process, 0)
     found = json.loads(process.stdout)
     expect(found["scans"] == 40, f"{found}")
-    process = command("doctor", folder / "two.bag")
-    expect_exit(process, 2)

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/io/log_contents.hpp"
 #include "engine/io/logs/carmen.hpp"
 #include "engine/io/maps/pgm.hpp"
 #include "engine/io/maps/png.hpp"
@@ -45,7 +46,7 @@ inline void check_record(const LogRecord& record) {
   }
 }
 
-using OpenBytes = std::unique_ptr<LogReader> (*)(std::span<const std::byte>, const std::string&, const ReadOptions&);
+using OpenBytes = std::unique_ptr<DescribedLog> (*)(std::span<const std::byte>, const std::string&, const ReadOptions&);
 
 inline void drain(OpenBytes open, std::span<const std::byte> data, bool lenient) {
   try {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -9,6 +10,7 @@
 #include "engine/io/byte_source.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/line_reader.hpp"
+#include "engine/io/log_contents.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/scan_sequence.hpp"
 #include "engine/io/unpack_source.hpp"
@@ -20,9 +22,11 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kBinaryProbeBytes = 4096;
+constexpr std::size_t kMostKindShown = 40;
+constexpr std::string_view kLineBlanks = " \t\r";
 constexpr double kFarMountM = 3.0;  // farther than a laser sits on any robot of these logs
 
-class CarmenReader final : public LogReader {
+class CarmenReader final : public DescribedLog {
  public:
   CarmenReader(std::unique_ptr<ByteSource> source, std::string name, const ReadOptions& options)
       : name_(std::move(name)), options_(options), lines_(std::move(source), kMaxLogLineBytes) {
@@ -47,6 +51,12 @@ class CarmenReader final : public LogReader {
   }
   [[nodiscard]] double progress() const override { return lines_.source().progress(); }
   [[nodiscard]] const std::vector<Warning>& warnings() const override { return warnings_.list(); }
+  [[nodiscard]] LogContents contents() const override {
+    LogContents contents;
+    contents.format = "CARMEN";
+    contents.lines = kinds_.list();
+    return contents;
+  }
 
  private:
   std::optional<LogRecord> record_of(const TextLine& line) {
@@ -61,12 +71,19 @@ class CarmenReader final : public LogReader {
         warn("cut last line", "its end may be missing, so it is dropped");
         return std::nullopt;
       }
+      count(line.text, parsed);
       note(parsed);
       return std::move(parsed.record);
     } catch (const MalformedLine& error) {
       refuse(line, error.what());
       return std::nullopt;
     }
+  }
+
+  void count(std::string_view text, const CarmenLine& parsed) {
+    if (!parsed.record && parsed.skipped_kind.empty()) return;  // a comment, or nothing
+    text.remove_prefix(std::min(text.find_first_not_of(kLineBlanks), text.size()));
+    kinds_.add(one_line(text.substr(0, text.find_first_of(kLineBlanks)), kMostKindShown), parsed.record.has_value());
   }
 
   /// Some editors begin a text with U+FEFF.
@@ -165,6 +182,7 @@ class CarmenReader final : public LogReader {
   ReadOptions options_;
   LineReader lines_;
   WarningCounter warnings_;
+  LineCounter kinds_;
   std::array<ScanSequence, 2> sequences_;  ///< of each laser
   std::array<SteadyMount, 2> mounts_;      ///< likewise
   double stated_max_range_m_ = 0.0;
@@ -173,24 +191,24 @@ class CarmenReader final : public LogReader {
   bool finished_ = false;
 };
 
-std::unique_ptr<LogReader> read_carmen(std::unique_ptr<ByteSource> source, const std::string& name,
-                                       const ReadOptions& options) {
+std::unique_ptr<DescribedLog> read_carmen(std::unique_ptr<ByteSource> source, const std::string& name,
+                                          const ReadOptions& options) {
   return std::make_unique<CarmenReader>(gunzip_if_packed(std::move(source), name), name, options);
 }
 
 }  // namespace
 
-std::unique_ptr<LogReader> open_carmen(const std::string& path, const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_carmen(const std::string& path, const ReadOptions& options) {
   return read_carmen(open_file_source(path), path == "-" ? "standard input" : path, options);
 }
 
-std::unique_ptr<LogReader> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                       const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                          const ReadOptions& options) {
   return std::make_unique<CarmenReader>(std::move(unpacked), name, options);
 }
 
-std::unique_ptr<LogReader> open_carmen(std::span<const std::byte> data, const std::string& name,
-                                       const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_carmen(std::span<const std::byte> data, const std::string& name,
+                                          const ReadOptions& options) {
   return read_carmen(open_memory_source(data), name, options);
 }
 

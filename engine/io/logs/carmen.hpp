@@ -13,8 +13,8 @@
 #include <string>
 
 #include "engine/io/byte_source.hpp"
+#include "engine/io/log_contents.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
 
@@ -22,15 +22,15 @@ namespace gdtslam {
 inline constexpr std::size_t kMaxLogLineBytes = std::size_t{4} << 20;
 
 /// A log in a file; "-" is standard input. Throws FileError, or InputError when it is empty or not text.
-std::unique_ptr<LogReader> open_carmen(const std::string& path, const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_carmen(const std::string& path, const ReadOptions& options);
 
 /// A log out of a source that was unpacked already.
-std::unique_ptr<LogReader> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                       const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_carmen(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                          const ReadOptions& options);
 
 /// A log in memory, which must outlive the reader; `name` stands in messages.
-std::unique_ptr<LogReader> open_carmen(std::span<const std::byte> data, const std::string& name,
-                                       const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_carmen(std::span<const std::byte> data, const std::string& name,
+                                          const ReadOptions& options);
 
 /// Bearings of a scan of which only the number of beams is known.
 struct BearingRule {

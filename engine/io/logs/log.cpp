@@ -12,6 +12,7 @@
 
 #include "carmen.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/log_contents.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
 #include "engine/io/tables/table_reader.hpp"
 #include "engine/io/unpack_source.hpp"
@@ -25,8 +26,8 @@ std::string supported() {
   return fmt::format("supported are {} logs, plain or packed by gzip, bzip2, xz or zstd", kLogFormats);
 }
 
-using OpenUnpacked = std::unique_ptr<LogReader> (*)(std::unique_ptr<ByteSource>, const std::string&,
-                                                    const ReadOptions&);
+using OpenUnpacked = std::unique_ptr<DescribedLog> (*)(std::unique_ptr<ByteSource>, const std::string&,
+                                                       const ReadOptions&);
 
 /// The first bytes of a container: what reads it, how it is unpacked or, where nothing does, what it is.
 struct Magic {
@@ -94,9 +95,24 @@ std::unique_ptr<ByteSource> unpacked(std::unique_ptr<ByteSource> source, const s
   return source;
 }
 
+/// Text logs have one laser's scans and one odometry, and nothing to choose from.
+void refuse_topics(const TopicChoice& chosen, const std::string& name, std::string_view kind) {
+  const auto refuse = [&](std::string_view what) {
+    throw UsageError(fmt::format("{}: is {}, which has no topics: leave out {}", name, kind, what));
+  };
+  if (!chosen.scans.empty()) refuse("--topic");
+  if (!chosen.odometry.empty()) refuse("--odom");
+  if (!chosen.crank.empty()) refuse("--crank");
+  if (!chosen.mounts.empty()) refuse("the name in --mount NAME=x,y,yaw");
+}
+
 }  // namespace
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options) {
+  return open_described_log(path, options);
+}
+
+std::unique_ptr<DescribedLog> open_described_log(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   if (path != "-" && std::filesystem::is_directory(path, ignored)) return open_ros2_bag(path, options);
   const std::string name = path == "-" ? "standard input" : path;
@@ -104,13 +120,17 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& 
   std::unique_ptr<ByteSource> source = unpacked(open_file_source(path), name, head);
   const std::optional<TableKind> table = table_kind_of(*source, head);
   source = with_head(head, std::move(source));
-  if (table) return open_table(*table, std::move(source), name, options);
+  if (table) {
+    refuse_topics(options.topics, name, *table == TableKind::kCsv ? "a CSV file" : "a file of JSON lines");
+    return open_table(*table, std::move(source), name, options);
+  }
   for (const Magic& magic : kMagics) {
     if (!head.starts_with(magic.bytes)) continue;
     if (magic.bytes == kSqliteHead && path != "-") return open_ros2_bag(path, options);
     if (magic.open != nullptr) return magic.open(std::move(source), name, options);
     throw InputError({name, 0}, fmt::format("is {}; {}", magic.kind, supported()));
   }
+  refuse_topics(options.topics, name, "a CARMEN log");
   return open_carmen(std::move(source), name, options);
 }
 

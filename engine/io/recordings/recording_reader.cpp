@@ -22,6 +22,8 @@
 #include "engine/io/warning_counter.hpp"
 #include "gdtslam/core/error.hpp"
 #include "messages.hpp"
+#include "recording_survey.hpp"
+#include "recording_uses.hpp"
 #include "scan_assembler.hpp"
 #include "topics.hpp"
 
@@ -47,16 +49,18 @@ ReadOptions with_topic_names(ReadOptions options) {
   return options;
 }
 
-class RecordingReader final : public LogReader {
+class RecordingReader final : public DescribedLog {
  public:
-  RecordingReader(const RecordingMaker& make, std::string name, const ReadOptions& options)
-      : name_(std::move(name)),
+  RecordingReader(const RecordingMaker& make, std::string_view format, std::string name, const ReadOptions& options)
+      : format_(format),
+        name_(std::move(name)),
         options_(with_topic_names(options)),
         recording_(opened(make)),
         assembler_(options_, [this](std::string_view kind, const std::string& detail) { warn(kind, detail); }) {
     const std::size_t colon = options_.topics.crank.find(':');
     crank_topic_ = options_.topics.crank.substr(0, colon);
     if (colon != std::string::npos) joint_ = options_.topics.crank.substr(colon + 1);
+    if (options_.survey) survey_.emplace();
   }
 
   std::optional<LogRecord> next() override {
@@ -74,6 +78,14 @@ class RecordingReader final : public LogReader {
   }
   [[nodiscard]] double progress() const override { return recording_->progress(); }
   [[nodiscard]] const std::vector<Warning>& warnings() const override { return warnings_.list(); }
+  [[nodiscard]] LogContents contents() const override {
+    LogContents contents = survey_ ? survey_->contents() : LogContents{};
+    contents.format = format_;
+    contents.is_recording = true;
+    tell_uses({.choice = options_.topics, .odometry = odometry_topic_, .crank = crank_topic_, .lasers = lasers_},
+              assembler_, contents);
+    return contents;
+  }
 
  private:
   std::unique_ptr<Recording> opened(const RecordingMaker& make) const {
@@ -100,6 +112,7 @@ class RecordingReader final : public LogReader {
   [[nodiscard]] bool is_wanted(std::uint32_t number) const {
     const TopicChannel* const channel = topics_.find(number);
     if (channel == nullptr) return false;
+    if (survey_ && RecordingSurvey::wants(*channel)) return true;
     const std::string& topic = channel->definition.topic;
     if (has_scans(*channel)) return is_chosen(topic);
     if (channel->kind == MessageKind::kOdometry) return odometry_topic_.empty() || topic == odometry_topic_;
@@ -138,6 +151,7 @@ class RecordingReader final : public LogReader {
   void take(const RecordingItem& item) {
     if (item.definition) {
       topics_.add(item.channel, *item.definition);
+      if (survey_) survey_->add_channel(*item.definition);
       return;
     }
     try {
@@ -155,6 +169,7 @@ class RecordingReader final : public LogReader {
     const bool is_cdr = encoding == MessageEncoding::kCdr;
     const MessageBytes message{.bytes = is_cdr ? unpacked_message(item.bytes, unpacked_) : item.bytes,
                                .encoding = encoding};
+    if (survey_) survey_->add(channel, message, item.received_s);
     if (has_scans(channel)) {
       take_scan(channel, message, item.received_s);
     } else if (channel.kind == MessageKind::kOdometry) {
@@ -198,7 +213,7 @@ class RecordingReader final : public LogReader {
   void take_scan(const TopicChannel& channel, const MessageBytes& message, double received_s) {
     const std::string& topic = channel.definition.topic;
     if (!is_chosen(topic)) {
-      if (options_.topics.scans.empty()) refuse_to_choose();
+      if (options_.topics.scans.empty() && !survey_) refuse_to_choose();
       return;
     }
     ScanMessage scan = channel.kind == MessageKind::kScan ? read_scan(message) : read_echo_scan(message);
@@ -251,7 +266,7 @@ class RecordingReader final : public LogReader {
     is_finished_ = true;
     if (const std::string defect = recording_->defect(); !defect.empty()) warn("gzip stream", defect);
     check_choice();
-    if (given_ > 0) return;
+    if (given_ > 0 || survey_) return;
     throw InputError({name_, 0}, fmt::format("has no message sensor_msgs/LaserScan; its topics are {}",
                                              topics_.text([](const TopicChannel&) { return true; })));
   }
@@ -261,6 +276,7 @@ class RecordingReader final : public LogReader {
     if (!warnings_.add_to(kind)) warnings_.add(kind, fmt::format("{}: {}: {}", name_, place, detail));
   }
 
+  std::string format_;
   std::string name_;
   ReadOptions options_;
   std::unique_ptr<Recording> recording_;
@@ -268,6 +284,7 @@ class RecordingReader final : public LogReader {
   WarningCounter warnings_;
   std::vector<ScanSequence> sequences_;  ///< of each laser
   TopicTable topics_;
+  std::optional<RecordingSurvey> survey_;
   std::map<std::string, std::size_t, std::less<>> lasers_;  ///< numbers of lasers by their topics
   std::string odometry_topic_;
   std::string crank_topic_;
@@ -281,40 +298,41 @@ class RecordingReader final : public LogReader {
 
 }  // namespace
 
-std::unique_ptr<LogReader> read_recording(const RecordingMaker& make, const std::string& name,
-                                          const ReadOptions& options) {
-  return std::make_unique<RecordingReader>(make, name, options);
+std::unique_ptr<DescribedLog> read_recording(const RecordingMaker& make, std::string_view format,
+                                             const std::string& name, const ReadOptions& options) {
+  return std::make_unique<RecordingReader>(make, format, name, options);
 }
 
-std::unique_ptr<LogReader> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                    const ReadOptions& options) {
-  return read_recording([&] { return std::make_unique<Ros1Bag>(std::move(unpacked)); }, name, options);
+std::unique_ptr<DescribedLog> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                       const ReadOptions& options) {
+  return read_recording([&] { return std::make_unique<Ros1Bag>(std::move(unpacked)); }, "ROS 1 bag", name, options);
 }
 
-std::unique_ptr<LogReader> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                     const ReadOptions& options) {
-  return read_recording([&] { return std::make_unique<McapFile>(std::move(unpacked)); }, name, options);
+std::unique_ptr<DescribedLog> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                        const ReadOptions& options) {
+  return read_recording([&] { return std::make_unique<McapFile>(std::move(unpacked)); }, "MCAP", name, options);
 }
 
-std::unique_ptr<LogReader> open_ros2_bag(const std::string& path, const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_ros2_bag(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(path, ignored);
-  return read_recording([&] { return is_folder ? open_ros2_folder(path) : open_ros2_file(path); }, path, options);
+  return read_recording([&] { return is_folder ? open_ros2_folder(path) : open_ros2_file(path); },
+                        is_folder ? "ROS 2 bag" : "ROS 2 bag, one file", path, options);
 }
 
-std::unique_ptr<LogReader> open_sqlite_bag(std::span<const std::byte> data, const std::string& name,
-                                           const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_sqlite_bag(std::span<const std::byte> data, const std::string& name,
+                                              const ReadOptions& options) {
   const std::string_view bytes(reinterpret_cast<const char*>(data.data()), data.size());
-  return read_recording([&] { return std::make_unique<SqliteBag>(bytes); }, name, options);
+  return read_recording([&] { return std::make_unique<SqliteBag>(bytes); }, "ROS 2 bag, one file", name, options);
 }
 
-std::unique_ptr<LogReader> open_bag(std::span<const std::byte> data, const std::string& name,
-                                    const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_bag(std::span<const std::byte> data, const std::string& name,
+                                       const ReadOptions& options) {
   return open_bag(gunzip_if_packed(open_memory_source(data), name), name, options);
 }
 
-std::unique_ptr<LogReader> open_mcap(std::span<const std::byte> data, const std::string& name,
-                                     const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_mcap(std::span<const std::byte> data, const std::string& name,
+                                        const ReadOptions& options) {
   return open_mcap(gunzip_if_packed(open_memory_source(data), name), name, options);
 }
 

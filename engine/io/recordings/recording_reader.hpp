@@ -9,41 +9,42 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "containers/recording.hpp"
 #include "engine/io/byte_source.hpp"
+#include "engine/io/log_contents.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
 
 /// A ROS 2 bag's SQLite file in memory, for tests; it is copied.
-std::unique_ptr<LogReader> open_sqlite_bag(std::span<const std::byte> data, const std::string& name,
-                                           const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_sqlite_bag(std::span<const std::byte> data, const std::string& name,
+                                              const ReadOptions& options);
 
 /// Opens the container of a recording. Throws RecordingFault where it is none.
 using RecordingMaker = std::function<std::unique_ptr<Recording>()>;
 
-/// Whatever container it is in; `name` stands in messages. next() throws UsageError where several topics have scans and
-/// ReadOptions::topics names none of them; InputError where the recording is damaged (with ReadOptions::lenient chunks
-/// and messages that are damaged are counted instead) or has no scan.
-std::unique_ptr<LogReader> read_recording(const RecordingMaker& make, const std::string& name,
-                                          const ReadOptions& options);
+/// Whatever container it is in, `format` in words; `name` stands in messages. next() throws UsageError where several
+/// topics have scans and ReadOptions::topics names none of them; InputError where the recording is damaged (with
+/// ReadOptions::lenient chunks and messages that are damaged are counted instead) or has no scan.
+std::unique_ptr<DescribedLog> read_recording(const RecordingMaker& make, std::string_view format,
+                                             const std::string& name, const ReadOptions& options);
 
 /// A ROS 1 bag out of a source that was unpacked already, from its first byte.
-std::unique_ptr<LogReader> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                    const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_bag(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                       const ReadOptions& options);
 /// An MCAP file, likewise.
-std::unique_ptr<LogReader> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                     const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_mcap(std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                        const ReadOptions& options);
 
 /// A ROS 2 bag: its folder, or one file of it (SQLite), packed or not.
-std::unique_ptr<LogReader> open_ros2_bag(const std::string& path, const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_ros2_bag(const std::string& path, const ReadOptions& options);
 
 /// Likewise in memory, which must outlive the reader; packed by gzip or not.
-std::unique_ptr<LogReader> open_bag(std::span<const std::byte> data, const std::string& name,
-                                    const ReadOptions& options);
-std::unique_ptr<LogReader> open_mcap(std::span<const std::byte> data, const std::string& name,
-                                     const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_bag(std::span<const std::byte> data, const std::string& name,
+                                       const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_mcap(std::span<const std::byte> data, const std::string& name,
+                                        const ReadOptions& options);
 
 }  // namespace gdtslam

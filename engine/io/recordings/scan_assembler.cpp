@@ -65,6 +65,7 @@ std::size_t ScanAssembler::add_laser(const std::string& topic) {
 void ScanAssembler::add_scan(std::size_t laser, ScanMessage scan, double received_s) {
   scan_clock_.add(received_s, scan.stamp_s, sweep_s(scan));
   lasers_[laser].last_stamp_s = scan.stamp_s;
+  lasers_[laser].frame = scan.frame;
   auto place = waiting_.end();
   for (auto before = waiting_.end(); before != waiting_.begin();) {
     --before;
@@ -98,6 +99,7 @@ void ScanAssembler::add_transform(const TransformMessage& transform, double rece
 
 void ScanAssembler::add_pose(const TransformMessage& pose, double received_s) {
   if (base_.empty()) base_ = pose.child;
+  odometry_frame_ = pose.parent;
   pose_clock_.add(received_s, pose.stamp_s, 0.0);
   if (!poses_.empty() && pose.stamp_s <= poses_.back().stamp_s) {
     if (pose.stamp_s < poses_.back().stamp_s) warn_("odometry steps back in time", "it is left out");
@@ -175,6 +177,18 @@ const Transform3& ScanAssembler::mount_of(const std::string& frame) {
   if (mounts_.size() >= FrameTree::kMostFrames) mounts_.clear();
   if (mount) return mounts_.emplace(frame, *mount).first->second;
   return mounts_.emplace(frame, Transform3()).first->second;
+}
+
+LaserContents ScanAssembler::laser_contents(std::size_t laser) const {
+  const Laser& known = lasers_[laser];
+  LaserContents contents{.topic = "", .frame = known.frame, .chain = frames_.chain(known.frame, base_)};
+  if (contents.chain.empty()) contents.chain = frames_.chain(known.frame, "");
+  if (known.T_base_laser) {
+    contents.mount = MountSource::kStated;
+  } else if (!contents.chain.empty()) {
+    contents.mount = MountSource::kFrames;
+  }
+  return contents;
 }
 
 ScanRecord ScanAssembler::record_of(HeldScan held) {

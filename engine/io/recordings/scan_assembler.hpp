@@ -15,8 +15,8 @@
 #include <variant>
 #include <vector>
 
+#include "engine/io/log_contents.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/log.hpp"
 #include "messages.hpp"
 #include "topic_clock.hpp"
 #include "transform3.hpp"
@@ -44,11 +44,22 @@ class ScanAssembler {
   /// known, or too many wait, or it is the end.
   std::optional<LogRecord> next(bool at_end);
 
+  // What was found so far, for those who want to know.
+  [[nodiscard]] bool has_odometry() const { return !poses_.empty(); }
+  [[nodiscard]] const std::string& odometry_frame() const { return odometry_frame_; }
+  [[nodiscard]] const std::string& base_frame() const { return base_; }
+  /// What is added to stamps; nothing before it is settled.
+  [[nodiscard]] std::optional<double> odometry_shift_s() const { return pose_shift_s_; }
+  [[nodiscard]] std::optional<double> crank_shift_s() const { return crank_shift_s_; }
+  /// The frame of the laser's scans, and who says where it sits; topic is left empty.
+  [[nodiscard]] LaserContents laser_contents(std::size_t laser) const;
+
  private:
   /// kUnknown: transforms, as long as no odometry has come.
   enum class PoseSource : std::uint8_t { kUnknown, kOdometry, kTransforms };
   struct Laser {
     std::optional<Pose2> T_base_laser;  ///< stated
+    std::string frame{};                ///< of its last scan
     double last_stamp_s = 0.0;
   };
   struct HeldScan {
@@ -69,6 +80,7 @@ class ScanAssembler {
   ReadOptions options_;
   Warn warn_;
   PoseSource source_ = PoseSource::kUnknown;
+  std::string odometry_frame_;
   std::string base_;
   std::vector<Laser> lasers_;
   std::deque<Held> waiting_;

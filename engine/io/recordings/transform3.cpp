@@ -24,6 +24,11 @@ double unrounded_heading(double heading_rad) {
   return std::fabs(whole_rad - heading_rad) <= kLost_rad ? whole_rad : heading_rad;
 }
 
+bool is_base_called(const std::string& frame, const std::string& base) {
+  if (!base.empty()) return frame == base;
+  return std::find(kBaseNames.begin(), kBaseNames.end(), frame) != kBaseNames.end();
+}
+
 }  // namespace
 
 bool Transform3::is_finite() const {
@@ -57,15 +62,24 @@ std::optional<Transform3> FrameTree::find(const std::string& frame, const std::s
   Transform3 T_here_frame;
   std::string here = frame;
   for (int step = 0; step < kMostSteps; ++step) {
-    const bool is_base =
-        base.empty() ? std::find(kBaseNames.begin(), kBaseNames.end(), here) != kBaseNames.end() : here == base;
-    if (is_base) return T_here_frame;
+    if (is_base_called(here, base)) return T_here_frame;
     const auto edge = edges_.find(here);
     if (edge == edges_.end()) return std::nullopt;
     T_here_frame = edge->second.T_parent_child * T_here_frame;
     here = edge->second.parent;
   }
   return std::nullopt;
+}
+
+std::vector<std::string> FrameTree::chain(const std::string& frame, const std::string& base) const {
+  std::vector<std::string> frames{frame};
+  for (int step = 0; step < kMostSteps; ++step) {
+    if (is_base_called(frames.back(), base)) return frames;
+    const auto edge = edges_.find(frames.back());
+    if (edge == edges_.end()) break;
+    frames.push_back(edge->second.parent);
+  }
+  return {};
 }
 
 std::string FrameTree::text() const {

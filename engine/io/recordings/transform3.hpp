@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gdtslam/core/pose.hpp"
 
@@ -29,6 +30,8 @@ class FrameTree {
   void add(const std::string& parent, const std::string& child, const Transform3& T_parent_child);
   /// From a frame up to another one, or to one that is called as robots' bases are where `base` is empty.
   [[nodiscard]] std::optional<Transform3> find(const std::string& frame, const std::string& base) const;
+  /// The frames on the way, both ends included; empty where there is none.
+  [[nodiscard]] std::vector<std::string> chain(const std::string& frame, const std::string& base) const;
   /// "laser in plate, plate in base": for messages, at most a dozen.
   [[nodiscard]] std::string text() const;
 

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <deque>
 #include <map>
+#include <string_view>
 #include <utility>
+#include <variant>
 
 #include "csv_rows.hpp"
 #include "engine/io/line_reader.hpp"
+#include "engine/io/log_contents.hpp"
 #include "engine/io/scan_sequence.hpp"
 #include "engine/io/unpack_source.hpp"
 #include "engine/io/warning_counter.hpp"
@@ -19,12 +23,16 @@ namespace gdtslam {
 namespace {
 
 constexpr std::size_t kMaxTableLineBytes = std::size_t{4} << 20U;
+/// In the order of LogRecord's alternatives.
+constexpr std::array<std::string_view, std::variant_size_v<LogRecord>> kRecordNames{"scans", "odometry", "ticks",
+                                                                                    "elevations", "parameters"};
 
-class TableReader final : public LogReader {
+class TableReader final : public DescribedLog {
  public:
-  TableReader(std::unique_ptr<RowParser> parser, std::unique_ptr<ByteSource> source, std::string name,
-              const ReadOptions& options)
-      : name_(std::move(name)),
+  TableReader(std::unique_ptr<RowParser> parser, std::string_view format, std::unique_ptr<ByteSource> source,
+              std::string name, const ReadOptions& options)
+      : format_(format),
+        name_(std::move(name)),
         is_lenient_(options.lenient),
         parser_(std::move(parser)),
         lines_(std::move(source), kMaxTableLineBytes),
@@ -45,6 +53,12 @@ class TableReader final : public LogReader {
   }
   [[nodiscard]] double progress() const override { return lines_.source().progress(); }
   [[nodiscard]] const std::vector<Warning>& warnings() const override { return warnings_.list(); }
+  [[nodiscard]] LogContents contents() const override {
+    LogContents contents;
+    contents.format = format_;
+    contents.lines = kinds_.list();
+    return contents;
+  }
 
  private:
   void take(const TextLine& line) {
@@ -65,6 +79,7 @@ class TableReader final : public LogReader {
       if (repairs.negative > 0) warn("negative range", "taken as no return", repairs.negative);
       for (LogRecord& record : records) {
         if (const auto* scan = std::get_if<ScanRecord>(&record)) sequences_[scan->laser].check(scan->scan, warner());
+        kinds_.add(kRecordNames.at(record.index()), true);
         ++records_;
         ready_.push_back(std::move(record));
       }
@@ -105,12 +120,14 @@ class TableReader final : public LogReader {
     }
   }
 
+  std::string_view format_;  ///< of static storage
   std::string name_;
   bool is_lenient_;
   std::unique_ptr<RowParser> parser_;
   LineReader lines_;
   RowRecords rows_;
   WarningCounter warnings_;
+  LineCounter kinds_;
   std::map<std::size_t, ScanSequence> sequences_;  ///< of each laser
   std::deque<LogRecord> ready_;
   std::uint64_t last_line_ = 0;
@@ -120,19 +137,20 @@ class TableReader final : public LogReader {
 
 }  // namespace
 
-std::unique_ptr<LogReader> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                      const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                         const ReadOptions& options) {
   std::unique_ptr<RowParser> parser;
   if (kind == TableKind::kCsv) {
     parser = std::make_unique<CsvRows>();
   } else {
     parser = std::make_unique<JsonRows>();
   }
-  return std::make_unique<TableReader>(std::move(parser), std::move(unpacked), name, options);
+  return std::make_unique<TableReader>(std::move(parser), kind == TableKind::kCsv ? "CSV" : "JSON lines",
+                                       std::move(unpacked), name, options);
 }
 
-std::unique_ptr<LogReader> open_table(TableKind kind, std::span<const std::byte> data, const std::string& name,
-                                      const ReadOptions& options) {
+std::unique_ptr<DescribedLog> open_table(TableKind kind, std::span<const std::byte> data, const std::string& name,
+                                         const ReadOptions& options) {
   return open_table(kind, gunzip_if_packed(open_memory_source(data), name), name, options);
 }
 

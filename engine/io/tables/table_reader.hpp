@@ -12,19 +12,19 @@
 #include <string>
 
 #include "engine/io/byte_source.hpp"
+#include "engine/io/log_contents.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
 
 enum class TableKind : std::uint8_t { kCsv, kJsonLines };
 
 /// A log out of a source that was unpacked already. Throws InputError when it is empty.
-std::unique_ptr<LogReader> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
-                                      const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_table(TableKind kind, std::unique_ptr<ByteSource> unpacked, const std::string& name,
+                                         const ReadOptions& options);
 
 /// A log in memory, which must outlive the reader; `name` stands in messages.
-std::unique_ptr<LogReader> open_table(TableKind kind, std::span<const std::byte> data, const std::string& name,
-                                      const ReadOptions& options);
+std::unique_ptr<DescribedLog> open_table(TableKind kind, std::span<const std::byte> data, const std::string& name,
+                                         const ReadOptions& options);
 
 }  // namespace gdtslam

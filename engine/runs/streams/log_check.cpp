@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kStepBins = 10001;   // milliseconds
 constexpr std::size_t kRangeBins = 20001;  // centimetres
 constexpr std::size_t kMostLayouts = 16;
+constexpr std::size_t kMostConstants = 3;  // that stand for "no return"
 constexpr double kShortestGap_s = 1.0;
 constexpr double kGapSteps = 5.0;  // a gap is this many usual steps, and at least kShortestGap_s
 constexpr double kMountShift_m = 1e-3;
@@ -62,6 +63,7 @@ std::vector<std::size_t> no_return_bins(const std::vector<std::uint64_t>& histog
   for (std::size_t bin = highest * 4 / 5; bin < highest; ++bin) {
     if (bin >= 100 && is_spike(histogram, bin, total)) found.push_back(bin);
   }
+  if (found.size() > kMostConstants) found.clear();  // a wall that was seen from one place
   return found;
 }
 
@@ -269,7 +271,10 @@ std::vector<std::string> LogCheck::suggestions() const {
   }
   if (backward_stamps.count > 0) list.emplace_back("stamps go backward: the order of the file is kept, do not sort it");
   if (gaps.count > 0) list.emplace_back("the robot may have moved in the gaps; odometry must carry over them");
-  if (layouts.size() > 1) list.emplace_back("the beams change within the log: check that it holds one sensor only");
+  if (layouts.size() > 1)
+    list.emplace_back(
+        "the beams change within the log: no matter where a laser turns unevenly, else check that it holds one "
+        "sensor only");
   if (mount_changes > 0) {
     list.emplace_back("the laser moves on the robot: the laser poses of the log may be corrected ones, not odometry");
   }

@@ -9,14 +9,15 @@
 #include <optional>
 #include <string>
 
+#include "contents.hpp"
 #include "doctor.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/io/log_contents.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/log.hpp"
 #include "gdtslam/runs/settings.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -28,6 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostShown = 5;
+constexpr std::size_t kMostLayoutsShown = 4;
 
 double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
@@ -54,6 +56,7 @@ std::string counts_text(const LogCheck& c) {
   std::string text = fmt::format("scans            {} in {:.1f} s", c.scans, c.duration_s());
   if (c.median_step_s > 0.0)
     text += fmt::format(", {:.1f} Hz (median step {:.3f} s)", 1.0 / c.median_step_s, c.median_step_s);
+  if (c.scans_with_odometry + c.odometry_records == 0) return text + "\nodometry         none\n" + nod_text(c.nod);
   text +=
       fmt::format("\nodometry         {} scans with their own, {} records between; path {:.1f} m, turned {:.0f} deg\n",
                   c.scans_with_odometry, c.odometry_records, c.path_m, deg_from_rad(c.turned_rad));
@@ -61,9 +64,19 @@ std::string counts_text(const LogCheck& c) {
   return text + nod_text(c.nod);
 }
 
-std::string sensor_text(const LogCheck& c) {
+// Lasers that turn unevenly have another number of beams every time: the usual ones are told, then what there is.
+std::string layouts_text(const LogCheck& c) {
+  std::vector<BeamLayout> layouts = c.layouts;
+  std::stable_sort(layouts.begin(), layouts.end(),
+                   [](const BeamLayout& a, const BeamLayout& b) { return a.scans > b.scans; });
   std::string text;
-  for (const BeamLayout& b : c.layouts) {
+  std::uint64_t others = c.other_layouts;
+  for (std::size_t k = 0; k < layouts.size(); ++k) {
+    const BeamLayout& b = layouts[k];
+    if (k >= kMostLayoutsShown) {
+      others += b.scans;
+      continue;
+    }
     const double first_deg = deg_from_rad(b.first_bearing_rad);
     const double step_deg = deg_from_rad(b.step_rad);
     const double last_deg = b.beams > 0 ? first_deg + static_cast<double>(b.beams - 1) * step_deg : first_deg;
@@ -71,7 +84,12 @@ std::string sensor_text(const LogCheck& c) {
                         first_deg, last_deg, step_deg, b.scans);
     text += b.max_range_m > 0.0 ? fmt::format("; stated limit {:.2f} m\n", b.max_range_m) : "\n";
   }
-  if (c.other_layouts > 0) text += fmt::format("beams            other layouts in {} scans\n", c.other_layouts);
+  if (others > 0) text += fmt::format("beams            others in {} scans\n", others);
+  return text;
+}
+
+std::string sensor_text(const LogCheck& c) {
+  std::string text = layouts_text(c);
   if (c.T_base_laser) {
     text += fmt::format("laser on robot   {:.3f} m ahead, {:.3f} m left, {:.2f} deg", c.T_base_laser->x_m,
                         c.T_base_laser->y_m, deg_from_rad(c.T_base_laser->theta_rad));
@@ -130,13 +148,40 @@ std::string delay_text(const std::optional<OdometryDelay>& delay) {
                      delay->stands_out() ? ": map makes up for it" : "; too little to matter");
 }
 
-std::string as_text(const LogCheck& check, const StepBounds& bounds, const std::string& log,
-                    const std::optional<OdometryDelay>& delay) {
-  std::string text = fmt::format("log              {}\n", log_name(log)) + counts_text(check) + sensor_text(check) +
-                     faults_text(check, bounds) + delay_text(delay);
-  for (const std::string& suggestion : check.suggestions()) text += "-> " + suggestion + "\n";
-  text += check.obstacle().empty() ? "It can be mapped.\n" : "It cannot be mapped: " + check.obstacle() + ".\n";
+/// All that was found.
+struct Findings {
+  LogContents contents;
+  LogCheck check;
+  StepBounds bounds;
+  std::optional<OdometryDelay> delay;
+  std::vector<MapCommand> commands;
+};
+
+std::string advice_text(const Findings& found) {
+  std::string text;
+  for (const std::string& suggestion : found.check.suggestions()) text += "-> " + suggestion + "\n";
+  const std::vector<LaserContents>& lasers = found.contents.lasers;
+  const bool is_placed = std::none_of(lasers.begin(), lasers.end(),
+                                      [](const LaserContents& laser) { return laser.mount == MountSource::kUnknown; });
+  if (!is_placed) {
+    text +=
+        "-> the recording does not tell where the laser sits: if not in the robot's centre, add --mount x,y,yaw, "
+        "for example --mount 0.2m,0,0 where it sits 20 cm ahead\n";
+  }
+  const std::string obstacle = found.check.obstacle();
+  if (!obstacle.empty()) return text + "It cannot be mapped: " + obstacle + ".\n";
+  text += found.commands.front().when.empty() ? "It can be mapped:\n" : "It can be mapped\n";
+  for (const MapCommand& command : found.commands) {
+    if (!command.when.empty()) text += "- " + command.when + ":\n";
+    text += "  " + command.line + "\n";
+  }
   return text;
+}
+
+std::string as_text(const Findings& found, const std::string& log) {
+  return fmt::format("log              {}, {}\n", log_name(log), found.contents.format) +
+         contents_text(found.contents, found.check) + counts_text(found.check) + sensor_text(found.check) +
+         faults_text(found.check, found.bounds) + delay_text(found.delay) + advice_text(found);
 }
 
 Json as_json(const EventList& events) {
@@ -188,9 +233,12 @@ Json nod_json(const NodCheck& nod) {
           {"highest_tilt_rad", nod.highest_tilt_rad}};
 }
 
-Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log,
-             const std::optional<OdometryDelay>& delay) {
+Json as_json(const Findings& found, const std::string& log) {
+  const LogCheck& c = found.check;
+  const StepBounds& bounds = found.bounds;
+  const std::optional<OdometryDelay>& delay = found.delay;
   Json report{{"log", log}, {"mappable", c.obstacle().empty()}, {"obstacle", c.obstacle()}};
+  add_contents(found.contents, report);
   report["scans"] = c.scans;
   report["mappable_scans"] = c.mappable_scans;
   report["duration_s"] = c.duration_s();
@@ -227,16 +275,22 @@ Json as_json(const LogCheck& c, const StepBounds& bounds, const std::string& log
   for (const LogReader::Warning& w : c.warnings) warnings[w.kind] = {{"count", w.count}, {"first", w.first}};
   report["warnings"] = warnings;
   report["suggestions"] = c.suggestions();
+  Json commands = Json::array();
+  for (const MapCommand& command : found.commands) {
+    commands.push_back({{"when", command.when}, {"line", command.line}});
+  }
+  report["commands"] = commands;
   return report;
 }
 
-int doctor(const DoctorOptions& options) {
-  const StepBounds bounds;
-  LogChecker checker(bounds);
-  LogConfig config;
-  state_recording(options.recording, config);
-  const ReadOptions read = read_options_of(config, true);
-  const std::unique_ptr<LogReader> reader = open_log(options.log, read);
+Findings findings_of(const DoctorOptions& options) {
+  Settings settings = load_settings(options.settings);
+  state_recording(options.recording, settings.log);
+  ReadOptions read = read_options_of(settings.log, true);
+  read.survey = true;
+  Findings found;
+  LogChecker checker(found.bounds, settings.mapper.scan);
+  const std::unique_ptr<DescribedLog> reader = open_described_log(options.log, read);
   ProgressLine progress("records", false);
   std::uint64_t records = 0;
   while (const std::optional<LogRecord> record = reader->next()) {
@@ -245,16 +299,22 @@ int doctor(const DoctorOptions& options) {
     if (interrupted()) break;
   }
   progress.clear();
-  const LogCheck check = checker.finish(reader->warnings());
-  std::optional<OdometryDelay> delay;
-  if (!interrupted() && check.obstacle().empty()) {
-    delay = measured_delay(options.log, read, {}, MapperConfig{}, [] { return interrupted(); });
+  found.check = checker.finish(reader->warnings());
+  found.contents = reader->contents();
+  if (!interrupted() && found.check.obstacle().empty()) {
+    found.delay = measured_delay(options.log, read, {}, settings.mapper, [] { return interrupted(); });
   }
-  print_result(options.json ? json_text(as_json(check, bounds, options.log, delay))
-                            : as_text(check, bounds, options.log, delay));
+  found.commands = map_commands(options, found.contents, found.check);
+  return found;
+}
+
+int doctor(const DoctorOptions& options) {
+  const Findings found = findings_of(options);
+  print_result(options.json ? json_text(as_json(found, options.log)) : as_text(found, options.log));
   if (interrupted())
     throw Error(ExitCode::kInterrupted, "interrupted; the figures are those of the part that was read");
-  if (!check.obstacle().empty()) throw InputError({log_name(options.log), 0}, "cannot be mapped: " + check.obstacle());
+  const std::string obstacle = found.check.obstacle();
+  if (!obstacle.empty()) throw InputError({log_name(options.log), 0}, "cannot be mapped: " + obstacle);
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -273,6 +333,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
       command->add_option("log", options->log, fmt::format("{} log, plain or gzip; - is standard input", kLogFormats));
   log->type_name("LOG");
   add_recording_options(*command, options->recording);
+  add_settings_options(*command, options->settings);
   CLI::Option* const after = command->add_option(
       "--after", options->after, "In place of a log: what is doubtful in the map of this run, and where");
   after->type_name("RUN")->excludes(log);
@@ -283,6 +344,8 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
       ->needs(after);
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
+      "What it holds (topics, frames, clocks, or kinds of lines), what of it 'map' uses and why, and the line to "
+      "type.\n"
       "Counts, rates, gaps, time jumps, impossible steps of the odometry, the value that means no return, the laser\n"
       "on the robot, the beams and the length of the path. Exit 65 when the log cannot be mapped.\n"
       "After mapping: stretches whose position is uncertain, loops that were found and are not believed, wheels that\n"
@@ -290,6 +353,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
       "\n"
       "Examples:\n"
       "  gdtslam doctor intel.clf.gz\n"
+      "  gdtslam doctor drive.mcap\n"
       "  gdtslam doctor drive.log --json | jq .impossible_steps.count\n"
       "  gdtslam doctor --after out --picture doubtful.png");
   command->callback([options, &context] { context.run = [options] { return run_doctor(*options); }; });

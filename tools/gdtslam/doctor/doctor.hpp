@@ -4,12 +4,14 @@
 #include <string>
 
 #include "tools/gdtslam/shell/recording_options.hpp"
+#include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
 
 struct DoctorOptions {
   std::string log;
   RecordingOptions recording;
+  SettingsOptions settings;
   std::string after;    ///< the folder of a run, in place of a log
   std::string picture;  ///< with after
   bool json = false;

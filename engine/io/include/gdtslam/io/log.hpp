@@ -57,6 +57,7 @@ struct ReadOptions {
   CrankOptions crank{};
   std::optional<double> clock_offset_s{};  ///< of a recording: added to stamps of odometry and crank; measured if empty
   bool all_lasers = false;                 ///< of CARMEN: the second laser too, as ScanRecord::laser 1
+  bool survey = false;                     ///< of a recording: look at all that is there (log_contents.hpp)
 };
 
 /// Which part of the logs is wanted.
@@ -66,7 +67,8 @@ struct ScanRange {
 };
 
 /// A CARMEN text log, a CSV file, JSON lines, a ROS 1 bag or an MCAP file, plain or packed, or a ROS 2 bag; "-" is
-/// standard input. Throws InputError that names what is supported for anything else, FileError for what cannot be read.
+/// standard input. Throws InputError that names what is supported for anything else, FileError for what cannot be read,
+/// UsageError where topics are chosen of a log that has none.
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options);
 
 }  // namespace gdtslam

@@ -1,0 +1,106 @@
+// What to type to map a log.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "contents.hpp"
+#include "engine/core/one_line.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// As a shell takes it for one word.
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
+std::string log_word(const std::string& log) {
+  return log.size() > 1 && log.starts_with('-') ? shell_word("./" + log) : shell_word(log);
+}
+
+/// What doctor was told that map must be told too, but the choice of topics.
+std::string told_settings(const DoctorOptions& options) {
+  std::string text;
+  const auto add = [&text](std::string_view option, const std::string& value) {
+    text += fmt::format(" {} {}", option, shell_word(value));
+  };
+  if (!options.settings.file.empty()) add("-c", options.settings.file);
+  for (const std::string& set : options.settings.sets) add("--set", set);
+  for (const std::string& mount : options.recording.mounts) add("--mount", mount);
+  if (!options.recording.odometry.empty()) add("--odom", options.recording.odometry);
+  return text;
+}
+
+/// Topics of one use that a map could do with, those with messages.
+std::vector<const TopicContents*> topics_for(TopicUse use, const LogContents& contents) {
+  std::vector<const TopicContents*> found;
+  for (const TopicContents& topic : contents.topics) {
+    if (topic.can_be == use && topic.messages > 0) found.push_back(&topic);
+  }
+  return found;
+}
+
+/// The choices of scans that there are: none needed, or one topic, each in turn, then all together.
+std::vector<MapCommand> scan_choices(const DoctorOptions& options, const LogContents& contents) {
+  const auto choice = [](std::string_view when, const std::string& topic) {
+    return MapCommand{std::string(when), topic.empty() ? "" : " --topic " + shell_word(topic)};
+  };
+  const std::vector<std::string>& stated = options.recording.topics;
+  if (!stated.empty()) {
+    MapCommand all = choice("", "");
+    for (const std::string& topic : stated) all.line += " --topic " + shell_word(topic);
+    return {all};
+  }
+  const std::vector<const TopicContents*> scans = topics_for(TopicUse::kScans, contents);
+  if (scans.size() < 2) return {choice("", "")};
+  std::vector<MapCommand> choices;
+  choices.reserve(scans.size() + 1);
+  for (const TopicContents* topic : scans) {
+    choices.push_back(choice("with the scans of " + one_line(topic->name), topic->name));
+  }
+  choices.push_back(choice("with all lasers, if each sits where the transforms (or --mount NAME=x,y,yaw) say", "all"));
+  return choices;
+}
+
+/// What a number's messages may be: a servo's degrees, or the elevation of a joint.
+MapCommand nodding_choice(const TopicContents& topic) {
+  MapCommand command{"if " + one_line(topic.name) + " tells how the laser nods",
+                     " --crank " + shell_word(topic.name) + " --set log.crank=tilt"};
+  if (!topic.joints.empty()) return command;  // radians, by ROS's own rule
+  const double middle = std::round(0.5 * (topic.numbers->least + topic.numbers->most));
+  command.when += fmt::format(", in degrees, and {:g} is level", middle);
+  command.line += fmt::format(" --set log.crank_step=1deg --set log.crank_zero={:g}", middle);
+  return command;
+}
+
+}  // namespace
+
+std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogContents& contents, const LogCheck& check) {
+  if (!check.obstacle().empty()) return {};
+  const bool is_damaged = std::any_of(check.warnings.begin(), check.warnings.end(), [](const auto& warning) {
+    return warning.kind == "malformed line" || warning.kind == "malformed message" || warning.kind == "damaged chunk";
+  });
+  const std::string start = "gdtslam map " + log_word(options.log);
+  const std::string end = told_settings(options) + (is_damaged ? " --lenient" : "") + " -o out";
+  const std::string& crank = options.recording.crank;
+  const std::string told_crank = crank.empty() ? "" : " --crank " + shell_word(crank);
+  std::vector<MapCommand> commands = scan_choices(options, contents);
+  const std::string first_choice = commands.front().line;
+  for (MapCommand& command : commands) command.line = start + command.line + told_crank + end;
+  if (!crank.empty()) return commands;
+  for (const TopicContents* topic : topics_for(TopicUse::kCrank, contents)) {
+    if (!topic->numbers || topic->numbers->least == topic->numbers->most) continue;
+    MapCommand nodding = nodding_choice(*topic);
+    nodding.line = start + first_choice + nodding.line + end;
+    commands.push_back(std::move(nodding));
+  }
+  return commands;
+}
+
+}  // namespace gdtslam
