@@ -38,6 +38,20 @@ LaserModel hokuyo() {
           .mirror_rate_hz = 40.0};
 }
 
+// What vacuum cleaners and small robots have: a whole turn, 5 to 10 times a second.
+LaserModel lidar_360() {
+  return {.first_bearing_rad = rad_from_deg(-180.0),
+          .bearing_step_rad = rad_from_deg(1.0),
+          .beam_count = 360,
+          .min_range_m = 0.15,
+          .max_range_m = 12.0,
+          .no_return_m = 12.0,
+          .noise_constant_m = 0.01,
+          .range_resolution_m = 0.001,
+          .drop_out_share = 0.002,
+          .mirror_rate_hz = 10.0};
+}
+
 }  // namespace
 
 double LaserModel::time_of_beam_s(std::size_t beam) const {
@@ -84,11 +98,14 @@ std::optional<LaserModel> laser_preset(std::string_view name) {
   if (name == "hokuyo-961") {
     return hokuyo();
   }
+  if (name == "lidar-360") {
+    return lidar_360();
+  }
   return std::nullopt;
 }
 
 const std::vector<std::string>& laser_preset_names() {
-  static const std::vector<std::string> names{"sick-lms", "sick-361", "hokuyo-961"};
+  static const std::vector<std::string> names{"sick-lms", "sick-361", "hokuyo-961", "lidar-360"};
   return names;
 }
 

@@ -25,7 +25,12 @@ std::vector<BeamTruth> beams_at(const SimulationConfig& config, const MotionPlan
     return course != nullptr ? embed(T_map_base) * course->T_base_laser(config.T_base_laser, time_s + offset_s)
                              : embed(T_map_base * config.T_base_laser, config.laser_height_m);
   };
-  return true_beams(config.laser, caster, T_map_laser_at);
+  if (!config.stamps_first_beam) return true_beams(config.laser, caster, T_map_laser_at);
+  const double first_s = config.laser.time_of_beam_s(0);
+  std::vector<BeamTruth> beams =
+      true_beams(config.laser, caster, [&](double offset_s) { return T_map_laser_at(offset_s - first_s); });
+  for (BeamTruth& beam : beams) beam.offset_s -= first_s;
+  return beams;
 }
 
 /// Wheels, encoders and odometry, moved on from event to event.
@@ -64,7 +69,7 @@ ScanRecord record_of(const SimulationConfig& config, double stamp_s, std::vector
   record.scan.first_bearing_rad = config.laser.first_bearing_rad;
   record.scan.bearing_step_rad = config.laser.bearing_step_rad;
   record.scan.max_range_m = config.laser.max_range_m;
-  record.scan.first_beam_after_s = config.laser.time_of_beam_s(0);
+  record.scan.first_beam_after_s = config.stamps_first_beam ? 0.0 : config.laser.time_of_beam_s(0);
   record.scan.beam_period_s = config.laser.time_of_beam_s(1) - config.laser.time_of_beam_s(0);
   record.scan.ranges_m = std::move(ranges_m);
   record.scan.T_base_laser = config.T_base_laser;
@@ -120,6 +125,8 @@ class Run {
       encoder_ = {config.nodding->encoder_rate_hz, 0.0, end_s + period_s};
       scans_.first_s = lead_s(config.laser);
       scans_.until_s = end_s - scans_.first_s;
+    } else if (config.stamps_first_beam) {
+      scans_.until_s = end_s - 2.0 * lead_s(config.laser);
     }
   }
 
@@ -223,6 +230,8 @@ std::vector<std::string> validate(const SimulationConfig& config) {
   }
   if (config.nodding) {
     check_nodding(config, faults);
+    if (config.stamps_first_beam)
+      faults.emplace_back("recording: scans of a laser that nods are stamped in the middle");
   }
   return faults;
 }

@@ -133,6 +133,43 @@ def simulated_formats():
         expect(results(mapped(folder / f"run-{name}", log=folder / name)) == expected, f"another map of {name}")
 
 
+# A laser of 5 turns a second on a robot that turns by 12 degrees meanwhile.
+SLOW = ("--laser", "lidar-360", "--mirror-rate", 5, "--rate", 5, "--speed", "0.8 m/s", "--turn-rate", "60deg/s", "-q")
+
+
+def slow_lasers_are_deskewed():
+    """Beams of a simulated laser are measured one after the other, the log says when, and the map makes up for it; in every
+    format but CARMEN, where it can be stated."""
+    folder = cli.fresh_folder("slow_lasers_are_deskewed")
+    drive = ("simulate", "office-loop", *SLOW)
+    for name in ("a.csv", "a.jsonl", "a.mcap", "a.bag", "a.db3"):
+        expect_exit(command(*drive, "-o", folder / name), 0)
+    period = 1 / (360 * 5)
+    scan = next(json.loads(line) for line in (folder / "a.jsonl").open() if "ranges" in line)
+    expect(scan["first_beam_after"] == 0 and abs(scan["time_increment"] - period) < 3e-11 and len(scan["ranges"]) == 360,
+           f"the scan says {scan}")
+    expected = mapped(folder / "run", log=folder / "a.csv")
+    mapped(folder / "still", "--set", "log.deskew=false", log=folder / "a.csv")
+
+    def error_m(run):
+        process = command("evaluate", folder / run / "trajectory.tum", "--reference", folder / "a.truth.tum", "--json")
+        expect_exit(process, 0)
+        return json.loads(process.stdout)["ate"]["translation_m"]["mean"]
+
+    with_m, without_m = error_m("run"), error_m("still")
+    expect(2 * with_m <= without_m and with_m < 0.03, f"off by {with_m} m with deskewing, by {without_m} m without")
+    expect(results(mapped(folder / "run-mcap", log=folder / "a.mcap")) == results(expected), "another map of MCAP")
+    for name in ("a.mcap", "a.bag", "a.db3"):
+        expect_exit(command("convert", folder / name, "-o", folder / f"{name}.csv", "-q"), 0)
+        expect((folder / f"{name}.csv").read_bytes() == (folder / "a.mcap.csv").read_bytes(), f"{name} says something else")
+    process = command(*drive[:-1], "-o", folder / "a.log")
+    expect_exit(process, 0)
+    expect(process.stderr.count("cannot carry: time of each beam") == 1, process.stderr)
+    stated = ("--set", "log.beam_times=stated", "--set", f"log.beam_period={period!r} s")
+    report = mapped(folder / "run-log", *stated, "--first", 100, log=folder / "a.log")
+    expect(report["warnings"] == {}, f"{report['warnings']}")
+
+
 def packed_logs_give_the_same_map():
     """bzip2, xz, zstd and gzip around a log, in one or two streams, from a file or a pipe; cut and damaged ones."""
     folder = cli.fresh_folder("packed_logs_give_the_same_map")

@@ -96,12 +96,32 @@ ScanRecord parse_flaser(FieldCursor& cursor, const ReadOptions& options, CarmenL
   return record;
 }
 
+/// Lasers are made in degrees: an angle that was rounded to nine decimals or more is that of the fewest decimals of a
+/// degree, up to four, from which it could have been rounded.
+double angle_as_made(double rounded_rad, int decimals) {
+  constexpr int kFewestAngleDecimals = 9;
+  if (decimals < kFewestAngleDecimals) return rounded_rad;
+  double taken_rad = 0.5000001;  // by the rounding, at most
+  for (int k = 0; k < std::min(decimals, 20); ++k) taken_rad /= 10.0;
+  const double deg = deg_from_rad(rounded_rad);
+  for (double parts = 1.0; parts <= 10000.0; parts *= 10.0) {
+    const double made_rad = rad_from_deg(std::floor(deg * parts + 0.5) / parts);
+    if (std::fabs(made_rad - rounded_rad) <= taken_rad) return made_rad;
+  }
+  return rounded_rad;
+}
+
+double read_angle(FieldCursor& cursor, std::string_view name) {
+  const double rounded_rad = cursor.finite(name);
+  return angle_as_made(rounded_rad, cursor.decimals());
+}
+
 /// The head of ROBOTLASER1: type start_angle fov resolution max_range accuracy remission_mode.
 void read_sensor(FieldCursor& cursor, LaserScan& scan) {
   cursor.integer("laser type");
-  scan.first_bearing_rad = cursor.finite("start_angle");
+  scan.first_bearing_rad = read_angle(cursor, "start_angle");
   cursor.finite("field of view");
-  scan.bearing_step_rad = cursor.finite("angular resolution");
+  scan.bearing_step_rad = read_angle(cursor, "angular resolution");
   scan.max_range_m = cursor.finite("maximum range");
   cursor.finite("accuracy");
   cursor.integer("remission mode");

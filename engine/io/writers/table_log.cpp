@@ -93,11 +93,13 @@ void append_number(std::string& line, TableNumber key, Number number) {
   fmt::format_to(std::back_inserter(line), ",\"{}\":{}", table_name(key), number);
 }
 
-std::string line_at(double stamp_s) { return fmt::format("{{\"{}\":{}", table_name(TableNumber::kStamp), stamp_s); }
+std::string json_line_at(double stamp_s) {
+  return fmt::format("{{\"{}\":{}", table_name(TableNumber::kStamp), stamp_s);
+}
 
 std::string scan_line(const ScanRecord& record) {
   const LaserScan& scan = record.scan;
-  std::string line = line_at(scan.stamp_s);
+  std::string line = json_line_at(scan.stamp_s);
   if (record.T_odom_base) append_pose_of(line, kOdomKey, *record.T_odom_base);
   append_pose_of(line, kMountKey, scan.T_base_laser);
   append_number(line, TableNumber::kLaser, record.laser);
@@ -147,13 +149,13 @@ void JsonLinesLog::write(const LogRecord& record) {
   if (const auto* scan = std::get_if<ScanRecord>(&record)) {
     line = scan_line(*scan);
   } else if (const auto* odometry = std::get_if<Odometry>(&record)) {
-    line = line_at(odometry->stamp_s);
+    line = json_line_at(odometry->stamp_s);
     append_pose_of(line, kOdomKey, odometry->T_odom_base);
   } else if (const auto* encoder = std::get_if<Encoder>(&record)) {
-    line = line_at(encoder->stamp_s);
+    line = json_line_at(encoder->stamp_s);
     append_number(line, TableNumber::kTicks, encoder->ticks);
   } else if (const auto* tilt = std::get_if<Tilt>(&record)) {
-    line = line_at(tilt->stamp_s);
+    line = json_line_at(tilt->stamp_s);
     append_number(line, TableNumber::kElevation, tilt->elevation_rad);
   } else if (const auto* parameter = std::get_if<Parameter>(&record)) {
     line = fmt::format("{{\"{}\":{},\"{}\":{}", kNameColumn, json_string(parameter->name), kValueColumn,

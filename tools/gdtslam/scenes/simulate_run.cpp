@@ -48,6 +48,7 @@ void apply_laser(const SimulateOptions& options, SceneFile& scene) {
     laser.range_resolution_m = 0.0;
     laser.drop_out_share = 0.0;
   }
+  laser.mirror_rate_hz = options.mirror_rate_hz.value_or(laser.mirror_rate_hz);
   laser.noise_constant_m = options.noise_m.value_or(laser.noise_constant_m);
   laser.range_resolution_m = options.range_resolution_m.value_or(laser.range_resolution_m);
 }
@@ -67,9 +68,20 @@ void apply_nodding(const SimulateOptions& options, SceneFile& scene) {
   match_laser(scene.config);
 }
 
+void apply_motion(const SimulateOptions& options, SceneFile& scene) {
+  sim::MotionLimits& limits = scene.limits;
+  limits.speed_m_per_s = options.speed_m_per_s.value_or(limits.speed_m_per_s);
+  limits.turn_rate_rad_per_s = options.turn_rate_rad_per_s.value_or(limits.turn_rate_rad_per_s);
+  if (const std::vector<std::string> faults = validate(limits); !faults.empty()) {
+    throw UsageError("--speed, --turn-rate: " + faults.front());
+  }
+}
+
 void apply_options(const SimulateOptions& options, SceneFile& scene) {
   apply_laser(options, scene);
   apply_nodding(options, scene);
+  apply_motion(options, scene);
+  scene.config.stamps_first_beam = options.mirror_rate_hz && !scene.config.nodding;
   if (options.scan_rate_hz) {
     scene.config.scan_rate_hz = *options.scan_rate_hz;
     if (const std::vector<std::string> faults = validate(scene.config); !faults.empty()) {
@@ -287,9 +299,18 @@ void HitCloud::finish() {
   }
 }
 
+/// When beams are measured is told where it was asked for: a log of whole scans reads as it always did.
+UnsaidOfScans facts_of(const SceneFile& scene) {
+  const sim::LaserModel& laser = scene.config.laser;
+  const bool are_timed = scene.config.stamps_first_beam;
+  const double period_s = are_timed ? laser.time_of_beam_s(1) - laser.time_of_beam_s(0) : 0.0;
+  // In the bits that recordings have for it, so that all formats say the same.
+  return {.max_range_m = laser.max_range_m, .beam_period_s = static_cast<double>(static_cast<float>(period_s))};
+}
+
 /// The files that a simulation writes; they appear together.
 struct Output {
-  Output(const SimulateOptions& options, const SceneFile& scene) : log(options.output, files) {
+  Output(const SimulateOptions& options, const SceneFile& scene) : log(options.output, facts_of(scene), files) {
     truth_file = &files.add(sidecar_path(options.output, ".truth.tum"));
     if (scene.config.nodding) {
       files.add(sidecar_path(options.output, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
@@ -310,12 +331,12 @@ sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& s
                               const sim::RayCaster& caster, Output& output) {
   CarmenWriter writer(range_decimals(scene.config.laser));
   const double limit_m = scene.config.laser.max_range_m;
-  output.log.write(header_of(scene, writer), limit_m);
+  output.log.write(header_of(scene, writer));
   sim::SimulationSink sink;
-  sink.odometry = [&](const Odometry& odometry) { output.log.write(writer.odometry(odometry), limit_m); };
-  sink.encoder = [&](const Encoder& encoder) { output.log.write(writer.encoder(encoder), limit_m); };
+  sink.odometry = [&](const Odometry& odometry) { output.log.write(writer.odometry(odometry)); };
+  sink.encoder = [&](const Encoder& encoder) { output.log.write(writer.encoder(encoder)); };
   sink.scan = [&](const sim::SimulatedScan& scan) {
-    output.log.write(writer.scan(scan.record), limit_m);
+    output.log.write(writer.scan(scan.record));
     output.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
     if (output.elevations) output.elevations->add(scan);
     if (output.hits) output.hits->add(scan, limit_m);

@@ -19,12 +19,17 @@ struct SimulateOptions {
   std::vector<std::string> scene_folders;
   std::string output;  ///< its ending tells the format, CARMEN where that is none; .gz compresses
   std::uint64_t seed = 1;
-  std::optional<std::string> laser{};       ///< a preset instead of the scene's laser; mount and height stay
-  std::optional<double> scan_rate_hz{};     ///< instead of the scene's
-  std::optional<std::string> trajectory{};  ///< a file of waypoints instead of the scene's
-  std::optional<std::string> linkage{};     ///< a preset or a linkage file: the mount nods, instead of the scene's
-  std::optional<std::string> nod_mode{};    ///< continuous, stop-and-scan or stepped, instead of the scene's
-  std::optional<double> crank_rate_hz{};    ///< instead of the scene's
+  std::optional<std::string> laser{};    ///< a preset instead of the scene's laser; mount and height stay
+  std::optional<double> scan_rate_hz{};  ///< instead of the scene's
+  /// Turns of the laser's mirror, instead of the laser's. Scans are stamped with their first beam then, and say when
+  /// the others were measured, where the format can.
+  std::optional<double> mirror_rate_hz{};
+  std::optional<double> speed_m_per_s{};        ///< of the robot at most, instead of the scene's
+  std::optional<double> turn_rate_rad_per_s{};  ///< likewise
+  std::optional<std::string> trajectory{};      ///< a file of waypoints instead of the scene's
+  std::optional<std::string> linkage{};         ///< a preset or a linkage file: the mount nods, instead of the scene's
+  std::optional<std::string> nod_mode{};        ///< continuous, stop-and-scan or stepped, instead of the scene's
+  std::optional<double> crank_rate_hz{};        ///< instead of the scene's
   std::optional<std::int64_t> ticks_per_turn{};
   std::optional<double> noise_m{};             ///< of the ranges, instead of the scene's
   std::optional<double> range_resolution_m{};  ///< 0 keeps all digits

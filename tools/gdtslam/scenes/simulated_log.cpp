@@ -6,7 +6,8 @@
 
 namespace gdtslam {
 
-SimulatedLog::SimulatedLog(const std::string& path, AtomicFileSet& files) {
+SimulatedLog::SimulatedLog(const std::string& path, const UnsaidOfScans& unsaid, AtomicFileSet& files)
+    : unsaid_(unsaid) {
   const LogFormat format = log_format_by_ending(path).value_or(LogFormat::kCarmen);
   if (format == LogFormat::kCarmen) {
     text_ = std::make_unique<TextSink>(files.add(path));
@@ -15,8 +16,10 @@ SimulatedLog::SimulatedLog(const std::string& path, AtomicFileSet& files) {
   }
 }
 
-void SimulatedLog::write(std::string_view lines, double max_range_m) {
+void SimulatedLog::write(std::string_view lines) {
   if (text_) {
+    const bool is_scan = lines.starts_with("FLASER") || lines.starts_with("ROBOTLASER1");
+    untimed_scans_ += is_scan && unsaid_.beam_period_s != 0.0 ? 1U : 0U;
     text_->write(lines);
     return;
   }
@@ -24,7 +27,8 @@ void SimulatedLog::write(std::string_view lines, double max_range_m) {
     const std::size_t end = lines.find('\n');
     CarmenLine line = parse_carmen_line(lines.substr(0, end), {});
     if (auto* const scan = std::get_if<ScanRecord>(&*line.record)) {
-      scan->scan.max_range_m = max_range_m;
+      scan->scan.max_range_m = unsaid_.max_range_m;
+      scan->scan.beam_period_s = unsaid_.beam_period_s;
       scan->scan.T_base_laser = mount_.of(scan->scan.T_base_laser, line.pose_decimals);
     }
     records_->write(*line.record);
@@ -41,7 +45,9 @@ void SimulatedLog::finish() {
 }
 
 std::vector<LogReader::Warning> SimulatedLog::left_out() const {
-  return text_ ? std::vector<LogReader::Warning>() : records_->left_out();
+  if (!text_) return records_->left_out();
+  if (untimed_scans_ == 0) return {};
+  return {{"time of each beam", untimed_scans_, "every scan"}};
 }
 
 }  // namespace gdtslam

@@ -15,12 +15,18 @@
 
 namespace gdtslam {
 
+/// What CARMEN's lines do not say of a scan.
+struct UnsaidOfScans {
+  double max_range_m = 0.0;
+  double beam_period_s = 0.0;  ///< the first beam being that of the stamp; 0: all are
+};
+
 class SimulatedLog {
  public:
   /// Throws UsageError, FileError, as all members do the latter.
-  SimulatedLog(const std::string& path, AtomicFileSet& files);
-  /// Whole lines of CARMEN; the limit of the ranges is that of their scans.
-  void write(std::string_view lines, double max_range_m);
+  SimulatedLog(const std::string& path, const UnsaidOfScans& unsaid, AtomicFileSet& files);
+  /// Whole lines of CARMEN.
+  void write(std::string_view lines);
   void finish();
   /// Before a .gz around them.
   [[nodiscard]] std::uint64_t bytes() const { return text_ ? text_->bytes() : records_->bytes(); }
@@ -31,6 +37,8 @@ class SimulatedLog {
   std::unique_ptr<TextSink> text_;      ///< CARMEN
   std::unique_ptr<LogWriter> records_;  ///< the others
   SteadyMount mount_;
+  UnsaidOfScans unsaid_;
+  std::uint64_t untimed_scans_ = 0;  ///< whose beam times CARMEN could not say
 };
 
 }  // namespace gdtslam

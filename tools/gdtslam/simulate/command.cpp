@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine/io/json_file.hpp"
+#include "engine/io/message_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/scenes/simulate_run.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -24,6 +25,8 @@ struct SimulateCommand {
   SimulateOptions options;
   std::string noise;
   std::string resolution;
+  std::string speed;
+  std::string turn_rate;
   bool json = false;
   bool quiet = false;
 };
@@ -78,8 +81,21 @@ std::optional<double> length_of(const char* option, const std::string& text) {
   return text.empty() ? std::nullopt : std::optional(quantity_of(option, text, Unit::kMetre));
 }
 
+/// "0.8 m/s", "60 deg/s".
+std::optional<double> per_second_of(const std::string& option, const std::string& text, Unit unit) {
+  constexpr std::string_view kPerSecond = "/s";
+  if (text.empty()) return std::nullopt;
+  if (!text.ends_with(kPerSecond)) {
+    throw UsageError(fmt::format("{}: {} needs a unit a second: {}", option, in_quotes(text),
+                                 unit == Unit::kMetre ? "0.8 m/s" : "60 deg/s"));
+  }
+  return quantity_of(option, text.substr(0, text.size() - kPerSecond.size()), unit);
+}
+
 int run_simulate(const SimulateCommand& command) {
   SimulateOptions options = command.options;
+  options.speed_m_per_s = per_second_of("--speed", command.speed, Unit::kMetre);
+  options.turn_rate_rad_per_s = per_second_of("--turn-rate", command.turn_rate, Unit::kRadian);
   options.noise_m = length_of("--noise", command.noise);
   options.range_resolution_m = length_of("--resolution", command.resolution);
   ProgressLine progress("scans", command.quiet);
@@ -167,11 +183,21 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
   add_count_option(*command, "--seed", options.seed, 0, "Seed of every random number")->capture_default_str();
   command
       ->add_option("--laser", options.laser,
-                   "Instead of the scene's laser: sick-lms, sick-361 or hokuyo-961 (mount and height stay)")
+                   "Instead of the scene's laser: sick-lms, sick-361, hokuyo-961 or lidar-360 (mount and height stay)")
       ->type_name("PRESET");
   command->add_option("--rate", options.scan_rate_hz, "Scans a second, instead of the scene's")->type_name("HZ");
+  command
+      ->add_option(
+          "--mirror-rate", options.mirror_rate_hz,
+          "Turns of the laser's mirror a second, instead of the laser's. A scan is stamped with its first beam "
+          "then, and the log says when the others were measured; CARMEN cannot")
+      ->type_name("HZ");
   command->add_option("--trajectory", options.trajectory, "A file of waypoints, instead of the scene's")
       ->type_name("FILE");
+  command->add_option("--speed", chosen->speed, "The robot's speed at most, instead of the scene's")
+      ->type_name("SPEED");
+  command->add_option("--turn-rate", chosen->turn_rate, "How fast the robot turns at most, instead of the scene's")
+      ->type_name("SPEED");
   add_nodding_options(*command, *chosen);
   add_error_options(*command, *chosen);
   command->add_flag("--json", chosen->json, "Print what was done as JSON");
@@ -183,6 +209,7 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       "  gdtslam simulate office-loop -o office-loop.log\n"
       "  gdtslam simulate office-loop -o office-loop.mcap\n"
       "  gdtslam simulate corridor -o corridor.log.gz --seed 7 --laser hokuyo-961 --rate 20\n"
+      "  gdtslam simulate office-loop -o slow.mcap --laser lidar-360 --mirror-rate 5 --rate 5 --speed 0.8m/s\n"
       "  gdtslam simulate office-7f -o office-7f.log.gz --nod stop-and-scan --truth-hits\n"
       "  gdtslam simulate my-scene.yaml -o my.log --trajectory my-path.yaml --json");
   command->callback([chosen, &context] { context.run = [chosen] { return run_simulate(*chosen); }; });

@@ -26,6 +26,9 @@ struct SimulationConfig {
   WheelModel wheels;
   double scan_rate_hz = 10.0;
   double odometry_rate_hz = 20.0;  ///< 0: no odometry between the scans
+  /// A scan's stamp, and with it odometry and truth, is that of its first beam, as in ROS; else that of its middle. Not
+  /// with a laser that nods.
+  bool stamps_first_beam = false;
   /// A laser that nods. Its mount's height, mirror rate and stamp share must be those of the laser, see match_laser().
   std::optional<NoddingModel> nodding{};
   std::uint64_t seed = 1;
