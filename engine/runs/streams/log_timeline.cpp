@@ -34,7 +34,7 @@ std::size_t range_bin(double range_m) {
   if (power - 1 < kLeastPower) return 0;
   if (power - 1 >= kMostPower) return kTimelineRanges - 1;
   const auto octave = static_cast<std::size_t>(power - 1 - kLeastPower);
-  return kParts * octave + static_cast<std::size_t>((2.0 * half_to_one - 1.0) * kParts);
+  return kParts * octave + static_cast<std::size_t>((2.0 * half_to_one - 1.0) * static_cast<double>(kParts));
 }
 
 /// Where a bin begins.
