@@ -15,10 +15,10 @@ namespace gdtslam {
 namespace {
 
 // Ranges between powers of two in equal parts: 3 % of the range at the most.
-constexpr int kParts = 32;
+constexpr std::size_t kParts = 32;
 constexpr int kLeastPower = -5;  // 3 cm
 constexpr int kMostPower = 10;   // 1 km
-constexpr std::size_t kTimelineRanges = std::size_t{kParts} * (kMostPower - kLeastPower);
+constexpr std::size_t kTimelineRanges = kParts * static_cast<std::size_t>(kMostPower - kLeastPower);
 
 constexpr double kLongestLog_s = 2.0e6;  // three weeks; a scan stamped farther away has a wrong stamp
 constexpr std::uint64_t kStraysBelieved = 20;
@@ -33,14 +33,14 @@ std::size_t range_bin(double range_m) {
   const double half_to_one = std::frexp(range_m, &power);
   if (power - 1 < kLeastPower) return 0;
   if (power - 1 >= kMostPower) return kTimelineRanges - 1;
-  const auto part = static_cast<int>((2.0 * half_to_one - 1.0) * kParts);
-  return static_cast<std::size_t>(kParts * (power - 1 - kLeastPower) + part);
+  const auto octave = static_cast<std::size_t>(power - 1 - kLeastPower);
+  return kParts * octave + static_cast<std::size_t>((2.0 * half_to_one - 1.0) * static_cast<double>(kParts));
 }
 
 /// Where a bin begins.
 double range_of_bin(std::size_t bin) {
-  const auto number = static_cast<int>(bin);
-  return std::ldexp(1.0 + static_cast<double>(number % kParts) / kParts, number / kParts + kLeastPower);
+  const double part = static_cast<double>(bin % kParts) / static_cast<double>(kParts);
+  return std::ldexp(1.0 + part, static_cast<int>(bin / kParts) + kLeastPower);
 }
 
 std::uint64_t count_of(const std::vector<std::uint32_t>& returns) {

@@ -102,12 +102,12 @@ std::vector<MapCommand> map_commands(const DoctorOptions& options, const LogCont
   const std::string told_crank = crank.empty() ? "" : " --crank " + shell_word(crank);
   std::vector<MapCommand> commands = scan_choices(options, contents);
   const std::string first_choice = commands.front().line;
-  for (MapCommand& command : commands) command.line = start + command.line + told_crank + end;
+  for (MapCommand& command : commands) command.line = fmt::format("{}{}{}{}", start, command.line, told_crank, end);
   if (!crank.empty()) return commands;
   for (const TopicContents* topic : topics_for(TopicUse::kCrank, contents)) {
     if (!topic->numbers || topic->numbers->least == topic->numbers->most) continue;
     MapCommand nodding = nodding_choice(*topic);
-    nodding.line = start + first_choice + nodding.line + end;
+    nodding.line = fmt::format("{}{}{}{}", start, first_choice, nodding.line, end);
     commands.push_back(std::move(nodding));
   }
   return commands;
