@@ -84,6 +84,24 @@ def doctor_of_several_lasers():
     examined(folder / "my drive.bag", "--crank", "/servo", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg")
 
 
+def doctor_of_hostile_names():
+    """Names of topics, frames and files that would add lines of their own, or words to the line to type."""
+    folder = cli.fresh_folder("doctor_of_hostile_names")
+    name, frame = "/a\n-> rm -rf '/$HOME'\x1b[2J", "b\n-> c"
+    data = bags.connection(0, name, bags.SCAN) + bags.connection(1, "/scan", bags.SCAN)
+    for seconds, x, y in bags.drive():
+        data += bags.message(0, seconds, bags.scan(seconds, cli.room_ranges(x, y, 0.0), frame=frame))
+        data += bags.message(1, seconds, bags.scan(seconds, cli.room_ranges(x, y, 0.0)))
+    log = folder / "it's $(a) log.bag"
+    log.write_bytes(bags.bag(bags.chunk(data)))
+    text = command("doctor", log).stdout
+    expect("\x1b" not in text and not any(line.startswith("-> rm") or line == "-> c" for line in text.splitlines()), text)
+    lines = [entry["line"] for entry in examined(log)["commands"]]
+    expect(len(lines) == 3 and all("\n" not in line and "\x1b" not in line for line in lines), lines)
+    words = subprocess.run(["bash", "-c", f"printf '%s\\0' {lines[0]}"], capture_output=True, text=True, check=True).stdout
+    expect(words.split("\0") == ["gdtslam", "map", str(log), "--topic", name, "-o", "out", ""], words)
+
+
 def doctor_without_scans():
     """A recording without scans is told to hold what it holds; a cut one gives what it has."""
     folder = cli.fresh_folder("doctor_without_scans")
@@ -123,6 +141,33 @@ def doctor_of_text_logs():
                 cli.one_error_line(process.stderr)
                 expect(log in process.stderr and says in process.stderr, process.stderr)
     expect_exit(command("doctor", folder / "a.log", "--mount", "0.2m,0,0"), 0)
+
+
+def doctor_pictures():
+    """One picture of a log in each format; of which panels, its words tell. Names that cannot be written are refused first."""
+    folder = cli.fresh_folder("doctor_pictures")
+    (folder / "two.bag").write_bytes(two_lasers())
+    tilting = ("--crank", "/servo", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg", "--set", "log.crank_zero=90")
+    for name, arguments, titles in (("plain.svg", (), {"speed in m/s", "turning in deg/s"}),
+                                    ("tilting.svg", tilting, {"speed in m/s", "turning in deg/s", "elevation in deg"})):
+        expect_exit(command("doctor", folder / "two.bag", "--picture", folder / name, *arguments), 0)
+        drawing = (folder / name).read_text()
+        all_titles = {"scans a second", "speed in m/s", "turning in deg/s", "elevation in deg", "ranges in m", "no return in %"}
+        found = {title for title in all_titles if title in drawing}
+        expect(found == titles | {"scans a second", "ranges in m", "no return in %"}, found)
+        expect("two.bag" in drawing and "40 scans in 9.8 s" in drawing, "title")
+        expect_exit(command("doctor", folder / "two.bag", "--picture", folder / ("again-" + name), *arguments), 0)
+        expect((folder / ("again-" + name)).read_text() == drawing, "the same log, another picture")
+    for name, start in (("a.png", b"\x89PNG"), ("a.pdf", b"%PDF")):
+        if os.environ.get("GDTSLAM_VIEWER") == "1":
+            expect_exit(command("doctor", folder / "two.bag", "--picture", folder / name), 0)
+            expect((folder / name).read_bytes().startswith(start), name)
+    before = (folder / "two.bag").read_bytes()
+    for name, code in (("a.txt", 2), ("two.bag", 2), ("nowhere/a.svg", 74)):
+        process = command("doctor", folder / "two.bag", "--picture", folder / name)
+        expect_exit(process, code)
+        cli.one_error_line(process.stderr)
+    expect((folder / "two.bag").read_bytes() == before, "the log was written")
 
 
 def counts_of_bag(data):

@@ -197,7 +197,8 @@ def doctor_of_a_map():
     one_error_line(process.stderr)
     expect("'wheels.turn' is no number" in process.stderr, process.stderr)
     for wrong, says in ((["doctor"], "give a LOG, or --after RUN"), (["doctor", LOG, "--after", RUN], "excludes"),
-                        (["doctor", LOG, "--picture", "a.svg"], "requires"),
+                        (["doctor", LOG, "--picture", "a.txt"], "a.txt"),
+                        (["doctor", "--after", RUN, "--topic", "/scan"], "--after"),
                         (["doctor", "--after", RUN, "--picture", "a.txt"], "a.txt")):
         process = command(*wrong)
         expect_exit(process, 2)

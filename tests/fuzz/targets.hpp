@@ -48,13 +48,23 @@ inline void check_record(const LogRecord& record) {
 
 using OpenBytes = std::unique_ptr<DescribedLog> (*)(std::span<const std::byte>, const std::string&, const ReadOptions&);
 
-inline void drain(OpenBytes open, std::span<const std::byte> data, bool lenient) {
+inline void check_contents(const LogContents& contents) {
+  require(contents.topics.size() <= 256 && contents.frames.size() <= 4096 && contents.lines.size() <= 65);
+  for (const TopicContents& topic : contents.topics) {
+    require(topic.frames.size() <= 4 && topic.joints.size() <= 16 && topic.rate_hz() >= 0.0);
+    require(!topic.delay ||
+            (topic.delay->low_s <= topic.delay->median_s && topic.delay->median_s <= topic.delay->high_s));
+  }
+}
+
+inline void drain(OpenBytes open, std::span<const std::byte> data, bool lenient, bool survey = false) {
   try {
-    const auto reader = open(data, "fuzz", {.lenient = lenient});
+    const auto reader = open(data, "fuzz", {.lenient = lenient, .survey = survey});
     while (const std::optional<LogRecord> record = reader->next()) {
       check_record(*record);
     }
     require(reader->warnings().size() <= 65);
+    check_contents(reader->contents());
   } catch (const UsageError& error) {  // several topics
     require(is_one_line(error.what()));
   } catch (const InputError& error) {
@@ -77,16 +87,19 @@ inline void read_carmen(std::span<const std::byte> data) {
 inline void read_bag(std::span<const std::byte> data) {
   detail::drain(open_bag, data, false);
   detail::drain(open_bag, data, true);
+  detail::drain(open_bag, data, true, true);
 }
 
 inline void read_mcap(std::span<const std::byte> data) {
   detail::drain(open_mcap, data, false);
   detail::drain(open_mcap, data, true);
+  detail::drain(open_mcap, data, true, true);
 }
 
 inline void read_sqlite_bag(std::span<const std::byte> data) {
   detail::drain(open_sqlite_bag, data, false);
   detail::drain(open_sqlite_bag, data, true);
+  detail::drain(open_sqlite_bag, data, true, true);
 }
 
 /// A message: its first byte says which, its second one how it is encoded.

@@ -30,6 +30,7 @@ gdtslam render paper-b -o "$images/linkage-paper-b.gif" --size 640x360 --fps 20
 gdtslam linkage paper-b --picture "$images/linkage-paper-b.svg"
 gdtslam measure three-boxes/cloud.ply --boxes --picture "$images/measured-boxes.svg"
 gdtslam simulate wall -o wall.log --linkage paper-b-calibrated
+gdtslam doctor office-loop.log --picture "$images/office-loop-log.svg"
 gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.png"
 # Of a real log, where there is one: GDTSLAM_DATA names the folder of slam2d/intel.clf.gz.
 if [[ -n ${GDTSLAM_DATA:-} ]]; then

@@ -80,6 +80,12 @@ std::string nothing_mappable(std::uint64_t scans, const ScanConfig& config) {
       scans, config.min_points, config.min_range_m, config.max_range_m);
 }
 
+bool is_impossible(const Pose2& step, double step_s, const StepBounds& bounds) {
+  const double allowed_s = step_s > 0.0 ? std::min(step_s, bounds.longest_s) : bounds.unknown_s;
+  return step.translation().norm() > bounds.distance_m + bounds.speed_m_s * allowed_s ||
+         std::fabs(step.theta_rad) > bounds.angle_rad + bounds.turn_rate_rad_s * allowed_s;
+}
+
 void EventList::add(const LogEvent& event, double size) {
   ++count;
   largest = std::max(largest, size);
@@ -143,9 +149,7 @@ void LogChecker::add_odometry(double stamp_s, const Pose2& T_odom_base) {
     const double distance_m = step.translation().norm();
     const double angle_rad = std::fabs(step.theta_rad);
     const double step_s = stamp_s - last_odometry_->stamp_s;
-    const double allowed_s = step_s > 0.0 ? std::min(step_s, bounds_.longest_s) : bounds_.unknown_s;
-    if (distance_m > bounds_.distance_m + bounds_.speed_m_s * allowed_s ||
-        angle_rad > bounds_.angle_rad + bounds_.turn_rate_rad_s * allowed_s) {
+    if (is_impossible(step, step_s, bounds_)) {
       check_.impossible_steps.add({check_.scans, stamp_s, step_s, distance_m, angle_rad}, distance_m);
     } else {
       check_.path_m += distance_m;

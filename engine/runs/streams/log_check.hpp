@@ -63,6 +63,9 @@ struct StepBounds {
   double unknown_s = 0.25;                    ///< assumed where the clock stood still or went backward
 };
 
+/// Whether no robot makes such a step of the odometry in that time.
+bool is_impossible(const Pose2& step, double step_s, const StepBounds& bounds);
+
 /// A place in the log where something is odd: the scan's index from 0, its stamp and sizes that depend on the kind.
 struct LogEvent {
   std::uint64_t scan = 0;

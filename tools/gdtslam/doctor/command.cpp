@@ -2,23 +2,25 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
-#include <algorithm>
-#include <cmath>
+#include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "contents.hpp"
 #include "doctor.hpp"
+#include "engine/drawing/plots/log_picture.hpp"
+#include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/log_contents.hpp"
 #include "engine/runs/streams/log_check.hpp"
+#include "engine/runs/streams/log_timeline.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
-#include "gdtslam/core/angle.hpp"
+#include "findings.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/runs/settings.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/options.hpp"
@@ -26,261 +28,30 @@
 namespace gdtslam {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kMostShown = 5;
-constexpr std::size_t kMostLayoutsShown = 4;
-
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+/// The last part of a path, without a slash behind it.
+std::string title_of(const std::string& log) {
+  const std::filesystem::path path(log_name(log));
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
 }
 
-std::string nod_text(const NodCheck& nod) {
-  std::string text;
-  if (nod.encoder_records > 0) {
-    text += fmt::format("nodding          {} encoder records, ticks {} to {}, {} falls at an index mark\n",
-                        nod.encoder_records, nod.lowest_ticks, nod.highest_ticks, nod.falls);
+/// Along the stamps or, where they are all the same, along the scans.
+struct Timelines {
+  explicit Timelines(const StepBounds& bounds) : by_time(bounds), by_scans(bounds, LogTimeline::Along::kScans) {}
+  void add(const LogRecord& record) {
+    by_time.add(record);
+    by_scans.add(record);
   }
-  if (nod.tilt_records > 0) {
-    text += fmt::format("tilting          {} tilt records, {:.2f} to {:.2f} deg\n", nod.tilt_records,
-                        deg_from_rad(nod.lowest_tilt_rad), deg_from_rad(nod.highest_tilt_rad));
-  }
-  if (nod.has_records()) {
-    text += fmt::format("                 {:.1f} Hz, longest gap {:.3f} s, {} without motion\n", nod.mean_rate_hz,
-                        nod.longest_gap_s, nod.still_steps);
-  }
-  return text;
-}
-
-std::string counts_text(const LogCheck& c) {
-  std::string text = fmt::format("scans            {} in {:.1f} s", c.scans, c.duration_s());
-  if (c.median_step_s > 0.0)
-    text += fmt::format(", {:.1f} Hz (median step {:.3f} s)", 1.0 / c.median_step_s, c.median_step_s);
-  if (c.scans_with_odometry + c.odometry_records == 0) return text + "\nodometry         none\n" + nod_text(c.nod);
-  text +=
-      fmt::format("\nodometry         {} scans with their own, {} records between; path {:.1f} m, turned {:.0f} deg\n",
-                  c.scans_with_odometry, c.odometry_records, c.path_m, deg_from_rad(c.turned_rad));
-  text += fmt::format("standing still   {} steps without any motion of the odometry\n", c.still_scans);
-  return text + nod_text(c.nod);
-}
-
-// Lasers that turn unevenly have another number of beams every time: the usual ones are told, then what there is.
-std::string layouts_text(const LogCheck& c) {
-  std::vector<BeamLayout> layouts = c.layouts;
-  std::stable_sort(layouts.begin(), layouts.end(),
-                   [](const BeamLayout& a, const BeamLayout& b) { return a.scans > b.scans; });
-  std::string text;
-  std::uint64_t others = c.other_layouts;
-  for (std::size_t k = 0; k < layouts.size(); ++k) {
-    const BeamLayout& b = layouts[k];
-    if (k >= kMostLayoutsShown) {
-      others += b.scans;
-      continue;
-    }
-    const double first_deg = deg_from_rad(b.first_bearing_rad);
-    const double step_deg = deg_from_rad(b.step_rad);
-    const double last_deg = b.beams > 0 ? first_deg + static_cast<double>(b.beams - 1) * step_deg : first_deg;
-    text += fmt::format("beams            {} from {:.2f} to {:.2f} deg, step {:.3f} deg, in {} scans", b.beams,
-                        first_deg, last_deg, step_deg, b.scans);
-    text += b.max_range_m > 0.0 ? fmt::format("; stated limit {:.2f} m\n", b.max_range_m) : "\n";
-  }
-  if (others > 0) text += fmt::format("beams            others in {} scans\n", others);
-  return text;
-}
-
-std::string sensor_text(const LogCheck& c) {
-  std::string text = layouts_text(c);
-  if (c.T_base_laser) {
-    text += fmt::format("laser on robot   {:.3f} m ahead, {:.3f} m left, {:.2f} deg", c.T_base_laser->x_m,
-                        c.T_base_laser->y_m, deg_from_rad(c.T_base_laser->theta_rad));
-    text += c.mount_changes > 0 ? fmt::format("; differs in {} scans\n", c.mount_changes) : "\n";
-  }
-  const RangeStatistics& r = c.ranges;
-  text += fmt::format("ranges           {:.2f} to {:.2f} m, median {:.2f} m, {:.1f} % of {} beams\n", r.shortest_m,
-                      r.longest_m, r.median_m, 100.0 * share(r.returns, r.beams), r.beams);
-  text += "no return        ";
-  for (const double value_m : r.no_return_m) text += fmt::format("{:.2f} m, ", value_m);
-  text +=
-      fmt::format("{:.1f} % of the beams; {} not finite\n", 100.0 * share(r.no_return_count, r.beams), r.not_finite);
-  return text;
-}
-
-std::string events_text(const std::string& name, const EventList& events, const std::string& bound,
-                        const std::function<std::string(const LogEvent&)>& describe) {
-  if (events.count == 0) return fmt::format("{:<16} none{}\n", name, bound);
-  std::string text = fmt::format("{:<16} {}{}\n", name, events.count, bound);
-  for (std::size_t k = 0; k < events.first.size() && k < kMostShown; ++k) {
-    const LogEvent& event = events.first[k];
-    text += fmt::format("                 scan {} at {:.6f} s: {}\n", event.scan, event.stamp_s, describe(event));
-  }
-  if (events.count > kMostShown) text += fmt::format("                 and {} more\n", events.count - kMostShown);
-  return text;
-}
-
-std::string faults_text(const LogCheck& c, const StepBounds& bounds) {
-  const auto step = [](const LogEvent& e) { return fmt::format("{:+.6f} s", e.time_step_s); };
-  std::string text = events_text("gaps", c.gaps, fmt::format(" (longer than {:.2f} s)", c.gap_bound_s), step);
-  text += events_text("backward stamps", c.backward_stamps, "", step);
-  text += events_text("repeated stamps", c.repeated_stamps, "", step);
-  text +=
-      events_text("odometry jumps", c.impossible_steps,
-                  fmt::format(" (more than {:g} m + {:g} m/s or {:.0f} deg + {:.0f} deg/s)", bounds.distance_m,
-                              bounds.speed_m_s, deg_from_rad(bounds.angle_rad), deg_from_rad(bounds.turn_rate_rad_s)),
-                  [](const LogEvent& e) {
-                    return fmt::format("{:.3f} m and {:.1f} deg in {:.3f} s", e.distance_m, deg_from_rad(e.angle_rad),
-                                       e.time_step_s);
-                  });
-  if (c.scans_without_returns > 0)
-    text += fmt::format("empty scans      {} without any return\n", c.scans_without_returns);
-  if (c.mappable_scans < c.scans) {
-    text += fmt::format("unused scans     {} with fewer than {} returns (scan.min_points)\n",
-                        c.scans - c.mappable_scans, c.scan.min_points);
-  }
-  for (const LogReader::Warning& w : c.warnings)
-    text += fmt::format("{:<16} {}, first: {}\n", w.kind, w.count, w.first);
-  return text;
-}
-
-std::string delay_text(const std::optional<OdometryDelay>& delay) {
-  if (!delay) return "";
-  return fmt::format("odometry stamps  {:.3f} s {} than the scans, +-{:.3f} s{}\n", std::fabs(delay->delay_s),
-                     delay->delay_s < 0.0 ? "earlier" : "later", delay->sigma_s,
-                     delay->stands_out() ? ": map makes up for it" : "; too little to matter");
-}
-
-/// All that was found.
-struct Findings {
-  LogContents contents;
-  LogCheck check;
-  StepBounds bounds;
-  std::optional<OdometryDelay> delay;
-  std::vector<MapCommand> commands;
+  LogTimeline by_time;
+  LogTimeline by_scans;
 };
 
-std::string advice_text(const Findings& found) {
-  std::string text;
-  for (const std::string& suggestion : found.check.suggestions()) text += "-> " + suggestion + "\n";
-  const std::vector<LaserContents>& lasers = found.contents.lasers;
-  const bool is_placed = std::none_of(lasers.begin(), lasers.end(),
-                                      [](const LaserContents& laser) { return laser.mount == MountSource::kUnknown; });
-  if (!is_placed) {
-    text +=
-        "-> the recording does not tell where the laser sits: if not in the robot's centre, add --mount x,y,yaw, "
-        "for example --mount 0.2m,0,0 where it sits 20 cm ahead\n";
-  }
-  const std::string obstacle = found.check.obstacle();
-  if (!obstacle.empty()) return text + "It cannot be mapped: " + obstacle + ".\n";
-  text += found.commands.front().when.empty() ? "It can be mapped:\n" : "It can be mapped\n";
-  for (const MapCommand& command : found.commands) {
-    if (!command.when.empty()) text += "- " + command.when + ":\n";
-    text += "  " + command.line + "\n";
-  }
-  return text;
-}
-
-std::string as_text(const Findings& found, const std::string& log) {
-  return fmt::format("log              {}, {}\n", log_name(log), found.contents.format) +
-         contents_text(found.contents, found.check) + counts_text(found.check) + sensor_text(found.check) +
-         faults_text(found.check, found.bounds) + delay_text(found.delay) + advice_text(found);
-}
-
-Json as_json(const EventList& events) {
-  Json list = Json::array();
-  for (const LogEvent& e : events.first) {
-    list.push_back({{"scan", e.scan},
-                    {"stamp_s", e.stamp_s},
-                    {"time_step_s", e.time_step_s},
-                    {"distance_m", e.distance_m},
-                    {"angle_rad", e.angle_rad}});
-  }
-  return {{"count", events.count}, {"largest", events.largest}, {"first", list}};
-}
-
-Json ranges_json(const RangeStatistics& r) {
-  return {{"beams", r.beams},
-          {"returns", r.returns},
-          {"not_finite", r.not_finite},
-          {"no_return", r.no_return_count},
-          {"no_return_values_m", r.no_return_m},
-          {"shortest_m", r.shortest_m},
-          {"median_m", r.median_m},
-          {"longest_m", r.longest_m}};
-}
-
-Json layouts_json(const std::vector<BeamLayout>& layouts) {
-  Json list = Json::array();
-  for (const BeamLayout& b : layouts) {
-    list.push_back({{"beams", b.beams},
-                    {"first_bearing_rad", b.first_bearing_rad},
-                    {"step_rad", b.step_rad},
-                    {"max_range_m", b.max_range_m},
-                    {"scans", b.scans}});
-  }
-  return list;
-}
-
-Json nod_json(const NodCheck& nod) {
-  return {{"mean_rate_hz", nod.mean_rate_hz},
-          {"longest_gap_s", nod.longest_gap_s},
-          {"longest_gap_at_s", nod.longest_gap_at_s},
-          {"backward_stamps", nod.backward_stamps},
-          {"still_steps", nod.still_steps},
-          {"reversals", nod.reversals},
-          {"lowest_ticks", nod.lowest_ticks},
-          {"highest_ticks", nod.highest_ticks},
-          {"falls", nod.falls},
-          {"lowest_tilt_rad", nod.lowest_tilt_rad},
-          {"highest_tilt_rad", nod.highest_tilt_rad}};
-}
-
-Json as_json(const Findings& found, const std::string& log) {
-  const LogCheck& c = found.check;
-  const StepBounds& bounds = found.bounds;
-  const std::optional<OdometryDelay>& delay = found.delay;
-  Json report{{"log", log}, {"mappable", c.obstacle().empty()}, {"obstacle", c.obstacle()}};
-  add_contents(found.contents, report);
-  report["scans"] = c.scans;
-  report["mappable_scans"] = c.mappable_scans;
-  report["duration_s"] = c.duration_s();
-  report["median_step_s"] = c.median_step_s;
-  report["scans_with_odometry"] = c.scans_with_odometry;
-  report["odometry_records"] = c.odometry_records;
-  report["encoder_records"] = c.nod.encoder_records;
-  report["tilt_records"] = c.nod.tilt_records;
-  if (c.nod.has_records()) report["nodding"] = nod_json(c.nod);
-  report["parameters"] = c.parameters;
-  report["path_m"] = c.path_m;
-  report["turned_rad"] = c.turned_rad;
-  report["still_steps"] = c.still_scans;
-  report["gap_bound_s"] = c.gap_bound_s;
-  report["gaps"] = as_json(c.gaps);
-  report["backward_stamps"] = as_json(c.backward_stamps);
-  report["repeated_stamps"] = as_json(c.repeated_stamps);
-  report["impossible_steps"] = as_json(c.impossible_steps);
-  if (delay) {
-    report["odometry_delay"] = {
-        {"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}, {"stands_out", delay->stands_out()}};
-  }
-  report["step_bounds"] = {{"distance_m", bounds.distance_m},
-                           {"speed_m_s", bounds.speed_m_s},
-                           {"angle_rad", bounds.angle_rad},
-                           {"turn_rate_rad_s", bounds.turn_rate_rad_s}};
-  report["layouts"] = layouts_json(c.layouts);
-  const Pose2 mount = c.T_base_laser.value_or(Pose2{});
-  report["laser_on_robot"] = {
-      {"x_m", mount.x_m}, {"y_m", mount.y_m}, {"theta_rad", mount.theta_rad}, {"changes", c.mount_changes}};
-  report["ranges"] = ranges_json(c.ranges);
-  report["scans_without_returns"] = c.scans_without_returns;
-  Json warnings = Json::object();
-  for (const LogReader::Warning& w : c.warnings) warnings[w.kind] = {{"count", w.count}, {"first", w.first}};
-  report["warnings"] = warnings;
-  report["suggestions"] = c.suggestions();
-  Json commands = Json::array();
-  for (const MapCommand& command : found.commands) {
-    commands.push_back({{"when", command.when}, {"line", command.line}});
-  }
-  report["commands"] = commands;
-  return report;
+void draw(const Timelines& timelines, const LogCheck& check, const DoctorOptions& options) {
+  if (check.scans == 0) return;
+  const bool has_time = timelines.by_time.has_length() || check.scans == 1;
+  const LogTimeline& timeline = has_time ? timelines.by_time : timelines.by_scans;
+  const LogPicture picture = timeline.picture(check, title_of(options.log));
+  const Canvas drawing = log_picture(picture, size_of_log_picture(picture));
+  write_file_atomically(options.picture, drawing_bytes(drawing, options.picture));
 }
 
 Findings findings_of(const DoctorOptions& options) {
@@ -290,11 +61,13 @@ Findings findings_of(const DoctorOptions& options) {
   read.survey = true;
   Findings found;
   LogChecker checker(found.bounds, settings.mapper.scan);
+  Timelines timelines(found.bounds);
   const std::unique_ptr<DescribedLog> reader = open_described_log(options.log, read);
   ProgressLine progress("records", false);
   std::uint64_t records = 0;
   while (const std::optional<LogRecord> record = reader->next()) {
     checker.add(*record);
+    if (!options.picture.empty()) timelines.add(*record);
     progress.update(++records, reader->progress());
     if (interrupted()) break;
   }
@@ -305,12 +78,17 @@ Findings findings_of(const DoctorOptions& options) {
     found.delay = measured_delay(options.log, read, {}, settings.mapper, [] { return interrupted(); });
   }
   found.commands = map_commands(options, found.contents, found.check);
+  if (!options.picture.empty()) draw(timelines, found.check, options);
   return found;
 }
 
 int doctor(const DoctorOptions& options) {
+  if (!options.picture.empty()) {
+    check_drawing_file("--picture", options.picture);
+    check_written_file("--picture", options.picture, {options.log});
+  }
   const Findings found = findings_of(options);
-  print_result(options.json ? json_text(as_json(found, options.log)) : as_text(found, options.log));
+  print_result(options.json ? json_text(findings_json(found, options.log)) : findings_text(found, options.log));
   if (interrupted())
     throw Error(ExitCode::kInterrupted, "interrupted; the figures are those of the part that was read");
   const std::string obstacle = found.check.obstacle();
@@ -319,7 +97,11 @@ int doctor(const DoctorOptions& options) {
 }
 
 int run_doctor(const DoctorOptions& options) {
-  if (!options.after.empty()) return doctor_after(options);
+  if (!options.after.empty()) {
+    if (options.recording.are_stated())
+      throw UsageError("--topic, --odom, --crank and --mount are for a LOG, not --after");
+    return doctor_after(options);
+  }
   if (options.log.empty()) throw UsageError("nothing to look at: give a LOG, or --after RUN");
   return doctor(options);
 }
@@ -339,9 +121,9 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
   after->type_name("RUN")->excludes(log);
   command
       ->add_option("--picture", options->picture,
-                   "With --after: draw loops, uncertainty and what is doubtful, numbered: .svg, .png or .pdf")
-      ->type_name("FILE")
-      ->needs(after);
+                   "Draw scan rate, motion and ranges of the log over time; with --after loops, uncertainty and what\n"
+                   "is doubtful, numbered: .svg, .png or .pdf")
+      ->type_name("FILE");
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "What it holds (topics, frames, clocks, or kinds of lines), what of it 'map' uses and why, and the line to "
@@ -353,7 +135,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
       "\n"
       "Examples:\n"
       "  gdtslam doctor intel.clf.gz\n"
-      "  gdtslam doctor drive.mcap\n"
+      "  gdtslam doctor drive.mcap --picture drive.png\n"
       "  gdtslam doctor drive.log --json | jq .impossible_steps.count\n"
       "  gdtslam doctor --after out --picture doubtful.png");
   command->callback([options, &context] { context.run = [options] { return run_doctor(*options); }; });

@@ -13,7 +13,7 @@ struct DoctorOptions {
   RecordingOptions recording;
   SettingsOptions settings;
   std::string after;    ///< the folder of a run, in place of a log
-  std::string picture;  ///< with after
+  std::string picture;  ///< of the log, or of the run
   bool json = false;
 };
 

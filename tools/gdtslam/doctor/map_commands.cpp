@@ -11,10 +11,20 @@
 namespace gdtslam {
 namespace {
 
-/// As a shell takes it for one word.
+bool is_control(char c) { return (c >= '\0' && c < ' ') || c == '\x7f'; }
+
+/// As a shell takes it for one word, on one line whatever is in it.
 std::string shell_word(const std::string& text) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  if (std::any_of(text.begin(), text.end(), is_control)) {  // as bash, zsh and ksh read it
+    std::string word = "$'";
+    for (const char c : text) {
+      const bool is_escaped = is_control(c) || c == '\'' || c == '\\';
+      word += is_escaped ? fmt::format("\\x{:02x}", static_cast<unsigned char>(c)) : std::string(1, c);
+    }
+    return word + "'";
+  }
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
   return word + "'";

@@ -14,6 +14,9 @@ struct RecordingOptions {
   std::string odometry;
   std::string crank;
   std::vector<std::string> mounts;  ///< x,y,yaw or TOPIC=x,y,yaw
+  [[nodiscard]] bool are_stated() const {
+    return !topics.empty() || !odometry.empty() || !crank.empty() || !mounts.empty();
+  }
 };
 
 /// --topic, --odom, --crank, --mount.

@@ -189,6 +189,7 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
   command.add_option("--log", options.logs, "Map this log too, beside the sample log; may be repeated")
       ->type_name("LOG")
       ->allow_extra_args(false);
+  add_recording_options(command, options.recording);
   command
       .add_option("--variants", options.variants,
                   "Which shaders of a kernel: those that suit the device (by-device), those for GPUs (wide), those\n"

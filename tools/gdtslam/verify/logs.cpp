@@ -89,7 +89,7 @@ SampleLog sample_of(const std::string& log, const char* results) {
 // Each scan through the mapper.
 LogRun run_mapper(const LogTask& task, Backend& backend, const LogProgress& progress) {
   const Settings settings = load_settings({.file = {}, .sets = {"match.matcher=" + task.matcher}});
-  ScanStream scans({task.log}, {}, {});
+  ScanStream scans({task.log}, task.read, {});
   Mapper mapper(settings.mapper, backend, {.fall_back = false, .cpu = {}, .warn = {}});
   Trajectory trajectory;
   while (const std::optional<ScanRecord> record = scans.next()) {
@@ -114,9 +114,9 @@ LogRun run_mapper(const LogTask& task, Backend& backend, const LogProgress& prog
 // again.
 LogRun run_with_loops(const LogTask& task, Backend& backend, const LogProgress& progress) {
   const Settings settings = load_settings({.file = {}, .sets = {"match.matcher=" + task.matcher}});
-  ScanStream scans({task.log}, {}, {});
+  ScanStream scans({task.log}, task.read, {});
   const MapJob job{.logs = {task.log},
-                   .read = {},
+                   .read = task.read,
                    .range = {},
                    .mapper = settings.mapper,
                    .occupancy = {},

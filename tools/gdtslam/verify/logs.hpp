@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/io/log.hpp"
 
 namespace gdtslam {
 
@@ -40,6 +41,7 @@ struct LogTask {
   std::string matcher;                  ///< name, as --matcher takes it
   bool with_loops = false;              ///< as ExpectedRun has it
   std::optional<ExpectedRun> expected;  ///< shipped
+  ReadOptions read{};
 };
 
 /// One run of a log on one backend.

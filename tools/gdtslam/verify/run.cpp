@@ -78,10 +78,16 @@ std::vector<LogTask> chosen_logs(const VerifyOptions& options) {
   if (!options.filter.empty() && options.filter != kLogsFilter) return {};
   std::vector<LogTask> tasks;
   for (const SampleLog& sample : sample_logs()) {
-    for (const ExpectedRun& run : sample.runs) tasks.push_back({sample.path, run.matcher, run.with_loops, run});
+    for (const ExpectedRun& run : sample.runs) tasks.push_back({sample.path, run.matcher, run.with_loops, run, {}});
   }
+  if (options.logs.empty() && options.recording.are_stated()) {
+    throw UsageError("verify: --topic, --odom, --crank and --mount are for a --log");
+  }
+  LogConfig config;
+  state_recording(options.recording, config);
+  const ReadOptions read = read_options_of(config, false);
   for (const std::string& log : options.logs) {
-    for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, false, std::nullopt});
+    for (const std::string& matcher : verified_matchers()) tasks.push_back({log, matcher, false, std::nullopt, read});
   }
   return tasks;
 }

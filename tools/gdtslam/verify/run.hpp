@@ -13,6 +13,7 @@
 #include "logs.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/device/verify_record.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 
 namespace gdtslam {
 
@@ -24,6 +25,7 @@ struct VerifyOptions {
   std::uint32_t random_cases = 0;
   bool large = false;
   std::vector<std::string> logs{};  ///< beside the sample log
+  RecordingOptions recording{};     ///< of these logs
   bool quiet = false;               ///< draws no progress
 };
 

@@ -85,7 +85,7 @@ struct Found {
 };
 
 std::uint64_t count_scans(const CertifiedBenchJob& job) {
-  ScanStream scans({job.log}, {}, {});
+  ScanStream scans({job.log}, job.read, {});
   std::uint64_t count = 0;
   while (scans.next()) ++count;
   return count;
@@ -132,7 +132,7 @@ class CertifiedBenchRun {
     const std::uint64_t count = count_scans(job_);
     if (count == 0) throw InputError(FilePosition{log_name(job_.log), 0}, "holds no laser scan");
     const std::uint64_t every = std::max<std::uint64_t>(count / job_.scans, 1);
-    ScanStream scans({job_.log}, {}, {});
+    ScanStream scans({job_.log}, job_.read, {});
     while (const std::optional<ScanRecord> record = scans.next()) {
       stop_if(stop_);
       const MatchResult match = mapper_.process(record->scan, record->T_odom_base);

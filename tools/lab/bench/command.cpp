@@ -20,6 +20,7 @@
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/options.hpp"
+#include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
@@ -35,6 +36,7 @@ struct BenchOptions {
   std::uint32_t size = 1024;
   TimingOptions timing;
   std::string log;  ///< none: the sample
+  RecordingOptions recording;
   CertifiedBenchJob certified{};
   LiveBenchJob live{};
   LogBenchJob logs{};
@@ -245,9 +247,16 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
   return measured;
 }
 
+ReadOptions read_of(const BenchOptions& options) {
+  LogConfig config;
+  state_recording(options.recording, config);
+  return read_options_of(config, false);
+}
+
 int print_certified(Backend& cpu, const BenchOptions& options) {
   CertifiedBenchJob job = options.certified;
   job.log = options.log.empty() ? sample_log_file() : options.log;
+  job.read = read_of(options);
   job.mapper = load_settings({}).mapper;
   print_result(bench_certified(
       job, cpu, [] { return interrupted(); }, options.json));
@@ -257,6 +266,7 @@ int print_certified(Backend& cpu, const BenchOptions& options) {
 int print_live(Backend& cpu, const BenchOptions& options) {
   LiveBenchJob job = options.live;
   job.log = options.log.empty() ? sample_log_file() : options.log;
+  job.read = read_of(options);
   job.mapper = load_settings({}).mapper;
   job.options = on_failure_of(options.device);
   print_result(bench_live(
@@ -276,6 +286,9 @@ int print_logs(const Backend& cpu, const BenchOptions& options) {
 int bench(const BenchOptions& options) {
   if (!options.is_certified() && !options.is_live() && !options.log.empty()) {
     throw UsageError("bench: --log is for 'gdtslam bench certified' and 'gdtslam bench live'");
+  }
+  if (options.log.empty() && options.recording.are_stated()) {
+    throw UsageError("bench: --topic, --odom, --crank and --mount are for a --log");
   }
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
   if (options.is_live()) return print_live(*cpu, options);
@@ -317,6 +330,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->add_option("--log", options->log,
                    "certified, live: the log that is mapped (default: the sample that comes along)")
       ->type_name("LOG");
+  add_recording_options(*command, options->recording);
   command->add_option("--scans", options->certified.scans, "certified: scans that are looked for, evenly over the log")
       ->type_name("N")
       ->check(CLI::Range(1, 100000).description(""))

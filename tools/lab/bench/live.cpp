@@ -60,7 +60,7 @@ class LiveBenchRun {
       : job_(job), stop_(stop), mapper_(job.mapper, backend, job.options) {}
 
   LiveBench run() {
-    ScanStream scans({job_.log}, {}, {});
+    ScanStream scans({job_.log}, job_.read, {});
     const LiveClock::time_point start = LiveClock::now();
     while (const std::optional<ScanRecord> record = scans.next()) {
       wait_for(record->scan.stamp_s);

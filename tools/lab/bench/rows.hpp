@@ -14,6 +14,7 @@
 
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/cloud.hpp"
+#include "gdtslam/io/log.hpp"
 #include "gdtslam/mapping/config.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 
@@ -133,6 +134,7 @@ std::string opencv_version();
 /// machine.
 struct CertifiedBenchJob {
   std::string log;
+  ReadOptions read;
   MapperConfig mapper;
   std::uint64_t scans = 100;  ///< that are looked for, evenly over the log
   double gap_m = 0.005;
@@ -149,6 +151,7 @@ std::string bench_certified(const CertifiedBenchJob& job, Backend& backend, cons
 /// alone, the times on the machine.
 struct LiveBenchJob {
   std::string log;
+  ReadOptions read;
   MapperConfig mapper;
   MapperOptions options;
   double speed = 50.0;  ///< scans come so many times as fast as their stamps say; 0: each when the one before is done
