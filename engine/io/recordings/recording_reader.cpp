@@ -150,8 +150,8 @@ class RecordingReader final : public DescribedLog {
 
   void take(const RecordingItem& item) {
     if (item.definition) {
-      topics_.add(item.channel, *item.definition);
-      if (survey_) survey_->add_channel(*item.definition);
+      const bool is_new = topics_.add(item.channel, *item.definition) != nullptr;
+      if (survey_ && is_new) survey_->add_channel(*item.definition);
       return;
     }
     try {

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kMostFramesOfTopic = 4;
 constexpr std::size_t kMostJoints = 16;
-constexpr double kMoved = 1e-4;  // metres, or of a rotation's matrix
+constexpr std::size_t kLongestName = 256;  // bytes; names that are longer are not kept
+constexpr double kMoved = 1e-4;            // metres, or of a rotation's matrix
 constexpr std::string_view kStaticEnding = "tf_static";
 
 // Of those messages that begin with a header, the small ones: pictures and clouds are not unpacked for their frames.
@@ -80,10 +81,12 @@ void set_transform(FrameLink& link, const Transform3& T) {
 
 void RecordingSurvey::add_channel(const RecordingChannel& channel) {
   if (topics_.contains(channel.topic)) return;
-  if (topics_.size() == kMostSurveyed) {
+  std::size_t& kept = kept_.at(static_cast<std::size_t>(use_of(kind_of(channel))));
+  if (kept == kMostSurveyed) {
     ++left_out_;
     return;
   }
+  ++kept;
   TopicContents contents{.name = channel.topic,
                          .type = short_type(channel.type),
                          .encoding = channel.encoding_name,
@@ -124,7 +127,8 @@ void RecordingSurvey::look_into(Topic& topic, const TopicChannel& channel, const
   std::vector<std::string>& joints = topic.contents.joints;
   for (std::size_t k = 0; k < names; ++k) {
     const std::string name(cursor.text());
-    const bool is_new = joints.size() < kMostJoints && std::find(joints.begin(), joints.end(), name) == joints.end();
+    const bool is_new = joints.size() < kMostJoints && name.size() <= kLongestName &&
+                        std::find(joints.begin(), joints.end(), name) == joints.end();
     if (is_new) joints.push_back(name);
   }
   add_number(topic.contents, read_joint(message, "").value);
@@ -133,7 +137,7 @@ void RecordingSurvey::look_into(Topic& topic, const TopicChannel& channel, const
 void RecordingSurvey::add_header(Topic& topic, double stamp_s, const std::string& frame, double received_s) {
   if (stamp_s != 0.0) topic.delays_s.add(received_s - stamp_s);
   std::vector<std::string>& frames = topic.contents.frames;
-  if (frame.empty() || frames.size() == kMostFramesOfTopic) return;
+  if (frame.empty() || frame.size() > kLongestName || frames.size() == kMostFramesOfTopic) return;
   if (std::find(frames.begin(), frames.end(), frame) == frames.end()) frames.push_back(frame);
 }
 
@@ -149,6 +153,7 @@ void RecordingSurvey::add_transforms(Topic& topic, const MessageBytes& message, 
   for (const TransformMessage& transform : read_transforms(message)) {
     // One that never changes is stamped whenever it was set, and received when the recording began.
     if (!is_static && transform.stamp_s != 0.0) topic.delays_s.add(received_s - transform.stamp_s);
+    if (std::max(transform.parent.size(), transform.child.size()) > kLongestName) continue;
     auto known = links_.find(transform.child);
     if (known == links_.end()) {
       if (links_.size() == FrameTree::kMostFrames) continue;
@@ -157,12 +162,11 @@ void RecordingSurvey::add_transforms(Topic& topic, const MessageBytes& message, 
       known = links_.emplace(transform.child, Link{std::move(link), transform.T_parent_child}).first;
     }
     Link& edge = known->second;
-    edge.link.moves = edge.link.moves || has_moved(edge.T_parent_child, transform.T_parent_child);
+    edge.link.moves = edge.link.moves || has_moved(edge.T_first, transform.T_parent_child);
     edge.link.is_static = edge.link.is_static && is_static;
     edge.link.parent = transform.parent;
     edge.link.last_s = received_s;
     ++edge.link.messages;
-    edge.T_parent_child = transform.T_parent_child;
     set_transform(edge.link, transform.T_parent_child);
   }
 }

@@ -1,8 +1,9 @@
 // What a recording has, seen in passing: its topics with rates, frames, clocks and numbers, and the tree of its frames.
-// What of it is used, its reader knows. Not thread-safe; memory is bounded: kMostSurveyed topics and
-// FrameTree::kMostFrames frames are kept.
+// What of it is used, its reader knows. Not thread-safe; memory is bounded: kMostSurveyed topics of each use and
+// FrameTree::kMostFrames frames are kept, and of messages no names that are longer than any that people give.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -20,6 +21,7 @@ namespace gdtslam {
 class RecordingSurvey {
  public:
   static constexpr std::size_t kMostSurveyed = 256;
+  /// Once for each channel.
   void add_channel(const RecordingChannel& channel);
   /// Whether the bytes of its messages tell something: of the types that a map needs, and of small ones with a header.
   [[nodiscard]] static bool wants(const TopicChannel& channel);
@@ -35,7 +37,7 @@ class RecordingSurvey {
   };
   struct Link {
     FrameLink link;
-    Transform3 T_parent_child;
+    Transform3 T_first;  ///< parent to child, in the first message
   };
   void look_into(Topic& topic, const TopicChannel& channel, const MessageBytes& message, double received_s);
   void add_transforms(Topic& topic, const MessageBytes& message, double received_s);
@@ -44,6 +46,7 @@ class RecordingSurvey {
 
   std::map<std::string, Topic, std::less<>> topics_;
   std::map<std::string, Link, std::less<>> links_;  ///< by child
+  std::array<std::size_t, 5> kept_{};               ///< by TopicUse
   std::uint64_t left_out_ = 0;
 };
 

@@ -174,8 +174,12 @@ const Transform3& ScanAssembler::mount_of(const std::string& frame) {
   if (mount && std::fabs(mount->rotation[8]) < kLevelCosine) {
     warn_("laser is not level", fmt::format("frame {} is tilted by more than 20 degrees", in_quotes(frame)));
   }
-  if (mounts_.size() >= FrameTree::kMostFrames) mounts_.clear();
+  if (mounts_.size() >= FrameTree::kMostFrames) {
+    mounts_.clear();
+    frames_without_mount_.clear();
+  }
   if (mount) return mounts_.emplace(frame, *mount).first->second;
+  frames_without_mount_.insert(frame);
   return mounts_.emplace(frame, Transform3()).first->second;
 }
 
@@ -185,6 +189,8 @@ LaserContents ScanAssembler::laser_contents(std::size_t laser) const {
   if (contents.chain.empty()) contents.chain = frames_.chain(known.frame, "");
   if (known.T_base_laser) {
     contents.mount = MountSource::kStated;
+  } else if (frames_without_mount_.contains(known.frame)) {
+    contents.chain.clear();  // it came too late
   } else if (!contents.chain.empty()) {
     contents.mount = MountSource::kFrames;
   }

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -92,7 +93,8 @@ class ScanAssembler {
   std::optional<double> pose_shift_s_;  ///< from the odometry's clock to the laser's, once it is settled
   std::optional<double> crank_shift_s_;
   FrameTree frames_;
-  std::map<std::string, Transform3, std::less<>> mounts_;  ///< of each frame that scans have
+  std::map<std::string, Transform3, std::less<>> mounts_;    ///< of each frame that scans have
+  std::set<std::string, std::less<>> frames_without_mount_;  ///< of those, where no transform had come in time
 };
 
 }  // namespace gdtslam

@@ -37,6 +37,13 @@ std::size_t range_bin(double range_m) {
   return kParts * octave + static_cast<std::size_t>((2.0 * half_to_one - 1.0) * static_cast<double>(kParts));
 }
 
+// A constant is told to the centimetre, and may lie in the bin before or behind.
+void clear_around(double constant_m, std::vector<std::uint32_t>& returns) {
+  constexpr double kRounded_m = 0.005;
+  const std::size_t last = range_bin(constant_m + kRounded_m);
+  for (std::size_t bin = range_bin(constant_m - kRounded_m); bin <= last; ++bin) returns[bin] = 0;
+}
+
 /// Where a bin begins.
 double range_of_bin(std::size_t bin) {
   const double part = static_cast<double>(bin % kParts) / static_cast<double>(kParts);
@@ -127,6 +134,7 @@ void LogTimeline::add_scan(const ScanRecord& record) {
     strays_ = std::accumulate(bins_.begin(), bins_.end(), strays_ - 1,
                               [](std::uint64_t sum, const Bin& bin) { return sum + bin.scans; });
     bins_.clear();
+    width_ = kFirstWidth_s;
     start_s_ = scan.stamp_s;
     last_ = 0.0;
     last_odometry_.reset();
@@ -248,7 +256,7 @@ void LogTimeline::set_ranges(LogPicture& picture, std::vector<Bin> bins, const L
     Bin& bin = bins[k];
     const double at_s = (static_cast<double>(k) + 0.5) * width_s;
     if (!bin.returns.empty()) {
-      for (const double constant_m : check.ranges.no_return_m) bin.returns[range_bin(constant_m)] = 0;
+      for (const double constant_m : check.ranges.no_return_m) clear_around(constant_m, bin.returns);
     }
     const std::uint64_t returns = count_of(bin.returns);
     const double missing = 100.0 * static_cast<double>(bin.beams - returns) / static_cast<double>(bin.beams);

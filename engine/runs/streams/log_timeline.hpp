@@ -18,11 +18,12 @@ namespace gdtslam {
 class LogTimeline {
  public:
   static constexpr std::size_t kMostBins = 1024;  // even
+  static constexpr double kFirstWidth_s = 0.05;   // of a bin
   /// What the picture goes along: stamps or, where all of them are the same, the numbers of the scans, with the ranges
   /// alone.
   enum class Along : std::uint8_t { kTime, kScans };
   explicit LogTimeline(const StepBounds& bounds, Along along = Along::kTime)
-      : bounds_(bounds), along_(along), width_(along == Along::kTime ? 0.05 : 1.0) {}
+      : bounds_(bounds), along_(along), width_(along == Along::kTime ? kFirstWidth_s : 1.0) {}
   void add(const LogRecord& record);
   /// Whether there are scans of two times at least.
   [[nodiscard]] bool has_length() const { return last_ > 0.0; }

@@ -96,6 +96,27 @@ TEST(LogTimeline, GapsAndJumpsHaveTheirTimes) {
   for (const Point2& speed : picture.speeds_m_s) EXPECT_FALSE(speed.y() > 0.51) << "the jump is no speed";
 }
 
+// Told to the centimetre; the picture's bins have an edge at 10 m and at 30 m.
+TEST(LogTimeline, AConstantBesideTheEdgeOfABinIsMissingToo) {
+  for (const float constant_m : {9.998F, 10.0F, 10.002F, 29.998F}) {
+    std::vector<LogRecord> records;
+    for (int k = 0; k < 200; ++k) {
+      std::vector<float> ranges_m = even_ranges(60);
+      ranges_m.insert(ranges_m.end(), 60, constant_m);
+      records.emplace_back(timed_scan(0.1 * k, std::move(ranges_m)));
+    }
+    for (const Point2& missing : picture_of(records).missing_percent)
+      EXPECT_NEAR(missing.y(), 50.0, 1e-9) << constant_m;
+  }
+}
+
+TEST(LogTimeline, AWrongBeginDoesNotLeaveItCoarse) {
+  std::vector<LogRecord> records;
+  for (int k = 0; k < 60; ++k) records.emplace_back(timed_scan(60.0 * k, even_ranges(60)));
+  for (int k = 0; k < 400; ++k) records.emplace_back(timed_scan(1.6e9 + 0.1 * k, even_ranges(60)));
+  EXPECT_GT(picture_of(records).ranges.size(), 100U);
+}
+
 TEST(LogTimeline, WhatHasNoReturnIsMissing) {
   std::vector<LogRecord> records;
   for (int k = 0; k < 200; ++k) {

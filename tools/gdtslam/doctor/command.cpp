@@ -74,7 +74,8 @@ Findings findings_of(const DoctorOptions& options) {
   progress.clear();
   found.check = checker.finish(reader->warnings());
   found.contents = reader->contents();
-  if (!interrupted() && found.check.obstacle().empty()) {
+  const bool is_measured = settings.log.odometry_stamps == OdometryStamps::kMeasured;
+  if (is_measured && !interrupted() && found.check.obstacle().empty()) {
     found.delay = measured_delay(options.log, read, {}, settings.mapper, [] { return interrupted(); });
   }
   found.commands = map_commands(options, found.contents, found.check);
@@ -100,6 +101,8 @@ int run_doctor(const DoctorOptions& options) {
   if (!options.after.empty()) {
     if (options.recording.are_stated())
       throw UsageError("--topic, --odom, --crank and --mount are for a LOG, not --after");
+    if (!options.settings.file.empty() || !options.settings.sets.empty())
+      throw UsageError("--config and --set are for a LOG, not --after");
     return doctor_after(options);
   }
   if (options.log.empty()) throw UsageError("nothing to look at: give a LOG, or --after RUN");

@@ -190,7 +190,8 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "--mirror-rate", options.mirror_rate_hz,
           "Turns of the laser's mirror a second, instead of the laser's. A scan is stamped with its first beam "
-          "then, and the log says when the others were measured; CARMEN cannot")
+          "then, and the log says when the others were measured; CARMEN cannot. Of a laser that nods only the speed "
+          "counts")
       ->type_name("HZ");
   command->add_option("--trajectory", options.trajectory, "A file of waypoints, instead of the scene's")
       ->type_name("FILE");
