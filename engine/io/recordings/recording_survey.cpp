@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kMostFramesOfTopic = 4;
 constexpr std::size_t kMostJoints = 16;
-constexpr std::size_t kLongestName = 256;  // bytes; names that are longer are not kept
-constexpr double kMoved = 1e-4;            // metres, or of a rotation's matrix
+constexpr std::size_t kLongestNameKept = 256;  // bytes; names that are longer are not kept
+constexpr double kMoved = 1e-4;                // metres, or of a rotation's matrix
 constexpr std::string_view kStaticEnding = "tf_static";
 
 // Of those messages that begin with a header, the small ones: pictures and clouds are not unpacked for their frames.
@@ -127,7 +127,7 @@ void RecordingSurvey::look_into(Topic& topic, const TopicChannel& channel, const
   std::vector<std::string>& joints = topic.contents.joints;
   for (std::size_t k = 0; k < names; ++k) {
     const std::string name(cursor.text());
-    const bool is_new = joints.size() < kMostJoints && name.size() <= kLongestName &&
+    const bool is_new = joints.size() < kMostJoints && name.size() <= kLongestNameKept &&
                         std::find(joints.begin(), joints.end(), name) == joints.end();
     if (is_new) joints.push_back(name);
   }
@@ -137,7 +137,7 @@ void RecordingSurvey::look_into(Topic& topic, const TopicChannel& channel, const
 void RecordingSurvey::add_header(Topic& topic, double stamp_s, const std::string& frame, double received_s) {
   if (stamp_s != 0.0) topic.delays_s.add(received_s - stamp_s);
   std::vector<std::string>& frames = topic.contents.frames;
-  if (frame.empty() || frame.size() > kLongestName || frames.size() == kMostFramesOfTopic) return;
+  if (frame.empty() || frame.size() > kLongestNameKept || frames.size() == kMostFramesOfTopic) return;
   if (std::find(frames.begin(), frames.end(), frame) == frames.end()) frames.push_back(frame);
 }
 
@@ -153,7 +153,7 @@ void RecordingSurvey::add_transforms(Topic& topic, const MessageBytes& message, 
   for (const TransformMessage& transform : read_transforms(message)) {
     // One that never changes is stamped whenever it was set, and received when the recording began.
     if (!is_static && transform.stamp_s != 0.0) topic.delays_s.add(received_s - transform.stamp_s);
-    if (std::max(transform.parent.size(), transform.child.size()) > kLongestName) continue;
+    if (std::max(transform.parent.size(), transform.child.size()) > kLongestNameKept) continue;
     auto known = links_.find(transform.child);
     if (known == links_.end()) {
       if (links_.size() == FrameTree::kMostFrames) continue;
