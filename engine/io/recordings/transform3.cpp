@@ -59,16 +59,13 @@ void FrameTree::add(const std::string& parent, const std::string& child, const T
 }
 
 std::optional<Transform3> FrameTree::find(const std::string& frame, const std::string& base) const {
+  const std::vector<std::string> frames = chain(frame, base);
+  if (frames.empty()) return std::nullopt;
   Transform3 T_here_frame;
-  std::string here = frame;
-  for (int step = 0; step < kMostSteps; ++step) {
-    if (is_base_called(here, base)) return T_here_frame;
-    const auto edge = edges_.find(here);
-    if (edge == edges_.end()) return std::nullopt;
-    T_here_frame = edge->second.T_parent_child * T_here_frame;
-    here = edge->second.parent;
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
+    T_here_frame = edges_.find(frames[k])->second.T_parent_child * T_here_frame;
   }
-  return std::nullopt;
+  return T_here_frame;
 }
 
 std::vector<std::string> FrameTree::chain(const std::string& frame, const std::string& base) const {

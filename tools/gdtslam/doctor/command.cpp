@@ -39,15 +39,17 @@ struct Timelines {
   explicit Timelines(const StepBounds& bounds) : by_time(bounds), by_scans(bounds, LogTimeline::Along::kScans) {}
   void add(const LogRecord& record) {
     by_time.add(record);
-    by_scans.add(record);
+    has_time = has_time || by_time.has_length();
+    if (!has_time) by_scans.add(record);
   }
   LogTimeline by_time;
   LogTimeline by_scans;
+  bool has_time = false;
 };
 
 void draw(const Timelines& timelines, const LogCheck& check, const DoctorOptions& options) {
   if (check.scans == 0) return;
-  const bool has_time = timelines.by_time.has_length() || check.scans == 1;
+  const bool has_time = timelines.has_time || check.scans == 1;
   const LogTimeline& timeline = has_time ? timelines.by_time : timelines.by_scans;
   const LogPicture picture = timeline.picture(check, title_of(options.log));
   const Canvas drawing = log_picture(picture, size_of_log_picture(picture));
