@@ -52,12 +52,14 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   } else {
     folder.without("cloud.ply");
   }
-  MapRun run(job, backend, std::move(scans), nodding, std::move(cloud));
+  auto run = std::make_unique<MapRun>(job, backend, std::move(scans), nodding, std::move(cloud));
   MapResult result;
   times.add("prepare");
-  result.outcome = run.run(
+  result.outcome = run->run(
       request.progress ? request.progress : [](std::uint64_t, double) {}, [&request] { return stopped(request); });
   times.skip();  // its stages are in the outcome
+  const WrittenField field = write_run_field(folder, job, run->field(), times);
+  run.reset();  // its memory is for the pictures
   if (nodding != nullptr) {
     result.linkage = nodding->linkage;
     add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);
@@ -67,8 +69,7 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
     folder.without("cloud.png");
     folder.without("linkage.yaml");
   }
-  result.report =
-      write_run(folder, {job, nodding, run.field(), backend.device(), request.settings}, times, result.outcome);
+  result.report = write_run(folder, {job, nodding, field, backend.device(), request.settings}, times, result.outcome);
   return result;
 }
 
