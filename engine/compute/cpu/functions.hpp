@@ -12,6 +12,7 @@
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
@@ -102,6 +103,8 @@ struct IsaFunctions {
   /// totals: PoseSlope::kSums of them.
   void (*pose_slope)(const PoseSlope::Params&, const std::uint16_t* field, const PointCells* points,
                      const PoseSlope::Pose&, double* totals);
+  void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,
+                       const PointValues::Pose&, std::uint16_t* values);
 };
 
 extern const IsaFunctions kBaselineFunctions;

@@ -45,6 +45,7 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #include "engine/compute/kernels/pose_bounds/pose_minorant_wide.inl"
 #include "engine/compute/kernels/pose_bounds/field_minorant.inl"
 #include "engine/compute/kernels/pose_slope/pose_slope.inl"
+#include "engine/compute/kernels/point_values/point_values.inl"
 #include "engine/compute/kernels/sweep_points/sweep_points.inl"
 // clang-format on
 
@@ -74,6 +75,7 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,
     .pose_slope = pose_slope,
+    .point_values = point_values,
 };
 
 }  // namespace gdtslam
