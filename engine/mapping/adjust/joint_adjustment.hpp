@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -37,6 +39,9 @@ struct JointOptions {
   double point_noise_m = 0.02;
   double independent = 0.2;  ///< share of the points that tell something new
   std::size_t points = 90;   ///< of a scan, for each pair
+  /// Products of blocks that a factorisation may take, some 50 ns each. Where passes over the same places make it take
+  /// more, the system of a core of the pairs is factorised, and the whole is solved by conjugate gradients with it.
+  std::uint64_t most_products = 400'000'000;
 };
 
 /// What an adjustment came to.
@@ -57,11 +62,10 @@ class JointAdjustment {
       std::vector<Pose2>& poses, const Progress& progress = [](double) {}) const;
 
  private:
-  void add_pair(const KeyframePair& pair, const std::vector<Pose2>& poses, const LineGate& gate, BlockSystem& system,
-                LineEquations& total) const;
+  class Systems;
+  double take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, JointResult& result) const;
   void add_one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses, const LineGate& gate,
-                   BlockSystem& system, LineEquations& total) const;
-  [[nodiscard]] BlockSystem system_for(const std::vector<KeyframePair>& pairs) const;
+                   std::span<BlockSystem* const> systems, LineEquations& total) const;
 
   const std::vector<KeptScan>& scans_;
   std::vector<PoseRelation> held_;

@@ -9,8 +9,8 @@
 
 namespace gdtslam {
 
-/// Solves for system.right by the factor of a system of the same pattern; nothing where its solution is not found to a
-/// ten-thousandth in a few steps, because the systems have too little in common.
-std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor);
+/// Solves for system.right by the factor of a system that is much like it; nothing where its solution is not found to a
+/// ten-thousandth in so many steps, because the systems have too little in common.
+std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor, int most_steps = 12);
 
 }  // namespace gdtslam

@@ -14,6 +14,7 @@ constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
 constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
 constexpr int kMostSteps = 100;
+constexpr int kMostCoreSteps = 400;  // of conjugate gradients
 constexpr double kUnsolved = 1.0e6;  // variance of what a graph without a solution tells
 
 BlockSystem system_for(const PoseGraph& graph) {
@@ -84,6 +85,15 @@ double take_step_near(BlockSystem& system, BlockCholesky& factor, std::vector<Po
   hold_first(system);
   const std::vector<Tangent2> steps = solve_near(system, factor);
   return steps.empty() ? solve_and_move(system, factor, poses) : move_by(steps, poses);
+}
+
+double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
+                         std::vector<Pose2>& poses) {
+  hold_first(system);
+  hold_first(core);
+  if (!factor_of_core.factorise(core)) return -1.0;
+  const std::vector<Tangent2> steps = solve_near(system, factor_of_core, kMostCoreSteps);
+  return steps.empty() ? -1.0 : move_by(steps, poses);
 }
 
 double PoseGraph::largest_chi2() const {

@@ -31,6 +31,10 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
 double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
 /// The same where the factor is that of a system that has changed by little since; made anew where by too much.
 double take_step_near(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
+/// The same for a system whose own factor would be too large: by the factor of `core`, a part of its relations that
+/// joins all poses; hundreds of directions are allowed. Negative where they do not do.
+double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
+                         std::vector<Pose2>& poses);
 
 /// A loop and how far it is believed, from 0 to 1.
 struct Loop {

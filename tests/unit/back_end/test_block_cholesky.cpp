@@ -189,5 +189,22 @@ TEST(Matrix3, InverseAndFactorAreThoseOfEigen) {
   }
 }
 
+// Of a dense factor of n rows column j has n - 1 - j blocks, each of which is multiplied with those above it and
+// itself.
+TEST(BlockCholesky, CountsTheProductsOfAFactorisation) {
+  std::vector<BlockSystem::Pair> all;
+  constexpr std::size_t kRows = 9;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    for (std::size_t j = 0; j < i; ++j) all.emplace_back(i, j);
+  }
+  std::uint64_t products = 0;
+  for (std::uint64_t blocks = 0; blocks < kRows; ++blocks) products += blocks * (blocks + 1) / 2;
+  const BlockSystem dense(kRows, all);
+  EXPECT_TRUE(BlockCholesky(dense).takes_at_most(products));
+  EXPECT_FALSE(BlockCholesky(dense).takes_at_most(products - 1));
+  EXPECT_TRUE(BlockCholesky(BlockSystem(5, {{0, 1}, {1, 2}, {2, 3}, {3, 4}})).takes_at_most(4));
+  EXPECT_FALSE(BlockCholesky(BlockSystem(5, {{0, 1}, {1, 2}, {2, 3}, {3, 4}})).takes_at_most(3));
+}
+
 }  // namespace
 }  // namespace gdtslam
