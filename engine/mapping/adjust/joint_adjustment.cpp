@@ -62,15 +62,13 @@ JointAdjustment::JointAdjustment(const std::vector<KeptScan>& scans, std::vector
                                  const JointOptions& options)
     : scans_(scans), held_(std::move(held)), options_(options) {}
 
-// The equations of all pairs. Passes over the same places make a factor that grows with the square of their number, for
-// each of them has dozens of keyframes beside each other; a core with few pairs a keyframe has a small one and is much
-// like the whole.
+// The equations of all pairs, and of a core of them. Each pass over a place has dozens of keyframes beside each other,
+// so a factor of the whole would grow with the square of the passes; the core has few pairs a keyframe, a small factor,
+// and is so much like the whole that some thirty conjugate gradients solve it.
 class JointAdjustment::Systems {
  public:
-  Systems(std::vector<KeyframePair> pairs, const std::vector<PoseRelation>& held, std::size_t keyframes,
-          std::uint64_t most_products)
-      : pairs_(std::move(pairs)), whole_(system_of(pairs_, held, keyframes)), factor_(std::in_place, whole_) {
-    if (factor_->takes_at_most(most_products)) return;
+  Systems(std::vector<KeyframePair> pairs, const std::vector<PoseRelation>& held, std::size_t keyframes)
+      : pairs_(std::move(pairs)), whole_(system_of(pairs_, held, keyframes)) {
     choose_core();
     std::vector<KeyframePair> core;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
@@ -78,7 +76,7 @@ class JointAdjustment::Systems {
     }
     core_.emplace(system_of(core, held, keyframes));
     factor_.emplace(*core_);
-    both_[1] = &*core_;
+    both_ = {&whole_, &*core_};
   }
   Systems(const Systems&) = delete;
   Systems& operator=(const Systems&) = delete;
@@ -86,16 +84,11 @@ class JointAdjustment::Systems {
   [[nodiscard]] const std::vector<KeyframePair>& pairs() const { return pairs_; }
   /// Those that a pair belongs to.
   [[nodiscard]] std::span<BlockSystem* const> of_pair(std::size_t pair) const {
-    return std::span(both_).first(core_ && is_of_core_[pair] ? 2 : 1);
+    return std::span(both_).first(is_of_core_[pair] ? 2 : 1);
   }
-  [[nodiscard]] std::span<BlockSystem* const> all() const { return std::span(both_).first(core_ ? 2 : 1); }
-
-  /// Moves the poses by the solution; as take_step().
-  double step(std::vector<Pose2>& poses) {
-    if (core_) return take_step_by_core(whole_, *core_, *factor_, poses);
-    return std::exchange(is_factorised_, true) ? take_step_near(whole_, *factor_, poses)
-                                               : gdtslam::take_step(whole_, *factor_, poses);
-  }
+  [[nodiscard]] std::span<BlockSystem* const> all() const { return both_; }
+  /// Moves the poses by the solution; as take_step_by_core().
+  double step(std::vector<Pose2>& poses) { return take_step_by_core(whole_, *core_, *factor_, poses); }
 
  private:
   static BlockSystem system_of(const std::vector<KeyframePair>& pairs, const std::vector<PoseRelation>& held,
@@ -120,9 +113,8 @@ class JointAdjustment::Systems {
   std::vector<bool> is_of_core_;
   BlockSystem whole_;
   std::optional<BlockSystem> core_;
-  std::optional<BlockCholesky> factor_;  // of the core where there is one
-  std::array<BlockSystem*, 2> both_{&whole_, nullptr};
-  bool is_factorised_ = false;
+  std::optional<BlockCholesky> factor_;  // of the core
+  std::array<BlockSystem*, 2> both_{};
 };
 
 // Motions of the scan that moves are tangents on its right; one of the scan that stands still is, seen from the moving
@@ -174,9 +166,7 @@ JointResult JointAdjustment::run(std::vector<Pose2>& poses, const Progress& prog
   std::optional<Systems> systems;
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
-    if (step % options_.pairs_every == 0) {
-      systems.emplace(pairs_of(poses), held_, scans_.size(), options_.most_products);
-    }
+    if (step % options_.pairs_every == 0) systems.emplace(pairs_of(poses), held_, scans_.size());
     result.largest_step_m = take_step(gate_m, *systems, poses, result);
     const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;
     if (is_still && step >= options_.pairs_every) break;

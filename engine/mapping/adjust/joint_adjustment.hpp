@@ -1,10 +1,10 @@
 // All keyframes at once, each laid on its neighbours in time and in space, points to lines [Lu1997], with what the
 // front end said over short stretches of the path. Gauss-Newton with gates that narrow. The same bits for any number of
-// threads. Cost: some ten iterations over about fifteen pairs a keyframe; 20 bytes a point.
+// threads. Cost: some ten iterations over about fifteen pairs a keyframe, linear in the keyframes but for a small
+// factor; 20 bytes a point.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <span>
 #include <utility>
@@ -39,9 +39,6 @@ struct JointOptions {
   double point_noise_m = 0.02;
   double independent = 0.2;  ///< share of the points that tell something new
   std::size_t points = 90;   ///< of a scan, for each pair
-  /// Products of blocks that a factorisation may take, some 50 ns each. Where passes over the same places make it take
-  /// more, the system of a core of the pairs is factorised, and the whole is solved by conjugate gradients with it.
-  std::uint64_t most_products = 400'000'000;
 };
 
 /// What an adjustment came to.

@@ -112,7 +112,7 @@ void BlockCholesky::find_parents() {
   }
 }
 
-// The columns of a row of the factor: those of the system and their ancestors, in no order.
+// The columns of a row of the factor: those of the system and their ancestors. A child comes before its parent.
 void BlockCholesky::reach(std::size_t row) {
   reached_.clear();
   for (const Source& source : sources_[row]) {
@@ -121,22 +121,11 @@ void BlockCholesky::reach(std::size_t row) {
       reached_.push_back(at);
     }
   }
-}
-
-bool BlockCholesky::takes_at_most(std::uint64_t products) {
-  std::vector<std::uint64_t> blocks(diagonal_.size(), 0);  // of each column so far
-  marked_.assign(diagonal_.size(), kNone);
-  std::uint64_t taken = 0;
-  for (std::size_t row = 0; row < diagonal_.size() && taken <= products; ++row) {
-    reach(row);
-    for (const std::size_t column : reached_) taken += ++blocks[column];
-  }
-  return taken <= products;
+  std::sort(reached_.begin(), reached_.end());
 }
 
 bool BlockCholesky::eliminate(std::size_t row, const BlockSystem& system) {
   reach(row);
-  std::sort(reached_.begin(), reached_.end());  // a child comes before its parent
   for (const Source& source : sources_[row]) {
     const Matrix3& block = system.block(source.row_of_system, source.nth);
     row_[source.column] = source.is_transposed ? transposed(block) : block;

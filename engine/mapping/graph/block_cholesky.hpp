@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -46,9 +45,6 @@ class BlockCholesky {
   /// Chooses the elimination order for systems of this pattern.
   explicit BlockCholesky(const BlockSystem& pattern);
 
-  /// Whether a factorisation takes at most so many products of blocks; from the pattern alone, in the time of a count
-  /// of the factor's blocks.
-  [[nodiscard]] bool takes_at_most(std::uint64_t products);
   /// False where the system is not positive definite; it cannot be solved then.
   [[nodiscard]] bool factorise(const BlockSystem& system);
   /// The solution, in place.

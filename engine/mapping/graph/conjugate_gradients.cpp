@@ -1,11 +1,13 @@
 #include "conjugate_gradients.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 
 namespace gdtslam {
 namespace {
 
+constexpr int kMostDirections = 400;
 constexpr double kSolvedShare = 1.0e-8;  // of the squared error to begin with, in the factor's norm
 
 double dot_of(const std::vector<Tangent2>& a, const std::vector<Tangent2>& b) {
@@ -37,7 +39,7 @@ std::vector<Tangent2> product(const BlockSystem& system, const std::vector<Tange
 
 }  // namespace
 
-std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor, int most_steps) {
+std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky& factor) {
   std::vector<Tangent2> solution(system.rows());
   std::vector<Tangent2> residual = system.right;
   std::vector<Tangent2> downhill = residual;
@@ -45,7 +47,7 @@ std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky&
   std::vector<Tangent2> direction = downhill;
   double error = dot_of(residual, downhill);
   const double small = kSolvedShare * error;
-  for (int step = 0; step < most_steps && error > small; ++step) {
+  for (int step = 0; step < kMostDirections && error > small; ++step) {
     const std::vector<Tangent2> changed = product(system, direction);
     const double share = error / dot_of(direction, changed);
     add_times(solution, share, direction);
@@ -58,7 +60,7 @@ std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky&
     }
     error = left;
   }
-  if (!(error <= small)) return {};  // nor where it is not a number
+  if (!std::isfinite(error)) return {};
   return solution;
 }
 

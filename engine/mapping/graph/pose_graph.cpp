@@ -14,7 +14,6 @@ constexpr double kNarrowing = 1.6;     // of the kernel, from step to step
 constexpr double kWidest = 1.0e6;      // in units of its final scale
 constexpr double kSlightlyWide = 4.0;  // where a graph changed by little
 constexpr int kMostSteps = 100;
-constexpr int kMostCoreSteps = 400;  // of conjugate gradients
 constexpr double kUnsolved = 1.0e6;  // variance of what a graph without a solution tells
 
 BlockSystem system_for(const PoseGraph& graph) {
@@ -38,13 +37,6 @@ double move_by(const std::vector<Tangent2>& steps, std::vector<Pose2>& poses) {
     farthest_m = std::max(farthest_m, std::sqrt(steps[i][0] * steps[i][0] + steps[i][1] * steps[i][1]));
   }
   return farthest_m;
-}
-
-double solve_and_move(const BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
-  if (!factor.factorise(system)) return -1.0;
-  std::vector<Tangent2> steps = system.right;
-  factor.solve(steps);
-  return move_by(steps, poses);
 }
 
 void hold_first(BlockSystem& system) { system.diagonal.front() += Matrix3::diagonal(kHeld, kHeld, kHeld); }
@@ -78,13 +70,10 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
 
 double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
   hold_first(system);
-  return solve_and_move(system, factor, poses);
-}
-
-double take_step_near(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
-  hold_first(system);
-  const std::vector<Tangent2> steps = solve_near(system, factor);
-  return steps.empty() ? solve_and_move(system, factor, poses) : move_by(steps, poses);
+  if (!factor.factorise(system)) return -1.0;
+  std::vector<Tangent2> steps = system.right;
+  factor.solve(steps);
+  return move_by(steps, poses);
 }
 
 double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
@@ -92,7 +81,7 @@ double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& 
   hold_first(system);
   hold_first(core);
   if (!factor_of_core.factorise(core)) return -1.0;
-  const std::vector<Tangent2> steps = solve_near(system, factor_of_core, kMostCoreSteps);
+  const std::vector<Tangent2> steps = solve_near(system, factor_of_core);
   return steps.empty() ? -1.0 : move_by(steps, poses);
 }
 

@@ -83,26 +83,6 @@ TEST(JointAdjustment, BringsKeyframesBackToWhereTheyWere) {
   }
 }
 
-// Where no factor of the whole is allowed, conjugate gradients with that of the core come to the same poses.
-TEST(JointAdjustment, ByACoreOfThePairsIsTheSame) {
-  const PairedDrive drive = keyframes();
-  Random random(5);
-  std::vector<Pose2> direct = drive.truth;
-  for (std::size_t i = 1; i < direct.size(); ++i) {
-    direct[i] =
-        direct[i] * exp_tangent({random.normal(0.0, 0.02), random.normal(0.0, 0.02), random.normal(0.0, 0.008)});
-  }
-  std::vector<Pose2> by_core = direct;
-  const JointResult whole = JointAdjustment(drive.scans, {}, {}).run(direct);
-  const JointResult core = JointAdjustment(drive.scans, {}, {.most_products = 0}).run(by_core);
-  EXPECT_EQ(core.pairs, whole.pairs);
-  EXPECT_NEAR(core.rms_m, whole.rms_m, 1.0e-5);
-  double apart = 0.0;
-  for (std::size_t i = 0; i < direct.size(); ++i) apart = std::max(apart, away_m(direct[i], by_core[i]));
-  EXPECT_LT(apart, 2.0e-4);
-  EXPECT_GT(apart, 0.0) << "both were factorised";
-}
-
 /// The same two walls along x whatever the robot's x, 40 points each, every fourth with a normal that is tilted by four
 /// degrees: what a robot sees in a corridor in which nothing tells how far it went.
 KeptScan corridor_with_tilted_normals() {
