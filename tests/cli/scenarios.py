@@ -5,6 +5,7 @@ import sys
 
 import scenario_bad_input
 import scenario_bags
+import scenario_bench
 import scenario_calibrate
 import scenario_compare
 import scenario_convert
@@ -30,7 +31,7 @@ import scenario_same_bytes
 import scenario_signals
 import scenario_tilt3d
 
-MODULES = (scenario_bad_input, scenario_bags, scenario_calibrate, scenario_compare, scenario_convert, scenario_devices,
+MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_convert, scenario_devices,
            scenario_doctor, scenario_files,
            scenario_hostile_files, scenario_linkage, scenario_localize, scenario_loops, scenario_measure, scenario_modules,
            scenario_nodding,

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "engine/io/message_text.hpp"
+#include "console.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
