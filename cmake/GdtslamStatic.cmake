@@ -17,6 +17,7 @@ if(GDTSLAM_SANITIZE)
   message(FATAL_ERROR "gdtslam: GDTSLAM_STATIC and GDTSLAM_SANITIZE exclude each other")
 endif()
 set(GDTSLAM_BENCH_OPENCV OFF)
+set(GDTSLAM_MODULES OFF) # one program, all in it
 set(GDTSLAM_BUILD_CALIBRATION OFF) # Ceres brings BLAS, LAPACK and SuiteSparse along
 set(GDTSLAM_BUILD_VIEWER OFF) # VTK, Mesa and X are the system's
 # What the program does not use goes, so that it does not ask for newer symbols of the C library than it needs.

@@ -218,6 +218,9 @@ gdtslam_cli_test(bench.live_speed ARGS bench live --speed -1 EXIT 2 STDERR "--sp
 gdtslam_cli_test(bench.logs_json ARGS bench logs --megabytes 0.2 --samples 1 --json SCHEMA bench_logs)
 gdtslam_cli_test(bench.logs_text ARGS bench logs --megabytes 0.2 --samples 1 STDOUT "a drive of [0-9]+ scans of 720 beams.*ROS 1 bag +lz4 .*MCAP +zstd .*CARMEN +gzip ")
 gdtslam_cli_test(bench.logs_size ARGS bench logs --megabytes 0 EXIT 2 STDERR "--megabytes")
+gdtslam_cli_test(bench.against_nothing ARGS bench edt --against none.json EXIT 74 STDERR "none.json")
+gdtslam_cli_test(bench.against_of_a_log ARGS bench live --against some.json EXIT 2 STDERR "--against compares rows of kernels")
+gdtslam_cli_test(bench.fail_below_alone ARGS bench edt --fail-below 0.9 EXIT 2 STDERR "--fail-below needs --against FILE")
 gdtslam_cli_test(bench.size ARGS bench --size 1 EXIT 2 STDERR "--size")
 
 if(TARGET gdtslam_sim)

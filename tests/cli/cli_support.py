@@ -18,6 +18,8 @@ LOG = pathlib.Path(os.environ["GDTSLAM_CLI_LOG"])
 TRUTH = LOG.with_suffix(".truth.tum")
 RUN = WORK / "run"
 DATA = WORK / "data"
+# The folder of the commands that are modules; None where all of them are in the program.
+MODULES = pathlib.Path(os.environ["GDTSLAM_MODULES"]) if os.environ.get("GDTSLAM_MODULES") else None
 SKIP = 77
 # How many times as long as usual commands may take in this build.
 SLOWNESS = int(os.environ.get("GDTSLAM_CLI_SLOWNESS", "1"))
@@ -86,6 +88,16 @@ def fresh_folder(name):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     return folder
+
+
+def installed_copy(folder, with_modules=True):
+    """A copy of the program in folder/bin, with its modules beside it as they are installed; where the program is then."""
+    program = pathlib.Path(folder) / "bin/gdtslam"
+    program.parent.mkdir(parents=True)
+    shutil.copy2(PROGRAM, program)
+    if with_modules and MODULES:
+        shutil.copytree(MODULES, os.path.normpath(program.parent / os.path.relpath(MODULES, pathlib.Path(PROGRAM).parent)))
+    return program
 
 
 def expect(condition, message):

@@ -33,12 +33,12 @@ def render_without_a_display():
         return
     place = pathlib.Path("/tmp") / f"gdtslam-render-{os.getpid()}"  # the work folder may lie where nobody else may look
     shutil.copytree(drive.folder / "run", place / "run")
-    shutil.copy(PROGRAM, place / "gdtslam")
+    program = cli.installed_copy(place)
     for path in (place, place / "run", *place.rglob("*")):
-        path.chmod(path.stat().st_mode | stat.S_IROTH | (stat.S_IXOTH if path.is_dir() or path.name == "gdtslam" else 0))
+        path.chmod(path.stat().st_mode | stat.S_IROTH | (stat.S_IXOTH if path.is_dir() or path == program else 0))
     place.chmod(0o777)
     try:
-        process = subprocess.run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", str(place / "gdtslam"), "render",
+        process = subprocess.run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", str(program), "render",
                                   str(place / "run"), "-o", str(place / "b.png"), *SMALL], capture_output=True, text=True, check=False,
                                  env=environment(DISPLAY=None, HOME=NOWHERE, XDG_CACHE_HOME=None, XDG_RUNTIME_DIR=None), timeout=100)
         expect_exit(process, 0)

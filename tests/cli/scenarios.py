@@ -5,6 +5,7 @@ import sys
 
 import scenario_bad_input
 import scenario_bags
+import scenario_bench
 import scenario_calibrate
 import scenario_compare
 import scenario_convert
@@ -16,6 +17,7 @@ import scenario_linkage
 import scenario_localize
 import scenario_loops
 import scenario_measure
+import scenario_modules
 import scenario_nodding
 import scenario_nodding_faults
 import scenario_nodding_runs
@@ -29,9 +31,10 @@ import scenario_same_bytes
 import scenario_signals
 import scenario_tilt3d
 
-MODULES = (scenario_bad_input, scenario_bags, scenario_calibrate, scenario_compare, scenario_convert, scenario_devices,
+MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_convert, scenario_devices,
            scenario_doctor, scenario_files,
-           scenario_hostile_files, scenario_linkage, scenario_localize, scenario_loops, scenario_measure, scenario_nodding,
+           scenario_hostile_files, scenario_linkage, scenario_localize, scenario_loops, scenario_measure, scenario_modules,
+           scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,
            scenario_tilt3d)

@@ -21,7 +21,9 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
-#ifdef GDTSLAM_HAS_VIEWER
+#ifdef GDTSLAM_MODULE_FOLDER
+#include "tools/gdtslam/shell/modules.hpp"
+#elif defined(GDTSLAM_HAS_VIEWER)
 #include "tools/gdtslam/pictures/cloud_picture.hpp"
 #endif
 
@@ -101,6 +103,20 @@ std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
   return text + "\n";
 }
 
+// Draws cloud.png; empty where this build cannot.
+CloudPicture cloud_painter() {
+#if defined(GDTSLAM_HAS_VIEWER) && defined(GDTSLAM_MODULE_FOLDER)
+  return [](const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
+            const calib::SweepModel* linkage) {
+    return open_module("render").draw_run_cloud(cloud_file, log, trajectory, linkage);
+  };
+#elif defined(GDTSLAM_HAS_VIEWER)
+  return draw_run_cloud;
+#else
+  return {};
+#endif
+}
+
 MapRequest request_of(const MapOptions& options) {
   MapRequest request{.logs = options.logs,
                      .folder = options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder,
@@ -114,9 +130,7 @@ MapRequest request_of(const MapOptions& options) {
                      .with_loops = !options.no_loops,
                      .with_pictures = !options.no_pictures,
                      .on_failure = on_failure_of(options.device)};
-#ifdef GDTSLAM_HAS_VIEWER
-  request.draw_cloud = draw_run_cloud;
-#endif
+  request.draw_cloud = cloud_painter();
   request.stop = [] { return interrupted(); };
   if (!options.quiet) request.warn = print_remark;
   return request;

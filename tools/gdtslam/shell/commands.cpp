@@ -9,6 +9,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "console.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
+#include "modules.hpp"
 
 namespace gdtslam {
 namespace {
@@ -33,16 +35,56 @@ constexpr const char* kExamples =
     "program is not available; 74 cannot read or write; 78 bad configuration; 130 interrupted, with what was done\n"
     "written.";
 
-// A sub-command that this build leaves out: whoever asks for it learns why.
-void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name, const std::string& option) {
-  CLI::App* command = add_command(app, name, "Not in this build (" + option + "=OFF)");
+// A sub-command that is not here: whoever asks for it learns why.
+void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name,
+                         const std::string& description, const std::string& reason) {
+  CLI::App* command = add_command(app, name, description);
   command->allow_extras();
-  command->callback([&context, name, option] {
-    context.run = [name, option]() -> int {
-      throw UnavailableError("this build has no '" + name + "'; configure it with -D" + option + "=ON");
-    };
-  });
+  command->callback([&context, reason] { context.run = [reason]() -> int { throw UnavailableError(reason); }; });
 }
+
+void add_module_command(CLI::App& app, CommandContext& context, const std::string& name) {
+  try {
+    open_module(name).add(app, context);
+  } catch (const UnavailableError& error) {
+    add_missing_command(app, context, name, std::string("Not available: ") + error.what(), error.what());
+  }
+}
+
+void add_row(CLI::App& app, CommandContext& context, const CommandRow& row) {
+  const std::string name = row.name;
+  if (row.add != nullptr) {
+    row.add(app, context);
+  } else if (row.missing_option != nullptr) {
+    const std::string option = row.missing_option;
+    add_missing_command(app, context, name, "Not in this build (" + option + "=OFF)",
+                        "this build has no '" + name + "'; configure it with -D" + option + "=ON");
+  } else {
+    add_module_command(app, context, name);
+  }
+}
+
+/// Which sub-commands a command line needs with their options: the one that it names, all for the help. The others get
+/// a name only, so that nothing is loaded for them.
+class WantedCommands {
+ public:
+  explicit WantedCommands(std::span<char* const> arguments) {
+    for (const std::string_view argument : arguments) {
+      if (argument.starts_with('-')) {
+        all_ = all_ || argument == "-h" || argument == "--help";
+        continue;
+      }
+      name_ = argument;
+      break;
+    }
+    all_ = all_ || arguments.empty() || name_ == "help";
+  }
+  [[nodiscard]] bool has(std::string_view name) const { return all_ || name == name_; }
+
+ private:
+  std::string_view name_;
+  bool all_ = false;
+};
 
 std::vector<std::string> names_of(CLI::App* app) {
   std::vector<std::string> names;
@@ -86,7 +128,8 @@ void add_help_command(CLI::App& app, CommandContext& context) {
   command->callback([&app, &context, words] { context.run = [&app, words] { return print_help_on(&app, *words); }; });
 }
 
-std::unique_ptr<CLI::App> make_app(std::span<const CommandRow> commands, CommandContext& context) {
+std::unique_ptr<CLI::App> make_app(std::span<const CommandRow> commands, const WantedCommands& wanted,
+                                   CommandContext& context) {
   auto app = std::make_unique<CLI::App>("2D and 3D mapping with a laser range finder and wheel odometry", "gdtslam");
   app->set_version_flag("--version", "gdtslam " GDTSLAM_VERSION, "Print the version and exit");
   app->set_help_flag("-h,--help", "Print this help and exit");
@@ -94,10 +137,10 @@ std::unique_ptr<CLI::App> make_app(std::span<const CommandRow> commands, Command
   app->get_formatter()->column_width(34);
   app->footer(kExamples);
   for (const CommandRow& command : commands) {
-    if (command.add != nullptr) {
-      command.add(*app, context);
+    if (wanted.has(command.name)) {
+      add_row(*app, context, command);
     } else {
-      add_missing_command(*app, context, command.name, command.missing_option);
+      add_command(*app, command.name, "");
     }
   }
   add_help_command(*app, context);
@@ -131,7 +174,9 @@ int report(std::string_view message, ExitCode code) {
 
 int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands) {
   CommandContext context;
-  const std::unique_ptr<CLI::App> app = make_app(commands, context);
+  const std::span<char* const> arguments(argv, static_cast<std::size_t>(std::max(argc, 0)));
+  const WantedCommands wanted(arguments.subspan(std::min<std::size_t>(1, arguments.size())));
+  const std::unique_ptr<CLI::App> app = make_app(commands, wanted, context);
   if (argc <= 1) return print_help_on(app.get(), {});
   try {
     app->parse(argc, argv);

@@ -23,8 +23,8 @@ inline constexpr const char* kSmallerMap =
 /// A sub-command of this build, or of another: tools/CMakeLists.txt lists them.
 struct CommandRow {
   const char* name;
-  void (*add)(CLI::App& app, CommandContext& context);  ///< null where this build is without
-  const char* missing_option;                           ///< the CMake option that is off then
+  void (*add)(CLI::App& app, CommandContext& context);  ///< null: not in this program
+  const char* missing_option;  ///< the CMake option that is off then; null: the command is a module (modules.hpp)
 };
 /// In the order of the help.
 std::span<const CommandRow> command_table();

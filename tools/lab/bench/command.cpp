@@ -11,9 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "against.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
+#include "report.hpp"
 #include "rows.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -40,168 +42,14 @@ struct BenchOptions {
   CertifiedBenchJob certified{};
   LiveBenchJob live{};
   LogBenchJob logs{};
+  std::string against;      ///< of an earlier run, its JSON; empty: none
+  double fail_below = 0.0;  ///< 0: never
   bool json = false;
   bool flood_errors = false;
   [[nodiscard]] bool is_certified() const { return filter == "certified"; }
   [[nodiscard]] bool is_live() const { return filter == "live"; }
   [[nodiscard]] bool is_logs() const { return filter == "logs"; }
 };
-
-/// All rows of one backend, and what it is called.
-struct Measured {
-  std::string name;  ///< "cpu", "vulkan:0"
-  DeviceInfo device;
-  std::optional<Isa> isa;  ///< of a CPU
-  Basis basis = Basis::kCpu;
-  std::vector<BenchRow> rows;
-};
-
-const char* as_text(Basis basis) { return basis == Basis::kCpu ? "cpu" : basis == Basis::kDevice ? "device" : "wall"; }
-
-double rate_of(const BenchRow& row, Basis basis) { return row.work / seconds_of(row.timing, basis); }
-
-const BenchRow* same_row(const Measured& measured, const BenchRow& wanted) {
-  for (const BenchRow& row : measured.rows) {
-    if (row.group == wanted.group && row.name == wanted.name && row.variant == wanted.variant) return &row;
-  }
-  return nullptr;
-}
-
-/// How many times as fast as the CPU: by CPU time where the device is a CPU itself, else by wall time.
-double times_cpu(const BenchRow& cpu, const BenchRow& row, Basis basis) {
-  return basis == Basis::kCpu ? cpu.timing.cpu_s / row.timing.cpu_s : cpu.timing.wall_s / row.timing.wall_s;
-}
-
-template <class T>
-Json json_or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
-
-Json row_json(const BenchRow& row, const Measured& measured, const Measured& cpu) {
-  Json json{{"on", measured.name},
-            {"group", row.group},
-            {"name", row.name},
-            {"variant", row.variant},
-            {"unit", row.unit},
-            {"work", row.work},
-            {"samples", row.timing.samples},
-            {"wall_s", row.timing.wall_s},
-            {"cpu_s", row.timing.cpu_s},
-            {"cpu_fastest_s", row.timing.fastest_s},
-            {"cpu_slowest_s", row.timing.slowest_s},
-            {"device_s", json_or_null(row.timing.device_s)},
-            {"basis", as_text(measured.basis)},
-            {"rate", rate_of(row, measured.basis)},
-            {"copy_ratio", json_or_null(row.copy_ratio)},
-            {"times_opencv", json_or_null(row.times_opencv)},
-            {"different_cells", json_or_null(row.different)}};
-  const BenchRow* const beside = &measured != &cpu ? same_row(cpu, row) : nullptr;
-  json["times_cpu"] = beside != nullptr ? Json(times_cpu(*beside, row, measured.basis)) : Json();
-  return json;
-}
-
-Json report_json(const std::vector<Measured>& all) {
-  Json devices = Json::array();
-  Json list = Json::array();
-  for (const Measured& measured : all) {
-    Json device = device_json(measured.device);
-    device["device"] = measured.name;
-    if (measured.isa) device["isa"] = to_string(*measured.isa);
-    devices.push_back(std::move(device));
-    for (const BenchRow& row : measured.rows) list.push_back(row_json(row, measured, all.front()));
-  }
-  const std::string opencv = opencv_version();
-  return {{"version", GDTSLAM_VERSION},
-          {"devices", devices},
-          {"opencv", opencv.empty() ? Json() : Json(opencv)},
-          {"rows", list}};
-}
-
-std::string device_line(const Measured& measured) {
-  const DeviceInfo& device = measured.device;
-  return fmt::format("{:<9} {} ({}, {}), {} thread{}\n", measured.name, device.name, device.kind, device.driver,
-                     device.threads, device.threads == 1 ? "" : "s");
-}
-
-std::string microseconds(double seconds) { return fmt::format("{:.1f}", seconds * 1e6); }
-
-std::string share_text(const BenchRow& row) { return row.copy_ratio ? fmt::format("{:.2f}", *row.copy_ratio) : ""; }
-
-/// Widths of the first two columns, which hold names.
-struct NameWidths {
-  std::size_t name = 0;
-  std::size_t variant = 0;
-  explicit NameWidths(const std::vector<BenchRow>& rows) {
-    for (const BenchRow& row : rows) {
-      name = std::max(name, row.name.size());
-      variant = std::max(variant, row.variant.size());
-    }
-  }
-};
-
-// Three digits: a rate may be 1e-4 or 40 thousand million a second.
-std::string giga(double rate) { return fmt::format("{:.3g}", rate * 1e-9); }
-
-std::string line(const NameWidths& widths, const std::string& name, const std::string& variant,
-                 const std::string& columns) {
-  return fmt::format("{:<{}}  {:<{}} {}\n", name, widths.name, variant, widths.variant, columns);
-}
-
-constexpr std::string_view kCpuColumns = "{:>10} {:>18} {:>10} {:>14} {:>6} {:>8} {:>9}";
-
-std::string cpu_row_text(const NameWidths& widths, const BenchRow& row) {
-  const Timing& time = row.timing;
-  return line(widths, row.name, row.variant,
-              fmt::format(kCpuColumns, microseconds(time.cpu_s),
-                          microseconds(time.fastest_s) + "-" + microseconds(time.slowest_s), microseconds(time.wall_s),
-                          giga(rate_of(row, Basis::kCpu)) + " G " + row.unit, share_text(row),
-                          row.times_opencv ? fmt::format("{:.1f}", *row.times_opencv) : "",
-                          row.different ? std::to_string(*row.different) : ""));
-}
-
-std::string cpu_report(const Measured& cpu) {
-  const NameWidths widths(cpu.rows);
-  std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu);
-  text +=
-      line(widths, "", "",
-           fmt::format(kCpuColumns, "CPU us", "spread", "wall us", "per CPU second", "copy", "xOpenCV", "different"));
-  for (const BenchRow& row : cpu.rows) text += cpu_row_text(widths, row);
-  text += "copy: time of a plain copy of the bytes read and written, over the time. ";
-  text += opencv_version().empty() ? "This build has no OpenCV to compare with.\n"
-                                   : "xOpenCV: CPU time of OpenCV's precise transform over ours. different: cells that "
-                                     "are not those of the exact transform.\n";
-  return text;
-}
-
-constexpr std::string_view kPairColumns = "{:>9} | {:>10} {:>8} {:>5} | {:>10} {:>10} {:>10} {:>10} {:>5} | {:>7}";
-
-std::string pair_row_text(const NameWidths& widths, const BenchRow& row, const Measured& device, const Measured& cpu) {
-  const BenchRow* const beside = same_row(cpu, row);
-  const bool has_cpu = beside != nullptr;
-  return line(
-      widths, row.name, row.variant,
-      fmt::format(kPairColumns, row.unit, has_cpu ? microseconds(beside->timing.wall_s) : "",
-                  has_cpu ? giga(rate_of(*beside, cpu.basis)) : "", has_cpu ? share_text(*beside) : "",
-                  microseconds(row.timing.wall_s), microseconds(row.timing.cpu_s),
-                  row.timing.device_s ? microseconds(*row.timing.device_s) : "-", giga(rate_of(row, device.basis)),
-                  share_text(row), has_cpu ? fmt::format("{:.2f}", times_cpu(*beside, row, device.basis)) : ""));
-}
-
-std::string pair_report(const Measured& cpu, const Measured& device) {
-  const NameWidths widths(device.rows);
-  std::string text = fmt::format("gdtslam {}\n", GDTSLAM_VERSION) + device_line(cpu) + device_line(device);
-  text += fmt::format("{:<{}} | {:^25} | {:^49} |\n", "", widths.name + widths.variant + 12, "cpu", device.name);
-  text += line(
-      widths, "", "",
-      fmt::format(kPairColumns, "unit", "wall us", "G/CPU s", "copy", "wall us", "CPU us", "device us",
-                  fmt::format("G/{} s", device.basis == Basis::kCpu ? "CPU" : as_text(device.basis)), "copy", "x CPU"));
-  for (const BenchRow& row : device.rows) text += pair_row_text(widths, row, device, cpu);
-  text +=
-      "wall us, CPU us: of the process, all its threads; device us: by the device's own clock. G/s: 1e9 units of work "
-      "a second.\ncopy: time that the same processor takes to copy the bytes read and written, over the time. x CPU: "
-      "times as fast as the CPU, by CPU time where the device is a CPU itself, else by wall time.\n";
-  return text;
-}
 
 int print_flood_errors(Backend& backend, const BenchOptions& options) {
   Json list = Json::array();
@@ -229,6 +77,13 @@ int print_flood_errors(Backend& backend, const BenchOptions& options) {
 
 bool wants(const BenchOptions& options, std::string_view group) { return group.find(options.filter) != group.npos; }
 
+/// The CPU's limits before the other rows, and the rows held against them.
+void add_limits(Backend& backend, const BenchOptions& options, std::vector<BenchRow>& rows) {
+  std::vector<BenchRow> limits = bench_limits(backend, options.timing);
+  compare_with_limits(rows, limits);
+  rows.insert(rows.begin(), std::make_move_iterator(limits.begin()), std::make_move_iterator(limits.end()));
+}
+
 Measured measure_all(Backend& backend, std::string name, const BenchOptions& options) {
   Measured measured{std::move(name), backend.device(), {}, basis_of(backend), {}};
   if (measured.device.kind == "cpu") measured.isa = backend.host_isa();
@@ -243,6 +98,9 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
 #ifdef GDTSLAM_HAS_VIEWER
   if (measured.device.kind == "cpu" && wants(options, "viewer")) add(bench_viewer(options.timing));
 #endif
+  if (measured.device.kind == "cpu" && (wants(options, "limit") || !measured.rows.empty())) {
+    add_limits(backend, options, measured.rows);
+  }
   if (measured.rows.empty()) throw UsageError("bench: no kernel's name contains '" + options.filter + "'");
   return measured;
 }
@@ -283,6 +141,15 @@ int print_logs(const Backend& cpu, const BenchOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+void check_against(const BenchOptions& options) {
+  if (options.fail_below > 0.0 && options.against.empty()) throw UsageError("bench: --fail-below needs --against FILE");
+  const bool has_rows = !options.is_certified() && !options.is_live() && !options.is_logs() && !options.flood_errors;
+  if (!options.against.empty() && !has_rows) {
+    throw UsageError(
+        "bench: --against compares rows of kernels and the like, not certified, live, logs, --flood-errors");
+  }
+}
+
 int bench(const BenchOptions& options) {
   if (!options.is_certified() && !options.is_live() && !options.log.empty()) {
     throw UsageError("bench: --log is for 'gdtslam bench certified' and 'gdtslam bench live'");
@@ -290,6 +157,9 @@ int bench(const BenchOptions& options) {
   if (options.log.empty() && options.recording.are_stated()) {
     throw UsageError("bench: --topic, --odom, --crank and --mount are for a --log");
   }
+  check_against(options);
+  std::optional<EarlierBench> before;
+  if (!options.against.empty()) before = read_bench(options.against);
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
   if (options.is_live()) return print_live(*cpu, options);
   if (options.is_certified()) return print_certified(*cpu, options);
@@ -301,8 +171,28 @@ int bench(const BenchOptions& options) {
     all.push_back(measure_all(*device, fmt::format("vulkan:{}", device->vulkan_device().index), options));
   }
   const std::string text = device ? pair_report(all.front(), all.back()) : cpu_report(all.front());
-  print_result(options.json ? json_text(report_json(all)) : text);
+  if (!before) {
+    print_result(options.json ? json_text(bench_json(all)) : text);
+    return static_cast<int>(ExitCode::kDone);
+  }
+  const Against against = compare_with(*before, all);
+  Json json = bench_json(all);
+  json["against"] = against_json(against);
+  print_result(options.json ? json_text(json) : text + against_text(against));
+  require_at_least(against, options.fail_below);
   return static_cast<int>(ExitCode::kDone);
+}
+
+void add_comparison_options(CLI::App& command, BenchOptions& options) {
+  command
+      .add_option("--against", options.against,
+                  "What an earlier run printed with --json: how many times as fast each row is now, with its interval")
+      ->type_name("FILE");
+  command
+      .add_option("--fail-below", options.fail_below,
+                  "Exit 1 where a row's whole interval lies below this many times the speed of --against")
+      ->type_name("R")
+      ->check(CLI::Range(0.0, 1.0e3).description(""));
 }
 
 }  // namespace
@@ -350,6 +240,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->type_name("N")
       ->check(CLI::Range(0.1, 1.0e4).description(""))
       ->capture_default_str();
+  add_comparison_options(*command, *options);
   command->add_flag("--flood-errors", options->flood_errors,
                     "Instead of times: the errors of jump flooding from 512 to --size, as a table");
   command->add_flag("--json", options->json, "Print JSON");
@@ -362,6 +253,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       "  gdtslam bench clouds\n  gdtslam bench viewer\n  gdtslam bench certified --log intel.clf.gz\n"
       "  gdtslam bench live --log intel.clf.gz --json\n"
       "  gdtslam bench logs --megabytes 100\n"
+      "  gdtslam bench --json > before.json; gdtslam bench --against before.json\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");
   command->callback([options, &context] { context.run = [options] { return bench(*options); }; });
 }

@@ -40,14 +40,17 @@ bool touches_most(const KernelCase& kernel_case, double work) {
   return work >= 0.25 * values;
 }
 
+Work copy_work(const std::vector<std::byte>& from, std::vector<std::byte>& to) {
+  return {.step = [&from, &to] {
+    std::memcpy(to.data(), from.data(), from.size());
+    asm volatile("" : : "r"(to.data()) : "memory");  // the copy is for its own sake
+  }};
+}
+
 Timing memcpy_timing(std::size_t bytes, const TimingOptions& options) {
   const std::vector<std::byte> from(bytes, std::byte{1});
   std::vector<std::byte> to(from.size());
-  const auto copy = [&] {
-    std::memcpy(to.data(), from.data(), from.size());
-    asm volatile("" : : "r"(to.data()) : "memory");  // the copy is for its own sake
-  };
-  return measure({.step = copy}, options);
+  return measure(copy_work(from, to), options);
 }
 
 Timing device_copy_timing(VulkanBackend& device, std::size_t bytes, const TimingOptions& options) {
@@ -116,12 +119,14 @@ int repeats_for(const Work& work, double sample_s) {
   return repeats;
 }
 
-double median(const std::vector<Sample>& samples, double Sample::*time) {
+std::vector<double> times_of(const std::vector<Sample>& samples, double Sample::*time) {
   std::vector<double> times;
   times.reserve(samples.size());
   for (const Sample& sample : samples) times.push_back(sample.*time);
-  return upper_median(times);
+  return times;
 }
+
+double median(std::vector<double> times) { return upper_median(times); }
 
 }  // namespace
 
@@ -135,6 +140,11 @@ Basis basis_of(const Backend& backend) {
 double seconds_of(const Timing& timing, Basis basis) {
   if (basis == Basis::kCpu) return timing.cpu_s;
   return basis == Basis::kDevice ? timing.device_s.value_or(timing.wall_s) : timing.wall_s;
+}
+
+const std::vector<double>& samples_of(const Timing& timing, Basis basis) {
+  if (basis == Basis::kCpu) return timing.cpu_samples_s;
+  return basis == Basis::kDevice && timing.device_s ? timing.device_samples_s : timing.wall_samples_s;
 }
 
 std::function<double()> clock_of(Backend& backend) {
@@ -164,6 +174,12 @@ double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& 
   return seconds_of(timing, basis_of(backend));
 }
 
+BenchRow copy_row(std::string_view variant, std::size_t bytes, const TimingOptions& options) {
+  const std::vector<std::byte> from(bytes, std::byte{1});
+  std::vector<std::byte> to(from.size());
+  return measured_row("limit", "copy", variant, "byte", 2.0 * static_cast<double>(bytes), copy_work(from, to), options);
+}
+
 std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, const TimingOptions& options) {
   std::vector<BenchRow> rows;
   for (const KernelCaseSource& source : kernel_cases()) {
@@ -185,13 +201,20 @@ Timing measure(const Work& work, const TimingOptions& options) {
       break;
     samples.push_back(take_sample(work, repeats));
   }
-  const auto [fastest, slowest] = std::minmax_element(
-      samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.cpu_s < b.cpu_s; });
-  Timing timing{
-      median(samples, &Sample::wall_s), median(samples, &Sample::cpu_s), fastest->cpu_s, slowest->cpu_s, std::nullopt,
-      static_cast<int>(samples.size())};
-  const double device_s = median(samples, &Sample::device_s);
-  if (device_s > 0.0) timing.device_s = device_s;
+  Timing timing;
+  timing.samples = static_cast<int>(samples.size());
+  timing.wall_samples_s = times_of(samples, &Sample::wall_s);
+  timing.cpu_samples_s = times_of(samples, &Sample::cpu_s);
+  timing.wall_s = median(timing.wall_samples_s);
+  timing.cpu_s = median(timing.cpu_samples_s);
+  const auto [fastest, slowest] = std::minmax_element(timing.cpu_samples_s.begin(), timing.cpu_samples_s.end());
+  timing.fastest_s = *fastest;
+  timing.slowest_s = *slowest;
+  std::vector<double> device_s = times_of(samples, &Sample::device_s);
+  if (const double middle = median(device_s); middle > 0.0) {
+    timing.device_s = middle;
+    timing.device_samples_s = std::move(device_s);
+  }
   return timing;
 }
 

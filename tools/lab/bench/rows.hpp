@@ -45,6 +45,9 @@ struct Timing {
   double slowest_s = 0.0;
   std::optional<double> device_s;  ///< median, by the device's clock
   int samples = 0;
+  std::vector<double> wall_samples_s;  ///< in the order in which they were taken
+  std::vector<double> cpu_samples_s;
+  std::vector<double> device_samples_s;  ///< empty where the clock does not tell
 };
 
 /// Throws Error(kInterrupted) where a signal came in between.
@@ -58,13 +61,14 @@ struct CountingSink : CloudSink {
 
 /// One measurement.
 struct BenchRow {
-  std::string group;  ///< "kernel", "transform", "scan", "sweep", "peer"
+  std::string group;  ///< "limit", "kernel", "transform", "scan", "sweep", "cloud", "viewer", "peer"
   std::string name;
   std::string variant;
   std::string unit;  ///< of the work: cell, look-up, value, point
   double work = 0.0;
   Timing timing;
   std::optional<double> copy_ratio;    ///< time that the device takes to copy the bytes read and written, over the time
+  std::optional<double> load_ratio{};  ///< look-ups a second, over the most loads a second that the machine makes
   std::optional<double> times_opencv;  ///< OpenCV's CPU time over ours, for the same result
   std::optional<std::uint64_t> different;  ///< cells that differ from the exact transform
 };
@@ -79,6 +83,8 @@ enum class Basis : std::uint8_t { kCpu, kDevice, kWall };
 Basis basis_of(const Backend& backend);
 /// The time of a measurement on that basis.
 double seconds_of(const Timing& timing, Basis basis);
+/// The samples that it is the median of.
+const std::vector<double>& samples_of(const Timing& timing, Basis basis);
 
 /// What tells the device's time for the submission that was waited for last; empty where there is no such clock.
 std::function<double()> clock_of(Backend& backend);
@@ -89,6 +95,16 @@ Work work_on(Backend& backend, const Buffer& last, std::function<void()> step);
 /// Time that a backend takes to copy so many bytes, read and written together, on its basis: memcpy on the CPU, a
 /// copy between two buffers of its own memory on a device.
 double copy_seconds(Backend& backend, std::size_t traffic, const TimingOptions& options);
+
+/// A row of the group "limit": so many bytes read and as many written by memcpy.
+BenchRow copy_row(std::string_view variant, std::size_t bytes, const TimingOptions& options);
+
+/// What this machine does at most, on the CPU with the backend's instruction set: copies, and loads from random places
+/// of tables that fit into the first cache, the second, or neither.
+std::vector<BenchRow> bench_limits(Backend& backend, const TimingOptions& options);
+
+/// States load_ratio of the rows that count look-ups.
+void compare_with_limits(std::span<BenchRow> rows, std::span<const BenchRow> limits);
 
 /// The kernels whose name contains the filter.
 std::vector<BenchRow> bench_kernels(Backend& backend, std::string_view filter, const TimingOptions& options);

@@ -16,13 +16,23 @@
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#ifdef GDTSLAM_MODULE_FOLDER
+#include "tools/gdtslam/shell/modules.hpp"
+#endif
 #include "workers.hpp"
 
 namespace gdtslam::reproduce {
 namespace {
 
 // A program that was built anew may give something else, whatever its version says.
-std::string program_key() { return Sha256().update(read_text<InputError>("/proc/self/exe")).hex(); }
+std::string program_key() {
+  Sha256 key;
+  key.update(read_text<InputError>("/proc/self/exe"));
+#ifdef GDTSLAM_MODULE_FOLDER
+  key.update(read_text<InputError>(module_file("reproduce")));
+#endif
+  return key.hex();
+}
 
 std::string part_key(const PartInfo& info, const std::string& program, const Options& options,
                      const std::vector<RealLog>& logs) {

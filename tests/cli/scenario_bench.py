@@ -1,0 +1,64 @@
+"""Runs of `bench` held against each other, and the limits of the machine beside the kernels."""
+
+import json
+
+from cli_support import command, expect, expect_exit, fresh_folder, one_error_line, validate
+
+
+def _bench(*arguments):
+    process = command("bench", "smallest_values", "--samples", 5, "--json", *arguments)
+    expect_exit(process, 0)
+    validate(process.stdout, "bench")
+    return json.loads(process.stdout)
+
+
+def bench_limits():
+    """The machine's limits stand before the kernels, slower with each larger table; kernels have their share of one."""
+    rows = json.loads(command("bench", "pose_cost", "--samples", 5, "--json").stdout)["rows"]
+    limits = [row for row in rows if row["group"] == "limit"]
+    expect(rows[: len(limits)] == limits and len(limits) in (6, 9), f"{[row['name'] for row in rows]}")
+    for name in ("copy", "load"):
+        rates = [row["rate"] for row in limits if row["name"] == name]
+        expect(len(rates) == 3 and rates[0] > 3.0 * rates[2] > 0.0, f"{name}: {rates}")
+    most = max(row["rate"] for row in limits if row["unit"] == "load")
+    for row in rows[len(limits):]:
+        expect(abs(row["load_ratio"] - row["rate"] / most) < 1e-9, f"{row}")
+
+
+def bench_against():
+    """An earlier run made twice as slow by hand is beaten twofold; rows of one side are named; --fail-below asks the kernels
+    alone; files that are none are refused."""
+    folder = fresh_folder("bench_against")
+    before = _bench()
+    (folder / "before.json").write_text(json.dumps(before))
+    again = _bench("--against", folder / "before.json", "--fail-below", 0.01)["against"]
+    expect(again["only_before"] == [] and again["only_now"] == [] and len(again["rows"]) == len(before["rows"]), f"{again}")
+    kernel = next(row for row in before["rows"] if row["group"] == "kernel")
+    kernel["samples_s"] = [1000.0 * sample for sample in kernel["samples_s"]]
+    gone = dict(kernel, name="of_old")
+    before["rows"] = [kernel, gone]
+    (folder / "slow.json").write_text(json.dumps(before))
+    against = _bench("--against", folder / "slow.json", "--fail-below", 100)["against"]
+    (row,) = against["rows"]
+    expect(row["name"] == "smallest_values" and row["least"] <= row["times_as_fast"] <= row["most"], f"{row}")
+    expect(200.0 < row["times_as_fast"] < 5000.0 and row["confidence"] >= 0.95, f"{row}")
+    expect([name["name"] for name in against["only_before"]] == ["of_old"], f"{against['only_before']}")
+    expect({name["group"] for name in against["only_now"]} == {"limit"}, f"{against['only_now']}")
+
+    kernel["samples_s"] = [1e-6 * sample for sample in kernel["samples_s"]]
+    (folder / "fast.json").write_text(json.dumps(before))
+    process = command("bench", "smallest_values", "--samples", 5, "--against", folder / "fast.json", "--fail-below", 0.9)
+    expect_exit(process, 1)
+    one_error_line(process.stderr)
+    expect("1 of 1 rows are less than 0.9 times as fast" in process.stderr and "smallest_values" in process.stderr, process.stderr)
+    expect("only in that run: cpu kernel of_old" in process.stdout, process.stdout)
+
+    for text, words in (("{}", "has no text 'version'"), ("[1", "no JSON"), ('{"version": "1"}', "has no rows"), ("[]", "is no object"),
+                        ('{"version": "1", "rows": [{"on": "cpu"}]}', "has no text 'group'"),
+                        (json.dumps({"version": "1", "rows": [dict(kernel, samples_s=[])]}), "samples_s in a row"),
+                        (json.dumps({"version": "1", "rows": [dict(kernel, samples_s=[0])]}), "no time above 0")):
+        (folder / "bad.json").write_text(text)
+        process = command("bench", "smallest_values", "--against", folder / "bad.json")
+        expect_exit(process, 65)
+        one_error_line(process.stderr)
+        expect(words in process.stderr and "bench --json" in process.stderr, process.stderr)
