@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <utility>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/folder/run_folder.hpp"
@@ -41,6 +46,13 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
   folder.without("cloud.png");
 }
 
+// What was freed piece by piece goes back to the system, where the library can do that.
+void return_free_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
 // `nodding` is null where the laser does not nod.
 MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& job, const NoddingJob* nodding,
                    Backend& backend, ScanStream scans, RunTimes& times) {
@@ -60,6 +72,7 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   times.skip();  // its stages are in the outcome
   const WrittenField field = write_run_field(folder, job, run->field(), times);
   run.reset();  // its memory is for the pictures
+  return_free_memory();
   if (nodding != nullptr) {
     result.linkage = nodding->linkage;
     add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);
