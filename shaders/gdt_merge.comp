@@ -6,7 +6,6 @@
 #include "common/launch.glsl"
 #include "common/packed.glsl"
 
-const uint kLiteral = 1;
 layout(push_constant) uniform Params {
   uint scan_width;
   uint scan_height;
@@ -22,16 +21,7 @@ layout(push_constant) uniform Params {
 layout(set = 0, binding = 0, std430) buffer Global { uvec2 global_field[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Scan { uvec2 scan_field[]; };
 
-uvec4 merged(uvec4 g, uvec4 d) {
-  uint shift = min(lift, cap);  // a value lifted beyond the cap is the cap
-  uvec4 apart = max(g, d) - min(g, d);
-  uvec4 lifted = min(d, uvec4(cap - shift)) + shift;
-  bvec4 is_tentative = rule == kLiteral ? lessThan(g, d) : greaterThan(g, d);
-  uvec4 result = mix(g, lifted, is_tentative);
-  result = mix(result, (g + d) >> 1, lessThanEqual(apart, uvec4(threshold)));
-  result = mix(result, d, greaterThanEqual(g, uvec4(cap)));
-  return mix(result, g, greaterThanEqual(d, uvec4(cap)));
-}
+#include "common/merge_rule.glsl"
 
 // The scan's cells at columns x to x + 3 of row y, where x may lie outside; the cells outside of it are unknown.
 uvec4 scan_cells(int x, uint y) {

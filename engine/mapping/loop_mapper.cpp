@@ -87,6 +87,7 @@ struct LoopMapper::State {
       : mapper(front_end_config(config), backend, options),
         back_end(
             {.loops = {}, .live = {.is_beside = options.loops_beside, .warn = options.warn}, .joint = {}, .scans = {}}),
+        points(config.scan),
         map(config) {}
 
   BackEndResult closed(const Progress& progress, const std::function<bool()>& stop);
@@ -94,6 +95,7 @@ struct LoopMapper::State {
 
   Mapper mapper;
   BackEnd back_end;
+  ScanPoints points;
   std::vector<Point2> points_base_m;  // of the scan in hand
   SeparateMap map;                    // of all keyframes, once they are where they belong
 };
@@ -114,7 +116,7 @@ std::shared_future<FrozenMap> LoopMapper::request_map() {
 }
 
 void LoopMapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  start({scan.stamp_s, points_of(scan, state_->mapper.config().scan)}, T_odom_base);
+  start({scan.stamp_s, state_->points.of(scan)}, T_odom_base);
 }
 
 void LoopMapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {

@@ -105,6 +105,7 @@ struct Mapper::State {
   bool is_begun = false;    // the matcher is at work on it
   double stamp_s = 0.0;
   Prediction prediction;
+  ScanPoints scan_points;
   std::vector<Point2> points_m;
   std::vector<PointCells> points;
 };
@@ -139,7 +140,8 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
       options(std::move(o)),
       own_cpu(is_cpu(backend) ? nullptr : make_cpu_backend(options.cpu)),
       cpu(own_cpu ? own_cpu.get() : &backend),
-      motion(config.odometry) {
+      motion(config.odometry),
+      scan_points(config.scan) {
   if (own_cpu && matcher_info(config.match.matcher).place == MatcherPlace::kDevice) device = &backend;
   count_work_of(device != nullptr ? backend : *cpu);
   if (config.odometry.estimate) estimate.emplace();
@@ -336,7 +338,7 @@ MapperStatistics Mapper::statistics() const {
 }
 
 void Mapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
-  start({scan.stamp_s, points_of(scan, state_->config.scan)}, T_odom_base);
+  start({scan.stamp_s, state_->scan_points.of(scan)}, T_odom_base);
 }
 
 void Mapper::start(PointScan scan, const std::optional<Pose2>& T_odom_base) {

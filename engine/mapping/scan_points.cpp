@@ -20,17 +20,38 @@ std::int32_t cell_floor(double cells) {
 
 }  // namespace
 
-std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid) {
-  const double limit = range_limit_m(scan, valid.max_range_m);
+std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid) { return ScanPoints(valid).of(scan); }
+
+void ScanPoints::update_directions(const LaserScan& scan) {
+  if (directions_.size() == scan.ranges_m.size() && first_bearing_rad_ == scan.first_bearing_rad &&
+      bearing_step_rad_ == scan.bearing_step_rad) {
+    return;
+  }
+  first_bearing_rad_ = scan.first_bearing_rad;
+  bearing_step_rad_ = scan.bearing_step_rad;
+  directions_.clear();
+  directions_.reserve(scan.ranges_m.size());
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    const auto direction = beam_direction(scan, beam);
+    directions_.emplace_back(direction.cos, direction.sin);
+  }
+}
+
+std::vector<Point2> ScanPoints::of(const LaserScan& scan) {
+  update_directions(scan);
+  const double limit = range_limit_m(scan, valid_.max_range_m);
   const bool moved = is_skewed(scan);
+  const Pose2& mount = scan.T_base_laser;
+  const auto turned = sin_cos(mount.theta_rad);
   std::vector<Point2> points;
   points.reserve(scan.ranges_m.size());
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range = static_cast<double>(scan.ranges_m[beam]);
-    if (!(range >= valid.min_range_m && range < limit)) continue;  // false for NaN too
-    const auto direction = beam_direction(scan, beam);
-    const Point2 seen(range * direction.cos, range * direction.sin);
-    const Point2 point = (moved ? laser_at_beam(scan, beam) : scan.T_base_laser) * seen;
+    if (!(range >= valid_.min_range_m && range < limit)) continue;  // false for NaN too
+    const Point2 seen = range * directions_[beam];
+    const Point2 point = moved ? laser_at_beam(scan, beam) * seen
+                               : Point2(mount.x_m + (turned.cos * seen.x() - turned.sin * seen.y()),
+                                        mount.y_m + (turned.sin * seen.x() + turned.cos * seen.y()));
     if (point.allFinite() && point.cwiseAbs().maxCoeff() < kFurthestFromRobot_m) points.push_back(point);
   }
   return points;

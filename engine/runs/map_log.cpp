@@ -10,6 +10,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
+#include "engine/runs/folder/run_times.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "engine/runs/streams/odometry_delay.hpp"
@@ -27,6 +28,7 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
                        MapOutcome& outcome, RunFolder& folder) {
   if (request.draw_cloud && request.with_cloud && request.with_pictures && !outcome.interrupted) {
     try {
+      if (request.finishing) request.finishing("cloud.png");
       const std::string png = request.draw_cloud(cloud_file, request.logs.front(), outcome.trajectory,
                                                  nodding.kind == NodKind::kEncoder ? &nodding.model : nullptr);
       write_file_atomically(folder.staged("cloud.png"), png);
@@ -41,7 +43,7 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
 
 // `nodding` is null where the laser does not nod.
 MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& job, const NoddingJob* nodding,
-                   Backend& backend, ScanStream scans) {
+                   Backend& backend, ScanStream scans, RunTimes& times) {
   std::unique_ptr<CloudOutput> cloud;
   std::string cloud_file;
   if (nodding != nullptr && request.with_cloud) {
@@ -52,17 +54,21 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   }
   MapRun run(job, backend, std::move(scans), nodding, std::move(cloud));
   MapResult result;
+  times.add("prepare");
   result.outcome = run.run(
       request.progress ? request.progress : [](std::uint64_t, double) {}, [&request] { return stopped(request); });
+  times.skip();  // its stages are in the outcome
   if (nodding != nullptr) {
     result.linkage = nodding->linkage;
     add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);
+    times.add("write_cloud_picture");
     write_linkage(folder.staged("linkage.yaml"), nodding->model);
   } else {
     folder.without("cloud.png");
     folder.without("linkage.yaml");
   }
-  result.report = write_run(folder, job, nodding, result.outcome, run.field(), backend.device(), request.settings);
+  result.report =
+      write_run(folder, {job, nodding, run.field(), backend.device(), request.settings}, times, result.outcome);
   return result;
 }
 
@@ -111,6 +117,7 @@ std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const 
 }
 
 MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& backend) {
+  RunTimes times;
   ScanStream scans(job.logs, job.read, job.range);
   // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
   const bool has_linkage = !request.linkage.empty() || !linkage_sidecar(request.logs.front()).empty();
@@ -127,10 +134,10 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
     MapJob flat = job;
     flat.odometry_delay = odometry_delay_of(request, job);
     if (flat.odometry_delay) scans.set_odometry_delay(flat.odometry_delay->delay_s);
-    return map_into(folder, request, flat, nullptr, backend, std::move(scans));
+    return map_into(folder, request, flat, nullptr, backend, std::move(scans), times);
   }
   const NoddingJob nodding = nodding_job(request, kind);
-  return map_into(folder, request, job, &nodding, backend, std::move(scans));
+  return map_into(folder, request, job, &nodding, backend, std::move(scans), times);
 }
 
 }  // namespace
@@ -142,9 +149,11 @@ MapResult map_logs(const MapRequest& request, Backend& backend) {
                    .range = request.range,
                    .mapper = request.settings.mapper,
                    .occupancy = request.settings.occupancy,
+                   .with_occupancy = request.with_map,
                    .with_pictures = request.with_pictures,
                    .with_loops = request.with_loops,
                    .closing = request.closing,
+                   .finishing = request.finishing,
                    .on_failure = request.on_failure};
   try {
     return map_opened(request, job, backend);

@@ -82,6 +82,7 @@ gdtslam_cli_test(convert.csv ARGS convert {log} -o drive.csv STDOUT "^[0-9]+ sca
 gdtslam_cli_test(convert.mcap ARGS convert {log} -o drive.mcap STDOUT "scans" STDERR "the format cannot carry: parameter")
 gdtslam_cli_test(convert.json ARGS convert {log} -o drive.jsonl --json STDOUT "\"scans\": [0-9]+")
 
+gdtslam_cli_test(usage.map_mcap_no_map ARGS map {log} -o out --no-map --mcap a.mcap EXIT 2 STDERR "--mcap writes the occupancy map, which --no-map leaves out")
 gdtslam_cli_test(usage.map_mcap_pipe ARGS map - -o out --mcap a.mcap EXIT 2 STDERR "--mcap reads the logs twice")
 gdtslam_cli_test(file.map_mcap_folder ARGS map {log} -o out --mcap nowhere/a.mcap EXIT 74 STDERR "there is no folder nowhere")
 

@@ -40,6 +40,8 @@ def progress_on_a_terminal():
     expect(process.wait(timeout=60) == 0, "the run failed")
     text = drawn.decode()
     expect(re.search(r"\r\x1b\[K +\d+ %  [\d,]+ scans  [\d,]+/s  .* left", text), f"no progress: {text!r}")
+    for what in ("the occupancy map", "trajectory.tum", "overview.png", "map.pgm", "gdt.png"):
+        expect(f"\r\x1b[Kmaking {what}" in text, f"nothing says that {what} is being made: {text!r}")
     rest = text.rsplit("\r\x1b[K", 1)[1].splitlines()  # remarks on what was mapped may follow
     expect(all(line.startswith("gdtslam: ") for line in rest), f"the line is not wiped: {rest}")
 

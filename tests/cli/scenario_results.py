@@ -2,6 +2,7 @@
 
 import json
 import math
+import resource
 import subprocess
 
 import cli_support as cli
@@ -55,8 +56,41 @@ def report_adds_up():
     expect(set(cells) == {0, 205, 254}, f"levels of map.pgm: {sorted(set(cells))}")
     expect(cells.count(0) > 1000 and cells.count(254) > 10 * cells.count(0), "the map is no building")
     stages = report["stages"]
-    expect(abs(sum(stages.values()) - stages["write"] - report["wall_s"]) < 0.1 * report["wall_s"] + 0.05,
-           f"stages {stages} of {report['wall_s']} s")
+    expect(abs(sum(stages.values()) - report["cpu_s"]) < 0.05 * report["cpu_s"], f"stages {stages} of {report['cpu_s']} s")
+    expect(stages["other"] < 0.2 * report["cpu_s"] + 0.02, f"nobody knows what took {stages['other']} of {report['cpu_s']} s")
+
+
+def cpu_time_is_that_of_the_process():
+    """cpu_s is what the kernel counted for the whole process, but for its start; with two threads too."""
+    folder = cli.fresh_folder("cpu_time")
+    for threads in (1, 2):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        report = mapped(folder / str(threads), "--threads", threads)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        spent_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        expect(spent_s - 0.5 < report["cpu_s"] < spent_s + 0.05, f"{threads} threads: {report['cpu_s']} of {spent_s} s")
+        stages = report["stages"]
+        expect(abs(sum(stages.values()) - report["cpu_s"]) < 0.05 * report["cpu_s"], f"{threads} threads: {stages}")
+
+
+def without_the_occupancy_map():
+    """--no-map leaves out map and pictures, old ones too; the rest is the same, and what wants the map says so."""
+    folder = cli.fresh_folder("no_map")
+    whole = mapped(folder / "run", "--first", 200)
+    with_map = cli.digests(folder / "run")
+    report = mapped(folder / "run", "--first", 200, "--no-map")
+    without = cli.digests(folder / "run")
+    cli.validate((folder / "run" / "report.json").read_text(), "report")
+    expect(results(report) == results(whole), "another result without the map")
+    left_out = {"map.pgm", "map.yaml", cli.OVERVIEW, cli.OVERVIEW.replace("overview", "graph")}
+    expect(set(with_map) - set(without) == left_out and set(without) <= set(with_map), f"{sorted(without)}")
+    for name in ("trajectory.tum", "gdt.png", "gdt.yaml", "config.yaml"):
+        expect(with_map[name] == without[name], f"another {name}")
+    expect("map" not in report and "write_map" not in report["stages"], "the report tells of a map")
+    process = command("doctor", "--after", folder / "run", "--picture", folder / "graph.svg")
+    expect_exit(process, 65)
+    expect("it was mapped with --no-map" in process.stderr, process.stderr)
+    expect_exit(command("doctor", "--after", folder / "run"), 0)
 
 
 def config_round_trip():

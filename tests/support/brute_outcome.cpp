@@ -1,5 +1,6 @@
 // Oracles of single dispatches: what a case of the list must leave behind.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -15,6 +16,7 @@
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 
 namespace gdtslam::test {
 namespace {
@@ -172,6 +174,30 @@ void merge_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   outcome.contents[0] = bytes_of(global);
 }
 
+/// Each cell by all obstacles of its tile, with the square root of the standard library.
+void stamp_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
+  const auto params = params_of<GdtStamp::Params>(kernel_case);
+  const GdtMerge::Params rule{
+      .threshold = params.threshold, .lift = params.lift, .cap = params.cap, .rule = params.rule};
+  auto field = values_of<std::uint16_t>(outcome.contents[0]);
+  const auto list = values_of<std::uint32_t>(outcome.contents[1]);
+  for (std::size_t t = 0; t < 4 * std::size_t{params.tile_count}; t += 4) {
+    const std::set<std::uint32_t> own(list.begin() + list[t + 2], list.begin() + list[t + 2] + list[t + 3]);
+    for (std::int64_t y = 0; y < list[t + 1] / 65536; ++y) {
+      for (std::int64_t x = 0; x < list[t + 1] % 65536; ++x) {
+        double nearest = params.radius;
+        for (const std::uint32_t at : own) {
+          nearest = std::min(nearest, std::hypot(x + params.radius - at % 65536, y + params.radius - at / 65536));
+        }
+        std::uint16_t& cell =
+            field[list[t] + static_cast<std::size_t>(y) * params.stride + static_cast<std::size_t>(x)];
+        cell = brute_merge(rule, cell, static_cast<std::uint16_t>(std::lround(nearest * 256.0)));
+      }
+    }
+  }
+  outcome.contents[0] = bytes_of(field);
+}
+
 void lattice_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   outcome.contents[0] = bytes_of(brute_lattice(params_of<PoseLattice::Params>(kernel_case)));
 }
@@ -273,7 +299,8 @@ const std::map<std::string_view, Oracle>& oracles() {
                                                         {"pose_simplex", simplex_oracle},
                                                         {"choose_pose", choice_oracle},
                                                         {"sweep_points", sweep_oracle},
-                                                        {"pose_bounds", bounds_oracle}};
+                                                        {"pose_bounds", bounds_oracle},
+                                                        {"gdt_stamp", stamp_oracle}};
   return table;
 }
 

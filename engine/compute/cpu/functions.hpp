@@ -10,7 +10,9 @@
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
@@ -27,7 +29,7 @@ struct KernelList {};
 /// Every kernel that is dispatched, in the order of the registry, which walks this list as the cases do.
 using AllKernels = KernelList<EdtColumns, EdtRows, JumpFloodInit, JumpFloodStep, JumpFloodDistance, DistanceField,
                               PoseCost, GdtMerge, PoseLattice, LatticeMinima, SmallestValues, SeedScatter, FieldGrow,
-                              PoseStarts, PoseSimplex, ChoosePose, SweepPoints, PoseBounds>;
+                              PoseStarts, PoseSimplex, ChoosePose, SweepPoints, PoseBounds, GdtStamp>;
 
 /// The cells of a launch: columns [x_begin, x_end) of rows [y_begin, y_end).
 struct CellRange {
@@ -90,6 +92,8 @@ struct IsaFunctions {
                       const PoseCandidate* tiles, std::uint32_t* sums, Slice);
   void (*sweep_points)(const SweepPoints::Params&, const BeamRange* beams, const BeamStrip* strips, const float* tables,
                        float* points, Slice);
+  void (*gdt_stamp)(const GdtStamp::Params&, std::uint16_t* field, const std::uint32_t* list, const std::uint16_t* disc,
+                    Slice);
   // On the host only.
   void (*pose_minorant)(const PoseMinorant::Params&, const std::uint16_t* field, const PointCells* points,
                         const PoseCandidate* boxes, std::uint32_t count, PoseMinorant::Value* values);
@@ -99,6 +103,8 @@ struct IsaFunctions {
   /// totals: PoseSlope::kSums of them.
   void (*pose_slope)(const PoseSlope::Params&, const std::uint16_t* field, const PointCells* points,
                      const PoseSlope::Pose&, double* totals);
+  void (*point_values)(const PointValues::Params&, const std::uint16_t* field, const PointCells* points,
+                       const PointValues::Pose&, std::uint16_t* values);
 };
 
 extern const IsaFunctions kBaselineFunctions;

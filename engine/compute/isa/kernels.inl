@@ -35,6 +35,7 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #include "engine/compute/kernels/distance_field/distance_field.inl"
 #include "engine/compute/kernels/pose_cost/pose_cost.inl"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.inl"
+#include "engine/compute/kernels/gdt_stamp/gdt_stamp.inl"
 #include "engine/compute/kernels/jump_flood/jump_flood.inl"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.inl"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.inl"
@@ -44,6 +45,7 @@ constexpr std::size_t at(std::uint32_t stride, std::uint32_t y) { return static_
 #include "engine/compute/kernels/pose_bounds/pose_minorant_wide.inl"
 #include "engine/compute/kernels/pose_bounds/field_minorant.inl"
 #include "engine/compute/kernels/pose_slope/pose_slope.inl"
+#include "engine/compute/kernels/point_values/point_values.inl"
 #include "engine/compute/kernels/sweep_points/sweep_points.inl"
 // clang-format on
 
@@ -68,10 +70,12 @@ const IsaFunctions GDTSLAM_ISA_FUNCTIONS = {
     .choose_pose = choose_pose,
     .pose_bounds = pose_bounds,
     .sweep_points = sweep_points,
+    .gdt_stamp = gdt_stamp,
     .pose_minorant = pose_minorant,
     .field_minorant = field_minorant,
     .pose_minorant_wide = pose_minorant_wide,
     .pose_slope = pose_slope,
+    .point_values = point_values,
 };
 
 }  // namespace gdtslam

@@ -10,6 +10,7 @@
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
+#include "engine/compute/kernels/point_values/point_values.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
 #include "engine/compute/kernels/pose_simplex/pose_simplex.hpp"
@@ -29,6 +30,10 @@ void pose_simplex_host(Isa isa, const PoseSimplex::Params& params, const std::ui
 /// Cost of a pose with its slope; field height and width at least 2, at most 65,537 points.
 PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const std::uint16_t* field,
                                 const PointCells* points, const PoseSlope::Pose& pose);
+
+/// The field under each point at a pose; field height and width at least 1.
+void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,
+                       const PointValues::Pose& pose, std::uint16_t* values);
 
 /// Sums of `count` tiles of boxes, tile_width * tile_height each.
 void pose_bounds_host(Isa isa, const PoseBounds::Params& params, const std::uint8_t* field, const BoundPoint* points,

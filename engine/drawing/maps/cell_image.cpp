@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -82,16 +83,35 @@ struct Areas {
   std::vector<double> occupied;
 };
 
-/// Adds `weight` times what the row of cells has under each pixel.
-void add_row(const OccupancyMap& map, const PixelAxis& axis, std::int32_t y, double weight, Areas& areas) {
+/// What a pixel spans of its axis, and the cells that it meets.
+struct PixelSpan {
+  double begin = 0.0;
+  double end = 0.0;
+  std::int32_t first = 0;
+  std::int32_t last = 0;  ///< one behind
+  [[nodiscard]] double share_of(std::int32_t cell) const {
+    return std::min(end, cell + 1.0) - std::max(begin, static_cast<double>(cell));
+  }
+};
+
+std::vector<PixelSpan> spans_of(const PixelAxis& axis) {
+  std::vector<PixelSpan> spans;
+  spans.reserve(axis.pixels);
   for (std::uint32_t k = 0; k < axis.pixels; ++k) {
     const double begin = axis.begin(k);
     const double end = axis.begin(k + 1);
-    for (std::int32_t x = axis.held(std::floor(begin)); x < axis.held(std::ceil(end)); ++x) {
-      const double share = weight * (std::min(end, x + 1.0) - std::max(begin, static_cast<double>(x)));
-      const CellState state = map.at({x, y});
-      if (state == CellState::kFree) areas.free[k] += share;
-      if (state == CellState::kOccupied) areas.occupied[k] += share;
+    spans.push_back({begin, end, axis.held(std::floor(begin)), axis.held(std::ceil(end))});
+  }
+  return spans;
+}
+
+/// Adds `weight` times what the row of cells has under each pixel.
+void add_row(std::span<const CellState> row, const std::vector<PixelSpan>& spans, double weight, Areas& areas) {
+  for (std::size_t k = 0; k < spans.size(); ++k) {
+    for (std::int32_t x = spans[k].first; x < spans[k].last; ++x) {
+      const CellState state = row[static_cast<std::size_t>(x)];
+      if (state == CellState::kUnknown) continue;
+      (state == CellState::kFree ? areas.free : areas.occupied)[k] += weight * spans[k].share_of(x);
     }
   }
 }
@@ -120,17 +140,22 @@ PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const M
   const Axes axes = axes_of(map.geometry, frame);
   auto image = std::make_shared<RgbaImage>(axes.x.pixels, axes.y.pixels);
   const double all = axes.x.step * axes.y.step;
+  const CellColour unknown = mean_colour(0.0, 0.0, all, colours);
+  const auto width = static_cast<std::size_t>(map.geometry.width);
+  const std::vector<PixelSpan> columns = spans_of(axes.x);
+  const std::vector<PixelSpan> rows = spans_of(axes.y);
   Areas areas;
   for (std::uint32_t row = 0; row < axes.y.pixels; ++row) {
     areas.free.assign(axes.x.pixels, 0.0);
     areas.occupied.assign(axes.x.pixels, 0.0);
-    const double begin = axes.y.begin(row);
-    const double end = axes.y.begin(row + 1);
-    for (std::int32_t y = axes.y.held(std::floor(begin)); y < axes.y.held(std::ceil(end)); ++y) {
-      add_row(map, axes.x, y, std::min(end, y + 1.0) - std::max(begin, static_cast<double>(y)), areas);
+    for (std::int32_t y = rows[row].first; y < rows[row].last; ++y) {
+      const std::span cells = std::span(map.cells).subspan(static_cast<std::size_t>(y) * width, width);
+      add_row(cells, columns, rows[row].share_of(y), areas);
     }
     for (std::uint32_t k = 0; k < axes.x.pixels; ++k) {
-      put(*image, k, axes.y.pixels - 1 - row, mean_colour(areas.free[k], areas.occupied[k], all, colours));
+      const bool is_unknown = areas.free[k] == 0.0 && areas.occupied[k] == 0.0;
+      put(*image, k, axes.y.pixels - 1 - row,
+          is_unknown ? unknown : mean_colour(areas.free[k], areas.occupied[k], all, colours));
     }
   }
   return {frame.panel, image};

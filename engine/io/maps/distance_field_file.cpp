@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <span>
@@ -34,22 +35,24 @@ void check_writable(const std::string& yaml_path, const DistanceFieldView& field
   }
 }
 
-Grey16Image image_of(const std::string& yaml_path, const DistanceFieldView& field) {
+// A row after the other from the top; the field is not copied.
+void write_image(AtomicFile& file, const std::string& yaml_path, const DistanceFieldView& field) {
   const int scale = levels_per_unit(field.cap);
-  Grey16Image image{
-      static_cast<std::uint32_t>(field.geometry.width), static_cast<std::uint32_t>(field.geometry.height), {}};
-  image.pixels.reserve(field.geometry.cell_count());
   const auto width = static_cast<std::size_t>(field.geometry.width);
+  PngWriter png(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(field.geometry.height),
+                PngWriter::Pixels::kGrey16, [&file](std::span<const std::byte> bytes) { file.write(bytes); });
+  std::vector<std::uint16_t> levels(width);
   for (auto y = static_cast<std::size_t>(field.geometry.height); y-- > 0;) {
-    for (const std::uint16_t value : field.cells.subspan(y * field.stride, width)) {
-      if (value > field.cap) {
-        throw InputError({yaml_path, 0}, fmt::format("the distance {} in row {} lies above the field's cap of {}",
-                                                     value, y, field.cap));
-      }
-      image.pixels.push_back(static_cast<std::uint16_t>(value * scale));
+    const std::span<const std::uint16_t> row = field.cells.subspan(y * field.stride, width);
+    if (const std::uint16_t largest = *std::max_element(row.begin(), row.end()); largest > field.cap) {
+      throw InputError({yaml_path, 0}, fmt::format("the distance {} in row {} lies above the field's cap of {}",
+                                                   largest, y, field.cap));
     }
+    std::transform(row.begin(), row.end(), levels.begin(),
+                   [scale](std::uint16_t value) { return static_cast<std::uint16_t>(value * scale); });
+    png.add_row(std::as_bytes(std::span(levels)));
   }
-  return image;
+  png.finish();
 }
 
 std::string description_of(const DistanceFieldView& field, const std::string& image) {
@@ -117,9 +120,8 @@ DistanceFieldView view_of(const GlobalField& field) {
 void write_distance_field(const std::string& yaml_path, const DistanceFieldView& field) {
   check_writable(yaml_path, field);
   const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".png");
-  const std::string png = encode_png(image_of(yaml_path, field));
   AtomicFileSet files;
-  files.add(image_path.string()).write(png);
+  write_image(files.add(image_path.string()), yaml_path, field);
   files.add(yaml_path).write(description_of(field, image_path.filename().string()));
   files.commit();
 }

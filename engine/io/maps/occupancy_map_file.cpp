@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <span>
+#include <vector>
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/yaml/yaml_file.hpp"
@@ -32,16 +35,16 @@ std::uint8_t level_of(CellState state) {
   return kUnknownLevel;
 }
 
-Grey8Image image_of(const OccupancyMap& map) {
-  const GridGeometry& geometry = map.geometry;
-  Grey8Image image{static_cast<std::uint32_t>(geometry.width), static_cast<std::uint32_t>(geometry.height), 255, {}};
-  image.pixels.reserve(geometry.cell_count());
-  for (std::int32_t y = geometry.height - 1; y >= 0; --y) {
-    for (std::int32_t x = 0; x < geometry.width; ++x) {
-      image.pixels.push_back(level_of(map.at({x, y})));
-    }
+// A row after the other from the top; the map is not copied.
+void write_levels(AtomicFile& file, const OccupancyMap& map) {
+  const auto width = static_cast<std::size_t>(map.geometry.width);
+  file.write(pgm_header(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(map.geometry.height), 255));
+  std::vector<std::uint8_t> levels(width);
+  for (auto y = static_cast<std::size_t>(map.geometry.height); y-- > 0;) {
+    const std::span<const CellState> row = std::span(map.cells).subspan(y * width, width);
+    std::transform(row.begin(), row.end(), levels.begin(), level_of);
+    file.write(std::as_bytes(std::span(levels)));
   }
-  return image;
 }
 
 struct Thresholds {
@@ -84,7 +87,7 @@ CellState state_of(std::uint8_t level, std::uint32_t max_value, const Thresholds
 void write_occupancy_map(const std::string& yaml_path, const OccupancyMap& map) {
   const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".pgm");
   AtomicFileSet files;
-  files.add(image_path.string()).write(encode_pgm(image_of(map)));
+  write_levels(files.add(image_path.string()), map);
   files.add(yaml_path).write(fmt::format(
       "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\n"
       "occupied_thresh: {}\nfree_thresh: {}\n",

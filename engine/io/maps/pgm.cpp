@@ -56,8 +56,12 @@ class HeaderReader {
 
 }  // namespace
 
+std::string pgm_header(std::uint32_t width, std::uint32_t height, std::uint32_t max_value) {
+  return fmt::format("P5\n{} {}\n{}\n", width, height, max_value);
+}
+
 std::string encode_pgm(const Grey8Image& image) {
-  std::string text = fmt::format("P5\n{} {}\n{}\n", image.width, image.height, image.max_value);
+  std::string text = pgm_header(image.width, image.height, image.max_value);
   text.append(reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size());
   return text;
 }

@@ -18,6 +18,8 @@ struct Grey8Image {
   std::vector<std::uint8_t> pixels;
 };
 
+/// What stands before the pixels, which follow row by row from the top.
+std::string pgm_header(std::uint32_t width, std::uint32_t height, std::uint32_t max_value);
 /// The file's bytes.
 std::string encode_pgm(const Grey8Image& image);
 /// Throws InputError.

@@ -1,8 +1,10 @@
 #include "joint_adjustment.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "engine/mapping/adjust/pose_bins.hpp"
 
@@ -10,6 +12,11 @@ namespace gdtslam {
 namespace {
 
 constexpr double kFewestLaid = 15.0;  // that lay a scan on another
+
+// Of the pairs of a keyframe, those that are in the core: the next ones back in time, and the nearest of earlier
+// passes.
+constexpr std::size_t kCoreBack = 3;
+constexpr std::size_t kCoreNear = 2;
 
 /// What scans tell of each other, less what tilted normals feign. Where a surface ends behind another, normals are off
 /// by some degrees, always to the same side: along a corridor without much else that pulls scans onto each other, half
@@ -55,16 +62,66 @@ JointAdjustment::JointAdjustment(const std::vector<KeptScan>& scans, std::vector
                                  const JointOptions& options)
     : scans_(scans), held_(std::move(held)), options_(options) {}
 
-BlockSystem JointAdjustment::system_for(const std::vector<KeyframePair>& pairs) const {
-  std::vector<BlockSystem::Pair> pattern(pairs.begin(), pairs.end());
-  for (const PoseRelation& relation : held_) pattern.emplace_back(relation.from, relation.to);
-  return {scans_.size(), std::move(pattern)};
-}
+// The equations of all pairs, and of a core of them. Each pass over a place has dozens of keyframes beside each other,
+// so a factor of the whole would grow with the square of the passes; the core has few pairs a keyframe, a small factor,
+// and is so much like the whole that some thirty conjugate gradients solve it.
+class JointAdjustment::Systems {
+ public:
+  Systems(std::vector<KeyframePair> pairs, const std::vector<PoseRelation>& held, std::size_t keyframes)
+      : pairs_(std::move(pairs)), whole_(system_of(pairs_, held, keyframes)) {
+    choose_core();
+    std::vector<KeyframePair> core;
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      if (is_of_core_[i]) core.push_back(pairs_[i]);
+    }
+    core_.emplace(system_of(core, held, keyframes));
+    factor_.emplace(*core_);
+    both_ = {&whole_, &*core_};
+  }
+  Systems(const Systems&) = delete;
+  Systems& operator=(const Systems&) = delete;
+
+  [[nodiscard]] const std::vector<KeyframePair>& pairs() const { return pairs_; }
+  /// Those that a pair belongs to.
+  [[nodiscard]] std::span<BlockSystem* const> of_pair(std::size_t pair) const {
+    return std::span(both_).first(is_of_core_[pair] ? 2 : 1);
+  }
+  [[nodiscard]] std::span<BlockSystem* const> all() const { return both_; }
+  /// Moves the poses by the solution; as take_step_by_core().
+  double step(std::vector<Pose2>& poses) { return take_step_by_core(whole_, *core_, *factor_, poses); }
+
+ private:
+  static BlockSystem system_of(const std::vector<KeyframePair>& pairs, const std::vector<PoseRelation>& held,
+                               std::size_t keyframes) {
+    std::vector<BlockSystem::Pair> pattern(pairs.begin(), pairs.end());
+    for (const PoseRelation& relation : held) pattern.emplace_back(relation.from, relation.to);
+    return {keyframes, std::move(pattern)};
+  }
+
+  // The pairs of a keyframe come one after the other, those in space the nearest first.
+  void choose_core() {
+    const std::size_t longest = PairRules{}.back.back();
+    std::size_t near = 0;
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const auto& [from, to] = pairs_[i];
+      if (i == 0 || pairs_[i - 1].second != to) near = 0;
+      is_of_core_.push_back(to - from <= kCoreBack || (to - from > longest && near++ < kCoreNear));
+    }
+  }
+
+  std::vector<KeyframePair> pairs_;
+  std::vector<bool> is_of_core_;
+  BlockSystem whole_;
+  std::optional<BlockSystem> core_;
+  std::optional<BlockCholesky> factor_;  // of the core
+  std::array<BlockSystem*, 2> both_{};
+};
 
 // Motions of the scan that moves are tangents on its right; one of the scan that stands still is, seen from the moving
 // one, the opposite motion carried over.
 void JointAdjustment::add_one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
-                                  const LineGate& gate, BlockSystem& system, LineEquations& total) const {
+                                  const LineGate& gate, std::span<BlockSystem* const> systems,
+                                  LineEquations& total) const {
   const Pose2 T_fixed_moving = between(poses[fixed], poses[moving]);
   const LineEquations lines = line_equations(scans_[fixed], scans_[moving], T_fixed_moving, gate);
   if (lines.weight < kFewestLaid) return;
@@ -73,45 +130,44 @@ void JointAdjustment::add_one_way(std::size_t fixed, std::size_t moving, const s
   const Belief belief = belief_in(lines);
   const Matrix3 information = weight * belief.information;
   const Matrix3 cross = information * by_fixed;  // (moving, fixed)
-  system.diagonal[moving] += information;
-  system.diagonal[fixed] += transposed_times(by_fixed, cross);
-  system.add(moving, fixed, cross);
   const Tangent2 pull{weight * belief.gradient[0], weight * belief.gradient[1], weight * belief.gradient[2]};
-  subtract(system.right[moving], pull);
-  subtract(system.right[fixed], transposed(by_fixed) * pull);
+  for (BlockSystem* system : systems) {
+    system->diagonal[moving] += information;
+    system->diagonal[fixed] += transposed_times(by_fixed, cross);
+    system->add(moving, fixed, cross);
+    subtract(system->right[moving], pull);
+    subtract(system->right[fixed], transposed(by_fixed) * pull);
+  }
   total.weight += lines.weight;
   total.cost_m2 += lines.cost_m2;
 }
 
-void JointAdjustment::add_pair(const KeyframePair& pair, const std::vector<Pose2>& poses, const LineGate& gate,
-                               BlockSystem& system, LineEquations& total) const {
-  add_one_way(pair.first, pair.second, poses, gate, system, total);
-  add_one_way(pair.second, pair.first, poses, gate, system, total);
+double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses,
+                                  JointResult& result) const {
+  for (BlockSystem* system : systems.all()) system->clear();
+  LineEquations total;
+  const LineGate gate{.most_m = gate_m, .points = options_.points};
+  for (std::size_t i = 0; i < systems.pairs().size(); ++i) {
+    const auto& [from, to] = systems.pairs()[i];
+    add_one_way(from, to, poses, gate, systems.of_pair(i), total);
+    add_one_way(to, from, poses, gate, systems.of_pair(i), total);
+  }
+  for (BlockSystem* system : systems.all()) {
+    for (const PoseRelation& relation : held_) add_relation(relation, poses, 1.0, *system);
+  }
+  result.rms_m = total.weight > 0.0 ? std::sqrt(total.cost_m2 / total.weight) : 0.0;
+  result.pairs = systems.pairs().size();
+  return systems.step(poses);
 }
 
 JointResult JointAdjustment::run(std::vector<Pose2>& poses, const Progress& progress) const {
   JointResult result;
   if (poses.size() < 2) return result;
-  std::vector<KeyframePair> pairs;
-  std::optional<BlockSystem> system;
-  std::optional<BlockCholesky> factor;
+  std::optional<Systems> systems;
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
-    const bool has_new_pairs = step % options_.pairs_every == 0;
-    if (has_new_pairs) {
-      pairs = pairs_of(poses);
-      system.emplace(system_for(pairs));
-      factor.emplace(*system);
-    }
-    system->clear();
-    LineEquations total;
-    const LineGate gate{.most_m = gate_m, .points = options_.points};
-    for (const KeyframePair& pair : pairs) add_pair(pair, poses, gate, *system, total);
-    for (const PoseRelation& relation : held_) add_relation(relation, poses, 1.0, *system);
-    result.largest_step_m =
-        has_new_pairs ? take_step(*system, *factor, poses) : take_step_near(*system, *factor, poses);
-    result.rms_m = total.weight > 0.0 ? std::sqrt(total.cost_m2 / total.weight) : 0.0;
-    result.pairs = pairs.size();
+    if (step % options_.pairs_every == 0) systems.emplace(pairs_of(poses), held_, scans_.size());
+    result.largest_step_m = take_step(gate_m, *systems, poses, result);
     const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;
     if (is_still && step >= options_.pairs_every) break;
     gate_m = std::max(options_.last_gate_m, options_.narrowing * gate_m);

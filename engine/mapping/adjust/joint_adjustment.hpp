@@ -1,10 +1,12 @@
 // All keyframes at once, each laid on its neighbours in time and in space, points to lines [Lu1997], with what the
 // front end said over short stretches of the path. Gauss-Newton with gates that narrow. The same bits for any number of
-// threads. Cost: some ten iterations over about fifteen pairs a keyframe; 20 bytes a point.
+// threads. Cost: some ten iterations over about fifteen pairs a keyframe, linear in the keyframes but for a small
+// factor; 20 bytes a point.
 #pragma once
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -57,11 +59,10 @@ class JointAdjustment {
       std::vector<Pose2>& poses, const Progress& progress = [](double) {}) const;
 
  private:
-  void add_pair(const KeyframePair& pair, const std::vector<Pose2>& poses, const LineGate& gate, BlockSystem& system,
-                LineEquations& total) const;
+  class Systems;
+  double take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, JointResult& result) const;
   void add_one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses, const LineGate& gate,
-                   BlockSystem& system, LineEquations& total) const;
-  [[nodiscard]] BlockSystem system_for(const std::vector<KeyframePair>& pairs) const;
+                   std::span<BlockSystem* const> systems, LineEquations& total) const;
 
   const std::vector<KeptScan>& scans_;
   std::vector<PoseRelation> held_;

@@ -6,7 +6,6 @@
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/host_kernels.hpp"
-#include "engine/core/elementary.hpp"
 #include "engine/mapping/map/device_memory.hpp"
 #include "gdtslam/core/angle.hpp"
 
@@ -110,20 +109,9 @@ std::uint32_t Objective::evaluate(const CellPose& pose) {
 void Objective::residuals(const CellPose& pose, std::span<const PointCells> points,
                           std::vector<std::uint16_t>& values) const {
   values.resize(points.size());
-  const PoseCost::Params grid = params(Interpolation::kNearest, points.size());
-  const std::uint16_t* const cells = map_->cells().data();
-  const auto [sin, cos] = sin_cos(pose.theta);
   // The two outermost rows and columns hold the cap, so a point off the map reads it at the nearest of them.
-  const auto cell_of = [](float position, std::int32_t anchor, std::uint32_t size) {
-    const float last = static_cast<float>(size - 1);
-    return static_cast<std::uint32_t>(std::clamp(std::floor(position) + static_cast<float>(anchor), 0.0F, last));
-  };
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const float x = (cos * points[i].x - sin * points[i].y) + pose.x;
-    const float y = (sin * points[i].x + cos * points[i].y) + pose.y;
-    values[i] = cells[std::size_t{cell_of(y, grid.anchor_y, grid.height)} * grid.stride +
-                      cell_of(x, grid.anchor_x, grid.width)];
-  }
+  point_values_host(backend_->host_isa(), params(Interpolation::kNearest, points.size()), map_->cells().data(),
+                    points.data(), {.x = pose.x, .y = pose.y, .theta = pose.theta}, values.data());
 }
 
 Linearisation Objective::linearise(const CellPose& pose, float scale_cells) {

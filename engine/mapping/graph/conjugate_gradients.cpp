@@ -1,12 +1,13 @@
 #include "conjugate_gradients.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 
 namespace gdtslam {
 namespace {
 
-constexpr int kMostDirections = 12;
+constexpr int kMostDirections = 400;
 constexpr double kSolvedShare = 1.0e-8;  // of the squared error to begin with, in the factor's norm
 
 double dot_of(const std::vector<Tangent2>& a, const std::vector<Tangent2>& b) {
@@ -59,7 +60,7 @@ std::vector<Tangent2> solve_near(const BlockSystem& system, const BlockCholesky&
     }
     error = left;
   }
-  if (!(error <= small)) return {};  // nor where it is not a number
+  if (!std::isfinite(error)) return {};
   return solution;
 }
 

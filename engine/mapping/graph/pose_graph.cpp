@@ -39,13 +39,6 @@ double move_by(const std::vector<Tangent2>& steps, std::vector<Pose2>& poses) {
   return farthest_m;
 }
 
-double solve_and_move(const BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
-  if (!factor.factorise(system)) return -1.0;
-  std::vector<Tangent2> steps = system.right;
-  factor.solve(steps);
-  return move_by(steps, poses);
-}
-
 void hold_first(BlockSystem& system) { system.diagonal.front() += Matrix3::diagonal(kHeld, kHeld, kHeld); }
 
 }  // namespace
@@ -77,13 +70,19 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
 
 double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
   hold_first(system);
-  return solve_and_move(system, factor, poses);
+  if (!factor.factorise(system)) return -1.0;
+  std::vector<Tangent2> steps = system.right;
+  factor.solve(steps);
+  return move_by(steps, poses);
 }
 
-double take_step_near(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses) {
+double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
+                         std::vector<Pose2>& poses) {
   hold_first(system);
-  const std::vector<Tangent2> steps = solve_near(system, factor);
-  return steps.empty() ? solve_and_move(system, factor, poses) : move_by(steps, poses);
+  hold_first(core);
+  if (!factor_of_core.factorise(core)) return -1.0;
+  const std::vector<Tangent2> steps = solve_near(system, factor_of_core);
+  return steps.empty() ? -1.0 : move_by(steps, poses);
 }
 
 double PoseGraph::largest_chi2() const {

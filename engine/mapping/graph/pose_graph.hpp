@@ -29,8 +29,10 @@ void add_relation(const PoseRelation& relation, const std::vector<Pose2>& poses,
 /// Moves the poses by the system's solution, the first one held; returns how far the farthest went, metres, or nothing
 /// below zero where the system has no solution, and the poses stay.
 double take_step(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
-/// The same where the factor is that of a system that has changed by little since; made anew where by too much.
-double take_step_near(BlockSystem& system, BlockCholesky& factor, std::vector<Pose2>& poses);
+/// The same for a system whose own factor would be large: by that of `core`, a part of its relations that joins all
+/// poses.
+double take_step_by_core(BlockSystem& system, BlockSystem& core, BlockCholesky& factor_of_core,
+                         std::vector<Pose2>& poses);
 
 /// A loop and how far it is believed, from 0 to 1.
 struct Loop {

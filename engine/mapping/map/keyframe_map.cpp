@@ -29,7 +29,7 @@ void KeyframeMap::merge(const KeyframeCells& keyframe, StageTimes& stages) {
   {
     const StageTimer timer(stages.local_field_s);
     field.grow_to_hold(keyframe.window);
-    local.compute(keyframe);
+    local.prepare(keyframe, field);
   }
   const StageTimer timer(stages.merge_s);
   local.merge_into(field, step);

@@ -1,10 +1,12 @@
-// The distance field of one scan, paper equation (1), on the window of its points, ready to be merged; made on the
-// device from the cells of its points, in buffers that are kept from scan to scan. Not thread-safe.
+// A keyframe's distance field, paper equation (1), merged into the map by (9) to (11). The exact one is stamped into
+// the tiles that its obstacles reach; jump flooding makes the field of the whole window first. In buffers that are kept
+// from keyframe to keyframe. Not thread-safe.
 #pragma once
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/mapping/global_field.hpp"
+#include "stamps.hpp"
 
 namespace gdtslam {
 
@@ -12,28 +14,27 @@ class LocalField {
  public:
   LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTransform transform = DistanceTransform::kExact);
 
-  /// Field of a keyframe's cells on its window.
-  void compute(const KeyframeCells& keyframe);
-  /// Merges it into the map, paper equations (9) to (11); the map must hold the window and live on the same backend.
+  /// Prepares a keyframe for a map that holds its window and lives on the same backend.
+  void prepare(const KeyframeCells& keyframe, const GlobalField& map);
+  /// Merges it into that map, which has not grown since.
   void merge_into(GlobalField& map, const MergeStep& step);
 
  private:
   void reserve(std::size_t cells);
-  // From the seeds to the squared distances of the window.
-  void transform_exactly();
-  void flood();
+  void flood(const KeyframeCells& keyframe);
+  void stamp_into(GlobalField& map, const MergeStep& step);
 
   Backend* backend_;
   std::uint32_t radius_;
   DistanceTransform transform_;
+  Buffer values_;  // of distances: the disc that is stamped, or by squared distance
+  Buffer cells_;   // of obstacles
+  StampLists lists_;
+  // Of jump flooding.
   CellBox window_{};
   std::uint32_t stride_ = 0;
-  Buffer table_;
-  std::uint32_t table_size_ = 0;
-  Buffer cells_;
   Buffer seeds_;
-  Buffer column_distance_;  // of the exact transform
-  Buffer nearest_[2];       // of jump flooding, which reads one and writes the other
+  Buffer nearest_[2];  // a step reads one and writes the other
   Buffer squared_distance_;
   Buffer field_;
 };

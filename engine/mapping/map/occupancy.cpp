@@ -1,21 +1,24 @@
 #include "gdtslam/mapping/occupancy.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstdlib>
-#include <limits>
-#include <optional>
+#include <unordered_map>
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "growth.hpp"
 #include "scan_beams.hpp"
+#include "scan_marks.hpp"
+#include "tile_counts.hpp"
 
 namespace gdtslam {
 namespace {
 
-constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
 constexpr double kEvenSteps = 256.0;
+constexpr std::uint64_t kTileCells = std::uint64_t{kTileSide} * kTileSide;
+/// Cells of the rectangle for each one that is kept: of what buildings and streets span, 6 to 22 % are seen.
+constexpr std::uint64_t kRectangleShare = 4;
 
 /// A pose whose sine and cosine are wanted for each beam.
 struct Laser {
@@ -35,11 +38,61 @@ std::uint64_t cells_of(const CellBox& box) {
          static_cast<std::uint64_t>(std::int64_t{box.end.y} - box.min.y);
 }
 
-// Both counters are halved when one is full, which keeps their ratio.
-void increment(std::uint16_t& counter, std::uint16_t& other) {
-  if (++counter == std::numeric_limits<std::uint16_t>::max()) {
-    counter = static_cast<std::uint16_t>(counter / 2);
-    other = static_cast<std::uint16_t>(other / 2);
+SubCell sub_cell_of(const Point2& point_m, double resolution_m) {
+  const auto odd = [resolution_m](double coordinate_m) {
+    const double steps = std::floor(coordinate_m / resolution_m * kEvenSteps);
+    constexpr double kFurthest = static_cast<double>(kFurthestCell) * kEvenSteps;
+    return 2 * static_cast<std::int64_t>(std::clamp(steps, -kFurthest, kFurthest)) + 1;
+  };
+  return {odd(point_m.x()), odd(point_m.y())};
+}
+
+[[noreturn]] void refuse(const std::string& needed, std::uint64_t allowed) {
+  throw InputError("the occupancy map would need " + needed + " cells, " + std::to_string(allowed) +
+                   " are allowed; check the log with 'gdtslam doctor' or raise map.max_megacells");
+}
+
+std::uint64_t key_of(CellIndex place) {
+  return std::uint64_t{static_cast<std::uint32_t>(place.y)} << 32U | static_cast<std::uint32_t>(place.x);
+}
+CellIndex place_of(std::uint64_t key) {
+  return {static_cast<std::int32_t>(key & 0xffffffffU), static_cast<std::int32_t>(key >> 32U)};
+}
+
+CellIndex first_cell(CellIndex tile) { return {tile.x * kTileSide, tile.y * kTileSide}; }
+
+/// What is known of the cells of a row of a tile.
+struct RowStates {
+  std::uint64_t occupied = 0;
+  std::uint64_t free = 0;
+};
+
+// A wall has an end at least, whatever the configuration says.
+RowStates states_of(const TileCounts& counts, std::size_t row, const OccupancyConfig& config) {
+  RowStates states;
+  for (std::uint64_t ended = counts.ended(row); ended != 0; ended &= ended - 1) {
+    const auto column = static_cast<unsigned>(std::countr_zero(ended));
+    const auto [ends, passes] = counts.at(row, column);
+    const double seen = static_cast<double>(ends) + static_cast<double>(passes);
+    const bool is_wall =
+        static_cast<std::int32_t>(ends) >= config.min_ends && static_cast<double>(ends) >= config.occupied_share * seen;
+    if (is_wall) states.occupied |= ended & (~ended + 1);
+  }
+  states.free = counts.passed(row) & ~states.occupied;
+  return states;
+}
+
+// `low` is the lower left cell of the tile, in the map.
+void draw(const TileCounts& counts, const OccupancyConfig& config, CellOffset low, OccupancyMap& map) {
+  for (std::int32_t row = 0; row < kTileSide; ++row) {
+    const RowStates states = states_of(counts, static_cast<std::size_t>(row), config);
+    for (std::uint64_t seen = states.occupied | states.free; seen != 0; seen &= seen - 1) {
+      const std::int32_t column = std::countr_zero(seen);
+      const bool is_wall = (states.occupied >> column & 1U) != 0;
+      const CellIndex cell{low.dx + column, low.dy + row};
+      map.cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(map.geometry.width) +
+                static_cast<std::size_t>(cell.x)] = is_wall ? CellState::kOccupied : CellState::kFree;
+    }
   }
 }
 
@@ -68,21 +121,21 @@ std::vector<Option> option_table(OccupancyConfig& config) {
   };
 }
 
+struct OccupancyBuilder::Ray {
+  SubCell start;
+  SubCell end;
+  bool is_return = false;
+};
+
+struct OccupancyBuilder::Tiles {
+  ScanMarks marks;  ///< of the scan in hand
+  std::unordered_map<std::uint64_t, TileCounts> counts;
+};
+
 OccupancyBuilder::OccupancyBuilder(const OccupancyConfig& config, const Limits& limits)
-    : config_(config), limits_(limits) {}
+    : config_(config), limits_(limits), tiles_(std::make_unique<Tiles>()) {}
 
-CellIndex OccupancyBuilder::SubCell::cell() const {
-  return {static_cast<std::int32_t>(x >> 9), static_cast<std::int32_t>(y >> 9)};
-}
-
-OccupancyBuilder::SubCell OccupancyBuilder::sub_cell_of(const Point2& point_m) const {
-  const auto odd = [this](double coordinate_m) {
-    const double steps = std::floor(coordinate_m / limits_.resolution_m * kEvenSteps);
-    constexpr double kFurthest = static_cast<double>(kFurthestCell) * kEvenSteps;
-    return 2 * static_cast<std::int64_t>(std::clamp(steps, -kFurthest, kFurthest)) + 1;
-  };
-  return {odd(point_m.x()), odd(point_m.y())};
-}
+OccupancyBuilder::~OccupancyBuilder() = default;
 
 void OccupancyBuilder::update_bearings(const LaserScan& scan) {
   if (bearings_.directions.size() == scan.ranges_m.size() && bearings_.first_rad == scan.first_bearing_rad &&
@@ -102,7 +155,7 @@ CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map
   const bool moved = is_skewed(scan);
   Laser laser(T_map_base * scan.T_base_laser);
   if (!laser.T_map_laser.is_finite()) throw InputError("a scan of the occupancy map has a pose that is not finite");
-  SubCell start = sub_cell_of(laser.T_map_laser.translation());
+  SubCell start = sub_cell_of(laser.T_map_laser.translation(), limits_.resolution_m);
   CellBox touched;
   rays_.clear();
   for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
@@ -113,77 +166,51 @@ CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map
     if (!(length_m > 0.0)) continue;
     if (moved) {
       laser = Laser(T_map_base * laser_at_beam(scan, k));
-      start = sub_cell_of(laser.T_map_laser.translation());
+      start = sub_cell_of(laser.T_map_laser.translation(), limits_.resolution_m);
     }
     const Point2 end_m = laser.in_map(bearings_.directions[k] * length_m);
     if (!end_m.allFinite()) continue;
-    rays_.push_back({start, sub_cell_of(end_m), is_return});
-    touched = hull_of(hull_of(touched, box_of(start.cell())), box_of(rays_.back().end.cell()));
+    if (moved || rays_.empty()) touched = hull_of(touched, box_of(start.cell()));
+    rays_.push_back({start, sub_cell_of(end_m, limits_.resolution_m), is_return});
+    touched = hull_of(touched, box_of(rays_.back().end.cell()));
   }
   return touched;
 }
 
-std::size_t OccupancyBuilder::index_of(CellIndex map_cell) const {
-  const CellOffset d = map_cell - box_.min;
-  return static_cast<std::size_t>(d.dy) * static_cast<std::size_t>(box_.width()) + static_cast<std::size_t>(d.dx);
+void OccupancyBuilder::require_room(const CellBox& content) const {
+  const bool is_near =
+      std::min(content.min.x, content.min.y) > -kFurthestCell && std::max(content.end.x, content.end.y) < kFurthestCell;
+  if (is_near && cells_of(content) / kRectangleShare <= limits_.max_cells) return;
+  refuse(std::to_string(std::int64_t{content.end.x} - content.min.x) + " x " +
+             std::to_string(std::int64_t{content.end.y} - content.min.y),
+         kRectangleShare * limits_.max_cells);
 }
 
-void OccupancyBuilder::grow_to_hold(const CellBox& needed) {
-  const CellBox content = hull_of(content_, needed);
-  const auto fits = [this](const CellBox& box) {
-    return std::min(box.min.x, box.min.y) > -kFurthestCell && std::max(box.end.x, box.end.y) < kFurthestCell &&
-           cells_of(box) <= limits_.max_cells;
-  };
-  const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, needed, fits);
-  if (!grown) {
-    throw InputError("the occupancy map would need " + std::to_string(std::int64_t{content.end.x} - content.min.x) +
-                     " x " + std::to_string(std::int64_t{content.end.y} - content.min.y) + " cells, " +
-                     std::to_string(limits_.max_cells) +
-                     " are allowed; check the log with 'gdtslam doctor' or raise map.max_megacells");
+void OccupancyBuilder::mark_rays(const CellBox& touched) {
+  ScanMarks& marks = tiles_->marks;
+  marks.clear(touched);
+  for (const Ray& ray : rays_) {
+    marks.add_ray(ray.start, ray.end);
+    if (ray.is_return) marks.add_end(ray.end.cell());
+    if (marks.size() * kTileCells > limits_.max_cells)
+      refuse(std::to_string(marks.size() * kTileCells), limits_.max_cells);
   }
-  content_ = grown->content;
-  if (grown->stored != box_) move_to(grown->stored);
+  std::size_t tiles = tiles_->counts.size();
+  if ((tiles + marks.size()) * kTileCells <= limits_.max_cells) return;
+  for (std::size_t k = 0; k < marks.size(); ++k) tiles += 1 - tiles_->counts.count(key_of(marks[k].place));
+  if (tiles * kTileCells > limits_.max_cells) refuse(std::to_string(tiles * kTileCells), limits_.max_cells);
 }
 
-void OccupancyBuilder::move_to(const CellBox& box) {
-  std::vector<Cell> cells(cells_of(box));
-  const CellBox kept = common_part(box_, box);
-  for (std::int32_t y = kept.min.y; y < kept.end.y; ++y) {
-    const auto row = cells_.begin() + static_cast<std::ptrdiff_t>(index_of({kept.min.x, y}));
-    const auto target = static_cast<std::ptrdiff_t>(y - box.min.y) * box.width() + (kept.min.x - box.min.x);
-    std::copy(row, row + kept.width(), cells.begin() + target);
-  }
-  cells_ = std::move(cells);
-  box_ = box;
-}
-
-// Marks the cells from the start up to the end; the cell of a return was marked before.
-void OccupancyBuilder::cast(const Ray& ray) {
-  const SubCell& start = ray.start;
-  const std::int64_t dx = ray.end.x - start.x;
-  const std::int64_t dy = ray.end.y - start.y;
-  const std::int64_t run_x = std::abs(dx);
-  const std::int64_t run_y = std::abs(dy);
-  const std::int64_t into_x = start.x & (kSubCells - 1);
-  const std::int64_t into_y = start.y & (kSubCells - 1);
-  const std::int64_t border_x = dx < 0 ? into_x : kSubCells - into_x;
-  const std::int64_t border_y = dy < 0 ? into_y : kSubCells - into_y;
-  const std::ptrdiff_t step_x = dx < 0 ? -1 : 1;
-  const std::ptrdiff_t step_y = dy < 0 ? -box_.width() : box_.width();
-  const CellOffset span = ray.end.cell() - start.cell();
-  const std::int64_t steps = std::int64_t{std::abs(span.dx)} + std::abs(span.dy) + (ray.is_return ? 0 : 1);
-  // Negative while the next border in x comes before the next one in y: border_x / run_x < border_y / run_y.
-  std::int64_t order = border_x * run_y - border_y * run_x;
-  auto index = static_cast<std::ptrdiff_t>(index_of(start.cell()));
-  for (std::int64_t k = 0; k < steps; ++k) {
-    Cell& cell = cells_[static_cast<std::size_t>(index)];
-    if (cell.last_scan != scan_) {
-      cell.last_scan = scan_;
-      increment(cell.passes, cell.ends);
+// A cell in which a beam ended counts as that, whatever passed through it.
+void OccupancyBuilder::count_marks() {
+  ScanMarks& marks = tiles_->marks;
+  for (std::size_t k = 0; k < marks.size(); ++k) {
+    ScanMarks::Tile& tile = marks[k];
+    if (tile.has_columns()) transpose(tile.columns);
+    for (std::size_t row = 0; row < kTileSide; ++row) {
+      tile.rows[row] = (tile.rows[row] | tile.columns[row]) & ~tile.ends[row];
     }
-    const bool along_x = order < 0;
-    order += along_x ? kSubCells * run_y : -kSubCells * run_x;
-    index += along_x ? step_x : step_y;
+    tiles_->counts[key_of(tile.place)].add(tile.ends, tile.rows);
   }
 }
 
@@ -191,31 +218,23 @@ void OccupancyBuilder::add(const LaserScan& scan, const Pose2& T_map_base) {
   update_bearings(scan);
   const CellBox touched = collect_rays(scan, T_map_base);
   if (rays_.empty()) return;
-  grow_to_hold(touched);
-  ++scan_;
-  for (const Ray& ray : rays_) {
-    if (!ray.is_return) continue;
-    Cell& cell = cells_[index_of(ray.end.cell())];
-    if (cell.last_scan == scan_) continue;
-    cell.last_scan = scan_;
-    increment(cell.ends, cell.passes);
-  }
-  for (const Ray& ray : rays_) cast(ray);
-}
-
-CellState OccupancyBuilder::state_of(const Cell& cell) const {
-  const double seen = static_cast<double>(cell.ends) + static_cast<double>(cell.passes);
-  if (cell.ends >= config_.min_ends && static_cast<double>(cell.ends) >= config_.occupied_share * seen) {
-    return CellState::kOccupied;
-  }
-  return cell.passes > 0 ? CellState::kFree : CellState::kUnknown;
+  const CellBox content = hull_of(content_, touched);
+  require_room(content);
+  mark_rays(touched);
+  count_marks();
+  content_ = content;
 }
 
 OccupancyMap OccupancyBuilder::build() const {
   CellBox known;
-  for (std::int32_t y = box_.min.y; y < box_.end.y; ++y) {
-    for (std::int32_t x = box_.min.x; x < box_.end.x; ++x) {
-      if (state_of(cells_[index_of({x, y})]) != CellState::kUnknown) known = hull_of(known, box_of({x, y}));
+  for (const auto& [key, counts] : tiles_->counts) {
+    const CellIndex low = first_cell(place_of(key));
+    for (std::int32_t row = 0; row < kTileSide; ++row) {
+      const RowStates states = states_of(counts, static_cast<std::size_t>(row), config_);
+      const std::uint64_t seen = states.occupied | states.free;
+      if (seen == 0) continue;
+      known = hull_of(known, {low + CellOffset{std::countr_zero(seen), row},
+                              low + CellOffset{kTileSide - std::countl_zero(seen), row + 1}});
     }
   }
   if (known.empty()) known = {{0, 0}, {1, 1}};
@@ -226,12 +245,7 @@ OccupancyMap OccupancyBuilder::build() const {
                                 .height = known.height()},
                    .cells = {}};
   map.cells.resize(map.geometry.cell_count(), CellState::kUnknown);
-  auto cell = map.cells.begin();
-  for (std::int32_t y = known.min.y; y < known.end.y; ++y) {
-    for (std::int32_t x = known.min.x; x < known.end.x; ++x, ++cell) {
-      if (box_.contains({x, y})) *cell = state_of(cells_[index_of({x, y})]);
-    }
-  }
+  for (const auto& [key, counts] : tiles_->counts) draw(counts, config_, first_cell(place_of(key)) - known.min, map);
   return map;
 }
 

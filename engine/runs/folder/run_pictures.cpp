@@ -127,8 +127,14 @@ void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcom
   const auto none = [&folder](const std::string& name) {
     for (const char* ending : {".png", ".svg"}) folder.without(name + ending);
   };
-  job.with_pictures ? write_picture(folder, "overview", overview_of(job, outcome), outcome.warnings) : none("overview");
-  const bool has_graph = job.with_pictures && outcome.closed;
+  const auto tell = [&job](const char* what) {
+    if (job.finishing) job.finishing(what);
+  };
+  const bool has_overview = job.with_pictures && job.with_occupancy;
+  if (has_overview) tell("overview.png");
+  has_overview ? write_picture(folder, "overview", overview_of(job, outcome), outcome.warnings) : none("overview");
+  const bool has_graph = has_overview && outcome.closed;
+  if (has_graph) tell("graph.png");
   has_graph ? write_picture(folder, "graph", graph_of(job, outcome), outcome.warnings) : none("graph");
 }
 

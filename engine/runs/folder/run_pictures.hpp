@@ -30,7 +30,7 @@ std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const Un
 void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
                    std::vector<LogReader::Warning>& warnings);
 
-/// Both, as far as the job wants pictures and loops were closed; old ones go. Throws FileError.
+/// Both, as far as the job wants pictures and a map, and loops were closed; old ones go. Throws FileError.
 void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome);
 
 }  // namespace gdtslam

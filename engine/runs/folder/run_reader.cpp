@@ -57,7 +57,7 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   summary_.keyframe_count = report.whole("keyframes");
   summary_.path_m = report.number("path_m");
   summary_.cloud_points = report.whole("cloud_points");
-  summary_.map = report.geometry("map");
+  if (report.has("map")) summary_.map = report.geometry("map");
   summary_.map_sha256 = report.text("map_sha256");
   summary_.nods = report.has("nodding");
   summary_.has_loops = report.has("loops");
@@ -124,6 +124,10 @@ std::optional<std::vector<PoseCovariance>> RunReader::covariances() const {
 }
 
 OccupancyMap RunReader::map() const {
+  if (!summary_.map) {
+    throw InputError({folder_, 0},
+                     "has no occupancy map: it was mapped with --no-map; map the log again without that option");
+  }
   require("map.yaml");
   require("map.pgm");
   OccupancyMap map = read_occupancy_map(file("map.yaml"));
@@ -131,9 +135,9 @@ OccupancyMap RunReader::map() const {
     return fmt::format("{} x {} cells of {} m from ({}, {})", grid.width, grid.height, grid.resolution_m,
                        grid.origin_x_m, grid.origin_y_m);
   };
-  if (map.geometry != summary_.map) {
+  if (map.geometry != *summary_.map) {
     refuse("map.yaml",
-           fmt::format("has {}, but {} tells of {}", as_text(map.geometry), kReport, as_text(summary_.map)));
+           fmt::format("has {}, but {} tells of {}", as_text(map.geometry), kReport, as_text(*summary_.map)));
   }
   return map;
 }

@@ -25,8 +25,8 @@ struct RunSummary {
   std::uint64_t keyframe_count = 0;
   double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
   std::uint64_t cloud_points = 0;
-  GridGeometry map;        ///< of map.pgm
-  std::string map_sha256;  ///< of the distance field
+  std::optional<GridGeometry> map;  ///< of map.pgm; nothing where it was left out
+  std::string map_sha256;           ///< of the distance field
   bool nods = false;
   bool has_loops = false;  ///< closed ones, perhaps none of them found: doubts() tells of them
   bool tilts = false;      ///< nods without a linkage: the log told the elevation itself
@@ -53,6 +53,7 @@ class RunReader {
   [[nodiscard]] std::optional<std::vector<PoseCovariance>> covariances() const;
   /// What the report says against the map; reads it again.
   [[nodiscard]] RunDoubts doubts() const;
+  /// Throws InputError too where the run was told to make none.
   [[nodiscard]] OccupancyMap map() const;
   [[nodiscard]] DistanceFieldFile field() const;
   /// The file of the 3D cloud; nothing where the run made none. Throws InputError where it is missing.

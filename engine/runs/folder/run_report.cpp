@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <optional>
 
@@ -28,16 +27,28 @@ using Json = nlohmann::ordered_json;
 
 double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
-// No second counts twice: all but "write" add up to wall_s.
-Json stages_json(const MapOutcome& outcome, double written_s) {
-  const StageTimes& stages = outcome.statistics.stages;
-  const double named_s = stages.predict_s + stages.match_s + stages.local_field_s + stages.merge_s;
-  Json json{{"read", outcome.read_s},  {"predict", stages.predict_s},
-            {"match", stages.match_s}, {"local_field", stages.local_field_s},
-            {"merge", stages.merge_s}, {"mapper_other", std::max(outcome.mapper_s - named_s, 0.0)}};
-  if (outcome.closed) json["loops"] = outcome.loops_s;
-  json["occupancy"] = outcome.occupancy_s;
-  json["write"] = written_s;
+// CPU seconds. The mapper's are divided as its wall time is; what is left of all is "other", so that they add up.
+Json stages_json(const MapOutcome& outcome, const std::vector<StageTime>& others) {
+  const StageTimes& wall = outcome.statistics.stages;
+  const double named_s = wall.predict_s + wall.match_s + wall.local_field_s + wall.merge_s;
+  const double per_wall_s = ratio(outcome.mapper_cpu_s, std::max(outcome.mapper_s, named_s));
+  std::vector<StageTime> stages{{"read", outcome.read_cpu_s},
+                                {"predict", wall.predict_s * per_wall_s},
+                                {"match", wall.match_s * per_wall_s},
+                                {"local_field", wall.local_field_s * per_wall_s},
+                                {"merge", wall.merge_s * per_wall_s},
+                                {"mapper_other", std::max(outcome.mapper_cpu_s - named_s * per_wall_s, 0.0)}};
+  if (outcome.closed) stages.push_back({"loops", outcome.loops_cpu_s});
+  stages.push_back({"occupancy", outcome.occupancy_cpu_s});
+  if (outcome.nodding) stages.push_back({"cloud", outcome.cloud_cpu_s});
+  stages.insert(stages.end(), others.begin(), others.end());
+  Json json = Json::object();
+  double left_s = outcome.cpu_s;
+  for (const StageTime& stage : stages) {
+    json[stage.name] = stage.cpu_s;
+    left_s -= stage.cpu_s;
+  }
+  json["other"] = std::max(left_s, 0.0);
   return json;
 }
 
@@ -144,18 +155,21 @@ void write_path_facts(RunFolder& folder, const MapOutcome& outcome) {
   write_file_atomically(folder.staged("graph.g2o"), graph_text(*outcome.closed));
 }
 
-}  // namespace
+struct Hashes {
+  std::string field;
+  std::string trajectory;
+};
 
-Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome, const GlobalField& field,
-                const DeviceInfo& device, double written_s) {
+Json run_report(const RunFacts& facts, const MapOutcome& outcome, const Hashes& hashes,
+                const std::vector<StageTime>& others) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(scans_of(outcome));
   Json report;
   report["format"] = kReportVersion;
   report["version"] = GDTSLAM_VERSION;
-  report["device"] = device_json(device);
+  report["device"] = device_json(facts.device);
   if (!outcome.device_loss.empty()) report["device_lost"] = outcome.device_loss;
-  report["log"] = job.logs;
+  report["log"] = facts.job.logs;
   report["interrupted"] = outcome.interrupted;
   report["scans"] = scans_of(outcome);
   report["matched"] = statistics.matched;
@@ -178,14 +192,14 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
   report["scans_per_s"] = ratio(scans, outcome.wall_s);
   report["scans_per_core_s"] = ratio(scans, outcome.mapper_cpu_s);  // mapper alone: no reading, no occupancy map
   report["realtime_factor"] = ratio(outcome.log_duration_s, outcome.wall_s);
-  report["map_sha256"] = sha256_of(view_of(field));
-  report["trajectory_sha256"] = sha256_of(outcome.trajectory);
-  report["gdt"] = geometry_json(field.geometry());
-  report["map"] = geometry_json(outcome.occupancy.geometry);
+  report["map_sha256"] = hashes.field;
+  report["trajectory_sha256"] = hashes.trajectory;
+  report["gdt"] = geometry_json(facts.field.geometry());
+  if (facts.job.with_occupancy) report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
-  if (nodding != nullptr) report["nodding"] = nodding_json(*nodding, *outcome.nodding);
-  if (job.odometry_delay) {
-    report["odometry_delay"] = {{"delay_s", job.odometry_delay->delay_s}, {"sigma_s", job.odometry_delay->sigma_s}};
+  if (facts.nodding != nullptr) report["nodding"] = nodding_json(*facts.nodding, *outcome.nodding);
+  if (const std::optional<OdometryDelay>& delay = facts.job.odometry_delay) {
+    report["odometry_delay"] = {{"delay_s", delay->delay_s}, {"sigma_s", delay->sigma_s}};
   }
   if (outcome.closed) {
     report["loops"] = loops_json(*outcome.closed);
@@ -193,32 +207,49 @@ Json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& 
     report["uncertain"] = uncertain_json(*outcome.closed, outcome.trajectory);
   }
   report["warnings"] = warnings_json(outcome.warnings);
-  report["stages"] = stages_json(outcome, written_s);
+  report["stages"] = stages_json(outcome, others);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);
   report["keyframe_scans"] = outcome.keyframes;
   return report;
 }
 
-std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, MapOutcome& outcome,
-                      const GlobalField& field, const DeviceInfo& device, Settings settings) {
-  const auto start = std::chrono::steady_clock::now();
+}  // namespace
+
+std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {
+  const auto tell = [&facts](const char* what) {
+    if (facts.job.finishing) facts.job.finishing(what);
+  };
   // The order in which the files take their names: what others refer to first, then the YAML that refers to them, and
   // last the report, without which a folder is no run.
-  const std::string trajectory = folder.staged("trajectory.tum");
+  const bool has_map = facts.job.with_occupancy;
+  tell("trajectory.tum");
+  write_tum(folder.staged("trajectory.tum"), outcome.trajectory);
   write_path_facts(folder, outcome);
-  write_run_pictures(folder, job, outcome);
-  const std::string config = folder.staged("config.yaml");
-  folder.staged("map.pgm");
+  times.add("write_path");
+  write_run_pictures(folder, facts.job, outcome);
+  times.add("write_pictures");
+  write_config(folder.staged("config.yaml"), option_table(facts.settings));
+  if (has_map) folder.staged("map.pgm");
   folder.staged("gdt.png");
-  const std::string map = folder.staged("map.yaml");
+  for (const char* name : {"map.pgm", "map.yaml"}) {
+    if (!has_map) folder.without(name);
+  }
+  const std::string map = has_map ? folder.staged("map.yaml") : "";
   const std::string field_file = folder.staged("gdt.yaml");
   const std::string report_file = folder.staged("report.json");
-  write_tum(trajectory, outcome.trajectory);
-  write_occupancy_map(map, outcome.occupancy);
-  write_distance_field(field_file, view_of(field));
-  write_config(config, option_table(settings));
-  const double written_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::string report = json_text(run_report(job, nodding, outcome, field, device, written_s));
+  if (has_map) {
+    tell("map.pgm");
+    write_occupancy_map(map, outcome.occupancy);
+    times.add("write_map");
+  }
+  tell("gdt.png");
+  write_distance_field(field_file, view_of(facts.field));
+  times.add("write_field");
+  tell("report.json");
+  const Hashes hashes{sha256_of(view_of(facts.field)), sha256_of(outcome.trajectory)};
+  times.add("hash");
+  times.read_whole(outcome.wall_s, outcome.cpu_s);
+  std::string report = json_text(run_report(facts, outcome, hashes, times.stages()));
   write_file_atomically(report_file, report);
   folder.commit();
   return report;

@@ -11,22 +11,26 @@
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/settings.hpp"
 #include "run_folder.hpp"
+#include "run_times.hpp"
 
 namespace gdtslam {
 
 /// The version of the format.
 inline constexpr int kReportVersion = 1;
 
-/// The report of a run; `nodding` is null where the laser does not nod. `written_s` is the time that the other files
-/// took.
-nlohmann::ordered_json run_report(const MapJob& job, const NoddingJob* nodding, const MapOutcome& outcome,
-                                  const GlobalField& field, const DeviceInfo& device, double written_s);
+/// What a run was asked for and made, besides its outcome.
+struct RunFacts {
+  const MapJob& job;
+  const NoddingJob* nodding = nullptr;  ///< null where the laser does not nod; its cloud has been written by now
+  const GlobalField& field;
+  const DeviceInfo& device;
+  Settings settings;
+};
 
 /// Writes what a run made into its folder: map, distance field, trajectory, graph, pictures, configuration and report,
 /// all or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's
-/// warnings. `nodding` is null for a laser that does not nod; its cloud has been written by now.
-std::string write_run(RunFolder& folder, const MapJob& job, const NoddingJob* nodding, MapOutcome& outcome,
-                      const GlobalField& field, const DeviceInfo& device, Settings settings);
+/// warnings, and its times are those of all that `times` covers, writing included.
+std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome);
 
 /// What a report says of the device that did the work.
 inline nlohmann::ordered_json device_json(const DeviceInfo& device) {

@@ -164,7 +164,7 @@ MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
   } catch (...) {
     next.problem = std::current_exception();
   }
-  watch_.add_to(outcome_.read_s);
+  watch_.add_cpu_to(outcome_.read_cpu_s);
   const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   return result;
@@ -173,7 +173,7 @@ MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
 void MapRun::map_flat(const Progress& progress) {
   NextScan next;
   if (!stop_()) next.scan = next_of(scans_);
-  watch_.add_to(outcome_.read_s);
+  watch_.add_cpu_to(outcome_.read_cpu_s);
   while (next.scan && !stop_()) {
     ScanRecord record = *std::exchange(next.scan, std::nullopt);
     speed_.complete(record.scan);
@@ -182,7 +182,7 @@ void MapRun::map_flat(const Progress& progress) {
     speed_.take(record.scan, result.T_map_base);
     note_stamp(result.stamp_s);
     progress(outcome_.trajectory.size(), scans_.progress());
-    watch_.add_to(outcome_.occupancy_s);
+    watch_.add_cpu_to(outcome_.occupancy_cpu_s);
     if (next.problem && !stop_()) std::rethrow_exception(next.problem);
   }
   outcome_.interrupted = stop_();
@@ -192,11 +192,19 @@ void MapRun::map_flat(const Progress& progress) {
 void MapRun::close_loops() {
   if (front_end().statistics().keyframes == 0) return;
   ClosedPath path = loops_->close(closing(), stop_);
+  watch_.add_cpu_to(outcome_.loops_cpu_s);
+  if (job_.with_occupancy) tell("the occupancy map");
   for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
     outcome_.trajectory[i].T_map_base = path.T_map_base[i];
     if (!scans_kept_[i].ranges_m.empty()) occupancy_.add(scans_kept_[i], path.T_map_base[i]);
   }
+  scans_kept_ = {};
+  watch_.add_cpu_to(outcome_.occupancy_cpu_s);
   take_closed(std::move(path));
+}
+
+void MapRun::tell(std::string_view what) const {
+  if (job_.finishing) job_.finishing(what);
 }
 
 LoopMapper::Progress MapRun::closing() const {
@@ -207,7 +215,7 @@ void MapRun::take_closed(ClosedPath path) {
   outcome_.interrupted = outcome_.interrupted || !path.is_closed;
   outcome_.keyframes = path.keyframes;
   if (path.is_closed) outcome_.closed = std::move(path);
-  watch_.add_to(outcome_.loops_s);
+  watch_.add_cpu_to(outcome_.loops_cpu_s);
 }
 
 void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
@@ -222,7 +230,7 @@ void MapRun::map_nodding(const Progress& progress) {
   std::uint64_t scans = 0;
   while (!stop_()) {
     std::optional<NoddingScan> scan = next_of(nodding_->stream);
-    watch_.add_to(outcome_.read_s);
+    watch_.add_cpu_to(outcome_.read_cpu_s);
     if (!scan) break;
     note_stamp(scan->record.scan.stamp_s);
     nodding_->process(std::move(*scan));
@@ -283,9 +291,12 @@ void MapRun::finish() {
   outcome_.device_loss = front_end().device_loss();
   require_a_map();
   if (job_.with_occupancy) outcome_.occupancy = occupancy_.build();
-  watch_.add_to(outcome_.occupancy_s);
+  watch_.add_cpu_to(outcome_.occupancy_cpu_s);
   outcome_.log_duration_s = last_s_ - first_s_;
-  if (nodding_) outcome_.nodding = nodding_->finish(outcome_.warnings);
+  if (!nodding_) return;
+  tell("the cloud");
+  outcome_.nodding = nodding_->finish(outcome_.warnings);
+  watch_.add_cpu_to(outcome_.cloud_cpu_s);
 }
 
 MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& stop) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cloud_output.hpp"
@@ -35,11 +36,12 @@ struct MapJob {
   MapperConfig mapper;
   OccupancyConfig occupancy;
   bool with_occupancy = true;
-  std::optional<OdometryDelay> odometry_delay{};  ///< that the scans' stream makes up for
-  bool with_pictures = true;                      ///< the overview of the map
-  bool with_loops = false;                        ///< closed once the log has ended
-  LoopMapper::Progress closing{};                 ///< as that goes on; empty: nobody is told
-  MapperOptions on_failure;                       ///< of the device
+  std::optional<OdometryDelay> odometry_delay{};           ///< that the scans' stream makes up for
+  bool with_pictures = true;                               ///< the overview of the map
+  bool with_loops = false;                                 ///< closed once the log has ended
+  LoopMapper::Progress closing{};                          ///< as that goes on; empty: nobody is told
+  std::function<void(std::string_view what)> finishing{};  ///< before each of what is made after that, likewise
+  MapperOptions on_failure;                                ///< of the device
 };
 
 /// What a nodding log needs besides a MapJob.
@@ -92,6 +94,7 @@ class MapRun {
   void close_loops();
   [[nodiscard]] LoopMapper::Progress closing() const;
   void take_closed(ClosedPath path);
+  void tell(std::string_view what) const;
   void require_a_map() const;
   void finish();
 

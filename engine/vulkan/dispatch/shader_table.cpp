@@ -9,6 +9,7 @@
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/edt/edt.hpp"
 #include "engine/compute/kernels/gdt_merge/gdt_merge.hpp"
+#include "engine/compute/kernels/gdt_stamp/gdt_stamp.hpp"
 #include "engine/compute/kernels/jump_flood/jump_flood.hpp"
 #include "engine/compute/kernels/pose_bounds/pose_bounds.hpp"
 #include "engine/compute/kernels/pose_cost/pose_cost.hpp"
@@ -71,6 +72,12 @@ GroupCount merged_quads(const LaunchShape& shape) {
   const auto params = launch_params<GdtMerge>(shape);
   const std::uint64_t end = divided_up(std::uint64_t{params.offset_x} + params.scan_width, 4);
   return grid_groups(end - params.offset_x / 4, kQuads, params.scan_height, kRowsEach);
+}
+
+/// Quads of all tiles that are stamped.
+template <std::uint32_t kGroup>
+GroupCount stamped_quads(const LaunchShape& shape) {
+  return groups_for(std::uint64_t{shape.threads.x} * (kStampTile * kStampTile / 4), kGroup);
 }
 
 /// Words of two cells of the new field, `kWords` of a row an invocation.
@@ -266,6 +273,8 @@ constexpr ShaderVariant kVariants[] = {
     by_groups(shader::pose_bounds_wide, 128, {kSmallTiles, 0}, has_tiles<kSmallTiles>),
     by_points(shader::pose_bounds_narrow, kWideTiles, linear<8>, bounds_few_points<kWideTiles>),
     by_groups(shader::pose_bounds_wide, 128, {kWideTiles, 0}, nullptr),
+    one_size(shader::gdt_stamp, 32, stamped_quads<32>, wants_narrow),
+    one_size(shader::gdt_stamp, 128, stamped_quads<128>),
 };
 
 }  // namespace

@@ -175,5 +175,40 @@ TEST(GraphCovariance, IsThatOfTheDenseInverse) {
   EXPECT_GT(neighbours(0, 0), 0.5 / 2500.0);
 }
 
+// Three times around, with relations between all that are side by side: solved by its own factor, and by that of the
+// path and every fifth of them.
+TEST(PoseGraph, ByACoreOfItsRelationsAStepIsTheSame) {
+  const PoseGraph graph = drive(3 * kRound, 12);
+  std::vector<PoseRelation> relations = graph.path;
+  Random random(13);
+  for (std::size_t i = kRound; i < graph.poses.size(); ++i) {
+    for (std::size_t j = i % kRound; j < i; j += kRound) {
+      relations.push_back(relation_of(j, i, {random.normal(0.0, 0.01), random.normal(0.0, 0.01), 0.0}, 10000.0));
+    }
+  }
+  const auto system_with = [&](std::size_t every) {
+    std::vector<BlockSystem::Pair> pattern;
+    for (const PoseRelation& r : relations) pattern.emplace_back(r.from, r.to);
+    BlockSystem system(graph.poses.size(), pattern);
+    for (std::size_t k = 0; k < relations.size(); ++k) {
+      if (k < graph.path.size() || k % every == 0) add_relation(relations[k], graph.poses, 1.0, system);
+    }
+    return system;
+  };
+  BlockSystem whole = system_with(1);
+  BlockSystem again = whole;
+  BlockSystem core = system_with(5);
+  BlockCholesky factor(whole);
+  BlockCholesky factor_of_core(core);
+  std::vector<Pose2> direct = graph.poses;
+  std::vector<Pose2> by_core = graph.poses;
+  const double moved_m = take_step(whole, factor, direct);
+  EXPECT_GT(moved_m, 0.05);
+  EXPECT_NEAR(take_step_by_core(again, core, factor_of_core, by_core), moved_m, 1.0e-3 * moved_m);
+  for (std::size_t i = 0; i < direct.size(); ++i) {
+    EXPECT_LT((direct[i].translation() - by_core[i].translation()).norm(), 1.0e-3 * moved_m) << i;
+  }
+}
+
 }  // namespace
 }  // namespace gdtslam

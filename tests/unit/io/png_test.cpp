@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "io_test_support.hpp"
 
@@ -59,6 +60,38 @@ TEST(Png, SixteenBitsReadBack) {
   const std::vector<std::uint16_t> pixels = {0x1234, 0xfedc, 0, 65535, 256, 255};
   const std::string file = encode_png({3, 2, pixels});
   EXPECT_THAT(decode_png_grey16(bytes_of(file), "t.png", 100).pixels, ElementsAreArray(pixels));
+}
+
+TEST(Png, RowsOneAfterTheOtherMakeTheFileOfTheWholeImage) {
+  Grey16Image image{300, 40, {}};
+  for (std::size_t k = 0; k < 300U * 40U; ++k) image.pixels.push_back(static_cast<std::uint16_t>(k * k * 7919U));
+  std::string file;
+  PngWriter writer(300, 40, PngWriter::Pixels::kGrey16, [&file](std::span<const std::byte> bytes) {
+    file.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  });
+  for (std::size_t y = 0; y < 40; ++y) writer.add_row(std::as_bytes(std::span(image.pixels).subspan(300 * y, 300)));
+  writer.finish();
+  EXPECT_EQ(file, encode_png(image));
+  EXPECT_EQ(decode_png_grey16(bytes_of(file), "t.png", 12000).pixels, image.pixels);
+}
+
+TEST(Png, WhatTheTakerOfTheBytesThrowsComesOutOfTheWriter) {
+  std::size_t taken = 0;
+  const auto is_full = [&taken](std::span<const std::byte> bytes) {
+    taken += bytes.size();
+    if (taken > 20000) throw FileError("t.png", "no space left");
+  };
+  PngWriter writer(1000, 1000, PngWriter::Pixels::kRgba8, is_full);
+  Random random(5);
+  std::vector<std::uint8_t> row(4000);
+  const auto write_rows = [&] {
+    for (int y = 0; y < 1000; ++y) {
+      for (std::uint8_t& value : row) value = static_cast<std::uint8_t>(random.bits());
+      writer.add_row(std::as_bytes(std::span(row)));
+    }
+  };
+  EXPECT_THROW(write_rows(), FileError);
+  EXPECT_THROW(PngWriter(0, 1, PngWriter::Pixels::kRgba8, is_full), Error);
 }
 
 TEST(Png, RefusesImagesThatCannotBe) {

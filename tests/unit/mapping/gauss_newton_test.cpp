@@ -27,7 +27,7 @@ struct MappedRoom {
                                                  kResolution_m, map.radius_cells());
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
       map.grow_to_hold(keyframe.window);
-      local.compute(keyframe);
+      local.prepare(keyframe, map);
       local.merge_into(map, step);
     }
     objective.set_cap(map.cap());

@@ -47,7 +47,7 @@ class Map {
     const KeyframeCells keyframe = keyframe_of(points, kResolution, kRadius);
     field_.grow_to_hold(keyframe.window);
     LocalField local(*backend_, kRadius);
-    local.compute(keyframe);
+    local.prepare(keyframe, field_);
     local.merge_into(field_, kStationStep);
   }
   [[nodiscard]] const GlobalField& field() const { return field_; }

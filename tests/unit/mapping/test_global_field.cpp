@@ -29,7 +29,7 @@ class Fields : public testing::Test {
   KeyframeCells merge(const std::vector<Point2>& points) {
     const KeyframeCells keyframe = keyframe_of(points, kFieldResolution, kFieldRadius);
     map_.grow_to_hold(keyframe.window);
-    local_.compute(keyframe);
+    local_.prepare(keyframe, map_);
     local_.merge_into(map_, kFieldStep);
     return keyframe;
   }
@@ -73,13 +73,14 @@ TEST(LocalFieldByJumpFlooding, IsTheExactOneButForCellsThatAreTooLarge) {
     LocalField local(*backend, kFieldRadius, transform);
     map.grow_to_hold(keyframe.window);
     const std::uint64_t before = backend->dispatch_count();
-    local.compute(keyframe);
-    EXPECT_EQ(backend->dispatch_count() - before, kernels);
+    local.prepare(keyframe, map);
     local.merge_into(map, kFieldStep);
+    EXPECT_EQ(backend->dispatch_count() - before, kernels);
     return std::vector<std::uint16_t>(map.cells().begin(), map.cells().end());
   };
-  const std::vector<std::uint16_t> exact = mapped(DistanceTransform::kExact, 4);        // seeds, columns, rows, field
-  const std::vector<std::uint16_t> flooded = mapped(DistanceTransform::kJumpFlood, 9);  // with steps 1, 8, 4, 2, 1
+  const std::vector<std::uint16_t> exact = mapped(DistanceTransform::kExact, 1);
+  const std::vector<std::uint16_t> flooded =
+      mapped(DistanceTransform::kJumpFlood, 10);  // seeds, start, steps 1, 8, 4, 2, 1, distances, field, merge
   ASSERT_EQ(flooded.size(), exact.size());
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -144,7 +145,7 @@ TEST_F(Fields, AMarginIsGivenUpWhereItIsInTheWay) {
     const KeyframeCells keyframe = keyframe_of({point}, kFieldResolution, kFieldRadius);
     for (GlobalField* field : {&map, &large}) {
       field->grow_to_hold(keyframe.window);
-      local.compute(keyframe);
+      local.prepare(keyframe, *field);
       local.merge_into(*field, kFieldStep);
     }
   }

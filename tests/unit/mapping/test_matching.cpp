@@ -29,7 +29,7 @@ class Matching : public testing::Test {
       const KeyframeCells keyframe = keyframe_of(points, resolution_m_, radius_);
       const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
       map_.grow_to_hold(keyframe.window);
-      local_.compute(keyframe);
+      local_.prepare(keyframe, map_);
       local_.merge_into(map_, step);
     }
   }

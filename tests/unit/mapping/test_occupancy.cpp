@@ -154,20 +154,35 @@ TEST(Occupancy, GridGrowsWithoutForgetting) {
   EXPECT_EQ(map.geometry, (GridGeometry{1.0, -301.0, -100.0, 554, 301}));
 }
 
+// Of a map in unit cells that keeps so many tiles of 64 x 64 cells.
+OccupancyBuilder::Limits limits_of(std::uint64_t tiles) {
+  return {.resolution_m = 1.0, .min_range_m = 0.1, .max_range_m = 40.0, .max_cells = 4096 * tiles};
+}
+
 TEST(Occupancy, RefusesToGrowBeyondTheLimitAndStaysAsItWas) {
-  OccupancyBuilder builder(kOneEnd, {.resolution_m = 1.0, .min_range_m = 0.1, .max_range_m = 40.0, .max_cells = 100});
+  OccupancyBuilder builder(kOneEnd, limits_of(1));
   builder.add(scan_of({2.0F}), {0.5, 0.5, 0.0});
   const Picture before = picture(builder.build());
   EXPECT_THROW(builder.add(scan_of({2.0F}), {200.5, 0.5, 0.0}), InputError);
+  EXPECT_THROW(builder.add(scan_of({2.0F, 2.0F}, 0.0, kPi), {0.5, 0.5, 0.0}), InputError);
   EXPECT_THROW(builder.add(scan_of({2.0F}), {1e300, -1e300, 0.0}), InputError);
   EXPECT_THROW(builder.add(scan_of({2.0F}), {std::nan(""), 0.0, 0.0}), InputError);
   EXPECT_EQ(picture(builder.build()), before);
+  builder.add(scan_of({3.0F}), {0.5, 0.5, 0.0});
+  EXPECT_EQ(picture(builder.build()), (Picture{"..##"}));
 }
 
-// Margins are smaller near the limit, and given up where they are in the way.
+// What lies between the tiles is not kept, but the finished map has it: four cells for each that is kept.
+TEST(Occupancy, LimitsTheRectangleAroundTheMapToo) {
+  OccupancyBuilder builder(kOneEnd, limits_of(2));
+  builder.add(scan_of({2.0F}), {0.5, 0.5, 0.0});
+  EXPECT_THROW(builder.add(scan_of({2.0F}), {200.5, 200.5, 0.0}), InputError);
+  builder.add(scan_of({2.0F}), {20000.5, 0.5, 0.0});
+  EXPECT_EQ(builder.build().geometry, (GridGeometry{1.0, 0.0, 0.0, 20003, 1}));
+}
+
 TEST(Occupancy, UpToTheLimitTheMapIsWhatItIsWithoutOne) {
-  OccupancyBuilder tight(kOneEnd,
-                         {.resolution_m = 1.0, .min_range_m = 0.1, .max_range_m = 40.0, .max_cells = 303U * 201U});
+  OccupancyBuilder tight(kOneEnd, limits_of(5));
   OccupancyBuilder unbounded(kOneEnd, kUnitCells);
   for (const Pose2& pose : {Pose2{0.5, 0.5, 0.0}, Pose2{150.5, 0.5, 0.0}, Pose2{0.5, 150.5, 0.0},
                             Pose2{300.5, 100.5, 0.0}, Pose2{200.5, 200.5, 0.0}}) {

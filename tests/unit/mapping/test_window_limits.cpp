@@ -84,7 +84,7 @@ WindowOutcome outcome_of(const Scene& scene, std::size_t max_buffer_bytes) {
   const KeyframeCells keyframe = keyframe_of(seen, map_config.resolution_m, map_config.radius_cells());
   const MergeStep step{.rule = MergeRule::kWorking, .threshold = 256, .lift = 128};
   map.grow_to_hold(keyframe.window);
-  local.compute(keyframe);
+  local.prepare(keyframe, map);
   local.merge_into(map, step);
   if (max_buffer_bytes != 0) device.set_max_buffer_bytes(max_buffer_bytes);
   const std::size_t before = device.calls().size();

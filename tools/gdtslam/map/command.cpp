@@ -43,6 +43,7 @@ struct MapOptions {
   std::string mcap;    ///< empty: none
   bool force = false;  ///< replace files of other origin in the folder
   bool no_cloud = false;
+  bool no_map = false;
   bool no_pictures = false;
   bool no_loops = false;
   bool json = false;
@@ -125,6 +126,7 @@ MapRequest request_of(const MapOptions& options) {
                      .linkage = options.linkage,
                      .replace_foreign_files = options.force,
                      .with_cloud = !options.no_cloud,
+                     .with_map = !options.no_map,
                      .with_loops = !options.no_loops,
                      .with_pictures = !options.no_pictures,
                      .on_failure = on_failure_of(options.device)};
@@ -137,6 +139,7 @@ MapRequest request_of(const MapOptions& options) {
 // The scans are read again: a run keeps none of them.
 void check_mcap(const MapOptions& options) {
   if (options.mcap.empty()) return;
+  if (options.no_map) throw UsageError("--mcap writes the occupancy map, which --no-map leaves out: give one of them");
   if (std::find(options.logs.begin(), options.logs.end(), "-") != options.logs.end()) {
     throw UsageError("--mcap reads the logs twice: give files, not standard input");
   }
@@ -163,6 +166,10 @@ int map(const MapOptions& options) {
   request.closing = [&](std::string_view step, double share) {
     line.clear();
     closing.draw([&](double) { return fmt::format("{:4.0f} %  {}", 100.0 * share, step); });
+  };
+  request.finishing = [&](std::string_view what) {
+    line.clear();
+    closing.draw_now(fmt::format("making {}", what));
   };
   const MapResult result = map_logs(request, *backend);
   line.clear();
@@ -221,6 +228,8 @@ void add_map_command(CLI::App& app, CommandContext& context) {
                    "LOG.linkage.yaml beside the log (LOG without its endings) is taken, else the preset paper-b")
       ->type_name("NAME|FILE");
   command->add_flag("--no-cloud", options->no_cloud, "Do not write cloud.ply");
+  command->add_flag("--no-map", options->no_map,
+                    "Do not cast the occupancy map, nor write map.pgm, map.yaml and the pictures of it");
   command->add_flag(
       "--no-loops", options->no_loops,
       "Match each scan with one map of all that was seen; without it loops are closed and the whole path\n"

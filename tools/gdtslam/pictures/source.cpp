@@ -193,7 +193,8 @@ RenderSource::RenderSource(std::string input)
     case RenderKind::kRun:
       run_.emplace(input_);
       name_ = run_->name();
-      parts_ = part::kMap | part::kField | (run_->has_trajectory() ? part::kTrajectory : 0U);
+      parts_ =
+          (run_->summary().map ? part::kMap : 0U) | part::kField | (run_->has_trajectory() ? part::kTrajectory : 0U);
       if (run_->summary().has_loops && run_->has_trajectory()) parts_ |= part::kGraph;
       if (const std::optional<std::string> cloud = run_->cloud_file()) {
         cloud_file_ = *cloud;

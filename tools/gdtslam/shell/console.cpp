@@ -124,6 +124,13 @@ void TerminalLine::draw(const std::function<std::string(double elapsed_s)>& text
   write_line("\r\x1b[K" + printable(text(elapsed_s())));
 }
 
+void TerminalLine::draw_now(std::string_view text) {
+  if (!enabled_) return;
+  last_ = Clock::now();
+  drawn_ = true;
+  write_line("\r\x1b[K" + printable(text));
+}
+
 double TerminalLine::elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
 void TerminalLine::clear() {

@@ -53,6 +53,8 @@ class TerminalLine {
 
   /// Asks for the text only when it is time to draw again.
   void draw(const std::function<std::string(double elapsed_s)>& text);
+  /// Draws whatever was drawn last and when: for what happens seldom and may last.
+  void draw_now(std::string_view text);
   /// Wipes the line; also done at the end of its life.
   void clear();
   /// Since it was made.

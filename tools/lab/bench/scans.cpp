@@ -76,7 +76,7 @@ class ScanBench {
     result_ = matcher_.match(points_, prediction, true);
   }
   void merge() {
-    local_.compute(keyframe_);
+    local_.prepare(keyframe_, map_);
     local_.merge_into(map_, merge_step());
   }
   /// Costs of a million candidates at every point, as the matcher asks for them.

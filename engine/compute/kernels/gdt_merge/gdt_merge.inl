@@ -21,23 +21,31 @@ inline std::uint16_t merged(const MergeLimits& limits, std::uint16_t g, std::uin
   return d >= limits.cap ? g : result;
 }
 
+inline MergeLimits merge_limits(std::uint32_t threshold, std::uint32_t most_lift, std::uint32_t cap) {
+  const std::uint32_t lift = lesser(most_lift, cap);
+  return {u16(lesser(threshold, std::uint32_t{65535})), u16(lift), u16(cap - lift), u16(cap)};
+}
+
 template <MergeRule kRule>
-void merge_cells(const GdtMerge::Params& params, const MergeLimits& shared_limits, std::uint16_t* global,
-                 const std::uint16_t* scan, CellRange range) {
+inline void merge_row(const MergeLimits& shared_limits, std::uint16_t* __restrict global,
+                      const std::uint16_t* __restrict scan, std::uint32_t count) {
   const MergeLimits limits = shared_limits;
+  for (std::uint32_t x = 0; x < count; ++x) {
+    global[x] = merged<kRule>(limits, global[x], scan[x]);
+  }
+}
+
+template <MergeRule kRule>
+void merge_cells(const GdtMerge::Params& params, const MergeLimits& limits, std::uint16_t* global,
+                 const std::uint16_t* scan, CellRange range) {
   for (std::uint32_t y = range.y_begin; y < range.y_end; ++y) {
-    const std::uint16_t* __restrict in = scan + at(params.scan_stride, y);
-    std::uint16_t* __restrict out = global + at(params.global_stride, params.offset_y + y) + params.offset_x;
-    for (std::uint32_t x = range.x_begin; x < range.x_end; ++x) {
-      out[x] = merged<kRule>(limits, out[x], in[x]);
-    }
+    merge_row<kRule>(limits, global + at(params.global_stride, params.offset_y + y) + params.offset_x + range.x_begin,
+                     scan + at(params.scan_stride, y) + range.x_begin, range.x_end - range.x_begin);
   }
 }
 
 void gdt_merge(const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan, CellRange range) {
-  const std::uint32_t lift = lesser(params.lift, params.cap);
-  const MergeLimits limits{u16(lesser(params.threshold, std::uint32_t{65535})), u16(lift), u16(params.cap - lift),
-                           u16(params.cap)};
+  const MergeLimits limits = merge_limits(params.threshold, params.lift, params.cap);
   params.rule == MergeRule::kWorking ? merge_cells<MergeRule::kWorking>(params, limits, global, scan, range)
                                      : merge_cells<MergeRule::kLiteral>(params, limits, global, scan, range);
 }

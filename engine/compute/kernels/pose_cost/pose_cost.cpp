@@ -61,4 +61,10 @@ PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const 
   return sums;
 }
 
+void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,
+                       const PointValues::Pose& pose, std::uint16_t* values) {
+  assert(params.width >= 1 && params.height >= 1 && params.stride >= params.width);
+  functions_or_throw(isa).point_values(params, field, points, pose, values);
+}
+
 }  // namespace gdtslam

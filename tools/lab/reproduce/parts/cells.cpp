@@ -51,7 +51,7 @@ FieldPicture transformed(const KeyframeCells& keyframe, Backend& backend) {
   LocalField local(backend, kRadius_cells);
   const MergeStep step{};
   field.grow_to_hold(keyframe.window);
-  local.compute(keyframe);
+  local.prepare(keyframe, field);
   local.merge_into(field, step);
   FieldPicture picture{GridGeometry{1.0, 0.0, 0.0, kSide, kSide}, {}, field.cap()};
   for (std::int32_t k = 0; k < kSide * kSide; ++k) picture.cells.push_back(field.at({k % kSide, k / kSide}));

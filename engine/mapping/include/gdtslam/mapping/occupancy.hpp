@@ -3,11 +3,13 @@
 // each scan counted once per cell and ends before passes, so that neither the order of the beams nor their density near
 // the sensor matters [Moravec1985]. Frame: map, its lattice that of the GDT; metres and radians. The cells that a beam
 // crosses are exact for end points rounded to 1/256 cell (integer traversal after [AmanatidesWoo1987]). Cost: O(beams x
-// cells crossed) per scan, 8 bytes per cell, independent of the log's length. One builder belongs to one thread.
+// rows or columns crossed) per scan. Memory: tiles of 64 x 64 cells where beams went, two bits a cell for each doubling
+// of the scans that saw it; nothing is copied when the map grows. One builder belongs to one thread.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,12 +49,14 @@ class OccupancyBuilder {
     double resolution_m = MapConfig{}.resolution_m;
     double min_range_m = ScanConfig{}.min_range_m;  ///< shorter ranges are dropped
     double max_range_m = ScanConfig{}.max_range_m;  ///< at or above it, or the sensor's own limit, a range is no return
+    /// That are kept, in whole tiles; the map around them, which is mostly unknown, may have four times as many.
     std::uint64_t max_cells = std::uint64_t{512} << 20U;
   };
   OccupancyBuilder(const OccupancyConfig& config, const Limits& limits);
+  ~OccupancyBuilder();
 
   /// Casts the scan's beams from the robot's final pose, each from where the laser was when it measured it. Ranges that
-  /// are not finite are no returns. Throws InputError when the grid would pass max_cells; the builder is unchanged
+  /// are not finite are no returns. Throws InputError when the map would pass max_cells; the builder is unchanged
   /// then.
   void add(const LaserScan& scan, const Pose2& T_map_base);
 
@@ -60,43 +64,24 @@ class OccupancyBuilder {
   [[nodiscard]] OccupancyMap build() const;
 
  private:
-  struct Cell {
-    std::uint32_t last_scan = 0;
-    std::uint16_t ends = 0;
-    std::uint16_t passes = 0;
-  };
-  /// A point in odd multiples of 1/512 cell, so that none lies on the border of a cell.
-  struct SubCell {
-    std::int64_t x = 1;
-    std::int64_t y = 1;
-    [[nodiscard]] CellIndex cell() const;
-  };
-  struct Ray {
-    SubCell start;
-    SubCell end;
-    bool is_return = false;
-  };
+  struct Ray;
   struct Bearings {
     double first_rad = 0.0;
     double step_rad = 0.0;
     std::vector<Point2> directions;
   };
+  struct Tiles;
 
   void update_bearings(const LaserScan& scan);
-  [[nodiscard]] SubCell sub_cell_of(const Point2& point_m) const;
   CellBox collect_rays(const LaserScan& scan, const Pose2& T_map_base);
-  void grow_to_hold(const CellBox& needed);
-  void move_to(const CellBox& box);
-  void cast(const Ray& ray);
-  [[nodiscard]] std::size_t index_of(CellIndex map_cell) const;
-  [[nodiscard]] CellState state_of(const Cell& cell) const;
+  void require_room(const CellBox& content) const;
+  void mark_rays(const CellBox& touched);
+  void count_marks();
 
   OccupancyConfig config_;
   Limits limits_;
   CellBox content_{};  ///< map cells that rays have reached
-  CellBox box_{};      ///< map cells that are stored
-  std::vector<Cell> cells_;
-  std::uint32_t scan_ = 0;
+  std::unique_ptr<Tiles> tiles_;
   std::vector<Ray> rays_;
   Bearings bearings_;
 };

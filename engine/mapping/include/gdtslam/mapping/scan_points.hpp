@@ -18,6 +18,21 @@ namespace gdtslam {
 /// that are not finite or 100 km away because a bearing or the mount is wrong.
 std::vector<Point2> points_of(const LaserScan& scan, const ScanConfig& valid);
 
+/// The same for one scan after the other: the directions of the beams are kept as long as the bearings stay.
+class ScanPoints {
+ public:
+  explicit ScanPoints(const ScanConfig& valid) : valid_(valid) {}
+  [[nodiscard]] std::vector<Point2> of(const LaserScan& scan);
+
+ private:
+  void update_directions(const LaserScan& scan);
+
+  ScanConfig valid_;
+  double first_bearing_rad_ = 0.0;
+  double bearing_step_rad_ = 0.0;
+  std::vector<Point2> directions_;  // cosine and sine
+};
+
 /// A scan whose returns are points of the robot's plane already.
 struct PointScan {
   double stamp_s = 0.0;

@@ -33,6 +33,7 @@ struct MapRequest {
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
   bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
   bool with_cloud = true;
+  bool with_map = true;        ///< the occupancy map, and the pictures of it: overview and graph
   bool with_loops = true;      ///< closed once the log has ended
   bool with_pictures = true;   ///< overview and graph (PNG, or SVG where nothing makes pixels), cloud.png
   CloudPicture draw_cloud{};   ///< cloud.png; empty: none
@@ -40,8 +41,9 @@ struct MapRequest {
 
   std::function<void(std::uint64_t scans, double share)> progress{};   ///< after each scan; share negative when unknown
   std::function<void(std::string_view step, double share)> closing{};  ///< as loops are closed and the path is adjusted
-  std::function<bool()> stop{};                    ///< true ends the run; what there is gets written
-  std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
+  std::function<void(std::string_view what)> finishing{};  ///< before each of the rest: "overview.png", "gdt.png" ...
+  std::function<bool()> stop{};                            ///< true ends the run; what there is gets written
+  std::function<void(const std::string&)> warn{};          ///< one line at a time, before the work begins
 };
 
 /// What a run made.

@@ -82,6 +82,12 @@ struct NoddingOutcome {
   SweepCheck check;
 };
 
+/// CPU time that a step of a run took, all threads of the process.
+struct StageTime {
+  std::string name;
+  double cpu_s = 0.0;
+};
+
 /// What mapping gave, before it is written.
 struct MapOutcome {
   Trajectory trajectory;
@@ -90,18 +96,20 @@ struct MapOutcome {
   std::optional<ClosedPath> closed;    ///< where loops were closed; its poses are in the trajectory
   /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
   std::vector<double> match_distances_m;
-  OccupancyMap occupancy;
+  OccupancyMap occupancy;  ///< empty where none was asked for
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
   std::string device_loss;      ///< the error of the device that failed; empty when none did
   double log_duration_s = 0.0;  ///< between the earliest and the latest stamp
-  double wall_s = 0.0;          ///< of the whole run, reading included
+  double wall_s = 0.0;          ///< of the whole run: reading included, and in a run folder writing
   double cpu_s = 0.0;           ///< of the process during the run
-  double read_s = 0.0;
-  double mapper_s = 0.0;      ///< inside the mapper
-  double mapper_cpu_s = 0.0;  ///< likewise, CPU time of all threads, the one that looks for loops too
-  double occupancy_s = 0.0;
-  double loops_s = 0.0;  ///< closing the rest of the loops and adjusting the path, once the log has ended
+  double mapper_s = 0.0;        ///< wall time inside the mapper
+  // CPU time of all threads.
+  double read_cpu_s = 0.0;
+  double mapper_cpu_s = 0.0;  ///< inside the mapper; what looks for loops meanwhile too
+  double occupancy_cpu_s = 0.0;
+  double loops_cpu_s = 0.0;  ///< closing the rest of the loops and adjusting the path, once the log has ended
+  double cloud_cpu_s = 0.0;  ///< what is left to do of a cloud once all its points are there
   bool interrupted = false;
   std::optional<NoddingOutcome> nodding;  ///< of a laser that nods
 };

@@ -1,0 +1,166 @@
+#include "scan_marks.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace gdtslam {
+namespace {
+
+constexpr std::int64_t kSubCells = 512;  // half steps of 1/256 cell
+constexpr unsigned kTileBits = 6;        // of a cell's place in its tile
+constexpr std::int64_t kWithin = kTileSide - 1;
+
+// Cells first to last of a line of a tile.
+std::uint64_t bits_of(std::int64_t first, std::int64_t last) {
+  return (~std::uint64_t{0} << (first & kWithin)) & (~std::uint64_t{0} >> (~last & kWithin));
+}
+
+template <bool kAlongX>
+TileBits& lines_of(ScanMarks::Tile& tile) {
+  return kAlongX ? tile.rows : tile.columns;
+}
+
+/// A segment along one axis; cells are counted from the lower left tile.
+struct Along {
+  Along(std::int64_t start, std::int64_t end)
+      : run(std::abs(end - start)),
+        border(end < start ? start & (kSubCells - 1) : kSubCells - (start & (kSubCells - 1))),
+        cell(start / kSubCells),
+        cells(std::abs(end / kSubCells - start / kSubCells)),
+        step(end < start ? -1 : 1) {}
+  std::int64_t run;
+  std::int64_t border;  ///< from the start to the first border of a cell
+  std::int64_t cell;    ///< of the start
+  std::int64_t cells;   ///< borders crossed
+  std::int64_t step;
+};
+
+/// Where a segment leaves one row of cells after the other, or one column. The border k between rows is crossed after n
+/// borders between columns, those that come before it:
+///   n = ceil(((border_across + 512 k) run_along - border_along run_across) / (512 run_across)).
+/// At a corner the border between rows comes first. Without a branch, as nobody could foresee it.
+class Crossings {
+ public:
+  Crossings(const Along& along, const Along& across, bool columns_first)
+      : whole_(kSubCells * across.run),
+        each_(along.run / across.run + 1),
+        beyond_(kSubCells * (along.run - each_ * across.run)) {
+    const std::int64_t ahead = across.border * along.run - along.border * across.run + (columns_first ? 1 : 0);
+    passed_ = ahead > 0 ? (ahead - 1) / whole_ + 1 : 0;
+    past_ = ahead - 1 - (passed_ - 1) * whole_;
+  }
+  [[nodiscard]] std::int64_t passed() const { return passed_; }
+  void next() {
+    past_ += beyond_;
+    const std::int64_t one_less = past_ >> 63U;  // all bits, or none
+    past_ += whole_ & one_less;
+    passed_ += each_ + one_less;
+  }
+
+ private:
+  std::int64_t whole_;
+  std::int64_t each_;    ///< columns passed in a row at most,
+  std::int64_t beyond_;  ///< and how much less it is, below 0
+  std::int64_t passed_ = 0;
+  std::int64_t past_ = 0;  ///< how far the last border is behind, less than `whole_`
+};
+
+}  // namespace
+
+struct ScanMarks::Segment {
+  Along x;
+  Along y;
+};
+
+void ScanMarks::clear(const CellBox& box) {
+  for (std::size_t k = 0; k < used_; ++k) {
+    pool_[k]->rows.fill(0);
+    pool_[k]->columns.fill(0);
+    pool_[k]->ends.fill(0);
+  }
+  used_ = 0;
+  const CellIndex low = tile_of(box.min);
+  const CellIndex high = tile_of(box.end - CellOffset{1, 1});
+  origin_ = {low.x * kTileSide, low.y * kTileSide};
+  columns_ = static_cast<std::size_t>(high.x - low.x) + 1;
+  places_.assign(columns_ * (static_cast<std::size_t>(high.y - low.y) + 1), nullptr);
+}
+
+ScanMarks::Tile& ScanMarks::new_tile(std::int64_t column, std::int64_t row) {
+  if (used_ == pool_.size()) pool_.push_back(std::make_unique<Tile>());
+  Tile& tile = *pool_[used_++];
+  tile.place = tile_of(origin_) + CellOffset{static_cast<std::int32_t>(column), static_cast<std::int32_t>(row)};
+  return tile;
+}
+
+void ScanMarks::add_end(CellIndex cell) {
+  const CellOffset at = cell - origin_;
+  tile_at(at.dx >> 6, at.dy >> 6).ends[static_cast<std::size_t>(at.dy & (kTileSide - 1))] |=
+      std::uint64_t{1} << (at.dx & (kTileSide - 1));
+}
+
+// Cells first to last of a row, or of a column; all counted from the origin.
+template <bool kAlongX>
+void ScanMarks::mark_run(std::int64_t line, std::int64_t first, std::int64_t last) {
+  for (std::int64_t at = first; at <= last; at = (at | kWithin) + 1) {
+    Tile& tile = kAlongX ? tile_at(at >> kTileBits, line >> kTileBits) : tile_at(line >> kTileBits, at >> kTileBits);
+    lines_of<kAlongX>(tile)[static_cast<std::size_t>(line & kWithin)] |= bits_of(at, std::min(last, at | kWithin));
+  }
+}
+
+// One step is a row (or column), from where the segment enters it to where it leaves it, which is most often in the
+// same tile.
+template <bool kAlongX, bool kForward>
+void ScanMarks::cast(const Segment& segment) {
+  const Along along = kAlongX ? segment.x : segment.y;
+  const Along across = kAlongX ? segment.y : segment.x;
+  Tile* const* const places = places_.data();
+  const auto columns = static_cast<std::int64_t>(columns_);
+  const auto mark = [this, places, columns, start = along.cell](std::int64_t line, std::int64_t from, std::int64_t to) {
+    const std::int64_t first = kForward ? start + from : start - to;
+    const std::int64_t last = kForward ? start + to : start - from;
+    const std::int64_t across_tile = line >> kTileBits;
+    const std::int64_t along_tile = first >> kTileBits;
+    Tile* const tile = places[kAlongX ? across_tile * columns + along_tile : along_tile * columns + across_tile];
+    if (tile == nullptr || last >> kTileBits != along_tile) return mark_run<kAlongX>(line, first, last);
+    lines_of<kAlongX>(*tile)[static_cast<std::size_t>(line & kWithin)] |= bits_of(first, last);
+  };
+  std::int64_t entered = 0;
+  std::int64_t line = across.cell;
+  if (across.cells > 0) {
+    Crossings crossings(along, across, !kAlongX);
+    const std::int64_t last = across.cell + across.step * across.cells;
+    for (; line != last; line += across.step) {
+      mark(line, entered, crossings.passed());
+      entered = crossings.passed();
+      crossings.next();
+    }
+  }
+  mark(line, entered, along.cells);
+}
+
+void ScanMarks::add_ray(const SubCell& start, const SubCell& end) {
+  const std::int64_t left = std::int64_t{origin_.x} * kSubCells;
+  const std::int64_t low = std::int64_t{origin_.y} * kSubCells;
+  const Segment segment{{start.x - left, end.x - left}, {start.y - low, end.y - low}};
+  if (segment.x.run >= segment.y.run) {
+    segment.x.step > 0 ? cast<true, true>(segment) : cast<true, false>(segment);
+  } else {
+    segment.y.step > 0 ? cast<false, true>(segment) : cast<false, false>(segment);
+  }
+}
+
+void transpose(TileBits& bits) {
+  std::uint64_t mask = ~std::uint64_t{0} >> 32U;  // the lower half of each group of 2 x half bits
+  for (std::size_t half = kTileSide / 2; half > 0; half /= 2, mask ^= mask << half) {
+    for (std::size_t group = 0; group < bits.size(); group += 2 * half) {
+      for (std::size_t k = group; k < group + half; ++k) {
+        const std::uint64_t swapped = ((bits[k] >> half) ^ bits[k + half]) & mask;
+        bits[k] ^= swapped << half;
+        bits[k + half] ^= swapped;
+      }
+    }
+  }
+}
+
+}  // namespace gdtslam
