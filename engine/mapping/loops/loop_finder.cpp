@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/core/free_memory.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
@@ -124,11 +125,12 @@ void LoopFinder::forget_prepared(std::size_t place) {
   if (bytes <= options_.most_prepared_bytes) return;
   std::sort(older.begin(), older.end(), [](const Reference* a, const Reference* b) { return a->asked < b->asked; });
   for (Reference* const reference : older) {
-    if (bytes <= options_.most_prepared_bytes) return;
+    if (bytes <= options_.most_prepared_bytes / 2) break;  // seldom much, rather than often little
     bytes -= reference->prepared_bytes();
     reference->for_near.map.reset();
     reference->for_any.map.reset();
   }
+  return_free_memory();
 }
 
 // Those that were asked for longest ago go first; the one at `place` stays.
