@@ -42,9 +42,17 @@ std::uint64_t cell_of(float coordinate_m, double voxel_m) {
   return static_cast<std::uint64_t>(towards_zero - below + static_cast<std::int64_t>(kMostCells));
 }
 
-std::uint64_t key_of(const CloudPoint& p, double voxel_m) {
-  return cell_of(p.x_m, voxel_m) << (2 * kBitsPerAxis) | cell_of(p.y_m, voxel_m) << kBitsPerAxis |
-         cell_of(p.z_m, voxel_m);
+// A voxel as a bit of the block of 4 x 4 x 4 that it lies in: surfaces fill a good part of the blocks that they cross.
+struct BlockBit {
+  std::uint64_t block = 0;
+  std::uint64_t bit = 0;
+};
+BlockBit place_of(const CloudPoint& p, double voxel_m) {
+  const std::uint64_t x = cell_of(p.x_m, voxel_m);
+  const std::uint64_t y = cell_of(p.y_m, voxel_m);
+  const std::uint64_t z = cell_of(p.z_m, voxel_m);
+  return {.block = (x >> 2U) << (2 * kBitsPerAxis) | (y >> 2U) << kBitsPerAxis | z >> 2U,
+          .bit = std::uint64_t{1} << ((x & 3U) | (y & 3U) << 2U | (z & 3U) << 4U)};
 }
 
 // splitmix64's last steps [Steele2014]: neighbouring cubes go to slots far apart.
@@ -57,55 +65,63 @@ std::uint64_t mixed(std::uint64_t key) {
 }  // namespace
 
 struct VoxelThinning::State {
+  struct Block {
+    std::uint64_t key = kFree;
+    std::uint64_t voxels = 0;
+  };
   void take(std::span<const CloudPoint> points);
-  bool insert(std::uint64_t key, std::uint64_t hash);
+  bool insert(const BlockBit& place, std::uint64_t hash);
   void grow();
 
   double voxel_m = 0.0;
   std::uint64_t max_voxels = 0;
   CloudSink& next;
-  std::vector<std::uint64_t> slots = std::vector<std::uint64_t>(kFirstSlots, kFree);  // open addressing
+  std::vector<Block> slots = std::vector<Block>(kFirstSlots);  // open addressing
+  std::size_t taken = 0;                                       // of the slots
   std::uint64_t count = 0;
   std::vector<CloudPoint> kept;
 };
 
 void VoxelThinning::State::grow() {
-  std::vector<std::uint64_t> old(slots.size() * 2, kFree);
+  std::vector<Block> old(slots.size() * 2);
   old.swap(slots);
   const std::uint64_t mask = slots.size() - 1;
-  for (const std::uint64_t key : old) {
-    if (key == kFree) continue;
-    std::uint64_t slot = mixed(key) & mask;
-    while (slots[slot] != kFree) slot = (slot + 1) & mask;
-    slots[slot] = key;
+  for (const Block& block : old) {
+    if (block.key == kFree) continue;
+    std::uint64_t slot = mixed(block.key) & mask;
+    while (slots[slot].key != kFree) slot = (slot + 1) & mask;
+    slots[slot] = block;
   }
 }
 
 // False when the cube has a point already. At most half of the slots are taken.
-bool VoxelThinning::State::insert(std::uint64_t key, std::uint64_t hash) {
+bool VoxelThinning::State::insert(const BlockBit& place, std::uint64_t hash) {
   const std::uint64_t mask = slots.size() - 1;
   std::uint64_t slot = hash & mask;
-  for (; slots[slot] != kFree; slot = (slot + 1) & mask) {
-    if (slots[slot] == key) return false;
-  }
+  while (slots[slot].key != place.block && slots[slot].key != kFree) slot = (slot + 1) & mask;
+  Block& block = slots[slot];
+  if ((block.voxels & place.bit) != 0) return false;
   if (count == max_voxels) fail_full(max_voxels, voxel_m);
-  slots[slot] = key;
-  if (++count * 2 > slots.size()) grow();
+  ++count;
+  block.voxels |= place.bit;
+  if (block.key != kFree) return true;
+  block.key = place.block;
+  if (++taken * 2 > slots.size()) grow();
   return true;
 }
 
 // Slots lie all over the memory, so each is asked for before the first of them is needed.
 void VoxelThinning::State::take(std::span<const CloudPoint> points) {
-  std::array<std::uint64_t, kAhead> keys{};
+  std::array<BlockBit, kAhead> places{};
   std::array<std::uint64_t, kAhead> hashes{};
   const std::uint64_t mask = slots.size() - 1;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    keys[k] = key_of(points[k], voxel_m);
-    hashes[k] = mixed(keys[k]);
+    places[k] = place_of(points[k], voxel_m);
+    hashes[k] = mixed(places[k].block);
     __builtin_prefetch(&slots[hashes[k] & mask], 1);
   }
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (insert(keys[k], hashes[k])) kept.push_back(points[k]);
+    if (insert(places[k], hashes[k])) kept.push_back(points[k]);
   }
 }
 

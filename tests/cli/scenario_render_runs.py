@@ -1,6 +1,8 @@
 """gdtslam render on runs that are alike but for one thing: a mount without a linkage, two runs of one log, an open cloud."""
 
+import json
 import math
+import os
 import re
 import shutil
 import struct
@@ -88,3 +90,27 @@ def render_open_clouds_whole():
         edge = [picture.pixel(x, y) for x in range(320) for y in (0, 1, 198, 199)]
         edge += [picture.pixel(x, y) for y in range(200) for x in (0, 1, 318, 319)]
         expect(set(edge) == {ground}, f"{view}: points at the picture's edge")
+
+
+def render_of_a_million_points():
+    """Walls of a million points: a still takes at most 250 MB, and all of them are drawn; of three million as many as the
+    picture has pixels."""
+    require_viewer()
+    if "FULL_DISK" not in os.environ:
+        cli.skip("a sanitized program needs memory of its own")
+    folder = cli.fresh_folder("render_of_a_million_points")
+    for millions in (1, 3):
+        side = 1000
+        rows = [struct.pack("<3f", 0.01 * (k % side), 0.0, 0.0025 * (k // side)) for k in range(side * side)]
+        walls = b"".join(rows) + b"".join(
+            struct.pack("<3f", 0.01 * (k % side), 3.0 * wall, 0.0025 * (k // side)) for wall in range(1, millions) for k in range(side * side))
+        header = f"ply\nformat binary_little_endian 1.0\nelement vertex {millions * side * side}\n"
+        (folder / "walls.ply").write_bytes((header + "".join(f"property float {a}\n" for a in "xyz")).encode() + b"end_header\n" + walls)
+        code, text, megabytes, _ = cli.measured("render", folder / "walls.ply", "--with-ceiling", "--json", "-o", folder / "a.png")
+        expect(code == 0, text)
+        result = json.loads(text)
+        expect(megabytes <= 250, f"a still of {millions} million points takes {megabytes} MB")
+        pixels = result["size_px"][0] * result["size_px"][1]
+        expect(result["points_of"] == millions * side * side, f"{result}")
+        expect(result["points"] == side * side if millions == 1 else pixels / 2 <= result["points"] <= pixels, f"{result}")
+    shutil.rmtree(folder)

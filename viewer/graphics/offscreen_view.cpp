@@ -13,14 +13,22 @@
 #include <cmath>
 #include <string>
 
+#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gl_platform.hpp"
 #include "shading.hpp"
+#include "viewer/scene/camera_basis.hpp"
 #include "vtk_messages.hpp"
 
 namespace gdtslam {
 namespace {
+
+// OpenGL leaves out points whose centre lies beyond the band, however large they are: of its props none is wider.
+constexpr std::uint32_t kBandMargin = 4;
+// Some 40 bytes a pixel. A band of a picture costs a few milliseconds, and clouds need the memory themselves.
+constexpr std::uint32_t kPointsBandPixels = 1U << 20U;
+constexpr std::uint32_t kShapesBandPixels = 1U << 22U;
 
 /// VTK's window upon a context of ours: no window system, nothing on a screen; pictures are read from its framebuffer.
 class RenderWindow : public vtkGenericOpenGLRenderWindow {
@@ -88,6 +96,7 @@ struct OffscreenView::State {
   bool has_eye_dome = false;
   std::uint32_t samples = 1;
   std::uint32_t largest_side = 0;
+  PictureLayer* layer = nullptr;
 
   explicit State(const GraphicsContext& graphics) : context(graphics.state().platform.make_context()) {}
   ~State() {
@@ -152,39 +161,61 @@ void check_camera(const Camera& camera) {
   }
 }
 
-/// Sets VTK's camera so that nothing before the eye (of a parallel camera: nothing at all) is cut off.
-DepthRange point_camera(vtkRenderer& renderer, const Camera& camera) {
+/// Of the props and the layer, as VTK has them.
+std::array<double, 6> bounds_of(vtkRenderer& renderer, const PictureLayer* layer) {
+  std::array<double, 6> all{};
+  renderer.ComputeVisiblePropBounds(all.data());
+  if (layer == nullptr || layer->bounds().is_empty()) return all;
+  const Bounds& more = layer->bounds();
+  if (all[0] > all[1]) all = {1e300, -1e300, 1e300, -1e300, 1e300, -1e300};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    all.at(2 * axis) = std::min(all.at(2 * axis), more.lowest[static_cast<Eigen::Index>(axis)]);
+    all.at(2 * axis + 1) = std::max(all.at(2 * axis + 1), more.highest[static_cast<Eigen::Index>(axis)]);
+  }
+  return all;
+}
+
+/// The view's camera and range so that nothing before the eye (of a parallel camera: nothing at all) is cut off.
+void set_range(PictureView& view, const std::array<double, 6>& bounds) {
+  Camera& camera = view.camera;
   check_camera(camera);
   const double distance = (camera.target - camera.eye).norm();
   const Point3 ahead = (camera.target - camera.eye) / distance;
-  Point3 eye = camera.eye;
   DepthRange range{0.1 * distance, 2.0 * distance, camera.is_parallel, 1.0};
-  std::array<double, 6> bounds{};
-  renderer.ComputeVisiblePropBounds(bounds.data());
   if (bounds[0] <= bounds[1]) {
-    std::array<double, 2> span = span_of(bounds, eye, ahead);
+    std::array<double, 2> span = span_of(bounds, camera.eye, ahead);
     const double margin = 0.01 * (span[1] - span[0]) + 1e-3 * distance;
     if (camera.is_parallel && span[0] < 2.0 * margin) {
       const double back = 2.0 * margin - span[0];
-      eye -= back * ahead;
+      camera.eye -= back * ahead;
       span = {span[0] + back, span[1] + back};
     }
     range.farthest_m = std::max(span[1] + margin, 1e-3 * distance);
     range.nearest_m = std::max(span[0] - margin, 1e-3 * range.farthest_m);
   }
-  vtkCamera& view = *renderer.GetActiveCamera();
-  const Point3 target = eye + distance * ahead;
-  view.SetPosition(eye.x(), eye.y(), eye.z());
-  view.SetFocalPoint(target.x(), target.y(), target.z());
-  view.SetViewUp(camera.up.x(), camera.up.y(), camera.up.z());
-  view.SetUseHorizontalViewAngle(0);
-  view.SetViewAngle(camera.view_angle_rad * 180.0 / kPi);
-  view.SetParallelProjection(camera.is_parallel ? 1 : 0);
-  view.SetParallelScale(0.5 * camera.parallel_height_m);
-  view.SetClippingRange(range.nearest_m, range.farthest_m);
   // 0.6 rad, the view angle of a Camera by default: 1/(2 tan 0.3).
   range.equivalent_m = 1.6163642 * camera.parallel_height_m;
-  return range;
+  view.range = range;
+}
+
+/// VTK's camera upon a band: the slopes, or of a parallel camera the metres, of its lower and upper edge.
+void point_camera(vtkRenderer& renderer, const PictureView& view, const PictureBand& band) {
+  const Camera& camera = view.camera;
+  const double low = 2.0 * band.first_row / view.height - 1.0;
+  const double high = 2.0 * (band.first_row + band.rows) / view.height - 1.0;
+  const double share = 0.5 * (high - low);
+  vtkCamera& vtk = *renderer.GetActiveCamera();
+  vtk.SetPosition(camera.eye.x(), camera.eye.y(), camera.eye.z());
+  vtk.SetFocalPoint(camera.target.x(), camera.target.y(), camera.target.z());
+  vtk.SetViewUp(camera.up.x(), camera.up.y(), camera.up.z());
+  vtk.SetUseHorizontalViewAngle(0);
+  const double angle_rad =
+      band.rows == view.height ? camera.view_angle_rad : 2.0 * atan2(share * half_height_slope(camera), 1.0);
+  vtk.SetViewAngle(angle_rad * 180.0 / kPi);
+  vtk.SetParallelProjection(camera.is_parallel ? 1 : 0);
+  vtk.SetParallelScale(0.5 * share * camera.parallel_height_m);
+  vtk.SetWindowCenter(0.0, 0.5 * (high + low) / share);
+  vtk.SetClippingRange(view.range.nearest_m, view.range.farthest_m);
 }
 
 RawPicture read_back(RenderWindow& window, bool with_depth) {
@@ -268,17 +299,38 @@ void OffscreenView::set_samples(std::uint32_t samples) {
 
 std::uint32_t OffscreenView::samples() const { return state_->samples; }
 
+void OffscreenView::set_layer(PictureLayer* layer) { state_->layer = layer; }
+
 RgbaImage OffscreenView::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
   check_size(size, s.samples, s.largest_side);
   s.context->make_current();
-  s.window->SetSize(static_cast<int>(size.width * s.samples), static_cast<int>(size.height * s.samples));
-  const DepthRange range = point_camera(*s.renderer, camera);
-  RawPicture picture = s.is_transparent ? drawn_over_nothing(*s.window, *s.renderer, s.has_eye_dome)
-                                        : drawn_over(s.background, 1.0, *s.window, *s.renderer, s.has_eye_dome);
   // A pixel of pictures up to 720 rows high, and more of larger ones.
-  if (s.has_eye_dome) shade_eye_dome(picture, range, s.samples * std::max(1U, (size.height + 360U) / 720U));
-  return averaged(picture, s.samples, s.is_transparent);
+  const std::uint32_t radius = s.samples * std::max(1U, (size.height + 360U) / 720U);
+  const std::uint32_t margin = std::max(s.has_eye_dome ? shading_reach(radius) : 0, kBandMargin * s.samples);
+  PictureView view{
+      .camera = camera, .range = {}, .width = size.width * s.samples, .height = size.height * s.samples, .bands = {}};
+  view.bands = bands_of(view.width, view.height,
+                        {s.samples, margin, s.layer == nullptr ? kShapesBandPixels : kPointsBandPixels});
+  set_range(view, bounds_of(*s.renderer, s.layer));
+  if (s.layer != nullptr) s.layer->begin(view);
+  s.window->SetSize(static_cast<int>(view.width), static_cast<int>(view.bands.front().rows));
+  const bool with_depth = s.has_eye_dome || s.layer != nullptr;
+  RgbaImage image(size.width, size.height);
+  for (std::size_t k = 0; k < view.bands.size(); ++k) {
+    const PictureBand& band = view.bands[k];
+    point_camera(*s.renderer, view, band);
+    RawPicture picture = s.is_transparent ? drawn_over_nothing(*s.window, *s.renderer, with_depth)
+                                          : drawn_over(s.background, 1.0, *s.window, *s.renderer, with_depth);
+    if (s.layer != nullptr) s.layer->draw(k, picture);
+    if (s.has_eye_dome) shade_eye_dome(picture, view.range, radius);
+    average_rows(picture,
+                 {.first = band.first_kept - band.first_row,
+                  .image_row = band.first_kept / s.samples,
+                  .count = band.kept / s.samples},
+                 s.samples, s.is_transparent, image);
+  }
+  return image;
 }
 
 }  // namespace gdtslam

@@ -1,5 +1,5 @@
-// A picture drawn with VTK in a GraphicsContext: an own framebuffer of the size that is asked for, supersampled for
-// smooth edges, read back as RGBA. The viewer's scenes add their props to renderer(). One object belongs to one thread.
+// A picture drawn with VTK in a GraphicsContext: supersampled for smooth edges, in bands of about a million samples,
+// each read back as RGBA. The viewer's scenes add their props to renderer(). One object belongs to one thread.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 #include "gdtslam/drawing/image.hpp"
 #include "gdtslam/viewer/camera.hpp"
 #include "gdtslam/viewer/graphics.hpp"
+#include "picture_view.hpp"
 
 class vtkRenderer;
 
@@ -22,6 +23,9 @@ class OffscreenView {
 
   [[nodiscard]] vtkRenderer& renderer();
   void set_background(Colour colour, bool is_transparent);
+  /// What is drawn beside VTK's props; it must live while pictures are drawn. None by default. VTK's translucent props,
+  /// which have no depth, stay behind it.
+  void set_layer(PictureLayer* layer);
   /// Eye-dome lighting, so that the depth of clouds reads [Boucheny2009]; off by default.
   void set_eye_dome(bool is_on);
   /// Samples per pixel side: rendered larger and averaged; 1 to 4.

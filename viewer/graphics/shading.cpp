@@ -73,8 +73,10 @@ class Nearness {
 
 }  // namespace
 
+std::uint32_t shading_reach(std::uint32_t radius) { return radius << (kShadingRings - 1U); }
+
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius) {
-  const Nearness nearness(picture, range, radius << (kShadingRings - 1U));
+  const Nearness nearness(picture, range, shading_reach(radius));
   picture.depth = {};
   std::vector<float> inverse(picture.width);
   std::vector<float> shade(picture.width);
@@ -109,14 +111,15 @@ void set_alpha_from(RawPicture& over_black, const RawPicture& over_white) {
   }
 }
 
-RgbaImage averaged(const RawPicture& picture, std::uint32_t samples, bool is_premultiplied) {
-  RgbaImage image(picture.width / samples, picture.height / samples);
+void average_rows(const RawPicture& picture, const AveragedRows& rows, std::uint32_t samples, bool is_premultiplied,
+                  RgbaImage& image) {
   const std::uint32_t count = samples * samples;
-  for (std::uint32_t y = 0; y < image.height; ++y) {
+  for (std::uint32_t done = 0; done < rows.count; ++done) {
+    const std::uint32_t y = image.height - 1 - (rows.image_row + done);
     for (std::uint32_t x = 0; x < image.width; ++x) {
       std::array<std::uint32_t, 4> sum{};
       for (std::uint32_t j = 0; j < samples; ++j) {
-        const std::size_t row = std::size_t{image.height - 1 - y} * samples + j;
+        const std::size_t row = rows.first + std::size_t{done} * samples + j;
         const std::uint8_t* from = picture.rgba.data() + 4 * (row * picture.width + std::size_t{x} * samples);
         for (std::size_t k = 0; k < std::size_t{4} * samples; ++k) sum[k % 4] += from[k];
       }
@@ -129,7 +132,6 @@ RgbaImage averaged(const RawPicture& picture, std::uint32_t samples, bool is_pre
       to[3] = static_cast<std::uint8_t>((sum[3] + count / 2) / count);
     }
   }
-  return image;
 }
 
 }  // namespace gdtslam

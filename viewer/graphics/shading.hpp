@@ -31,12 +31,21 @@ struct DepthRange {
 /// colours however they are tilted, because 1/depth is linear over a plane's picture; so does what stands before
 /// nothing. Consumes the depth.
 void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t radius);
+/// How far from a pixel its neighbours lie that such a radius looks at.
+std::uint32_t shading_reach(std::uint32_t radius);
 
 /// Sets the alpha of a picture over black from the same picture over white: what is behind shows by their difference.
 void set_alpha_from(RawPicture& over_black, const RawPicture& over_white);
 
-/// The mean of samples x samples pixels each, rows from the top, colours no longer premultiplied where
+/// Rows of a picture that are averaged, and where they go; all from the bottom.
+struct AveragedRows {
+  std::uint32_t first = 0;      ///< in the picture
+  std::uint32_t image_row = 0;  ///< in the image
+  std::uint32_t count = 0;      ///< of the image
+};
+/// The means of samples x samples pixels each into rows of an image, colours no longer premultiplied where
 /// `is_premultiplied`.
-RgbaImage averaged(const RawPicture& picture, std::uint32_t samples, bool is_premultiplied);
+void average_rows(const RawPicture& picture, const AveragedRows& rows, std::uint32_t samples, bool is_premultiplied,
+                  RgbaImage& image);
 
 }  // namespace gdtslam

@@ -66,8 +66,8 @@ TEST(BenchRatio, IntervalsHoldTheFactorAsOftenAsTheySay) {
       return scale * (1.0 + 0.05 * u / (1.02 - u));
     };
     int held = 0;
-    constexpr int kTrials = 2000;
-    for (int trial = 0; trial < kTrials; ++trial) {
+    constexpr int kRatioTrials = 2000;
+    for (int trial = 0; trial < kRatioTrials; ++trial) {
       std::vector<double> before(samples);
       std::vector<double> now(samples);
       for (double& time : before) time = draw(2.0);
@@ -75,8 +75,8 @@ TEST(BenchRatio, IntervalsHoldTheFactorAsOftenAsTheySay) {
       const TimesRatio ratio = times_ratio(before, now);
       held += ratio.least <= 2.0 && 2.0 <= ratio.most ? 1 : 0;
     }
-    EXPECT_GE(held, 0.935 * kTrials) << samples;  // 3 standard deviations of the count below 95 %
-    EXPECT_LE(held, 0.98 * kTrials) << samples;
+    EXPECT_GE(held, 0.935 * kRatioTrials) << samples;  // 3 standard deviations of the count below 95 %
+    EXPECT_LE(held, 0.98 * kRatioTrials) << samples;
   }
 }
 

@@ -210,5 +210,40 @@ TEST(CloudDensity, SpacingOnALatticeIsItsStep) {
   EXPECT_FLOAT_EQ(CloudDensity(alone, all_of(alone), 0.1).spacing_m(alone[0]), 0.1F);
 }
 
+// A square of 10 x 10 m with a million points, in pieces of any size.
+TEST(StillThinning, KeepsAsManyAsAskedForAndEvenly) {
+  Random random(3);
+  Cloud cloud(200'000);
+  for (CloudPoint& point : cloud) {
+    point.x_m = static_cast<float>(random.uniform(0.0, 10.0));
+    point.y_m = static_cast<float>(random.uniform(0.0, 10.0));
+  }
+  cloud[17].x_m = std::numeric_limits<float>::quiet_NaN();
+  constexpr std::size_t kMost = 20'000;
+  StillThinning thinning(kMost);
+  for (std::size_t at = 0; at < cloud.size();) {
+    const std::size_t count = std::min<std::size_t>(1 + random.below(9000), cloud.size() - at);
+    thinning.add(std::span(cloud).subspan(at, count));
+    at += count;
+  }
+  const Cloud kept = thinning.take();
+  EXPECT_LE(kept.size(), kMost);
+  EXPECT_GE(kept.size(), kMost / 2);
+  std::array<int, 100> of_square_metre{};
+  for (const CloudPoint& point : kept) {
+    ++of_square_metre.at(10 * static_cast<std::size_t>(point.y_m) + static_cast<std::size_t>(point.x_m));
+  }
+  const auto [fewest, most] = std::minmax_element(of_square_metre.begin(), of_square_metre.end());
+  EXPECT_GT(*fewest, 0.8 * *most);  // as dense everywhere
+}
+
+TEST(StillThinning, LeavesSmallCloudsAlone) {
+  const Cloud cloud{{.x_m = 1.0F}, {.x_m = 2.0F}, {.x_m = 3.0F}};
+  StillThinning thinning(3);
+  thinning.add(cloud);
+  EXPECT_EQ(thinning.take(), cloud);
+  EXPECT_TRUE(thinning.take().empty());
+}
+
 }  // namespace
 }  // namespace gdtslam::test

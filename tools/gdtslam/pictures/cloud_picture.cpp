@@ -19,13 +19,17 @@ std::string draw_run_cloud(const std::string& cloud_file, const std::string& log
   CloudLook look;
   look.with_ceiling = false;
   CloudScene scene(graphics, look);
-  const Cloud cloud = read_whole_cloud(cloud_file, {});
-  scene.set_cloud(cloud);
+  std::uint64_t points = 0;
+  {
+    const StillCloud still = read_cloud_for_still(cloud_file, kSize, {});
+    points = still.points;
+    scene.set_cloud(still.cloud);
+  }
   scene.set_trajectory(trajectory);
   scene.set_robot(trajectory.back().T_map_base, linkage);
   const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
   const CloudCaption caption{.title = std::filesystem::path(sidecar_path(log, "")).filename().string(),
-                             .subtitle = points_text(scene.points_drawn(), cloud.size())};
+                             .subtitle = points_text(scene.points_drawn(), points)};
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, kSize));
   return png_bytes(raster_of(cloud_picture(image, scene.scale(), camera, look, caption)));
 }

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -29,6 +31,8 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMostPoints = 200'000'000;
 constexpr std::size_t kPointsAtOnce = 1U << 16U;
+constexpr std::size_t kFewestStillPoints = 1'000'000;  // which take 200 MB
+constexpr std::uint64_t kFewestPointBytes = 6;         // "1 2 3" and the end of the line
 constexpr double kFarthest_m = 1e6;
 constexpr const char* kCloudName = "cloud.ply";
 constexpr const char* kTrajectoryName = "trajectory.tum";
@@ -119,6 +123,43 @@ std::string stem_of(const std::string& path) {
   fs::path name = fs::path(path).filename();
   if (name.extension() == ".gz") name = name.stem();
   return name.stem().string();
+}
+
+// Hands on the points of a file, relative to its origin, those that can be drawn; how many they are.
+std::uint64_t read_near_points(const std::string& path, CloudSink& sink, const CloudProgress& progress,
+                               const CloudRemark& remark, const std::function<void(std::uint64_t)>& begin) {
+  CloudReader reader(path);
+  reader.make_relative();
+  const std::uint64_t told = reader.header().points;
+  if (told > kMostPoints) {
+    throw InputError({path, 0}, fmt::format("has {} points, and at most {} can be drawn; thin it when it is mapped "
+                                            "(--set cloud.voxel=\"5 cm\")",
+                                            told, kMostPoints));
+  }
+  begin(told);
+  std::uint64_t read = 0;
+  std::uint64_t handed_on = 0;
+  for (Cloud piece = reader.next(kPointsAtOnce); !piece.empty(); piece = reader.next(kPointsAtOnce)) {
+    read += piece.size();
+    reader.check_kept(read);
+    std::erase_if(piece, [](const CloudPoint& point) { return !is_near(point); });
+    handed_on += piece.size();
+    sink.add(piece);
+    if (progress) progress(read, told > 0 ? static_cast<double>(read) / static_cast<double>(told) : -1.0);
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+  }
+  if (read == 0 && reader.skipped() == 0) throw InputError({path, 0}, "has no points to draw");
+  const std::uint64_t strays = reader.skipped() + read - handed_on;
+  const std::string which = "not finite or more than 1000 km from the origin";
+  if (handed_on == 0) {
+    throw InputError({path, 0}, fmt::format("all of its points are {}; move the origin to the cloud", which));
+  }
+  if (remark && reader.origin_m() != std::array<double, 3>{}) remark(origin_text(path, reader.origin_m()));
+  if (strays > 0 && remark) {
+    remark(fmt::format("{}: {} left out, {}", path, strays == 1 ? "1 point is" : fmt::format("{} points are", strays),
+                       which));
+  }
+  return handed_on;
 }
 
 }  // namespace
@@ -247,35 +288,21 @@ RenderSource::Graph RenderSource::graph() {
 }
 
 Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark) {
-  CloudReader reader(path);
-  reader.make_relative();
-  const std::uint64_t told = reader.header().points;
-  if (told > kMostPoints) {
-    throw InputError({path, 0}, fmt::format("has {} points, and at most {} can be drawn; thin it when it is mapped "
-                                            "(--set cloud.voxel=\"5 cm\")",
-                                            told, kMostPoints));
-  }
-  Cloud cloud;
-  for (Cloud piece = reader.next(kPointsAtOnce); !piece.empty(); piece = reader.next(kPointsAtOnce)) {
-    reader.check_kept(cloud.size() + piece.size());
-    cloud.insert(cloud.end(), piece.begin(), piece.end());
-    if (progress)
-      progress(cloud.size(), told > 0 ? static_cast<double>(cloud.size()) / static_cast<double>(told) : -1.0);
-    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
-  }
-  if (cloud.empty() && reader.skipped() == 0) throw InputError({path, 0}, "has no points to draw");
-  const std::uint64_t strays =
-      reader.skipped() + std::erase_if(cloud, [](const CloudPoint& point) { return !is_near(point); });
-  const std::string which = "not finite or more than 1000 km from the origin";
-  if (cloud.empty()) {
-    throw InputError({path, 0}, fmt::format("all of its points are {}; move the origin to the cloud", which));
-  }
-  if (remark && reader.origin_m() != std::array<double, 3>{}) remark(origin_text(path, reader.origin_m()));
-  if (strays > 0 && remark) {
-    remark(fmt::format("{}: {} left out, {}", path, strays == 1 ? "1 point is" : fmt::format("{} points are", strays),
-                       which));
-  }
-  return cloud;
+  CloudKeeper keeper;
+  std::error_code failed;
+  const std::uintmax_t bytes = fs::file_size(path, failed);
+  read_near_points(path, keeper, progress, remark,
+                   [&keeper, most = failed ? 0 : bytes / kFewestPointBytes](std::uint64_t told) {
+                     keeper.cloud.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(told, most)));
+                   });
+  return std::move(keeper.cloud);
+}
+
+StillCloud read_cloud_for_still(const std::string& path, const PictureSize& size, const CloudProgress& progress,
+                                const CloudRemark& remark) {
+  StillThinning thinning(std::max(kFewestStillPoints, std::size_t{size.width} * size.height));
+  const std::uint64_t points = read_near_points(path, thinning, progress, remark, [](std::uint64_t) {});
+  return {thinning.take(), points};
 }
 
 std::array<double, 3> origin_of_cloud(const std::string& path) {

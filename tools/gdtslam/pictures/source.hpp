@@ -96,6 +96,14 @@ class RenderSource {
 /// coarser than 6 cm, are left out, and `remark` hears how many. Throws InputError or FileError, also when no points
 /// are left.
 Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, const CloudRemark& remark = {});
+/// The same for a still of so many pixels: at most as many points, or a million, thinned as they are read
+/// (StillThinning).
+struct StillCloud {
+  Cloud cloud;
+  std::uint64_t points = 0;  ///< that the file has
+};
+StillCloud read_cloud_for_still(const std::string& path, const PictureSize& size, const CloudProgress& progress,
+                                const CloudRemark& remark = {});
 /// What was taken off the points of that cloud when it was read (CloudReader::make_relative).
 std::array<double, 3> origin_of_cloud(const std::string& path);
 /// The own name of a file or folder, whatever the path to it looks like.

@@ -84,6 +84,15 @@ Cloud RenderStudio::whole_cloud() {
   return whole;
 }
 
+Cloud RenderStudio::cloud_of_still(const PictureSize& size) {
+  ProgressLine progress("points", options_.quiet);
+  StillCloud still = read_cloud_for_still(
+      first().cloud_file(), size, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+      [this](const std::string& remark) { tell(remark); });
+  whole_points_ = still.points;
+  return std::move(still.cloud);
+}
+
 Cloud RenderStudio::thinned(Cloud cloud, std::uint64_t most) const {
   const std::uint64_t limit = options_.points > 0 ? options_.points : most;
   return limit > 0 && limit < cloud.size() ? thinned_for_film(cloud, limit) : cloud;
@@ -141,9 +150,10 @@ std::string RenderStudio::scan_subtitle() const {
   return fmt::format("{}{}{:.0f} % of the points drawn", text, text.empty() ? "" : ", ", share);
 }
 
-CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t points) {
+CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t points,
+                                      const std::optional<PictureSize>& whole_in) {
   look_ = look_of(from, points > 0);
-  drawn_ = cloud(points);
+  drawn_ = whole_in && options_.points == 0 ? cloud_of_still(*whole_in) : cloud(points);
   const bool by_distance = look_.colour == CloudColour::kDistance;
   const std::vector<float> distances_m = by_distance ? distances(drawn_) : std::vector<float>();
   cloud_scene_ = std::make_unique<CloudScene>(graphics(), look_);
@@ -158,7 +168,10 @@ CloudScene& RenderStudio::cloud_scene(CameraPreset from, std::uint64_t points) {
 }
 
 Canvas RenderStudio::cloud_still(CameraPreset from, const Wanted& wanted) {
-  CloudScene& scene = cloud_scene(from, 0);
+  std::optional<PictureSize> whole_in;
+  if (options_.camera.empty()) whole_in = wanted.value_or(kStillSize);
+  CloudScene& scene = cloud_scene(from, 0, whole_in);
+  drawn_ = {};  // the scene has what it draws
   const PictureSize size = wanted ? *wanted : size_for(from, scene.bounds());
   const Camera camera =
       options_.camera.empty() ? fitting_camera(from, scene.bounds(), size) : parse_camera(options_.camera);

@@ -92,11 +92,13 @@ class RenderStudio {
  private:
   RenderSource& first() { return sources_.front(); }
   Cloud whole_cloud();
+  Cloud cloud_of_still(const PictureSize& size);
   /// To what --points says, else to at most `most`; 0: all.
   [[nodiscard]] Cloud thinned(Cloud cloud, std::uint64_t most) const;
   GraphicsContext& graphics();
-  /// `points`: at most so many; 0 for a still, which has all.
-  CloudScene& cloud_scene(CameraPreset from, std::uint64_t points);
+  /// `points`: at most so many; 0 for a still, which has all, or no more than pixels where the whole cloud is seen in a
+  /// picture of `whole_in`.
+  CloudScene& cloud_scene(CameraPreset from, std::uint64_t points, const std::optional<PictureSize>& whole_in = {});
   std::unique_ptr<Film> follow_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
   std::unique_ptr<Film> scan_film(const PictureSize& size, std::size_t frames, std::uint64_t points);
   LinkageScene& linkage_scene(const PictureSize& size);

@@ -261,7 +261,10 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
       ->check(whole_number_from(1));
   add_flag(command, kData, "--squared", chosen.is_squared, "Of cells: squared distances, as figure 3 has them");
   add(command, kData, "--points", chosen.points,
-      "Thin a cloud to at most N points [films 500,000, follow and .gltf\n1,000,000, .html 500,000, else all]", "N")
+      "Thin a cloud to at most N points [films 500,000, follow and .gltf\n1,000,000, .html 500,000, stills of all of "
+      "it as "
+      "many as pixels or 1,000,000,\nelse all]",
+      "N")
       ->check(whole_number_from(1));
   add(command, kData, "--linkage", chosen.linkage, "How the laser nods, where the input does not say: preset or file",
       "NAME|FILE");

@@ -1,15 +1,12 @@
 #include "cloud_points.hpp"
 
-#include <vtkRenderer.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "cloud_points_prop.hpp"
 #include "engine/cloud/position_of.hpp"
-#include "viewer/scene/camera_basis.hpp"
+#include "viewer/graphics/dot_painter.hpp"
 
 namespace gdtslam {
 namespace {
@@ -59,36 +56,63 @@ void sort_by_time(std::span<const CloudPoint> cloud, std::vector<std::uint32_t>&
 }  // namespace
 
 struct CloudPoints::State {
-  vtkNew<CloudPointsProp> prop;
-  std::vector<PieceTimes> pieces;
+  struct Piece {
+    std::vector<Dot> dots;
+    PieceTimes times;
+    std::size_t shown = 0;
+  };
+  std::vector<Piece> pieces;
+  Point3 origin = Point3::Zero();
+  Bounds bounds;
   std::uint64_t shown = 0;
+  PointSizes sizes;
+  std::optional<Point3> kept_in_view;
+
+  // Of the picture that is being drawn.
+  std::optional<DotPainter> painter;
+  std::vector<PictureBand> bands;
+  std::vector<std::vector<std::uint32_t>> of_band;  // dots, by their place in the whole; empty for one band
+
+  void sort_into_bands();
 };
 
-CloudPoints::CloudPoints(vtkRenderer& renderer) : state_(std::make_unique<State>()) {
-  renderer.AddViewProp(state_->prop);
+void CloudPoints::State::sort_into_bands() {
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    for (std::size_t k = 0; k < pieces[p].shown; ++k) {
+      const auto [begin, end] = painter->rows_of(pieces[p].dots[k]);
+      for (std::size_t b = 0; b < bands.size(); ++b) {
+        if (begin < bands[b].first_row + bands[b].rows && end > bands[b].first_row) {
+          of_band[b].push_back(static_cast<std::uint32_t>(p * kPiece + k));
+        }
+      }
+    }
+  }
 }
+
+CloudPoints::CloudPoints() : state_(std::make_unique<State>()) {}
 
 CloudPoints::~CloudPoints() = default;
 
-void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const DotOf& dot_of) {
+void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32_t> drawn, const LookOf& look_of) {
   State& s = *state_;
   sort_by_time(cloud, drawn);
-  const Point3 origin = position_of(cloud[drawn.front()]);
-  s.prop->set_origin(origin);
+  s.origin = position_of(cloud[drawn.front()]);
   const std::span<const std::uint32_t> all(drawn);
+  s.pieces.reserve(all.size() / kPiece + 1);
   for (std::size_t begin = 0; begin < all.size(); begin += kPiece) {
     const auto part = all.subspan(begin, std::min(kPiece, all.size() - begin));
-    std::vector<DotVertex> dots;
+    std::vector<Dot> dots;
     dots.reserve(part.size());
     for (const std::uint32_t k : part) {
-      const Dot dot = dot_of(k);
-      const Eigen::Vector3f place = (position_of(cloud[k]) - origin).cast<float>();
+      const Look look = look_of(k);
+      const Point3 at = position_of(cloud[k]);
+      s.bounds.add(at);
+      const Eigen::Vector3f place = (at - s.origin).cast<float>();
       dots.push_back({.place = {place.x(), place.y(), place.z()},
-                      .colour = {dot.colour.red, dot.colour.green, dot.colour.blue},
-                      .size_code = diameter_code(dot.diameter_m)});
+                      .colour = {look.colour.red, look.colour.green, look.colour.blue},
+                      .size_code = diameter_code(look.diameter_m)});
     }
-    s.prop->add_piece(std::move(dots));
-    s.pieces.emplace_back(cloud, part);
+    s.pieces.push_back({std::move(dots), PieceTimes(cloud, part), part.size()});
   }
   s.shown = drawn.size();
 }
@@ -96,23 +120,47 @@ void CloudPoints::set(std::span<const CloudPoint> cloud, std::vector<std::uint32
 void CloudPoints::show_until(double stamp_s) {
   State& s = *state_;
   s.shown = 0;
-  for (std::size_t k = 0; k < s.pieces.size(); ++k) {
-    const std::size_t count = s.pieces[k].count_until(stamp_s);
-    s.prop->show(k, count);
-    s.shown += count;
+  for (State::Piece& piece : s.pieces) {
+    piece.shown = piece.times.count_until(stamp_s);
+    s.shown += piece.shown;
   }
 }
 
-void CloudPoints::set_sizes(const PointSizes& sizes, const Camera& camera, const PictureSize& size) {
-  const double samples = sizes.samples;
-  const double visible_m = camera.is_parallel ? camera.parallel_height_m : 2.0 * half_height_slope(camera);
-  const bool is_fixed = sizes.fixed_px > 0.0;
-  state_->prop->set_sizes(samples * size.height / visible_m, samples * (is_fixed ? sizes.fixed_px : sizes.least_px),
-                          samples * (is_fixed ? sizes.fixed_px : sizes.largest_px));
-}
+void CloudPoints::set_sizes(const PointSizes& sizes) { state_->sizes = sizes; }
 
-void CloudPoints::keep_in_view(const std::optional<Point3>& place) { state_->prop->keep_in_view(place); }
+void CloudPoints::keep_in_view(const std::optional<Point3>& place) { state_->kept_in_view = place; }
 
 std::uint64_t CloudPoints::shown() const { return state_->shown; }
+
+const Bounds& CloudPoints::bounds() const { return state_->bounds; }
+
+void CloudPoints::begin(const PictureView& view) {
+  State& s = *state_;
+  const bool is_fixed = s.sizes.fixed_px > 0.0;
+  const double samples = s.sizes.samples;
+  s.painter.emplace(view, s.origin,
+                    DotSizes{.least_px = samples * (is_fixed ? s.sizes.fixed_px : s.sizes.least_px),
+                             .largest_px = samples * (is_fixed ? s.sizes.fixed_px : s.sizes.largest_px)},
+                    s.kept_in_view);
+  s.bands = view.bands;
+  s.of_band.clear();
+  if (s.bands.size() < 2) return;
+  s.of_band.resize(s.bands.size());
+  s.sort_into_bands();
+}
+
+void CloudPoints::draw(std::size_t band, RawPicture& picture) {
+  State& s = *state_;
+  if (s.of_band.empty()) {
+    for (const State::Piece& piece : s.pieces) {
+      for (std::size_t k = 0; k < piece.shown; ++k) s.painter->paint(piece.dots[k], s.bands[band], picture);
+    }
+    return;
+  }
+  for (const std::uint32_t dot : s.of_band[band]) {
+    s.painter->paint(s.pieces[dot / kPiece].dots[dot % kPiece], s.bands[band], picture);
+  }
+  std::vector<std::uint32_t>().swap(s.of_band[band]);
+}
 
 }  // namespace gdtslam

@@ -127,10 +127,11 @@ Bounds map_bounds(const OccupancyMap& map, double height_m) {
 
 struct CloudScene::State {
   State(const GraphicsContext& graphics, const CloudLook& with)
-      : look(with), view(graphics), points(view.renderer()), path(view.renderer(), with.is_dark) {
+      : look(with), view(graphics), path(view.renderer(), with.is_dark) {
     view.set_background(look.is_dark ? ink::kNight : ink::kPage, look.is_transparent);
     view.set_eye_dome(look.with_eye_dome);
     view.set_samples(look.samples);
+    view.set_layer(&points);
   }
 
   [[nodiscard]] double floor_m(const Point2& at) const {
@@ -153,8 +154,8 @@ struct CloudScene::State {
   }
 
   CloudLook look;
-  OffscreenView view;
   CloudPoints points;
+  OffscreenView view;
   CloudPath path;
   std::unique_ptr<MountModel> robot;
   const calib::SweepModel* robot_model = nullptr;
@@ -195,8 +196,8 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
   const bool is_plain = s.look.colour == CloudColour::kPlain;
   const Colour plain = plain_colour(s.look);
   s.points.set(cloud, std::move(drawn), [&](std::uint32_t k) {
-    return CloudPoints::Dot{.colour = is_plain ? plain : colour_at(s.scale, map, values.at(k)),
-                            .diameter_m = kCoverage * gaps.at_m(cloud[k])};
+    return CloudPoints::Look{.colour = is_plain ? plain : colour_at(s.scale, map, values.at(k)),
+                             .diameter_m = kCoverage * gaps.at_m(cloud[k])};
   });
   s.update_bounds();
 }
@@ -239,8 +240,7 @@ RgbaImage CloudScene::render(const Camera& camera, const PictureSize& size) {
   s.points.set_sizes({.fixed_px = s.look.point_px,
                       .least_px = kLeastPoint_px,
                       .largest_px = std::max(2.0, kLargestPointShare * size.height),
-                      .samples = s.look.samples},
-                     camera, size);
+                      .samples = s.look.samples});
   const bool is_near = s.robot_at && !camera.is_parallel && (camera.eye - *s.robot_at).norm() < kNearRobot_m;
   s.points.keep_in_view(is_near ? s.robot_at : std::nullopt);
   const double scale_px = pixels_per_metre(camera, size, camera.target);

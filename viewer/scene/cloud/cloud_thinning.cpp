@@ -13,7 +13,19 @@ namespace {
 
 constexpr double kLeastVoxel_m = 0.002;
 constexpr double kLargestVoxel_m = 1000.0;
-constexpr int kSearchSteps = 7;  // of the search: the voxel's edge to 2 %
+constexpr double kStillAim = 0.7;      // of the most points of a still, that are aimed at,
+constexpr double kStillFull = 0.85;    // and that leave too little room
+constexpr double kStillStep = 1.1892;  // between voxels' edges: 2^(1/4)
+constexpr int kSearchSteps = 7;        // of the search: the voxel's edge to 2 %
+
+constexpr std::size_t kKeptPiece = 1U << 14U;
+
+// The thinning holds what it keeps of a piece twice.
+void add_in_pieces(CloudSink& sink, std::span<const CloudPoint> points) {
+  for (; !points.empty(); points = points.subspan(std::min(kKeptPiece, points.size()))) {
+    sink.add(points.first(std::min(kKeptPiece, points.size())));
+  }
+}
 
 // The thinned cloud, or nothing where it has more than `most` points; stops as soon as that is known.
 class BoundedKeeper : public CloudSink {
@@ -38,7 +50,6 @@ struct Thinned {
   bool fits = false;
 };
 Thinned thinned(std::span<const CloudPoint> cloud, double voxel_m, std::size_t most) {
-  constexpr std::size_t kKeptPiece = 1U << 16U;
   BoundedKeeper keeper(most);
   VoxelThinning thinning(voxel_m, std::uint64_t{1} << 40U, keeper);
   for (std::size_t begin = 0; begin < cloud.size() && !keeper.is_full; begin += kKeptPiece) {
@@ -55,7 +66,73 @@ double farthest_m(const Cloud& cloud) {
   return static_cast<double>(most);
 }
 
+// Of the box of the points, the longest.
+double side_m(const Cloud& cloud) {
+  Bounds bounds;
+  for (const CloudPoint& point : cloud) bounds.add(position_of(point));
+  return bounds.is_empty() ? 0.0 : (bounds.highest - bounds.lowest).maxCoeff();
+}
+
 }  // namespace
+
+struct StillThinning::State {
+  explicit State(std::size_t with_most) : most(std::max<std::size_t>(with_most, 1)) {}
+
+  void thin();
+  void thin_to(double voxel_m);
+
+  std::size_t most;
+  CloudKeeper keeper;
+  std::unique_ptr<VoxelThinning> thinning;  // empty while all are kept
+  double voxel_m = 0.0;
+};
+
+void StillThinning::State::thin_to(double wanted_m) {
+  if (wanted_m > kLargestVoxel_m) throw InputError("the cloud is too wide to be thinned to so few points");
+  voxel_m = wanted_m;
+  Cloud before;
+  before.swap(keeper.cloud);
+  keeper.cloud.reserve(most);
+  thinning = std::make_unique<VoxelThinning>(voxel_m, std::uint64_t{1} << 40U, keeper);
+  add_in_pieces(*thinning, before);
+}
+
+// Points lie on surfaces: half as many are left by voxels sqrt(2) times as wide.
+void StillThinning::State::thin() {
+  const double aim = kStillAim * static_cast<double>(most);
+  const double least_m = std::max(kLeastVoxel_m, farthest_m(keeper.cloud) / (1U << 20U) * 1.01);
+  if (voxel_m == 0.0) {
+    thin_to(std::max(least_m, side_m(keeper.cloud) / std::sqrt(4.0 * aim)));
+  } else {
+    thin_to(std::max(least_m, kStillStep * voxel_m));
+  }
+  while (static_cast<double>(keeper.cloud.size()) > kStillFull * static_cast<double>(most)) {
+    thin_to(voxel_m * std::max(kStillStep, std::sqrt(static_cast<double>(keeper.cloud.size()) / aim)));
+  }
+}
+
+StillThinning::StillThinning(std::size_t most) : state_(std::make_unique<State>(most)) {}
+
+StillThinning::~StillThinning() = default;
+
+void StillThinning::add(std::span<const CloudPoint> points) {
+  State& s = *state_;
+  while (!points.empty()) {
+    const std::span<const CloudPoint> piece = points.first(std::min(points.size(), s.most));
+    points = points.subspan(piece.size());
+    if (s.thinning) {
+      s.thinning->add(piece);
+    } else {
+      std::copy_if(piece.begin(), piece.end(), std::back_inserter(s.keeper.cloud), is_finite);
+    }
+    if (s.keeper.cloud.size() > s.most) s.thin();
+  }
+}
+
+Cloud StillThinning::take() {
+  state_->thinning.reset();
+  return std::move(state_->keeper.cloud);
+}
 
 Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most) {
   Cloud finite;

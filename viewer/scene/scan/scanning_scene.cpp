@@ -166,13 +166,13 @@ struct ScanningScene::State {
       : track(with_track),
         look(with_look),
         view(graphics),
-        points(view.renderer()),
         path(view.renderer(), with_look.is_dark),
         beams(view.renderer()),
         robot(&model, {.with_linkage = has_linkage, .T_base_level = {track.sensor_forward_m(model.mount), 0.0, 0.0}}) {
     view.set_background(look.is_dark ? ink::kNight : ink::kPage, look.is_transparent);
     view.set_eye_dome(look.with_eye_dome);
     view.set_samples(look.samples);
+    view.set_layer(&points);
     add_lights(view.renderer());
     robot.add_to(view.renderer());
     set_points();
@@ -190,9 +190,9 @@ struct ScanningScene::State {
     const bool is_plain = look.colour == CloudColour::kPlain;
     const CloudDensity density(cloud, drawn, kCube_m);
     points.set(cloud, std::move(drawn), [&](std::uint32_t k) {
-      return CloudPoints::Dot{.colour = is_plain ? plain_colour(look) : colour_at(scale, map, values.at(k)),
-                              .diameter_m = static_cast<float>(
-                                  std::min(1.5 * static_cast<double>(density.spacing_m(cloud[k])), kMostDiameter_m))};
+      return CloudPoints::Look{.colour = is_plain ? plain_colour(look) : colour_at(scale, map, values.at(k)),
+                               .diameter_m = static_cast<float>(
+                                   std::min(1.5 * static_cast<double>(density.spacing_m(cloud[k])), kMostDiameter_m))};
     });
     for (const double stamp_s : {track.from_s(), track.to_s()}) {
       const Pose2 pose = track.T_map_base(stamp_s);
@@ -204,8 +204,8 @@ struct ScanningScene::State {
 
   const ScanningTrack& track;
   CloudLook look;
-  OffscreenView view;
   CloudPoints points;
+  OffscreenView view;
   CloudPath path;
   ScanningBeams beams;
   MountModel robot;
@@ -245,8 +245,7 @@ RgbaImage ScanningScene::render(const Camera& camera, const PictureSize& size) {
   s.points.set_sizes({.fixed_px = s.look.point_px,
                       .least_px = 1.0,
                       .largest_px = std::max(2.0, size.height / 60.0),
-                      .samples = s.look.samples},
-                     camera, size);
+                      .samples = s.look.samples});
   s.path.prepare(kPathWidth_m);
   return s.view.render(camera, size);
 }

@@ -12,10 +12,10 @@
 
 namespace gdtslam {
 
-/// Hands on the first point of each voxel; voxels are cubes, one with its corner at the origin. Memory: 16 to 32 bytes
-/// for each voxel that has a point, half as much again for a moment while it grows. Throws InputError beyond max_voxels
-/// and for points farther than 2^20 voxels from the origin, with what to do; ConfigError for a voxel_m that is not
-/// positive. O(1) for each point.
+/// Hands on the first point of each voxel; voxels are cubes, one with its corner at the origin. Memory: 32 to 64 bytes
+/// for each block of 4 x 4 x 4 voxels that has a point, half as much again for a moment while it grows: 2 to 6 bytes a
+/// voxel of a surface. Throws InputError beyond max_voxels and for points farther than 2^20 voxels from the origin,
+/// with what to do; ConfigError for a voxel_m that is not positive. O(1) for each point.
 class VoxelThinning : public CloudSink {
  public:
   VoxelThinning(double voxel_m, std::uint64_t max_voxels, CloudSink& next);

@@ -1,0 +1,157 @@
+// Pictures that are drawn band by band: nothing is lost or drawn twice where bands meet. Expected: the rows of a
+// picture, counted; the pinhole camera, written out (graphics_scene.hpp).
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "gdtslam/core/random.hpp"
+#include "graphics_scene.hpp"
+#include "viewer/graphics/dot_painter.hpp"
+#include "viewer/graphics/picture_view.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::expected_pixel;
+using test::kGreen;
+using test::spot_of;
+
+TEST(Bands, KeepEveryRowOnce) {
+  for (const std::uint32_t width : {1U, 640U, 3200U, 16384U}) {
+    for (const std::uint32_t samples : {1U, 2U, 3U, 4U}) {
+      for (const std::uint32_t margin : {0U, 8U, 96U}) {
+        const std::uint32_t height = 600 * samples;
+        std::uint32_t next = 0;
+        const std::vector<PictureBand> bands = bands_of(width, height, {samples, margin});
+        for (const PictureBand& band : bands) {
+          ASSERT_EQ(band.first_kept, next) << width << " " << samples << " " << margin;
+          ASSERT_EQ(band.kept % samples, 0U);
+          ASSERT_GT(band.kept, 0U);
+          ASSERT_EQ(band.rows, bands.front().rows);
+          ASSERT_LE(band.first_row + band.rows, height);
+          const std::uint32_t above = height - (band.first_kept + band.kept);
+          ASSERT_LE(band.first_row + std::min(margin, band.first_kept), band.first_kept);
+          ASSERT_GE(band.first_row + band.rows, band.first_kept + band.kept + std::min(margin, above));
+          next += band.kept;
+        }
+        ASSERT_EQ(next, height);
+      }
+    }
+  }
+}
+
+TEST(Bands, SmallPicturesHaveOne) { EXPECT_EQ(bands_of(1280, 720, {.samples = 1, .margin = 8}).size(), 1U); }
+
+/// Draws nothing, so that the picture is cut as one of a cloud.
+class NoLayer final : public PictureLayer {
+ public:
+  [[nodiscard]] const Bounds& bounds() const override { return bounds_; }
+  void begin(const PictureView& view) override { bands = view.bands.size(); }
+  void draw(std::size_t /*band*/, RawPicture& /*picture*/) override {}
+  std::size_t bands = 0;
+
+ private:
+  Bounds bounds_;
+};
+
+// 1600 x 1500 samples: three bands. VTK's shapes, of a perspective and of a parallel camera.
+TEST(Bands, ShapesAreWhereTheCameraSeesThem) {
+  const GraphicsContext graphics;
+  constexpr PictureSize kSize{800, 750};
+  for (const bool is_parallel : {false, true}) {
+    const Camera camera{
+        .eye = {1.0, -9.0, 4.0}, .target = {0.5, 0.0, 0.5}, .is_parallel = is_parallel, .parallel_height_m = 6.0};
+    for (double height_m = -1.5; height_m <= 2.5; height_m += 0.25) {
+      OffscreenView view(graphics);
+      view.set_samples(2);
+      NoLayer layer;
+      view.set_layer(&layer);
+      const Point3 at(0.3, 0.2, height_m);
+      test::add_shape(view, {at}, kGreen);
+      const test::Spot spot = spot_of(view.render(camera, kSize), kGreen);
+      const Point2 expected = expected_pixel(camera, kSize, at);
+      ASSERT_EQ(layer.bands, 3U);
+      ASSERT_GT(spot.count, 8.0) << height_m;
+      EXPECT_NEAR(spot.x, expected.x(), 0.6) << height_m;
+      EXPECT_NEAR(spot.y, expected.y(), 0.6) << height_m;
+    }
+  }
+}
+
+/// A view of 200 x 160 pixels in the bands that are given.
+PictureView small_view(std::vector<PictureBand> bands) {
+  Camera camera{.eye = {0.0, -10.0, 0.0}};
+  return {.camera = camera,
+          .range = {.nearest_m = 1.0, .farthest_m = 30.0},
+          .width = 200,
+          .height = 160,
+          .bands = std::move(bands)};
+}
+
+RawPicture blank(std::uint32_t width, std::uint32_t rows) {
+  RawPicture picture{.width = width, .height = rows, .rgba = {}, .depth = {}};
+  picture.rgba.resize(std::size_t{4} * width * rows, 0);
+  picture.depth.resize(std::size_t{width} * rows, 1.0F);
+  return picture;
+}
+
+TEST(Dots, BandsTogetherAreThePictureInOne) {
+  Random random(7);
+  std::vector<Dot> dots;
+  for (int k = 0; k < 3000; ++k) {
+    const auto coordinate = [&random](double half) { return static_cast<float>(random.uniform(-half, half)); };
+    const auto shade = static_cast<std::uint8_t>(random.below(256));
+    dots.push_back({.place = {coordinate(4.0), coordinate(8.0), coordinate(3.0)},
+                    .colour = {shade, static_cast<std::uint8_t>(255 - shade), 90},
+                    .size_code = diameter_code(random.uniform(0.01, 0.4))});
+  }
+  const auto painted = [&dots](const PictureView& view, const PictureBand& band) {
+    RawPicture picture = blank(view.width, band.rows);
+    const DotPainter painter(view, Point3::Zero(), {1.5, 40.0}, {});
+    for (const Dot& dot : dots) {
+      const auto [begin, end] = painter.rows_of(dot);
+      if (begin < band.first_row + band.rows && end > band.first_row) painter.paint(dot, band, picture);
+    }
+    return picture;
+  };
+  const PictureBand whole{0, 160, 0, 160};
+  const RawPicture expected = painted(small_view({whole}), whole);
+  for (const std::uint32_t first : {0U, 37U, 100U}) {
+    const PictureBand band{first, 60, first, 60};
+    const RawPicture part = painted(small_view({band}), band);
+    const std::size_t skipped = std::size_t{first} * 200;
+    for (std::size_t i = 0; i < part.depth.size(); ++i) {
+      ASSERT_EQ(part.depth[i], expected.depth[skipped + i]) << first << " " << i;
+      for (std::size_t c = 0; c < 4; ++c) ASSERT_EQ(part.rgba[4 * i + c], expected.rgba[4 * (skipped + i) + c]);
+    }
+  }
+}
+
+// A disc of 1 m, 10 m before a camera whose picture is 160 pixels high at a slope of tan(0.3): its area and centre, and
+// the depth 1/near - 1/z over 1/near - 1/far.
+TEST(Dots, ADiscHasItsSizePlaceAndDepth) {
+  const PictureBand whole{0, 160, 0, 160};
+  const PictureView view = small_view({whole});
+  const DotPainter painter(view, {0.0, -1.0, 0.0}, {1.0, 1000.0}, {});
+  const Dot dot{.place = {0.5F, 1.0F, 0.25F}, .colour = {1, 2, 3}, .size_code = diameter_code(1.0)};
+  RawPicture picture = blank(200, 160);
+  painter.paint(dot, whole, picture);
+  constexpr double kMetre_px = 160.0 / (2.0 * 10.0 * 0.30933625);
+  double count = 0.0;
+  double x = 0.0;
+  double y = 0.0;
+  for (std::size_t i = 0; i < picture.depth.size(); ++i) {
+    if (picture.depth[i] >= 1.0F) continue;
+    EXPECT_NEAR(picture.depth[i], (1.0 - 1.0 / 10.0) / (1.0 - 1.0 / 30.0), 1e-5);
+    count += 1.0;
+    x += static_cast<double>(i % 200) + 0.5;
+    y += static_cast<double>(i / 200) + 0.5;
+  }
+  EXPECT_NEAR(count, 0.25 * 3.14159265 * kMetre_px * kMetre_px, 0.08 * count);
+  EXPECT_NEAR(x / count, 100.0 + 0.5 * kMetre_px, 0.3);
+  EXPECT_NEAR(y / count, 80.0 + 0.25 * kMetre_px, 0.3);
+}
+
+}  // namespace
+}  // namespace gdtslam
