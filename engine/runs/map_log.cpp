@@ -3,15 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <utility>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
+#include "engine/core/free_memory.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
@@ -44,13 +40,6 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
     }
   }
   folder.without("cloud.png");
-}
-
-// What was freed piece by piece goes back to the system, where the library can do that.
-void return_free_memory() {
-#ifdef __GLIBC__
-  ::malloc_trim(0);
-#endif
 }
 
 // `nodding` is null where the laser does not nod.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/core/free_memory.hpp"
 #include "engine/mapping/map/keyframe_map.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
@@ -61,25 +62,34 @@ struct LoopFinder::Reference {
   /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
   const CertifiedMap& certified_for(const PoseWindow& window) {
     const bool is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
-    std::optional<CertifiedMap>& certified = is_near ? for_near : for_any;
-    if (!certified) {
-      certified.emplace(field_view(map.field), best_isa(),
-                        is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
+    Prepared& prepared = is_near ? for_near : for_any;
+    if (!prepared.map) {
+      prepared.map.emplace(field_view(map.field), best_isa(),
+                           is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
+      prepared.bytes = prepared.map->bytes();
     }
-    return *certified;
+    return *prepared.map;
   }
 
   [[nodiscard]] std::size_t bytes() const {
-    const auto of = [](const std::optional<CertifiedMap>& certified) { return certified ? certified->bytes() : 0U; };
-    return group.space().bytes() + map.field.geometry().cell_count() * sizeof(std::uint16_t) + of(for_near) +
-           of(for_any);
+    return group.space().bytes() + map.field.geometry().cell_count() * sizeof(std::uint16_t) + for_near.bytes +
+           for_any.bytes;
   }
+  [[nodiscard]] std::size_t prepared_bytes() const {
+    return (for_near.map ? for_near.bytes : 0U) + (for_any.map ? for_any.bytes : 0U);
+  }
+
+  /// Made when it is searched in.
+  struct Prepared {
+    std::optional<CertifiedMap> map;
+    std::size_t bytes = 0;  ///< of the map, whether it is there or was
+  };
 
   ScanGroup group;
   MapperConfig config;
   KeyframeMap map;
-  std::optional<CertifiedMap> for_near;
-  std::optional<CertifiedMap> for_any;
+  Prepared for_near;
+  Prepared for_any;
   std::uint64_t asked = 0;  // when it was last
 };
 
@@ -103,8 +113,29 @@ LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
   return *reference;
 }
 
+// Of those that were asked for longest ago first; what is prepared for the one at `place` stays.
+void LoopFinder::forget_prepared(std::size_t place) {
+  std::size_t bytes = 0;
+  std::vector<Reference*> older;
+  older.reserve(references_.size());
+  for (const auto& [at, reference] : references_) {
+    bytes += reference->prepared_bytes();
+    if (at != place) older.push_back(reference.get());
+  }
+  if (bytes <= options_.most_prepared_bytes) return;
+  std::sort(older.begin(), older.end(), [](const Reference* a, const Reference* b) { return a->asked < b->asked; });
+  for (Reference* const reference : older) {
+    if (bytes <= options_.most_prepared_bytes / 2) break;  // seldom much, rather than often little
+    bytes -= reference->prepared_bytes();
+    reference->for_near.map.reset();
+    reference->for_any.map.reset();
+  }
+  return_free_memory();
+}
+
 // Those that were asked for longest ago go first; the one at `place` stays.
 void LoopFinder::make_room(std::size_t place) {
+  forget_prepared(place);
   std::size_t bytes = 0;
   for (const auto& [at, reference] : references_) bytes += reference->bytes();
   while (bytes > options_.most_bytes && references_.size() > 1) {

@@ -25,7 +25,10 @@ struct LoopSearchOptions {
   std::size_t points = 300;       ///< of the query
   double gap_m = 0.03;            ///< to what is proven: no loop is believed to be better than that
   std::uint64_t most_boxes = 50000;
-  std::size_t most_bytes = 256U << 20U;  ///< of groups kept to be searched in again
+  /// Of groups kept to be searched in again, as if all that was prepared for searching them were kept with them: loops
+  /// depend on when a group is made anew.
+  std::size_t most_bytes = 256U << 20U;
+  std::size_t most_prepared_bytes = 48U << 20U;  ///< of what is; it is the same when it is prepared again
   RevisitRules revisits;
   LoopLimits limits;
 };
@@ -59,6 +62,7 @@ class LoopFinder {
  private:
   struct Reference;
   Reference& reference_at(std::size_t place);
+  void forget_prepared(std::size_t place);
   void make_room(std::size_t place);
   [[nodiscard]] Pose2 search(Reference& reference, const ScanGroup& query, const Revisit& revisit);
 

@@ -15,11 +15,6 @@ std::uint64_t bits_of(std::int64_t first, std::int64_t last) {
   return (~std::uint64_t{0} << (first & kWithin)) & (~std::uint64_t{0} >> (~last & kWithin));
 }
 
-template <bool kAlongX>
-TileBits& lines_of(ScanMarks::Tile& tile) {
-  return kAlongX ? tile.rows : tile.columns;
-}
-
 /// A segment along one axis; cells are counted from the lower left tile.
 struct Along {
   Along(std::int64_t start, std::int64_t end)
@@ -39,6 +34,7 @@ struct Along {
 /// borders between columns, those that come before it:
 ///   n = ceil(((border_across + 512 k) run_along - border_along run_across) / (512 run_across)).
 /// At a corner the border between rows comes first. Without a branch, as nobody could foresee it.
+template <bool kForward>
 class Crossings {
  public:
   Crossings(const Along& along, const Along& across, bool columns_first)
@@ -46,22 +42,24 @@ class Crossings {
         each_(along.run / across.run + 1),
         beyond_(kSubCells * (along.run - each_ * across.run)) {
     const std::int64_t ahead = across.border * along.run - along.border * across.run + (columns_first ? 1 : 0);
-    passed_ = ahead > 0 ? (ahead - 1) / whole_ + 1 : 0;
-    past_ = ahead - 1 - (passed_ - 1) * whole_;
+    const std::int64_t passed = ahead > 0 ? (ahead - 1) / whole_ + 1 : 0;
+    at_ = kForward ? along.cell + passed : along.cell - passed;
+    past_ = ahead - 1 - (passed - 1) * whole_;
   }
-  [[nodiscard]] std::int64_t passed() const { return passed_; }
+  /// The cell of the row from which it is left.
+  [[nodiscard]] std::int64_t at() const { return at_; }
   void next() {
     past_ += beyond_;
     const std::int64_t one_less = past_ >> 63U;  // all bits, or none
     past_ += whole_ & one_less;
-    passed_ += each_ + one_less;
+    kForward ? at_ += each_ + one_less : at_ -= each_ + one_less;
   }
 
  private:
   std::int64_t whole_;
   std::int64_t each_;    ///< columns passed in a row at most,
   std::int64_t beyond_;  ///< and how much less it is, below 0
-  std::int64_t passed_ = 0;
+  std::int64_t at_ = 0;
   std::int64_t past_ = 0;  ///< how far the last border is behind, less than `whole_`
 };
 
@@ -99,44 +97,51 @@ void ScanMarks::add_end(CellIndex cell) {
       std::uint64_t{1} << (at.dx & (kTileSide - 1));
 }
 
-// Cells first to last of a row, or of a column; all counted from the origin.
+// Cells of a row, or of a column, from one to the other; all counted from the origin.
 template <bool kAlongX>
-void ScanMarks::mark_run(std::int64_t line, std::int64_t first, std::int64_t last) {
-  for (std::int64_t at = first; at <= last; at = (at | kWithin) + 1) {
-    Tile& tile = kAlongX ? tile_at(at >> kTileBits, line >> kTileBits) : tile_at(line >> kTileBits, at >> kTileBits);
-    lines_of<kAlongX>(tile)[static_cast<std::size_t>(line & kWithin)] |= bits_of(at, std::min(last, at | kWithin));
+void ScanMarks::mark_run(std::int64_t line, std::int64_t from, std::int64_t to) {
+  const std::int64_t last = std::max(from, to);
+  for (std::int64_t at = std::min(from, to); at <= last; at = (at | kWithin) + 1) {
+    tile_lines<kAlongX>(at, line)[static_cast<std::size_t>(line & kWithin)] |=
+        bits_of(at, std::min(last, at | kWithin));
   }
 }
 
-// One step is a row (or column), from where the segment enters it to where it leaves it, which is most often in the
-// same tile.
+// The lines of the tile that holds a cell.
+template <bool kAlongX>
+TileBits& ScanMarks::tile_lines(std::int64_t along, std::int64_t across) {
+  return kAlongX ? tile_at(along >> kTileBits, across >> kTileBits).rows
+                 : tile_at(across >> kTileBits, along >> kTileBits).columns;
+}
+
+// One step is a row (or column), from where the segment enters it to where it leaves it; most often both lie in the
+// tile of the row before.
 template <bool kAlongX, bool kForward>
 void ScanMarks::cast(const Segment& segment) {
   const Along along = kAlongX ? segment.x : segment.y;
   const Along across = kAlongX ? segment.y : segment.x;
-  Tile* const* const places = places_.data();
-  const auto columns = static_cast<std::int64_t>(columns_);
-  const auto mark = [this, places, columns, start = along.cell](std::int64_t line, std::int64_t from, std::int64_t to) {
-    const std::int64_t first = kForward ? start + from : start - to;
-    const std::int64_t last = kForward ? start + to : start - from;
-    const std::int64_t across_tile = line >> kTileBits;
-    const std::int64_t along_tile = first >> kTileBits;
-    Tile* const tile = places[kAlongX ? across_tile * columns + along_tile : along_tile * columns + across_tile];
-    if (tile == nullptr || last >> kTileBits != along_tile) return mark_run<kAlongX>(line, first, last);
-    lines_of<kAlongX>(*tile)[static_cast<std::size_t>(line & kWithin)] |= bits_of(first, last);
-  };
-  std::int64_t entered = 0;
-  std::int64_t line = across.cell;
+  const std::int64_t step = across.step;
+  const std::int64_t last = across.cell + step * across.cells;
+  std::int64_t entered = along.cell;
   if (across.cells > 0) {
-    Crossings crossings(along, across, !kAlongX);
-    const std::int64_t last = across.cell + across.step * across.cells;
-    for (; line != last; line += across.step) {
-      mark(line, entered, crossings.passed());
-      entered = crossings.passed();
-      crossings.next();
+    Crossings<kForward> crossings(along, across, !kAlongX);
+    for (std::int64_t line = across.cell; line != last;) {
+      const std::int64_t border = step > 0 ? (line | kWithin) + 1 : (line & ~kWithin) - 1;
+      const std::int64_t end = step > 0 ? std::min(border, last) : std::max(border, last);
+      std::uint64_t* words = tile_lines<kAlongX>(entered, line).data();
+      for (; line != end; line += step, crossings.next()) {
+        const std::int64_t left = crossings.at();
+        if ((entered ^ left) <= kWithin) {
+          words[line & kWithin] |= kForward ? bits_of(entered, left) : bits_of(left, entered);
+        } else {
+          mark_run<kAlongX>(line, entered, left);
+          words = tile_lines<kAlongX>(left, line).data();
+        }
+        entered = left;
+      }
     }
   }
-  mark(line, entered, along.cells);
+  mark_run<kAlongX>(last, entered, kForward ? along.cell + along.cells : along.cell - along.cells);
 }
 
 void ScanMarks::add_ray(const SubCell& start, const SubCell& end) {

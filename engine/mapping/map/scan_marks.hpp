@@ -64,7 +64,9 @@ class ScanMarks {
   template <bool kAlongX, bool kForward>
   void cast(const Segment& segment);
   template <bool kAlongX>
-  void mark_run(std::int64_t line, std::int64_t first, std::int64_t last);
+  void mark_run(std::int64_t line, std::int64_t from, std::int64_t to);
+  template <bool kAlongX>
+  TileBits& tile_lines(std::int64_t along, std::int64_t across);
   Tile& tile_at(std::int64_t column, std::int64_t row) {
     Tile*& tile = places_[static_cast<std::size_t>(row) * columns_ + static_cast<std::size_t>(column)];
     if (tile == nullptr) tile = &new_tile(column, row);

@@ -158,6 +158,21 @@ TEST(LoopCloser, FindsAsMuchWhereOneGroupIsKeptAtATime) {
   EXPECT_LT(largest_error_m(cramped.poses(), twice.truth), std::max(0.15, 0.5 * before));
 }
 
+// What is prepared for a search is the same each time, so nothing tells that it was dropped in between.
+TEST(LoopCloser, FindsTheSameWhereNothingPreparedIsKept) {
+  const LoopDrive twice = drive_around_ring(2, 0.002, 0.002, 5);
+  LoopOptions narrow;
+  narrow.search.most_prepared_bytes = 0;
+  LoopCloser roomy(twice.path, {});
+  LoopCloser cramped(twice.path, narrow);
+  roomy.run([](double, int) {});
+  cramped.run([](double, int) {});
+  EXPECT_FALSE(roomy.graph().loops.empty());
+  EXPECT_EQ(roomy.counts().boxes, cramped.counts().boxes);
+  ASSERT_EQ(roomy.poses().size(), cramped.poses().size());
+  for (std::size_t k = 0; k < roomy.poses().size(); ++k) ASSERT_EQ(roomy.poses()[k], cramped.poses()[k]) << k;
+}
+
 TEST(LoopCloser, APathWithoutRevisitsStaysAsItIs) {
   LoopDrive once = drive_around_ring(1, 0.01, 0.003, 3);
   const std::size_t half = once.truth.size() / 2;
