@@ -22,6 +22,7 @@
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
