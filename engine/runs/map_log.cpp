@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <utility>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/runs/folder/run_folder.hpp"
@@ -41,6 +46,13 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
   folder.without("cloud.png");
 }
 
+// What was freed piece by piece goes back to the system, where the library can do that.
+void return_free_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
 // `nodding` is null where the laser does not nod.
 MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& job, const NoddingJob* nodding,
                    Backend& backend, ScanStream scans, RunTimes& times) {
@@ -52,12 +64,15 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   } else {
     folder.without("cloud.ply");
   }
-  MapRun run(job, backend, std::move(scans), nodding, std::move(cloud));
+  auto run = std::make_unique<MapRun>(job, backend, std::move(scans), nodding, std::move(cloud));
   MapResult result;
   times.add("prepare");
-  result.outcome = run.run(
+  result.outcome = run->run(
       request.progress ? request.progress : [](std::uint64_t, double) {}, [&request] { return stopped(request); });
   times.skip();  // its stages are in the outcome
+  const WrittenField field = write_run_field(folder, job, run->field(), times);
+  run.reset();  // its memory is for the pictures
+  return_free_memory();
   if (nodding != nullptr) {
     result.linkage = nodding->linkage;
     add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);
@@ -67,8 +82,7 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
     folder.without("cloud.png");
     folder.without("linkage.yaml");
   }
-  result.report =
-      write_run(folder, {job, nodding, run.field(), backend.device(), request.settings}, times, result.outcome);
+  result.report = write_run(folder, {job, nodding, field, backend.device(), request.settings}, times, result.outcome);
   return result;
 }
 

@@ -52,26 +52,18 @@ std::uint8_t colour_for(std::uint32_t premultiplied, std::uint32_t alpha) {
   return static_cast<std::uint8_t>((premultiplied * 255U + alpha / 2U) / alpha);
 }
 
-void copy_pixels(const std::uint8_t* rows, std::size_t row_bytes, RgbaImage& image) {
-  for (std::uint32_t y = 0; y < image.height; ++y) {
-    const std::uint8_t* from = rows + row_bytes * y;
-    std::uint8_t* to = image.at(0, y);
-    for (std::uint32_t x = 0; x < image.width; ++x, from += 4, to += 4) {
-      std::uint32_t word = 0;
-      std::memcpy(&word, from, sizeof(word));
-      const std::uint32_t alpha = word >> 24U;
-      if (alpha == 0U) continue;
-      if (alpha == 255U) {
-        to[0] = static_cast<std::uint8_t>(word >> 16U);
-        to[1] = static_cast<std::uint8_t>(word >> 8U);
-        to[2] = static_cast<std::uint8_t>(word);
-      } else {
-        to[0] = colour_for(word >> 16U & 0xFFU, alpha);
-        to[1] = colour_for(word >> 8U & 0xFFU, alpha);
-        to[2] = colour_for(word & 0xFFU, alpha);
-      }
-      to[3] = static_cast<std::uint8_t>(alpha);
-    }
+// Where the words lie, so that a picture is in memory once.
+void become_pixels(RgbaImage& image) {
+  const std::uint8_t* const end = image.pixels.data() + image.pixels.size();
+  for (std::uint8_t* at = image.pixels.data(); at < end; at += 4) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, at, sizeof(word));
+    const std::uint32_t alpha = word >> 24U;
+    const bool is_through = alpha == 0U || alpha == 255U;  // without alpha there are no colours
+    at[0] = is_through ? static_cast<std::uint8_t>(word >> 16U) : colour_for(word >> 16U & 0xFFU, alpha);
+    at[1] = is_through ? static_cast<std::uint8_t>(word >> 8U) : colour_for(word >> 8U & 0xFFU, alpha);
+    at[2] = is_through ? static_cast<std::uint8_t>(word) : colour_for(word & 0xFFU, alpha);
+    at[3] = static_cast<std::uint8_t>(alpha);
   }
 }
 
@@ -109,15 +101,15 @@ CairoSurface surface_of(const RgbaImage& image) {
 
 RgbaImage raster_of(const Canvas& drawing, double scale) {
   RgbaImage image(pixels_of(drawing.width(), scale), pixels_of(drawing.height(), scale));
+  const std::size_t row_bytes = std::size_t{4} * image.width;
   const CairoSurface surface(
-      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, static_cast<int>(image.width), static_cast<int>(image.height)));
+      cairo_image_surface_create_for_data(image.pixels.data(), CAIRO_FORMAT_ARGB32, static_cast<int>(image.width),
+                                          static_cast<int>(image.height), static_cast<int>(row_bytes)));
   check_cairo(cairo_surface_status(surface.get()), "making a picture");
-  const auto row_bytes = static_cast<std::size_t>(cairo_image_surface_get_stride(surface.get()));
   std::size_t next = 0;
   if (begins_with_background(drawing, scale, image)) {
     cairo_surface_flush(surface.get());
-    copy_premultiplied(*std::get<shape::Picture>(drawing.shapes().front()).image,
-                       cairo_image_surface_get_data(surface.get()), row_bytes);
+    copy_premultiplied(*std::get<shape::Picture>(drawing.shapes().front()).image, image.pixels.data(), row_bytes);
     cairo_surface_mark_dirty(surface.get());
     next = 1;
   }
@@ -126,8 +118,8 @@ RgbaImage raster_of(const Canvas& drawing, double scale) {
   CairoPainter painter(context.get());
   for (; next < drawing.shapes().size(); ++next) std::visit(painter, drawing.shapes()[next]);
   check_cairo(cairo_status(context.get()), "drawing a picture");
-  cairo_surface_flush(surface.get());
-  copy_pixels(cairo_image_surface_get_data(surface.get()), row_bytes, image);
+  cairo_surface_finish(surface.get());
+  become_pixels(image);
   return image;
 }
 

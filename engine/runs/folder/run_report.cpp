@@ -155,12 +155,7 @@ void write_path_facts(RunFolder& folder, const MapOutcome& outcome) {
   write_file_atomically(folder.staged("graph.g2o"), graph_text(*outcome.closed));
 }
 
-struct Hashes {
-  std::string field;
-  std::string trajectory;
-};
-
-Json run_report(const RunFacts& facts, const MapOutcome& outcome, const Hashes& hashes,
+Json run_report(const RunFacts& facts, const MapOutcome& outcome, const std::string& trajectory_sha256,
                 const std::vector<StageTime>& others) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(scans_of(outcome));
@@ -192,9 +187,9 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const Hashes& 
   report["scans_per_s"] = ratio(scans, outcome.wall_s);
   report["scans_per_core_s"] = ratio(scans, outcome.mapper_cpu_s);  // mapper alone: no reading, no occupancy map
   report["realtime_factor"] = ratio(outcome.log_duration_s, outcome.wall_s);
-  report["map_sha256"] = hashes.field;
-  report["trajectory_sha256"] = hashes.trajectory;
-  report["gdt"] = geometry_json(facts.field.geometry());
+  report["map_sha256"] = facts.field.sha256;
+  report["trajectory_sha256"] = trajectory_sha256;
+  report["gdt"] = geometry_json(facts.field.geometry);
   if (facts.job.with_occupancy) report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
   if (facts.nodding != nullptr) report["nodding"] = nodding_json(*facts.nodding, *outcome.nodding);
@@ -215,12 +210,22 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const Hashes& 
 
 }  // namespace
 
+WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times) {
+  if (job.finishing) job.finishing("gdt.png");
+  folder.staged("gdt.png");
+  write_distance_field(folder.staged("gdt.yaml"), view_of(field));
+  times.add("write_field");
+  WrittenField written{field.geometry(), sha256_of(view_of(field))};
+  times.add("hash");
+  return written;
+}
+
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {
   const auto tell = [&facts](const char* what) {
     if (facts.job.finishing) facts.job.finishing(what);
   };
-  // The order in which the files take their names: what others refer to first, then the YAML that refers to them, and
-  // last the report, without which a folder is no run.
+  // Files take their names in this order: what others refer to before the YAML that refers to it, and last the report,
+  // without which a folder is no run.
   const bool has_map = facts.job.with_occupancy;
   tell("trajectory.tum");
   write_tum(folder.staged("trajectory.tum"), outcome.trajectory);
@@ -230,26 +235,19 @@ std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOut
   times.add("write_pictures");
   write_config(folder.staged("config.yaml"), option_table(facts.settings));
   if (has_map) folder.staged("map.pgm");
-  folder.staged("gdt.png");
   for (const char* name : {"map.pgm", "map.yaml"}) {
     if (!has_map) folder.without(name);
   }
   const std::string map = has_map ? folder.staged("map.yaml") : "";
-  const std::string field_file = folder.staged("gdt.yaml");
   const std::string report_file = folder.staged("report.json");
   if (has_map) {
     tell("map.pgm");
     write_occupancy_map(map, outcome.occupancy);
     times.add("write_map");
   }
-  tell("gdt.png");
-  write_distance_field(field_file, view_of(facts.field));
-  times.add("write_field");
-  tell("report.json");
-  const Hashes hashes{sha256_of(view_of(facts.field)), sha256_of(outcome.trajectory)};
-  times.add("hash");
+  const std::string trajectory_sha256 = sha256_of(outcome.trajectory);
   times.read_whole(outcome.wall_s, outcome.cpu_s);
-  std::string report = json_text(run_report(facts, outcome, hashes, times.stages()));
+  std::string report = json_text(run_report(facts, outcome, trajectory_sha256, times.stages()));
   write_file_atomically(report_file, report);
   folder.commit();
   return report;

@@ -18,17 +18,25 @@ namespace gdtslam {
 /// The version of the format.
 inline constexpr int kReportVersion = 1;
 
+/// What the report says of a distance field, which may be gone by then.
+struct WrittenField {
+  GridGeometry geometry;
+  std::string sha256;
+};
+/// Writes gdt.png and gdt.yaml. Throws FileError.
+WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times);
+
 /// What a run was asked for and made, besides its outcome.
 struct RunFacts {
   const MapJob& job;
   const NoddingJob* nodding = nullptr;  ///< null where the laser does not nod; its cloud has been written by now
-  const GlobalField& field;
+  const WrittenField& field;
   const DeviceInfo& device;
   Settings settings;
 };
 
-/// Writes what a run made into its folder: map, distance field, trajectory, graph, pictures, configuration and report,
-/// all or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's
+/// Writes the rest of what a run made into its folder: map, trajectory, graph, pictures, configuration and report, all
+/// or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's
 /// warnings, and its times are those of all that `times` covers, writing included.
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome);
 

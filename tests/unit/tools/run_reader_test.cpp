@@ -87,6 +87,13 @@ TEST_F(RunReaderTest, ReadsWhatARunHolds) {
   EXPECT_EQ(run.linkage().value().name, "paper-a");
 }
 
+// A run of map --no-map.
+TEST_F(RunReaderTest, ARunWithoutAMapHasNone) {
+  EXPECT_TRUE(reader().summary().map.has_value());
+  edit("\"map\": {", "\"xmap\": {");
+  EXPECT_FALSE(reader().summary().map.has_value());
+}
+
 TEST_F(RunReaderTest, RunsOfEarlierVersionsDoWithoutKeyframesAndLinkage) {
   edit(", \"keyframe_scans\": [0]", "");
   fs::remove(path("linkage.yaml"));
@@ -134,7 +141,6 @@ TEST_F(RunReaderTest, ReportsThatCannotBeUsed) {
                                                     {"\"path_m\": 1.5", "'path_m'"},
                                                     {"\"log\": [", "'log'"},
                                                     {"\"doubtful_scans\": [", "'doubtful_scans'"},
-                                                    {"\"map\": {", "'map'"},
                                                     {"\"map_sha256\": ", "'map_sha256'"},
                                                     {"\"cloud_points\": 1", "'cloud_points'"}};
   for (const auto& [member, name] : edits) {
