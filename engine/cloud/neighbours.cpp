@@ -32,6 +32,29 @@ using Index =
 
 constexpr std::size_t kLeafPoints = 16;
 
+/// What nanoflann hands a search's points to, with its names: the first of the nearest within a distance. Branches of
+/// the tree that lie farther off are not entered.
+class NearestWithin {
+ public:
+  // nanoflann hands on what is closer than the worst, not what is as close.
+  explicit NearestWithin(double within_m)
+      : worst_(std::nextafter(within_m * within_m, std::numeric_limits<double>::infinity())) {}
+  [[nodiscard]] bool full() const { return found_.has_value(); }
+  bool addPoint(double squared, std::uint32_t index) {  // NOLINT(readability-identifier-naming)
+    if (squared < worst_) {
+      worst_ = squared;
+      found_ = index;
+    }
+    return true;
+  }
+  [[nodiscard]] double worstDist() const { return worst_; }  // NOLINT(readability-identifier-naming)
+  [[nodiscard]] std::optional<std::uint32_t> found() const { return found_; }
+
+ private:
+  double worst_;
+  std::optional<std::uint32_t> found_;
+};
+
 std::vector<Point3> positions_of(std::span<const CloudPoint> cloud) {
   std::vector<Point3> points;
   points.reserve(cloud.size());
@@ -55,11 +78,10 @@ Neighbours::~Neighbours() = default;
 Point3 Neighbours::point(std::uint32_t k) const { return tree_->cloud.points[k]; }
 
 std::optional<std::uint32_t> Neighbours::nearest(const Point3& point, double within_m) const {
-  std::uint32_t found = 0;
-  double squared = 0.0;
+  NearestWithin nearest(within_m);
   const std::array<double, 3> at{point.x(), point.y(), point.z()};
-  if (tree_->index.knnSearch(at.data(), 1, &found, &squared) == 0 || squared > within_m * within_m) return std::nullopt;
-  return found;
+  tree_->index.findNeighbors(nearest, at.data(), nanoflann::SearchParams());
+  return nearest.found();
 }
 
 std::vector<std::uint32_t> Neighbours::closest(const Point3& point, std::uint32_t most) const {

@@ -89,11 +89,8 @@ Point3 centre_of(const std::vector<Point3>& points) {
   return points.empty() ? sum : Point3(sum / static_cast<double>(points.size()));
 }
 
-// The means of cubes, so that neighbours lie around a point and not along one scan.
 Cloud thinned(std::span<const CloudPoint> cloud, double cell_m) {
-  if (!(cell_m > 0.0)) return {cloud.begin(), cloud.end()};
-  const PatchCells cells(cloud, usable_points(cloud), cell_m);
-  return cells.means_of(cloud);
+  return cell_m > 0.0 ? means_of_cubes(cloud, cell_m) : Cloud(cloud.begin(), cloud.end());
 }
 
 double radius_of(const std::vector<Point3>& points, const Point3& centre) {
@@ -118,6 +115,11 @@ Pose3 about(const Point3& centre, const Tangent3& step) {
 }
 
 }  // namespace
+
+Cloud means_of_cubes(std::span<const CloudPoint> cloud, double cell_m) {
+  const PatchCells cells(cloud, usable_points(cloud), cell_m);
+  return cells.means_of(cloud);
+}
 
 RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span<const CloudPoint> target,
                                    const RegistrationOptions& options) {

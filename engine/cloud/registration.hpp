@@ -28,6 +28,8 @@ struct RegistrationResult {
   double weakest_share = 0.0;
   bool converged = false;
 };
+/// The means of the points in cubes of that edge, so that neighbours lie around a point and not along one scan.
+Cloud means_of_cubes(std::span<const CloudPoint> cloud, double cell_m);
 RegistrationResult register_clouds(std::span<const CloudPoint> source, std::span<const CloudPoint> target,
                                    const RegistrationOptions& options);
 

@@ -33,24 +33,42 @@ std::string as_text(double value) {
                    " m; raise cloud.voxel, to " + as_text(2.0 * voxel_m) + " for example, or cloud.max_megavoxels");
 }
 
-// The cube of a coordinate, counted from the lower end of the range: std::floor without a call of the library.
-std::uint64_t cell_of(float coordinate_m, double voxel_m) {
-  const double cell = static_cast<double>(coordinate_m) / voxel_m;
-  if (!(cell >= -kMostCells && cell < kMostCells)) fail_far(coordinate_m, voxel_m);  // so does what is no number
-  const auto towards_zero = static_cast<std::int64_t>(cell);
-  const std::int64_t below = static_cast<double>(towards_zero) > cell ? 1 : 0;
-  return static_cast<std::uint64_t>(towards_zero - below + static_cast<std::int64_t>(kMostCells));
-}
+/// Cubes of one size along an axis.
+class CubeGrid {
+ public:
+  explicit CubeGrid(double voxel_m) : voxel_m_(voxel_m), per_m_(1.0 / voxel_m) {}
+
+  /// Of a coordinate, counted from the lower end of the range: floor(coordinate / edge). The product with the inverse
+  /// is off by less than kNear and decides but for what lies so near to the edge of a cube.
+  [[nodiscard]] std::uint64_t cell_of(float coordinate_m) const {
+    double cell = static_cast<double>(coordinate_m) * per_m_;
+    if (!(cell >= -kMostCells && cell < kMostCells)) {  // so does what is no number
+      cell = static_cast<double>(coordinate_m) / voxel_m_;
+      if (!(cell >= -kMostCells && cell < kMostCells)) fail_far(coordinate_m, voxel_m_);
+    }
+    const auto nearest = static_cast<double>(static_cast<std::int64_t>(cell + (cell < 0.0 ? -0.5 : 0.5)));
+    if (std::fabs(cell - nearest) < kNear) cell = static_cast<double>(coordinate_m) / voxel_m_;
+    if (!(cell < kMostCells)) fail_far(coordinate_m, voxel_m_);
+    const auto towards_zero = static_cast<std::int64_t>(cell);
+    const std::int64_t below = static_cast<double>(towards_zero) > cell ? 1 : 0;
+    return static_cast<std::uint64_t>(towards_zero - below + static_cast<std::int64_t>(kMostCells));
+  }
+
+ private:
+  static constexpr double kNear = 1e-6;  // 2^20 cubes with 2^-51 of error are far below
+  double voxel_m_;
+  double per_m_;
+};
 
 // A voxel as a bit of the block of 4 x 4 x 4 that it lies in: surfaces fill a good part of the blocks that they cross.
 struct BlockBit {
   std::uint64_t block = 0;
   std::uint64_t bit = 0;
 };
-BlockBit place_of(const CloudPoint& p, double voxel_m) {
-  const std::uint64_t x = cell_of(p.x_m, voxel_m);
-  const std::uint64_t y = cell_of(p.y_m, voxel_m);
-  const std::uint64_t z = cell_of(p.z_m, voxel_m);
+BlockBit place_of(const CloudPoint& p, const CubeGrid& grid) {
+  const std::uint64_t x = grid.cell_of(p.x_m);
+  const std::uint64_t y = grid.cell_of(p.y_m);
+  const std::uint64_t z = grid.cell_of(p.z_m);
   return {.block = (x >> 2U) << (2 * kBitsPerAxis) | (y >> 2U) << kBitsPerAxis | z >> 2U,
           .bit = std::uint64_t{1} << ((x & 3U) | (y & 3U) << 2U | (z & 3U) << 4U)};
 }
@@ -115,8 +133,9 @@ void VoxelThinning::State::take(std::span<const CloudPoint> points) {
   std::array<BlockBit, kAhead> places{};
   std::array<std::uint64_t, kAhead> hashes{};
   const std::uint64_t mask = slots.size() - 1;
+  const CubeGrid grid(voxel_m);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    places[k] = place_of(points[k], voxel_m);
+    places[k] = place_of(points[k], grid);
     hashes[k] = mixed(places[k].block);
     __builtin_prefetch(&slots[hashes[k] & mask], 1);
   }

@@ -25,14 +25,19 @@ std::uint32_t bits_of(std::size_t count) {
 
 }  // namespace
 
-Pose3 T_level_laser(const NoddingMount& mount, double elevation_rad) {
-  const Point3 lever{mount.lever_forward_m, 0.0, mount.lever_up_m};
-  const Pose3 T_level_axis{-lever, rotation_about(Eigen::Vector3d::UnitY(), -elevation_rad)};
+LevelTurn::LevelTurn(const NoddingMount& mount) : lever_m_(mount.lever_forward_m, 0.0, mount.lever_up_m) {
   const Eigen::Quaterniond yaw = rotation_about(Eigen::Vector3d::UnitZ(), mount.sensor_yaw_rad);
   const Eigen::Quaterniond roll = rotation_about(Eigen::Vector3d::UnitX(), mount.sensor_roll_rad);
-  const Pose3 T_axis_laser =
-      Pose3{lever, Eigen::Quaterniond::Identity()} * Pose3{Point3::Zero(), yaw} * Pose3{Point3::Zero(), roll};
-  return T_level_axis * T_axis_laser;
+  T_axis_laser_ =
+      Pose3{lever_m_, Eigen::Quaterniond::Identity()} * Pose3{Point3::Zero(), yaw} * Pose3{Point3::Zero(), roll};
+}
+
+Pose3 LevelTurn::T_level_laser(double elevation_rad) const {
+  return Pose3{-lever_m_, rotation_about(Eigen::Vector3d::UnitY(), -elevation_rad)} * T_axis_laser_;
+}
+
+Pose3 T_level_laser(const NoddingMount& mount, double elevation_rad) {
+  return LevelTurn(mount).T_level_laser(elevation_rad);
 }
 
 Pose3 T_base_laser(const NoddingMount& mount, const Pose2& T_base_level, double elevation_rad) {

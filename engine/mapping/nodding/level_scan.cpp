@@ -53,6 +53,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
   const BeamTiming timing = scanner.timing(laser.ranges_m.size(), laser.bearing_step_rad);
   const Tangent2 velocity = velocity_of(scan.record, before);
   ElevationCourse course(scan, scanner.table);
+  const LevelTurn turn(scanner.mount);
   PointScan level{laser.stamp_s, {}};
   level.points_base_m.reserve(laser.ranges_m.size());
   for (std::size_t beam = 0; beam < laser.ranges_m.size(); ++beam) {
@@ -60,7 +61,7 @@ PointScan level_points(const NoddingScan& scan, const NoddingScanner& scanner, c
     if (!(range_m >= valid.min_range_m && range_m < limit_m)) continue;  // false for NaN too
     const double offset_s = timing.of_beam_s(beam);
     const auto bearing = beam_direction(laser, beam);
-    const Pose3 T_level = T_level_laser(scanner.mount, course.at(offset_s));
+    const Pose3 T_level = turn.T_level_laser(course.at(offset_s));
     const Point3 point = T_level * Point3(range_m * bearing.cos, range_m * bearing.sin, 0.0);
     if (!(point.z() >= band.low_m && point.z() <= band.high_m)) continue;
     level.points_base_m.push_back(moved_for(velocity, offset_s) * (laser.T_base_laser * Point2(point.x(), point.y())));
@@ -73,9 +74,10 @@ LaserScan level_scan(const NoddingScan& scan, const NoddingScanner& scanner) {
   level.speed.reset();
   const BeamTiming timing = scanner.timing(level.ranges_m.size(), level.bearing_step_rad);
   ElevationCourse course(scan, scanner.table);
+  const LevelTurn mount(scanner.mount);
   for (std::size_t beam = 0; beam < level.ranges_m.size(); ++beam) {
     const auto bearing = beam_direction(level, beam);
-    Pose3 turn = T_level_laser(scanner.mount, course.at(timing.of_beam_s(beam)));
+    Pose3 turn = mount.T_level_laser(course.at(timing.of_beam_s(beam)));
     turn.translation_m = Point3::Zero();
     const Point3 direction = turn * Point3(bearing.cos, bearing.sin, 0.0);
     const double share = std::sqrt(direction.x() * direction.x() + direction.y() * direction.y());

@@ -72,11 +72,12 @@ void SweepSampler::add(std::span<const CloudPoint> points) {
 
 void SweepSampler::close_sweep() {
   Stopwatch watch;
-  if (current_.size() >= config_.min_points && previous_.size() >= config_.min_points) {
+  const bool is_large = current_.size() >= config_.min_points;
+  Cloud means = is_large ? means_of_cubes(current_, kCell_m) : Cloud();
+  if (is_large && is_previous_large_) {
     RegistrationOptions options;
-    options.cell_m = kCell_m;
     options.max_points = kMostPoints;
-    const RegistrationResult found = register_clouds(current_, previous_, options);
+    const RegistrationResult found = register_clouds(means, previous_means_, options);
     if (found.converged && found.weakest_share >= kLeastWeakest) {
       // Of the sweep's centre: about the map's origin a turn would count as a shift.
       const Point3 centre = centre_of(current_);
@@ -98,7 +99,9 @@ void SweepSampler::close_sweep() {
       if (!found.converged && found.weakest_share >= kLeastWeakest) ++outcome_.apart;
     }
   }
-  previous_ = std::exchange(current_, {});
+  previous_means_ = std::move(means);
+  is_previous_large_ = is_large;
+  current_.clear();
   every_ = 1;
   seen_ = 0;
   watch.add_to(outcome_.wall_s);

@@ -34,7 +34,8 @@ class SweepSampler {
 
   SweepCheckConfig config_;
   Cloud current_;
-  Cloud previous_;
+  Cloud previous_means_;            ///< of the sweep before, in cubes
+  bool is_previous_large_ = false;  ///< enough points to be compared
   std::uint64_t every_ = 1;
   std::uint64_t seen_ = 0;
   std::uint32_t scan_ = 0;

@@ -21,7 +21,7 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
-#ifdef GDTSLAM_MODULE_FOLDER
+#ifdef GDTSLAM_HAS_MODULES
 #include "tools/gdtslam/shell/modules.hpp"
 #elif defined(GDTSLAM_HAS_VIEWER)
 #include "tools/gdtslam/pictures/cloud_picture.hpp"
@@ -105,7 +105,7 @@ std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
 
 // Draws cloud.png; empty where this build cannot.
 CloudPicture cloud_painter() {
-#if defined(GDTSLAM_HAS_VIEWER) && defined(GDTSLAM_MODULE_FOLDER)
+#if defined(GDTSLAM_HAS_VIEWER) && defined(GDTSLAM_HAS_MODULES)
   return [](const std::string& cloud_file, const std::string& log, const Trajectory& trajectory,
             const calib::SweepModel* linkage) {
     return open_module("render").draw_run_cloud(cloud_file, log, trajectory, linkage);

@@ -22,6 +22,7 @@
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/viewer/cloud_scene.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
@@ -301,7 +302,8 @@ Cloud read_whole_cloud(const std::string& path, const CloudProgress& progress, c
 StillCloud read_cloud_for_still(const std::string& path, const PictureSize& size, const CloudProgress& progress,
                                 const CloudRemark& remark) {
   StillThinning thinning(std::max(kFewestStillPoints, std::size_t{size.width} * size.height));
-  const std::uint64_t points = read_near_points(path, thinning, progress, remark, [](std::uint64_t) {});
+  const std::uint64_t points =
+      read_near_points(path, thinning, progress, remark, [&thinning](std::uint64_t told) { thinning.expect(told); });
   return {thinning.take(), points};
 }
 

@@ -14,6 +14,7 @@
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/drawing/image.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 

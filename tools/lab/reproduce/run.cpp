@@ -16,7 +16,7 @@
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#ifdef GDTSLAM_MODULE_FOLDER
+#ifdef GDTSLAM_HAS_MODULES
 #include "tools/gdtslam/shell/modules.hpp"
 #endif
 #include "workers.hpp"
@@ -28,7 +28,7 @@ namespace {
 std::string program_key() {
   Sha256 key;
   key.update(read_text<InputError>("/proc/self/exe"));
-#ifdef GDTSLAM_MODULE_FOLDER
+#ifdef GDTSLAM_HAS_MODULES
   key.update(read_text<InputError>(module_file("reproduce")));
 #endif
   return key.hex();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "engine/cloud/position_of.hpp"
 #include "gdtslam/cloud/thinning.hpp"
@@ -13,8 +14,9 @@ namespace {
 
 constexpr double kLeastVoxel_m = 0.002;
 constexpr double kLargestVoxel_m = 1000.0;
-constexpr double kStillAim = 0.7;      // of the most points of a still, that are aimed at,
-constexpr double kStillFull = 0.85;    // and that leave too little room
+constexpr double kStillAim = 0.75;     // of the most points of a still, that are aimed at,
+constexpr double kStillFull = 1.2;     // and of these, that leave too little room
+constexpr double kStillShare = 0.5;    // of the room, that points have at least which came first
 constexpr double kStillStep = 1.1892;  // between voxels' edges: 2^(1/4)
 constexpr int kSearchSteps = 7;        // of the search: the voxel's edge to 2 %
 
@@ -73,6 +75,19 @@ double side_m(const Cloud& cloud) {
   return bounds.is_empty() ? 0.0 : (bounds.highest - bounds.lowest).maxCoeff();
 }
 
+/// Points are appended, or written over those that were read already.
+class CompactingKeeper : public CloudSink {
+ public:
+  void add(std::span<const CloudPoint> points) override {
+    const std::size_t over = std::min(points.size(), cloud.size() - kept);
+    std::copy_n(points.begin(), over, cloud.begin() + static_cast<std::ptrdiff_t>(kept));
+    cloud.insert(cloud.end(), points.begin() + static_cast<std::ptrdiff_t>(over), points.end());
+    kept += points.size();
+  }
+  Cloud cloud;
+  std::size_t kept = 0;
+};
+
 }  // namespace
 
 struct StillThinning::State {
@@ -82,7 +97,10 @@ struct StillThinning::State {
   void thin_to(double voxel_m);
 
   std::size_t most;
-  CloudKeeper keeper;
+  std::uint64_t expected = 0;
+  std::uint64_t seen = 0;
+  Cloud finite;  // of a piece
+  CompactingKeeper keeper;
   std::unique_ptr<VoxelThinning> thinning;  // empty while all are kept
   double voxel_m = 0.0;
 };
@@ -90,23 +108,20 @@ struct StillThinning::State {
 void StillThinning::State::thin_to(double wanted_m) {
   if (wanted_m > kLargestVoxel_m) throw InputError("the cloud is too wide to be thinned to so few points");
   voxel_m = wanted_m;
-  Cloud before;
-  before.swap(keeper.cloud);
-  keeper.cloud.reserve(most);
   thinning = std::make_unique<VoxelThinning>(voxel_m, std::uint64_t{1} << 40U, keeper);
-  add_in_pieces(*thinning, before);
+  keeper.kept = 0;
+  add_in_pieces(*thinning, keeper.cloud);
+  keeper.cloud.resize(keeper.kept);
 }
 
-// Points lie on surfaces: half as many are left by voxels sqrt(2) times as wide.
+// Points lie on surfaces: half as many are left by voxels sqrt(2) times as wide. What is to come needs room as well,
+// but not where it lies among what has come.
 void StillThinning::State::thin() {
-  const double aim = kStillAim * static_cast<double>(most);
+  const double share = std::max(kStillShare, static_cast<double>(seen) / static_cast<double>(std::max(expected, seen)));
+  const double aim = kStillAim * static_cast<double>(most) * share;
   const double least_m = std::max(kLeastVoxel_m, farthest_m(keeper.cloud) / (1U << 20U) * 1.01);
-  if (voxel_m == 0.0) {
-    thin_to(std::max(least_m, side_m(keeper.cloud) / std::sqrt(4.0 * aim)));
-  } else {
-    thin_to(std::max(least_m, kStillStep * voxel_m));
-  }
-  while (static_cast<double>(keeper.cloud.size()) > kStillFull * static_cast<double>(most)) {
+  thin_to(std::max(least_m, voxel_m == 0.0 ? side_m(keeper.cloud) / std::sqrt(4.0 * aim) : kStillStep * voxel_m));
+  while (static_cast<double>(keeper.cloud.size()) > kStillFull * aim) {
     thin_to(voxel_m * std::max(kStillStep, std::sqrt(static_cast<double>(keeper.cloud.size()) / aim)));
   }
 }
@@ -115,23 +130,25 @@ StillThinning::StillThinning(std::size_t most) : state_(std::make_unique<State>(
 
 StillThinning::~StillThinning() = default;
 
+void StillThinning::expect(std::uint64_t points) { state_->expected = points; }
+
 void StillThinning::add(std::span<const CloudPoint> points) {
   State& s = *state_;
-  while (!points.empty()) {
-    const std::span<const CloudPoint> piece = points.first(std::min(points.size(), s.most));
-    points = points.subspan(piece.size());
-    if (s.thinning) {
-      s.thinning->add(piece);
-    } else {
-      std::copy_if(piece.begin(), piece.end(), std::back_inserter(s.keeper.cloud), is_finite);
-    }
+  for (; !points.empty(); points = points.subspan(std::min(kKeptPiece, points.size()))) {
+    const std::span<const CloudPoint> piece = points.first(std::min(kKeptPiece, points.size()));
+    s.seen += piece.size();
+    s.finite.clear();
+    std::copy_if(piece.begin(), piece.end(), std::back_inserter(s.finite), is_finite);
+    CloudSink& next = s.thinning ? static_cast<CloudSink&>(*s.thinning) : s.keeper;
+    next.add(s.finite);
     if (s.keeper.cloud.size() > s.most) s.thin();
   }
 }
 
 Cloud StillThinning::take() {
   state_->thinning.reset();
-  return std::move(state_->keeper.cloud);
+  state_->keeper.kept = 0;
+  return std::exchange(state_->keeper.cloud, {});
 }
 
 Cloud thinned_for_film(std::span<const CloudPoint> cloud, std::size_t most) {

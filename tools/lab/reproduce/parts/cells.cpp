@@ -35,12 +35,14 @@ void for_each_cell(const Action& action) {
   for (int k = 0; k < kSide * kSide; ++k) action(k % kSide, k / kSide);
 }
 
+// The window holds all that the obstacles reach, as a keyframe's does; its cells count from its corner.
 KeyframeCells obstacles() {
+  constexpr int kReach = kRadius_cells;
   KeyframeCells keyframe;
-  keyframe.window = {{0, 0}, {kSide, kSide}};
+  keyframe.window = {{-kReach, -kReach}, {kSide + kReach, kSide + kReach}};
   for_each_cell([&](int x, int y) {
     if (printed_at(x, y) != 0) return;
-    keyframe.cells.push_back(static_cast<std::uint32_t>(y) << 16U | static_cast<std::uint32_t>(x));
+    keyframe.cells.push_back(static_cast<std::uint32_t>(y + kReach) << 16U | static_cast<std::uint32_t>(x + kReach));
   });
   return keyframe;
 }

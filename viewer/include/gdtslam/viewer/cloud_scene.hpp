@@ -104,13 +104,14 @@ Canvas cloud_picture(std::shared_ptr<const RgbaImage> scene, const ColourScale& 
 std::vector<float> distances_to(std::span<const CloudPoint> cloud, std::span<const CloudPoint> reference,
                                 double most_m = 1.0);
 /// Keeps at most `most` of the points that come, those that are finite: all while there is room, then the first of each
-/// voxel, the voxels as large as that asks for; between half and all of `most` are left. For stills, which show no more
-/// points than pixels. Memory: 48 to 64 bytes for each point that is kept. Throws InputError for a cloud too wide for
-/// it.
+/// voxel, the voxels as large as that asks for. For stills, which show no more points than pixels. Memory: some 40
+/// bytes for each point that is kept. Throws InputError for a cloud too wide for it.
 class StillThinning : public CloudSink {
  public:
   explicit StillThinning(std::size_t most);
   ~StillThinning() override;
+  /// How many points will come, where that is known: the voxels are chosen for them.
+  void expect(std::uint64_t points);
   void add(std::span<const CloudPoint> points) override;
   /// What was kept, in its order; the thinning is empty then.
   Cloud take();

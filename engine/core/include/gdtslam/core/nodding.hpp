@@ -26,6 +26,16 @@ struct NoddingMount {
 
 /// T_level_laser: level frame's origin is the sensor's centre at elevation zero. Equation (12).
 Pose3 T_level_laser(const NoddingMount& mount, double elevation_rad);
+/// The same for many elevations of one mount, with the same bits.
+class LevelTurn {
+ public:
+  explicit LevelTurn(const NoddingMount& mount);
+  [[nodiscard]] Pose3 T_level_laser(double elevation_rad) const;
+
+ private:
+  Point3 lever_m_;
+  Pose3 T_axis_laser_;
+};
 /// T_base_laser for the sensor's place at elevation zero (the pose that a 2D log gives), at the mount's height.
 Pose3 T_base_laser(const NoddingMount& mount, const Pose2& T_base_level, double elevation_rad);
 

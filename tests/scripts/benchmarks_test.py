@@ -1,0 +1,80 @@
+"""Tests of tools/scripts/benchmarks.py with a stand-in for gdtslam."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCRIPT = ROOT / "tools/scripts/benchmarks.py"
+sys.path.insert(0, str(SCRIPT.parent))
+import benchmarks  # noqa: E402  (its folder is no package)
+
+ROW = {"on": "cpu", "group": "viewer", "name": "cloud_frame", "variant": "10 points", "cpu_s": 0.01234, "wall_s": 2.5}
+ANSWER = {"version": "9", "devices": [{"name": "a CPU", "isa": "avx2"}], "rows": [ROW, {**ROW, "group": "limit"}]}
+PAGE = "# Page\n\nBefore.\n\n<!-- made: frames -->\nold\n<!-- made -->\n\nBehind.\n"
+
+
+class Benchmarks(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.page = self.folder / "page.md"
+        self.page.write_text(PAGE)
+        self.program = self.folder / "gdtslam"
+        self.answer(f"cat <<'END'\n{json.dumps(ANSWER)}\nEND")
+
+    def answer(self, what):
+        self.program.write_text(f"#!/bin/sh\nif [ \"$1\" = --version ]; then echo gdtslam 9; exit; fi\n{what}\n")
+        self.program.chmod(0o755)
+
+    def make(self, *arguments):
+        return subprocess.run([sys.executable, SCRIPT, "--program", self.program, "--page", self.page, *arguments],
+                              capture_output=True, text=True, check=False)
+
+    def test_the_table_takes_the_place_of_the_old_one(self):
+        process = self.make("frames", "--write")
+        self.assertEqual((process.returncode, process.stderr), (0, ""))
+        before, made, behind = self.page.read_text().replace("<!-- made -->\n", "<!-- made: frames -->\n").split("<!-- made: frames -->\n")
+        self.assertEqual((before, behind), ("# Page\n\nBefore.\n\n", "\nBehind.\n"))
+        self.assertIn("| 10 points | 12.3 ms | 2.5 s |\n", made)
+        self.assertNotIn("old", made)
+        self.assertIn("gdtslam 9, a CPU, avx2", made)
+
+    def test_without_write_the_page_stays(self):
+        process = self.make("frames")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("| 10 points | 12.3 ms | 2.5 s |", process.stdout)
+        self.assertEqual(self.page.read_text(), PAGE)
+
+    def test_what_fails_is_told_and_nothing_is_written(self):
+        self.answer("echo 'gdtslam: error: no OpenGL' >&2; exit 69")
+        process = self.make("frames", "--write")
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("exit 69: gdtslam: error: no OpenGL", process.stderr)
+        self.assertEqual(self.page.read_text(), PAGE)
+
+    def test_a_page_without_the_place_and_an_unknown_table(self):
+        self.page.write_text("nothing\n")
+        self.assertIn("<!-- made: frames -->", self.make("frames", "--write").stderr)
+        self.assertEqual(self.make("colours").returncode, 2)
+
+    def test_a_log_that_is_missing(self):
+        process = self.make("live", "--data", self.folder)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("intel.clf.gz", process.stderr)
+
+    def test_every_table_has_its_place_in_the_page(self):
+        text = benchmarks.PAGE.read_text()
+        for name in benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names():
+            self.assertIn("| a |", benchmarks.with_table(text, name, "| a |"))
+
+    def test_times_have_three_digits(self):
+        self.assertEqual([benchmarks.time_text(s) for s in (12.34, 0.0123, 1.5e-6, 4e-8)], ["12.3 s", "12.3 ms", "1.5 µs", "40 ns"])
+
+
+if __name__ == "__main__":
+    unittest.main()
