@@ -7,6 +7,7 @@
 
 #include "engine/compute/kernels/host_kernels.hpp"
 #include "engine/core/elementary.hpp"
+#include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/random.hpp"
 
 namespace gdtslam {
