@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-#include "engine/compute/kernels/field_layout.hpp"
+#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/compute/kernels/field_layout.hpp"
+#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 
