@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/compute/kernels/edt/edt.hpp"
-#include "gdtslam/compute/field_layout.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/random.hpp"
 #include "kernel_cases.hpp"
 

@@ -1,4 +1,4 @@
-#include "gdtslam/mapping/cell_states.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
 
 #include <algorithm>
 

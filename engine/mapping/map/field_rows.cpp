@@ -55,7 +55,7 @@ Buffer FieldRows::allocate_for(const CellBox& box) const {
   }
 }
 
-void FieldRows::hold(const CellBox& box) {
+void FieldRows::hold(const CellBox& /*content*/, const CellBox& box) {
   if (box == stored_) return;
   Buffer buffer = allocate_for(box);
   if (stored_.empty()) {

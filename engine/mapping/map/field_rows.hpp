@@ -11,7 +11,7 @@ class FieldRows final : public FieldStore {
       : backend_(&backend), cap_(cap), max_cells_(max_cells) {}
 
   [[nodiscard]] bool can_hold(const CellBox& box) const override;
-  void hold(const CellBox& box) override;
+  void hold(const CellBox& content, const CellBox& box) override;
   void touch(const CellBox& /*box*/) override {}
   [[nodiscard]] std::uint64_t untaken_cells(const CellBox& /*box*/) const override { return 0; }
   [[nodiscard]] std::uint64_t taken_cells() const override;

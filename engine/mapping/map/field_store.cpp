@@ -5,12 +5,19 @@
 
 #include "field_rows.hpp"
 #include "field_strips.hpp"
+#include "growth.hpp"
 
 namespace gdtslam {
 
-void FieldStore::read_row(CellIndex first, std::span<std::uint16_t> cells) const {
+void FieldStore::read_row(CellIndex first, std::span<std::uint16_t> all, std::uint16_t cap) const {
+  std::fill(all.begin(), all.end(), cap);
+  const CellBox row{first, first + CellOffset{static_cast<std::int32_t>(all.size()), 1}};
+  const CellBox part = common_part(row, stored_);
+  if (part.empty()) return;
   assert(!memory_.empty());
-  const CellOffset d = first - stored_.min;
+  const auto cells =
+      all.subspan(static_cast<std::size_t>(part.min.x - first.x), static_cast<std::size_t>(part.width()));
+  const CellOffset d = part.min - stored_.min;
   auto x = static_cast<std::size_t>(d.dx);
   for (std::size_t i = 0; i < cells.size();) {
     const std::size_t count = std::min(kStripWidth - x % kStripWidth, cells.size() - i);

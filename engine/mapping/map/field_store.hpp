@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/field_layout.hpp"
+#include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 
 namespace gdtslam {
@@ -30,26 +30,27 @@ class FieldStore {
 
   /// Whether hold() may be asked for the box.
   [[nodiscard]] virtual bool can_hold(const CellBox& box) const = 0;
-  /// Makes room for the box, which holds what is known. Throws DeviceError where a device fails, Error where there is
-  /// no such memory; all is as before then.
-  virtual void hold(const CellBox& box) = 0;
+  /// Makes room for the content, which is what is known and about to be, and where growing copies what is stored for
+  /// the box around it. Throws DeviceError where a device fails, Error where there is no such memory; all is as before
+  /// then.
+  virtual void hold(const CellBox& content, const CellBox& box) = 0;
   /// Notes that the cells of the box may be known from now on.
   virtual void touch(const CellBox& box) = 0;
   /// Cells that touch() would take memory for.
   [[nodiscard]] virtual std::uint64_t untaken_cells(const CellBox& box) const = 0;
   /// Cells that memory was taken for.
   [[nodiscard]] virtual std::uint64_t taken_cells() const = 0;
-  /// The cells of the box as it was given to hold(), row by row. Throws DeviceError where a device fails.
+  /// The cells of the box that was given to hold(), row by row. Throws DeviceError where a device fails.
   [[nodiscard]] virtual std::vector<std::uint16_t> read() const = 0;
   /// Takes these cells over; those outside of their box become the cap.
   virtual void write(const CellRows& from) = 0;
   /// A copy in the backend's memory, in rows.
   [[nodiscard]] virtual Buffer snapshot() const = 0;
 
-  /// Cells of a row from `first` on, which are stored; where the host sees them.
-  void read_row(CellIndex first, std::span<std::uint16_t> cells) const;
+  /// Cells of a row from `first` on, the cap where none are stored; where the host sees them.
+  void read_row(CellIndex first, std::span<std::uint16_t> cells, std::uint16_t cap) const;
 
-  /// What the buffer holds, at least the box of hold(); empty before.
+  /// What the buffer holds, at least the content; empty before.
   [[nodiscard]] const CellBox& stored() const { return stored_; }
   [[nodiscard]] const FieldLayout& layout() const { return layout_; }
   [[nodiscard]] const Buffer& buffer() const { return buffer_; }

@@ -11,9 +11,9 @@ namespace gdtslam {
 namespace {
 
 constexpr auto kSide = static_cast<std::int32_t>(kStripWidth);  // of a tile, cells
-constexpr std::size_t kTileCells = std::size_t{kStripStride} * kStripWidth;
+constexpr std::size_t kCellsOfTile = std::size_t{kStripStride} * kStripWidth;
 // As many as 32 bits count the cells of, and as the kernels take along a side.
-constexpr std::int64_t kMostTiles = (std::int64_t{1} << 32U) / static_cast<std::int64_t>(kTileCells);
+constexpr std::int64_t kMostTiles = (std::int64_t{1} << 32U) / static_cast<std::int64_t>(kCellsOfTile);
 constexpr std::int32_t kMostTilesOfASide = (1 << 21) / kSide - 1;
 // A piece of address space is a square of so many tiles a side, where the process may have 8 GB of it.
 constexpr std::int32_t kWideSide = 960;
@@ -28,7 +28,7 @@ CellBox tiles_that_hold(const CellBox& box) {
 
 std::int64_t count_of(const CellBox& tiles) { return std::int64_t{tiles.width()} * tiles.height(); }
 std::size_t bytes_of(const CellBox& tiles) {
-  return static_cast<std::size_t>(count_of(tiles)) * kTileCells * sizeof(std::uint16_t);
+  return static_cast<std::size_t>(count_of(tiles)) * kCellsOfTile * sizeof(std::uint16_t);
 }
 
 CellBox with_margin(const CellBox& tiles, std::int32_t x, std::int32_t y) {
@@ -58,9 +58,9 @@ bool FieldStrips::can_hold(const CellBox& box) const {
   return count_of(tiles) <= kMostTiles && std::max(tiles.width(), tiles.height()) <= kMostTilesOfASide;
 }
 
-void FieldStrips::hold(const CellBox& box) {
-  assert(can_hold(box));
-  const CellBox tiles = tiles_that_hold(box);
+void FieldStrips::hold(const CellBox& content, const CellBox& box) {
+  assert(can_hold(content));
+  const CellBox tiles = tiles_that_hold(content);
   if (hull_of(tiles_, tiles) != tiles_) {
     const std::vector<CellBox> pieces = pieces_for(tiles);
     for (const CellBox& piece : pieces) {
@@ -71,7 +71,7 @@ void FieldStrips::hold(const CellBox& box) {
       break;
     }
   }
-  held_ = box;
+  box_ = box;
 }
 
 // Takes the tiles along that are known, each of which is one stretch of memory, and their repeated cells.
@@ -80,7 +80,7 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
   // The bytes are written as uint16 by the kernels, aligned by the backend.
   const std::span<std::uint16_t> memory{reinterpret_cast<std::uint16_t*>(view.data()),
                                         view.size() / sizeof(std::uint16_t)};
-  const auto strip = static_cast<std::size_t>(tiles.height()) * kTileCells;
+  const auto strip = static_cast<std::size_t>(tiles.height()) * kCellsOfTile;
   const CellOffset shift = tiles_.min - tiles.min;
   std::vector<bool> is_known(static_cast<std::size_t>(count_of(tiles)));
   for (std::size_t tile = 0; tile < is_known_.size(); ++tile) {
@@ -89,11 +89,11 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
     const std::size_t x = tile / rows + static_cast<std::size_t>(shift.dx);
     const std::size_t y = tile % rows + static_cast<std::size_t>(shift.dy);
     is_known[x * static_cast<std::size_t>(tiles.height()) + y] = true;
-    const std::span<const std::uint16_t> from = std::span<const std::uint16_t>(memory_).subspan(tile * kTileCells);
-    std::copy_n(from.begin(), kTileCells, memory.begin() + static_cast<std::ptrdiff_t>(x * strip + y * kTileCells));
+    const std::span<const std::uint16_t> from = std::span<const std::uint16_t>(memory_).subspan(tile * kCellsOfTile);
+    std::copy_n(from.begin(), kCellsOfTile, memory.begin() + static_cast<std::ptrdiff_t>(x * strip + y * kCellsOfTile));
     if (x == 0) continue;
     for (std::size_t row = 0; row < kStripWidth; ++row) {
-      memory[(x - 1) * strip + y * kTileCells + row * kStripStride + kStripWidth] = from[row * kStripStride];
+      memory[(x - 1) * strip + y * kCellsOfTile + row * kStripStride + kStripWidth] = from[row * kStripStride];
     }
   }
   tiles_ = tiles;
@@ -135,11 +135,11 @@ std::uint64_t FieldStrips::taken_cells() const { return known_ * kStripWidth * k
 
 std::vector<std::uint16_t> FieldStrips::read() const {
   std::vector<std::uint16_t> cells;
-  cells.reserve(static_cast<std::size_t>(held_.width()) * static_cast<std::size_t>(held_.height()));
-  for (std::int32_t y = held_.min.y; y < held_.end.y; ++y) {
-    const std::size_t begin = cells.size();
-    cells.resize(begin + static_cast<std::size_t>(held_.width()));
-    read_row({held_.min.x, y}, std::span(cells).subspan(begin));
+  const auto width = static_cast<std::size_t>(box_.width());
+  cells.resize(width * static_cast<std::size_t>(box_.height()));
+  for (std::int32_t y = box_.min.y; y < box_.end.y; ++y) {
+    const auto row = std::span(cells).subspan(static_cast<std::size_t>(y - box_.min.y) * width, width);
+    read_row({box_.min.x, y}, row, static_cast<std::uint16_t>(layout_.blank));
   }
   return cells;
 }
@@ -147,14 +147,14 @@ std::vector<std::uint16_t> FieldStrips::read() const {
 void FieldStrips::write(const CellRows& from) {
   for (std::size_t tile = 0; tile < is_known_.size(); ++tile) {
     if (!is_known_[tile]) continue;
-    const auto cells = memory_.subspan(tile * kTileCells, kTileCells);
+    const auto cells = memory_.subspan(tile * kCellsOfTile, kCellsOfTile);
     std::fill(cells.begin(), cells.end(), std::uint16_t{0});
     const std::size_t strip = layout_.strip;
-    for (std::size_t row = 0; row < kStripWidth && tile * kTileCells >= strip; ++row) {
-      memory_[tile * kTileCells - strip + row * kStripStride + kStripWidth] = 0;
+    for (std::size_t row = 0; row < kStripWidth && tile * kCellsOfTile >= strip; ++row) {
+      memory_[tile * kCellsOfTile - strip + row * kStripStride + kStripWidth] = 0;
     }
   }
-  const CellBox box = common_part(from.box, held_);
+  const CellBox box = common_part(from.box, stored_);
   for (std::int32_t y = box.min.y; y < box.end.y; ++y) {
     for (std::int32_t x = box.min.x; x < box.end.x;) {
       const std::int32_t count = std::min((floor_to_tile(x) + 1) * kSide, box.end.x) - x;

@@ -1,4 +1,4 @@
-// The cells of a map on the CPU, in strips of 64 columns (field_layout.hpp) within a piece of address space that is
+// The cells of a map on the CPU, in strips of 64 columns (kernel_options.hpp) within a piece of address space that is
 // larger than the map: the system gives the pages that are touched, zero, which means unknown. Where a map leaves its
 // piece, or the process may not have so much address space, the tiles that are known move to a larger one.
 #pragma once
@@ -12,7 +12,7 @@ class FieldStrips final : public FieldStore {
   FieldStrips(Backend& backend, std::uint16_t cap) : backend_(&backend) { layout_.blank = cap; }
 
   [[nodiscard]] bool can_hold(const CellBox& box) const override;
-  void hold(const CellBox& box) override;
+  void hold(const CellBox& content, const CellBox& box) override;
   void touch(const CellBox& box) override;
   [[nodiscard]] std::uint64_t untaken_cells(const CellBox& box) const override;
   [[nodiscard]] std::uint64_t taken_cells() const override;
@@ -29,7 +29,7 @@ class FieldStrips final : public FieldStore {
   void write_piece(CellIndex first, std::span<const std::uint16_t> cells);
 
   Backend* backend_;
-  CellBox held_{};
+  CellBox box_{};
   CellBox tiles_{};             // of 64 x 64 cells that the piece of address space holds
   std::vector<bool> is_known_;  // by tile, strip by strip
   std::uint64_t known_ = 0;     // tiles

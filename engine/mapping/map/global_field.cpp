@@ -48,14 +48,15 @@ const FieldLayout& GlobalField::layout() const { return store_->layout(); }
 const Buffer& GlobalField::buffer() const { return store_->buffer(); }
 std::span<const std::uint16_t> GlobalField::memory() const { return store_->memory(); }
 
-std::uint16_t GlobalField::at(CellIndex map_cell) const {
-  return box_.contains(map_cell) ? at_and_beside(map_cell).front() : cap();
-}
+std::uint16_t GlobalField::at(CellIndex map_cell) const { return at_and_beside(map_cell).front(); }
 
 std::array<std::uint16_t, 4> GlobalField::at_and_beside(CellIndex map_cell) const {
-  assert(box_.contains(map_cell) && !store_->memory().empty());
+  const CellBox& stored = store_->stored();
+  const bool is_inside = map_cell.x >= stored.min.x && map_cell.y >= stored.min.y && map_cell.x + 1 < stored.end.x &&
+                         map_cell.y + 1 < stored.end.y;
+  if (!is_inside) return {cap(), cap(), cap(), cap()};  // what is known lies farther inside
   const FieldLayout& layout = store_->layout();
-  const CellOffset d = map_cell - store_->stored().min;
+  const CellOffset d = map_cell - stored.min;
   const std::size_t place = layout.place(static_cast<std::size_t>(d.dx), static_cast<std::size_t>(d.dy));
   const auto cells = store_->memory().subspan(place, layout.stride + 2);
   const auto value = [&](std::size_t i) { return static_cast<std::uint16_t>(cells[i] ^ layout.blank); };
@@ -63,12 +64,7 @@ std::array<std::uint16_t, 4> GlobalField::at_and_beside(CellIndex map_cell) cons
 }
 
 void GlobalField::read_row(CellIndex first, std::span<std::uint16_t> cells) const {
-  std::fill(cells.begin(), cells.end(), cap());
-  const CellBox row{first, first + CellOffset{static_cast<std::int32_t>(cells.size()), 1}};
-  const CellBox part = common_part(row, box_);
-  if (part.empty()) return;
-  store_->read_row(
-      part.min, cells.subspan(static_cast<std::size_t>(part.min.x - first.x), static_cast<std::size_t>(part.width())));
+  store_->read_row(first, cells, cap());
 }
 
 void GlobalField::grow_to_hold(const CellBox& map_box) {
@@ -84,7 +80,7 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
                      ", more than 2^32 of which are not counted; check the log with 'gdtslam doctor' or raise "
                      "map.resolution");
   }
-  store_->hold(grown->stored);
+  store_->hold(grown->content, grown->stored);
   box_ = grown->stored;
   content_ = grown->content;
 }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "gdtslam/core/random.hpp"
-#include "gdtslam/mapping/cell_states.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
 
 namespace gdtslam {
 namespace {

@@ -8,7 +8,6 @@
 #include <array>
 #include <cstdint>
 
-#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 

@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
-#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
@@ -50,13 +49,13 @@ class GlobalField {
 
   /// Value at a cell in map cells; the cap outside. On the CPU.
   [[nodiscard]] std::uint16_t at(CellIndex map_cell) const;
-  /// Values at a cell, to its right, above it and above that, all within the box. On the CPU.
+  /// Values at a cell, to its right, above it and above that; the cap outside. On the CPU.
   [[nodiscard]] std::array<std::uint16_t, 4> at_and_beside(CellIndex map_cell) const;
-  /// Values of a row from a map cell on; the cap outside of the box. On the CPU.
+  /// Values of a row from a map cell on; the cap outside. On the CPU.
   void read_row(CellIndex first, std::span<std::uint16_t> cells) const;
 
-  /// What is stored, for kernels: the box at least; where its cells lie; the buffer that they are in; and as the host
-  /// sees them, valid until the field grows, nothing of a device.
+  /// What is stored, for kernels: all that is known, and its guard; where its cells lie; the buffer that they are in;
+  /// and as the host sees them, valid until the field grows, nothing of a device.
   [[nodiscard]] const CellBox& stored() const;
   [[nodiscard]] const FieldLayout& layout() const;
   [[nodiscard]] const Buffer& buffer() const;
