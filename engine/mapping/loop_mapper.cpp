@@ -85,8 +85,11 @@ struct Stopped {};  // thrown through the back end by its own progress
 struct LoopMapper::State {
   State(const MapperConfig& config, Backend& backend, const MapperOptions& options)
       : mapper(front_end_config(config), backend, options),
-        back_end(
-            {.loops = {}, .live = {.is_beside = options.loops_beside, .warn = options.warn}, .joint = {}, .scans = {}}),
+        back_end({.loops = {},
+                  .live = {.is_beside = options.loops_beside, .warn = options.warn},
+                  .joint = {},
+                  .scans = {},
+                  .threads = options.cpu.threads}),
         points(config.scan),
         map(config) {}
 

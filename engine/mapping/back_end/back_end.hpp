@@ -1,5 +1,6 @@
 // From the path of the front end to the best path there is: loops closed, all keyframes adjusted together, then every
-// scan. Frame: the robot's pose at the first scan. Not thread-safe. Cost: docs/loops.md; at most 20 bytes a point.
+// scan. Frame: the robot's pose at the first scan. Not thread-safe; the result is the same for any number of threads.
+// Cost: docs/loops.md; at most 20 bytes a point.
 #pragma once
 
 #include <array>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
@@ -22,6 +24,7 @@ struct BackEndOptions {
   LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
+  unsigned threads = 1;  ///< of the adjustments, the caller's included; 0: one a processor
 };
 
 /// What the back end came to.
@@ -71,7 +74,8 @@ class BackEnd {
   [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
-  void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, const Progress& progress) const;
+  void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
+                    const Progress& progress) const;
 
   BackEndOptions options_;
   LiveLoops loops_;

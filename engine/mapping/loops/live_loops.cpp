@@ -1,14 +1,12 @@
 #include "live_loops.hpp"
 
-#include <pthread.h>
-
 #include <chrono>
-#include <csignal>
 #include <ctime>
 #include <span>
 #include <system_error>
 #include <utility>
 
+#include "engine/core/signals_blocked.hpp"
 #include "engine/mapping/map/separate_map.hpp"
 
 namespace gdtslam {
@@ -17,22 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kBetweenProgress = 50ms;
-
-/// While it lives, threads that are started block all signals: handlers run in the program's own threads.
-class SignalsBlocked {
- public:
-  SignalsBlocked() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
- private:
-  sigset_t before_{};
-};
 
 double own_cpu_s() {
   timespec time{};
