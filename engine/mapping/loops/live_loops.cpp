@@ -1,11 +1,11 @@
 #include "live_loops.hpp"
 
 #include <chrono>
-#include <ctime>
 #include <span>
 #include <system_error>
 #include <utility>
 
+#include "engine/core/side_thread.hpp"
 #include "engine/core/signals_blocked.hpp"
 #include "engine/mapping/map/separate_map.hpp"
 
@@ -15,12 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kBetweenProgress = 50ms;
-
-double own_cpu_s() {
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
-}
 
 }  // namespace
 
