@@ -36,6 +36,7 @@ constexpr std::size_t kSpansOver = 4;          // each of them over every step o
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
 constexpr double kLeastForDoubt = 0.3;     // factor of a variance, halfway between what loops found and what was stated
+constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
 constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
 constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
 
@@ -52,17 +53,29 @@ void to_frame_of_first(std::vector<Pose2>& poses) {
 
 }  // namespace
 
+BackEnd::BackEnd(const BackEndOptions& options) : options_(options), loops_(options.loops, options.live) {}
+
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
   if (!keyframes_.empty()) follow(result);
   T_map_last_ = result.T_map_base;
-  KeptScan kept = keep_scan(points_base_m);
-  if (!result.merged && !keyframes_.empty()) {
-    scans_.push_back({std::move(kept), between(T_map_keyframe_, result.T_map_base), keyframes_.size() - 1});
-    return;
-  }
+  if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
   scans_.push_back({{}, {}, keyframes_.size()});
   keyframes_.push_back(scans_.size() - 1);
-  add_keyframe(result, std::move(kept));
+  add_keyframe(result, keep_scan(points_base_m));
+}
+
+// Its points are not needed before the end.
+void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult& result) {
+  Scan& scan = scans_.emplace_back();
+  scan.T_keyframe_base = between(T_map_keyframe_, result.T_map_base);
+  scan.keyframe = keyframes_.size() - 1;
+  if (threads_meant(options_.threads) == 1) {
+    scan.points = keep_scan(points_base_m);
+    return;
+  }
+  if (!keeping_) keeping_.emplace(true, kMostUnkept);
+  keeping_->give(
+      [&scan, points = std::vector(points_base_m.begin(), points_base_m.end())] { scan.points = keep_scan(points); });
 }
 
 // One scan on. Where the match is farther from what the wheels said than both can be, either may be wrong by all of it.
@@ -202,6 +215,7 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
 
 BackEndResult BackEnd::as_driven() {
   loops_.abandon();
+  if (keeping_) keeping_->finish();
   BackEndResult result;
   result.poses = poses_of_scans(path_.poses);
   result.keyframes = keyframes_;
@@ -214,6 +228,7 @@ BackEndResult BackEnd::finish(const Progress& progress) {
   };
   LoopCloser& closer = loops_.end([&](double share) { closing(share, 0); });
   closer.run(closing);
+  if (keeping_) keeping_->finish();
   WorkerPool workers(threads_meant(options_.threads));
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;

@@ -5,11 +5,14 @@
 
 #include <array>
 #include <cstddef>
+#include <deque>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "engine/core/side_thread.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
@@ -24,7 +27,8 @@ struct BackEndOptions {
   LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
-  unsigned threads = 1;  ///< of the adjustments, the caller's included; 0: one a processor
+  unsigned threads = 1;  ///< of the adjustments, the caller's included; 0: one a processor. With more than one, scans
+                         ///< are taken by a thread besides
 };
 
 /// What the back end came to.
@@ -46,7 +50,7 @@ class BackEnd {
   /// What is being done, and the share of it that is.
   using Progress = std::function<void(std::string_view, double)>;
 
-  explicit BackEnd(const BackEndOptions& options) : options_(options), loops_(options.loops, options.live) {}
+  explicit BackEnd(const BackEndOptions& options);
 
   /// The next scan and where the front end put it. Rethrows what looking for loops threw.
   void take(std::span<const Point2> points_base_m, const MatchResult& result);
@@ -69,6 +73,7 @@ class BackEnd {
     std::size_t keyframe = 0;
   };
   void follow(const MatchResult& result);
+  void add_scan(std::span<const Point2> points_base_m, const MatchResult& result);
   void add_keyframe(const MatchResult& result, KeptScan points);
   [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& scan) const;
   [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
@@ -80,16 +85,17 @@ class BackEnd {
   BackEndOptions options_;
   LiveLoops loops_;
   const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
-  std::vector<Scan> scans_;
-  std::vector<std::size_t> keyframes_;  // which scans they are
-  Pose2 T_map_keyframe_;                // the last one
-  double travelled_m_ = 0.0;            // until it
+  std::deque<Scan> scans_;                    // they stay where they are
+  std::vector<std::size_t> keyframes_;        // which scans they are
+  Pose2 T_map_keyframe_;                      // the last one
+  double travelled_m_ = 0.0;                  // until it
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;
   Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
   WheelTravel travel_;
   Pose2 T_map_last_;
+  std::optional<SideThread> keeping_;  // of the points of scans that are no keyframes
 };
 
 }  // namespace gdtslam
