@@ -227,9 +227,9 @@ BackEndResult BackEnd::finish(const Progress& progress) {
     progress("closing loops", (share + round) / (options_.loops.rounds + 1));
   };
   LoopCloser& closer = loops_.end([&](double share) { closing(share, 0); });
-  closer.run(closing);
-  if (keeping_) keeping_->finish();
   WorkerPool workers(threads_meant(options_.threads));
+  closer.run(closing, workers);
+  if (keeping_) keeping_->finish();
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;
   result.is_closed = true;
