@@ -27,6 +27,18 @@ MapperConfig field_config(double resolution_m) {
   return config;
 }
 
+// One at a time is made on a backend.
+FieldCopy field_of(const std::vector<Point2>& points_m, double resolution_m, Backend& backend,
+                   std::mutex& backend_mutex) {
+  const MapperConfig config = field_config(resolution_m);
+  const KeyframeCells cells = keyframe_of(points_m, resolution_m, config.map.radius_cells());
+  const std::lock_guard lock(backend_mutex);
+  KeyframeMap map(config, backend);
+  StageTimes times;
+  map.merge(cells, times);
+  return FieldCopy(map.field);
+}
+
 // Cost units that one sigma squared is worth: a point that is a cell off costs 256, and of `points` only some are
 // independent.
 WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t points) {
@@ -52,33 +64,25 @@ std::vector<Point2> every_nth(const std::vector<Point2>& points, std::size_t mos
 
 /// A group that others are searched in.
 struct LoopFinder::Reference {
-  /// One at a time is made on a backend, and asked for its field.
   Reference(const KeyframePath& keyframes, std::size_t middle, const LoopSearchOptions& options, Backend& backend,
             std::mutex& backend_mutex)
       : group(keyframes, middle, options.reference_half_m, kReferenceSpacing_m),
-        config(field_config(options.resolution_m)) {
-    const KeyframeCells cells = keyframe_of(group.points(), options.resolution_m, config.map.radius_cells());
-    const std::lock_guard lock(backend_mutex);
-    StageTimes times;
-    map.emplace(config, backend);
-    map->merge(cells, times);
-    view = field_view(map->field);
-  }
+        field(field_of(group.points(), options.resolution_m, backend, backend_mutex)) {}
 
   /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
   const CertifiedMap& certified_for(bool is_near) {
     const std::lock_guard lock(mutex);
     Prepared& prepared = prepared_for(is_near);
     if (!prepared.map) {
-      prepared.map.emplace(view, best_isa(), is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
+      prepared.map.emplace(field.view(), best_isa(), is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
       prepared.bytes = prepared.map->bytes();
     }
     return *prepared.map;
   }
 
   [[nodiscard]] std::size_t bytes() const {
-    return group.space().bytes() + map->field.geometry().cell_count() * sizeof(std::uint16_t) +
-           (for_near.is_counted ? for_near.bytes : 0U) + (for_any.is_counted ? for_any.bytes : 0U);
+    return group.space().bytes() + field.bytes() + (for_near.is_counted ? for_near.bytes : 0U) +
+           (for_any.is_counted ? for_any.bytes : 0U);
   }
   [[nodiscard]] std::size_t prepared_bytes() const {
     return (for_near.map ? for_near.bytes : 0U) + (for_any.map ? for_any.bytes : 0U);
@@ -93,10 +97,8 @@ struct LoopFinder::Reference {
   Prepared& prepared_for(bool is_near) { return is_near ? for_near : for_any; }
 
   ScanGroup group;
-  MapperConfig config;
-  std::optional<KeyframeMap> map;
-  FieldView view;
-  std::mutex mutex;
+  FieldCopy field;
+  std::mutex mutex;  // of what is prepared
   Prepared for_near;
   Prepared for_any;
   std::uint64_t number = 0;  // tells it from others of its place, before and after
