@@ -90,7 +90,7 @@ struct LoopMapper::State {
       : threads(threads_meant(options.cpu.threads)),
         mapper(front_end_config(config), backend, options),
         back_end({.loops = {},
-                  .live = {.is_beside = options.loops_beside, .warn = options.warn},
+                  .live = {.is_beside = options.loops_beside, .warn = options.warn, .threads = threads},
                   .joint = {},
                   .scans = {},
                   .threads = threads}),

@@ -26,6 +26,7 @@ void LiveLoops::start() {
   if (is_started_) return;
   is_started_ = true;
   is_over_ = !live_.is_beside;
+  workers_ = std::make_unique<WorkerPool>(live_.is_beside ? live_.threads : 1);
   if (!live_.is_beside) return;
   const SignalsBlocked blocked;
   try {
@@ -111,7 +112,7 @@ void LiveLoops::append(Keyframe& keyframe) {
 // One keyframe on, and one place at most.
 void LiveLoops::follow(Keyframe& keyframe) {
   append(keyframe);
-  closer_.follow([](double, int) {});
+  closer_.follow([](double, int) {}, *workers_);
   const std::lock_guard lock(mutex_);
   if (found_.size() == closer_.graph().poses.size()) return;
   found_.push_back(closer_.correction());

@@ -58,24 +58,24 @@ void LoopCloser::take_keyframe() {
   finder_.add_place(here);
 }
 
-void LoopCloser::follow_place(std::size_t here) {
+void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
   if (here == 0) {
     graph_.poses = {poses_.front()};
     return;
   }
   graph_.path.push_back(measured_.by_front_end(here));
   graph_.poses.push_back(graph_.poses.back() * graph_.path.back().T_from_to);
-  if (!take_loops(finder_.look(graph_, here))) return;
+  if (!take_loops(finder_.look(graph_, here, workers))) return;
   graph_.optimise(++closed_ % kGraduatedEvery == 0);
   T_closed_front_ = graph_.poses[here] * inverse(path_.poses[places()[here]]);
 }
 
-void LoopCloser::follow(const Progress& progress) {
+void LoopCloser::follow(const Progress& progress, WorkerPool& workers) {
   while (poses_.size() < path_.poses.size()) {
     take_keyframe();
     const std::size_t here = graph_.poses.size();
     if (places().size() <= here + kPlacesAround) continue;
-    follow_place(here);
+    follow_place(here, workers);
     if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
   }
 }
@@ -136,9 +136,9 @@ void LoopCloser::carry_keyframes() {
 }
 
 void LoopCloser::run(const Progress& progress, WorkerPool& workers) {
-  follow(progress);
+  follow(progress, workers);
   for (std::size_t here = graph_.poses.size(); here < places().size(); ++here) {
-    follow_place(here);
+    follow_place(here, workers);
     if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
   }
   if (places().size() < 2) return;

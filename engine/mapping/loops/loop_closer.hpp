@@ -51,7 +51,7 @@ class LoopCloser {
   LoopCloser(const FrontEndPath& path, const LoopOptions& options);
 
   /// Takes the keyframes that the path has gained, and looks at the places that are due.
-  void follow(const Progress& progress);
+  void follow(const Progress& progress, WorkerPool& workers);
   /// To be called once, when the path is whole: follows it to its end, then goes round, where the workers look ahead.
   void run(const Progress& progress, WorkerPool& workers);
 
@@ -72,7 +72,7 @@ class LoopCloser {
  private:
   bool take_loops(const std::vector<Loop>& loops);
   void take_keyframe();
-  void follow_place(std::size_t here);
+  void follow_place(std::size_t here, WorkerPool& workers);
   void go_round(const Progress& progress, int round, WorkerPool& workers);
   void weigh_sources();
   void carry_keyframes();

@@ -271,15 +271,22 @@ std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
   return loops;
 }
 
-std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here) {
+// One after the other they need less memory than side by side.
+std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, WorkerPool& workers) {
   std::vector<Loop> loops;
   const std::vector<Revisit> revisits = wanted_revisits(graph, here);
   if (revisits.empty()) return loops;
   const ScanGroup query = query_at(here);
-  for (const Revisit& revisit : revisits) {
-    const std::vector<Loop> found = take({find(revisit, query)}, here);
+  const std::size_t at_once = workers.threads() > 1 ? revisits.size() : 1;
+  for (std::size_t first = 0; first < revisits.size(); first += at_once) {
+    std::vector<Found> all(at_once);
+    workers.run(at_once, 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t k = begin; k < end; ++k) all[k] = find(revisits[first + k], query);
+    });
+    const std::vector<Loop> found = take(std::move(all), here);
     loops.insert(loops.end(), found.begin(), found.end());
   }
+  fresh_.clear();
   return loops;
 }
 
@@ -288,7 +295,7 @@ void LoopFinder::look_at(const PoseGraph& graph, std::size_t first, std::size_t 
   const std::size_t most_ahead = workers.threads() > 1 ? kAheadAThread * workers.threads() : 0;
   for (std::size_t here = first; here < end;) {
     if (most_ahead == 0) {
-      take_loops(here, look(graph, here));
+      take_loops(here, look(graph, here, workers));
       ++here;
       continue;
     }

@@ -58,7 +58,8 @@ class LoopFinder {
   void add_place(std::size_t keyframe);
   /// The loops of a place to earlier ones that the graph does not have yet, or has switched off. Its nodes are the
   /// places.
-  std::vector<Loop> look(const PoseGraph& graph, std::size_t here);
+  /// The workers share out the earlier ones.
+  std::vector<Loop> look(const PoseGraph& graph, std::size_t here, WorkerPool& workers);
   /// Looks at places from `first` until before `end`, one after the other, and gives the loops of each to take_loops(),
   /// which tells whether it has changed the graph with them. Workers look ahead: what they found counts while the graph
   /// is as they saw it. Loops and graph are the same for any number of them.

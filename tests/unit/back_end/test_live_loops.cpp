@@ -50,7 +50,7 @@ TEST_P(LiveLoopsSeeds, GiveWhatThePathTakenWholeGives) {
   whole.run([](double, int) {}, alone);
   std::vector<std::vector<Pose2>> corrections;
   for (const bool is_beside : {true, false}) {
-    LiveLoops loops({}, {.is_beside = is_beside});
+    LiveLoops loops({}, {.is_beside = is_beside, .threads = 3});
     corrections.push_back(corrections_of(loops, twice));
     LoopCloser& closer = loops.end([](double) {});
     closer.run([](double, int) {}, alone);

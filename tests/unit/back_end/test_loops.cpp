@@ -88,7 +88,8 @@ TEST(LoopInformation, ComesFromTheWallsThatBothHave) {
 TEST(Revisits, AreTheEarlierPlacesThatMayBeHere) {
   const LoopDrive twice = drive_around_ring(2, 0.02, 0.002, 4);
   LoopCloser closer(twice.path, {});
-  closer.follow([](double, int) {});
+  WorkerPool alone(1);
+  closer.follow([](double, int) {}, alone);
   PoseGraph graph;
   std::vector<double> path_m;
   for (const std::size_t keyframe : closer.places()) {
