@@ -11,7 +11,7 @@
 
 #include "engine/compute/cpu/functions.hpp"
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/compute/cpu/thread_pool.hpp"
+#include "engine/core/worker_pool.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -21,7 +21,6 @@ namespace {
 constexpr std::size_t kAlignment = 64;  // a cache line, and the widest vector
 /// Fewer elementary steps than this are done before a sleeping thread has woken.
 constexpr std::uint64_t kStepsWorthThreads = 32768;
-constexpr unsigned kMostThreads = 1024;
 
 std::size_t physical_memory_bytes() {
   const long pages = sysconf(_SC_PHYS_PAGES);
@@ -122,7 +121,7 @@ class CpuBackend final : public Backend {
   void bind(const KernelInfo& kernel, std::span<const Buffer* const> buffers);
 
   Isa isa_;
-  ThreadPool pool_;
+  WorkerPool pool_;
   DeviceInfo device_;
   std::unordered_map<std::uint64_t, Allocation> allocations_;
   std::uint64_t next_id_ = 1;
@@ -224,14 +223,19 @@ void CpuBackend::dispatch(const KernelInfo& kernel, std::span<const Buffer* cons
     return;
   }
   const std::uint32_t count = threads.y > 1 ? threads.y : threads.x;
-  CpuLaunch launch{bound_, params, threads, 0, count};
+  const CpuLaunch launch{bound_, params, threads, 0, count};
   if (pool_.threads() == 1 || count == 1 || kernel.work(shape) < kStepsWorthThreads) {
     function(launch);
     return;
   }
   // Slices along x end at cache lines even for bytes, so that two threads do not write into one line.
   const bool wide = threads.y <= 1 && count >= 2 * kAlignment * pool_.threads();
-  pool_.run(function, launch, count, wide ? kAlignment : 1);
+  pool_.run(count, wide ? kAlignment : 1, [function, &launch](std::uint64_t begin, std::uint64_t end) {
+    CpuLaunch slice = launch;
+    slice.begin = static_cast<std::uint32_t>(begin);
+    slice.end = static_cast<std::uint32_t>(end);
+    function(slice);
+  });
 }
 
 }  // namespace
@@ -242,8 +246,7 @@ std::unique_ptr<Backend> make_cpu_backend(const CpuOptions& options) {
     throw UnavailableError("instruction set " + std::string(to_string(isa)) +
                            " is not available on this processor; the best is " + std::string(to_string(best_isa())));
   }
-  const unsigned wanted = options.threads == 0 ? std::thread::hardware_concurrency() : options.threads;
-  return std::make_unique<CpuBackend>(isa, std::clamp(wanted, 1U, kMostThreads));
+  return std::make_unique<CpuBackend>(isa, threads_meant(options.threads));
 }
 
 }  // namespace gdtslam

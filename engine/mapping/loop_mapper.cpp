@@ -1,6 +1,9 @@
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "engine/core/side_thread.hpp"
+#include "engine/core/worker_pool.hpp"
 #include "engine/mapping/back_end/back_end.hpp"
 #include "engine/mapping/map/separate_map.hpp"
 #include "gdtslam/mapping/mapper.hpp"
@@ -84,20 +87,26 @@ struct Stopped {};  // thrown through the back end by its own progress
 
 struct LoopMapper::State {
   State(const MapperConfig& config, Backend& backend, const MapperOptions& options)
-      : mapper(front_end_config(config), backend, options),
-        back_end(
-            {.loops = {}, .live = {.is_beside = options.loops_beside, .warn = options.warn}, .joint = {}, .scans = {}}),
+      : threads(threads_meant(options.cpu.threads)),
+        mapper(front_end_config(config), backend, options),
+        back_end({.loops = {},
+                  .live = {.is_beside = options.loops_beside, .warn = options.warn, .threads = threads},
+                  .joint = {},
+                  .scans = {},
+                  .threads = threads}),
         points(config.scan),
         map(config) {}
 
   BackEndResult closed(const Progress& progress, const std::function<bool()>& stop);
-  void rebuild(const BackEndResult& result);
+  void rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses);
 
+  unsigned threads;
   Mapper mapper;
   BackEnd back_end;
   ScanPoints points;
   std::vector<Point2> points_base_m;  // of the scan in hand
   SeparateMap map;                    // of all keyframes, once they are where they belong
+  std::optional<SideThread> mapping;  // that makes it
 };
 
 double PoseCovariance::sigma_m() const {
@@ -107,7 +116,18 @@ double PoseCovariance::sigma_m() const {
 LoopMapper::LoopMapper(const MapperConfig& config, Backend& backend, const MapperOptions& options)
     : state_(std::make_unique<State>(config, backend, options)) {}
 LoopMapper::~LoopMapper() = default;
-const GlobalField& LoopMapper::field() const { return state_->map.field(); }
+
+double LoopMapper::finish_field() const {
+  if (!state_->mapping) return 0.0;
+  state_->mapping->finish();
+  return state_->mapping->cpu_s();
+}
+
+const GlobalField& LoopMapper::field() const {
+  finish_field();
+  return state_->map.field();
+}
+
 const Mapper& LoopMapper::front_end() const { return state_->mapper; }
 const Pose2& LoopMapper::correction() const { return state_->back_end.loops().correction(); }
 LiveStatistics LoopMapper::live_statistics() const { return state_->back_end.loops().statistics(); }
@@ -131,9 +151,9 @@ MatchResult LoopMapper::finish() {
 }
 
 // Equations (1) and (9) to (11), in the order in which the keyframes were taken.
-void LoopMapper::State::rebuild(const BackEndResult& result) {
+void LoopMapper::State::rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses) {
   const std::vector<KeptScan>& scans = back_end.keyframe_scans();
-  for (std::size_t i = 0; i < scans.size(); ++i) map.merge(points_of(scans[i]), result.poses[result.keyframes[i]]);
+  for (std::size_t i = 0; i < scans.size(); ++i) map.merge(points_of(scans[i]), poses[keyframes[i]]);
 }
 
 BackEndResult LoopMapper::State::closed(const Progress& progress, const std::function<bool()>& stop) {
@@ -149,7 +169,9 @@ BackEndResult LoopMapper::State::closed(const Progress& progress, const std::fun
 
 ClosedPath LoopMapper::close(const Progress& progress, const std::function<bool()>& stop) {
   const BackEndResult result = stop() ? state_->back_end.as_driven() : state_->closed(progress, stop);
-  state_->rebuild(result);
+  state_->mapping.emplace(state_->threads > 1, 1);
+  state_->mapping->give(
+      [state = state_.get(), keyframes = result.keyframes, poses = result.poses] { state->rebuild(keyframes, poses); });
   ClosedPath path{.is_closed = result.is_closed,
                   .T_map_base = result.poses,
                   .covariances = {},

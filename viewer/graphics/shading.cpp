@@ -79,12 +79,20 @@ void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t 
   const Nearness nearness(picture, range, shading_reach(radius));
   picture.depth = {};
   std::vector<float> inverse(picture.width);
-  std::vector<float> shade(picture.width);
-  std::uint8_t* pixel = picture.rgba.data();
+  std::vector<float> shade;
+  shade.reserve(picture.width);
   for (std::uint32_t y = 0; y < picture.height; ++y) {
+    // Nothing changes where nothing was drawn.
     const float* row = nearness.row(y);
-    std::fill(shade.begin(), shade.end(), 1.0F);
-    for (std::size_t x = 0; x < shade.size(); ++x) {
+    std::size_t first = 0;
+    std::size_t end = picture.width;
+    while (first < end && !(row[first] > 0.0F)) ++first;
+    while (first < end && !(row[end - 1] > 0.0F)) --end;
+    const std::size_t drawn = end - first;
+    row += first;
+    shade.assign(drawn, 1.0F);
+    std::uint8_t* pixel = picture.rgba.data() + 4 * (std::size_t{y} * picture.width + first);
+    for (std::size_t x = 0; x < drawn; ++x) {
       inverse[x] = row[x] <= 0.0F ? 0.0F : range.is_parallel ? 1.0F : 1.0F / row[x];
     }
     for (std::uint32_t ring = 0; ring < kShadingRings; ++ring) {
@@ -92,7 +100,7 @@ void shade_eye_dome(RawPicture& picture, const DepthRange& range, std::uint32_t 
       const std::ptrdiff_t down = across * nearness.stride();
       const float tilt = kTilt * static_cast<float>(across);
       for (const std::ptrdiff_t to_one : {across, down, down + across, down - across}) {
-        add_steps(row, row + to_one, row - to_one, inverse.data(), tilt, picture.width, shade.data());
+        add_steps(row, row + to_one, row - to_one, inverse.data(), tilt, drawn, shade.data());
       }
     }
     for (const float s : shade) {

@@ -11,7 +11,8 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFewestLaid = 15.0;  // that lay a scan on another
+constexpr double kFewestLaid = 15.0;       // that lay a scan on another
+constexpr std::size_t kPairsAtOnce = 512;  // by the workers, before they are added up
 
 // Of the pairs of a keyframe, those that are in the core: the next ones back in time, and the nearest of earlier
 // passes.
@@ -117,41 +118,84 @@ class JointAdjustment::Systems {
   std::array<BlockSystem*, 2> both_{};
 };
 
+/// What one scan laid on another adds to the equations.
+struct JointAdjustment::OneWay {
+  bool is_laid = false;
+  Matrix3 of_moving;
+  Matrix3 of_fixed;
+  Matrix3 cross;  ///< (moving, fixed)
+  Tangent2 pull_on_moving{};
+  Tangent2 pull_on_fixed{};
+  double weight = 0.0;
+  double cost_m2 = 0.0;
+
+  void add_to(BlockSystem& system, std::size_t fixed, std::size_t moving) const {
+    system.diagonal[moving] += of_moving;
+    system.diagonal[fixed] += of_fixed;
+    system.add(moving, fixed, cross);
+    subtract(system.right[moving], pull_on_moving);
+    subtract(system.right[fixed], pull_on_fixed);
+  }
+};
+
 // Motions of the scan that moves are tangents on its right; one of the scan that stands still is, seen from the moving
 // one, the opposite motion carried over.
-void JointAdjustment::add_one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
-                                  const LineGate& gate, std::span<BlockSystem* const> systems,
-                                  LineEquations& total) const {
+JointAdjustment::OneWay JointAdjustment::one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
+                                                 const LineGate& gate) const {
   const Pose2 T_fixed_moving = between(poses[fixed], poses[moving]);
   const LineEquations lines = line_equations(scans_[fixed], scans_[moving], T_fixed_moving, gate);
-  if (lines.weight < kFewestLaid) return;
+  if (lines.weight < kFewestLaid) return {};
   const double weight = options_.independent / (options_.point_noise_m * options_.point_noise_m);
   const Matrix3 by_fixed = -1.0 * adjoint_matrix(inverse(T_fixed_moving));
   const Belief belief = belief_in(lines);
   const Matrix3 information = weight * belief.information;
-  const Matrix3 cross = information * by_fixed;  // (moving, fixed)
+  const Matrix3 cross = information * by_fixed;
   const Tangent2 pull{weight * belief.gradient[0], weight * belief.gradient[1], weight * belief.gradient[2]};
-  for (BlockSystem* system : systems) {
-    system->diagonal[moving] += information;
-    system->diagonal[fixed] += transposed_times(by_fixed, cross);
-    system->add(moving, fixed, cross);
-    subtract(system->right[moving], pull);
-    subtract(system->right[fixed], transposed(by_fixed) * pull);
-  }
-  total.weight += lines.weight;
-  total.cost_m2 += lines.cost_m2;
+  return {.is_laid = true,
+          .of_moving = information,
+          .of_fixed = transposed_times(by_fixed, cross),
+          .cross = cross,
+          .pull_on_moving = pull,
+          .pull_on_fixed = transposed(by_fixed) * pull,
+          .weight = lines.weight,
+          .cost_m2 = lines.cost_m2};
 }
 
-double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses,
+// Workers lay scans on each other; one thread adds that up, in the order of the pairs.
+LineEquations JointAdjustment::lay_pairs(const LineGate& gate, Systems& systems, const std::vector<Pose2>& poses,
+                                         WorkerPool& workers) const {
+  const std::vector<KeyframePair>& pairs = systems.pairs();
+  std::vector<std::array<OneWay, 2>> laid(std::min(kPairsAtOnce, pairs.size()));
+  LineEquations total;
+  for (std::size_t first = 0; first < pairs.size(); first += laid.size()) {
+    const std::size_t count = std::min(laid.size(), pairs.size() - first);
+    workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto& [from, to] = pairs[first + k];
+        laid[k] = {one_way(from, to, poses, gate), one_way(to, from, poses, gate)};
+      }
+    });
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto& [from, to] = pairs[first + k];
+      for (const OneWay& way : laid[k]) {
+        if (!way.is_laid) continue;
+        const bool is_forward = &way == laid[k].data();
+        for (BlockSystem* system : systems.of_pair(first + k)) {
+          way.add_to(*system, is_forward ? from : to, is_forward ? to : from);
+        }
+        total.weight += way.weight;
+        total.cost_m2 += way.cost_m2;
+      }
+    }
+  }
+  return total;
+}
+
+double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, WorkerPool& workers,
                                   JointResult& result) const {
   for (BlockSystem* system : systems.all()) system->clear();
-  LineEquations total;
   const LineGate gate{.most_m = gate_m, .points = options_.points};
-  for (std::size_t i = 0; i < systems.pairs().size(); ++i) {
-    const auto& [from, to] = systems.pairs()[i];
-    add_one_way(from, to, poses, gate, systems.of_pair(i), total);
-    add_one_way(to, from, poses, gate, systems.of_pair(i), total);
-  }
+  const LineEquations total = lay_pairs(gate, systems, poses, workers);
   for (BlockSystem* system : systems.all()) {
     for (const PoseRelation& relation : held_) add_relation(relation, poses, 1.0, *system);
   }
@@ -160,14 +204,14 @@ double JointAdjustment::take_step(double gate_m, Systems& systems, std::vector<P
   return systems.step(poses);
 }
 
-JointResult JointAdjustment::run(std::vector<Pose2>& poses, const Progress& progress) const {
+JointResult JointAdjustment::run(std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress) const {
   JointResult result;
   if (poses.size() < 2) return result;
   std::optional<Systems> systems;
   double gate_m = options_.first_gate_m;
   for (int step = 0; step < options_.iterations; ++step) {
     if (step % options_.pairs_every == 0) systems.emplace(pairs_of(poses), held_, scans_.size());
-    result.largest_step_m = take_step(gate_m, *systems, poses, result);
+    result.largest_step_m = take_step(gate_m, *systems, poses, workers, result);
     const bool is_still = result.largest_step_m < options_.still_m && gate_m <= options_.last_gate_m;
     if (is_still && step >= options_.pairs_every) break;
     gate_m = std::max(options_.last_gate_m, options_.narrowing * gate_m);

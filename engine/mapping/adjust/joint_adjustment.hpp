@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/point_to_line.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/surface/surface_points.hpp"
@@ -55,14 +56,19 @@ class JointAdjustment {
 
   /// Called after each iteration with the share of them that is done.
   using Progress = std::function<void(double)>;
+  /// The workers lay the pairs on each other.
   JointResult run(
-      std::vector<Pose2>& poses, const Progress& progress = [](double) {}) const;
+      std::vector<Pose2>& poses, WorkerPool& workers, const Progress& progress = [](double) {}) const;
 
  private:
   class Systems;
-  double take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, JointResult& result) const;
-  void add_one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses, const LineGate& gate,
-                   std::span<BlockSystem* const> systems, LineEquations& total) const;
+  struct OneWay;
+  double take_step(double gate_m, Systems& systems, std::vector<Pose2>& poses, WorkerPool& workers,
+                   JointResult& result) const;
+  LineEquations lay_pairs(const LineGate& gate, Systems& systems, const std::vector<Pose2>& poses,
+                          WorkerPool& workers) const;
+  [[nodiscard]] OneWay one_way(std::size_t fixed, std::size_t moving, const std::vector<Pose2>& poses,
+                               const LineGate& gate) const;
 
   const std::vector<KeptScan>& scans_;
   std::vector<PoseRelation> held_;

@@ -35,7 +35,9 @@ constexpr std::size_t kSpans[] = {4, 12, 30};  // keyframes
 constexpr std::size_t kSpansOver = 4;          // each of them over every step of the path, which is to count once
 constexpr double kSpanNoise_m = 0.01;
 constexpr double kSpanNoise_rad = 0.003;
-constexpr double kLeastForDoubt = 0.3;  // factor of a variance, halfway between what loops found and what was stated
+constexpr double kLeastForDoubt = 0.3;     // factor of a variance, halfway between what loops found and what was stated
+constexpr std::size_t kMostUnkept = 128;   // scans whose points wait for what is kept of them
+constexpr std::size_t kScansAtOnce = 256;  // adjusted by the workers, before progress is told
 constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
 
 Matrix3 least_of_wheels() {
@@ -51,17 +53,29 @@ void to_frame_of_first(std::vector<Pose2>& poses) {
 
 }  // namespace
 
+BackEnd::BackEnd(const BackEndOptions& options) : options_(options), loops_(options.loops, options.live) {}
+
 void BackEnd::take(std::span<const Point2> points_base_m, const MatchResult& result) {
   if (!keyframes_.empty()) follow(result);
   T_map_last_ = result.T_map_base;
-  KeptScan kept = keep_scan(points_base_m);
-  if (!result.merged && !keyframes_.empty()) {
-    scans_.push_back({std::move(kept), between(T_map_keyframe_, result.T_map_base), keyframes_.size() - 1});
-    return;
-  }
+  if (!result.merged && !keyframes_.empty()) return add_scan(points_base_m, result);
   scans_.push_back({{}, {}, keyframes_.size()});
   keyframes_.push_back(scans_.size() - 1);
-  add_keyframe(result, std::move(kept));
+  add_keyframe(result, keep_scan(points_base_m));
+}
+
+// Its points are not needed before the end.
+void BackEnd::add_scan(std::span<const Point2> points_base_m, const MatchResult& result) {
+  Scan& scan = scans_.emplace_back();
+  scan.T_keyframe_base = between(T_map_keyframe_, result.T_map_base);
+  scan.keyframe = keyframes_.size() - 1;
+  if (threads_meant(options_.threads) == 1) {
+    scan.points = keep_scan(points_base_m);
+    return;
+  }
+  if (!keeping_) keeping_.emplace(true, kMostUnkept);
+  keeping_->give(
+      [&scan, points = std::vector(points_base_m.begin(), points_base_m.end())] { scan.points = keep_scan(points); });
 }
 
 // One scan on. Where the match is farther from what the wheels said than both can be, either may be wrong by all of it.
@@ -153,15 +167,20 @@ std::vector<Pose2> BackEnd::poses_of_scans(const std::vector<Pose2>& keyframes) 
   return poses;
 }
 
-void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses,
+void BackEnd::adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
                            const Progress& progress) const {
   const ScanAdjustment adjustment(path_.scans, keyframes, options_.scans);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Scan& scan = scans_[i];
-    const bool is_keyframe = keyframes_[scan.keyframe] == i;
-    const KeptScan& points = is_keyframe ? path_.scans[scan.keyframe] : scan.points;
-    poses[i] = adjustment.adjusted(points, poses[i], scan.keyframe, is_keyframe);
-    progress("adjusting scans", static_cast<double>(i + 1) / static_cast<double>(poses.size()));
+  for (std::size_t first = 0; first < poses.size(); first += kScansAtOnce) {
+    const std::size_t count = std::min(kScansAtOnce, poses.size() - first);
+    workers.run(count, 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::size_t i = first + begin; i < first + end; ++i) {
+        const Scan& scan = scans_[i];
+        const bool is_keyframe = keyframes_[scan.keyframe] == i;
+        const KeptScan& points = is_keyframe ? path_.scans[scan.keyframe] : scan.points;
+        poses[i] = adjustment.adjusted(points, poses[i], scan.keyframe, is_keyframe);
+      }
+    });
+    progress("adjusting scans", static_cast<double>(first + count) / static_cast<double>(poses.size()));
   }
 }
 
@@ -196,6 +215,7 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
 
 BackEndResult BackEnd::as_driven() {
   loops_.abandon();
+  if (keeping_) keeping_->finish();
   BackEndResult result;
   result.poses = poses_of_scans(path_.poses);
   result.keyframes = keyframes_;
@@ -207,17 +227,17 @@ BackEndResult BackEnd::finish(const Progress& progress) {
     progress("closing loops", (share + round) / (options_.loops.rounds + 1));
   };
   LoopCloser& closer = loops_.end([&](double share) { closing(share, 0); });
-  closer.run(closing);
+  WorkerPool workers(threads_meant(options_.threads));
+  closer.run(closing, workers);
+  if (keeping_) keeping_->finish();
   std::vector<Pose2> keyframes = closer.poses();
   BackEndResult result;
   result.is_closed = true;
   result.covariances = covariances_of_scans(closer);
-  result.joint =
-      JointAdjustment(path_.scans, held_relations(closer.measured()), options_.joint).run(keyframes, [&](double share) {
-        progress("adjusting keyframes", share);
-      });
+  result.joint = JointAdjustment(path_.scans, held_relations(closer.measured()), options_.joint)
+                     .run(keyframes, workers, [&](double share) { progress("adjusting keyframes", share); });
   result.poses = poses_of_scans(keyframes);
-  adjust_scans(keyframes, result.poses, progress);
+  adjust_scans(keyframes, result.poses, workers, progress);
   result.keyframes = keyframes_;
   result.graph = closer.graph();
   to_frame_of_first(result.poses);

@@ -1,14 +1,19 @@
 // From the path of the front end to the best path there is: loops closed, all keyframes adjusted together, then every
-// scan. Frame: the robot's pose at the first scan. Not thread-safe. Cost: docs/loops.md; at most 20 bytes a point.
+// scan. Frame: the robot's pose at the first scan. Not thread-safe; the result is the same for any number of threads.
+// Cost: docs/loops.md; at most 20 bytes a point.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <deque>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "engine/core/side_thread.hpp"
+#include "engine/core/worker_pool.hpp"
 #include "engine/mapping/adjust/joint_adjustment.hpp"
 #include "engine/mapping/adjust/scan_adjustment.hpp"
 #include "engine/mapping/loops/live_loops.hpp"
@@ -22,6 +27,8 @@ struct BackEndOptions {
   LiveOptions live{};
   JointOptions joint;
   ScanAdjustmentOptions scans;
+  unsigned threads = 1;  ///< of the adjustments, the caller's included; 0: one a processor. With more than one, scans
+                         ///< are taken by a thread besides
 };
 
 /// What the back end came to.
@@ -43,7 +50,7 @@ class BackEnd {
   /// What is being done, and the share of it that is.
   using Progress = std::function<void(std::string_view, double)>;
 
-  explicit BackEnd(const BackEndOptions& options) : options_(options), loops_(options.loops, options.live) {}
+  explicit BackEnd(const BackEndOptions& options);
 
   /// The next scan and where the front end put it. Rethrows what looking for loops threw.
   void take(std::span<const Point2> points_base_m, const MatchResult& result);
@@ -66,26 +73,29 @@ class BackEnd {
     std::size_t keyframe = 0;
   };
   void follow(const MatchResult& result);
+  void add_scan(std::span<const Point2> points_base_m, const MatchResult& result);
   void add_keyframe(const MatchResult& result, KeptScan points);
   [[nodiscard]] MeasuredSteps steps_to(const MatchResult& result, const KeptScan& scan) const;
   [[nodiscard]] std::vector<PoseRelation> held_relations(const MeasuredPath& measured) const;
   [[nodiscard]] std::vector<Pose2> poses_of_scans(const std::vector<Pose2>& keyframes) const;
   [[nodiscard]] std::vector<Matrix3> covariances_of_scans(const LoopCloser& closer) const;
-  void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, const Progress& progress) const;
+  void adjust_scans(const std::vector<Pose2>& keyframes, std::vector<Pose2>& poses, WorkerPool& workers,
+                    const Progress& progress) const;
 
   BackEndOptions options_;
   LiveLoops loops_;
   const FrontEndPath& path_ = loops_.path();  // of the keyframes, after the end
-  std::vector<Scan> scans_;
-  std::vector<std::size_t> keyframes_;  // which scans they are
-  Pose2 T_map_keyframe_;                // the last one
-  double travelled_m_ = 0.0;            // until it
+  std::deque<Scan> scans_;                    // they stay where they are
+  std::vector<std::size_t> keyframes_;        // which scans they are
+  Pose2 T_map_keyframe_;                      // the last one
+  double travelled_m_ = 0.0;                  // until it
   // Since the last keyframe, in the frame of the last scan:
   Pose2 T_wheels_;  // by the wheels alone
   Matrix3 wheels_covariance_;
   Matrix3 leaps_;  // covariance of what wheels and matches cannot agree on
   WheelTravel travel_;
   Pose2 T_map_last_;
+  std::optional<SideThread> keeping_;  // of the points of scans that are no keyframes
 };
 
 }  // namespace gdtslam

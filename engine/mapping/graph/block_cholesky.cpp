@@ -52,14 +52,11 @@ void BlockSystem::add(std::size_t row, std::size_t column, const Matrix3& block)
 }
 
 BlockCholesky::BlockCholesky(const BlockSystem& pattern)
-    : sources_(pattern.rows()),
-      parent_(pattern.rows(), kNone),
-      columns_(pattern.rows()),
-      diagonal_(pattern.rows()),
-      row_(pattern.rows()) {
+    : sources_(pattern.rows()), parent_(pattern.rows(), kNone), diagonal_(pattern.rows()), row_(pattern.rows()) {
   choose_order(pattern);
   sort_sources(pattern);
   find_parents();
+  lay_out();
 }
 
 // Approximate minimum degree [Amestoy1996], integers alone.
@@ -112,7 +109,21 @@ void BlockCholesky::find_parents() {
   }
 }
 
-// The columns of a row of the factor: those of the system and their ancestors. A child comes before its parent.
+// Which blocks the factor has depends on the pattern alone.
+void BlockCholesky::lay_out() {
+  begin_.assign(sources_.size() + 1, 0);
+  marked_.assign(sources_.size(), kNone);
+  for (std::size_t row = 0; row < sources_.size(); ++row) {
+    reach(row);
+    for (const std::size_t column : reached_) ++begin_[column + 1];
+  }
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  end_.resize(sources_.size());
+  rows_.resize(begin_.back());
+  blocks_.resize(begin_.back());
+}
+
+// The columns of a row of the factor: those of the system and their ancestors.
 void BlockCholesky::reach(std::size_t row) {
   reached_.clear();
   for (const Source& source : sources_[row]) {
@@ -121,11 +132,11 @@ void BlockCholesky::reach(std::size_t row) {
       reached_.push_back(at);
     }
   }
-  std::sort(reached_.begin(), reached_.end());
 }
 
 bool BlockCholesky::eliminate(std::size_t row, const BlockSystem& system) {
   reach(row);
+  std::sort(reached_.begin(), reached_.end());  // a child comes before its parent
   for (const Source& source : sources_[row]) {
     const Matrix3& block = system.block(source.row_of_system, source.nth);
     row_[source.column] = source.is_transposed ? transposed(block) : block;
@@ -134,20 +145,21 @@ bool BlockCholesky::eliminate(std::size_t row, const BlockSystem& system) {
   for (const std::size_t column : reached_) {
     const Matrix3 block = over_transposed(row_[column], diagonal_[column]);
     row_[column] = {};
-    for (const Entry& entry : columns_[column]) row_[entry.row] -= times_transposed(block, entry.block);
+    const std::size_t end = end_[column];
+    for (std::size_t k = begin_[column]; k < end; ++k) row_[rows_[k]] -= times_transposed(block, blocks_[k]);
     pivot -= times_transposed(block, block);
-    columns_[column].push_back({row, block});
+    rows_[end] = row;
+    blocks_[end] = block;
+    ++end_[column];
   }
-  entries_ += reached_.size();
   diagonal_[row] = cholesky(pivot);
   return is_positive(diagonal_[row]);
 }
 
 bool BlockCholesky::factorise(const BlockSystem& system) {
   assert(system.rows() == diagonal_.size());
-  entries_ = 0;
   marked_.assign(diagonal_.size(), kNone);
-  for (std::vector<Entry>& column : columns_) column.clear();
+  std::copy(begin_.begin(), begin_.end() - 1, end_.begin());
   for (std::size_t row = 0; row < diagonal_.size(); ++row) {
     if (!eliminate(row, system)) return false;
   }
@@ -159,10 +171,10 @@ void BlockCholesky::solve(std::vector<Tangent2>& right) const {
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = right[old_of_[i]];
   for (std::size_t i = 0; i < x.size(); ++i) {
     x[i] = solve_lower(diagonal_[i], x[i]);
-    for (const Entry& entry : columns_[i]) subtract(x[entry.row], entry.block * x[i]);
+    for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) subtract(x[rows_[k]], blocks_[k] * x[i]);
   }
   for (std::size_t i = x.size(); i-- > 0;) {
-    for (const Entry& entry : columns_[i]) subtract(x[i], transposed(entry.block) * x[entry.row]);
+    for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) subtract(x[i], transposed(blocks_[k]) * x[rows_[k]]);
     x[i] = solve_lower_transposed(diagonal_[i], x[i]);
   }
   for (std::size_t i = 0; i < x.size(); ++i) right[old_of_[i]] = x[i];

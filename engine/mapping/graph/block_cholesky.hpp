@@ -50,15 +50,10 @@ class BlockCholesky {
   /// The solution, in place.
   void solve(std::vector<Tangent2>& right) const;
   /// Blocks of the factor: its memory is 72 bytes each, and 8 of indices.
-  [[nodiscard]] std::size_t factor_blocks() const { return entries_; }
+  [[nodiscard]] std::size_t factor_blocks() const { return blocks_.size(); }
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  /// A block of the factor below its diagonal.
-  struct Entry {
-    std::size_t row = 0;
-    Matrix3 block;
-  };
   /// A block of the system in elimination order: left of the diagonal.
   struct Source {
     std::size_t column = 0;
@@ -69,6 +64,7 @@ class BlockCholesky {
   void choose_order(const BlockSystem& pattern);
   void sort_sources(const BlockSystem& pattern);
   void find_parents();
+  void lay_out();
   void reach(std::size_t row);
   bool eliminate(std::size_t row, const BlockSystem& system);
 
@@ -76,12 +72,15 @@ class BlockCholesky {
   std::vector<std::size_t> new_of_;
   std::vector<std::vector<Source>> sources_;  // of each row, in elimination order from here on
   std::vector<std::size_t> parent_;           // of the elimination tree
-  std::vector<std::vector<Entry>> columns_;   // of the factor
-  std::vector<Matrix3> diagonal_;             // lower triangular
-  std::vector<Matrix3> row_;                  // in hand, zero where it has nothing
-  std::vector<std::size_t> reached_;          // columns where it has something
-  std::vector<std::size_t> marked_;           // the row that reached a column last
-  std::size_t entries_ = 0;
+  // Of the factor, below its diagonal: column after column, the blocks of a column in the order of their rows.
+  std::vector<std::size_t> begin_;  // of each column, and the end of the last
+  std::vector<std::size_t> end_;    // of each column as far as it is eliminated
+  std::vector<std::size_t> rows_;
+  std::vector<Matrix3> blocks_;
+  std::vector<Matrix3> diagonal_;     // lower triangular
+  std::vector<Matrix3> row_;          // in hand, zero where it has nothing
+  std::vector<std::size_t> reached_;  // columns where it has something
+  std::vector<std::size_t> marked_;   // the row that reached a column last
 };
 
 }  // namespace gdtslam

@@ -1,14 +1,12 @@
 #include "live_loops.hpp"
 
-#include <pthread.h>
-
 #include <chrono>
-#include <csignal>
-#include <ctime>
 #include <span>
 #include <system_error>
 #include <utility>
 
+#include "engine/core/side_thread.hpp"
+#include "engine/core/signals_blocked.hpp"
 #include "engine/mapping/map/separate_map.hpp"
 
 namespace gdtslam {
@@ -17,28 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kBetweenProgress = 50ms;
-
-/// While it lives, threads that are started block all signals: handlers run in the program's own threads.
-class SignalsBlocked {
- public:
-  SignalsBlocked() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
- private:
-  sigset_t before_{};
-};
-
-double own_cpu_s() {
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1.0e-9 * static_cast<double>(time.tv_nsec);
-}
 
 }  // namespace
 
@@ -50,6 +26,7 @@ void LiveLoops::start() {
   if (is_started_) return;
   is_started_ = true;
   is_over_ = !live_.is_beside;
+  workers_ = std::make_unique<WorkerPool>(live_.is_beside ? live_.threads : 1);
   if (!live_.is_beside) return;
   const SignalsBlocked blocked;
   try {
@@ -135,7 +112,7 @@ void LiveLoops::append(Keyframe& keyframe) {
 // One keyframe on, and one place at most.
 void LiveLoops::follow(Keyframe& keyframe) {
   append(keyframe);
-  closer_.follow([](double, int) {});
+  closer_.follow([](double, int) {}, *workers_);
   const std::lock_guard lock(mutex_);
   if (found_.size() == closer_.graph().poses.size()) return;
   found_.push_back(closer_.correction());

@@ -11,12 +11,14 @@
 #include <exception>
 #include <functional>
 #include <future>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <variant>
 #include <vector>
 
+#include "engine/core/worker_pool.hpp"
 #include "engine/mapping/loops/loop_closer.hpp"
 #include "gdtslam/mapping/mapper.hpp"
 
@@ -35,6 +37,7 @@ struct LiveOptions {
   bool is_beside = true;  ///< else the caller's thread does the same at the same counts
   /// Called where there is no thread to be had; the caller's does it then.
   std::function<void(const std::string&)> warn{};
+  unsigned threads = 1;  ///< that look, beside the mapping: the one that there is then anyway, and others
 };
 
 class LiveLoops {
@@ -90,6 +93,7 @@ class LiveLoops {
   // The thread's, from its start to its end:
   FrontEndPath path_;
   LoopCloser closer_;
+  std::unique_ptr<WorkerPool> workers_;
   // Of both, under the lock:
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -42,9 +42,8 @@ bool PlaceCounter::is_place(double path_m) {
 LoopCloser::LoopCloser(const FrontEndPath& path, const LoopOptions& options)
     : path_(path), options_(options), counter_(options), measured_(path, {}), finder_(options.search) {}
 
-bool LoopCloser::take_loops(PoseGraph& graph, std::size_t here) {
-  const std::vector<Loop> loops = finder_.look(graph, here);
-  for (const Loop& loop : loops) take(graph.loops, loop);
+bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
+  for (const Loop& loop : loops) take(graph_.loops, loop);
   return !loops.empty();
 }
 
@@ -59,33 +58,34 @@ void LoopCloser::take_keyframe() {
   finder_.add_place(here);
 }
 
-void LoopCloser::follow_place(std::size_t here) {
+void LoopCloser::follow_place(std::size_t here, WorkerPool& workers) {
   if (here == 0) {
     graph_.poses = {poses_.front()};
     return;
   }
   graph_.path.push_back(measured_.by_front_end(here));
   graph_.poses.push_back(graph_.poses.back() * graph_.path.back().T_from_to);
-  if (!take_loops(graph_, here)) return;
+  if (!take_loops(finder_.look(graph_, here, workers))) return;
   graph_.optimise(++closed_ % kGraduatedEvery == 0);
   T_closed_front_ = graph_.poses[here] * inverse(path_.poses[places()[here]]);
 }
 
-void LoopCloser::follow(const Progress& progress) {
+void LoopCloser::follow(const Progress& progress, WorkerPool& workers) {
   while (poses_.size() < path_.poses.size()) {
     take_keyframe();
     const std::size_t here = graph_.poses.size();
     if (places().size() <= here + kPlacesAround) continue;
-    follow_place(here);
+    follow_place(here, workers);
     if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
   }
 }
 
-void LoopCloser::go_round(const Progress& progress, int round) {
-  for (std::size_t here = 1; here < places().size(); ++here) {
-    take_loops(graph_, here);
+void LoopCloser::go_round(const Progress& progress, int round, WorkerPool& workers) {
+  finder_.look_at(graph_, 1, places().size(), workers, [&](std::size_t here, const std::vector<Loop>& loops) {
+    const bool has_changed = take_loops(loops);
     progress(static_cast<double>(here) / static_cast<double>(places().size()), round);
-  }
+    return has_changed;
+  });
   graph_.optimise(true);
   carry_keyframes();
 }
@@ -135,16 +135,16 @@ void LoopCloser::carry_keyframes() {
   finder_.forget_bent();
 }
 
-void LoopCloser::run(const Progress& progress) {
-  follow(progress);
+void LoopCloser::run(const Progress& progress, WorkerPool& workers) {
+  follow(progress, workers);
   for (std::size_t here = graph_.poses.size(); here < places().size(); ++here) {
-    follow_place(here);
+    follow_place(here, workers);
     if (here > 0) progress(static_cast<double>(places()[here]) / static_cast<double>(path_.poses.size()), 0);
   }
   if (places().size() < 2) return;
   graph_.optimise(true);
   carry_keyframes();
-  for (int round = 1; round <= options_.rounds; ++round) go_round(progress, round);
+  for (int round = 1; round <= options_.rounds; ++round) go_round(progress, round, workers);
   measured_.correct_wheels(poses_);
   weigh_sources();
   carry_keyframes();

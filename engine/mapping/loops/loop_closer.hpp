@@ -51,9 +51,9 @@ class LoopCloser {
   LoopCloser(const FrontEndPath& path, const LoopOptions& options);
 
   /// Takes the keyframes that the path has gained, and looks at the places that are due.
-  void follow(const Progress& progress);
-  /// To be called once, when the path is whole: follows it to its end, then goes round.
-  void run(const Progress& progress);
+  void follow(const Progress& progress, WorkerPool& workers);
+  /// To be called once, when the path is whole: follows it to its end, then goes round, where the workers look ahead.
+  void run(const Progress& progress, WorkerPool& workers);
 
   /// Of the keyframes; loops are closed after run().
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
@@ -70,10 +70,10 @@ class LoopCloser {
   [[nodiscard]] const LoopCounts& counts() const { return finder_.counts(); }
 
  private:
-  bool take_loops(PoseGraph& graph, std::size_t here);
+  bool take_loops(const std::vector<Loop>& loops);
   void take_keyframe();
-  void follow_place(std::size_t here);
-  void go_round(const Progress& progress, int round);
+  void follow_place(std::size_t here, WorkerPool& workers);
+  void go_round(const Progress& progress, int round, WorkerPool& workers);
   void weigh_sources();
   void carry_keyframes();
 

@@ -16,7 +16,8 @@ constexpr double kQuerySpacing_m = 0.1;
 constexpr double kSearchIndependent = 60.0;  // points of a scan that tell something new, in the cost of a search
 constexpr double kLeastPrior_m = 0.05;       // of the prior: less would be believed only of a graph without mistakes
 constexpr double kLeastPrior_rad = 0.005;
-constexpr double kNearWindow_m = 0.8;  // half windows that are cheap to prepare for
+constexpr std::size_t kAheadAThread = 4;  // places that are looked at before it is known whether the graph stays
+constexpr double kNearWindow_m = 0.8;     // half windows that are cheap to prepare for
 constexpr double kNearWindow_rad = 0.5;
 
 MapperConfig field_config(double resolution_m) {
@@ -26,11 +27,15 @@ MapperConfig field_config(double resolution_m) {
   return config;
 }
 
-FieldCopy field_of(const std::vector<Point2>& points_m, double resolution_m, Backend& backend) {
+// One at a time is made on a backend.
+FieldCopy field_of(const std::vector<Point2>& points_m, double resolution_m, Backend& backend,
+                   std::mutex& backend_mutex) {
   const MapperConfig config = field_config(resolution_m);
+  const KeyframeCells cells = keyframe_of(points_m, resolution_m, config.map.radius_cells());
+  const std::lock_guard lock(backend_mutex);
   KeyframeMap map(config, backend);
   StageTimes times;
-  map.merge(keyframe_of(points_m, resolution_m, config.map.radius_cells()), times);
+  map.merge(cells, times);
   return FieldCopy(map.field);
 }
 
@@ -59,14 +64,15 @@ std::vector<Point2> every_nth(const std::vector<Point2>& points, std::size_t mos
 
 /// A group that others are searched in.
 struct LoopFinder::Reference {
-  Reference(const KeyframePath& keyframes, std::size_t middle, const LoopSearchOptions& options, Backend& backend)
+  Reference(const KeyframePath& keyframes, std::size_t middle, const LoopSearchOptions& options, Backend& backend,
+            std::mutex& backend_mutex)
       : group(keyframes, middle, options.reference_half_m, kReferenceSpacing_m),
-        field(field_of(group.points(), options.resolution_m, backend)) {}
+        field(field_of(group.points(), options.resolution_m, backend, backend_mutex)) {}
 
   /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
-  const CertifiedMap& certified_for(const PoseWindow& window) {
-    const bool is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
-    Prepared& prepared = is_near ? for_near : for_any;
+  const CertifiedMap& certified_for(bool is_near) {
+    const std::lock_guard lock(mutex);
+    Prepared& prepared = prepared_for(is_near);
     if (!prepared.map) {
       prepared.map.emplace(field.view(), best_isa(), is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
       prepared.bytes = prepared.map->bytes();
@@ -75,7 +81,8 @@ struct LoopFinder::Reference {
   }
 
   [[nodiscard]] std::size_t bytes() const {
-    return group.space().bytes() + field.bytes() + for_near.bytes + for_any.bytes;
+    return group.space().bytes() + field.bytes() + (for_near.is_counted ? for_near.bytes : 0U) +
+           (for_any.is_counted ? for_any.bytes : 0U);
   }
   [[nodiscard]] std::size_t prepared_bytes() const {
     return (for_near.map ? for_near.bytes : 0U) + (for_any.map ? for_any.bytes : 0U);
@@ -84,14 +91,34 @@ struct LoopFinder::Reference {
   /// Made when it is searched in.
   struct Prepared {
     std::optional<CertifiedMap> map;
-    std::size_t bytes = 0;  ///< of the map, whether it is there or was
+    std::size_t bytes = 0;    ///< of the map, whether it is there or was
+    bool is_counted = false;  ///< a search in it was taken
   };
+  Prepared& prepared_for(bool is_near) { return is_near ? for_near : for_any; }
 
   ScanGroup group;
   FieldCopy field;
+  std::mutex mutex;  // of what is prepared
   Prepared for_near;
   Prepared for_any;
-  std::uint64_t asked = 0;  // when it was last
+  std::uint64_t number = 0;  // tells it from others of its place, before and after
+  std::uint64_t asked = 0;   // when it was last
+};
+
+/// A reference that is wanted and not kept yet.
+struct LoopFinder::Fresh {
+  std::once_flag once;
+  std::unique_ptr<Reference> reference;
+};
+
+/// What a search for a revisit came to.
+struct LoopFinder::Found {
+  Revisit revisit;
+  std::uint64_t number = 0;  ///< of the reference; 0: a fresh one
+  bool is_near = false;      ///< the window
+  Pose2 T_place_here;
+  LoopEvidence evidence;
+  std::uint64_t boxes = 0;
 };
 
 LoopFinder::LoopFinder(const LoopSearchOptions& options) : options_(options), backend_(make_cpu_backend({})) {}
@@ -107,11 +134,20 @@ void LoopFinder::forget_bent() {
   std::erase_if(references_, [&](const auto& entry) { return entry.second->group.is_bent(keyframes_.poses); });
 }
 
+// Kept or fresh; nothing else changes what is kept meanwhile.
 LoopFinder::Reference& LoopFinder::reference_at(std::size_t place) {
-  std::unique_ptr<Reference>& reference = references_[place];
-  if (!reference) reference = std::make_unique<Reference>(keyframes_, places_[place], options_, *backend_);
-  reference->asked = ++asked_;
-  return *reference;
+  if (const auto kept = references_.find(place); kept != references_.end()) return *kept->second;
+  Fresh* fresh = nullptr;
+  {
+    const std::lock_guard lock(fresh_mutex_);
+    std::unique_ptr<Fresh>& slot = fresh_[place];
+    if (!slot) slot = std::make_unique<Fresh>();
+    fresh = slot.get();
+  }
+  std::call_once(fresh->once, [&] {
+    fresh->reference = std::make_unique<Reference>(keyframes_, places_[place], options_, *backend_, backend_mutex_);
+  });
+  return *fresh->reference;
 }
 
 // Of those that were asked for longest ago first; what is prepared for the one at `place` stays.
@@ -149,7 +185,8 @@ void LoopFinder::make_room(std::size_t place) {
   }
 }
 
-Pose2 LoopFinder::search(Reference& reference, const ScanGroup& query, const Revisit& revisit) {
+void LoopFinder::search(Reference& reference, const ScanGroup& query, Found& found) {
+  const Revisit& revisit = found.revisit;
   const std::vector<PointCells> points = in_cells(every_nth(query.points(), options_.points), options_.resolution_m);
   const double half_m = options_.revisits.half_m(revisit);
   const PoseWindow window{.centre = revisit.T_place_here,
@@ -161,33 +198,118 @@ Pose2 LoopFinder::search(Reference& reference, const ScanGroup& query, const Rev
   options.max_boxes = options_.most_boxes;
   options.starts = {revisit.T_place_here};
   options.prior = prior_of(revisit, options_.resolution_m, points.size());
-  const CertifiedResult result = find_pose(reference.certified_for(window), points, window, options);
-  ++counts_.searched;
-  counts_.boxes += result.boxes;
-  return result.T_map_base;
+  found.is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
+  const CertifiedResult result = find_pose(reference.certified_for(found.is_near), points, window, options);
+  found.boxes = result.boxes;
+  found.T_place_here = result.T_map_base;
 }
 
-std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here) {
-  const auto has = [&](std::size_t place) {
+LoopFinder::Found LoopFinder::find(const Revisit& revisit, const ScanGroup& query) {
+  Reference& reference = reference_at(revisit.place);
+  Found found{.revisit = revisit, .number = reference.number, .T_place_here = {}, .evidence = {}};
+  search(reference, query, found);
+  found.evidence = weigh_loop(reference.group, query, found.T_place_here);
+  return found;
+}
+
+ScanGroup LoopFinder::query_at(std::size_t here) const {
+  return {keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m};
+}
+
+std::vector<Revisit> LoopFinder::wanted_revisits(const PoseGraph& graph, std::size_t here) const {
+  std::vector<Revisit> revisits = revisits_of(graph, GraphCovariance(graph), path_m_, here, options_.revisits);
+  std::erase_if(revisits, [&](const Revisit& revisit) {
     return std::any_of(graph.loops.begin(), graph.loops.end(), [&](const Loop& loop) {
-      return loop.relation.from == place && loop.relation.to == here && loop.is_on();
+      return loop.relation.from == revisit.place && loop.relation.to == here && loop.is_on();
     });
-  };
+  });
+  return revisits;
+}
+
+std::vector<LoopFinder::Found> LoopFinder::look_ahead(const PoseGraph& graph, std::size_t here) {
+  std::vector<Found> all;
+  const std::vector<Revisit> revisits = wanted_revisits(graph, here);
+  if (revisits.empty()) return all;
+  const ScanGroup query = query_at(here);
+  all.reserve(revisits.size());
+  for (const Revisit& revisit : revisits) all.push_back(find(revisit, query));
+  return all;
+}
+
+// What is kept, and until when, goes by the searches that are taken alone.
+void LoopFinder::take_reference(const Found& found) {
+  const std::size_t place = found.revisit.place;
+  std::unique_ptr<Reference>& kept = references_[place];
+  if (!kept) {
+    if (const auto fresh = fresh_.find(place); fresh != fresh_.end()) {
+      kept = std::move(fresh->second->reference);
+      fresh_.erase(fresh);
+    }
+    if (!kept) kept = std::make_unique<Reference>(keyframes_, places_[place], options_, *backend_, backend_mutex_);
+    kept->number = ++made_;
+  }
+  if (kept->prepared_for(found.is_near).bytes == 0) kept->certified_for(found.is_near);
+  kept->asked = ++asked_;
+  kept->prepared_for(found.is_near).is_counted = true;
+  make_room(place);
+}
+
+// A reference that was kept may have made room for others meanwhile: then a fresh one is searched in.
+std::vector<Loop> LoopFinder::take(std::vector<Found> all, std::size_t here) {
   std::vector<Loop> loops;
-  std::optional<ScanGroup> query;
-  const GraphCovariance covariance(graph);
-  for (const Revisit& revisit : revisits_of(graph, covariance, path_m_, here, options_.revisits)) {
-    if (has(revisit.place)) continue;
-    if (!query) query.emplace(keyframes_, places_[here], options_.query_half_m, kQuerySpacing_m);
-    Reference& reference = reference_at(revisit.place);
-    const Pose2 T_place_here = search(reference, *query, revisit);
-    make_room(revisit.place);
-    const LoopEvidence evidence = weigh_loop(reference.group, *query, T_place_here);
-    if (!is_possible(evidence, options_.limits)) continue;
+  for (Found& found : all) {
+    const auto kept = references_.find(found.revisit.place);
+    const bool is_as_it_was = found.number == 0 || (kept != references_.end() && kept->second->number == found.number);
+    if (!is_as_it_was) found = find(found.revisit, query_at(here));
+    take_reference(found);
+    ++counts_.searched;
+    counts_.boxes += found.boxes;
+    if (!is_possible(found.evidence, options_.limits)) continue;
     ++counts_.found;
-    loops.push_back({{revisit.place, here, T_place_here, loop_information(evidence)}, 1.0});
+    loops.push_back({{found.revisit.place, here, found.T_place_here, loop_information(found.evidence)}, 1.0});
   }
   return loops;
+}
+
+// One after the other they need less memory than side by side.
+std::vector<Loop> LoopFinder::look(const PoseGraph& graph, std::size_t here, WorkerPool& workers) {
+  std::vector<Loop> loops;
+  const std::vector<Revisit> revisits = wanted_revisits(graph, here);
+  if (revisits.empty()) return loops;
+  const ScanGroup query = query_at(here);
+  const std::size_t at_once = workers.threads() > 1 ? revisits.size() : 1;
+  for (std::size_t first = 0; first < revisits.size(); first += at_once) {
+    std::vector<Found> all(at_once);
+    workers.run(at_once, 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t k = begin; k < end; ++k) all[k] = find(revisits[first + k], query);
+    });
+    const std::vector<Loop> found = take(std::move(all), here);
+    loops.insert(loops.end(), found.begin(), found.end());
+  }
+  fresh_.clear();
+  return loops;
+}
+
+void LoopFinder::look_at(const PoseGraph& graph, std::size_t first, std::size_t end, WorkerPool& workers,
+                         const Take& take_loops) {
+  const std::size_t most_ahead = workers.threads() > 1 ? kAheadAThread * workers.threads() : 0;
+  for (std::size_t here = first; here < end;) {
+    if (most_ahead == 0) {
+      take_loops(here, look(graph, here, workers));
+      ++here;
+      continue;
+    }
+    std::vector<std::vector<Found>> ahead(std::min(most_ahead, end - here));
+    workers.run(ahead.size(), 1, [&](std::uint64_t from, std::uint64_t to) {
+      for (std::uint64_t k = from; k < to; ++k) ahead[k] = look_ahead(graph, here + k);
+    });
+    bool has_changed = false;
+    for (std::size_t k = 0; k < ahead.size() && !has_changed; ++k, ++here) {
+      has_changed = take_loops(here, take(std::move(ahead[k]), here));
+    }
+    if (!has_changed) fresh_.clear();
+  }
+  fresh_.clear();
 }
 
 }  // namespace gdtslam

@@ -1,14 +1,18 @@
 // Looks for loops: the scans around a place, searched in those around an earlier one by the certified search, in the
 // window and with the prior that the graph's covariance gives. Frames: places are the middles of groups of keyframes.
-// Not thread-safe. Cost: about 1 ms a search, 5 ms for each new group that is searched in.
+// Not thread-safe; has its own workers look ahead where they are given. Cost: about 1 ms a search, 5 ms for each new
+// group that is searched in.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
 
+#include "engine/core/worker_pool.hpp"
 #include "engine/mapping/graph/pose_graph.hpp"
 #include "engine/mapping/loops/loop_verdict.hpp"
 #include "engine/mapping/loops/revisits.hpp"
@@ -54,17 +58,31 @@ class LoopFinder {
   void add_place(std::size_t keyframe);
   /// The loops of a place to earlier ones that the graph does not have yet, or has switched off. Its nodes are the
   /// places.
-  std::vector<Loop> look(const PoseGraph& graph, std::size_t here);
+  /// The workers share out the earlier ones.
+  std::vector<Loop> look(const PoseGraph& graph, std::size_t here, WorkerPool& workers);
+  /// Looks at places from `first` until before `end`, one after the other, and gives the loops of each to take_loops(),
+  /// which tells whether it has changed the graph with them. Workers look ahead: what they found counts while the graph
+  /// is as they saw it. Loops and graph are the same for any number of them.
+  using Take = std::function<bool(std::size_t here, const std::vector<Loop>& loops)>;
+  void look_at(const PoseGraph& graph, std::size_t first, std::size_t end, WorkerPool& workers, const Take& take_loops);
   /// The keyframes have moved: groups in which they did so relative to each other are made anew.
   void forget_bent();
   [[nodiscard]] const LoopCounts& counts() const { return counts_; }
 
  private:
   struct Reference;
+  struct Fresh;
+  struct Found;
+  std::vector<Found> look_ahead(const PoseGraph& graph, std::size_t here);
+  [[nodiscard]] std::vector<Revisit> wanted_revisits(const PoseGraph& graph, std::size_t here) const;
+  [[nodiscard]] ScanGroup query_at(std::size_t here) const;
+  Found find(const Revisit& revisit, const ScanGroup& query);
+  void search(Reference& reference, const ScanGroup& query, Found& found);
+  std::vector<Loop> take(std::vector<Found> all, std::size_t here);
+  void take_reference(const Found& found);
   Reference& reference_at(std::size_t place);
   void forget_prepared(std::size_t place);
   void make_room(std::size_t place);
-  [[nodiscard]] Pose2 search(Reference& reference, const ScanGroup& query, const Revisit& revisit);
 
   KeyframePath keyframes_;
   std::vector<std::size_t> places_;
@@ -72,7 +90,11 @@ class LoopFinder {
   LoopSearchOptions options_;
   std::unique_ptr<Backend> backend_;
   std::map<std::size_t, std::unique_ptr<Reference>> references_;
+  std::map<std::size_t, std::unique_ptr<Fresh>> fresh_;  // made while looking ahead, of the keyframes as they are
+  std::mutex fresh_mutex_;
+  std::mutex backend_mutex_;
   std::uint64_t asked_ = 0;  // references, so far
+  std::uint64_t made_ = 0;   // likewise
   LoopCounts counts_;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace gdtslam {
 namespace {
@@ -24,6 +23,14 @@ double share_of_sorted(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
+void insert_sorted(std::vector<double>& sorted, double value) {
+  sorted.insert(std::upper_bound(sorted.begin(), sorted.end(), value), value);
+}
+
+void erase_sorted(std::vector<double>& sorted, double value) {
+  sorted.erase(std::lower_bound(sorted.begin(), sorted.end(), value));
+}
+
 }  // namespace
 
 void ContinuedMotion::take(const Pose2& T_map_base, bool is_known) {
@@ -39,9 +46,7 @@ void ContinuedMotion::take(const Pose2& T_map_base, bool is_known) {
     if (is_single && is_single_) {
       const double dx = velocity[0] - velocity_[0];
       const double dy = velocity[1] - velocity_[1];
-      changes_.push_back({std::sqrt(dx * dx + dy * dy), std::fabs(velocity[2] - velocity_[2])});
-      if (changes_.size() > kMostChanges) changes_.pop_front();
-      learn();
+      learn({std::sqrt(dx * dx + dy * dy), std::fabs(velocity[2] - velocity_[2])});
     }
     velocity_ = velocity;
     is_single_ = is_single;
@@ -50,21 +55,19 @@ void ContinuedMotion::take(const Pose2& T_map_base, bool is_known) {
   unknown_ = 0;
 }
 
-void ContinuedMotion::learn() {
-  std::vector<double> m;
-  std::vector<double> rad;
-  m.reserve(changes_.size());
-  rad.reserve(changes_.size());
-  for (const Change& change : changes_) {
-    m.push_back(change.m);
-    rad.push_back(change.rad);
+void ContinuedMotion::learn(const Change& change) {
+  changes_.push_back(change);
+  insert_sorted(changes_m_, change.m);
+  insert_sorted(changes_rad_, change.rad);
+  if (changes_.size() > kMostChanges) {
+    erase_sorted(changes_m_, changes_.front().m);
+    erase_sorted(changes_rad_, changes_.front().rad);
+    changes_.pop_front();
   }
-  std::sort(m.begin(), m.end());
-  std::sort(rad.begin(), rad.end());
   learnt_ = kLeastChange;
   for (const NormalQuantile& quantile : {kOfMost, kOfTails}) {
-    learnt_.sigma_m = std::max(learnt_.sigma_m, share_of_sorted(m, quantile.share) / quantile.of_two);
-    learnt_.sigma_rad = std::max(learnt_.sigma_rad, share_of_sorted(rad, quantile.share) / quantile.of_one);
+    learnt_.sigma_m = std::max(learnt_.sigma_m, share_of_sorted(changes_m_, quantile.share) / quantile.of_two);
+    learnt_.sigma_rad = std::max(learnt_.sigma_rad, share_of_sorted(changes_rad_, quantile.share) / quantile.of_one);
   }
 }
 

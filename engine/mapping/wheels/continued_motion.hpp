@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "engine/mapping/graph/matrix3.hpp"
 #include "engine/mapping/wheels/motion_noise.hpp"
@@ -31,14 +32,16 @@ class ContinuedMotion {
     double m = 0.0;
     double rad = 0.0;
   };
-  void learn();
+  void learn(const Change& change);
 
   Tangent2 velocity_{};  // a scan
   std::optional<Pose2> T_map_known_;
-  std::size_t unknown_ = 0;     // scans since
-  bool is_single_ = false;      // the velocity is from one scan to the next
-  std::deque<Change> changes_;  // of the last scans
-  MotionNoise learnt_;          // of those
+  std::size_t unknown_ = 0;        // scans since
+  bool is_single_ = false;         // the velocity is from one scan to the next
+  std::deque<Change> changes_;     // of the last scans,
+  std::vector<double> changes_m_;  // and each part of them ascending
+  std::vector<double> changes_rad_;
+  MotionNoise learnt_;  // of those
 };
 
 }  // namespace gdtslam

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/maps/png.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
@@ -66,6 +68,32 @@ std::optional<std::string> encoded(const Encode& encode, const std::string& fail
   }
 }
 
+/// A picture as a file's bytes, one of the two or none, and why not otherwise.
+struct EncodedPicture {
+  std::optional<std::string> png;
+  std::optional<std::string> svg;
+  std::vector<LogReader::Warning> warnings;
+};
+
+EncodedPicture encoded_picture(const std::string& name, const Canvas& picture) {
+  EncodedPicture file;
+#ifdef GDTSLAM_HAS_RASTER
+  file.png = encoded([&] { return png_of(raster_of(picture)); }, "no pixels for " + name, file.warnings);
+#endif
+  if (!file.png) file.svg = encoded([&] { return svg_of(picture, png_of); }, "no picture " + name, file.warnings);
+  return file;
+}
+
+void write_encoded(RunFolder& folder, const std::string& name, const EncodedPicture& picture,
+                   std::vector<LogReader::Warning>& warnings) {
+  const auto write = [&folder](const std::string& file, const std::optional<std::string>& bytes) {
+    bytes ? write_file_atomically(folder.staged(file), *bytes) : folder.without(file);
+  };
+  write(name + ".png", picture.png);
+  write(name + ".svg", picture.svg);
+  warnings.insert(warnings.end(), picture.warnings.begin(), picture.warnings.end());
+}
+
 }  // namespace
 
 GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
@@ -110,17 +138,7 @@ std::string graph_subtitle(std::span<const ClosedLoop> loops, std::span<const Un
 
 void write_picture(RunFolder& folder, const std::string& name, const Canvas& picture,
                    std::vector<LogReader::Warning>& warnings) {
-  std::optional<std::string> png;
-  std::optional<std::string> svg;
-#ifdef GDTSLAM_HAS_RASTER
-  png = encoded([&] { return png_of(raster_of(picture)); }, "no pixels for " + name, warnings);
-#endif
-  if (!png) svg = encoded([&] { return svg_of(picture, png_of); }, "no picture " + name, warnings);
-  const auto write = [&folder](const std::string& file, const std::optional<std::string>& bytes) {
-    bytes ? write_file_atomically(folder.staged(file), *bytes) : folder.without(file);
-  };
-  write(name + ".png", png);
-  write(name + ".svg", svg);
+  write_encoded(folder, name, encoded_picture(name, picture), warnings);
 }
 
 void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcome) {
@@ -131,11 +149,19 @@ void write_run_pictures(RunFolder& folder, const MapJob& job, MapOutcome& outcom
     if (job.finishing) job.finishing(what);
   };
   const bool has_overview = job.with_pictures && job.with_occupancy;
-  if (has_overview) tell("overview.png");
-  has_overview ? write_picture(folder, "overview", overview_of(job, outcome), outcome.warnings) : none("overview");
   const bool has_graph = has_overview && outcome.closed;
+  if (has_overview) tell("overview.png");
   if (has_graph) tell("graph.png");
-  has_graph ? write_picture(folder, "graph", graph_of(job, outcome), outcome.warnings) : none("graph");
+  EncodedPicture overview;
+  EncodedPicture graph;
+  const unsigned most = has_graph ? 2 : 1;
+  WorkerPool workers(std::min(threads_meant(job.on_failure.cpu.threads), most));
+  workers.run(has_overview ? most : 0, 1, [&](std::uint64_t begin, std::uint64_t end) {
+    if (begin == 0) overview = encoded_picture("overview", overview_of(job, outcome));
+    if (end == 2) graph = encoded_picture("graph", graph_of(job, outcome));
+  });
+  has_overview ? write_encoded(folder, "overview", overview, outcome.warnings) : none("overview");
+  has_graph ? write_encoded(folder, "graph", graph, outcome.warnings) : none("graph");
 }
 
 }  // namespace gdtslam

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <csignal>
 #include <deque>
 #include <exception>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine/core/signals_blocked.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
@@ -133,12 +133,8 @@ class LocalizerThreads {
  public:
   /// Without threads each scan is localised when it is taken.
   LocalizerThreads(const Localizer& localizer, unsigned threads) : localizer_(localizer), most_waiting_(2U * threads) {
-    sigset_t all;
-    sigset_t before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const SignalsBlocked blocked;
     for (unsigned k = 0; k < threads; ++k) threads_.emplace_back([this] { work(); });
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
   }
   LocalizerThreads(const LocalizerThreads&) = delete;
   LocalizerThreads& operator=(const LocalizerThreads&) = delete;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/worker_pool.hpp"
 #include "engine/mapping/nodding/level_scan.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "gdtslam/core/error.hpp"
@@ -15,6 +16,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr std::size_t kMostUncast = 256;  // scans that wait to be cast into the occupancy map
 
 OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
   return {.resolution_m = config.map.resolution_m,
@@ -107,6 +109,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
     : job_(job),
       scans_(std::move(scans)),
       occupancy_(job.occupancy, occupancy_limits(job.mapper)),
+      has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
       first_s_(kNever),
       last_s_(-kNever) {
   const MapperConfig config = nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper;
@@ -142,7 +145,7 @@ void MapRun::note_stamp(double stamp_s) {
 // come when its loops are closed.
 void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan) {
   const bool is_final = nodding_ || !loops_;
-  if (job_.with_occupancy && result.accepted && is_final) occupancy_.add(scan, T_map_base);
+  if (job_.with_occupancy && result.accepted && is_final) cast(scan, T_map_base);
   if (!is_final) scans_kept_.push_back(job_.with_occupancy && result.accepted ? scan : LaserScan{});
   if (result.doubt != Doubt::kNone) {
     const Pose2 off = between(result.T_map_predicted, result.T_map_base);
@@ -154,13 +157,32 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   outcome_.trajectory.push_back({result.stamp_s, T_map_base});
 }
 
+void MapRun::cast(const LaserScan& scan, const Pose2& T_map_base) {
+  if (!has_threads_) {
+    occupancy_.add(scan, T_map_base);
+    return;
+  }
+  if (!casting_) casting_.emplace(true, kMostUncast);
+  casting_->give([this, scan, T_map_base] { occupancy_.add(scan, T_map_base); });
+}
+
+// What the thread spent has been counted to what went on meanwhile.
+void MapRun::finish_casting() {
+  if (!casting_) return;
+  casting_->finish();
+  double& meanwhile_s = loops_ ? outcome_.loops_cpu_s : outcome_.mapper_cpu_s;
+  watch_.add_cpu_to(meanwhile_s);
+  meanwhile_s -= casting_->cpu_s();
+  outcome_.occupancy_cpu_s += casting_->cpu_s();
+}
+
 // The next scan is read while the device works on this one. What the reader has to complain of in it counts once this
 // one is done.
-MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
+MatchResult MapRun::map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next) {
   loops_ ? loops_->start(scan.scan, scan.T_odom_base) : mapper_->start(scan.scan, scan.T_odom_base);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   try {
-    next.scan = next_of(scans_);
+    next.scan = next_of(ahead);
   } catch (...) {
     next.problem = std::current_exception();
   }
@@ -171,21 +193,25 @@ MatchResult MapRun::map_scan(const ScanRecord& scan, NextScan& next) {
 }
 
 void MapRun::map_flat(const Progress& progress) {
+  ScanAhead ahead(scans_, has_threads_ && are_plain_files(job_.logs));
   NextScan next;
-  if (!stop_()) next.scan = next_of(scans_);
+  if (!stop_()) next.scan = next_of(ahead);
   watch_.add_cpu_to(outcome_.read_cpu_s);
   while (next.scan && !stop_()) {
     ScanRecord record = *std::exchange(next.scan, std::nullopt);
     speed_.complete(record.scan);
-    const MatchResult result = map_scan(record, next);
+    const MatchResult result = map_scan(record, ahead, next);
     take_match(result, result.T_map_base, record.scan);
     speed_.take(record.scan, result.T_map_base);
     note_stamp(result.stamp_s);
-    progress(outcome_.trajectory.size(), scans_.progress());
+    progress(outcome_.trajectory.size(), ahead.progress());
     watch_.add_cpu_to(outcome_.occupancy_cpu_s);
     if (next.problem && !stop_()) std::rethrow_exception(next.problem);
   }
   outcome_.interrupted = stop_();
+  ahead.stop();
+  outcome_.mapper_cpu_s -= ahead.cpu_s();  // where it was counted, going on meanwhile
+  outcome_.read_cpu_s += ahead.cpu_s();
 }
 
 // Poses, keyframes and occupancy are those of the path with its loops closed.
@@ -200,6 +226,9 @@ void MapRun::close_loops() {
   }
   scans_kept_ = {};
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
+  const double beside_s = loops_->finish_field();
+  outcome_.occupancy_cpu_s -= beside_s;  // where it was counted, going on meanwhile
+  outcome_.loops_cpu_s += beside_s;
   take_closed(std::move(path));
 }
 
@@ -290,6 +319,7 @@ void MapRun::finish() {
   if (outcome_.closed) outcome_.statistics.path_m = length_m_of(outcome_.trajectory);
   outcome_.device_loss = front_end().device_loss();
   require_a_map();
+  finish_casting();
   if (job_.with_occupancy) outcome_.occupancy = occupancy_.build();
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
   outcome_.log_duration_s = last_s_ - first_s_;
@@ -303,9 +333,16 @@ MapOutcome MapRun::run(const Progress& progress, const std::function<bool()>& st
   stop_ = stop;
   watch_ = {};
   Stopwatch whole;
-  nodding_ ? map_nodding(progress) : map_flat(progress);
-  if (loops_ && !nodding_) close_loops();
-  finish();
+  try {
+    nodding_ ? map_nodding(progress) : map_flat(progress);
+    if (loops_ && !nodding_) close_loops();
+    finish();
+  } catch (...) {
+    // What was wrong with an earlier scan was wrong first.
+    if (casting_) casting_->finish();
+    if (loops_) loops_->finish_field();
+    throw;
+  }
   whole.add_to(outcome_.wall_s, outcome_.cpu_s);
   return std::move(outcome_);
 }

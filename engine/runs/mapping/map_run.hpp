@@ -1,6 +1,7 @@
 // Maps whole logs: feeds every scan to a Mapper, keeps the trajectory, the evidence against doubtful scans and the
 // occupancy map; where the laser nods also the poses of the scans between the horizontal ones, the 3D cloud, and how
-// well consecutive sweeps agree. One run belongs to one thread.
+// well consecutive sweeps agree. One run belongs to one thread; where it may have more, scans are read ahead and cast
+// into the occupancy map by threads of its own, and the result is the same.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +15,9 @@
 #include <vector>
 
 #include "cloud_output.hpp"
+#include "engine/core/side_thread.hpp"
 #include "engine/runs/streams/nodding_stream.hpp"
+#include "engine/runs/streams/scan_ahead.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/calib/nod_track.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
@@ -83,11 +86,13 @@ class MapRun {
 
   template <class Stream>
   auto next_of(Stream& stream);
-  MatchResult map_scan(const ScanRecord& scan, NextScan& next);
+  MatchResult map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next);
   void map_flat(const Progress& progress);
   void map_nodding(const Progress& progress);
   void take(const NoddingPose& pose, const NoddingScan& scan);
   void take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan);
+  void cast(const LaserScan& scan, const Pose2& T_map_base);
+  void finish_casting();
   void note_stamp(double stamp_s);
   [[nodiscard]] const Mapper& front_end() const { return loops_ ? loops_->front_end() : *mapper_; }
   void finish_nodding();
@@ -105,7 +110,9 @@ class MapRun {
   MapSpeed speed_;
   std::vector<LaserScan> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
   OccupancyBuilder occupancy_;
-  std::unique_ptr<Nodding> nodding_;  ///< null: the laser does not nod
+  bool has_threads_;
+  std::optional<SideThread> casting_;  ///< into occupancy_, once there is something to cast
+  std::unique_ptr<Nodding> nodding_;   ///< null: the laser does not nod
   std::function<bool()> stop_;
   Stopwatch watch_;
   double first_s_;

@@ -74,7 +74,8 @@ TEST(JointAdjustment, BringsKeyframesBackToWhereTheyWere) {
   }
   double before = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) before = std::max(before, away_m(poses[i], drive.truth[i]));
-  const JointResult result = JointAdjustment(drive.scans, {}, {}).run(poses);
+  WorkerPool alone(1);
+  const JointResult result = JointAdjustment(drive.scans, {}, {}).run(poses, alone);
   EXPECT_GT(before, 0.03);
   EXPECT_LT(result.rms_m, 0.004);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -108,7 +109,8 @@ TEST(JointAdjustment, TiltedNormalsPullNothingAlongACorridor) {
   for (std::size_t i = 1; i < scans.size(); ++i) {
     held.push_back({i - 1, i, {0.03, 0.0, 0.0}, Matrix3::diagonal(1.0e3, 1.0e3, 1.0e3)});  // 3 cm
   }
-  JointAdjustment(scans, held, {}).run(poses);
+  WorkerPool alone(1);
+  JointAdjustment(scans, held, {}).run(poses, alone);
   EXPECT_NEAR(between(poses.front(), poses.back()).x_m, 0.15, 1.0e-6);
 }
 
@@ -117,13 +119,32 @@ TEST(JointAdjustment, TheFirstKeyframeStays) {
   std::vector<Pose2> poses = drive.truth;
   for (Pose2& pose : poses) pose = Pose2{5.0, -2.0, 0.7} * pose;
   const Pose2 first = poses.front();
-  JointAdjustment(drive.scans, {}, {}).run(poses);
+  WorkerPool alone(1);
+  JointAdjustment(drive.scans, {}, {}).run(poses, alone);
   EXPECT_LT(away_m(poses.front(), first), 1.0e-6);
 }
 
 TEST(JointAdjustment, WithoutKeyframesOrWithOneNothingHappens) {
   std::vector<Pose2> none;
-  EXPECT_EQ(JointAdjustment({}, {}, {}).run(none).pairs, 0U);
+  WorkerPool alone(1);
+  EXPECT_EQ(JointAdjustment({}, {}, {}).run(none, alone).pairs, 0U);
+}
+
+TEST(JointAdjustment, GivesTheSameBitsForAnyNumberOfThreads) {
+  const PairedDrive drive = keyframes();
+  Random random(5);
+  std::vector<Pose2> start = drive.truth;
+  for (Pose2& pose : start) pose = pose * exp_tangent({random.normal(0.0, 0.02), random.normal(0.0, 0.02), 0.0});
+  std::vector<Pose2> by_one = start;
+  WorkerPool alone(1);
+  const JointResult expected = JointAdjustment(drive.scans, {}, {}).run(by_one, alone);
+  for (const unsigned threads : {2U, 7U}) {
+    WorkerPool workers(threads);
+    std::vector<Pose2> by_many = start;
+    const JointResult result = JointAdjustment(drive.scans, {}, {}).run(by_many, workers);
+    EXPECT_EQ(by_many, by_one) << threads;
+    EXPECT_EQ(result.rms_m, expected.rms_m) << threads;
+  }
 }
 
 // Against all pairs, looked at one by one.

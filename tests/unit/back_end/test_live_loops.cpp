@@ -46,13 +46,14 @@ class LiveLoopsSeeds : public testing::TestWithParam<std::uint64_t> {};
 TEST_P(LiveLoopsSeeds, GiveWhatThePathTakenWholeGives) {
   const LoopDrive twice = test::drive_around_ring(2, 0.01, 0.003, GetParam());
   LoopCloser whole(twice.path, {});
-  whole.run([](double, int) {});
+  WorkerPool alone(1);
+  whole.run([](double, int) {}, alone);
   std::vector<std::vector<Pose2>> corrections;
   for (const bool is_beside : {true, false}) {
-    LiveLoops loops({}, {.is_beside = is_beside});
+    LiveLoops loops({}, {.is_beside = is_beside, .threads = 3});
     corrections.push_back(corrections_of(loops, twice));
     LoopCloser& closer = loops.end([](double) {});
-    closer.run([](double, int) {});
+    closer.run([](double, int) {}, alone);
     EXPECT_EQ(closer.poses(), whole.poses());
     EXPECT_EQ(closer.places(), whole.places());
     ASSERT_EQ(closer.graph().loops.size(), whole.graph().loops.size());

@@ -88,7 +88,8 @@ TEST(LoopInformation, ComesFromTheWallsThatBothHave) {
 TEST(Revisits, AreTheEarlierPlacesThatMayBeHere) {
   const LoopDrive twice = drive_around_ring(2, 0.02, 0.002, 4);
   LoopCloser closer(twice.path, {});
-  closer.follow([](double, int) {});
+  WorkerPool alone(1);
+  closer.follow([](double, int) {}, alone);
   PoseGraph graph;
   std::vector<double> path_m;
   for (const std::size_t keyframe : closer.places()) {
@@ -121,11 +122,13 @@ TEST_P(LoopCloserSeeds, ClosesTheLoopsOfADriveThatDriftedApart) {
   LoopCloser closer(twice.path, {});
   double last_share = 0.0;
   int last_round = 0;
-  closer.run([&](double share, int round) {
+  const auto progress = [&](double share, int round) {
     EXPECT_TRUE(round > last_round || share > last_share);
     last_round = round;
     last_share = share;
-  });
+  };
+  WorkerPool workers(2);
+  closer.run(progress, workers);
   const double before = largest_error_m(twice.path.poses, twice.truth);
   EXPECT_LT(largest_error_m(closer.poses(), twice.truth), std::max(0.15, 0.5 * before));
   std::size_t on = 0;
@@ -149,8 +152,9 @@ TEST(LoopCloser, FindsAsMuchWhereOneGroupIsKeptAtATime) {
   narrow.search.most_bytes = 1;
   LoopCloser roomy(twice.path, {});
   LoopCloser cramped(twice.path, narrow);
-  roomy.run([](double, int) {});
-  cramped.run([](double, int) {});
+  WorkerPool alone(1);
+  roomy.run([](double, int) {}, alone);
+  cramped.run([](double, int) {}, alone);
   const auto found = [](const LoopCloser& closer) { return static_cast<double>(closer.graph().loops.size()); };
   EXPECT_GT(found(roomy), 10.0);
   EXPECT_NEAR(found(cramped), found(roomy), 0.1 * found(roomy));
@@ -165,12 +169,34 @@ TEST(LoopCloser, FindsTheSameWhereNothingPreparedIsKept) {
   narrow.search.most_prepared_bytes = 0;
   LoopCloser roomy(twice.path, {});
   LoopCloser cramped(twice.path, narrow);
-  roomy.run([](double, int) {});
-  cramped.run([](double, int) {});
+  WorkerPool alone(1);
+  roomy.run([](double, int) {}, alone);
+  cramped.run([](double, int) {}, alone);
   EXPECT_FALSE(roomy.graph().loops.empty());
   EXPECT_EQ(roomy.counts().boxes, cramped.counts().boxes);
   ASSERT_EQ(roomy.poses().size(), cramped.poses().size());
   for (std::size_t k = 0; k < roomy.poses().size(); ++k) ASSERT_EQ(roomy.poses()[k], cramped.poses()[k]) << k;
+}
+
+// With room for all groups, for some and for one: what is looked for ahead may have to be looked for again.
+TEST(LoopCloser, FindsTheSameWithAnyNumberOfThreads) {
+  const LoopDrive twice = drive_around_ring(2, 0.01, 0.003, 2);
+  for (const std::size_t most_bytes : {std::size_t{256} << 20U, std::size_t{4} << 20U, std::size_t{1}}) {
+    LoopOptions options;
+    options.search.most_bytes = most_bytes;
+    LoopCloser by_one(twice.path, options);
+    WorkerPool alone(1);
+    by_one.run([](double, int) {}, alone);
+    for (const unsigned threads : {2U, 5U}) {
+      LoopCloser by_many(twice.path, options);
+      WorkerPool workers(threads);
+      by_many.run([](double, int) {}, workers);
+      EXPECT_EQ(by_many.poses(), by_one.poses()) << threads << " threads, " << most_bytes << " bytes";
+      EXPECT_EQ(by_many.counts().searched, by_one.counts().searched);
+      EXPECT_EQ(by_many.counts().boxes, by_one.counts().boxes);
+      EXPECT_EQ(by_many.counts().found, by_one.counts().found);
+    }
+  }
 }
 
 TEST(LoopCloser, APathWithoutRevisitsStaysAsItIs) {
@@ -181,7 +207,8 @@ TEST(LoopCloser, APathWithoutRevisitsStaysAsItIs) {
   once.path.path_m.resize(half);
   once.path.steps.resize(half);
   LoopCloser closer(once.path, {});
-  closer.run([](double, int) {});
+  WorkerPool alone(1);
+  closer.run([](double, int) {}, alone);
   EXPECT_TRUE(closer.graph().loops.empty());
   EXPECT_LT(largest_error_m(closer.poses(), once.path.poses), 1.0e-9);
 }

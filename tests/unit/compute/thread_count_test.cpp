@@ -68,7 +68,7 @@ TEST(Slices, OfAnySizeGiveTheSameBytes) {
   }
 }
 
-TEST(ThreadPool, ManyShortDispatchesInARow) {
+TEST(CpuBackend, ManyShortDispatchesInARow) {
   const auto backend = make_cpu_backend({.threads = 4, .isa = std::nullopt});
   for (const KernelCaseSource& source : kernel_cases()) {
     if (source.benchmark && source.kernel->name == "gdt_merge") {

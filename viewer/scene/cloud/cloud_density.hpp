@@ -26,6 +26,7 @@ class CloudDensity {
   [[nodiscard]] std::uint64_t key_of(const CloudPoint& point) const;
   /// The slot of the key, or the free one where it belongs.
   [[nodiscard]] std::size_t place_of(std::uint64_t key) const;
+  void count(std::uint64_t key);
   void grow();
 
   double cube_m_;

@@ -244,8 +244,13 @@ class LoopMapper {
   [[nodiscard]] LiveStatistics live_statistics() const;
 
   /// To be called once, after the last scan. Where stop() is or becomes true, the path stays as it was driven.
+  /// With more than one thread (MapperOptions::cpu) the path is adjusted by all, and the field is still being made when
+  /// this returns.
   ClosedPath close(const Progress& progress, const std::function<bool()>& stop);
-  /// The distance field of all keyframes where close() put them.
+  /// Waits until the field is made, and gives the CPU seconds of a thread that made it after close(). Throws InputError
+  /// where the map would be beyond map.max_megacells, as close() does where there is no such thread.
+  double finish_field() const;
+  /// The distance field of all keyframes where close() put them; throws as finish_field().
   [[nodiscard]] const GlobalField& field() const;
 
   [[nodiscard]] const Mapper& front_end() const;

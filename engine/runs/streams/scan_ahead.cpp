@@ -1,0 +1,84 @@
+#include "scan_ahead.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "engine/core/side_thread.hpp"
+#include "engine/core/signals_blocked.hpp"
+
+namespace gdtslam {
+
+bool are_plain_files(const std::vector<std::string>& logs) {
+  return std::all_of(logs.begin(), logs.end(), [](const std::string& log) {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(log, ignored) || std::filesystem::is_directory(log, ignored);
+  });
+}
+
+ScanAhead::ScanAhead(ScanStream& scans, bool has_thread) : scans_(scans), has_thread_(has_thread) {
+  if (!has_thread_) return;
+  progress_ = scans_.progress();
+  const SignalsBlocked blocked;
+  try {
+    thread_ = std::thread([this] { work(); });
+  } catch (const std::system_error&) {  // the caller reads then
+    has_thread_ = false;
+  }
+}
+
+ScanAhead::Read ScanAhead::read_one() {
+  Read read;
+  try {
+    read.scan = scans_.next();
+  } catch (...) {
+    read.problem = std::current_exception();
+  }
+  read.progress = scans_.progress();
+  return read;
+}
+
+void ScanAhead::work() {
+  bool is_end = false;
+  while (!is_end) {
+    Read read = read_one();
+    is_end = !read.scan;
+    std::unique_lock lock(mutex_);
+    read_.push_back(std::move(read));
+    if (read_.size() == 1 || is_end) read_changed_.notify_one();
+    if (read_.size() >= kMostAhead) room_.wait(lock, [this] { return is_stopped_ || read_.size() < kMostAhead; });
+    if (is_stopped_) break;
+  }
+  const std::lock_guard lock(mutex_);
+  cpu_s_ = own_cpu_s();
+}
+
+// All that is there is taken at once, so that the two seldom meet. Behind the end there is nothing but the end.
+std::optional<ScanRecord> ScanAhead::next() {
+  if (!has_thread_) return scans_.next();
+  if (taken_.empty()) {
+    std::unique_lock lock(mutex_);
+    read_changed_.wait(lock, [this] { return !read_.empty(); });
+    taken_.swap(read_);
+    room_.notify_one();
+  }
+  Read& first = taken_.front();
+  progress_ = first.progress;
+  if (first.problem) std::rethrow_exception(first.problem);
+  if (!first.scan) return std::nullopt;
+  std::optional<ScanRecord> scan = std::move(first.scan);
+  taken_.pop_front();
+  return scan;
+}
+
+void ScanAhead::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_stopped_ = true;
+  }
+  room_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace gdtslam
