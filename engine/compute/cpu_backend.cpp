@@ -12,6 +12,7 @@
 #include "engine/compute/cpu/thread_pool.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/out_of_memory.hpp"
 
 namespace gdtslam {
 namespace {
@@ -56,7 +57,7 @@ Allocation allocate_zeroed(std::size_t bytes) {
   Allocation allocation;
   allocation.block.reset(static_cast<std::byte*>(std::calloc(bytes + kAlignment, 1)));
   if (allocation.block == nullptr) {
-    throw Error(ExitCode::kFailed, "cannot allocate a buffer of " + std::to_string(bytes) + " bytes: out of memory");
+    throw OutOfMemory(bytes);
   }
   const auto address = reinterpret_cast<std::uintptr_t>(allocation.block.get());
   const std::size_t lead = (kAlignment - address % kAlignment) % kAlignment;
