@@ -10,9 +10,9 @@
 #include "engine/compute/cpu/functions.hpp"
 #include "engine/compute/cpu/launch.hpp"
 #include "engine/compute/cpu/thread_pool.hpp"
+#include "engine/core/out_of_memory.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/out_of_memory.hpp"
 
 namespace gdtslam {
 namespace {

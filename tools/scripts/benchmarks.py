@@ -88,14 +88,18 @@ class Benchmarks:
     def table_live(self):
         rows = []
         for name, stem in LOGS.items():
-            live = self.json("bench", "live", "--log", self.log(stem))
-            largest, loops = live["largest"], live["loops"]
-            times = [live["median_s"], live["p99_s"], live["p999_s"], largest["all_s"]]
-            rows.append([name, *(f"{1e3 * seconds:.2f} ms" for seconds in times), str(live["above_50_ms"] or "none"),
-                         str(loops["corrections"]), f"{loops['waits']} times" if loops["waits"] else "never",
-                         f"{loops['beside_cpu_s']:.1f} s"])
-        return table(["log", "median", "99 %", "99.9 %", "largest", "above 50 ms", "corrections", "waited for loops", "CPU beside"],
-                     rows)
+            for words in ((), ("--no-loops", "--speed", 0)):
+                live = self.json("bench", "live", "--log", self.log(stem), *words)
+                times = [live["median_s"], live["p99_s"], live["p999_s"], live["largest"]["all_s"], live["cpu"]["p999_s"],
+                         live["cpu"]["largest_s"]]
+                row = [name + (", `--no-loops`" if words else ""), *(f"{1e3 * seconds:.2f} ms" for seconds in times),
+                       str(live["above_50_ms"] or "none")]
+                loops = live["loops"]
+                rows.append(row + (["", "", ""] if loops is None else
+                                   [str(loops["corrections"]), f"{loops['waits']} times" if loops["waits"] else "never",
+                                    f"{loops['beside_cpu_s']:.1f} s"]))
+        return table(["log", "median", "99 %", "99.9 %", "largest", "99.9 %, CPU", "largest, CPU", "above 50 ms", "corrections",
+                      "waited for loops", "CPU beside"], rows)
 
     def table_kernels(self):
         rows = []

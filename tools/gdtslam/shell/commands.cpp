@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "console.hpp"
+#include "engine/core/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/out_of_memory.hpp"
 #include "modules.hpp"
 
 namespace gdtslam {

@@ -18,8 +18,8 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/out_of_memory.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/out_of_memory.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam::reproduce {
