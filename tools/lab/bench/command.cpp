@@ -16,6 +16,7 @@
 #include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
 #include "live.hpp"
+#include "queue_work.hpp"
 #include "report.hpp"
 #include "rows.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -51,6 +52,9 @@ struct BenchOptions {
   [[nodiscard]] bool is_certified() const { return filter == "certified"; }
   [[nodiscard]] bool is_live() const { return filter == "live"; }
   [[nodiscard]] bool is_logs() const { return filter == "logs"; }
+  [[nodiscard]] bool is_work() const { return filter == "work"; }
+  /// Whether a log is mapped for it.
+  [[nodiscard]] bool maps() const { return is_certified() || is_live() || is_work(); }
 };
 
 int print_flood_errors(Backend& backend, const BenchOptions& options) {
@@ -135,6 +139,19 @@ int print_live(Backend& cpu, const BenchOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+// Only the matcher `exhaustive` works on a device.
+int print_work(const BenchOptions& options) {
+  const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
+  if (!device) throw UsageError("bench: 'gdtslam bench work' counts what a device does: name one by --device");
+  const Settings settings = load_settings(options.settings);
+  WorkBenchJob job{options.log.empty() ? sample_log_file() : options.log, read_of(options, settings.log),
+                   settings.mapper};
+  job.mapper.match.matcher = MatcherKind::kExhaustive;
+  print_result(bench_work(
+      job, *device, [] { return interrupted(); }, options.json));
+  return static_cast<int>(ExitCode::kDone);
+}
+
 int print_logs(const Backend& cpu, const BenchOptions& options) {
   LogBenchJob job = options.logs;
   job.timing = options.timing;
@@ -146,12 +163,11 @@ int print_logs(const Backend& cpu, const BenchOptions& options) {
 
 // What belongs to a log that is mapped.
 void check_log_options(const BenchOptions& options) {
-  const bool maps = options.is_certified() || options.is_live();
-  if (!maps && !options.log.empty()) {
-    throw UsageError("bench: --log is for 'gdtslam bench certified' and 'gdtslam bench live'");
+  if (!options.maps() && !options.log.empty()) {
+    throw UsageError("bench: --log is for 'gdtslam bench certified', 'live' and 'work'");
   }
-  if (!maps && !(options.settings.file.empty() && options.settings.sets.empty())) {
-    throw UsageError("bench: --config and --set are for 'gdtslam bench certified' and 'gdtslam bench live'");
+  if (!options.maps() && !(options.settings.file.empty() && options.settings.sets.empty())) {
+    throw UsageError("bench: --config and --set are for 'gdtslam bench certified', 'live' and 'work'");
   }
   if (!options.is_live() && !options.live.loops) throw UsageError("bench: --no-loops is for 'gdtslam bench live'");
   if (options.log.empty() && options.recording.are_stated()) {
@@ -161,10 +177,10 @@ void check_log_options(const BenchOptions& options) {
 
 void check_against(const BenchOptions& options) {
   if (options.fail_below > 0.0 && options.against.empty()) throw UsageError("bench: --fail-below needs --against FILE");
-  const bool has_rows = !options.is_certified() && !options.is_live() && !options.is_logs() && !options.flood_errors;
+  const bool has_rows = !options.maps() && !options.is_logs() && !options.flood_errors;
   if (!options.against.empty() && !has_rows) {
     throw UsageError(
-        "bench: --against compares rows of kernels and the like, not certified, live, logs, --flood-errors");
+        "bench: --against compares rows of kernels and the like, not certified, live, work, logs, --flood-errors");
   }
 }
 
@@ -173,6 +189,7 @@ int bench(const BenchOptions& options) {
   check_against(options);
   std::optional<EarlierBench> before;
   if (!options.against.empty()) before = read_bench(options.against);
+  if (options.is_work()) return print_work(options);
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
   if (options.is_live()) return print_live(*cpu, options);
   if (options.is_certified()) return print_certified(*cpu, options);
@@ -199,7 +216,7 @@ int bench(const BenchOptions& options) {
 void add_log_options(CLI::App& command, BenchOptions& options) {
   command
       .add_option("--log", options.log,
-                  "certified, live: the log that is mapped (default: the sample that comes along)")
+                  "certified, live, work: the log that is mapped (default: the sample that comes along)")
       ->type_name("LOG");
   add_recording_options(command, options.recording);
   add_settings_options(command, options.settings);
@@ -242,7 +259,9 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
                    "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; "
                    "'sweep': whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage; "
                    "'certified': certified matching in the merged map of a log, on the CPU; 'live': each scan of a log "
-                   "that is mapped, as it comes, on the CPU; 'logs': logs of every format read")
+                   "that is mapped, as it comes, on the CPU; 'work': what mapping a log by the matcher exhaustive asks "
+                   "of a device; "
+                   "'logs': logs of every format read")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
@@ -272,6 +291,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       "  gdtslam bench clouds\n  gdtslam bench viewer\n  gdtslam bench certified --log intel.clf.gz\n"
       "  gdtslam bench live --log intel.clf.gz --json\n"
       "  gdtslam bench live --log city.log.gz --speed 0 --no-loops --set map.max_megacells=4096\n"
+      "  gdtslam bench work --device vulkan --log intel.clf.gz\n"
       "  gdtslam bench logs --megabytes 100\n"
       "  gdtslam bench --json > before.json; gdtslam bench --against before.json\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");
