@@ -39,7 +39,9 @@ constexpr WorkRow kWorkRows[] = {
 };
 
 WorkJson json_of(const ScanWork& scans) {
-  WorkJson json{{"scans", scans.scans}, {"windows", a_scan(scans, scans.windows)}};
+  WorkJson json{{"scans", scans.scans},
+                {"windows", a_scan(scans, scans.windows)},
+                {"evaluations", a_scan(scans, scans.evaluations)}};
   json["dispatches"] = a_scan(scans, scans.work.dispatch_sum());
   for (const WorkRow& row : kWorkRows) json[row.name] = a_scan(scans, scans.work.*row.count);
   json["kernels"] = WorkJson::object();
@@ -62,6 +64,8 @@ std::string text_of(const WorkBenchJob& job, const WorkBench& bench, const Vulka
   };
   text += fmt::format("{:16} {:>12} {:>12}\n", "", "keyframe", "other scan");
   line("windows", a_scan(bench.keyframes, bench.keyframes.windows), a_scan(bench.others, bench.others.windows));
+  line("poses costed", a_scan(bench.keyframes, bench.keyframes.evaluations),
+       a_scan(bench.others, bench.others.evaluations));
   line("dispatches", a_scan(bench.keyframes, bench.keyframes.work.dispatch_sum()),
        a_scan(bench.others, bench.others.work.dispatch_sum()));
   QueueWork both = bench.keyframes.work;
@@ -88,13 +92,14 @@ std::string text_of(const WorkBenchJob& job, const WorkBench& bench, const Vulka
 
 void take_scan(const ScanRecord& record, Mapper& mapper, VulkanBackend& backend, WorkBench& bench) {
   const QueueWork before = backend.work();
-  const std::uint64_t windows = mapper.statistics().attempts;
+  const MapperStatistics mapped = mapper.statistics();
   const WorkClock::time_point start = WorkClock::now();
   const bool is_keyframe = mapper.process(record.scan, record.T_odom_base).merged;
   const std::chrono::duration<double> taken = WorkClock::now() - start;
   ScanWork& scans = is_keyframe ? bench.keyframes : bench.others;
   ++scans.scans;
-  scans.windows += mapper.statistics().attempts - windows;
+  scans.windows += mapper.statistics().attempts - mapped.attempts;
+  scans.evaluations += mapper.statistics().evaluations - mapped.evaluations;
   scans.work += backend.work() - before;
   scans.scan_s.push_back(taken.count());
   if (const double device_ns = backend.last_submission_ns(); device_ns > 0.0) {

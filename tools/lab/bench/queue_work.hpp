@@ -24,9 +24,10 @@ struct WorkBenchJob {
 struct ScanWork {
   std::uint64_t scans = 0;
   std::uint64_t windows = 0;
-  QueueWork work;                ///< all together
-  std::vector<double> scan_s;    ///< from a scan's coming to its pose
-  std::vector<double> device_s;  ///< of the device's clock, of the last submission; empty where it has none
+  std::uint64_t evaluations = 0;  ///< poses costed: samples of the windows, and steps of all descents
+  QueueWork work;                 ///< all together
+  std::vector<double> scan_s;     ///< from a scan's coming to its pose
+  std::vector<double> device_s;   ///< of the device's clock, of the last submission; empty where it has none
 };
 
 struct WorkBench {
