@@ -38,6 +38,8 @@ layout(push_constant) uniform Params {
   uint width;
   uint height;
   uint stride;
+  uint strip;
+  uint blank;
   int anchor_x;
   int anchor_y;
   uint point_count;
@@ -80,7 +82,8 @@ vec3 pose_at(uint i) { return vec3(poses[i].x, poses[i].y, poses[i].theta); }
 
 /// Adds the points first, first + step, ... to what is known of a pose.
 void add_points(uint pose_index, uint first, uint step_width) {
-  FieldView view = field_view(params.width, params.height, params.stride, params.anchor_x, params.anchor_y);
+  FieldView view = field_view(params.width, params.height, params.stride, params.strip, params.blank,
+                              params.anchor_x, params.anchor_y);
   uint square_shift = squared_shift(params.cap);
   vec3 pose = pose_at(pose_index);
   vec3 local_pose = pose_at(0u);

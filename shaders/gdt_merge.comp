@@ -17,10 +17,13 @@ layout(push_constant) uniform Params {
   uint lift;
   uint cap;
   uint rule;
+  uint global_strip;
+  uint blank;
 };
 layout(set = 0, binding = 0, std430) buffer Global { uvec2 global_field[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Scan { uvec2 scan_field[]; };
 
+#include "common/field_layout.glsl"
 #include "common/merge_rule.glsl"
 
 // The scan's cells at columns x to x + 3 of row y, where x may lie outside; the cells outside of it are unknown.
@@ -43,7 +46,13 @@ void main() {
   }
   int x = int(quad * 4) - int(offset_x);
   for (uint y = gl_GlobalInvocationID.y; y < scan_height; y += launch_rows()) {
-    uint at = (offset_y + y) * (global_stride / 4) + quad;
-    global_field[at] = pack_cells(merged(unpack_cells(global_field[at]), scan_cells(x, y)));
+    uint at = field_place(quad * 4, offset_y + y, global_stride, global_strip) / 4;
+    uvec4 cells = merged(unpack_cells(global_field[at]) ^ blank, scan_cells(x, y)) ^ blank;
+    global_field[at] = pack_cells(cells);
+    // The first cell of a strip's row is the 65th of the strip before, in words that nobody else writes.
+    if (global_strip != kStripWidth && quad > 0 && quad % (kStripWidth / 4) == 0) {
+      uint before = at - (global_strip - kStripWidth) / 4;
+      global_field[before].x = (global_field[before].x & 0xFFFF0000u) | cells.x;
+    }
   }
 }

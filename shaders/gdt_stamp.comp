@@ -17,10 +17,13 @@ layout(push_constant) uniform Params {
   uint lift;
   uint cap;
   uint rule;
+  uint strip;
+  uint blank;
 };
 layout(set = 0, binding = 0, std430) buffer Field { uvec2 field[]; };
 layout(set = 0, binding = 1, std430) readonly buffer List { uvec4 list[]; };  // the tiles, then four obstacles each
 layout(set = 0, binding = 2, std430) readonly buffer Disc { uint disc[]; };
+#include "common/field_layout.glsl"
 #include "common/merge_rule.glsl"
 
 const uint kQuadsARow = 16;  // of a tile of 64 x 64 cells
@@ -73,5 +76,11 @@ void main() {
   uvec4 stamped = uvec4(value_of(nearest.x), value_of(nearest.y), value_of(nearest.z), value_of(nearest.w));
   stamped = mix(uvec4(0xFFFFu), stamped, lessThan(uvec4(column) + uvec4(0, 1, 2, 3), uvec4(width)));
   uint word = (tile.x + row * stride + column) / 4;
-  field[word] = pack_cells(merged(unpack_cells(field[word]), stamped));
+  uvec4 cells = merged(unpack_cells(field[word]) ^ blank, stamped) ^ blank;
+  field[word] = pack_cells(cells);
+  // The first cell of a strip's row is the 65th of the strip before, in words that nobody else writes.
+  if (strip != kStripWidth && column == 0 && tile.x >= strip) {
+    uint before = word - (strip - kStripWidth) / 4;
+    field[before].x = (field[before].x & 0xFFFF0000u) | cells.x;
+  }
 }

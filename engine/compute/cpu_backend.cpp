@@ -1,4 +1,6 @@
 // The CPU as a device: buffers are host memory, a dispatch runs before the call returns.
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -43,8 +45,13 @@ std::string processor_name() {
   return "unnamed processor";
 }
 
+/// Of a block from calloc, or of so many bytes that were mapped.
 struct FreeDeleter {
-  void operator()(std::byte* memory) const { std::free(memory); }
+  std::size_t mapped_bytes = 0;
+  void operator()(std::byte* memory) const {
+    if (mapped_bytes == 0) return std::free(memory);
+    munmap(memory, mapped_bytes);
+  }
 };
 
 /// Zeroed memory that starts on a cache line.
@@ -65,6 +72,22 @@ Allocation allocate_zeroed(std::size_t bytes) {
   return allocation;
 }
 
+/// Pages of their own, zero, which the system gives when they are touched; nothing where it refuses. Not in large
+/// pages, which would be given whole, nor where the process's address space is bounded and this would be much of it.
+Allocation reserve_pages(std::size_t bytes) {
+  constexpr rlim_t kShare = 8;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || (limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur / kShare < bytes)) {
+    return {};
+  }
+  void* const pages = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (pages == MAP_FAILED) return {};
+  madvise(pages, bytes, MADV_NOHUGEPAGE);
+  madvise(pages, bytes, MADV_DONTDUMP);
+  auto* const memory = static_cast<std::byte*>(pages);
+  return {{memory, FreeDeleter{bytes}}, {memory, bytes}};
+}
+
 class CpuBackend final : public Backend {
  public:
   CpuBackend(Isa isa, unsigned threads) : isa_(isa), pool_(threads) {
@@ -77,6 +100,7 @@ class CpuBackend final : public Backend {
 
   [[nodiscard]] const DeviceInfo& device() const override { return device_; }
   Buffer allocate(std::size_t bytes) override;
+  Buffer reserve(std::size_t bytes) override;
   void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset) override;
   void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> params,
                 Extent threads) override;
@@ -117,6 +141,14 @@ Buffer CpuBackend::allocate(std::size_t bytes) {
   }
   const std::uint64_t id = next_id_++;
   allocations_.emplace(id, allocate_zeroed(bytes));
+  return {*this, id, bytes};
+}
+
+Buffer CpuBackend::reserve(std::size_t bytes) {
+  Allocation allocation = reserve_pages(bytes);
+  if (allocation.block == nullptr) return {};
+  const std::uint64_t id = next_id_++;
+  allocations_.emplace(id, std::move(allocation));
   return {*this, id, bytes};
 }
 

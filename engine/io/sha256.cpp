@@ -51,18 +51,20 @@ std::string Sha256::hex() {
   return text;
 }
 
-std::string sha256_of(const DistanceFieldView& field) {
+std::string sha256_of(const DistanceFieldRows& field) {
   Sha256 hash;
   const GridGeometry& geometry = field.geometry;
   hash.update(geometry.resolution_m).update(geometry.origin_x_m).update(geometry.origin_y_m);
   hash.update(geometry.width).update(geometry.height);
-  std::vector<std::byte> row(2 * static_cast<std::size_t>(geometry.width));
+  std::vector<std::uint16_t> row(static_cast<std::size_t>(geometry.width));
+  std::vector<std::byte> text(2 * row.size());
   for (std::int32_t y = 0; y < geometry.height; ++y) {
-    for (std::int32_t x = 0; x < geometry.width; ++x) {
-      const auto bytes = little_endian(field.at({x, y}));
-      std::copy(bytes.begin(), bytes.end(), row.begin() + 2 * std::ptrdiff_t{x});
+    field.read(y, row);
+    for (std::size_t x = 0; x < row.size(); ++x) {
+      const auto bytes = little_endian(row[x]);
+      std::copy(bytes.begin(), bytes.end(), text.begin() + static_cast<std::ptrdiff_t>(2 * x));
     }
-    hash.update(row);
+    hash.update(text);
   }
   return hash.hex();
 }

@@ -38,7 +38,7 @@ class Sha256 {
 
 /// Of the GDT: resolution, origin x and y (doubles), width and height (int32), then its cells row by row (uint16),
 /// without the padding of the rows; all little-endian.
-std::string sha256_of(const DistanceFieldView& field);
+std::string sha256_of(const DistanceFieldRows& field);
 /// Of the poses: x, y and theta of each (doubles, little-endian).
 std::string sha256_of(const Trajectory& trajectory);
 

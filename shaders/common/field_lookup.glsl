@@ -9,6 +9,7 @@
 #define GDTSLAM_FIELD_LOOKUP_GLSL
 
 #include "common/elementary.glsl"
+#include "common/field_layout.glsl"
 
 const uint kBilinear = 0u;  // Interpolation
 const uint kNearest = 1u;
@@ -19,10 +20,13 @@ struct FieldView {
   ivec2 anchor;  // 1/256 cell
   ivec2 last;    // largest cell that may be read with its right and upper neighbour
   uint stride;
+  uint strip;  // from strip to strip, kStripWidth for rows
+  uint blank;  // twice, one for each of two neighbours
 };
 
-FieldView field_view(uint width, uint height, uint stride, int anchor_x, int anchor_y) {
-  return FieldView(ivec2(anchor_x, anchor_y) * 256, ivec2(uvec2(width, height)) - 2, stride);
+FieldView field_view(uint width, uint height, uint stride, uint strip, uint blank, int anchor_x, int anchor_y) {
+  return FieldView(ivec2(anchor_x, anchor_y) * 256, ivec2(uvec2(width, height)) - 2, stride, strip,
+                   blank << 16 | blank);
 }
 
 struct CellRotation {
@@ -53,13 +57,13 @@ ivec2 point_position(FieldView view, CellRotation r, vec2 translation, vec2 poin
 
 uint cell_index(FieldView view, ivec2 position) {
   ivec2 cell = clamp(position >> 8, ivec2(0), view.last);
-  return uint(cell.y) * view.stride + uint(cell.x);
+  return field_place(uint(cell.x), uint(cell.y), view.stride, view.strip);
 }
 
 /// The cell that holds the position.
 uint nearest_value(FieldView view, ivec2 position) {
   uint cell = cell_index(view, position);
-  return (FIELD_WORD(cell >> 1) >> ((cell & 1u) << 4)) & 0xFFFFu;
+  return ((FIELD_WORD(cell >> 1) ^ view.blank) >> ((cell & 1u) << 4)) & 0xFFFFu;
 }
 
 /// Two neighbours in a row, the left one in the low half. Rows begin at whole words, so the word behind is read only
@@ -76,8 +80,8 @@ uint bilinear_value(FieldView view, ivec2 position) {
   ivec2 centred = position - 128;
   uvec2 fraction = uvec2(centred & 255);
   uint cell = cell_index(view, centred);
-  uint lower_pair = cell_pair(cell);
-  uint upper_pair = cell_pair(cell + view.stride);
+  uint lower_pair = cell_pair(cell) ^ view.blank;
+  uint upper_pair = cell_pair(cell + view.stride) ^ view.blank;
   // a (256 - f) + b f = 256 a + (b - a) f: the differences wrap around, the sums below 2^32 are right again.
   uint lower_left = lower_pair & 0xFFFFu;
   uint upper_left = upper_pair & 0xFFFFu;

@@ -8,6 +8,8 @@ layout(push_constant) uniform Params {
   uint width;
   uint height;
   uint stride;
+  uint strip;
+  uint blank;
   int anchor_x;
   int anchor_y;
   uint point_count;
@@ -29,7 +31,7 @@ layout(set = 0, binding = 3, std430) writeonly buffer Cost { uint cost[]; };
 #include "common/field_lookup.glsl"
 
 Costing costing_of(Candidate candidate) {
-  return Costing(field_view(width, height, stride, anchor_x, anchor_y), cell_rotation(candidate.theta),
+  return Costing(field_view(width, height, stride, strip, blank, anchor_x, anchor_y), cell_rotation(candidate.theta),
                  vec2(candidate.x, candidate.y), cap, form, squared_shift(cap));
 }
 

@@ -25,6 +25,8 @@ layout(push_constant) uniform Params {
   uint width;
   uint height;
   uint stride;
+  uint strip;
+  uint blank;
   int anchor_x;
   int anchor_y;
   uint point_count;
@@ -53,7 +55,8 @@ Prior pose_prior() {
 WalkLimits walk_limits() { return WalkLimits(params.stop_cells, params.stop_rad, params.max_evaluations); }
 
 Costing costing_of(vec3 pose) {
-  return Costing(field_view(params.width, params.height, params.stride, params.anchor_x, params.anchor_y),
+  return Costing(field_view(params.width, params.height, params.stride, params.strip, params.blank, params.anchor_x,
+                            params.anchor_y),
                  cell_rotation(pose.z), pose.xy, params.cap, params.form, squared_shift(params.cap));
 }
 

@@ -92,7 +92,8 @@ std::int64_t cell_of(std::int64_t q) { return q >= 0 ? q / 256 : -((255 - q) / 2
 std::int64_t field_value(const PoseCost::Params& params, const std::vector<std::uint16_t>& field, std::int64_t qx,
                          std::int64_t qy) {
   const auto value = [&](std::int64_t x, std::int64_t y) -> std::int64_t {
-    return field[static_cast<std::size_t>(y * params.stride + x)];
+    const std::int64_t place = x / 64 * params.strip + x % 64 + y * params.stride;
+    return field[static_cast<std::size_t>(place)] ^ params.blank;
   };
   const bool bilinear = params.interpolation == Interpolation::kBilinear;
   const std::int64_t half = bilinear ? 128 : 0;

@@ -161,14 +161,25 @@ void cost_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
                       [&](std::uint32_t i, std::uint32_t) { return brute_pose_cost(params, field, points, poses[i]); });
 }
 
+/// Writes a cell, and where it is the first of a strip's row behind the 64 of the strip before too.
+void put_cell(std::vector<std::uint16_t>& field, std::size_t place, std::uint16_t cell, std::size_t column,
+              std::size_t strip) {
+  field[place] = cell;
+  if (strip != 64 && column > 0 && column % 64 == 0) field[place - strip + 64] = cell;
+}
+
 void merge_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
   const auto params = params_of<GdtMerge::Params>(kernel_case);
   auto global = values_of<std::uint16_t>(outcome.contents[0]);
   const auto scan = values_of<std::uint16_t>(outcome.contents[1]);
   for (std::size_t y = 0; y < params.scan_height; ++y) {
     for (std::size_t x = 0; x < params.scan_width; ++x) {
-      std::uint16_t& cell = global[(y + params.offset_y) * params.global_stride + x + params.offset_x];
-      cell = brute_merge(params, cell, scan[y * params.scan_stride + x]);
+      const std::size_t column = x + params.offset_x;
+      const std::size_t place =
+          (y + params.offset_y) * params.global_stride + column / 64 * params.global_strip + column % 64;
+      const auto value = static_cast<std::uint16_t>(global[place] ^ params.blank);
+      const std::uint16_t merged = brute_merge(params, value, scan[y * params.scan_stride + x]);
+      put_cell(global, place, static_cast<std::uint16_t>(merged ^ params.blank), column, params.global_strip);
     }
   }
   outcome.contents[0] = bytes_of(global);
@@ -189,9 +200,11 @@ void stamp_oracle(const KernelCase& kernel_case, CaseOutcome& outcome) {
         for (const std::uint32_t at : own) {
           nearest = std::min(nearest, std::hypot(x + params.radius - at % 65536, y + params.radius - at / 65536));
         }
-        std::uint16_t& cell =
-            field[list[t] + static_cast<std::size_t>(y) * params.stride + static_cast<std::size_t>(x)];
-        cell = brute_merge(rule, cell, static_cast<std::uint16_t>(std::lround(nearest * 256.0)));
+        const std::size_t place = list[t] + static_cast<std::size_t>(y) * params.stride + static_cast<std::size_t>(x);
+        const auto value = static_cast<std::uint16_t>(field[place] ^ params.blank);
+        const std::uint16_t merged = brute_merge(rule, value, static_cast<std::uint16_t>(std::lround(nearest * 256.0)));
+        const std::size_t column = list[t] / params.strip * 64 + static_cast<std::size_t>(x);  // of fields in strips
+        put_cell(field, place, static_cast<std::uint16_t>(merged ^ params.blank), column, params.strip);
       }
     }
   }

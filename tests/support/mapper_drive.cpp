@@ -29,19 +29,6 @@ MapperConfig quick_config(MatcherKind matcher) {
   return config;
 }
 
-std::vector<std::uint16_t> cells_of(const GlobalField& field) { return cells_without_padding(field.cells(), field); }
-
-std::vector<std::uint16_t> cells_without_padding(std::span<const std::uint16_t> cells, const GlobalField& field) {
-  const GridGeometry grid = field.geometry();
-  EXPECT_EQ(cells.size(), std::size_t{field.stride()} * static_cast<std::size_t>(grid.height));
-  std::vector<std::uint16_t> kept;
-  for (std::size_t y = 0; y < static_cast<std::size_t>(grid.height); ++y) {
-    const auto row = cells.subspan(y * field.stride(), static_cast<std::size_t>(grid.width));
-    kept.insert(kept.end(), row.begin(), row.end());
-  }
-  return kept;
-}
-
 MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& config, Backend& backend,
                       const std::function<void()>& on_warning) {
   MappedDrive done;
@@ -51,7 +38,7 @@ MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& c
   };
   Mapper mapper(config, backend, {.fall_back = true, .cpu = {}, .warn = warn});
   for (const DriveScan& scan : scans) done.poses.push_back(mapper.process(scan.scan, scan.T_odom_base).T_map_base);
-  done.cells = cells_of(mapper.field());
+  done.cells = mapper.field().download();
   done.geometry = mapper.field().geometry();
   done.statistics = mapper.statistics();
   done.loss = mapper.device_loss();

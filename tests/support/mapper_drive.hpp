@@ -34,11 +34,6 @@ struct MappedDrive {
 MappedDrive map_drive(const std::vector<DriveScan>& scans, const MapperConfig& config, Backend& backend,
                       const std::function<void()>& on_warning = {});
 
-/// The field's cells without what lies between its rows.
-std::vector<std::uint16_t> cells_of(const GlobalField& field);
-/// The same of other cells that lie as those of the field.
-std::vector<std::uint16_t> cells_without_padding(std::span<const std::uint16_t> cells, const GlobalField& field);
-
 /// Poses, map and counts are equal to the bit; fails the test otherwise.
 void expect_same(const MappedDrive& found, const MappedDrive& expected);
 

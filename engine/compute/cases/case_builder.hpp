@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/compute/kernels/edt/edt.hpp"
+#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/core/random.hpp"
 #include "kernel_cases.hpp"
 
@@ -92,6 +93,15 @@ CaseBuffer grid_buffer(CaseSize size, const std::vector<T>& values) {
   }
   return buffer;
 }
+
+/// Strips for a field of that size, a few cells apart.
+inline FieldLayout strips_for(CaseSize size, std::uint32_t blank) {
+  return {kStripStride, kStripStride * size.height + 8, blank};
+}
+
+/// The values of a grid in such strips, the 65th cells too; other values where no cell lies.
+std::vector<std::uint16_t> in_strips(CaseSize size, const std::vector<std::uint16_t>& values,
+                                     const FieldLayout& layout);
 
 /// A list of values as a buffer.
 template <class T>

@@ -111,4 +111,28 @@ void make_subnormal(std::vector<PoseCandidate>& poses) {
   }
 }
 
+std::vector<std::uint16_t> in_strips(CaseSize size, const std::vector<std::uint16_t>& values,
+                                     const FieldLayout& layout) {
+  constexpr std::uint16_t kNoCell = 0xA5C3;
+  std::vector<std::uint16_t> cells(std::size_t{(size.width - 1) / kStripWidth + 1} * layout.strip, kNoCell);
+  for (std::size_t y = 0; y < size.height; ++y) {
+    for (std::size_t x = 0; x < size.width; ++x) {
+      const auto cell = static_cast<std::uint16_t>(values[y * size.stride + x] ^ layout.blank);
+      cells[layout.place(x, y)] = cell;
+      if (x > 0 && x % kStripWidth == 0) cells[layout.place(x - 1, y) + 1] = cell;
+    }
+  }
+  return cells;
+}
+
+void lay_in_strips(CaseSize size, std::uint32_t blank, PoseCost::Params& params, CaseBuffer& field) {
+  std::vector<std::uint16_t> values(field.content.size() / sizeof(std::uint16_t));
+  std::memcpy(values.data(), field.content.data(), field.content.size());
+  const FieldLayout layout = strips_for(size, blank);
+  params.stride = layout.stride;
+  params.strip = layout.strip;
+  params.blank = layout.blank;
+  field = list_buffer(in_strips(size, values, layout));
+}
+
 }  // namespace gdtslam

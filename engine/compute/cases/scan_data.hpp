@@ -42,6 +42,9 @@ std::vector<CaseBuffer> scene_buffers(CaseSize size, bool room, std::uint32_t ca
 /// Makes coordinates of each pose subnormal, in all combinations and with both signs.
 void make_subnormal(std::vector<PoseCandidate>& poses);
 
+/// The same field in strips.
+void lay_in_strips(CaseSize size, std::uint32_t blank, PoseCost::Params& params, CaseBuffer& field);
+
 /// Parameters of the cost in such a scene.
 inline PoseCost::Params cost_params(CaseSize field, std::uint32_t points, std::uint32_t cap,
                                     Interpolation interpolation, CostForm form) {

@@ -32,6 +32,27 @@ std::size_t grid_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t 
   return (static_cast<std::size_t>(stride) * (height - 1) + width) * cell_bytes;
 }
 
+std::size_t field_bytes(const FieldLayout& layout, std::uint32_t width, std::uint32_t height) {
+  if (!layout.has_strips()) return grid_bytes(width, height, layout.stride, sizeof(std::uint16_t));
+  if (width == 0 || height == 0) return 0;
+  // A strip's last row has its 65th cell too.
+  return (layout.place((width - 1) / kStripWidth * kStripWidth, height - 1) + kStripWidth + 1) * sizeof(std::uint16_t);
+}
+
+void LaunchCheck::layout(const FieldLayout& layout, std::uint32_t width, std::uint32_t height,
+                         std::uint32_t limit) const {
+  const bool has_strips = layout.has_strips();
+  grid(has_strips ? 0 : width, height, layout.stride, limit);
+  require(layout.blank <= 65535, "the blank exceeds 16 bits");
+  if (!has_strips) return;
+  require(width <= limit, "a field in strips exceeds its limit of columns");
+  require(layout.stride > kStripWidth, "the stride of a strip must be more than its 64 columns");
+  require(layout.strip % 4 == 0 && layout.strip >= std::uint64_t{layout.stride} * height,
+          "the strips overlap, or their distance is no multiple of 4");
+  require(field_bytes(layout, width, height) / sizeof(std::uint16_t) <= std::uint64_t{1} << 32U,
+          "a field in strips of more than 2^32 cells");
+}
+
 void LaunchCheck::grid(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::uint32_t limit) const {
   if (width > limit || height > limit) {
     refuse_launch(kernel_, "a grid of " + std::to_string(width) + " x " + std::to_string(height) +

@@ -114,6 +114,8 @@ T* thread_scratch(std::size_t count) {
 
 /// Bytes that a grid of `height` rows touches at least: the last row needs no padding.
 std::size_t grid_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::size_t cell_bytes);
+/// Bytes that a field of such a layout touches at least.
+std::size_t field_bytes(const FieldLayout& layout, std::uint32_t width, std::uint32_t height);
 
 /// Checks of one launch; each throws Error.
 class LaunchCheck {
@@ -121,6 +123,9 @@ class LaunchCheck {
   LaunchCheck(std::string_view kernel, const LaunchShape& shape) : kernel_(kernel), shape_(shape) {}
   /// At least 1 and at most `limit` cells wide and high, rows that do not overlap, a stride that is a multiple of 4.
   void grid(std::uint32_t width, std::uint32_t height, std::uint32_t stride, std::uint32_t limit) const;
+  /// At least 1 and at most `limit` cells wide and high, rows and strips that do not overlap, strides that are
+  /// multiples of 4, no more than 2^32 cells, a blank of 16 bits.
+  void layout(const FieldLayout& layout, std::uint32_t width, std::uint32_t height, std::uint32_t limit) const;
   void buffer(std::size_t binding, std::size_t bytes) const;
   void extent(Extent wanted) const;
   [[nodiscard]] Extent threads() const { return shape_.threads; }

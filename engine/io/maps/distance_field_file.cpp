@@ -23,7 +23,7 @@ constexpr int kMaxLevel = 65535;
 /// black.
 int levels_per_unit(std::uint16_t cap) { return kMaxLevel / int{cap}; }
 
-void check_writable(const std::string& yaml_path, const DistanceFieldView& field) {
+void check_writable(const std::string& yaml_path, const DistanceFieldRows& field) {
   if (field.geometry.width <= 0 || field.geometry.height <= 0) {
     throw InputError({yaml_path, 0},
                      fmt::format("a distance field of {} x {} cells cannot be written; map at least one "
@@ -36,26 +36,25 @@ void check_writable(const std::string& yaml_path, const DistanceFieldView& field
 }
 
 // A row after the other from the top; the field is not copied.
-void write_image(AtomicFile& file, const std::string& yaml_path, const DistanceFieldView& field) {
+void write_image(AtomicFile& file, const std::string& yaml_path, const DistanceFieldRows& field) {
   const int scale = levels_per_unit(field.cap);
   const auto width = static_cast<std::size_t>(field.geometry.width);
   PngWriter png(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(field.geometry.height),
                 PngWriter::Pixels::kGrey16, [&file](std::span<const std::byte> bytes) { file.write(bytes); });
-  std::vector<std::uint16_t> levels(width);
-  for (auto y = static_cast<std::size_t>(field.geometry.height); y-- > 0;) {
-    const std::span<const std::uint16_t> row = field.cells.subspan(y * field.stride, width);
+  std::vector<std::uint16_t> row(width);
+  for (std::int32_t y = field.geometry.height; y-- > 0;) {
+    field.read(y, row);
     if (const std::uint16_t largest = *std::max_element(row.begin(), row.end()); largest > field.cap) {
       throw InputError({yaml_path, 0}, fmt::format("the distance {} in row {} lies above the field's cap of {}",
                                                    largest, y, field.cap));
     }
-    std::transform(row.begin(), row.end(), levels.begin(),
-                   [scale](std::uint16_t value) { return static_cast<std::uint16_t>(value * scale); });
-    png.add_row(std::as_bytes(std::span(levels)));
+    for (std::uint16_t& value : row) value = static_cast<std::uint16_t>(value * scale);
+    png.add_row(std::as_bytes(std::span(row)));
   }
   png.finish();
 }
 
-std::string description_of(const DistanceFieldView& field, const std::string& image) {
+std::string description_of(const DistanceFieldRows& field, const std::string& image) {
   const GridGeometry& geometry = field.geometry;
   const int scale = levels_per_unit(field.cap);
   return fmt::format(
@@ -113,11 +112,20 @@ std::uint16_t value_of(std::uint16_t level, const Levels& levels, const std::str
 
 }  // namespace
 
-DistanceFieldView view_of(const GlobalField& field) {
-  return {field.geometry(), field.stride(), field.cells(), field.cap()};
+DistanceFieldRows rows_of(const DistanceFieldView& field) {
+  return {field.geometry, field.cap, [field](std::int32_t y, std::span<std::uint16_t> row) {
+            const auto cells = field.cells.subspan(static_cast<std::size_t>(y) * field.stride, row.size());
+            std::copy(cells.begin(), cells.end(), row.begin());
+          }};
 }
 
-void write_distance_field(const std::string& yaml_path, const DistanceFieldView& field) {
+DistanceFieldRows rows_of(const GlobalField& field) {
+  return {field.geometry(), field.cap(), [&field](std::int32_t y, std::span<std::uint16_t> row) {
+            field.read_row(field.box().min + CellOffset{0, y}, row);
+          }};
+}
+
+void write_distance_field(const std::string& yaml_path, const DistanceFieldRows& field) {
   check_writable(yaml_path, field);
   const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".png");
   AtomicFileSet files;

@@ -68,16 +68,17 @@ void check(std::span<const PointCells> points, const PoseWindow& window, const C
 
 }  // namespace
 
-FieldView field_view(const GlobalField& map) {
-  assert(map.box().empty() || !map.cells().empty());  // it lives where the host sees it
-  const GridGeometry grid = map.geometry();
-  return {.cells = map.cells().data(),
-          .width = static_cast<std::uint32_t>(grid.width),
-          .height = static_cast<std::uint32_t>(grid.height),
-          .stride = map.stride(),
-          .first_cell = map.first_cell(),
-          .cap = map.cap(),
-          .resolution_m = grid.resolution_m};
+FieldCopy::FieldCopy(const GlobalField& map)
+    : geometry_(map.geometry()), first_cell_(map.box().min), cap_(map.cap()), cells_(map.download()) {}
+
+FieldView FieldCopy::view() const {
+  return {.cells = cells_.data(),
+          .width = static_cast<std::uint32_t>(geometry_.width),
+          .height = static_cast<std::uint32_t>(geometry_.height),
+          .stride = static_cast<std::uint32_t>(geometry_.width),
+          .first_cell = first_cell_,
+          .cap = cap_,
+          .resolution_m = geometry_.resolution_m};
 }
 
 CertifiedMap::CertifiedMap(const FieldView& field, Isa isa, Windows windows, Backend* device)

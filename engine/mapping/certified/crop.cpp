@@ -24,41 +24,36 @@ CellBox whole_grains(const CellBox& box) {
 }
 
 // The cells of the box up to the cap, the cap where the map does not reach and in the two outermost rows and columns.
-void copy_cells(const FieldView& map, const CellBox& box, std::vector<std::uint16_t>& cells) {
+void copy_cells(const GlobalField& map, const CellBox& box, std::uint16_t cap, std::vector<std::uint16_t>& cells) {
   const auto width = static_cast<std::size_t>(box.width());
-  cells.assign(width * static_cast<std::size_t>(box.height()), map.cap);
-  const CellIndex map_end{map.first_cell.x + static_cast<std::int32_t>(map.width),
-                          map.first_cell.y + static_cast<std::int32_t>(map.height)};
-  const CellIndex from{std::max(box.min.x + 2, map.first_cell.x), std::max(box.min.y + 2, map.first_cell.y)};
-  const CellIndex end{std::min(box.end.x - 2, map_end.x), std::min(box.end.y - 2, map_end.y)};
-  if (end.x <= from.x) return;
-  for (std::int32_t y = from.y; y < end.y; ++y) {
-    const std::uint16_t* row = map.cells + static_cast<std::size_t>(y - map.first_cell.y) * map.stride;
-    std::transform(row + (from.x - map.first_cell.x), row + (end.x - map.first_cell.x),
-                   cells.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y - box.min.y) * width +
-                                                               static_cast<std::size_t>(from.x - box.min.x)),
-                   [cap = map.cap](std::uint16_t cell) { return std::min(cell, cap); });
+  cells.assign(width * static_cast<std::size_t>(box.height()), cap);
+  for (std::int32_t y = box.min.y + 2; y < box.end.y - 2; ++y) {
+    const auto row = std::span(cells).subspan(static_cast<std::size_t>(y - box.min.y) * width + 2, width - 4);
+    map.read_row({box.min.x + 2, y}, row);
+    for (std::uint16_t& cell : row) cell = std::min(cell, cap);
   }
 }
 
 }  // namespace
 
 const CertifiedMap& CertifiedCrop::of(const GlobalField& map, const ReachedCells& reached, Isa isa) {
-  FieldView whole = field_view(map);
-  whole.cap = static_cast<std::uint16_t>(std::min<std::uint32_t>(whole.cap, cap_));
+  const auto cap = static_cast<std::uint16_t>(std::min<std::uint32_t>(map.cap(), cap_));
   const CellBox box = whole_grains(reached.box);
-  copy_cells(whole, box, fresh_);
+  copy_cells(map, box, cap, fresh_);
   const bool is_same = prepared_ != nullptr && reached.windows == windows_ && box == box_ && fresh_ == cells_;
   if (is_same) return *prepared_;
   prepared_.reset();
   box_ = box;
   windows_ = reached.windows;
   cells_.swap(fresh_);
-  FieldView part = whole;
-  part.cells = cells_.data();
-  part.width = part.stride = static_cast<std::uint32_t>(box.width());
-  part.height = static_cast<std::uint32_t>(box.height());
-  part.first_cell = box.min;
+  const auto width = static_cast<std::uint32_t>(box.width());
+  const FieldView part{.cells = cells_.data(),
+                       .width = width,
+                       .height = static_cast<std::uint32_t>(box.height()),
+                       .stride = width,
+                       .first_cell = box.min,
+                       .cap = cap,
+                       .resolution_m = map.geometry().resolution_m};
   prepared_ = std::make_unique<CertifiedMap>(part, isa, windows_);
   return *prepared_;
 }

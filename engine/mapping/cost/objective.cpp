@@ -44,11 +44,13 @@ Objective::Objective(const GlobalField& map, Interpolation interpolation, CostFo
 
 PoseCost::Params pose_cost_params(const GlobalField& map, CellIndex anchor_cell, std::size_t points, std::uint32_t cap,
                                   Interpolation interpolation, CostForm form) {
-  const GridGeometry grid = map.geometry();
-  const CellOffset anchor = anchor_cell - map.first_cell();
-  return {.width = static_cast<std::uint32_t>(grid.width),
-          .height = static_cast<std::uint32_t>(grid.height),
-          .stride = map.stride(),
+  const CellBox& stored = map.stored();
+  const CellOffset anchor = anchor_cell - stored.min;
+  return {.width = static_cast<std::uint32_t>(stored.width()),
+          .height = static_cast<std::uint32_t>(stored.height()),
+          .stride = map.layout().stride,
+          .strip = map.layout().strip,
+          .blank = map.layout().blank,
           .anchor_x = anchor.dx,
           .anchor_y = anchor.dy,
           .point_count = static_cast<std::uint32_t>(points),
@@ -69,7 +71,7 @@ std::uint32_t Objective::prior_cost(const CellPose& pose) const {
 
 PolishedPose Objective::descend(const CellPose& start, const PoseSimplex::Params& walk) {
   PolishedPose pose{start.x, start.y, start.theta};
-  pose_simplex_host(backend_->host_isa(), walk, map_->cells().data(), points_.data(), &pose, 1);
+  pose_simplex_host(backend_->host_isa(), walk, map_->memory().data(), points_.data(), &pose, 1);
   evaluations_ += pose.evaluations;
   return pose;
 }
@@ -80,8 +82,8 @@ void Objective::evaluate(std::span<const CellPose> poses, std::span<std::uint32_
   candidates_.clear();
   for (const CellPose& pose : poses) candidates_.push_back({pose.x, pose.y, pose.theta, prior_cost(pose)});
   const PoseCost::Params p = params(interpolation_, points_.size());
-  if (poses.size() <= kSmallBatch && !map_->cells().empty()) {
-    pose_cost_host(backend_->host_isa(), p, map_->cells().data(), points_.data(), candidates_.data(),
+  if (poses.size() <= kSmallBatch && !map_->memory().empty()) {
+    pose_cost_host(backend_->host_isa(), p, map_->memory().data(), points_.data(), candidates_.data(),
                    static_cast<std::uint32_t>(poses.size()), costs.data());
     return;
   }
@@ -101,7 +103,7 @@ std::uint32_t Objective::evaluate(const CellPose& pose) {
   ++evaluations_;
   const PoseCandidate candidate{pose.x, pose.y, pose.theta, prior_cost(pose)};
   std::uint32_t cost = 0;
-  pose_cost_host(backend_->host_isa(), params(interpolation_, points_.size()), map_->cells().data(), points_.data(),
+  pose_cost_host(backend_->host_isa(), params(interpolation_, points_.size()), map_->memory().data(), points_.data(),
                  &candidate, 1, &cost);
   return cost;
 }
@@ -110,7 +112,7 @@ void Objective::residuals(const CellPose& pose, std::span<const PointCells> poin
                           std::vector<std::uint16_t>& values) const {
   values.resize(points.size());
   // The two outermost rows and columns hold the cap, so a point off the map reads it at the nearest of them.
-  point_values_host(backend_->host_isa(), params(Interpolation::kNearest, points.size()), map_->cells().data(),
+  point_values_host(backend_->host_isa(), params(Interpolation::kNearest, points.size()), map_->memory().data(),
                     points.data(), {.x = pose.x, .y = pose.y, .theta = pose.theta}, values.data());
 }
 
@@ -118,7 +120,7 @@ Linearisation Objective::linearise(const CellPose& pose, float scale_cells) {
   ++evaluations_;
   const PoseSlope::Params slope{.grid = params(Interpolation::kBilinear, points_.size()),
                                 .scale = scale_cells * static_cast<float>(kFieldOne)};
-  const PoseSlope::Sums sums = pose_slope_host(backend_->host_isa(), slope, map_->cells().data(), points_.data(),
+  const PoseSlope::Sums sums = pose_slope_host(backend_->host_isa(), slope, map_->memory().data(), points_.data(),
                                                {.x = pose.x, .y = pose.y, .theta = pose.theta});
   Linearisation result;
   result.cost = sums[0];

@@ -26,6 +26,14 @@ MapperConfig field_config(double resolution_m) {
   return config;
 }
 
+FieldCopy field_of(const std::vector<Point2>& points_m, double resolution_m, Backend& backend) {
+  const MapperConfig config = field_config(resolution_m);
+  KeyframeMap map(config, backend);
+  StageTimes times;
+  map.merge(keyframe_of(points_m, resolution_m, config.map.radius_cells()), times);
+  return FieldCopy(map.field);
+}
+
 // Cost units that one sigma squared is worth: a point that is a cell off costs 256, and of `points` only some are
 // independent.
 WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t points) {
@@ -53,27 +61,21 @@ std::vector<Point2> every_nth(const std::vector<Point2>& points, std::size_t mos
 struct LoopFinder::Reference {
   Reference(const KeyframePath& keyframes, std::size_t middle, const LoopSearchOptions& options, Backend& backend)
       : group(keyframes, middle, options.reference_half_m, kReferenceSpacing_m),
-        config(field_config(options.resolution_m)),
-        map(config, backend) {
-    StageTimes times;
-    map.merge(keyframe_of(group.points(), options.resolution_m, config.map.radius_cells()), times);
-  }
+        field(field_of(group.points(), options.resolution_m, backend)) {}
 
   /// Prepared for windows of this size: most are small, and far cheaper to prepare for.
   const CertifiedMap& certified_for(const PoseWindow& window) {
     const bool is_near = window.half_x_m <= kNearWindow_m && window.half_theta_rad <= kNearWindow_rad;
     Prepared& prepared = is_near ? for_near : for_any;
     if (!prepared.map) {
-      prepared.map.emplace(field_view(map.field), best_isa(),
-                           is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
+      prepared.map.emplace(field.view(), best_isa(), is_near ? CertifiedMap::kNearWindows : CertifiedMap::kAnyWindows);
       prepared.bytes = prepared.map->bytes();
     }
     return *prepared.map;
   }
 
   [[nodiscard]] std::size_t bytes() const {
-    return group.space().bytes() + map.field.geometry().cell_count() * sizeof(std::uint16_t) + for_near.bytes +
-           for_any.bytes;
+    return group.space().bytes() + field.bytes() + for_near.bytes + for_any.bytes;
   }
   [[nodiscard]] std::size_t prepared_bytes() const {
     return (for_near.map ? for_near.bytes : 0U) + (for_any.map ? for_any.bytes : 0U);
@@ -86,8 +88,7 @@ struct LoopFinder::Reference {
   };
 
   ScanGroup group;
-  MapperConfig config;
-  KeyframeMap map;
+  FieldCopy field;
   Prepared for_near;
   Prepared for_any;
   std::uint64_t asked = 0;  // when it was last

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "field_store.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -50,9 +52,10 @@ void DeviceMap::update_host() {
 void DeviceMap::continue_checkpoint() {
   const GlobalField& field = map_.field;
   if (!checkpoint_ && journal_.size() >= kLongJournal) {
-    const std::size_t cells = std::size_t{field.stride()} * static_cast<std::size_t>(field.box().height());
+    const std::size_t cells = std::size_t{field.snapshot_stride()} * static_cast<std::size_t>(field.box().height());
     checkpoint_ = Checkpoint{.snapshot = field.snapshot(),
                              .box = field.box(),
+                             .stride = field.snapshot_stride(),
                              .keyframes = held_ + journal_.size(),
                              .cells = std::vector<std::uint16_t>(cells),
                              .under_way = {}};
@@ -73,7 +76,7 @@ void DeviceMap::take_checkpoint_piece() {
   if (c.arrived < c.cells.size()) return;
   if (c.keyframes > held_) {
     for (; held_ < c.keyframes; ++held_) journal_.pop_front();
-    host_.field.adopt(c.cells, c.box);
+    host_.field.adopt({c.cells, c.stride, c.box});
   }
   checkpoint_.reset();
 }

@@ -50,6 +50,7 @@ class DeviceMap {
   struct Checkpoint {
     Buffer snapshot;
     CellBox box;
+    std::uint32_t stride = 0;     // of its rows
     std::uint64_t keyframes = 0;  // that it holds
     std::vector<std::uint16_t> cells;
     std::size_t arrived = 0;  // cells

@@ -69,22 +69,26 @@ void LocalField::flood(const KeyframeCells& keyframe) {
 
 void LocalField::stamp_into(GlobalField& map, const MergeStep& step) {
   const std::uint32_t tiles = lists_.tile_count();
+  for (const CellIndex& corner : lists_.corners()) map.touch({corner, corner + CellOffset{1, 1}});
   run<GdtStamp>(*backend_,
                 {.tile_count = tiles,
                  .words = static_cast<std::uint32_t>(lists_.words().size()),
                  .most_obstacles = lists_.most_obstacles(),
-                 .stride = map.stride(),
+                 .stride = map.layout().stride,
                  .radius = radius_,
                  .threshold = step.threshold,
                  .lift = step.lift,
                  .cap = map.cap(),
-                 .rule = step.rule},
+                 .rule = step.rule,
+                 .strip = map.layout().strip,
+                 .blank = map.layout().blank},
                 {tiles, 1, 1}, map.buffer(), cells_, values_);
 }
 
 void LocalField::merge_into(GlobalField& map, const MergeStep& step) {
   if (transform_ == DistanceTransform::kExact) return stamp_into(map, step);
-  const CellOffset offset = window_.min - map.first_cell();
+  map.touch(window_);
+  const CellOffset offset = window_.min - map.stored().min;
   assert(offset.dx >= 0 && offset.dy >= 0);
   const auto width = static_cast<std::uint32_t>(window_.width());
   const auto height = static_cast<std::uint32_t>(window_.height());
@@ -92,13 +96,15 @@ void LocalField::merge_into(GlobalField& map, const MergeStep& step) {
                 {.scan_width = width,
                  .scan_height = height,
                  .scan_stride = stride_,
-                 .global_stride = map.stride(),
+                 .global_stride = map.layout().stride,
                  .offset_x = static_cast<std::uint32_t>(offset.dx),
                  .offset_y = static_cast<std::uint32_t>(offset.dy),
                  .threshold = step.threshold,
                  .lift = step.lift,
                  .cap = map.cap(),
-                 .rule = step.rule},
+                 .rule = step.rule,
+                 .global_strip = map.layout().strip,
+                 .blank = map.layout().blank},
                 {width, height, 1}, map.buffer(), field_);
 }
 

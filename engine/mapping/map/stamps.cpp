@@ -27,7 +27,7 @@ void StampLists::for_each_reached(const KeyframeCells& keyframe, See see) {
 }
 
 void StampLists::list(const KeyframeCells& keyframe, const GlobalField& map) {
-  window_ = keyframe.window.min - map.first_cell();
+  window_ = keyframe.window.min - map.stored().min;
   assert(window_.dx >= 0 && window_.dy >= 0);
   reach_ = {{window_.dx / kTile, window_.dy / kTile},
             {(window_.dx + keyframe.window.width() - 1) / kTile + 1,
@@ -48,16 +48,23 @@ void StampLists::list(const KeyframeCells& keyframe, const GlobalField& map) {
 // The tiles that are reached, and the places of their obstacles.
 void StampLists::lay_out(const GlobalField& map) {
   tiles_.clear();
+  corners_.clear();
   most_ = 0;
   std::uint32_t next = 0;
   auto tile = reached_.begin();
   for (std::int32_t ty = reach_.min.y; ty < reach_.end.y; ++ty) {
     for (std::int32_t tx = reach_.min.x; tx < reach_.end.x; ++tx, ++tile) {
       if (tile->count == 0) continue;
-      const auto width = static_cast<std::uint32_t>(std::min(kTile, map.box().width() - tx * kTile));
-      const auto height = static_cast<std::uint32_t>(std::min(kTile, map.box().height() - ty * kTile));
-      const auto base = static_cast<std::uint32_t>(ty * kTile) * map.stride() + static_cast<std::uint32_t>(tx * kTile);
-      tiles_.push_back({.base = base, .size = height << 16U | width, .first = next, .count = tile->count});
+      const CellOffset corner{tx * kTile, ty * kTile};
+      const auto width = static_cast<std::uint32_t>(std::min(kTile, map.stored().width() - corner.dx));
+      const auto height = static_cast<std::uint32_t>(std::min(kTile, map.stored().height() - corner.dy));
+      const std::size_t base =
+          map.layout().place(static_cast<std::size_t>(corner.dx), static_cast<std::size_t>(corner.dy));
+      corners_.push_back(map.stored().min + corner);
+      tiles_.push_back({.base = static_cast<std::uint32_t>(base),
+                        .size = height << 16U | width,
+                        .first = next,
+                        .count = tile->count});
       tile->next = next;
       next += (tile->count + kStampGroup - 1) / kStampGroup * kStampGroup;
       most_ = std::max(most_, tile->count);

@@ -1,6 +1,7 @@
 #include "path_smoother.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -18,9 +19,8 @@ namespace {
 class FieldGradient {
  public:
   explicit FieldGradient(const GlobalField& field)
-      : cells_(field.cells()),
+      : field_(&field),
         geometry_(field.geometry()),
-        stride_(field.stride()),
         cap_(field.cap()),
         unit_m_(field.geometry().resolution_m / 256.0) {}
 
@@ -33,15 +33,14 @@ class FieldGradient {
     const double x = (point.x() - geometry_.origin_x_m) / geometry_.resolution_m - 0.5;
     const double y = (point.y() - geometry_.origin_y_m) / geometry_.resolution_m - 0.5;
     if (!(x >= 0.0 && y >= 0.0 && x < geometry_.width - 1 && y < geometry_.height - 1)) return std::nullopt;
-    const auto column = static_cast<std::size_t>(x);
-    const auto row = static_cast<std::size_t>(y);
-    const std::size_t at = row * stride_ + column;
-    const std::uint16_t raw[4] = {cells_[at], cells_[at + 1], cells_[at + stride_], cells_[at + stride_ + 1]};
+    const auto column = static_cast<std::int32_t>(x);
+    const auto row = static_cast<std::int32_t>(y);
+    const std::array<std::uint16_t, 4> raw = field_->at_and_beside(field_->box().min + CellOffset{column, row});
     for (const std::uint16_t value : raw) {
       if (value >= cap_) return std::nullopt;
     }
-    const double fx = x - static_cast<double>(column);
-    const double fy = y - static_cast<double>(row);
+    const double fx = x - column;
+    const double fy = y - row;
     const double low = raw[0] + fx * (raw[1] - raw[0]);
     const double high = raw[2] + fx * (raw[3] - raw[2]);
     const double right = raw[1] + fy * (raw[3] - raw[1]);
@@ -51,9 +50,8 @@ class FieldGradient {
   }
 
  private:
-  std::span<const std::uint16_t> cells_;
+  const GlobalField* field_;
   GridGeometry geometry_;
-  std::size_t stride_;
   std::uint16_t cap_;
   double unit_m_;
 };

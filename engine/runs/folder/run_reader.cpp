@@ -146,7 +146,7 @@ DistanceFieldFile RunReader::field() const {
   require("gdt.yaml");
   require("gdt.png");
   DistanceFieldFile field = read_distance_field(file("gdt.yaml"));
-  if (sha256_of(field.view()) != summary_.map_sha256) {
+  if (sha256_of(rows_of(field.view())) != summary_.map_sha256) {
     refuse("gdt.png", fmt::format("is not the distance field that {} tells of", kReport));
   }
   return field;

@@ -213,9 +213,9 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const std::str
 WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times) {
   if (job.finishing) job.finishing("gdt.png");
   folder.staged("gdt.png");
-  write_distance_field(folder.staged("gdt.yaml"), view_of(field));
+  write_distance_field(folder.staged("gdt.yaml"), rows_of(field));
   times.add("write_field");
-  WrittenField written{field.geometry(), sha256_of(view_of(field))};
+  WrittenField written{field.geometry(), sha256_of(rows_of(field))};
   times.add("hash");
   return written;
 }

@@ -98,7 +98,8 @@ void expect_bounds_hold_on_map_of(const std::string& log, std::size_t step) {
   Mapper mapper(config, *backend);
   const std::vector<KnownScan> scans = map_log(log, step, config, mapper);
   ASSERT_GE(scans.size(), 10U);
-  const FieldView field = field_view(mapper.field());
+  const FieldCopy copy(mapper.field());
+  const FieldView field = copy.view();
   const CertifiedMap whole(field, backend->host_isa());
   const CertifiedMap near(field, backend->host_isa(), CertifiedMap::kNearWindows);
   Random random(7);

@@ -163,7 +163,7 @@ TEST(DistanceFieldFile, WritesEveryBitWithItsDescription) {
   const TemporaryFolder folder;
   // Three cells a row, stored with a stride of five; what lies in the padding is no part of the field.
   const std::vector<std::uint16_t> cells = {1, 2, 3, 9999, 9999, 5120, 5, 0, 9999, 9999};
-  write_distance_field(folder / "gdt.yaml", {{0.05, -1.5, 2.25, 3, 2}, 5, cells, 5120});
+  write_distance_field(folder / "gdt.yaml", rows_of(DistanceFieldView{{0.05, -1.5, 2.25, 3, 2}, 5, cells, 5120}));
   // By hand: floor(65535 / 5120) = 12, 5120 * 12 = 61440, 0.05 / 256 / 12 = 1.62760416...e-5.
   EXPECT_EQ(get_file(folder / "gdt.yaml"),
             "version: 2\nimage: gdt.png\nresolution: 0.05  # m per pixel\norigin: [-1.5, 2.25, 0.0]  # m, lower left "
@@ -183,7 +183,8 @@ TEST(DistanceFieldFile, EveryValueUnderEveryKindOfCapReadsBack) {
     std::vector<std::uint16_t> cells;
     for (int value = 0; value <= cap; ++value) cells.push_back(static_cast<std::uint16_t>(value));
     const GridGeometry geometry{0.05, 0, 0, static_cast<std::int32_t>(cells.size()), 1};
-    write_distance_field(folder / "gdt.yaml", {geometry, cells.size(), cells, static_cast<std::uint16_t>(cap)});
+    write_distance_field(folder / "gdt.yaml",
+                         rows_of(DistanceFieldView{geometry, cells.size(), cells, static_cast<std::uint16_t>(cap)}));
     const DistanceFieldFile field = read_distance_field(folder / "gdt.yaml");
     EXPECT_EQ(field.cells, cells) << cap;
     EXPECT_EQ(field.cap, cap);
@@ -208,7 +209,7 @@ TEST(DistanceFieldFile, WhatCannotBeWrittenIsRefused) {
   const TemporaryFolder folder;
   const std::vector<std::uint16_t> cells = {6};
   const auto error = [&](const DistanceFieldView& field) {
-    return input_error_of([&] { write_distance_field(folder / "gdt.yaml", field); });
+    return input_error_of([&] { write_distance_field(folder / "gdt.yaml", rows_of(field)); });
   };
   EXPECT_THAT(error({{0.05, 0, 0, 0, 0}, 0, {}, 5}), HasSubstr("gdt.yaml: a distance field of 0 x 0 cells"));
   EXPECT_THAT(error({{0.05, 0, 0, 1, 0}, 1, cells, 5}), HasSubstr("1 x 0 cells"));
@@ -221,7 +222,7 @@ TEST(DistanceFieldFile, WhatCannotBeWrittenIsRefused) {
 TEST(DistanceFieldFile, WhatContradictsItselfIsRefused) {
   const TemporaryFolder folder;
   const std::vector<std::uint16_t> cells = {1};
-  write_distance_field(folder / "gdt.yaml", {{0.05, 0, 0, 1, 1}, 1, cells, 5120});
+  write_distance_field(folder / "gdt.yaml", rows_of(DistanceFieldView{{0.05, 0, 0, 1, 1}, 1, cells, 5120}));
   const std::string text = get_file(folder / "gdt.yaml");
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string changed = text;

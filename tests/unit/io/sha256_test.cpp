@@ -55,12 +55,12 @@ TEST(Sha256, FieldCoversGeometryAndCellsButNoPadding) {
                                    .update(std::uint16_t{3})
                                    .update(std::uint16_t{4})
                                    .hex();
-  EXPECT_EQ(sha256_of(DistanceFieldView{geometry, 3, cells, 100}), expected);
-  EXPECT_EQ(sha256_of(DistanceFieldView{geometry, 3, other_padding, 100}), expected);
-  EXPECT_EQ(sha256_of(DistanceFieldView{geometry, 2, packed, 100}), expected);
+  EXPECT_EQ(sha256_of(rows_of(DistanceFieldView{geometry, 3, cells, 100})), expected);
+  EXPECT_EQ(sha256_of(rows_of(DistanceFieldView{geometry, 3, other_padding, 100})), expected);
+  EXPECT_EQ(sha256_of(rows_of(DistanceFieldView{geometry, 2, packed, 100})), expected);
   GridGeometry moved = geometry;
   moved.origin_x_m = 1.05;
-  EXPECT_NE(sha256_of(DistanceFieldView{moved, 2, packed, 100}), expected);
+  EXPECT_NE(sha256_of(rows_of(DistanceFieldView{moved, 2, packed, 100})), expected);
 }
 
 TEST(Sha256, TrajectoryCoversThePosesInOrder) {

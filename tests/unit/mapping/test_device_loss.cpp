@@ -12,7 +12,6 @@
 namespace gdtslam {
 namespace {
 
-using test::cells_of;
 using test::DriveScan;
 using test::map_drive;
 using test::MappedDrive;
@@ -95,7 +94,7 @@ TEST_F(DeviceLoss, WithoutLeaveToFallBackTheErrorComesAndTheMapIsWhole) {
   Mapper reference(config_, *cpu_);
   std::vector<std::vector<std::uint16_t>> maps{{}};
   for (const DriveScan& s : scans_) {
-    if (reference.process(s.scan, s.T_odom_base).merged) maps.push_back(cells_of(reference.field()));
+    if (reference.process(s.scan, s.T_odom_base).merged) maps.push_back(reference.field().download());
   }
   QueuedBackend whole;
   expect_same(drive(whole), drive(*cpu_));
@@ -118,7 +117,7 @@ TEST_F(DeviceLoss, WithoutLeaveToFallBackTheErrorComesAndTheMapIsWhole) {
     EXPECT_TRUE(mapper->lost_device());
     EXPECT_THROW(map_all(), DeviceError) << "a second time";
     EXPECT_EQ(device.calls_after_failure(), 0U);
-    EXPECT_TRUE(cells_of(mapper->field()) == maps.at(mapper->statistics().keyframes));
+    EXPECT_TRUE(mapper->field().download() == maps.at(mapper->statistics().keyframes));
     if (HasFailure()) return;
   }
   EXPECT_GT(failures_after_construction, 50U);

@@ -30,7 +30,7 @@ class MapperTest : public testing::Test {
       results.push_back(mapper.process(scans_[i], odometry(i, truth_[i])));
     }
     statistics_ = mapper.statistics();
-    cells_ = test::cells_of(mapper.field());
+    cells_ = mapper.field().download();
     return results;
   }
 

@@ -39,7 +39,7 @@ class RunReaderTest : public testing::Test {
     write("report.json", kReport);
     write_tum(path("trajectory.tum"), {{1.0, {}}, {2.0, {1.0, 0.0, 0.0}}, {3.0, {1.5, 0.0, 0.1}}});
     write_occupancy_map(path("map.yaml"), {{0.05, 1.0, 2.0, 2, 1}, {CellState::kFree, CellState::kOccupied}});
-    write_distance_field(path("gdt.yaml"), {{0.05, 1.0, 2.0, 2, 1}, 2, cells_, 5120});
+    write_distance_field(path("gdt.yaml"), rows_of(DistanceFieldView{{0.05, 1.0, 2.0, 2, 1}, 2, cells_, 5120}));
     write_linkage(path("linkage.yaml"), calib::sweep_model_of_preset("paper-a"));
     CloudWriter cloud(path("cloud.ply"), CloudFormat::kPlyBinary);
     cloud.add(std::vector<CloudPoint>(1));
@@ -217,7 +217,8 @@ TEST_F(RunReaderTest, FilesThatAreDamagedOrOfAnotherRun) {
       [this] { static_cast<void>(reader().map()); }, path("map.yaml"),
       "has 2 x 1 cells of 0.1 m from (1, 2), but report.json tells of 2 x 1 cells of 0.05 m from (1, 2): not of "
       "one run; map the log again");
-  write_distance_field(path("gdt.yaml"), {{0.05, 1.0, 2.0, 2, 1}, 2, std::vector<std::uint16_t>{0, 512}, 5120});
+  write_distance_field(path("gdt.yaml"),
+                       rows_of(DistanceFieldView{{0.05, 1.0, 2.0, 2, 1}, 2, std::vector<std::uint16_t>{0, 512}, 5120}));
   expect_refused([this] { static_cast<void>(reader().field()); }, path("gdt.png"),
                  "is not the distance field that report.json tells of: not of one run; map the log again");
   write("map.pgm", "P5\n2 1\n255\n");

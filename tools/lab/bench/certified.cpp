@@ -153,7 +153,8 @@ class CertifiedBenchRun {
   }
 
   void prepare() {
-    const FieldView field = field_view(mapper_.field());
+    copy_.emplace(mapper_.field());
+    const FieldView field = copy_->view();
     bench_.map_width = field.width;
     bench_.map_height = field.height;
     bench_.map_bytes = std::uint64_t{field.width} * field.height * sizeof(std::uint16_t);
@@ -288,6 +289,7 @@ class CertifiedBenchRun {
   Isa isa_;
   Mapper mapper_;
   std::vector<KnownScan> scans_;
+  std::optional<FieldCopy> copy_;
   std::optional<CertifiedMap> map_;
   CertifiedBench bench_;
 };

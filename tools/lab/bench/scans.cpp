@@ -9,6 +9,7 @@
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
 #include "engine/core/elementary.hpp"
+#include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/local_field.hpp"
 #include "engine/mapping/match/window_matcher.hpp"
 #include "engine/mapping/nodding/sweep_assembler.hpp"
@@ -91,17 +92,8 @@ class ScanBench {
     run<PoseLattice>(backend_, lattice, {kManySamples, 1, 1}, candidates_);
   }
   void cost_many() {
-    const GridGeometry grid = map_.geometry();
-    const CellOffset anchor = CellIndex{0, 0} - map_.first_cell();
-    const PoseCost::Params params{.width = static_cast<std::uint32_t>(grid.width),
-                                  .height = static_cast<std::uint32_t>(grid.height),
-                                  .stride = map_.stride(),
-                                  .anchor_x = anchor.dx,
-                                  .anchor_y = anchor.dy,
-                                  .point_count = static_cast<std::uint32_t>(points_.size()),
-                                  .cap = map_.cap(),
-                                  .interpolation = config_.match.interpolation,
-                                  .form = config_.match.cost};
+    const PoseCost::Params params =
+        pose_cost_params(map_, {0, 0}, points_.size(), map_.cap(), config_.match.interpolation, config_.match.cost);
     run<PoseCost>(backend_, params, {kManySamples, 1, 1}, map_.buffer(), point_buffer_, candidates_, costs_);
   }
   [[nodiscard]] const Buffer& costs() const { return costs_; }

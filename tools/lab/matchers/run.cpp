@@ -124,7 +124,8 @@ class Comparison {
 
   bool measure(const ScanRecord& record, const Pose2& predicted) {
     if (!choose_points(record, predicted)) return false;
-    const CertifiedMap map(field_view(mapper_.field()), isa_);
+    const FieldCopy field(mapper_.field());
+    const CertifiedMap map(field.view(), isa_);
     const CompareProblem problem{objective_, map, job_.mapper};
     const CellPose from = objective_.to_cells(predicted);
     GlobalSolution global = global_solution(problem, from, widest_reach(job_), job_.global);

@@ -23,7 +23,7 @@ void nearest_values(const CostContext& nearest, const CostPose& pose, std::uint1
     const std::int32_t qy = floor_position(v * 256.0F + 0.5F) + nearest.shift_y;
     const auto x = static_cast<std::uint32_t>(clamped(qx >> 8, 0, nearest.last_x));
     const auto y = static_cast<std::uint32_t>(clamped(qy >> 8, 0, nearest.last_y));
-    values[i] = nearest.field[at(nearest.stride, y) + x];
+    values[i] = u16(u32(nearest.field[place_of(x, y, nearest.stride, nearest.strip_step)]) ^ (nearest.blank & 0xFFFFU));
   }
 }
 

@@ -17,6 +17,7 @@ struct ChoiceCase {
   CaseSize field{256, 200, 256};
   bool room = true;    ///< else a field without any shape
   bool steps = false;  ///< the field in whole cells, so that values meet limits
+  bool strips = false;
   std::uint32_t points = 180;
   std::uint32_t poses = 5;
   std::uint32_t map_cap = 20 * 256;
@@ -27,9 +28,9 @@ struct ChoiceCase {
   std::function<void(ChoosePose::Params&, Poses&)> change = [](ChoosePose::Params&, Poses&) {};
 
   [[nodiscard]] std::string name() const {
-    return size_name(field) + (room ? " room " : " slow ") + (steps ? "steps " : "") + std::to_string(poses) +
-           " poses " + std::to_string(points) + " points caps " + std::to_string(map_cap) + " " + std::to_string(wide) +
-           (interpolation == Interpolation::kNearest ? " nearest" : " bilinear") +
+    return size_name(field) + (room ? " room " : " slow ") + (steps ? "steps " : "") + (strips ? "strips " : "") +
+           std::to_string(poses) + " poses " + std::to_string(points) + " points caps " + std::to_string(map_cap) +
+           " " + std::to_string(wide) + (interpolation == Interpolation::kNearest ? " nearest" : " bilinear") +
            (form == CostForm::kSquared ? " squared" : "");
   }
   [[nodiscard]] KernelCase make(const std::string& named) const;
@@ -88,6 +89,9 @@ KernelCase ChoiceCase::make(const std::string& named) const {
   if (steps) {
     cut_to_cells(buffers[0]);
   }
+  if (strips) {
+    lay_in_strips(field, map_cap, params.cost, buffers[0]);
+  }
   buffers.push_back(words_buffer(tried));
   constexpr auto kWords = static_cast<std::uint32_t>(sizeof(MatchVerdict) / 4);
   buffers.push_back(noise_buffer(kWords, random));
@@ -105,6 +109,8 @@ void add_sizes(std::vector<KernelCaseSource>& list) {
     for (const CostForm form : {CostForm::kDistance, CostForm::kSquared}) {
       for (const std::uint32_t points : {0U, 1U, 15U, 16U, 17U, 180U, 361U}) {
         ChoiceCase shape{.points = points, .interpolation = interpolation, .form = form};
+        add_case(list, shape);
+        shape.strips = true;
         add_case(list, shape);
         shape.room = false;
         shape.poses = 1 + points % 17;

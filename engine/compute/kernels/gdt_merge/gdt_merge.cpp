@@ -13,15 +13,17 @@ const KernelInfo& GdtMerge::info() {
       },
       [](const Params& params, const LaunchCheck& check) {
         check.grid(params.scan_width, params.scan_height, params.scan_stride, kNoLimit);
-        check.require(params.global_stride % 4 == 0, "the global field's stride must be a multiple of 4");
-        check.require(std::uint64_t{params.offset_x} + params.scan_width <= params.global_stride,
-                      "the scan field sticks out of the global field's rows");
-        check.require(std::uint64_t{params.offset_y} + params.scan_height <= kNoLimit, "the row offset is too large");
+        check.require(std::uint64_t{params.offset_x} + params.scan_width <= kNoLimit &&
+                          std::uint64_t{params.offset_y} + params.scan_height <= kNoLimit,
+                      "the offset is too large");
+        const FieldLayout global{params.global_stride, params.global_strip, params.blank};
+        const std::uint32_t width = params.offset_x + params.scan_width;
+        const std::uint32_t height = params.offset_y + params.scan_height;
+        check.layout(global, width, height, kNoLimit);
         check.require(params.lift <= params.threshold, "the lift exceeds the threshold");
         check.require(params.cap <= 65535, "the cap exceeds 16 bits");
         check.require(params.rule == MergeRule::kWorking || params.rule == MergeRule::kLiteral, "unknown rule");
-        check.buffer(0, grid_bytes(params.offset_x + params.scan_width, params.offset_y + params.scan_height,
-                                   params.global_stride, 2));
+        check.buffer(0, field_bytes(global, width, height));
         check.buffer(1, grid_bytes(params.scan_width, params.scan_height, params.scan_stride, 2));
         check.extent({params.scan_width, params.scan_height, 1});
       });

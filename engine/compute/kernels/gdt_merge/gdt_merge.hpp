@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 
+#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 
@@ -16,7 +17,9 @@ namespace gdtslam {
 struct CaseGroup;
 
 /// Bindings: global field (u16, read and write), scan field (u16, read). The scan field's cell (0, 0) lies at cell
-/// (offset_x, offset_y) of the global one and must lie inside as a whole. Extent: x = scan width, y = scan rows.
+/// (offset_x, offset_y) of the global one and must lie inside as a whole. Where the global field has strips, the first
+/// cell of a row in a strip is written to the 65th of the strip before as well, if there is one. Extent: x = scan
+/// width, y = scan rows.
 struct GdtMerge {
   struct Params {
     std::uint32_t scan_width = 0;
@@ -29,6 +32,8 @@ struct GdtMerge {
     std::uint32_t lift = 0;       ///< kappa * threshold, 1/256 cell; at most threshold
     std::uint32_t cap = 0;
     MergeRule rule = MergeRule::kWorking;
+    std::uint32_t global_strip = kStripWidth;  ///< FieldLayout of the global field
+    std::uint32_t blank = 0;
   };
   static constexpr std::array kBindings{Access::kReadWrite, Access::kRead};
   static const KernelInfo& info();

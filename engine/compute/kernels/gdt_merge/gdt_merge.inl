@@ -1,12 +1,13 @@
 // Merge of a scan's field into the global one, paper equations (9) to (11), in 16 bits throughout so that vectors hold
 // twice as many cells; and a field copied into a larger one.
 
-/// The parameters, cut to 16 bits where larger values mean the same.
+/// The parameters, cut to 16 bits where larger values mean the same, and what the field's cells are XORed with.
 struct MergeLimits {
   std::uint16_t threshold;
   std::uint16_t lift;      ///< at most the cap
   std::uint16_t unlifted;  ///< cap - lift: a larger value reaches the cap when lifted
   std::uint16_t cap;
+  std::uint16_t blank;
 };
 
 template <MergeRule kRule>
@@ -21,9 +22,10 @@ inline std::uint16_t merged(const MergeLimits& limits, std::uint16_t g, std::uin
   return d >= limits.cap ? g : result;
 }
 
-inline MergeLimits merge_limits(std::uint32_t threshold, std::uint32_t most_lift, std::uint32_t cap) {
+inline MergeLimits merge_limits(std::uint32_t threshold, std::uint32_t most_lift, std::uint32_t cap,
+                                std::uint32_t blank) {
   const std::uint32_t lift = lesser(most_lift, cap);
-  return {u16(lesser(threshold, std::uint32_t{65535})), u16(lift), u16(cap - lift), u16(cap)};
+  return {u16(lesser(threshold, std::uint32_t{65535})), u16(lift), u16(cap - lift), u16(cap), u16(blank)};
 }
 
 template <MergeRule kRule>
@@ -31,21 +33,39 @@ inline void merge_row(const MergeLimits& shared_limits, std::uint16_t* __restric
                       const std::uint16_t* __restrict scan, std::uint32_t count) {
   const MergeLimits limits = shared_limits;
   for (std::uint32_t x = 0; x < count; ++x) {
-    global[x] = merged<kRule>(limits, global[x], scan[x]);
+    const std::uint16_t value = u16(global[x] ^ limits.blank);
+    global[x] = u16(merged<kRule>(limits, value, scan[x]) ^ limits.blank);
   }
+}
+
+/// Writes the first cell of a strip's row to the 65th of the strip before.
+inline void repeat_before(std::uint16_t* row, std::uint32_t strip) {
+  row[kStripWidth - static_cast<std::ptrdiff_t>(strip)] = row[0];
 }
 
 template <MergeRule kRule>
 void merge_cells(const GdtMerge::Params& params, const MergeLimits& limits, std::uint16_t* global,
                  const std::uint16_t* scan, CellRange range) {
+  const bool has_strips = params.global_strip != kStripWidth;
   for (std::uint32_t y = range.y_begin; y < range.y_end; ++y) {
-    merge_row<kRule>(limits, global + at(params.global_stride, params.offset_y + y) + params.offset_x + range.x_begin,
-                     scan + at(params.scan_stride, y) + range.x_begin, range.x_end - range.x_begin);
+    const std::uint16_t* row = scan + at(params.scan_stride, y);
+    for (std::uint32_t x = range.x_begin; x < range.x_end;) {
+      const std::uint32_t column = params.offset_x + x;
+      std::uint16_t* out = global + at(params.global_strip, column / kStripWidth) + column % kStripWidth +
+                           at(params.global_stride, params.offset_y + y);
+      const std::uint32_t left = range.x_end - x;
+      const std::uint32_t count = has_strips ? lesser(left, kStripWidth - column % kStripWidth) : left;
+      merge_row<kRule>(limits, out, row + x, count);
+      if (has_strips && column > 0 && column % kStripWidth == 0) {
+        repeat_before(out, params.global_strip);
+      }
+      x += count;
+    }
   }
 }
 
 void gdt_merge(const GdtMerge::Params& params, std::uint16_t* global, const std::uint16_t* scan, CellRange range) {
-  const MergeLimits limits = merge_limits(params.threshold, params.lift, params.cap);
+  const MergeLimits limits = merge_limits(params.threshold, params.lift, params.cap, params.blank);
   params.rule == MergeRule::kWorking ? merge_cells<MergeRule::kWorking>(params, limits, global, scan, range)
                                      : merge_cells<MergeRule::kLiteral>(params, limits, global, scan, range);
 }

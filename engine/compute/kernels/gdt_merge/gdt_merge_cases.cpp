@@ -16,11 +16,12 @@ struct MergeCase {
   std::uint32_t threshold = 256;
   std::uint32_t lift = 128;
   std::uint32_t cap = kCap;
+  bool strips = false;  ///< of the global field, where the cap is 0
 
   [[nodiscard]] std::string name() const {
     return size_name(scan) + " at " + std::to_string(offset_x) + "," + std::to_string(offset_y) +
            (rule == MergeRule::kWorking ? " working" : " literal") + " T" + std::to_string(threshold) + " L" +
-           std::to_string(lift) + (cap == kCap ? "" : " cap " + std::to_string(cap));
+           std::to_string(lift) + (cap == kCap ? "" : " cap " + std::to_string(cap)) + (strips ? " strips" : "");
   }
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
@@ -43,10 +44,12 @@ KernelCase MergeCase::make(const std::string& named) const {
   const std::uint32_t width = offset_x + scan.width + kBeyond;
   const CaseSize global{width, offset_y + scan.height + kBeyond, grid_stride(width)};
   const std::uint64_t random_seed = seed_from(named);
-  const GdtMerge::Params params{scan.width, scan.height, scan.stride, global.stride, offset_x,
-                                offset_y,   threshold,   lift,        cap,           rule};
+  const FieldLayout layout = strips ? strips_for(global, cap) : FieldLayout{global.stride};
+  const GdtMerge::Params params{scan.width, scan.height, scan.stride, layout.stride, offset_x,     offset_y,
+                                threshold,  lift,        cap,         rule,          layout.strip, layout.blank};
+  const std::vector<std::uint16_t> map = field_values(global, cap, random_seed);
   return make_case<GdtMerge>(named, params, {scan.width, scan.height, 1},
-                             {grid_buffer(global, field_values(global, cap, random_seed)),
+                             {strips ? list_buffer(in_strips(global, map, layout)) : grid_buffer(global, map),
                               grid_buffer(scan, field_values(scan, cap, random_seed + 2))});
 }
 
@@ -57,6 +60,7 @@ KernelCase draw_merge(const std::string& name, Random& random) {
   merge.rule = random.below(2) == 0 ? MergeRule::kWorking : MergeRule::kLiteral;
   merge.threshold = draw_count(random, 70000);
   merge.lift = draw_count(random, merge.threshold);
+  merge.strips = random.below(2) == 0;
   merge.cap = random.below(4) == 0 ? draw_count(random, 65535) : kCap;
   return merge.make(name);
 }
@@ -129,6 +133,9 @@ void add_gdt_merge_cases(std::vector<KernelCaseSource>& list) {
       add_case(list, MergeCase{size, 0, 0, rule});
       add_case(list, MergeCase{size, 5, 3, rule, 256, 256});
       add_case(list, MergeCase{size, 2, 1, rule, 0, 0});
+      for (const std::uint32_t offset : {0U, 3U, 62U, 63U, 64U, 130U}) {
+        add_case(list, MergeCase{size, offset, 5, rule, 256, 128, kCap, true});
+      }
     });
     for_each_small_size([&](CaseSize size, std::uint32_t turn) {
       const std::uint32_t threshold = turn % 5 == 0 ? 0 : 256;

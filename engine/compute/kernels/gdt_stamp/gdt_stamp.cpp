@@ -36,6 +36,10 @@ const KernelInfo& GdtStamp::info() {
       [](const Params& params, const LaunchCheck& check) {
         check.require(params.radius >= 1 && params.radius <= 255, "the radius must be 1 to 255 cells");
         check.require(params.stride % 4 == 0, "the field's stride must be a multiple of 4");
+        check.require(params.strip % 4 == 0 && params.blank <= 65535,
+                      "the distance of strips must be a multiple of 4, the blank of 16 bits");
+        check.require(params.strip == kStripWidth || params.stride > kStripWidth,
+                      "the stride of a strip must be more than its 64 columns");
         check.require(params.lift <= params.threshold, "the lift exceeds the threshold");
         check.require(params.cap == field_cap(params.radius), "the cap is not that of the radius");
         check.require(params.rule == MergeRule::kWorking || params.rule == MergeRule::kLiteral, "unknown rule");

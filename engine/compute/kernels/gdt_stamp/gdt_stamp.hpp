@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 
@@ -41,7 +42,8 @@ std::vector<std::uint16_t> stamp_disc(std::uint32_t radius);
 
 /// Bindings: field (u16, read and write), list (u32, read), disc (u16, read). The list has the tiles, no two of which
 /// share a cell, and behind them their obstacles, (y + R) * 65536 + x + R from the tile's lower left cell: 0 is as far
-/// left or below as counts. Extent: x = tiles.
+/// left or below as counts. Where the field has strips, the tiles begin at columns that are multiples of 64, and the
+/// first cell of a row goes to the 65th of the strip before as well, if there is one. Extent: x = tiles.
 struct GdtStamp {
   struct Params {
     std::uint32_t tile_count = 0;
@@ -53,6 +55,8 @@ struct GdtStamp {
     std::uint32_t lift = 0;            ///< kappa * threshold, 1/256 cell; at most threshold
     std::uint32_t cap = 0;
     MergeRule rule = MergeRule::kWorking;
+    std::uint32_t strip = kStripWidth;  ///< FieldLayout
+    std::uint32_t blank = 0;
   };
   static constexpr std::array kBindings{Access::kReadWrite, Access::kRead, Access::kRead};
   static const KernelInfo& info();

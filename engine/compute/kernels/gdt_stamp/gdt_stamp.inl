@@ -43,7 +43,8 @@ void stamp_obstacle(const GdtStamp::Params& params, std::uint32_t obstacle, cons
 template <MergeRule kRule>
 void stamp_tiles(const GdtStamp::Params& params, std::uint16_t* field, const std::uint32_t* list,
                  const std::uint16_t* disc, Slice slice) {
-  const MergeLimits limits = merge_limits(params.threshold, params.lift, params.cap);
+  const MergeLimits limits = merge_limits(params.threshold, params.lift, params.cap, params.blank);
+  const bool has_strips = params.strip != kStripWidth;
   StampedTile stamped;
   for (std::uint32_t t = slice.begin; t < slice.end; ++t) {
     const std::uint32_t* words = list + at(4, t);
@@ -62,6 +63,9 @@ void stamp_tiles(const GdtStamp::Params& params, std::uint16_t* field, const std
       std::uint16_t* out = field + tile.base + at(params.stride, y);
       const std::uint16_t* in = stamped.cells + at(kStampTile, y);
       width == kStampTile ? merge_row<kRule>(limits, out, in, kStampTile) : merge_row<kRule>(limits, out, in, width);
+      if (has_strips && tile.base >= params.strip) {
+        repeat_before(out, params.strip);
+      }
     }
   }
 }

@@ -24,12 +24,13 @@ struct StampCase {
   std::uint32_t lift = 128;
   StampSpread spread = StampSpread::kAnywhere;
   bool all_tiles = false;
+  bool strips = false;  ///< and the cap is 0
 
   [[nodiscard]] std::string name() const {
     return size_name(field) + " " + std::to_string(obstacles) + " obstacles " +
            kSpreadNames[static_cast<std::size_t>(spread)] + " R" + std::to_string(radius) +
            (rule == MergeRule::kWorking ? " working" : " literal") + " T" + std::to_string(threshold) + " L" +
-           std::to_string(lift) + (all_tiles ? " all" : "");
+           std::to_string(lift) + (all_tiles ? " all" : "") + (strips ? " strips" : "");
   }
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
@@ -76,6 +77,7 @@ std::vector<std::uint16_t> map_values(CaseSize size, std::uint32_t cap, std::uin
 
 KernelCase StampCase::make(const std::string& named) const {
   Random random(seed_from(named));
+  const FieldLayout layout = strips ? strips_for(field, field_cap(radius)) : FieldLayout{field.stride};
   std::vector<StampTile> tiles;
   std::vector<std::uint32_t> list;
   std::uint32_t most = 0;
@@ -85,7 +87,8 @@ KernelCase StampCase::make(const std::string& named) const {
       const std::uint32_t count = std::max<std::uint32_t>(1, obstacles - draw_count(random, obstacles / 4));
       const std::uint32_t width = std::min(kStampTile, field.width - x);
       const std::uint32_t height = std::min(kStampTile, field.height - y);
-      tiles.push_back({y * field.stride + x, height << 16U | width, static_cast<std::uint32_t>(list.size()), count});
+      tiles.push_back({static_cast<std::uint32_t>(layout.place(x, y)), height << 16U | width,
+                       static_cast<std::uint32_t>(list.size()), count});
       for (std::uint32_t i = 0; i < count; ++i) list.push_back(draw_obstacle(spread, radius, random));
       while (list.size() % kStampGroup != 0) list.push_back(list.back());
       most = std::max(most, count);
@@ -95,13 +98,15 @@ KernelCase StampCase::make(const std::string& named) const {
   std::vector<std::uint32_t> words;
   for (const StampTile& t : tiles) words.insert(words.end(), {t.base, t.size, 4 * tile_count + t.first, t.count});
   words.insert(words.end(), list.begin(), list.end());
-  const GdtStamp::Params params{tile_count, static_cast<std::uint32_t>(words.size()),
-                                most,       field.stride,
-                                radius,     threshold,
-                                lift,       field_cap(radius),
-                                rule};
+  const GdtStamp::Params params{tile_count,  static_cast<std::uint32_t>(words.size()),
+                                most,        layout.stride,
+                                radius,      threshold,
+                                lift,        field_cap(radius),
+                                rule,        layout.strip,
+                                layout.blank};
+  const std::vector<std::uint16_t> map = map_values(field, field_cap(radius), random.bits());
   return make_case<GdtStamp>(named, params, {tile_count, 1, 1},
-                             {grid_buffer(field, map_values(field, field_cap(radius), random.bits())),
+                             {strips ? list_buffer(in_strips(field, map, layout)) : grid_buffer(field, map),
                               list_buffer(words), list_buffer(stamp_disc(radius))});
 }
 
@@ -114,6 +119,7 @@ KernelCase draw_stamp(const std::string& name, Random& random) {
   stamp.lift = draw_count(random, stamp.threshold);
   stamp.spread = draw_from(random, kStampSpreads);
   stamp.all_tiles = random.below(2) == 0;
+  stamp.strips = random.below(2) == 0;
   return stamp.make(name);
 }
 
@@ -124,6 +130,7 @@ void add_gdt_stamp_cases(std::vector<KernelCaseSource>& list) {
       for (const std::uint32_t radius : kCaseRadii) add_case(list, StampCase{size, 5, radius, rule});
       for (const StampSpread spread : kStampSpreads) {
         add_case(list, StampCase{size, 12, 20, rule, 256, 256, spread, true});
+        add_case(list, StampCase{size, 12, 20, rule, 256, 256, spread, true, true});
       }
       add_case(list, StampCase{size, 7, 33, rule, 0, 0, StampSpread::kEdges, true});
     });

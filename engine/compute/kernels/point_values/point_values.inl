@@ -16,6 +16,7 @@ void point_values(const PointValues::Params& grid, const std::uint16_t* field, c
   const auto anchor_y = static_cast<float>(grid.anchor_y);
   const auto last_x = static_cast<float>(grid.width - 1);
   const auto last_y = static_cast<float>(grid.height - 1);
+  const std::uint32_t strip_step = grid.strip - kStripWidth;
   std::uint32_t cell[kValueBlock];
   for (std::uint32_t first = 0; first < grid.point_count; first += kValueBlock) {
     const std::uint32_t count = lesser(kValueBlock, grid.point_count - first);
@@ -23,10 +24,10 @@ void point_values(const PointValues::Params& grid, const std::uint16_t* field, c
     for (std::uint32_t i = 0; i < count; ++i) {
       const float u = (rotation.cos * block[i].x - rotation.sin * block[i].y) + pose.x;
       const float v = (rotation.sin * block[i].x + rotation.cos * block[i].y) + pose.y;
-      cell[i] = held_cell(v, anchor_y, last_y) * grid.stride + held_cell(u, anchor_x, last_x);
+      cell[i] = place_of(held_cell(u, anchor_x, last_x), held_cell(v, anchor_y, last_y), grid.stride, strip_step);
     }
     for (std::uint32_t i = 0; i < count; ++i) {
-      values[first + i] = field[cell[i]];
+      values[first + i] = u16(u32(field[cell[i]]) ^ grid.blank);
     }
   }
 }

@@ -17,7 +17,7 @@ constexpr std::uint32_t kFarthestCell = 1U << 21U;
 }  // namespace
 
 void LaunchCheck::cost(const PoseCost::Params& params) const {
-  grid(params.width, params.height, params.stride, kFarthestCell);
+  layout({params.stride, params.strip, params.blank}, params.width, params.height, kFarthestCell);
   const auto in_reach = [](std::int32_t anchor) { return -kFarthestAnchor <= anchor && anchor <= kFarthestAnchor; };
   require(in_reach(params.anchor_x) && in_reach(params.anchor_y), "the anchor is more than 2^21 cells off");
   require(params.width >= 2 && params.height >= 2, "the field must be at least 2 x 2 cells");
@@ -25,7 +25,7 @@ void LaunchCheck::cost(const PoseCost::Params& params) const {
   require(params.cap <= 65535, "the cap exceeds 16 bits");
   require(params.interpolation <= Interpolation::kNearest && params.form <= CostForm::kSquared,
           "unknown interpolation or form");
-  buffer(0, grid_bytes(params.width, params.height, params.stride, 2));
+  buffer(0, field_bytes({params.stride, params.strip, params.blank}, params.width, params.height));
   buffer(1, params.point_count * sizeof(PointCells));
 }
 
@@ -46,15 +46,14 @@ const KernelInfo& PoseCost::info() {
 
 void pose_cost_host(Isa isa, const PoseCost::Params& params, const std::uint16_t* field, const PointCells* points,
                     const PoseCandidate* candidates, std::uint32_t count, std::uint32_t* cost) {
-  assert(params.width >= 2 && params.height >= 2 && params.stride >= params.width &&
-         params.point_count <= kMostCostPoints);
+  assert(params.width >= 2 && params.height >= 2 && params.point_count <= kMostCostPoints);
   functions_or_throw(isa).pose_cost(params, field, points, candidates, cost, {0, count});
 }
 
 PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const std::uint16_t* field,
                                 const PointCells* points, const PoseSlope::Pose& pose) {
   const PoseCost::Params& grid = params.grid;
-  assert(grid.width >= 2 && grid.height >= 2 && grid.stride >= grid.width && params.scale > 0.0F);
+  assert(grid.width >= 2 && grid.height >= 2 && params.scale > 0.0F);
   static_cast<void>(grid);
   PoseSlope::Sums sums{};
   functions_or_throw(isa).pose_slope(params, field, points, pose, sums.data());
@@ -63,7 +62,7 @@ PoseSlope::Sums pose_slope_host(Isa isa, const PoseSlope::Params& params, const 
 
 void point_values_host(Isa isa, const PointValues::Params& params, const std::uint16_t* field, const PointCells* points,
                        const PointValues::Pose& pose, std::uint16_t* values) {
-  assert(params.width >= 1 && params.height >= 1 && params.stride >= params.width);
+  assert(params.width >= 1 && params.height >= 1);
   functions_or_throw(isa).point_values(params, field, points, pose, values);
 }
 

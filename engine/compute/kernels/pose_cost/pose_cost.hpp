@@ -14,6 +14,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 
@@ -43,8 +44,10 @@ struct PoseCost {
   struct Params {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
-    std::uint32_t stride = 0;
-    std::int32_t anchor_x = 0;  ///< cell of the field that candidates are relative to, any value within +-2^21
+    std::uint32_t stride = 0;           ///< from row to row
+    std::uint32_t strip = kStripWidth;  ///< from strip to strip (field_layout.hpp)
+    std::uint32_t blank = 0;            ///< cells hold their value XOR this, at most 65535
+    std::int32_t anchor_x = 0;          ///< cell of the field that candidates are relative to, any value within +-2^21
     std::int32_t anchor_y = 0;
     std::uint32_t point_count = 0;
     std::uint32_t cap = 0;  ///< values above count as this, 1/256 cell, at most 65535

@@ -16,6 +16,8 @@ struct CostContext {
   const PointCells* points;
   std::uint32_t count;
   std::uint32_t stride;
+  std::uint32_t strip_step;  ///< from a strip's 64 columns to the next strip, 0 where there are rows (field_layout.hpp)
+  std::uint32_t blank;       ///< twice, one for each of two neighbours
   std::int32_t last_x;  ///< largest cell that may be read with its right neighbour
   std::int32_t last_y;
   std::int32_t shift_x;  ///< the anchor, and minus half a cell when bilinear
@@ -31,6 +33,11 @@ struct CostPose {
   float x;
   float y;
 };
+
+/// FieldLayout::place in 32 bits.
+inline std::uint32_t place_of(std::uint32_t x, std::uint32_t y, std::uint32_t stride, std::uint32_t strip_step) {
+  return y * stride + x + x / kStripWidth * strip_step;
+}
 
 /// Where coordinates are clamped, 1/256 cell: far off any map, and an integer of float32 and int32 alike.
 constexpr float kFarthestPosition = 1073741824.0F;  // 2^30
@@ -109,6 +116,8 @@ CostContext cost_context(const PoseCost::Params& params, const std::uint16_t* fi
           points,
           params.point_count,
           params.stride,
+          params.strip - kStripWidth,
+          params.blank << 16U | params.blank,
           static_cast<std::int32_t>(params.width) - 2,
           static_cast<std::int32_t>(params.height) - 2,
           params.anchor_x * 256 - half_cell,

@@ -21,13 +21,14 @@ struct CostCase {
   bool odd_points = false;        ///< some are no numbers, or far off
   std::uint32_t field_cap = 0;    ///< what unknown cells hold; 0: the cap
   bool is_subnormal = false;      ///< coordinates of many points and poses are
+  bool strips = false;            ///< the field lies in strips, and its cap is 0
 
   [[nodiscard]] std::string name() const {
     return size_name(field) + " " + std::to_string(candidates) + " poses " + std::to_string(points) + " points cap " +
            std::to_string(cap) + (interpolation == Interpolation::kBilinear ? " bilinear" : " nearest") +
            (form == CostForm::kSquared ? " squared" : "") + (field_cap != 0 ? " of " + std::to_string(field_cap) : "") +
            (anchor_shift != 0 ? " anchor " + std::to_string(anchor_shift) : "") + (odd_points ? " odd" : "") +
-           (is_subnormal ? " subnormal" : "");
+           (is_subnormal ? " subnormal" : "") + (strips ? " strips" : "");
   }
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
@@ -90,9 +91,12 @@ KernelCase CostCase::make(const std::string& named) const {
     make_subnormal(scan);
     make_subnormal(poses);
   }
-  return make_case<PoseCost>(
-      named, params, {candidates, 1, 1},
-      {grid_buffer(field, cells), list_buffer(scan), list_buffer(poses), noise_buffer(candidates, random)});
+  CaseBuffer map = grid_buffer(field, cells);
+  if (strips) {
+    lay_in_strips(field, field_cap != 0 ? field_cap : cap, params, map);
+  }
+  return make_case<PoseCost>(named, params, {candidates, 1, 1},
+                             {map, list_buffer(scan), list_buffer(poses), noise_buffer(candidates, random)});
 }
 
 constexpr Interpolation kInterpolations[] = {Interpolation::kBilinear, Interpolation::kNearest};
@@ -105,6 +109,18 @@ void add_costs(std::vector<KernelCaseSource>& list, Interpolation interpolation,
   for (const auto& [points, candidates] : kCounts) {
     add_case(list, CostCase{{97, 83, 100}, points, candidates, 20 * 256, 60.0, interpolation, form});
     add_case(list, CostCase{{256, 200, 256}, points, candidates, 65535, 20.0, interpolation, form});
+  }
+  for (const CaseSize& size : {CaseSize{97, 83, 100}, {256, 200, 256}, {64, 70, 64}, {66, 3, 68}, {129, 64, 132}}) {
+    for (const std::uint32_t points : {17U, 361U}) {
+      add_case(list, CostCase{.field = size,
+                              .points = points,
+                              .candidates = 33,
+                              .cap = 5120,
+                              .spread_cells = 60.0,
+                              .interpolation = interpolation,
+                              .form = form,
+                              .strips = true});
+    }
   }
   add_case(list, CostCase{{2, 2, 4}, 9, 6, 1000, 3.0, interpolation, form});
   add_case(list, CostCase{{5, 5, 8}, 50, 20, 255, 3.0, interpolation, form});
@@ -136,6 +152,7 @@ KernelCase draw_cost(const std::string& name, Random& random) {
   shape.form = draw_from(random, kForms);
   shape.anchor_shift = static_cast<std::int32_t>(draw_count(random, 1000)) - 20;
   shape.odd_points = random.below(8) == 0;
+  shape.strips = random.below(2) == 0;
   return shape.make(name);
 }
 
@@ -167,8 +184,17 @@ void add_pose_cost_cases(std::vector<KernelCaseSource>& list) {
     }
   }
   for (const Interpolation interpolation : kInterpolations) {
-    add_case(list, CostCase{kBenchField, 361, 4096, 20 * 256, 40.0, interpolation, CostForm::kDistance},
-             CaseUse::kBenchmark);
+    for (const bool strips : {false, true}) {
+      add_case(list,
+               CostCase{.field = kBenchField,
+                        .points = 361,
+                        .candidates = 4096,
+                        .cap = 20 * 256,
+                        .spread_cells = 40.0,
+                        .interpolation = interpolation,
+                        .strips = strips},
+               CaseUse::kBenchmark);
+    }
   }
   add_case(list, CostCase{kBenchField, 361, 4096, 20 * 256, 40.0, Interpolation::kBilinear, CostForm::kSquared},
            CaseUse::kBenchmark);

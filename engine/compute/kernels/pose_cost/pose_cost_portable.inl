@@ -16,7 +16,7 @@ class BlockSteps {
       block.position_y[i] = qy;
       const auto x = static_cast<std::uint32_t>(clamped(qx >> 8, 0, context_.last_x));
       const auto y = static_cast<std::uint32_t>(clamped(qy >> 8, 0, context_.last_y));
-      block.cell[i] = y * context_.stride + x;
+      block.cell[i] = place_of(x, y, context_.stride, context_.strip_step);
     }
     return count;
   }
@@ -31,14 +31,16 @@ class BlockSteps {
   [[nodiscard]] std::uint32_t sum() const { return sum_; }
 
  private:
-  static std::uint32_t value_of(const CostBlock& block, std::uint32_t i) {
+  [[nodiscard]] std::uint32_t value_of(const CostBlock& block, std::uint32_t i) const {
     if constexpr (!kBilinear) {
-      return block.lower[i];
+      return block.lower[i] ^ (context_.blank & 0xFFFFU);
     }
+    const std::uint32_t lower_pair = block.lower[i] ^ context_.blank;
+    const std::uint32_t upper_pair = block.upper[i] ^ context_.blank;
     const auto fx = static_cast<std::uint32_t>(block.position_x[i] & 255);
     const auto fy = static_cast<std::uint32_t>(block.position_y[i] & 255);
-    const std::uint32_t lower = left(block.lower[i]) * (256 - fx) + right(block.lower[i]) * fx;
-    const std::uint32_t upper = left(block.upper[i]) * (256 - fx) + right(block.upper[i]) * fx;
+    const std::uint32_t lower = left(lower_pair) * (256 - fx) + right(lower_pair) * fx;
+    const std::uint32_t upper = left(upper_pair) * (256 - fx) + right(upper_pair) * fx;
     return (lower * (256 - fy) + upper * fy) >> 16U;
   }
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__

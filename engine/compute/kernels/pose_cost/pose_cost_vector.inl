@@ -13,7 +13,9 @@ class BlockSteps {
         last_x_(all(context.last_x)),
         last_y_(all(context.last_y)),
         stride_(all(static_cast<std::int32_t>(context.stride))),
+        strip_step_(all(static_cast<std::int32_t>(context.strip_step))),
         cap_(all(static_cast<std::int32_t>(context.cap))),
+        blank_(all(static_cast<std::int32_t>(kBilinear ? context.blank ^ 0x80008000U : context.blank & 0xFFFFU))),
         square_shift_(_mm_cvtsi32_si128(static_cast<int>(context.square_shift))) {}
 
   /// Fills in positions and cells of the points; returns how many cells there are to look up, whole vectors.
@@ -47,7 +49,10 @@ class BlockSteps {
     const Floats v = add(add(mul(s_, p.x), mul(c_, p.y)), y_);
     const Ints qx = add(position_of(u), shift_x_);
     const Ints qy = add(position_of(v), shift_y_);
-    store(block.cell + i, add(mul(cell_of(qy, last_y_), stride_), cell_of(qx, last_x_)));
+    const Ints x = cell_of(qx, last_x_);
+    const Ints in_strip = add(mul(cell_of(qy, last_y_), stride_), x);
+    static_assert(kStripWidth == 1U << 6U);
+    store(block.cell + i, add(in_strip, mul(shift_right_signed<6>(x), strip_step_)));
     if constexpr (kBilinear) {
       store(block.position_x + i, qx);
       store(block.position_y + i, qy);
@@ -64,9 +69,9 @@ class BlockSteps {
   }
 
   [[nodiscard]] Ints terms(const CostBlock& block, std::uint32_t i) const {
-    Ints value = load(block.lower + i);
+    Ints value = either(load(block.lower + i), blank_);
     if constexpr (kBilinear) {
-      value = between_four(value, load(block.upper + i), load(block.position_x + i), load(block.position_y + i));
+      value = between_four(value, either(load(block.upper + i), blank_), load(block.position_x + i), load(block.position_y + i));
     }
     value = lesser(value, cap_);
     if constexpr (kSquared) {
@@ -75,22 +80,21 @@ class BlockSteps {
     return value;
   }
 
-  /// Bilinear value from two pairs of neighbours. The pairs become signed by flipping their top bits, so that one
+  /// Bilinear value from two pairs of neighbours whose top bits are flipped, which makes them signed, so that one
   /// instruction multiplies and adds both halves; that makes sums too small by 2^15 times the weights, 2^31 in the end,
-  /// which flipping the top bit undoes.
+  /// which flipping the top bit undoes. The flip and the field's blank are one operation.
   static Ints between_four(Ints lower_pair, Ints upper_pair, Ints qx, Ints qy) {
-    const Ints flip_halves = all(static_cast<std::int32_t>(0x80008000U));
     const Ints fx = both(qx, all(255));
     const Ints fy = both(qy, all(255));
     const Ints weights = add(shift_left<16>(fx), sub(all(256), fx));
-    const Ints lower = dot_halves(either(lower_pair, flip_halves), weights);
-    const Ints upper = dot_halves(either(upper_pair, flip_halves), weights);
+    const Ints lower = dot_halves(lower_pair, weights);
+    const Ints upper = dot_halves(upper_pair, weights);
     const Ints sum = add(shift_left<8>(lower), mul(sub(upper, lower), fy));
     return shift_right(either(sum, all(static_cast<std::int32_t>(0x80000000U))), _mm_cvtsi32_si128(16));
   }
 
   Floats s_, c_, x_, y_;
-  Ints shift_x_, shift_y_, last_x_, last_y_, stride_, cap_;
+  Ints shift_x_, shift_y_, last_x_, last_y_, stride_, strip_step_, cap_, blank_;
   __m128i square_shift_;
   Ints sums_ = all(0);
 };

@@ -56,6 +56,7 @@ struct DescentCase {
   float stop_rad = 0.0002F;
   bool odd_poses = true;  ///< some of them far off
   float turned = 0.0F;    ///< of all poses, out of the truth
+  bool strips = false;    ///< of the field
 
   [[nodiscard]] std::string name() const {
     std::string text = size_name(field) + (room ? " room " : " slow ") + std::to_string(poses) + " poses " +
@@ -63,7 +64,7 @@ struct DescentCase {
     text += interpolation == Interpolation::kNearest ? " nearest" : " bilinear";
     text += form == CostForm::kSquared ? " squared" : "";
     text += prior == DescentPriorKind::kWeak ? " weak prior" : prior == DescentPriorKind::kSteep ? " steep prior" : "";
-    return text + " limit " + std::to_string(max_evaluations);
+    return text + " limit " + std::to_string(max_evaluations) + (strips ? " strips" : "");
   }
   [[nodiscard]] KernelCase make(const std::string& named) const;
 };
@@ -104,14 +105,17 @@ std::vector<PolishedPose> make_poses(std::uint32_t count, bool odd, float turned
 
 KernelCase DescentCase::make(const std::string& named) const {
   Random random(seed_from(named));
-  const PoseSimplex::Params params{.cost = cost_params(field, points, cap, interpolation, form),
-                                   .prior = make_prior(prior, points),
-                                   .step_cells = step_cells,
-                                   .step_rad = step_rad,
-                                   .stop_cells = stop_cells,
-                                   .stop_rad = stop_rad,
-                                   .max_evaluations = max_evaluations};
+  PoseSimplex::Params params{.cost = cost_params(field, points, cap, interpolation, form),
+                             .prior = make_prior(prior, points),
+                             .step_cells = step_cells,
+                             .step_rad = step_rad,
+                             .stop_cells = stop_cells,
+                             .stop_rad = stop_rad,
+                             .max_evaluations = max_evaluations};
   auto buffers = scene_buffers(field, room, cap, points, random);
+  if (strips) {
+    lay_in_strips(field, cap, params.cost, buffers[0]);
+  }
   buffers.push_back(words_buffer(make_poses(poses, odd_poses, turned, random)));
   return make_case<PoseSimplex>(named, params, {poses, 1, 1}, std::move(buffers));
 }
@@ -127,6 +131,9 @@ void add_descents_of(std::vector<KernelCaseSource>& list, Interpolation interpol
                             .form = form,
                             .prior = DescentPriorKind::kWeak};
     add_case(list, shape);
+    DescentCase in_strips = shape;
+    in_strips.strips = true;
+    add_case(list, in_strips);
     DescentCase slow = shape;
     slow.field = {97, 83, 100};
     slow.room = false;

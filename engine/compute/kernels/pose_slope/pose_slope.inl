@@ -28,6 +28,7 @@ inline void locate_slopes(const PoseCost::Params& grid, const CostPose& pose, co
   const auto last_x = static_cast<float>(grid.width - 2);
   const auto last_y = static_cast<float>(grid.height - 2);
   const std::uint32_t stride = grid.stride;
+  const std::uint32_t strip_step = grid.strip - kStripWidth;
   const float s = pose.s;
   const float c = pose.c;
   const float to_x = pose.x;
@@ -50,8 +51,8 @@ inline void locate_slopes(const PoseCost::Params& grid, const CostPose& pose, co
     block.fraction_x[i] = held_x == wanted_x ? u - floor_u : 0.0F;
     block.fraction_y[i] = held_y == wanted_y ? v - floor_v : 0.0F;
     block.counts[i] = 1.0F;
-    block.cell[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(held_y)) * stride +
-                    static_cast<std::uint32_t>(static_cast<std::int32_t>(held_x));
+    block.cell[i] = place_of(static_cast<std::uint32_t>(static_cast<std::int32_t>(held_x)),
+                             static_cast<std::uint32_t>(static_cast<std::int32_t>(held_y)), stride, strip_step);
   }
 }
 
@@ -78,15 +79,17 @@ inline void look_up_slopes(const std::uint16_t* field, std::uint32_t stride, std
 inline float left_of(std::uint32_t pair) { return cell_of_pair(pair, false, 0xFFFFU); }
 inline float right_of(std::uint32_t pair) { return cell_of_pair(pair, true, 0xFFFFU); }
 
-inline void add_slopes(float cap, float scale, std::uint32_t count, const SlopeBlock& block, SlopeSums& sums) {
+inline void add_slopes(float cap, std::uint32_t blank, float scale, std::uint32_t count, const SlopeBlock& block, SlopeSums& sums) {
   count = count / kSlopeLanes * kSlopeLanes;  // it is; the compiler may know
   for (std::uint32_t first = 0; first < count; first += kSlopeLanes) {
     for (std::uint32_t lane = 0; lane < kSlopeLanes; ++lane) {
       const std::uint32_t i = first + lane;
-      const float v00 = left_of(block.lower[i]);
-      const float v10 = right_of(block.lower[i]);
-      const float v01 = left_of(block.upper[i]);
-      const float v11 = right_of(block.upper[i]);
+      const std::uint32_t lower = block.lower[i] ^ blank;
+      const std::uint32_t upper = block.upper[i] ^ blank;
+      const float v00 = left_of(lower);
+      const float v10 = right_of(lower);
+      const float v01 = left_of(upper);
+      const float v11 = right_of(upper);
       const float fx = block.fraction_x[i];
       const float fy = block.fraction_y[i];
       const float bottom = v00 + fx * (v10 - v00);
@@ -126,12 +129,13 @@ void pose_slope(const PoseSlope::Params& params, const std::uint16_t* field, con
   const PoseCost::Params& grid = params.grid;
   SlopeBlock block;
   SlopeSums sums{};
+  const std::uint32_t blank = grid.blank << 16U | grid.blank;
   for (std::uint32_t first = 0; first < grid.point_count; first += kSlopeBlock) {
     const std::uint32_t count = lesser(kSlopeBlock, grid.point_count - first);
     locate_slopes(grid, at, points + first, count, block);
     const std::uint32_t whole = fill_up(count, block);
     look_up_slopes(field, grid.stride, whole, block);
-    add_slopes(static_cast<float>(grid.cap), params.scale, whole, block, sums);
+    add_slopes(static_cast<float>(grid.cap), blank, params.scale, whole, block, sums);
   }
   for (std::size_t k = 0; k < PoseSlope::kSums; ++k) {
     totals[k] = 0.0;

@@ -81,6 +81,9 @@ class Backend {
   [[nodiscard]] virtual const DeviceInfo& device() const = 0;
   /// Zero-filled memory. Throws Error with the size asked for and the size allowed.
   virtual Buffer allocate(std::size_t bytes) = 0;
+  /// Address space whose memory is given page by page as it is touched, zero before. Invalid where there is no such
+  /// thing (on a device), or the process may not have so much; ask for less then.
+  virtual Buffer reserve(std::size_t /*bytes*/) { return {}; }
   /// The data are copied before the call returns. Offset and size are multiples of 4, or the last bytes of the buffer.
   virtual void upload(const Buffer& target, std::span<const std::byte> data, std::size_t offset = 0) = 0;
   /// Sets every 32-bit word of a buffer, the bytes beyond the last whole word too.

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,11 +25,19 @@ struct DistanceFieldView {
     return cells[static_cast<std::size_t>(cell.y) * stride + static_cast<std::size_t>(cell.x)];
   }
 };
-DistanceFieldView view_of(const GlobalField& field);
+/// A distance field that is read row by row, so that one that is not stored in rows need not be copied.
+struct DistanceFieldRows {
+  GridGeometry geometry;
+  std::uint16_t cap = 0;
+  std::function<void(std::int32_t y, std::span<std::uint16_t> row)> read;  ///< row y, of the geometry's width
+};
+DistanceFieldRows rows_of(const DistanceFieldView& field);
+/// Of a field on the CPU, which must outlive it.
+DistanceFieldRows rows_of(const GlobalField& field);
 
 /// Writes the YAML at `yaml_path` and the PNG beside it (the same stem), the YAML last. Throws FileError;
 /// InputError when the field has no cells, its cap is 0 or a value lies above the cap.
-void write_distance_field(const std::string& yaml_path, const DistanceFieldView& field);
+void write_distance_field(const std::string& yaml_path, const DistanceFieldRows& field);
 
 /// What was read back; stride = width.
 struct DistanceFieldFile {

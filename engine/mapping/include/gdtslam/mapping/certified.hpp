@@ -37,8 +37,20 @@ struct FieldView {
   std::uint16_t cap = 0;
   double resolution_m = MapConfig{}.resolution_m;
 };
-/// The map as it is now; valid until it grows or takes a keyframe.
-FieldView field_view(const GlobalField& map);
+/// A map on the CPU as it is now, copied.
+class FieldCopy {
+ public:
+  explicit FieldCopy(const GlobalField& map);
+  /// Valid as long as this.
+  [[nodiscard]] FieldView view() const;
+  [[nodiscard]] std::size_t bytes() const { return cells_.size() * sizeof(std::uint16_t); }
+
+ private:
+  GridGeometry geometry_;
+  CellIndex first_cell_;
+  std::uint16_t cap_;
+  std::vector<std::uint16_t> cells_;
+};
 
 /// A field with what the bounds need. The field's cells must outlive it and stay as they are.
 class CertifiedMap {

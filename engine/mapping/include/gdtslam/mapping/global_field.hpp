@@ -1,19 +1,24 @@
 // The map: the global distance transform (GDT), a field of 1/256 cell that grows with what is seen. Cells hold the
 // distance to the nearest obstacle that scans agree on, the cap where nothing is known. Its two outermost rows and
-// columns always hold the cap. Cell (0, 0) has fixed map coordinates: growing moves the origin by whole cells. The
-// field lives on one backend. Not thread-safe.
+// columns always hold the cap. Cell (0, 0) has fixed map coordinates. The field lives on one backend. Not thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/field_layout.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
+
+class FieldStore;
+struct CellRows;
 
 /// How keyframes are merged, paper equations (9) to (11); 1/256 cell.
 struct MergeStep {
@@ -22,61 +27,66 @@ struct MergeStep {
   std::uint32_t lift = 0;  ///< kappa * threshold
 };
 
-/// The map's cells on one backend.
+/// The map's cells on one backend. On the CPU it grows without a copy and takes memory where something was seen; on a
+/// device it is a rectangle, which is copied there when it grows.
 class GlobalField {
  public:
-  /// Resolution in metres, truncation radius in cells and the most cells that the map may take.
-  GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells)
-      : backend_(&backend), resolution_m_(resolution_m), radius_(radius_cells), max_cells_(max_cells) {}
+  /// Resolution in metres, truncation radius in cells and the most cells that the map may take memory for.
+  GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells);
   GlobalField(const GlobalField&) = delete;
   GlobalField& operator=(const GlobalField&) = delete;
+  ~GlobalField();
 
   [[nodiscard]] Backend& backend() const { return *backend_; }
-  /// Geometry of the stored grid; its origin is a whole number of cells from the map's origin.
+  /// Geometry of the box; its origin is a whole number of cells from the map's origin.
   [[nodiscard]] GridGeometry geometry() const;
-  [[nodiscard]] std::uint32_t stride() const { return stride_; }
   [[nodiscard]] std::uint32_t radius_cells() const { return radius_; }
   /// What unknown cells hold, 1/256 cell.
   [[nodiscard]] std::uint16_t cap() const;
-  /// Map cells that are stored; cell (0, 0) of the map frame has its lower left corner at the map's origin.
+  /// Map cells that the map reaches to; cell (0, 0) of the map frame has its lower left corner at the map's origin.
   [[nodiscard]] const CellBox& box() const { return box_; }
-  [[nodiscard]] CellIndex first_cell() const { return box_.min; }
-  /// The cells where they lie, row-major, stride() from row to row, what lies between the rows unspecified; valid until
-  /// the field grows. Empty on a backend whose memory the host does not see.
-  [[nodiscard]] std::span<const std::uint16_t> cells() const { return cells_; }
-  /// Value at a cell in map cells; the cap outside. Of a field with cells().
+  /// Cells that memory was taken for.
+  [[nodiscard]] std::uint64_t taken_cells() const;
+
+  /// Value at a cell in map cells; the cap outside. On the CPU.
   [[nodiscard]] std::uint16_t at(CellIndex map_cell) const;
-  [[nodiscard]] const Buffer& buffer() const { return buffer_; }
+  /// Values at a cell, to its right, above it and above that, all within the box. On the CPU.
+  [[nodiscard]] std::array<std::uint16_t, 4> at_and_beside(CellIndex map_cell) const;
+  /// Values of a row from a map cell on; the cap outside of the box. On the CPU.
+  void read_row(CellIndex first, std::span<std::uint16_t> cells) const;
 
-  /// Makes the grid hold the box (map cells; not empty) and its guard. Throws InputError when it would pass max_cells,
-  /// DeviceError where the backend fails (with the size of the map and what bounds it, where that exceeds the largest
-  /// buffer), Error where the CPU has no such memory. The grid is as before then.
+  /// What is stored, for kernels: the box at least; where its cells lie; the buffer that they are in; and as the host
+  /// sees them, valid until the field grows, nothing of a device.
+  [[nodiscard]] const CellBox& stored() const;
+  [[nodiscard]] const FieldLayout& layout() const;
+  [[nodiscard]] const Buffer& buffer() const;
+  [[nodiscard]] std::span<const std::uint16_t> memory() const;
+
+  /// Makes the map hold the box (map cells; not empty) and its guard. Throws InputError when it would pass max_cells or
+  /// reach too far, DeviceError where the backend fails (with the size of the map and what bounds it, where that
+  /// exceeds the largest buffer), Error where the CPU has no such memory. The map is as before then.
   void grow_to_hold(const CellBox& map_box);
+  /// Notes that a merge writes cells of the box, which the map holds.
+  void touch(const CellBox& map_box);
 
-  /// A copy of the field in the backend's memory, with the same rows. Throws what the backend throws.
+  /// A copy of the field in a device's memory: rows of snapshot_stride(), from the box's first cell on. Throws what the
+  /// backend throws.
   [[nodiscard]] Buffer snapshot() const;
-  /// The cells from any backend, rows of stride(), the cap between the rows; empty while the grid is. Throws
-  /// DeviceError where the device fails.
+  [[nodiscard]] std::uint32_t snapshot_stride() const;
+  /// The cells of the box from any backend, row by row; empty while it is. Throws DeviceError where the device fails.
   [[nodiscard]] std::vector<std::uint16_t> download() const;
-  /// Takes over the cells of another field of the same cap, whose box is given, as its download() gives them; cells of
-  /// the grid outside that box become the cap. The grid must hold something: grow_to_hold() comes first. Throws
-  /// DeviceError where the device fails.
-  void adopt(const std::vector<std::uint16_t>& cells, const CellBox& box);
+  /// Takes over the cells of another field of the same cap; cells of the box outside of theirs become the cap. The map
+  /// must hold something: grow_to_hold() comes first. Throws DeviceError where the device fails.
+  void adopt(const CellRows& from);
 
  private:
-  [[nodiscard]] Buffer allocate_for(const CellBox& box) const;
-  void move_to(const CellBox& box);
-  void copy_into(const Buffer& target, const CellBox& box) const;
-
   Backend* backend_;
   double resolution_m_;
   std::uint32_t radius_;
   std::uint64_t max_cells_;
   CellBox content_{};  // map cells that have been asked for, their guard included
   CellBox box_{};
-  std::uint32_t stride_ = 0;
-  Buffer buffer_;
-  std::span<const std::uint16_t> cells_;
+  std::unique_ptr<FieldStore> store_;
 };
 
 }  // namespace gdtslam

@@ -108,8 +108,7 @@ class Mapper {
   [[nodiscard]] bool lost_device() const { return !device_loss().empty(); }
   [[nodiscard]] const std::string& device_loss() const;
   /// The device's own cells, those of field() where the matcher walks on the host: to be compared with field(). 1/256
-  /// cell, rows of field().stride(), the cap between the rows. Throws DeviceError where the device fails; it does not
-  /// fall back.
+  /// cell, row by row. Throws DeviceError where the device fails; it does not fall back.
   [[nodiscard]] std::vector<std::uint16_t> download_device_cells();
 
  private:

@@ -1,0 +1,32 @@
+// Where the cells of a distance field lie, for the kernels that look up a map or merge into it. Cell (x, y) is at
+// (x / 64) * strip + x % 64 + y * stride. A strip of 64 apart is no more than rows, one behind the other. Else the
+// field lies in strips of 64 columns, all rows of a strip before the next strip, and a strip's row has a 65th cell,
+// which repeats what the next strip's begins with, so that the four neighbours of a look-up lie in one strip: few pages
+// of memory hold what a scan sees, and memory that a system gives when it is touched is taken where a map knows
+// something. A cell holds its value XOR `blank`; with the cap for that, memory that begins as zeros is an unknown map.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace gdtslam {
+
+/// Columns of a strip; a distance of as many cells from strip to strip means rows.
+inline constexpr std::uint32_t kStripWidth = 64;
+/// Cells from row to row of a strip: the 65th, and a multiple of 4.
+inline constexpr std::uint32_t kStripStride = 68;
+
+/// Distances in cells.
+struct FieldLayout {
+  std::uint32_t stride = 0;           ///< from row to row, a multiple of 4
+  std::uint32_t strip = kStripWidth;  ///< from strip to strip, a multiple of 4
+  std::uint32_t blank = 0;            ///< what unknown cells are XORed to 0 with, or 0
+
+  [[nodiscard]] constexpr bool has_strips() const { return strip != kStripWidth; }
+  [[nodiscard]] constexpr std::size_t place(std::size_t x, std::size_t y) const {
+    return x / kStripWidth * strip + x % kStripWidth + y * stride;
+  }
+  friend bool operator==(const FieldLayout&, const FieldLayout&) = default;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,70 @@
+// Where the cells of a map are kept: on the CPU in strips of memory that the system gives as it is touched, so that
+// nothing is copied when the map grows and what is unknown takes none (FieldStrips); on a device in rows of one
+// rectangle, which is copied when it has to grow (FieldRows). Boxes are of map cells. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gdtslam/compute/backend.hpp"
+#include "gdtslam/compute/field_layout.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
+
+namespace gdtslam {
+
+/// Cells behind one another in rows of a stride, with what they belong to.
+struct CellRows {
+  std::span<const std::uint16_t> cells;
+  std::size_t stride = 0;
+  CellBox box;
+};
+
+class FieldStore {
+ public:
+  FieldStore() = default;
+  FieldStore(const FieldStore&) = delete;
+  FieldStore& operator=(const FieldStore&) = delete;
+  virtual ~FieldStore() = default;
+
+  /// Whether hold() may be asked for the box.
+  [[nodiscard]] virtual bool can_hold(const CellBox& box) const = 0;
+  /// Makes room for the box, which holds what is known. Throws DeviceError where a device fails, Error where there is
+  /// no such memory; all is as before then.
+  virtual void hold(const CellBox& box) = 0;
+  /// Notes that the cells of the box may be known from now on.
+  virtual void touch(const CellBox& box) = 0;
+  /// Cells that memory was taken for.
+  [[nodiscard]] virtual std::uint64_t taken_cells() const = 0;
+  /// The cells of the box as it was given to hold(), row by row. Throws DeviceError where a device fails.
+  [[nodiscard]] virtual std::vector<std::uint16_t> read() const = 0;
+  /// Takes these cells over; those outside of their box become the cap.
+  virtual void write(const CellRows& from) = 0;
+  /// A copy in the backend's memory, in rows.
+  [[nodiscard]] virtual Buffer snapshot() const = 0;
+
+  /// Cells of a row from `first` on, which are stored; where the host sees them.
+  void read_row(CellIndex first, std::span<std::uint16_t> cells) const;
+
+  /// What the buffer holds, at least the box of hold(); empty before.
+  [[nodiscard]] const CellBox& stored() const { return stored_; }
+  [[nodiscard]] const FieldLayout& layout() const { return layout_; }
+  [[nodiscard]] const Buffer& buffer() const { return buffer_; }
+  /// The memory, where the host sees it.
+  [[nodiscard]] std::span<const std::uint16_t> memory() const { return memory_; }
+
+ protected:
+  CellBox stored_{};
+  FieldLayout layout_{};
+  Buffer buffer_;
+  std::span<std::uint16_t> memory_;
+};
+
+/// In strips where the backend is the CPU, else in rows of `max_cells` at most.
+std::unique_ptr<FieldStore> make_field_store(Backend& backend, std::uint16_t cap, std::uint64_t max_cells);
+
+/// Cells from row to row of a box that is stored in rows.
+std::uint32_t row_stride(const CellBox& box);
+
+}  // namespace gdtslam
