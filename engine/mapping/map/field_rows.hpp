@@ -13,6 +13,7 @@ class FieldRows final : public FieldStore {
   [[nodiscard]] bool can_hold(const CellBox& box) const override;
   void hold(const CellBox& box) override;
   void touch(const CellBox& /*box*/) override {}
+  [[nodiscard]] std::uint64_t untaken_cells(const CellBox& /*box*/) const override { return 0; }
   [[nodiscard]] std::uint64_t taken_cells() const override;
   [[nodiscard]] std::vector<std::uint16_t> read() const override;
   void write(const CellRows& from) override;

@@ -35,6 +35,8 @@ class FieldStore {
   virtual void hold(const CellBox& box) = 0;
   /// Notes that the cells of the box may be known from now on.
   virtual void touch(const CellBox& box) = 0;
+  /// Cells that touch() would take memory for.
+  [[nodiscard]] virtual std::uint64_t untaken_cells(const CellBox& box) const = 0;
   /// Cells that memory was taken for.
   [[nodiscard]] virtual std::uint64_t taken_cells() const = 0;
   /// The cells of the box as it was given to hold(), row by row. Throws DeviceError where a device fails.

@@ -110,15 +110,25 @@ std::size_t FieldStrips::tile_of(CellIndex tile) const {
   return static_cast<std::size_t>(d.dx) * static_cast<std::size_t>(tiles_.height()) + static_cast<std::size_t>(d.dy);
 }
 
-void FieldStrips::touch(const CellBox& box) {
+template <class See>
+void FieldStrips::for_each_tile(const CellBox& box, See see) const {
   const CellBox tiles = tiles_that_hold(box);
   for (std::int32_t x = tiles.min.x; x < tiles.end.x; ++x) {
-    for (std::int32_t y = tiles.min.y; y < tiles.end.y; ++y) {
-      const std::size_t tile = tile_of({x, y});
-      known_ += is_known_[tile] ? 0U : 1U;
-      is_known_[tile] = true;
-    }
+    for (std::int32_t y = tiles.min.y; y < tiles.end.y; ++y) see(tile_of({x, y}));
   }
+}
+
+void FieldStrips::touch(const CellBox& box) {
+  for_each_tile(box, [this](std::size_t tile) {
+    known_ += is_known_[tile] ? 0U : 1U;
+    is_known_[tile] = true;
+  });
+}
+
+std::uint64_t FieldStrips::untaken_cells(const CellBox& box) const {
+  std::uint64_t cells = 0;
+  for_each_tile(box, [&](std::size_t tile) { cells += is_known_[tile] ? 0U : kStripWidth * kStripWidth; });
+  return cells;
 }
 
 std::uint64_t FieldStrips::taken_cells() const { return known_ * kStripWidth * kStripWidth; }

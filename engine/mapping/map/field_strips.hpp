@@ -14,6 +14,7 @@ class FieldStrips final : public FieldStore {
   [[nodiscard]] bool can_hold(const CellBox& box) const override;
   void hold(const CellBox& box) override;
   void touch(const CellBox& box) override;
+  [[nodiscard]] std::uint64_t untaken_cells(const CellBox& box) const override;
   [[nodiscard]] std::uint64_t taken_cells() const override;
   [[nodiscard]] std::vector<std::uint16_t> read() const override;
   void write(const CellRows& from) override;
@@ -23,6 +24,8 @@ class FieldStrips final : public FieldStore {
  private:
   void move_to(const CellBox& tiles, Buffer buffer);
   [[nodiscard]] std::size_t tile_of(CellIndex tile) const;
+  template <class See>
+  void for_each_tile(const CellBox& box, See see) const;
   void write_piece(CellIndex first, std::span<const std::uint16_t> cells);
 
   Backend* backend_;

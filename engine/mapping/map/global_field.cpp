@@ -18,6 +18,11 @@ std::string size_of(const CellBox& box) {
   return std::to_string(box.width()) + " x " + std::to_string(box.height()) + " cells";
 }
 
+std::string more_than(std::uint64_t max_cells) {
+  return ", more than map.max_megacells allows (" + std::to_string(max_cells >> 20U) +
+         " x 2^20); check the log with 'gdtslam doctor' or raise the limit";
+}
+
 }  // namespace
 
 GlobalField::GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells)
@@ -72,14 +77,9 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
                         map_box.end + CellOffset{kGuardCells, kGuardCells}};
   const auto fits = [this](const CellBox& box) { return store_->can_hold(box); };
   const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, guarded, fits);
-  const std::string allowed = "map.max_megacells allows (" + std::to_string(max_cells_ >> 20U) +
-                              " x 2^20); check the log with 'gdtslam doctor' or raise the limit";
-  if (store_->taken_cells() > max_cells_) {
-    throw InputError("the map has " + std::to_string(store_->taken_cells()) + " known cells, more than " + allowed);
-  }
   if (!grown) {
     const std::string size = size_of(hull_of(content_, guarded));
-    if (backend_->device().kind != "cpu") throw InputError("the map would need " + size + ", more than " + allowed);
+    if (backend_->device().kind != "cpu") throw InputError("the map would need " + size + more_than(max_cells_));
     throw InputError("the map would reach over " + size +
                      ", more than 2^32 of which are not counted; check the log with 'gdtslam doctor' or raise "
                      "map.resolution");
@@ -87,6 +87,14 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
   store_->hold(grown->stored);
   box_ = grown->stored;
   content_ = grown->content;
+}
+
+void GlobalField::require_room(std::span<const CellBox> map_boxes) const {
+  std::uint64_t cells = store_->taken_cells();
+  for (const CellBox& box : map_boxes) cells += store_->untaken_cells(box);
+  if (cells > max_cells_) {
+    throw InputError("the map would need " + std::to_string(cells) + " known cells" + more_than(max_cells_));
+  }
 }
 
 void GlobalField::touch(const CellBox& map_box) { store_->touch(map_box); }

@@ -29,8 +29,12 @@ LocalField::LocalField(Backend& backend, std::uint32_t radius_cells, DistanceTra
 }
 
 void LocalField::prepare(const KeyframeCells& keyframe, const GlobalField& map) {
-  if (transform_ == DistanceTransform::kJumpFlood) return flood(keyframe);
+  if (transform_ == DistanceTransform::kJumpFlood) {
+    map.require_room({&keyframe.window, 1});
+    return flood(keyframe);
+  }
   lists_.list(keyframe, map);
+  map.require_room(lists_.boxes());
   upload_to(*backend_, cells_, lists_.words());
 }
 
@@ -69,7 +73,7 @@ void LocalField::flood(const KeyframeCells& keyframe) {
 
 void LocalField::stamp_into(GlobalField& map, const MergeStep& step) {
   const std::uint32_t tiles = lists_.tile_count();
-  for (const CellIndex& corner : lists_.corners()) map.touch({corner, corner + CellOffset{1, 1}});
+  for (const CellBox& box : lists_.boxes()) map.touch(box);
   run<GdtStamp>(*backend_,
                 {.tile_count = tiles,
                  .words = static_cast<std::uint32_t>(lists_.words().size()),

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "growth.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -48,7 +50,7 @@ void StampLists::list(const KeyframeCells& keyframe, const GlobalField& map) {
 // The tiles that are reached, and the places of their obstacles.
 void StampLists::lay_out(const GlobalField& map) {
   tiles_.clear();
-  corners_.clear();
+  boxes_.clear();
   most_ = 0;
   std::uint32_t next = 0;
   auto tile = reached_.begin();
@@ -56,15 +58,14 @@ void StampLists::lay_out(const GlobalField& map) {
     for (std::int32_t tx = reach_.min.x; tx < reach_.end.x; ++tx, ++tile) {
       if (tile->count == 0) continue;
       const CellOffset corner{tx * kTile, ty * kTile};
-      const auto width = static_cast<std::uint32_t>(std::min(kTile, map.stored().width() - corner.dx));
-      const auto height = static_cast<std::uint32_t>(std::min(kTile, map.stored().height() - corner.dy));
+      const CellIndex first = map.stored().min + corner;
+      const CellBox box = common_part({first, first + CellOffset{kTile, kTile}}, map.stored());
+      const std::uint32_t size =
+          static_cast<std::uint32_t>(box.height()) << 16U | static_cast<std::uint32_t>(box.width());
       const std::size_t base =
           map.layout().place(static_cast<std::size_t>(corner.dx), static_cast<std::size_t>(corner.dy));
-      corners_.push_back(map.stored().min + corner);
-      tiles_.push_back({.base = static_cast<std::uint32_t>(base),
-                        .size = height << 16U | width,
-                        .first = next,
-                        .count = tile->count});
+      boxes_.push_back(box);
+      tiles_.push_back({.base = static_cast<std::uint32_t>(base), .size = size, .first = next, .count = tile->count});
       tile->next = next;
       next += (tile->count + kStampGroup - 1) / kStampGroup * kStampGroup;
       most_ = std::max(most_, tile->count);

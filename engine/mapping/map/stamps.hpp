@@ -21,8 +21,8 @@ class StampLists {
   [[nodiscard]] std::uint32_t tile_count() const { return static_cast<std::uint32_t>(tiles_.size()); }
   /// The list that the kernel takes.
   [[nodiscard]] const std::vector<std::uint32_t>& words() const { return words_; }
-  /// The lower left cells of the tiles, map cells.
-  [[nodiscard]] const std::vector<CellIndex>& corners() const { return corners_; }
+  /// The tiles, map cells.
+  [[nodiscard]] const std::vector<CellBox>& boxes() const { return boxes_; }
   [[nodiscard]] std::uint32_t most_obstacles() const { return most_; }
 
  private:
@@ -40,7 +40,7 @@ class StampLists {
   CellBox reach_;                 // tiles of the map's grid that the window touches
   std::vector<Reached> reached_;  // by tile of reach_, row by row
   std::vector<StampTile> tiles_;
-  std::vector<CellIndex> corners_;
+  std::vector<CellBox> boxes_;
   std::vector<std::uint32_t> words_;
   std::uint32_t most_ = 0;
 };

@@ -239,6 +239,7 @@ TEST(LiveLoops, MapsThatCannotBeMadeSaySo) {
     for (std::size_t i = 0; i < once.path.poses.size(); ++i) loops.take(keyframe_at(once, i));
     MapperConfig config;
     config.map.max_megacells = 1;
+    config.map.resolution_m = 0.01;
     too_large = loops.request_map(config);
     too_large.wait();
     for (int k = 0; k < 2000; ++k) too_late = loops.request_map({});

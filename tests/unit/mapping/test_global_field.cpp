@@ -237,12 +237,14 @@ TEST(FieldsInStrips, MoreKnownCellsThanAllowedAreRefused) {
   const auto cpu = make_cpu_backend({});
   GlobalField map{*cpu, kFieldResolution, kFieldRadius, 3U * 64U * 64U};
   LocalField local{*cpu, kFieldRadius};
-  merge_into(map, local, keyframe_of({{0.0, 0.0}}, kFieldResolution, kFieldRadius));  // four tiles
-  EXPECT_THAT(
-      [&] {
-        map.grow_to_hold({{0, 0}, {30, 30}});
-      },
-      testing::ThrowsMessage<InputError>(testing::HasSubstr("16384 known cells, more than map.max_megacells")));
+  merge_into(map, local, keyframe_of({{1.6, 0.0}}, kFieldResolution, kFieldRadius));  // two tiles, one above the other
+  const KeyframeCells corner = keyframe_of({{3.2, 3.2}}, kFieldResolution, kFieldRadius);  // four, one of them there
+  EXPECT_THAT([&] { merge_into(map, local, corner); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("20480 known cells, more than map.max_megacells")));
+  EXPECT_EQ(map.taken_cells(), 2U * 64U * 64U);
+  EXPECT_EQ(map.at({64, 64}), map.cap());
+  merge_into(map, local, keyframe_of({{1.6, 0.05}}, kFieldResolution, kFieldRadius));  // where there is room
+  EXPECT_EQ(map.at({32, 1}), 128);  // between a cell away and none
 }
 
 // The host's copy of a device's field takes that over from its rows, and what it knew before is gone.

@@ -184,13 +184,16 @@ TEST_F(MapperTest, BearingsOrAMountThatAreNotFiniteGiveNoPoints) {
 TEST_F(MapperTest, AMapThatMayNotGrowIsRefusedAndMappingGoesOn) {
   MapperConfig config;
   config.map.max_megacells = 1;
+  config.map.resolution_m = 0.01;
   config.keyframe.every_scan = true;
   const auto backend = make_cpu_backend({});
   Mapper mapper(config, *backend);
   mapper.process(scans_[0], truth_[0]);
-  // Most beams as they are, the rest so long that the map would pass 2^20 cells.
+  // Most beams as they are, the rest so far from each other that the map would know 2^20 cells.
   LaserScan hall = scans_[1];
-  std::fill(hall.ranges_m.begin() + 150, hall.ranges_m.end(), 35.0F);
+  for (std::size_t i = 120; i < hall.ranges_m.size(); ++i) {
+    hall.ranges_m[i] = 8.0F + static_cast<float>(i * 37 % 100) / 4.0F;
+  }
   hall.ranges_m[0] = 35.0F;
   MatchResult result;
   EXPECT_THROW(result = mapper.process(hall, truth_[1]), InputError);

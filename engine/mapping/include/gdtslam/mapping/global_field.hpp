@@ -62,11 +62,13 @@ class GlobalField {
   [[nodiscard]] const Buffer& buffer() const;
   [[nodiscard]] std::span<const std::uint16_t> memory() const;
 
-  /// Makes the map hold the box (map cells; not empty) and its guard. Throws InputError when it would pass max_cells or
-  /// reach too far, DeviceError where the backend fails (with the size of the map and what bounds it, where that
-  /// exceeds the largest buffer), Error where the CPU has no such memory. The map is as before then.
+  /// Makes the map hold the box (map cells; not empty) and its guard. Throws InputError when it would reach too far,
+  /// or, on a device, pass max_cells; DeviceError where the backend fails (with the size of the map and what bounds it,
+  /// where that exceeds the largest buffer), Error where the CPU has no such memory. The map is as before then.
   void grow_to_hold(const CellBox& map_box);
-  /// Notes that a merge writes cells of the box, which the map holds.
+  /// Throws InputError where a merge into these boxes, which the map holds, would take more memory than for max_cells.
+  void require_room(std::span<const CellBox> map_boxes) const;
+  /// Notes that a merge writes cells of the box.
   void touch(const CellBox& map_box);
 
   /// A copy of the field in a device's memory: rows of snapshot_stride(), from the box's first cell on. Throws what the
