@@ -58,12 +58,12 @@ inline OccupancyMap free_map(std::int32_t width, std::int32_t height, double res
                              double origin_x_m = -2.0, double origin_y_m = -1.0) {
   OccupancyMap map;
   map.geometry = {resolution_m, origin_x_m, origin_y_m, width, height};
-  map.cells.assign(map.geometry.cell_count(), CellState::kFree);
+  map.cells = CellStates(std::vector(map.geometry.cell_count(), CellState::kFree));
   return map;
 }
 inline void set(OccupancyMap& map, std::int32_t x, std::int32_t y, CellState state) {
-  map.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.geometry.width) + static_cast<std::size_t>(x)] =
-      state;
+  map.cells.set(
+      static_cast<std::size_t>(y) * static_cast<std::size_t>(map.geometry.width) + static_cast<std::size_t>(x), state);
 }
 inline void set_border(OccupancyMap& map) {
   for (std::int32_t x = 0; x < map.geometry.width; ++x) {

@@ -145,11 +145,12 @@ PlacedImage filtered_map(const OccupancyMap& map, const MapFrame& frame, const M
   const std::vector<PixelSpan> columns = spans_of(axes.x);
   const std::vector<PixelSpan> rows = spans_of(axes.y);
   Areas areas;
+  std::vector<CellState> cells(width);
   for (std::uint32_t row = 0; row < axes.y.pixels; ++row) {
     areas.free.assign(axes.x.pixels, 0.0);
     areas.occupied.assign(axes.x.pixels, 0.0);
     for (std::int32_t y = rows[row].first; y < rows[row].last; ++y) {
-      const std::span cells = std::span(map.cells).subspan(static_cast<std::size_t>(y) * width, width);
+      map.read_row(y, cells);
       add_row(cells, columns, rows[row].share_of(y), areas);
     }
     for (std::uint32_t k = 0; k < axes.x.pixels; ++k) {

@@ -39,9 +39,10 @@ std::uint8_t level_of(CellState state) {
 void write_levels(AtomicFile& file, const OccupancyMap& map) {
   const auto width = static_cast<std::size_t>(map.geometry.width);
   file.write(pgm_header(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(map.geometry.height), 255));
+  std::vector<CellState> row(width);
   std::vector<std::uint8_t> levels(width);
-  for (auto y = static_cast<std::size_t>(map.geometry.height); y-- > 0;) {
-    const std::span<const CellState> row = std::span(map.cells).subspan(y * width, width);
+  for (std::int32_t y = map.geometry.height; y-- > 0;) {
+    map.read_row(y, row);
     std::transform(row.begin(), row.end(), levels.begin(), level_of);
     file.write(std::as_bytes(std::span(levels)));
   }
@@ -104,10 +105,11 @@ OccupancyMap read_occupancy_map(const std::string& yaml_path) {
   const Grey8Image image = read_pgm(file.image_path());
   map.geometry.width = static_cast<std::int32_t>(image.width);
   map.geometry.height = static_cast<std::int32_t>(image.height);
-  map.cells.reserve(image.pixels.size());
+  map.cells = CellStates(image.pixels.size());
+  std::size_t cell = 0;
   for (std::uint32_t row = image.height; row-- > 0;) {
-    for (std::uint32_t x = 0; x < image.width; ++x) {
-      map.cells.push_back(state_of(image.pixels[std::size_t{row} * image.width + x], image.max_value, thresholds));
+    for (std::uint32_t x = 0; x < image.width; ++x, ++cell) {
+      map.cells.set(cell, state_of(image.pixels[std::size_t{row} * image.width + x], image.max_value, thresholds));
     }
   }
   return map;

@@ -90,8 +90,9 @@ void draw(const TileCounts& counts, const OccupancyConfig& config, CellOffset lo
       const std::int32_t column = std::countr_zero(seen);
       const bool is_wall = (states.occupied >> column & 1U) != 0;
       const CellIndex cell{low.dx + column, low.dy + row};
-      map.cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(map.geometry.width) +
-                static_cast<std::size_t>(cell.x)] = is_wall ? CellState::kOccupied : CellState::kFree;
+      map.cells.set(static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(map.geometry.width) +
+                        static_cast<std::size_t>(cell.x),
+                    is_wall ? CellState::kOccupied : CellState::kFree);
     }
   }
 }
@@ -244,7 +245,7 @@ OccupancyMap OccupancyBuilder::build() const {
                                 .width = known.width(),
                                 .height = known.height()},
                    .cells = {}};
-  map.cells.resize(map.geometry.cell_count(), CellState::kUnknown);
+  map.cells = CellStates(map.geometry.cell_count());
   for (const auto& [key, counts] : tiles_->counts) draw(counts, config_, first_cell(place_of(key)) - known.min, map);
   return map;
 }

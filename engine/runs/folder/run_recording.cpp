@@ -24,7 +24,7 @@ std::int8_t occupancy_of(CellState state) {
 
 std::string grid_message(const OccupancyMap& map, double stamp_s) {
   std::vector<std::int8_t> cells(map.cells.size());
-  std::transform(map.cells.begin(), map.cells.end(), cells.begin(), occupancy_of);
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = occupancy_of(map.cells[cell]);
   const GridGeometry& geometry = map.geometry;
   return ros_occupancy_grid(RosEncoding::kCdr, {stamp_s, kMapFrame},
                             {.resolution_m = geometry.resolution_m,

@@ -13,7 +13,7 @@ namespace {
 TEST(MapPicture, PosesThatNoPictureHoldsAreNotDrawn) {
   OccupancyMap map;
   map.geometry = {0.1, 0.0, 0.0, 40, 40};
-  map.cells.assign(map.geometry.cell_count(), CellState::kOccupied);
+  map.cells = CellStates(std::vector(map.geometry.cell_count(), CellState::kOccupied));
   PathOverlay overlay;
   for (const double x_m : {1.0, 2e5, 1e300, -1.7e308, 3.0}) overlay.trajectory.push_back({x_m, {x_m, 1.0, 0.0}});
   overlay.keyframes = overlay.doubtful = {1, 2, 3, 4};

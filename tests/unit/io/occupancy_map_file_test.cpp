@@ -41,7 +41,7 @@ TEST(OccupancyMapFile, WritesWhatMapServerReads) {
   const TemporaryFolder folder;
   OccupancyMap map;
   map.geometry = {0.05, -0.30000000000000004, 4.0, 3, 2};
-  map.cells = {kFree, kOccupied, kUnknown, kOccupied, kOccupied, kFree};
+  map.cells = CellStates(std::vector{kFree, kOccupied, kUnknown, kOccupied, kOccupied, kFree});
   write_occupancy_map(folder / "map.yaml", map);
   EXPECT_EQ(get_file(folder / "map.yaml"),
             "image: map.pgm\nmode: trinary\nresolution: 0.05\norigin: [-0.30000000000000004, 4.0, 0.0]\nnegate: 0\n"
@@ -67,19 +67,19 @@ TEST(OccupancyMapFile, FirstRowOfThePictureIsTheHighestOfTheMap) {
 
 TEST(OccupancyMapFile, LevelsFollowTheThresholds) {
   const std::string image = std::string("P5 4 1 255\n") + '\x00' + '\x59' + '\xcd' + '\xce';
-  EXPECT_THAT(read_map(kYaml, image).cells, ElementsAre(kOccupied, kOccupied, kUnknown, kFree));
+  EXPECT_THAT(read_map(kYaml, image).cells.all(), ElementsAre(kOccupied, kOccupied, kUnknown, kFree));
 }
 
 TEST(OccupancyMapFile, NegateTurnsLevelsAround) {
   std::string yaml(kYaml);
   yaml.replace(yaml.find("negate: 0"), 9, "negate: 1");
   const std::string image = std::string("P5 2 1 255\n") + '\x00' + '\xff';
-  EXPECT_THAT(read_map(yaml, image).cells, ElementsAre(kFree, kOccupied));
+  EXPECT_THAT(read_map(yaml, image).cells.all(), ElementsAre(kFree, kOccupied));
 }
 
 TEST(OccupancyMapFile, ReadsCommentsAndOtherMaxima) {
   const std::string image = std::string("P5\n# made by\n#more\n2 #wide\n 1\n100\n") + '\x64' + '\x00';
-  EXPECT_THAT(read_map(kYaml, image).cells, ElementsAre(kFree, kOccupied));
+  EXPECT_THAT(read_map(kYaml, image).cells.all(), ElementsAre(kFree, kOccupied));
 }
 
 TEST(OccupancyMapFile, BadImagesAreInputErrors) {
@@ -135,7 +135,7 @@ TEST(OccupancyMapFileRealData, WillowGarageLoads) {
   EXPECT_EQ(map.geometry.height, 608);
   EXPECT_EQ(map.geometry.resolution_m, 0.1);
   std::array<std::size_t, 3> counts{};
-  for (const CellState cell : map.cells) {
+  for (const CellState cell : map.cells.all()) {
     ++counts.at(static_cast<std::size_t>(cell));
   }
   // Counted with od and awk: levels up to 89 (occupied above 0.65), from 206 on (below 0.196), and the rest.

@@ -244,7 +244,7 @@ TEST(FieldsInStrips, MoreKnownCellsThanAllowedAreRefused) {
   EXPECT_EQ(map.taken_cells(), 2U * 64U * 64U);
   EXPECT_EQ(map.at({64, 64}), map.cap());
   merge_into(map, local, keyframe_of({{1.6, 0.05}}, kFieldResolution, kFieldRadius));  // where there is room
-  EXPECT_EQ(map.at({32, 1}), 128);  // between a cell away and none
+  EXPECT_EQ(map.at({32, 1}), 128);                                                     // between a cell away and none
 }
 
 // The host's copy of a device's field takes that over from its rows, and what it knew before is gone.

@@ -80,8 +80,8 @@ Trajectory bent_drive() {
 OccupancyMap wall_in_the_east() {
   OccupancyMap map;
   map.geometry = {0.1, -2.0, -2.0, 140, 140};
-  map.cells.assign(map.geometry.cell_count(), CellState::kFree);
-  for (std::int32_t y = 0; y < 140; ++y) map.cells[static_cast<std::size_t>(y) * 140U + 120U] = CellState::kOccupied;
+  map.cells = CellStates(std::vector(map.geometry.cell_count(), CellState::kFree));
+  for (std::int32_t y = 0; y < 140; ++y) map.cells.set(static_cast<std::size_t>(y) * 140U + 120U, CellState::kOccupied);
   return map;
 }
 

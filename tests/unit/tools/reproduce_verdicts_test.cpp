@@ -70,8 +70,8 @@ TEST(ReproduceBoxes, OneThatIsMissingIsOutside) {
 
 // A map of 40 by 40 cells of 5 cm with a wall along y = 1 m.
 OccupancyMap map_of_a_wall() {
-  OccupancyMap map{{0.05, 0.0, 0.0, 40, 40}, std::vector<CellState>(1600, CellState::kFree)};
-  for (std::size_t x = 0; x < 40; ++x) map.cells[20 * 40 + x] = CellState::kOccupied;
+  OccupancyMap map{{0.05, 0.0, 0.0, 40, 40}, CellStates(std::vector(1600, CellState::kFree))};
+  for (std::size_t x = 0; x < 40; ++x) map.cells.set(20 * 40 + x, CellState::kOccupied);
   return map;
 }
 

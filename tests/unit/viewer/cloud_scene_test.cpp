@@ -280,9 +280,9 @@ TEST_F(CloudSceneTest, WallsHideTheRobotButOpenToACameraNearIt) {
 TEST_F(CloudSceneTest, TheMapLiesUnderTheCloud) {
   OccupancyMap map;
   map.geometry = {.resolution_m = 0.5, .origin_x_m = -1.0, .origin_y_m = -1.0, .width = 4, .height = 4};
-  map.cells.assign(16, CellState::kUnknown);
-  map.cells[5] = CellState::kFree;       // cell (1, 1): -0.5 to 0
-  map.cells[10] = CellState::kOccupied;  // cell (2, 2): 0 to 0.5
+  map.cells = CellStates(16);
+  map.cells.set(5, CellState::kFree);       // cell (1, 1): -0.5 to 0
+  map.cells.set(10, CellState::kOccupied);  // cell (2, 2): 0 to 0.5
   CloudScene scene(graphics_, plain_look());
   scene.set_map(map);
   EXPECT_NEAR((scene.bounds().lowest - Point3(-0.5, -0.5, 0.0)).head<2>().norm(), 0.0, 1e-9);

@@ -252,10 +252,10 @@ TEST(Page, LinkageStartsWhereTheLiftBegins) {
 TEST(Page, AMapOfManyCellsIsMadeSmaller) {
   OccupancyMap map;
   map.geometry = {.resolution_m = 0.05, .origin_x_m = 1.0, .origin_y_m = 2.0, .width = 9001, .height = 4};
-  map.cells.assign(map.geometry.cell_count(), CellState::kUnknown);
-  map.cells[3] = CellState::kFree;
-  map.cells[4] = CellState::kOccupied;
-  map.cells[5] = CellState::kFree;
+  map.cells = CellStates(map.geometry.cell_count());
+  map.cells.set(3, CellState::kFree);
+  map.cells.set(4, CellState::kOccupied);
+  map.cells.set(5, CellState::kFree);
   PageInput input;
   input.map = &map;
   const std::string page = page_of(input);

@@ -98,7 +98,7 @@ TEST(MapPicture, a_thin_wall_has_no_gaps) {
 TEST(MapPicture, nothing_seen_is_still_a_picture) {
   OccupancyMap map;
   map.geometry = {0.05, 0.0, 0.0, 1, 1};
-  map.cells = {CellState::kUnknown};
+  map.cells = CellStates(1);
   for (const PictureSize size : {PictureSize{480, 270}, PictureSize{1, 1}, kBareMap}) {
     const RgbaImage image = raster_of(map_picture(map, {}, {}, size));
     EXPECT_EQ(image.width, size.width);
@@ -130,7 +130,7 @@ Columns dark_columns(const RgbaImage& image) {
 /// A building of 40 x 20 m at (10, 20) within unknown land of 60 x 50 m.
 OccupancyMap building() {
   OccupancyMap map = free_map(600, 500, 0.1, 0.0, 0.0);
-  for (CellState& cell : map.cells) cell = CellState::kUnknown;
+  map.cells = CellStates(map.cells.size());
   for (std::int32_t y = 200; y < 400; ++y) {
     for (std::int32_t x = 100; x < 500; ++x) {
       const bool is_wall = x < 103 || x >= 497 || y < 203 || y >= 397;
@@ -195,7 +195,9 @@ Columns bright_columns(const RgbaImage& image) {
 /// 40 m of free cells, of which one column at each end is stray, with a margin of 2 %: from 3.2 pixels on.
 TEST(MapPicture, without_walls_shows_the_known_cells) {
   OccupancyMap map = building();
-  for (CellState& cell : map.cells) cell = cell == CellState::kOccupied ? CellState::kFree : cell;
+  for (std::size_t cell = 0; cell < map.cells.size(); ++cell) {
+    if (map.cells[cell] == CellState::kOccupied) map.cells.set(cell, CellState::kFree);
+  }
   const auto expect_all_known = [&] {
     const Columns columns = bright_columns(raster_of(map_picture(map, {}, {}, kBareMap)));
     EXPECT_NEAR(columns.first, 3.2, 1.0);

@@ -29,7 +29,7 @@ struct MapConfig {
   double resolution_m = 0.025;
   double truncation_m = 0.5;  ///< R in metres
   DistanceTransform transform = DistanceTransform::kExact;
-  std::int32_t max_megacells = 512;
+  std::int32_t max_megacells = 2048;
   [[nodiscard]] std::uint32_t radius_cells() const;
 };
 

@@ -10,25 +10,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/cell_states.hpp"
 #include "gdtslam/mapping/config.hpp"
 
 namespace gdtslam {
 
-enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
-
 /// Row-major, the lower left cell first; as small as what was seen allows.
 struct OccupancyMap {
   GridGeometry geometry;
-  std::vector<CellState> cells;
+  CellStates cells;
   [[nodiscard]] CellState at(CellIndex cell) const {
     return cells[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(geometry.width) +
                  static_cast<std::size_t>(cell.x)];
+  }
+  /// The states of a row, of the geometry's width.
+  void read_row(std::int32_t y, std::span<CellState> states) const {
+    cells.read(static_cast<std::size_t>(y) * static_cast<std::size_t>(geometry.width), states);
   }
 };
 
@@ -50,7 +54,7 @@ class OccupancyBuilder {
     double min_range_m = ScanConfig{}.min_range_m;  ///< shorter ranges are dropped
     double max_range_m = ScanConfig{}.max_range_m;  ///< at or above it, or the sensor's own limit, a range is no return
     /// That are kept, in whole tiles; the map around them, which is mostly unknown, may have four times as many.
-    std::uint64_t max_cells = std::uint64_t{512} << 20U;
+    std::uint64_t max_cells = std::uint64_t{2048} << 20U;
   };
   OccupancyBuilder(const OccupancyConfig& config, const Limits& limits);
   ~OccupancyBuilder();
