@@ -11,6 +11,7 @@
 
 #include "engine/compute/cpu/functions.hpp"
 #include "engine/compute/cpu/launch.hpp"
+#include "engine/core/out_of_memory.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"
@@ -62,7 +63,7 @@ Allocation allocate_zeroed(std::size_t bytes) {
   Allocation allocation;
   allocation.block.reset(static_cast<std::byte*>(std::calloc(bytes + kAlignment, 1)));
   if (allocation.block == nullptr) {
-    throw Error(ExitCode::kFailed, "cannot allocate a buffer of " + std::to_string(bytes) + " bytes: out of memory");
+    throw OutOfMemory(bytes);
   }
   const auto address = reinterpret_cast<std::uintptr_t>(allocation.block.get());
   const std::size_t lead = (kAlignment - address % kAlignment) % kAlignment;

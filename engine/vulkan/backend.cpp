@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <new>
 #include <optional>
@@ -56,6 +57,7 @@ class VulkanBackendImpl final : public VulkanBackend {
   void fill(const Buffer& target, std::uint32_t word) override;
   void dispatch(const KernelInfo& kernel, std::span<const Buffer* const> buffers, std::span<const std::byte> params,
                 Extent threads) override;
+  [[nodiscard]] QueueWork work() const override;
   void copy(const Buffer& source, const Buffer& target) override;
   PendingDownload start_download(const Buffer& source, std::size_t bytes, std::size_t offset) override;
   void finish_download(PendingDownload download, std::span<std::byte> data) override;
@@ -102,6 +104,7 @@ class VulkanBackendImpl final : public VulkanBackend {
   DeviceInfo device_info_;
   std::optional<DeviceError> failure_;
   std::uint64_t dispatch_count_ = 0;
+  std::map<std::string_view, std::uint64_t> dispatches_;  // by kernel
   std::uint64_t pipelines_saved_ = 0;
 };
 
@@ -250,6 +253,15 @@ void VulkanBackendImpl::flush() {
   throw_validation_messages();
 }
 
+QueueWork VulkanBackendImpl::work() const {
+  QueueWork work = engine_->transfers.counts();
+  work.dispatches = dispatches_;
+  work.submissions = engine_->batches.submitted();
+  work.waits = engine_->batches.wait_count();
+  work.barriers = engine_->barriers.barrier_count();
+  return work;
+}
+
 std::span<std::byte> VulkanBackendImpl::host_view(const Buffer& buffer) {
   memory_of(buffer);
   return {};
@@ -338,6 +350,7 @@ void VulkanBackendImpl::record(const KernelInfo& kernel, const ShaderVariant& va
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, set, {});
   push_params(commands, pipeline, variant, shape);
   commands.dispatch(groups.x, groups.y, groups.z);
+  ++dispatches_[kernel.name];
   for (std::size_t i = 0; i < bound.count; ++i) {
     const Access access = kernel.bindings[i];
     engine_->barriers.note(buffers[i]->history, Stage::kCompute, access != Access::kWrite, access != Access::kRead);

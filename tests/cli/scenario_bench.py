@@ -1,8 +1,10 @@
 """Runs of `bench` held against each other, and the limits of the machine beside the kernels."""
 
 import json
+import subprocess
+import sys
 
-from cli_support import command, expect, expect_exit, fresh_folder, one_error_line, validate
+from cli_support import PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, one_error_line, validate
 
 
 def _bench(*arguments):
@@ -23,6 +25,46 @@ def bench_limits():
     most = max(row["rate"] for row in limits if row["unit"] == "load")
     for row in rows[len(limits):]:
         expect(abs(row["load_ratio"] - row["rate"] / most) < 1e-9, f"{row}")
+
+
+def bench_live_adds_up():
+    """The parts of a log hold each scan and keyframe once, with loops and without; the worst scans are in order; a city that a
+    script makes is driven through all its streets."""
+    for loops in ((), ("--no-loops",)):
+        process = command("bench", "live", "--speed", 0, "--json", *loops)
+        expect_exit(process, 0)
+        validate(process.stdout, "bench_live")
+        live = json.loads(process.stdout)
+        parts = live["parts"]
+        expect([part["first"] for part in parts] == [sum(p["scans"] for p in parts[:k]) for k in range(len(parts))], f"{parts}")
+        expect(sum(part["scans"] for part in parts) == live["scans"] == 350, f"{parts}")
+        expect(sum(part["keyframes"] for part in parts) == live["keyframes"] > 0, f"{parts}")
+        cpu_s = sum(part["keyframes"] * part["keyframe_cpu_s"] + (part["scans"] - part["keyframes"]) * part["scan_cpu_s"]
+                    for part in parts)
+        expect(0.5 * live["scans"] * live["cpu"]["median_s"] < cpu_s < 1.5 * live["lasted_s"], f"{cpu_s}: {live}")
+        worst = [scan["cpu_s"] for scan in live["worst"]]
+        expect(len(worst) == 10 and worst == sorted(worst, reverse=True) and worst[0] == live["cpu"]["largest_s"], f"{worst}")
+        expect(live["largest"]["all_s"] >= live["p999_s"] >= live["median_s"] > 0.0, f"{live}")
+        expect((live["loops"] is None) == bool(loops), f"{live['loops']}")
+        expect(live["peak_bytes"] < 1e9, f"{live['peak_bytes']}")
+
+
+def city_of_a_script():
+    """What city.py writes is a scene that can be driven, with as many scans as asked for, and a map without doubt."""
+    folder = fresh_folder("city")
+    script = SOURCE / "tools/scripts/city.py"
+    words = [sys.executable, script, PROGRAM, "-o", folder, "--side", "130", "--blocks", "2", "--scans", "200"]
+    made = subprocess.run([*words, "--only-log"], capture_output=True, text=True, check=False)
+    expect(made.returncode == 0 and made.stderr == "", made.stderr)
+    truth = [line.split() for line in (folder / "city.truth.tum").read_text().splitlines() if line[0] != "#"]
+    expect(200 <= len(truth) < 300, f"{len(truth)} scans")
+    seen = {(round(float(word[1]) / 58 * 2), round(float(word[2]) / 58 * 2)) for word in truth}
+    streets = {(x, y) for x in range(5) for y in range(5) if (x + y) % 2 == 1}  # the middles of all streets between crossings
+    expect(streets <= seen, f"not driven: {sorted(streets - seen)}")
+    log = (folder / "city.log.gz").stat()
+    mapped = subprocess.run([*words, "--set", "map.resolution=10cm"], capture_output=True, text=True, check=False)
+    expect(mapped.returncode in (0, 1) and "| memory, bytes |" in mapped.stdout and mapped.stderr == "", mapped.stdout + mapped.stderr)
+    expect((folder / "city.log.gz").stat().st_mtime_ns == log.st_mtime_ns, "the log was made again")
 
 
 def bench_against():

@@ -340,3 +340,33 @@ def bench_of_a_device():
         expect((row["times_cpu"] is None) == (row["on"] == "cpu"), f"{row}")
     text = command("bench", "smallest_values", "--samples", 2, "--device", device).stdout
     expect("x CPU" in text and "smallest_values" in text, text)
+
+
+def bench_work_of_a_device():
+    """What mapping the sample asks of a device adds up to what report.json counts, and does not depend on the run."""
+    device = require_vulkan()[0]["device"]
+    texts = []
+    for _ in range(2):
+        process = command("bench", "work", "--device", device, "--log", cli.LOG, "--json")
+        expect_exit(process, 0)
+        cli.validate(process.stdout, "bench_work")
+        work = json.loads(process.stdout)
+        kinds = [work["keyframe"], work["other_scan"]]
+        texts.append(json.dumps([{key: value for key, value in kind.items() if key not in ("median_s", "device_s")} for kind in kinds]))
+    expect(texts[0] == texts[1], f"{texts}")
+    folder = cli.fresh_folder("work_of_a_device")
+    process = command("map", cli.LOG, "-o", folder / "run", "--no-loops", "--matcher", "exhaustive", "--device", device, "--no-pictures",
+                      "--json")
+    expect_exit(process, 0)
+    report = json.loads(process.stdout)
+
+    def total(key):
+        return round(sum(kind["scans"] * kind[key] for kind in kinds))
+
+    expect(sum(kind["scans"] for kind in kinds) == report["scans"], f"{kinds}")
+    expect(kinds[0]["scans"] == report["keyframes"], f"{kinds}: {report['keyframes']}")
+    for key in ("dispatches", "submissions"):
+        expect(total(key) == report[key], f"{key}: {total(key)}, {report[key]}")
+    for kind in kinds:
+        expect(abs(sum(kind["kernels"].values()) - kind["dispatches"]) < 1e-6, f"{kind}")
+    expect(command("bench", "work", "--device", device).stdout.count("pose_simplex") == 1, "no row of pose_simplex")

@@ -68,9 +68,11 @@ class Benchmarks(unittest.TestCase):
         self.assertIn("intel.clf.gz", process.stderr)
 
     def test_every_table_has_its_place_in_the_page(self):
-        text = benchmarks.PAGE.read_text()
         for name in benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names():
+            text = benchmarks.PAGES.get(name, benchmarks.PAGE).read_text()
             self.assertIn("| a |", benchmarks.with_table(text, name, "| a |"))
+        marks = benchmarks.re.findall(r"<!-- made: (\w+) -->", benchmarks.PAGE.read_text())
+        self.assertEqual(sorted(marks), sorted(set(benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names()) - {"results"}))
 
     def test_times_have_three_digits(self):
         self.assertEqual([benchmarks.time_text(s) for s in (12.34, 0.0123, 1.5e-6, 4e-8)], ["12.3 s", "12.3 ms", "1.5 µs", "40 ns"])

@@ -256,6 +256,7 @@ class GpuServer(ScriptTest):
           devices*) echo "vulkan:0   A GPU (fast, new)" ;;
           verify*) {verify} ;;
           bench*fallback*) exit 2 ;;
+          bench*work*) echo "pose_simplex 4.00 spin=$GDTSLAM_VULKAN_SPIN_S of ${{*: -1}}" ;;
           bench*) cat {self.work}/bench ;;
           map*)
             while [[ $1 != -o ]]; do shift; done
@@ -281,6 +282,8 @@ class GpuServer(ScriptTest):
         self.assertIn("Everything is equal", page)
         self.assertIn("| pose_cost | 4096 poses: nearest / wide | vulkan:0 | 250.0 |  | 2500 M look-up/s of wall time |"
                       " 0.5 | 3.25 |", page)
+        self.assertIn("## What a scan asks of the device\n\n```text\nGDTSLAM_VULKAN_SPIN_S=0\npose_simplex 4.00 spin=0 of ", page)
+        self.assertIn("assets/logs/office.log.gz\n\nGDTSLAM_VULKAN_SPIN_S=5e-5\npose_simplex 4.00 spin=5e-5 of ", page)
         # The fastest of three runs each: the first, the fourth and the seventh.
         for device, seconds in (("cpu, 1 thread: CPU", 1), ("cpu, all threads: CPU", 4), ("vulkan: A GPU (fast, new)", 7)):
             self.assertIn(f"| office.log | {device} | 350 | {seconds}.250 | 0.500 | 1.500 | 4080 | 466 | 123456789abc |"

@@ -22,8 +22,9 @@ bool vulkan_is_required();
 /// Why the validation layer cannot be used on that device; empty where it can.
 const std::string& validation_problem();
 
-/// A backend on the device; the options' index is overwritten. What validation says at its end is a failure of the test
-/// that runs then, where the options have no listener of their own; out of a test it ends the process.
+/// A backend on the device; the options' index is overwritten, and its waits sleep unless the options say otherwise.
+/// What validation says at its end is a failure of the test that runs then, where the options have no listener of their
+/// own; out of a test it ends the process.
 std::unique_ptr<VulkanBackend> test_backend(VulkanOptions options = {});
 
 }  // namespace gdtslam::test

@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
-"""Measures what docs/benchmarks.md shows in tables and writes them into the page.
+"""Measures what docs/benchmarks.md and README.md show in tables and writes them into the pages.
 
   benchmarks.py [--program GDTSLAM] [--data FOLDER] [--write] [NAME...]
 
 Without --write the tables are printed. A table stands in the page between the lines '<!-- made: NAME -->' and
-'<!-- made -->'; what is said around it is written by hand. Without a NAME all are made, some five minutes of one core, best
+'<!-- made -->'; what is said around it is written by hand. Without a NAME all are made, some six minutes, best
 while the machine does nothing else. The public logs are looked for in the folder slam2d of --data (default: GDTSLAM_DATA, else
 ../shared/data beside the clone). Two tables of one program tell how much is chance: run it twice.
 """
 
 import argparse
 import json
+import math
 import os
 import pathlib
 import re
@@ -20,7 +21,11 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/benchmarks.md"
+PAGES = {"results": ROOT / "README.md"}  # of those that stand elsewhere
 LOGS = {"Intel": "intel", "Freiburg 079": "fr079", "MIT CSAIL": "mit-csail"}
+# Mean and deviation, metres and degrees, as [Hess2016] has them.
+CARTOGRAPHER = {"Intel": "0.0229 ± 0.0239 m, 0.453 ± 1.335°", "Freiburg 079": "0.0452 ± 0.0354 m, 0.538 ± 0.718°",
+                "MIT CSAIL": "0.0319 ± 0.0363 m, 0.369 ± 0.365°"}
 # The stages of report.json that one table shows; the others are summed up.
 STAGES = ("read", "match", "mapper_other", "loops")
 
@@ -44,6 +49,8 @@ class Benchmarks:
 
     def __init__(self, program, data, folder):
         self.program, self.data, self.folder = program, data, folder
+        self.maps = {}
+        self.city = ()
 
     def run(self, *arguments):
         """What the command prints, with its CPU seconds and the most memory in MB that it had."""
@@ -67,35 +74,90 @@ class Benchmarks:
             sys.exit(f"benchmarks.py: there is no {path}; give --data the folder with slam2d/")
         return path
 
+    def mapped(self, name, *words):
+        """report.json of a public log's map by one thread, CPU seconds, megabytes, and its errors by the relations; run once."""
+        key = (name, *words)
+        if key not in self.maps:
+            log, folder = self.log(LOGS[name]), self.folder / "run"
+            text, cpu_s, megabytes = self.run("map", log, "-o", folder, "--threads", 1, "--json", *words)
+            errors = self.json("evaluate", folder / "trajectory.tum", "--relations", self.data / "slam2d" / f"{LOGS[name]}.relations.gz")
+            self.maps[key] = json.loads(text), cpu_s, megabytes, errors
+        return self.maps[key]
+
+    def table_results(self):
+        """The one of README.md."""
+        rows = []
+        for name in LOGS:
+            report, cpu_s, _, errors = self.mapped(name, "--no-loops")
+            closed = self.mapped(name)[3]["all"]
+            alone, cartographer = errors["all"], CARTOGRAPHER[name].split()
+            rows.append([f"{name}, {report['scans']:,} scans",
+                         f"**{closed['translation_m']['mean']:.3f} m, {closed['rotation_deg']['mean']:.2f}°**",
+                         f"{alone['translation_m']['mean']:.3f} m, {alone['rotation_deg']['mean']:.2f}°",
+                         f"{float(cartographer[0]):.3f} m, {float(cartographer[4]):.2f}°", f"{cpu_s:.1f} s",
+                         f"{report['scans_per_core_s']:,.0f}"])
+        return table(["log", "gdtslam", "`--no-loops`", "Cartographer, published, with loop closure",
+                      "CPU time, whole command, `--no-loops`", "scans per core-second, mapper, `--no-loops`"], rows)
+
+    def table_accuracy(self):
+        rows = []
+        for name in LOGS:
+            for words in (("--no-loops",), ()):
+                report, _, _, errors = self.mapped(name, *words)
+                metres, degrees = errors["all"]["translation_m"], errors["all"]["rotation_deg"]
+                parts = [f"{errors[part]['translation_m']['mean']:.4f} m, {errors[part]['rotation_deg']['mean']:.3f}°"
+                         for part in ("short", "loops")]
+                rows.append([name + (", `--no-loops`" if words else ""),
+                             f"**{metres['mean']:.4f} ± {metres['std']:.4f} m, {degrees['mean']:.3f} ± {degrees['std']:.3f}°**",
+                             CARTOGRAPHER[name], *parts, f"{metres['max']:.3f} m", f"{report['doubtful']:,}"])
+        return table(["log", "gdtslam", "Cartographer, published, with loop closure", "short", "loops", "largest", "doubtful scans"], rows)
+
+    def table_exhaustive(self):
+        rows = []
+        for name in LOGS:
+            for matcher in ("simplex-newton", "exhaustive"):
+                words = ("--no-loops",) + (() if matcher == "simplex-newton" else ("--matcher", matcher))
+                report, _, _, errors = self.mapped(name, *words)
+                error = f"{errors['all']['translation_m']['mean']:.4f} m, {errors['all']['rotation_deg']['mean']:.3f}°"
+                rows.append([name, f"`{matcher}`", error, f"{report['scans_per_core_s']:,.0f}", f"{report['windows']:,}",
+                             f"{report['keyframes']:,}"])
+        return table(["log", "matcher", "mean error", "scans a core-second, mapper", "windows", "keyframes"], rows)
+
     def table_runs(self):
         rows = []
-        logs = {name: self.log(stem) for name, stem in LOGS.items()}
-        logs["office-7f, 3D"] = self.folder / "office-7f.log"
-        self.run("simulate", "office-7f", "-o", logs["office-7f, 3D"], "--seed", 1, "-q")
-        for name, log in logs.items():
-            for loops in ("--no-loops", None):
-                text, cpu_s, megabytes = self.run("map", log, "-o", self.folder / "run", "--threads", 1, "--json",
-                                                  *([loops] if loops else []))
-                report = json.loads(text)
-                stages = report["stages"]
-                known = [stages.get(stage, 0.0) for stage in STAGES]
-                rows.append([name + (f", `{loops}`" if loops else ""), f"{report['scans']:,}", f"{cpu_s:.2f} s",
-                             f"{megabytes:.0f} MB", f"{report['scans_per_core_s']:,.0f}",
-                             *(f"{seconds:.2f} s" for seconds in known), f"{sum(stages.values()) - sum(known):.2f} s"])
+        runs = {}
+        for name in LOGS:
+            for words in (("--no-loops",), ()):
+                runs[name, words] = self.mapped(name, *words)[:3]
+        log = self.folder / "office-7f.log"
+        self.run("simulate", "office-7f", "-o", log, "--seed", 1, "-q")
+        for words in (("--no-loops",), ()):
+            text, cpu_s, megabytes = self.run("map", log, "-o", self.folder / "run", "--threads", 1, "--json", *words)
+            runs["office-7f, 3D", words] = json.loads(text), cpu_s, megabytes
+        for (name, words), (report, cpu_s, megabytes) in runs.items():
+            stages = report["stages"]
+            known = [stages.get(stage, 0.0) for stage in STAGES]
+            rows.append([name + (", `--no-loops`" if words else ""), f"{report['scans']:,}", f"{cpu_s:.2f} s", f"{megabytes:.0f} MB",
+                         f"{report['scans_per_core_s']:,.0f}", *(f"{seconds:.2f} s" for seconds in known),
+                         f"{sum(stages.values()) - sum(known):.2f} s"])
         return table(["log", "scans", "CPU", "memory", "scans a core-second, mapper", "read", "match", "mapper, other", "loops",
                       "all other stages"], rows)
 
     def table_live(self):
         rows = []
         for name, stem in LOGS.items():
-            live = self.json("bench", "live", "--log", self.log(stem))
-            largest, loops = live["largest"], live["loops"]
-            times = [live["median_s"], live["p99_s"], live["p999_s"], largest["all_s"]]
-            rows.append([name, *(f"{1e3 * seconds:.2f} ms" for seconds in times), str(live["above_50_ms"] or "none"),
-                         str(loops["corrections"]), f"{loops['waits']} times" if loops["waits"] else "never",
-                         f"{loops['beside_cpu_s']:.1f} s"])
-        return table(["log", "median", "99 %", "99.9 %", "largest", "above 50 ms", "corrections", "waited for loops", "CPU beside"],
-                     rows)
+            for words in (("--speed", 100), ("--no-loops", "--speed", 0)):
+                live = self.json("bench", "live", "--log", self.log(stem), *words)
+                times = [live["median_s"], live["p99_s"], live["p999_s"], live["largest"]["all_s"], live["cpu"]["p999_s"],
+                         live["cpu"]["largest_s"]]
+                row = [name + (", `--no-loops`" if "--no-loops" in words else ""), *(f"{1e3 * seconds:.2f} ms" for seconds in times),
+                       str(live["above_50_ms"] or "none")]
+                loops = live["loops"]
+                rows.append(row + (["", "", ""] if loops is None else
+                                   [str(loops["corrections"]), f"{loops['waits']} times" if loops["waits"] else "never",
+                                    f"{loops['beside_cpu_s']:.1f} s"]))
+        return table(["log", "median", "99 %", "99.9 %", "largest", "99.9 %, CPU", "largest, CPU", "above 50 ms", "corrections",
+                      "waited for loops", "CPU beside"], rows)
 
     def table_kernels(self):
         rows = []
@@ -108,6 +170,51 @@ class Benchmarks:
             rows.append([f"`{row['name']}`", row["variant"], time_text(row["cpu_s"]), f"{1e-9 * row['rate']:.3g} G {row['unit']}s/s",
                          share, peer])
         return table(["row", "case", "CPU time", "rate", "of limit", "times OpenCV"], rows)
+
+    def table_isa(self):
+        rows = {}
+        for isa in ("baseline", "avx2", "avx512"):
+            for what in ("pose_cost", "pose_simplex", "sweep"):
+                for row in self.json("bench", what, "--isa", isa)["rows"]:
+                    if row["group"] in ("kernel", "sweep"):
+                        rows.setdefault((row["name"], row["variant"], row["unit"]), []).append(1e-6 * row["rate"])
+        return table(["row", "case", "SSE2", "AVX2", "AVX-512"],
+                     [[f"`{name}`", variant, *(f"{rate:.0f} M {unit}s/s" for rate in rates)]
+                      for (name, variant, unit), rates in rows.items() if len(rates) == 3])
+
+    def table_certified(self):
+        rows = []
+        for row in self.json("bench", "certified", "--log", self.log("intel"), "--lattice", "1 s")["windows"]:
+            peer = row["lattice"]
+            rows.append([f"Intel, ±{row['half_m']:g} m, {math.degrees(2.0 * row['half_rad']):.0f}°",
+                         *(time_text(row[key]) for key in ("cpu_median_s", "cpu_p90_s", "cpu_most_s")),
+                         f"{row['median_boxes']:,.0f}", f"{100.0 * row['proven_share']:.0f} %",
+                         f"{time_text(peer['cpu_median_s'])} ({peer['scans']} scans)", f"{peer['times_certified']:,.0f} ×"])
+        return table(["map, window", "median", "90 %", "largest", "boxes, median", "proven", "lattice", "ratio"], rows)
+
+    def table_clouds(self):
+        rows = self.json("bench", "clouds")["rows"]
+        peers = {row["name"]: row for row in rows if row["variant"].startswith("peer: ")}
+        made = []
+        for row in rows:
+            if row["group"] != "cloud" or row["variant"].startswith("peer: "):
+                continue
+            peer = peers[row["name"]]
+            made.append([f"`{row['name']}`", row["variant"], time_text(row["cpu_s"]), f"{1e-6 * row['rate']:.0f} M points/s",
+                         f"`{peer['variant'][len('peer: '):]}` {time_text(peer['cpu_s'])}", f"{peer['cpu_s'] / row['cpu_s']:.1f} ×"])
+        return table(["row", "case", "CPU time", "rate", "comparison", "as fast"], made)
+
+    def table_city(self):
+        script = ROOT / "tools/scripts/city.py"
+        process = subprocess.run([sys.executable, script, self.program, "-o", self.folder / "city", *self.city], capture_output=True,
+                                 text=True, check=False)
+        if process.returncode not in (0, 1) or "| | measured" not in process.stdout:
+            sys.exit(f"benchmarks.py: {script}: exit {process.returncode}: {process.stderr.strip()}")
+        live = json.loads((self.folder / "city/live.json").read_text())
+        rows = [[f"{part['first']:,} to {part['first'] + part['scans'] - 1:,}", f"{part['keyframes']:,}",
+                 time_text(part["keyframe_cpu_s"]), time_text(part["keyframe_merge_s"])] for part in live["parts"]]
+        parts = table(["scans", "keyframes", "a keyframe, CPU", "of that local field and merge"], rows)
+        return parts + "\n\n" + process.stdout[process.stdout.index("| | measured"):].strip()
 
     def table_reading(self):
         rows = []
@@ -148,7 +255,7 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/gdtslam"), help="the command")
     parser.add_argument("--data", type=pathlib.Path, default=os.environ.get("GDTSLAM_DATA", ROOT.parent / "shared/data"),
                         help="the folder with slam2d/")
-    parser.add_argument("--page", type=pathlib.Path, default=PAGE, help=argparse.SUPPRESS)
+    parser.add_argument("--page", type=pathlib.Path, help=argparse.SUPPRESS)
     parser.add_argument("--write", action="store_true", help="write the tables into the page")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -156,15 +263,15 @@ def main():
         unknown = sorted(set(options.names) - set(benchmarks.names()))
         if unknown:
             parser.error(f"there is no table {unknown[0]}; there are {', '.join(benchmarks.names())}")
-        text = options.page.read_text()
         for name in options.names or benchmarks.names():
             made = getattr(benchmarks, "table_" + name)() + "\n\nMade by `tools/scripts/benchmarks.py`: " + benchmarks.machine() + "."
+            page = options.page or PAGES.get(name, PAGE)
             try:
-                text = with_table(text, name, made)
+                text = with_table(page.read_text(), name, made)
             except ValueError as error:
-                sys.exit(f"benchmarks.py: {options.page}: {error}")
+                sys.exit(f"benchmarks.py: {page}: {error}")
             if options.write:
-                options.page.write_text(text)
+                page.write_text(text)
             else:
                 print(f"## {name}\n\n{made}\n")
 

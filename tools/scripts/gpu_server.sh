@@ -147,6 +147,20 @@ bench() {
   cat "$output/bench.txt"
 }
 
+# work_on LOG...: what a scan asks of the device, with waits that sleep at once and with those that ask first.
+work_on() {
+  : >"$output/work.txt"
+  for log in "$@"; do
+    for spin in 0 5e-5; do
+      echo "GDTSLAM_VULKAN_SPIN_S=$spin"
+      GDTSLAM_VULKAN_SPIN_S=$spin "$gdtslam" bench work --device "$device" --log "$log" ||
+        failed "counting the work of $(basename "$log") ended with status $?"
+      echo
+    done
+  done >"$output/work.txt"
+  cat "$output/work.txt"
+}
+
 # map_on LABEL LOG OPTION...: maps the log $repeat times; keeps the report of the fastest run and adds its row to the page.
 # Sets run_hashes; empty where it failed.
 map_on() {
@@ -200,6 +214,9 @@ verify "$@"
 announce "Bench ($device)"
 bench
 
+announce "What a scan asks of $device"
+work_on "$sample_logs"/office*.log.gz "$@"
+
 announce "Whole logs, matched exhaustively, on the processor and on $device: the fastest of $repeat"
 header='| log | device | scans | wall s | matching s | CPU s | dispatches | submissions | map | trajectory |'
 printf '%s\n%s\n' "$header" '|---|---|---|---|---|---|---|---|---|---|' >"$page"
@@ -231,13 +248,13 @@ say ""
 say "## Kernels"
 say ""
 cat "$output/bench.txt" >>"$page"
-for part in "verify:The same bits" "devices:Devices"; do
+for part in "work:What a scan asks of the device" "verify:The same bits" "devices:Devices"; do
   say ""
   say "## ${part#*:}"
   say ""
   in_block "$output/${part%%:*}.txt"
 done
-rm "$output/logs.md" "$output/bench.txt"
+rm "$output/logs.md" "$output/bench.txt" "$output/work.txt"
 
 announce "Done: $page"
 if [ "$status" -eq 0 ]; then echo "Everything is equal on the processor and on the device."; else printf '%s' "$failures"; fi

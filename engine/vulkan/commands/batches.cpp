@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 
 #include "engine/vulkan/device/driver_calls.hpp"
 #include "engine/vulkan/device/environment.hpp"
@@ -48,7 +49,8 @@ Batches::Slot Batches::make_slot(const Device& device) {
   return slot;
 }
 
-Batches::Batches(const Device& device, double wait_limit_s) : device_(device), wait_limit_s_(wait_limit_s) {
+Batches::Batches(const Device& device, double wait_limit_s, double spin_s)
+    : device_(device), wait_limit_s_(wait_limit_s), spin_s_(spin_s) {
   for (Slot& slot : slots_) {
     slot = make_slot(device);
   }
@@ -109,11 +111,24 @@ void Batches::wait_for(std::uint64_t value) {
   if (value <= done_) {
     return;
   }
+  ++wait_count_;
+  if (is_done_soon(value)) return;
   const vk::SemaphoreWaitInfo info = wait_info(*device_.timeline(), value);
   if (device_.handle().waitSemaphores(info, to_nanoseconds(wait_limit_s_)) == vk::Result::eTimeout) {
     throw DeviceError(device_.info().name, "vkWaitSemaphores", timeout_text(wait_limit_s_));
   }
   note_done(value);
+}
+
+bool Batches::is_done_soon(std::uint64_t value) {
+  using Clock = std::chrono::steady_clock;
+  if (spin_s_ <= 0.0) return false;
+  const Clock::time_point end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(spin_s_));
+  do {
+    if (done(true) >= value) return true;
+  } while (Clock::now() < end);
+  return false;
 }
 
 std::uint64_t Batches::done(bool ask) {

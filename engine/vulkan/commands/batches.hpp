@@ -16,7 +16,8 @@ class Batches {
  public:
   static constexpr std::size_t kSlots = 3;
 
-  Batches(const Device& device, double wait_limit_s);
+  /// A wait asks for spin_s seconds before it sleeps; one of more than wait_limit_s is an error.
+  Batches(const Device& device, double wait_limit_s, double spin_s);
 
   /// Called with the slot whose batch is done, before its memory is used again.
   void set_on_reuse(std::function<void(std::size_t)> on_reuse) { on_reuse_ = std::move(on_reuse); }
@@ -36,6 +37,8 @@ class Batches {
   /// The last batch that is known to be done; `ask` asks the device.
   std::uint64_t done(bool ask);
   [[nodiscard]] std::uint64_t submitted() const { return submitted_; }
+  /// Waits for what was not known to be done.
+  [[nodiscard]] std::uint64_t wait_count() const { return wait_count_; }
   [[nodiscard]] double last_submission_ns() const { return last_ns_; }
 
  private:
@@ -48,11 +51,13 @@ class Batches {
   };
   static Slot make_slot(const Device& device);
   void open();
+  [[nodiscard]] bool is_done_soon(std::uint64_t value);
   void note_done(std::uint64_t value);
   void read_stamps(Slot& slot);
 
   const Device& device_;
   double wait_limit_s_;
+  double spin_s_;
   std::function<void(std::size_t)> on_reuse_;
   std::array<Slot, kSlots> slots_;
   std::size_t slot_ = kSlots - 1;
@@ -60,6 +65,7 @@ class Batches {
   bool host_reads_ = false;
   std::uint64_t submitted_ = 0;
   std::uint64_t done_ = 0;
+  std::uint64_t wait_count_ = 0;
   double last_ns_ = 0.0;
 };
 

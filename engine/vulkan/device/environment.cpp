@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdlib>
+#include <limits>
 
 #include "gdtslam/core/error.hpp"
 
@@ -9,6 +10,7 @@ namespace gdtslam {
 namespace {
 
 constexpr const char* kFaultVariable = "GDTSLAM_VULKAN_FAULT";
+constexpr const char* kSpinVariable = "GDTSLAM_VULKAN_SPIN_S";
 constexpr const char* kValidationVariable = "GDTSLAM_VULKAN_VALIDATION";
 
 struct FaultName {
@@ -41,17 +43,27 @@ VulkanFault parse_fault(std::string_view text) {
                    "out-of-host-memory, as in 17:device-lost");
 }
 
-double parse_wait(std::string_view text) {
-  double limit_s = 0.0;
+// Seconds of at least `least` and at most a day.
+double parse_seconds(const char* variable, std::string_view text, double least, const char* what) {
+  double seconds = 0.0;
   const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, limit_s);
+  const auto [stop, error] = std::from_chars(text.data(), end, seconds);
   constexpr double kMost_s = 86400.0;
-  if (error != std::errc{} || stop != end || !(limit_s > 0.0 && limit_s <= kMost_s)) {
-    throw UsageError(std::string(kWaitLimitVariable) + "=" + std::string(text) +
-                     ": write the most seconds that a wait for the device may take, more than 0 and at most 86400 (a "
-                     "day), as in 120");
+  if (error != std::errc{} || stop != end || !(seconds >= least && seconds <= kMost_s)) {
+    throw UsageError(std::string(variable) + "=" + std::string(text) + ": write " + what);
   }
-  return limit_s;
+  return seconds;
+}
+
+double parse_wait(std::string_view text) {
+  return parse_seconds(kWaitLimitVariable, text, std::numeric_limits<double>::min(),
+                       "the most seconds that a wait for the device may take, more than 0 and at most 86400 (a day), "
+                       "as in 120");
+}
+
+double parse_spin(std::string_view text) {
+  return parse_seconds(kSpinVariable, text, 0.0,
+                       "the seconds for which a wait asks before it sleeps, 0 to 86400, as in 5e-5");
 }
 
 }  // namespace
@@ -64,6 +76,10 @@ VulkanOptions with_environment(VulkanOptions options) {
   const std::string_view wait = value_of(kWaitLimitVariable);
   if (!options.wait_limit_s && !wait.empty()) {
     options.wait_limit_s = parse_wait(wait);
+  }
+  const std::string_view spin = value_of(kSpinVariable);
+  if (!options.spin_s && !spin.empty()) {
+    options.spin_s = parse_spin(spin);
   }
   const std::string_view validation = value_of(kValidationVariable);
   if (validation == "1") {

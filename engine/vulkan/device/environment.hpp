@@ -8,10 +8,12 @@ namespace gdtslam {
 /// The most seconds that a wait may take where nothing else is asked for, and what asks for it.
 inline constexpr double kWaitLimit_s = 30.0;
 inline constexpr const char* kWaitLimitVariable = "GDTSLAM_VULKAN_WAIT_S";
+/// How long a wait for hardware asks before it sleeps.
+inline constexpr double kSpin_s = 5.0e-5;
 
 /// The options with GDTSLAM_VULKAN_FAULT ("17:device-lost", "...:out-of-device-memory", "...:out-of-host-memory") where
-/// they rehearse no fault themselves, with the limit of GDTSLAM_VULKAN_WAIT_S seconds where they have none, and with
-/// validation where GDTSLAM_VULKAN_VALIDATION is 1. Throws UsageError for other values.
+/// they rehearse no fault themselves, with the seconds of GDTSLAM_VULKAN_WAIT_S and GDTSLAM_VULKAN_SPIN_S where they
+/// have none, and with validation where GDTSLAM_VULKAN_VALIDATION is 1. Throws UsageError for other values.
 VulkanOptions with_environment(VulkanOptions options);
 
 }  // namespace gdtslam

@@ -54,6 +54,7 @@ void Transfers::note_operation(DeviceBuffer& buffer, bool is_written) {
 
 void Transfers::fill(DeviceBuffer& target, std::uint32_t word) {
   begin_operation(target, true);
+  ++counts_.fills;
   batches_.commands().fillBuffer(*target.handle, 0, target.padded_bytes, word);
   note_operation(target, true);
   target.is_fresh = false;
@@ -90,6 +91,8 @@ void Transfers::upload(DeviceBuffer& target, std::span<const std::byte> data, st
       continue;
     }
     std::memcpy(up_.at(ring_offset), data.data(), bytes);
+    ++counts_.uploads;
+    counts_.upload_bytes += bytes;
     begin_operation(target, true);
     batches_.commands().copyBuffer(up_.buffer(), *target.handle, vk::BufferCopy(ring_offset, offset, bytes));
     note_operation(target, true);
@@ -116,6 +119,8 @@ std::uint64_t Transfers::start_download(DeviceBuffer& source, std::size_t bytes,
                                    vk::BufferCopy(offset + done, piece.ring_offset, piece.bytes));
     note_operation(source, false);
     batches_.deliver_to_host();
+    ++counts_.downloads;
+    counts_.download_bytes += piece.bytes;
     piece.batch = batches_.value();
     piece.slot = batches_.slot();
     piece.target_offset = done;

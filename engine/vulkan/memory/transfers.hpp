@@ -49,6 +49,8 @@ class Transfers {
   void finish_download(std::uint64_t id, std::span<std::byte> data);
   /// Nobody will ask for it; the device's copy, where it is in line, goes where nobody looks.
   void forget(std::uint64_t id) noexcept { downloads_.erase(id); }
+  /// Copies and fills so far: the members of QueueWork that are of memory.
+  [[nodiscard]] const QueueWork& counts() const { return counts_; }
   [[nodiscard]] std::size_t under_way() const { return downloads_.size(); }
 
  private:
@@ -77,6 +79,7 @@ class Transfers {
   StagingRing down_;
   std::map<std::uint64_t, Download> downloads_;
   std::uint64_t next_id_ = 1;
+  QueueWork counts_;
 };
 
 }  // namespace gdtslam

@@ -147,6 +147,7 @@ class Environment : public testing::Test {
   void TearDown() override {
     unsetenv("GDTSLAM_VULKAN_FAULT");
     unsetenv("GDTSLAM_VULKAN_WAIT_S");
+    unsetenv("GDTSLAM_VULKAN_SPIN_S");
   }
 };
 
@@ -181,6 +182,15 @@ TEST_F(Environment, WithNonsenseForALimitIsRefused) {
   for (const char* text : {"0", "-1", "soon", "30 s", "inf", "nan", "1e999", "1e300", "86401", " 5"}) {
     setenv("GDTSLAM_VULKAN_WAIT_S", text, 1);
     EXPECT_THROW(test_backend(), UsageError) << text;
+  }
+}
+
+TEST_F(Environment, WithNonsenseForASpinIsRefused) {
+  for (const char* text : {"-1", "soon", "5 us", "inf", "nan", "86401", " 5"}) {
+    setenv("GDTSLAM_VULKAN_SPIN_S", text, 1);
+    VulkanOptions options;
+    options.index = find_test_device().device.value().index;
+    EXPECT_THROW(make_vulkan_backend(options), UsageError) << text;
   }
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "console.hpp"
+#include "engine/core/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
 #include "modules.hpp"
@@ -190,10 +191,13 @@ int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands) {
     return report(usage_message(app.get(), error), ExitCode::kUsage);
   }
   const std::string command = path_of(chosen_app(app.get()));
+  const std::string what_to_do = " in '" + command + "'; " + context.when_out_of_memory;
   try {
     return context.run();
-  } catch (const std::bad_alloc&) {  // by now what the command had is free again
-    return report("out of memory in '" + command + "'; " + context.when_out_of_memory, ExitCode::kFailed);
+  } catch (const OutOfMemory& error) {  // by now what the command had is free again
+    return report(error.what() + what_to_do, error.code());
+  } catch (const std::bad_alloc&) {
+    return report("out of memory" + what_to_do, ExitCode::kFailed);
   }
 }
 

@@ -15,6 +15,8 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "gdtslam/core/error.hpp"
+#include "live.hpp"
+#include "queue_work.hpp"
 #include "report.hpp"
 #include "rows.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -39,6 +41,7 @@ struct BenchOptions {
   TimingOptions timing;
   std::string log;  ///< none: the sample
   RecordingOptions recording;
+  SettingsOptions settings;
   CertifiedBenchJob certified{};
   LiveBenchJob live{};
   LogBenchJob logs{};
@@ -49,6 +52,9 @@ struct BenchOptions {
   [[nodiscard]] bool is_certified() const { return filter == "certified"; }
   [[nodiscard]] bool is_live() const { return filter == "live"; }
   [[nodiscard]] bool is_logs() const { return filter == "logs"; }
+  [[nodiscard]] bool is_work() const { return filter == "work"; }
+  /// Whether a log is mapped for it.
+  [[nodiscard]] bool maps() const { return is_certified() || is_live() || is_work(); }
 };
 
 int print_flood_errors(Backend& backend, const BenchOptions& options) {
@@ -105,30 +111,44 @@ Measured measure_all(Backend& backend, std::string name, const BenchOptions& opt
   return measured;
 }
 
-ReadOptions read_of(const BenchOptions& options) {
-  LogConfig config;
+ReadOptions read_of(const BenchOptions& options, LogConfig config) {
   state_recording(options.recording, config);
   return read_options_of(config, false);
 }
 
 int print_certified(Backend& cpu, const BenchOptions& options) {
+  const Settings settings = load_settings(options.settings);
   CertifiedBenchJob job = options.certified;
   job.log = options.log.empty() ? sample_log_file() : options.log;
-  job.read = read_of(options);
-  job.mapper = load_settings({}).mapper;
+  job.read = read_of(options, settings.log);
+  job.mapper = settings.mapper;
   print_result(bench_certified(
       job, cpu, [] { return interrupted(); }, options.json));
   return static_cast<int>(ExitCode::kDone);
 }
 
 int print_live(Backend& cpu, const BenchOptions& options) {
+  const Settings settings = load_settings(options.settings);
   LiveBenchJob job = options.live;
   job.log = options.log.empty() ? sample_log_file() : options.log;
-  job.read = read_of(options);
-  job.mapper = load_settings({}).mapper;
+  job.read = read_of(options, settings.log);
+  job.mapper = settings.mapper;
   job.options = on_failure_of(options.device);
   print_result(bench_live(
       job, cpu, [] { return interrupted(); }, options.json));
+  return static_cast<int>(ExitCode::kDone);
+}
+
+// Only the matcher `exhaustive` works on a device.
+int print_work(const BenchOptions& options) {
+  const std::unique_ptr<VulkanBackend> device = make_vulkan(options.device, {.time_submissions = true});
+  if (!device) throw UsageError("bench: 'gdtslam bench work' counts what a device does: name one by --device");
+  const Settings settings = load_settings(options.settings);
+  WorkBenchJob job{options.log.empty() ? sample_log_file() : options.log, read_of(options, settings.log),
+                   settings.mapper};
+  job.mapper.match.matcher = MatcherKind::kExhaustive;
+  print_result(bench_work(
+      job, *device, [] { return interrupted(); }, options.json));
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -141,25 +161,35 @@ int print_logs(const Backend& cpu, const BenchOptions& options) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+// What belongs to a log that is mapped.
+void check_log_options(const BenchOptions& options) {
+  if (!options.maps() && !options.log.empty()) {
+    throw UsageError("bench: --log is for 'gdtslam bench certified', 'live' and 'work'");
+  }
+  if (!options.maps() && !(options.settings.file.empty() && options.settings.sets.empty())) {
+    throw UsageError("bench: --config and --set are for 'gdtslam bench certified', 'live' and 'work'");
+  }
+  if (!options.is_live() && !options.live.loops) throw UsageError("bench: --no-loops is for 'gdtslam bench live'");
+  if (options.log.empty() && options.recording.are_stated()) {
+    throw UsageError("bench: --topic, --odom, --crank and --mount are for a --log");
+  }
+}
+
 void check_against(const BenchOptions& options) {
   if (options.fail_below > 0.0 && options.against.empty()) throw UsageError("bench: --fail-below needs --against FILE");
-  const bool has_rows = !options.is_certified() && !options.is_live() && !options.is_logs() && !options.flood_errors;
+  const bool has_rows = !options.maps() && !options.is_logs() && !options.flood_errors;
   if (!options.against.empty() && !has_rows) {
     throw UsageError(
-        "bench: --against compares rows of kernels and the like, not certified, live, logs, --flood-errors");
+        "bench: --against compares rows of kernels and the like, not certified, live, work, logs, --flood-errors");
   }
 }
 
 int bench(const BenchOptions& options) {
-  if (!options.is_certified() && !options.is_live() && !options.log.empty()) {
-    throw UsageError("bench: --log is for 'gdtslam bench certified' and 'gdtslam bench live'");
-  }
-  if (options.log.empty() && options.recording.are_stated()) {
-    throw UsageError("bench: --topic, --odom, --crank and --mount are for a --log");
-  }
+  check_log_options(options);
   check_against(options);
   std::optional<EarlierBench> before;
   if (!options.against.empty()) before = read_bench(options.against);
+  if (options.is_work()) return print_work(options);
   const std::unique_ptr<Backend> cpu = make_cpu(options.device);
   if (options.is_live()) return print_live(*cpu, options);
   if (options.is_certified()) return print_certified(*cpu, options);
@@ -181,6 +211,29 @@ int bench(const BenchOptions& options) {
   print_result(options.json ? json_text(json) : text + against_text(against));
   require_at_least(against, options.fail_below);
   return static_cast<int>(ExitCode::kDone);
+}
+
+void add_log_options(CLI::App& command, BenchOptions& options) {
+  command
+      .add_option("--log", options.log,
+                  "certified, live, work: the log that is mapped (default: the sample that comes along)")
+      ->type_name("LOG");
+  add_recording_options(command, options.recording);
+  add_settings_options(command, options.settings);
+  command.add_option("--scans", options.certified.scans, "certified: scans that are looked for, evenly over the log")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100000).description(""))
+      ->capture_default_str();
+  add_quantity_option(command, "--lattice", options.certified.lattice_s, Unit::kSecond, {0.0, 1.0e6},
+                      "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
+      ->default_str(format_quantity(options.certified.lattice_s, Unit::kSecond));
+  command
+      .add_option("--speed", options.live.speed,
+                  "live: scans come so many times as fast as their stamps say; 0: as fast as they are done")
+      ->type_name("N")
+      ->check(CLI::Range(0.0, 1.0e6).description(""))
+      ->capture_default_str();
+  command.add_flag("!--no-loops", options.live.loops, "live: match each scan with one map of all that was seen");
 }
 
 void add_comparison_options(CLI::App& command, BenchOptions& options) {
@@ -206,7 +259,9 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
                    "Only kernels whose name contains this; 'transform': whole transforms; 'scan': whole scans; "
                    "'sweep': whole sweeps; 'clouds': files and thinning; 'viewer': frames of clouds and of a linkage; "
                    "'certified': certified matching in the merged map of a log, on the CPU; 'live': each scan of a log "
-                   "that is mapped with loops, as it comes, on the CPU; 'logs': logs of every format read")
+                   "that is mapped, as it comes, on the CPU; 'work': what mapping a log by the matcher exhaustive asks "
+                   "of a device; "
+                   "'logs': logs of every format read")
       ->type_name("NAME");
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
@@ -216,24 +271,7 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000).description(""))
       ->capture_default_str();
-  command
-      ->add_option("--log", options->log,
-                   "certified, live: the log that is mapped (default: the sample that comes along)")
-      ->type_name("LOG");
-  add_recording_options(*command, options->recording);
-  command->add_option("--scans", options->certified.scans, "certified: scans that are looked for, evenly over the log")
-      ->type_name("N")
-      ->check(CLI::Range(1, 100000).description(""))
-      ->capture_default_str();
-  add_quantity_option(*command, "--lattice", options->certified.lattice_s, Unit::kSecond, {0.0, 1.0e6},
-                      "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
-      ->default_str(format_quantity(options->certified.lattice_s, Unit::kSecond));
-  command
-      ->add_option("--speed", options->live.speed,
-                   "live: scans come so many times as fast as their stamps say; 0: as fast as they are done")
-      ->type_name("N")
-      ->check(CLI::Range(0.0, 1.0e6).description(""))
-      ->capture_default_str();
+  add_log_options(*command, *options);
   command
       ->add_option("--megabytes", options->logs.megabytes,
                    "logs: size of the drive, as an MCAP file that is not packed, in 1e6 bytes")
@@ -252,6 +290,8 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
       "Examples:\n  gdtslam bench\n  gdtslam bench --device vulkan --json\n  gdtslam bench pose_cost --isa avx2\n"
       "  gdtslam bench clouds\n  gdtslam bench viewer\n  gdtslam bench certified --log intel.clf.gz\n"
       "  gdtslam bench live --log intel.clf.gz --json\n"
+      "  gdtslam bench live --log city.log.gz --speed 0 --no-loops --set map.max_megacells=4096\n"
+      "  gdtslam bench work --device vulkan --log intel.clf.gz\n"
       "  gdtslam bench logs --megabytes 100\n"
       "  gdtslam bench --json > before.json; gdtslam bench --against before.json\n"
       "  gdtslam bench transform --size 4096 --json\n  gdtslam bench --flood-errors --size 4096");

@@ -16,7 +16,6 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/mapping/config.hpp"
-#include "gdtslam/mapping/mapper.hpp"
 
 namespace gdtslam {
 
@@ -161,20 +160,6 @@ struct CertifiedBenchJob {
 /// Error(kInterrupted) when stop() became true.
 std::string bench_certified(const CertifiedBenchJob& job, Backend& backend, const std::function<bool()>& stop,
                             bool is_json);
-
-/// What `gdtslam bench live` measures: how long a mapper with loops takes for each scan of a log that comes as it was
-/// recorded, only faster, while loops are looked for beside it. The poses depend on the log and the configuration
-/// alone, the times on the machine.
-struct LiveBenchJob {
-  std::string log;
-  ReadOptions read;
-  MapperConfig mapper;
-  MapperOptions options;
-  double speed = 50.0;  ///< scans come so many times as fast as their stamps say; 0: each when the one before is done
-};
-
-/// As the command prints it, for people or JSON. The backend is the CPU's. Throws as bench_certified().
-std::string bench_live(const LiveBenchJob& job, Backend& backend, const std::function<bool()>& stop, bool is_json);
 
 /// What `gdtslam bench logs` measures: a drive is written in every format into a temporary folder, in memory where the
 /// system has such a place, and each file is read as `map` reads it.

@@ -18,6 +18,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/out_of_memory.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
@@ -48,14 +49,17 @@ Workers::Tell teller(int pipe) {
   };
 }
 
+constexpr const char* kFewerParts = "; fewer parts at a time need less (--threads 1)";
+
 Json outcome_of(const Workers::Work& work, int pipe) {
   try {
     return {{"result", work(teller(pipe))}};
+  } catch (const OutOfMemory& error) {
+    return {{"error", std::string(error.what()) + kFewerParts}, {"code", static_cast<int>(error.code())}};
   } catch (const Error& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(error.code())}};
   } catch (const std::bad_alloc&) {
-    return {{"error", "out of memory; fewer parts at a time need less (--threads 1)"},
-            {"code", static_cast<int>(ExitCode::kFailed)}};
+    return {{"error", std::string("out of memory") + kFewerParts}, {"code", static_cast<int>(ExitCode::kFailed)}};
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(ExitCode::kFailed)}};
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -79,6 +80,10 @@ struct VulkanOptions {
   /// A wait that takes longer is a lost device. Empty: GDTSLAM_VULKAN_WAIT_S of the environment, else 30 s.
   std::optional<double> wait_limit_s = std::nullopt;
   ShaderVariants variants = ShaderVariants::kByDevice;
+  /// So long the host asks a GPU again and again whether a submission is done before it sleeps until it is told, as the
+  /// system takes tens of microseconds to wake it. Empty: GDTSLAM_VULKAN_SPIN_S of the environment, else 5e-5 s on
+  /// hardware and 0 on lavapipe, whose threads need the processor themselves.
+  std::optional<double> spin_s = std::nullopt;
   /// Timestamps around each submission. Empty: on hardware only, since lavapipe takes 45 us a submission for them.
   std::optional<bool> time_submissions = std::nullopt;
   VulkanFault fault = {};
@@ -88,6 +93,24 @@ struct VulkanOptions {
   /// that offers less. Variants are chosen by max_group_invocations and max_texel_words as they then are.
   std::function<void(VulkanDeviceInfo&)> edit_device = {};
 };
+
+/// What a device was given to do so far, as it stands in its queue. Two of them subtracted say what lies between.
+struct QueueWork {
+  std::map<std::string_view, std::uint64_t> dispatches;  ///< by kernel, without launches of no invocations
+  std::uint64_t submissions = 0;
+  std::uint64_t waits = 0;  ///< of the host, for a submission that was not known to be done
+  std::uint64_t barriers = 0;
+  std::uint64_t fills = 0;  ///< also of new buffers with zeros
+  std::uint64_t uploads = 0;
+  std::uint64_t upload_bytes = 0;
+  std::uint64_t downloads = 0;  ///< copies that the device makes for the host
+  std::uint64_t download_bytes = 0;
+
+  [[nodiscard]] std::uint64_t dispatch_sum() const;
+};
+/// Member by member; `before` must be the earlier one.
+QueueWork operator-(const QueueWork& now, const QueueWork& before);
+QueueWork& operator+=(QueueWork& sum, const QueueWork& more);
 
 /// A backend with counters that only a Vulkan device can have.
 class VulkanBackend : public Backend {
@@ -100,6 +123,7 @@ class VulkanBackend : public Backend {
   [[nodiscard]] virtual double last_submission_ns() const = 0;
   /// Barriers recorded so far: those that the kernels' bindings and the transfers ask for.
   [[nodiscard]] virtual std::uint64_t barrier_count() const = 0;
+  [[nodiscard]] virtual QueueWork work() const = 0;
   /// Copies a buffer to another of the same size, in line with the other work: what the device's memory can do, for
   /// benchmarks to compare with.
   virtual void copy(const Buffer& source, const Buffer& target) = 0;
