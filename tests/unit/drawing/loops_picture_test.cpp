@@ -70,7 +70,9 @@ TEST(SeenWalls, EndAtTheReachAndAtWhatIsUnknown) {
   EXPECT_TRUE(picture::walls_seen_from(map, {100.0, 0.0, 0.0}, 10.0, 360).empty());
   EXPECT_TRUE(picture::walls_seen_from(map, {std::nan(""), 0.0, 0.0}, 10.0, 360).empty());
   OccupancyMap dark = map;
-  for (CellState& cell : dark.cells) cell = cell == CellState::kFree ? CellState::kUnknown : cell;
+  for (std::size_t cell = 0; cell < dark.cells.size(); ++cell) {
+    if (dark.cells[cell] == CellState::kFree) dark.cells.set(cell, CellState::kUnknown);
+  }
   EXPECT_TRUE(picture::walls_seen_from(dark, pose, 10.0, 360).empty());
 }
 

@@ -38,7 +38,8 @@ class RunReaderTest : public testing::Test {
     fs::create_directories(folder_);
     write("report.json", kReport);
     write_tum(path("trajectory.tum"), {{1.0, {}}, {2.0, {1.0, 0.0, 0.0}}, {3.0, {1.5, 0.0, 0.1}}});
-    write_occupancy_map(path("map.yaml"), {{0.05, 1.0, 2.0, 2, 1}, {CellState::kFree, CellState::kOccupied}});
+    write_occupancy_map(path("map.yaml"),
+                        {{0.05, 1.0, 2.0, 2, 1}, CellStates(std::vector{CellState::kFree, CellState::kOccupied})});
     write_distance_field(path("gdt.yaml"), rows_of(DistanceFieldView{{0.05, 1.0, 2.0, 2, 1}, 2, cells_, 5120}));
     write_linkage(path("linkage.yaml"), calib::sweep_model_of_preset("paper-a"));
     CloudWriter cloud(path("cloud.ply"), CloudFormat::kPlyBinary);
