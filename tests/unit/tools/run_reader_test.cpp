@@ -213,7 +213,8 @@ TEST_F(RunReaderTest, FilesThatAreDamagedOrOfAnotherRun) {
                  "has 1 poses, but report.json tells of 3 scans");
   write("trajectory.tum", "1 0 0 zero 0 0 0 1\n");
   expect_refused([this] { static_cast<void>(reader().trajectory()); }, path("trajectory.tum") + ":1", "");
-  write_occupancy_map(path("map.yaml"), {{0.1, 1.0, 2.0, 2, 1}, {CellState::kFree, CellState::kOccupied}});
+  write_occupancy_map(path("map.yaml"),
+                      {{0.1, 1.0, 2.0, 2, 1}, CellStates(std::vector{CellState::kFree, CellState::kOccupied})});
   expect_refused(
       [this] { static_cast<void>(reader().map()); }, path("map.yaml"),
       "has 2 x 1 cells of 0.1 m from (1, 2), but report.json tells of 2 x 1 cells of 0.05 m from (1, 2): not of "
