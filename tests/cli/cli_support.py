@@ -216,12 +216,14 @@ def write_data():
 
 
 OVERVIEW = "overview.png" if os.environ.get("GDTSLAM_VIEWER") == "1" else "overview.svg"
+LEVEL_OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum"]
 # Of a run that closed no loops: --no-loops, an interrupt.
-PLAIN_OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum"]
-OUTPUTS = sorted([*PLAIN_OUTPUTS, "covariance.csv", "graph.g2o", OVERVIEW.replace("overview", "graph")])
+PLAIN_OUTPUTS = sorted([*LEVEL_OUTPUTS, "keyframes.bin.gz"])
+LOOP_OUTPUTS = ["covariance.csv", "graph.g2o", OVERVIEW.replace("overview", "graph")]
+OUTPUTS = sorted([*PLAIN_OUTPUTS, *LOOP_OUTPUTS])
 # Of a laser that nods, with and without loops; the picture of the cloud where the viewer is built in.
-NODDING_OUTPUTS = sorted([*OUTPUTS, "linkage.yaml"])
-PLAIN_NODDING_OUTPUTS = sorted([*PLAIN_OUTPUTS, "linkage.yaml"])
+NODDING_OUTPUTS = sorted([*LEVEL_OUTPUTS, *LOOP_OUTPUTS, "linkage.yaml"])
+PLAIN_NODDING_OUTPUTS = sorted([*LEVEL_OUTPUTS, "linkage.yaml"])
 CLOUD_PICTURE = ["cloud.png"] if os.environ.get("GDTSLAM_VIEWER") == "1" else []
 CLOUD_OUTPUTS = sorted([*NODDING_OUTPUTS, "cloud.ply", *CLOUD_PICTURE])
 

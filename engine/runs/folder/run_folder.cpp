@@ -22,10 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
-constexpr std::array kRunFiles{"trajectory.tum", "covariance.csv", "graph.g2o", "map.yaml",
-                               "map.pgm",        "gdt.yaml",       "gdt.png",   "overview.png",
-                               "overview.svg",   "graph.png",      "graph.svg", "config.yaml",
-                               "linkage.yaml",   "cloud.ply",      "cloud.png", "report.json"};
+constexpr std::array kRunFiles{"trajectory.tum",   "covariance.csv", "graph.g2o",   "map.yaml",     "map.pgm",
+                               "keyframes.bin.gz", "gdt.yaml",       "gdt.png",     "overview.png", "overview.svg",
+                               "graph.png",        "graph.svg",      "config.yaml", "linkage.yaml", "cloud.ply",
+                               "cloud.png",        "report.json"};
 
 // Where the old files are while a commit lasts.
 fs::path kept_in(const fs::path& staging) { return staging / "old"; }

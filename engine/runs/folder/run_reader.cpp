@@ -2,17 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 
+#include "engine/io/byte_source.hpp"
+#include "engine/io/file_limits.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/sha256.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "report_reader.hpp"
@@ -28,6 +32,11 @@ constexpr const char* kReport = "report.json";
 constexpr const char* kCloud = "cloud.ply";
 constexpr const char* kLinkage = "linkage.yaml";
 constexpr const char* kCovariances = "covariance.csv";
+constexpr const char* kConfig = "config.yaml";
+
+std::string sha256_of_file(const std::string& path) {
+  return Sha256().update(read_all(*open_file_source(path), kMaxYamlBytes, path)).hex();
+}
 
 }  // namespace
 
@@ -59,6 +68,7 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   summary_.cloud_points = report.whole("cloud_points");
   if (report.has("map")) summary_.map = report.geometry("map");
   summary_.map_sha256 = report.text("map_sha256");
+  if (report.has("keyframes_sha256")) summary_.keyframes_sha256 = report.text("keyframes_sha256");
   summary_.nods = report.has("nodding");
   summary_.has_loops = report.has("loops");
   summary_.tilts = summary_.nods && report.has_member("nodding", "told_by", "TILT");
@@ -150,6 +160,31 @@ DistanceFieldFile RunReader::field() const {
     refuse("gdt.png", fmt::format("is not the distance field that {} tells of", kReport));
   }
   return field;
+}
+
+Settings RunReader::settings() const {
+  require(kConfig);
+  Settings settings;
+  settings.from_file = read_config(file(kConfig), option_table(settings));
+  return settings;
+}
+
+std::optional<RunKeyframes> RunReader::keyframes() const {
+  if (!summary_.keyframes_sha256) return std::nullopt;
+  require(kKeyframeFile);
+  KeyframeFile read = read_keyframes(file(kKeyframeFile));
+  if (read.sha256 != *summary_.keyframes_sha256) {
+    refuse(kKeyframeFile, fmt::format("holds other keyframes than {} tells of", kReport));
+  }
+  const auto is_scan = [](const RunKeyframe& keyframe, std::size_t scan) { return keyframe.scan == scan; };
+  if (!std::ranges::equal(read.run.keyframes, summary_.keyframes, is_scan)) {
+    refuse(kReport, fmt::format("has other keyframe_scans than {}", kKeyframeFile));
+  }
+  require(kConfig);
+  if (sha256_of_file(file(kConfig)) != read.run.config_sha256) {
+    refuse(kConfig, fmt::format("is not the configuration that {} was mapped with", kKeyframeFile));
+  }
+  return std::move(read.run);
 }
 
 std::optional<std::string> RunReader::cloud_file() const {

@@ -10,10 +10,12 @@
 
 #include "engine/runs/folder/covariance_file.hpp"
 #include "engine/runs/folder/run_doubts.hpp"
+#include "engine/runs/keyframes/keyframe_file.hpp"
 #include "gdtslam/calib/sweep_model.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/runs/settings.hpp"
 
 namespace gdtslam {
 
@@ -25,8 +27,9 @@ struct RunSummary {
   std::uint64_t keyframe_count = 0;
   double path_m = 0.0;  ///< as the mapper counted it; pictures tell the length of what they draw
   std::uint64_t cloud_points = 0;
-  std::optional<GridGeometry> map;  ///< of map.pgm; nothing where it was left out
-  std::string map_sha256;           ///< of the distance field
+  std::optional<GridGeometry> map;              ///< of map.pgm; nothing where it was left out
+  std::string map_sha256;                       ///< of the distance field
+  std::optional<std::string> keyframes_sha256;  ///< nothing where the laser nods or the report is of an older version
   bool nods = false;
   bool has_loops = false;  ///< closed ones, perhaps none of them found: doubts() tells of them
   bool tilts = false;      ///< nods without a linkage: the log told the elevation itself
@@ -56,6 +59,11 @@ class RunReader {
   /// Throws InputError too where the run was told to make none.
   [[nodiscard]] OccupancyMap map() const;
   [[nodiscard]] DistanceFieldFile field() const;
+  /// The configuration that it was mapped with. Throws ConfigError too.
+  [[nodiscard]] Settings settings() const;
+  /// What the map was merged from; nothing where the run tells of no such file. Throws InputError too where scans or
+  /// config.yaml are others than those of the report and the file.
+  [[nodiscard]] std::optional<RunKeyframes> keyframes() const;
   /// The file of the 3D cloud; nothing where the run made none. Throws InputError where it is missing.
   [[nodiscard]] std::optional<std::string> cloud_file() const;
   /// How the laser nods; nothing where the run did not need it or is of an older version. Where the laser tilts only

@@ -14,6 +14,7 @@
 #include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/folder/loops_report.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
+#include "engine/runs/keyframes/keyframe_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -155,7 +156,38 @@ void write_path_facts(RunFolder& folder, const MapOutcome& outcome) {
   write_file_atomically(folder.staged("graph.g2o"), graph_text(*outcome.closed));
 }
 
-Json run_report(const RunFacts& facts, const MapOutcome& outcome, const std::string& trajectory_sha256,
+// Writes the scans that the map was merged from, where they are ranges of one plane; returns their hash. A nodding
+// laser's are points.
+std::string write_merged_scans(RunFolder& folder, const std::string& config, const MapJob& job,
+                               const MapOutcome& outcome) {
+  if (outcome.keyframe_scans.size() != outcome.keyframes.size()) {
+    folder.without(kKeyframeFile);
+    return {};
+  }
+  RunKeyframes run{
+      .config_sha256 = Sha256().update(config).hex(), .in_single_precision = job.with_loops, .keyframes = {}};
+  run.keyframes.reserve(outcome.keyframes.size());
+  for (std::size_t k = 0; k < outcome.keyframes.size(); ++k) {
+    const std::size_t scan = outcome.keyframes[k];
+    RunKeyframe keyframe{.scan = scan,
+                         .T_map_base = outcome.trajectory[scan].T_map_base,
+                         .covariance = {},
+                         .laser = outcome.keyframe_scans[k]};
+    if (outcome.closed && scan < outcome.closed->covariances.size()) {
+      keyframe.covariance = outcome.closed->covariances[scan];
+    }
+    run.keyframes.push_back(std::move(keyframe));
+  }
+  return write_keyframes(folder.staged(kKeyframeFile), run);
+}
+
+/// Of what a run wrote.
+struct WrittenHashes {
+  std::string trajectory;
+  std::string keyframes;  ///< empty where there is no such file
+};
+
+Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenHashes& hashes,
                 const std::vector<StageTime>& others) {
   const MapperStatistics& statistics = outcome.statistics;
   const auto scans = static_cast<double>(scans_of(outcome));
@@ -188,7 +220,8 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const std::str
   report["scans_per_core_s"] = ratio(scans, outcome.mapper_cpu_s);  // mapper alone: no reading, no occupancy map
   report["realtime_factor"] = ratio(outcome.log_duration_s, outcome.wall_s);
   report["map_sha256"] = facts.field.sha256;
-  report["trajectory_sha256"] = trajectory_sha256;
+  report["trajectory_sha256"] = hashes.trajectory;
+  if (!hashes.keyframes.empty()) report["keyframes_sha256"] = hashes.keyframes;
   report["gdt"] = geometry_json(facts.field.geometry);
   if (facts.job.with_occupancy) report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
@@ -233,7 +266,11 @@ std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOut
   times.add("write_path");
   write_run_pictures(folder, facts.job, outcome);
   times.add("write_pictures");
-  write_config(folder.staged("config.yaml"), option_table(facts.settings));
+  const std::string config = config_text(option_table(facts.settings));
+  write_file_atomically(folder.staged("config.yaml"), config);
+  tell(kKeyframeFile);
+  WrittenHashes hashes{sha256_of(outcome.trajectory), write_merged_scans(folder, config, facts.job, outcome)};
+  times.add("write_keyframes");
   if (has_map) folder.staged("map.pgm");
   for (const char* name : {"map.pgm", "map.yaml"}) {
     if (!has_map) folder.without(name);
@@ -245,9 +282,8 @@ std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOut
     write_occupancy_map(map, outcome.occupancy);
     times.add("write_map");
   }
-  const std::string trajectory_sha256 = sha256_of(outcome.trajectory);
   times.read_whole(outcome.wall_s, outcome.cpu_s);
-  std::string report = json_text(run_report(facts, outcome, trajectory_sha256, times.stages()));
+  std::string report = json_text(run_report(facts, outcome, hashes, times.stages()));
   write_file_atomically(report_file, report);
   folder.commit();
   return report;

@@ -153,6 +153,9 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
                                  off.translation().norm(), std::fabs(off.theta_rad)});
   }
   if (result.accepted && result.evaluations > 0) outcome_.match_distances_m.push_back(result.mean_cost_m);
+  // Where loops are closed the path begins with a keyframe, whatever its scan.
+  const bool is_first = loops_ && outcome_.trajectory.empty();
+  if (!nodding_ && (result.merged || is_first)) merged_.push_back({outcome_.trajectory.size(), scan});
   if (result.merged) outcome_.keyframes.push_back(outcome_.trajectory.size());
   outcome_.trajectory.push_back({result.stamp_s, T_map_base});
 }
@@ -247,6 +250,17 @@ void MapRun::take_closed(ClosedPath path) {
   watch_.add_cpu_to(outcome_.loops_cpu_s);
 }
 
+void MapRun::take_keyframe_scans() {
+  outcome_.keyframe_scans.reserve(merged_.size());
+  auto next = outcome_.keyframes.begin();
+  for (MergedScan& merged : merged_) {
+    if (next == outcome_.keyframes.end() || *next != merged.index) continue;
+    outcome_.keyframe_scans.push_back(std::move(merged.scan));
+    ++next;
+  }
+  merged_ = {};
+}
+
 void MapRun::take(const NoddingPose& pose, const NoddingScan& scan) {
   if (pose.match) {
     take_match(*pose.match, pose.T_map_base, level_scan(scan, nodding_->scanner));
@@ -322,6 +336,7 @@ void MapRun::finish() {
   finish_casting();
   if (job_.with_occupancy) outcome_.occupancy = occupancy_.build();
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
+  take_keyframe_scans();
   outcome_.log_duration_s = last_s_ - first_s_;
   if (!nodding_) return;
   tell("the cloud");

@@ -82,6 +82,11 @@ class MapRun {
     std::optional<ScanRecord> scan;
     std::exception_ptr problem;
   };
+  /// A scan that went into the map, and its number.
+  struct MergedScan {
+    std::size_t index = 0;
+    LaserScan scan;
+  };
   struct Nodding;
 
   template <class Stream>
@@ -99,6 +104,7 @@ class MapRun {
   void close_loops();
   [[nodiscard]] LoopMapper::Progress closing() const;
   void take_closed(ClosedPath path);
+  void take_keyframe_scans();
   void tell(std::string_view what) const;
   void require_a_map() const;
   void finish();
@@ -109,6 +115,7 @@ class MapRun {
   std::unique_ptr<LoopMapper> loops_;  ///< or with them
   MapSpeed speed_;
   std::vector<LaserScan> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
+  std::vector<MergedScan> merged_;     ///< of a flat laser
   OccupancyBuilder occupancy_;
   bool has_threads_;
   std::optional<SideThread> casting_;  ///< into occupancy_, once there is something to cast

@@ -130,9 +130,9 @@ TEST_F(RunFolderTest, FilesOfAnotherOriginAreRefused) {
   fs::create_directory(folder);
   write(folder / "notes.txt", "mine");
   EXPECT_NO_THROW(require_no_foreign_files(folder));
-  for (const char* name : {"trajectory.tum", "covariance.csv", "graph.g2o", "map.yaml", "map.pgm", "gdt.yaml",
-                           "gdt.png", "overview.png", "overview.svg", "graph.png", "graph.svg", "config.yaml",
-                           "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
+  for (const char* name : {"trajectory.tum", "covariance.csv", "graph.g2o", "map.yaml", "map.pgm", "keyframes.bin.gz",
+                           "gdt.yaml", "gdt.png", "overview.png", "overview.svg", "graph.png", "graph.svg",
+                           "config.yaml", "linkage.yaml", "cloud.ply", "cloud.png", "report.json"}) {
     write(folder / name, "{}");
     EXPECT_THROW(require_no_foreign_files(folder), UsageError) << name;
     fs::remove(folder / name);

@@ -100,6 +100,7 @@ TEST_F(RunReaderTest, RunsOfEarlierVersionsDoWithoutKeyframesAndLinkage) {
   fs::remove(path("linkage.yaml"));
   EXPECT_TRUE(reader().summary().keyframes.empty());
   EXPECT_FALSE(reader().summary().match_p99_m.has_value());
+  EXPECT_FALSE(reader().keyframes().has_value());
   EXPECT_FALSE(reader().linkage().has_value());
 }
 

@@ -245,11 +245,10 @@ void add_map_command(CLI::App& app, CommandContext& context) {
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");
   command->footer(
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
-      "trajectory.tum, overview.png (or .svg), config.yaml and report.json; where loops are closed also "
-      "covariance.csv,\n"
-      "graph.g2o and graph.png (or .svg), and where the log tells how the laser nods cloud.ply, cloud.png and\n"
-      "linkage.yaml. 'gdtslam render DIR' makes more pictures, films and pages; 'gdtslam doctor --after DIR' says\n"
-      "what in the map is doubtful.\n"
+      "trajectory.tum, keyframes.bin.gz (the scans in the map), overview.png (or .svg), config.yaml and report.json;\n"
+      "where loops are closed also covariance.csv, graph.g2o and graph.png (or .svg), and where the log tells how the\n"
+      "laser nods cloud.ply, cloud.png and linkage.yaml, but no keyframes.bin.gz. 'gdtslam render DIR' makes more\n"
+      "pictures, films and pages; 'gdtslam doctor --after DIR' says what in the map is doubtful.\n"
       "An interrupt (Ctrl-C, SIGTERM, a lost terminal) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"

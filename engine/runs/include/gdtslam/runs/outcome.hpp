@@ -93,7 +93,9 @@ struct MapOutcome {
   Trajectory trajectory;
   std::vector<DoubtfulScan> doubtful;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
-  std::optional<ClosedPath> closed;    ///< where loops were closed; its poses are in the trajectory
+  /// The scan of each of them as it was mapped; empty where the laser nods.
+  std::vector<LaserScan> keyframe_scans;
+  std::optional<ClosedPath> closed;  ///< where loops were closed; its poses are in the trajectory
   /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
   std::vector<double> match_distances_m;
   OccupancyMap occupancy;  ///< empty where none was asked for

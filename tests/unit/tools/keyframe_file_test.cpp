@@ -1,0 +1,221 @@
+// keyframes.bin.gz: the bytes that Python's struct makes of the same numbers, back again what went in, and one line for
+// whatever is cut, damaged or does not fit.
+#include "engine/runs/keyframes/keyframe_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/io/sha256.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr float kNoReturn = std::numeric_limits<float>::infinity();
+
+RunKeyframes two_keyframes() {
+  LaserScan first{.stamp_s = 976052857.337,
+                  .first_bearing_rad = -1.5,
+                  .bearing_step_rad = 0.0175,
+                  .max_range_m = 81.9,
+                  .ranges_m = {kNoReturn, 1.234F, 1.2F, 81.91F},
+                  .T_base_laser = {0.2, 0.0, -0.01}};
+  LaserScan second = first;
+  second.stamp_s = 976052858.5;
+  second.max_range_m = 0.0;
+  second.first_beam_after_s = 0.0125;
+  second.beam_period_s = -0.00025;
+  second.speed = Eigen::Vector3d(0.5, 0.01, -0.2);
+  second.ranges_m = {65.535F, kNoReturn, 0.001F};
+  std::string config = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
+  return {.config_sha256 = std::move(config),
+          .in_single_precision = true,
+          .keyframes = {{.scan = 3, .T_map_base = {1.5, -2.25, 0.1}, .covariance = {}, .laser = std::move(first)},
+                        {.scan = 7,
+                         .T_map_base = {1.6, -2.5, 3.1},
+                         .covariance = PoseCovariance{1.0e-4, -2.0e-6, 3.0e-7, 4.0e-4, 5.0e-8, 6.0e-6},
+                         .laser = std::move(second)}}};
+}
+
+void expect_same(const RunKeyframe& a, const RunKeyframe& b) {
+  EXPECT_EQ(a.scan, b.scan);
+  EXPECT_EQ(a.T_map_base, b.T_map_base);
+  ASSERT_EQ(a.covariance.has_value(), b.covariance.has_value());
+  if (a.covariance) {
+    EXPECT_EQ(a.covariance->xx, b.covariance->xx);
+    EXPECT_EQ(a.covariance->xy, b.covariance->xy);
+    EXPECT_EQ(a.covariance->xt, b.covariance->xt);
+    EXPECT_EQ(a.covariance->yy, b.covariance->yy);
+    EXPECT_EQ(a.covariance->yt, b.covariance->yt);
+    EXPECT_EQ(a.covariance->tt, b.covariance->tt);
+  }
+  EXPECT_EQ(a.laser.stamp_s, b.laser.stamp_s);
+  EXPECT_EQ(a.laser.first_bearing_rad, b.laser.first_bearing_rad);
+  EXPECT_EQ(a.laser.bearing_step_rad, b.laser.bearing_step_rad);
+  EXPECT_EQ(a.laser.max_range_m, b.laser.max_range_m);
+  EXPECT_EQ(a.laser.first_beam_after_s, b.laser.first_beam_after_s);
+  EXPECT_EQ(a.laser.beam_period_s, b.laser.beam_period_s);
+  EXPECT_EQ(a.laser.speed, b.laser.speed);
+  EXPECT_EQ(a.laser.T_base_laser, b.laser.T_base_laser);
+  EXPECT_EQ(a.laser.ranges_m, b.laser.ranges_m);
+}
+
+class KeyframeFileTest : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove(path_); }
+  void put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
+  [[nodiscard]] std::string stored() const {
+    std::ifstream file(path_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+  // One line that names the file.
+  template <class Act>
+  void expect_refused(const Act& act, const std::string& name, const std::string& fault) const {
+    try {
+      act();
+      ADD_FAILURE() << fault << ": nothing was thrown";
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find(name), 0U) << what;
+      EXPECT_NE(what.find(fault), std::string::npos) << what;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+  }
+  void expect_unread(const std::string& bytes, const std::string& fault) const {
+    expect_refused([&] { (void)parse_keyframes(bytes, "run"); }, "run", fault);
+  }
+  // The same bytes with the checksum that belongs to them, without packing: that is read, too.
+  void put_unpacked(const std::string& bytes) const { put(bytes + Sha256().update(bytes).hex()); }
+
+  const std::string path_ =
+      (fs::temp_directory_path() / ("gdtslam-keyframes-" + std::to_string(::getpid()) + ".gz")).string();
+};
+
+// Length and hash: of the same numbers by struct.pack and hashlib in Python, as docs/formats.md describes the file.
+TEST_F(KeyframeFileTest, AreTheBytesOfTheFormat) {
+  const std::string bytes = keyframe_bytes(two_keyframes());
+  EXPECT_EQ(bytes.size(), 385U);
+  EXPECT_EQ(Sha256().update(bytes).hex(), "7c07a776a6dde2607773d5209823a462bbc832846848b78b7bee2730d3e787c7");
+}
+
+TEST_F(KeyframeFileTest, GivesBackWhatItWasGiven) {
+  const RunKeyframes written = two_keyframes();
+  const std::string sha256 = write_keyframes(path_, written);
+  EXPECT_TRUE(stored().starts_with("\x1f\x8b"));
+  const KeyframeFile read = read_keyframes(path_);
+  EXPECT_EQ(read.sha256, sha256);
+  EXPECT_EQ(read.run.config_sha256, written.config_sha256);
+  EXPECT_TRUE(read.run.in_single_precision);
+  ASSERT_EQ(read.run.keyframes.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) expect_same(read.run.keyframes[k], written.keyframes[k]);
+}
+
+TEST_F(KeyframeFileTest, ARunWithoutKeyframesHasAFileToo) {
+  RunKeyframes none = two_keyframes();
+  none.keyframes.clear();
+  write_keyframes(path_, none);
+  EXPECT_TRUE(read_keyframes(path_).run.keyframes.empty());
+}
+
+// Half a millimetre is what a whole one leaves, and what a float of 30 m has itself.
+TEST_F(KeyframeFileTest, RangesAreWithinHalfAMillimetre) {
+  Random random(17);
+  RunKeyframes run = two_keyframes();
+  std::vector<float>& ranges_m = run.keyframes.front().laser.ranges_m;
+  ranges_m.clear();
+  for (int k = 0; k < 20000; ++k) {
+    ranges_m.push_back(static_cast<float>(random.uniform(5.0e-4, k % 3 == 0 ? 30.0 : 500.0)));
+  }
+  const RunKeyframes again = parse_keyframes(keyframe_bytes(run), "run");
+  const std::vector<float>& read_m = again.keyframes.front().laser.ranges_m;
+  ASSERT_EQ(read_m.size(), ranges_m.size());
+  for (std::size_t k = 0; k < read_m.size(); ++k) {
+    EXPECT_NEAR(static_cast<double>(read_m[k]), static_cast<double>(ranges_m[k]),
+                5.0e-4 + 1.0e-7 * static_cast<double>(ranges_m[k]));
+  }
+}
+
+TEST_F(KeyframeFileTest, WhatIsNoRangeIsNoReturn) {
+  EXPECT_EQ(range_in_mm(kNoReturn), 0U);
+  EXPECT_EQ(range_in_mm(-kNoReturn), 0U);
+  EXPECT_EQ(range_in_mm(std::numeric_limits<float>::quiet_NaN()), 0U);
+  EXPECT_EQ(range_in_mm(-0.5F), 0U);
+  EXPECT_EQ(range_in_mm(1.0e5F), 0U);
+  EXPECT_EQ(range_in_mm(3.0e38F), 0U);
+  EXPECT_EQ(range_in_mm(99999.0F), 99'999'000U);
+  EXPECT_EQ(range_in_mm(0.0F), 1U);
+  EXPECT_EQ(range_in_mm(0.0014F), 1U);
+  EXPECT_EQ(range_in_mm(0.0016F), 2U);
+}
+
+TEST_F(KeyframeFileTest, EveryCutIsOneLine) {
+  write_keyframes(path_, two_keyframes());
+  const std::string packed = stored();
+  for (std::size_t size = 0; size < packed.size(); ++size) {
+    put(packed.substr(0, size));
+    expect_refused([this] { (void)read_keyframes(path_); }, path_, "");
+  }
+  put(packed + "more");
+  expect_refused([this] { (void)read_keyframes(path_); }, path_, "ignored");
+  const std::string bytes = keyframe_bytes(two_keyframes());
+  for (std::size_t size = 0; size < bytes.size(); ++size) expect_unread(bytes.substr(0, size), "at byte");
+}
+
+TEST_F(KeyframeFileTest, EveryDamagedByteShows) {
+  const std::string bytes = keyframe_bytes(two_keyframes());
+  put_unpacked(bytes);
+  const std::string sound = stored();
+  EXPECT_NO_THROW((void)read_keyframes(path_));
+  for (std::size_t at = 0; at < sound.size(); ++at) {
+    std::string damaged = sound;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    put(damaged);
+    expect_refused([this] { (void)read_keyframes(path_); }, path_, "");
+  }
+}
+
+// Numbers that a file states are believed no further than its bytes go.
+TEST_F(KeyframeFileTest, CountsBeyondTheFileAreOneLine) {
+  const std::string bytes = keyframe_bytes(two_keyframes());
+  const auto with = [&bytes](std::size_t at, const std::string& piece) {
+    std::string edited = bytes;
+    return edited.replace(at, piece.size(), piece);
+  };
+  const std::string all = "\xff\xff\xff\xff";
+  expect_unread(with(16, {2, 0, 0, 0}), "has version 2, and this program reads version 1");
+  expect_unread(with(20, "X"), "a hash of the configuration that is none");
+  expect_unread(with(84, "\x02"), "has flags 2");
+  expect_unread(with(85, all), "has 4294967295 keyframes by its own count, and 296 bytes are left");
+  expect_unread(with(89, all), "has scan 7 after scan 4294967295");
+  expect_unread(with(93, "\x04"), "has flags 4");
+  const std::size_t beams = 94 + 12 * 8;
+  expect_unread(with(beams, all), "has 4294967295 beams by its own count");
+  expect_unread(with(beams + 4, "\x04"), "has a range of -1 mm");
+  expect_unread(with(beams + 4, std::string(10, '\xff')), "has a number of more than nine bytes");
+  expect_unread(bytes + "x", "goes on for 1 bytes after its last keyframe");
+  expect_unread(with(94 + 6, "\xf8\x7f"), "has a stamp that is not finite");
+}
+
+TEST_F(KeyframeFileTest, OtherFilesAreNamed) {
+  put("gdtslam-keyframe");
+  expect_refused([this] { (void)read_keyframes(path_); }, path_, "ends within");
+  put("once upon a time there was a file of another kind");
+  expect_refused([this] { (void)read_keyframes(path_); }, path_, "holds no keyframes of a run");
+  EXPECT_THROW((void)read_keyframes("/nowhere/keyframes.bin.gz"), FileError);
+}
+
+}  // namespace
+}  // namespace gdtslam

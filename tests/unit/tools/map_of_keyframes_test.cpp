@@ -1,0 +1,154 @@
+// A run's distance field made anew from the keyframes in its folder: bit for bit where the log gives whole millimetres,
+// and how much differs where it gives more.
+#include "engine/runs/keyframes/map_of_keyframes.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/io/logs/carmen_writer.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/io/log.hpp"
+#include "gdtslam/runs/map_log.hpp"
+#include "support/real_data.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kScansMapped = 120;
+
+class MapOfKeyframesTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(work_); }
+  void TearDown() override { fs::remove_all(work_); }
+
+  [[nodiscard]] RunReader mapped(const std::string& log, bool with_loops, std::uint64_t scans) const {
+    MapRequest request{.logs = {log}, .folder = (work_ / "run").string()};
+    request.range.count = scans;
+    request.with_loops = with_loops;
+    request.with_pictures = false;
+    request.on_failure.cpu.threads = 1;
+    const std::unique_ptr<Backend> cpu = make_cpu_backend({.threads = 1});
+    const MapResult result = map_logs(request, *cpu);
+    EXPECT_GT(result.outcome.keyframes.size(), 10U);
+    return RunReader(request.folder);
+  }
+
+  // The start of the sample log, each range moved by up to half a millimetre.
+  [[nodiscard]] std::string log_with_fractions() const {
+    const std::unique_ptr<LogReader> reader = open_log(sample_, {});
+    CarmenWriter writer(6);
+    Random random(3);
+    std::string path = (work_ / "fractions.log").string();
+    std::ofstream file(path);
+    for (std::uint64_t scans = 0; scans < kScansMapped;) {
+      std::optional<LogRecord> record = reader->next();
+      if (!record) break;
+      auto* scan = std::get_if<ScanRecord>(&*record);
+      if (scan == nullptr) continue;
+      for (float& range_m : scan->scan.ranges_m) range_m += static_cast<float>(random.uniform(-4.9e-4, 4.9e-4));
+      file << writer.scan(*scan);
+      ++scans;
+    }
+    return path;
+  }
+
+  const std::string sample_ = std::string(GDTSLAM_SOURCE_DIR) + "/assets/logs/office-start.log.gz";
+  const fs::path work_ = fs::temp_directory_path() / ("gdtslam-map-again-" + std::to_string(::getpid()));
+};
+
+// Cells of the field of the run that are other in the map made anew, and the largest difference in cells.
+struct Differences {
+  std::size_t known = 0;
+  std::size_t cells = 0;
+  double most_cells = 0.0;
+};
+
+Differences differences(const RunReader& run, const GlobalField& again) {
+  const DistanceFieldFile field = run.field();
+  const GridGeometry& grid = field.geometry;
+  const auto first_x = static_cast<std::int32_t>(std::lround(grid.origin_x_m / grid.resolution_m));
+  const auto first_y = static_cast<std::int32_t>(std::lround(grid.origin_y_m / grid.resolution_m));
+  Differences result;
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    for (std::int32_t x = 0; x < grid.width; ++x) {
+      const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
+      const int was = field.cells[at];
+      const int is = again.at({first_x + x, first_y + y});
+      if (was < again.cap() || is < again.cap()) ++result.known;
+      if (was == is) continue;
+      ++result.cells;
+      result.most_cells = std::max(result.most_cells, std::abs(was - is) / 256.0);
+    }
+  }
+  return result;
+}
+
+void expect_same_map(const RunReader& run) {
+  const std::optional<RunKeyframes> keyframes = run.keyframes();
+  ASSERT_TRUE(keyframes.has_value());
+  const std::unique_ptr<SeparateMap> again = map_of_keyframes(*keyframes, run.settings().mapper);
+  EXPECT_EQ(again->field().geometry(), run.field().geometry);
+  const Differences differ = differences(run, again->field());
+  EXPECT_GT(differ.known, 10000U);
+  EXPECT_EQ(differ.cells, 0U);
+}
+
+TEST_F(MapOfKeyframesTest, WholeMillimetresGiveTheSameMap) { expect_same_map(mapped(sample_, true, kScansMapped)); }
+TEST_F(MapOfKeyframesTest, LikewiseWithoutLoops) { expect_same_map(mapped(sample_, false, kScansMapped)); }
+
+// A cell changes where a point crosses from one to the next, one point in a hundred with cells of 5 cm; then its
+// neighbours do as far as it is their nearest obstacle, and later merges average most of that away.
+TEST_F(MapOfKeyframesTest, FractionsOfAMillimetreChangeFewCellsByLittle) {
+  const RunReader run = mapped(log_with_fractions(), true, kScansMapped);
+  const std::unique_ptr<SeparateMap> again = map_of_keyframes(*run.keyframes(), run.settings().mapper);
+  const Differences differ = differences(run, again->field());
+  RecordProperty("known", static_cast<int>(differ.known));
+  RecordProperty("cells", static_cast<int>(differ.cells));
+  RecordProperty("most_thousandths", static_cast<int>(1000.0 * differ.most_cells));
+  EXPECT_GT(differ.cells, 0U);
+  EXPECT_LT(static_cast<double>(differ.cells), 0.1 * static_cast<double>(differ.known));
+}
+
+TEST_F(MapOfKeyframesTest, FilesOfOtherRunsAreRefused) {
+  const RunReader run = mapped(sample_, true, kScansMapped);
+  const auto expect_refused = [&run](const std::string& fault) {
+    try {
+      (void)run.keyframes();
+      ADD_FAILURE() << fault;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(fault), std::string::npos) << error.what();
+    }
+  };
+  std::ofstream(work_ / "run" / "config.yaml", std::ios::app) << "# another\n";
+  expect_refused("is not the configuration that keyframes.bin.gz was mapped with");
+  RunKeyframes other = read_keyframes((work_ / "run" / kKeyframeFile).string()).run;
+  other.keyframes.pop_back();
+  write_keyframes((work_ / "run" / kKeyframeFile).string(), other);
+  expect_refused("holds other keyframes than report.json tells of");
+  fs::remove(work_ / "run" / kKeyframeFile);
+  expect_refused("is missing in this run");
+}
+
+TEST_F(MapOfKeyframesTest, APublicLogGivesTheSameMap) {
+  GDTSLAM_REAL_DATA(log, "slam2d/intel.clf.gz");
+  const RunReader run = mapped(log, true, 600);
+  expect_same_map(run);
+}
+
+}  // namespace
+}  // namespace gdtslam
