@@ -12,9 +12,9 @@ namespace gdtslam {
 
 /// Merges the keyframes in their order at their poses, paper equations (1) and (9) to (11). `config` is that of the
 /// run. Where the log gave ranges in whole millimetres this is the run's distance field, bit for bit; else points lie
-/// up to half a millimetre away, and few cells differ. A return within half a millimetre of scan.min_range or
-/// scan.max_range may count where it did not, or not where it did. Throws InputError where the map would be beyond
-/// map.max_megacells.
+/// up to half a millimetre away, and cells differ by some millimetres (docs/formats.md). A return within half a
+/// millimetre of scan.min_range or scan.max_range may count where it did not, or not where it did. Throws InputError
+/// where the map would be beyond map.max_megacells.
 std::unique_ptr<SeparateMap> map_of_keyframes(const RunKeyframes& run, const MapperConfig& config);
 
 }  // namespace gdtslam

@@ -42,7 +42,7 @@ class MapOfKeyframesTest : public testing::Test {
     request.with_loops = with_loops;
     request.with_pictures = false;
     request.on_failure.cpu.threads = 1;
-    const std::unique_ptr<Backend> cpu = make_cpu_backend({.threads = 1});
+    const std::unique_ptr<Backend> cpu = make_cpu_backend(request.on_failure.cpu);
     const MapResult result = map_logs(request, *cpu);
     EXPECT_GT(result.outcome.keyframes.size(), 10U);
     return RunReader(request.folder);
@@ -71,11 +71,13 @@ class MapOfKeyframesTest : public testing::Test {
   const fs::path work_ = fs::temp_directory_path() / ("gdtslam-map-again-" + std::to_string(::getpid()));
 };
 
-// Cells of the field of the run that are other in the map made anew, and the largest difference in cells.
+// Cells of the field of the run that are other in the map made anew, how many of them by a quarter of a cell and more,
+// and the root of the mean square over all, in cells.
 struct Differences {
   std::size_t known = 0;
   std::size_t cells = 0;
-  double most_cells = 0.0;
+  std::size_t by_a_quarter = 0;
+  double rms_cells = 0.0;
 };
 
 Differences differences(const RunReader& run, const GlobalField& again) {
@@ -84,6 +86,7 @@ Differences differences(const RunReader& run, const GlobalField& again) {
   const auto first_x = static_cast<std::int32_t>(std::lround(grid.origin_x_m / grid.resolution_m));
   const auto first_y = static_cast<std::int32_t>(std::lround(grid.origin_y_m / grid.resolution_m));
   Differences result;
+  double sum_of_squares = 0.0;
   for (std::int32_t y = 0; y < grid.height; ++y) {
     for (std::int32_t x = 0; x < grid.width; ++x) {
       const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
@@ -92,9 +95,11 @@ Differences differences(const RunReader& run, const GlobalField& again) {
       if (was < again.cap() || is < again.cap()) ++result.known;
       if (was == is) continue;
       ++result.cells;
-      result.most_cells = std::max(result.most_cells, std::abs(was - is) / 256.0);
+      if (std::abs(was - is) >= 64) ++result.by_a_quarter;
+      sum_of_squares += (was - is) / 256.0 * ((was - is) / 256.0);
     }
   }
+  result.rms_cells = std::sqrt(sum_of_squares / static_cast<double>(result.known));
   return result;
 }
 
@@ -111,17 +116,22 @@ void expect_same_map(const RunReader& run) {
 TEST_F(MapOfKeyframesTest, WholeMillimetresGiveTheSameMap) { expect_same_map(mapped(sample_, true, kScansMapped)); }
 TEST_F(MapOfKeyframesTest, LikewiseWithoutLoops) { expect_same_map(mapped(sample_, false, kScansMapped)); }
 
-// A cell changes where a point crosses from one to the next, one point in a hundred with cells of 5 cm; then its
-// neighbours do as far as it is their nearest obstacle, and later merges average most of that away.
+// One point in two hundred crosses from a cell of 5 cm to the next where each moves by a quarter of a millimetre in the
+// mean; then the cells change whose nearest obstacle it is, most of them by a fraction of a cell, which later merges
+// halve. Measured: 7.1 % of the cells, 1.3 % by a quarter of a cell and more, 0.064 cells in the root of the mean
+// square.
 TEST_F(MapOfKeyframesTest, FractionsOfAMillimetreChangeFewCellsByLittle) {
   const RunReader run = mapped(log_with_fractions(), true, kScansMapped);
   const std::unique_ptr<SeparateMap> again = map_of_keyframes(*run.keyframes(), run.settings().mapper);
   const Differences differ = differences(run, again->field());
   RecordProperty("known", static_cast<int>(differ.known));
   RecordProperty("cells", static_cast<int>(differ.cells));
-  RecordProperty("most_thousandths", static_cast<int>(1000.0 * differ.most_cells));
+  RecordProperty("by_a_quarter", static_cast<int>(differ.by_a_quarter));
+  RecordProperty("rms_thousandths", static_cast<int>(1000.0 * differ.rms_cells));
   EXPECT_GT(differ.cells, 0U);
   EXPECT_LT(static_cast<double>(differ.cells), 0.1 * static_cast<double>(differ.known));
+  EXPECT_LT(static_cast<double>(differ.by_a_quarter), 0.02 * static_cast<double>(differ.known));
+  EXPECT_LT(differ.rms_cells, 0.1);
 }
 
 TEST_F(MapOfKeyframesTest, FilesOfOtherRunsAreRefused) {
