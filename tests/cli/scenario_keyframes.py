@@ -2,6 +2,7 @@
 
 import gzip
 import hashlib
+import math
 import struct
 
 import cli_support as cli
@@ -46,13 +47,17 @@ def read_keyframes(path):
     return config, single, keyframes, digest
 
 
-def log_ranges(path):
-    """Of each FLASER line of a log."""
+def log_scans(path):
+    """Of each FLASER line of a log the ranges, and the laser on the robot: (forward, left, turn)."""
     rows = []
     for line in gzip.decompress(path.read_bytes()).decode().splitlines():
         words = line.split()
         if words[0] == "FLASER":
-            rows.append([float(word) for word in words[2:2 + int(words[1])]])
+            beams = int(words[1])
+            x, y, theta, robot_x, robot_y, robot_theta = map(float, words[2 + beams:8 + beams])
+            cosine, sine = math.cos(robot_theta), math.sin(robot_theta)
+            mount = (cosine * (x - robot_x) + sine * (y - robot_y), cosine * (y - robot_y) - sine * (x - robot_x), theta - robot_theta)
+            rows.append(([float(word) for word in words[2:2 + beams]], mount))
     return rows
 
 
@@ -64,7 +69,7 @@ def keyframes_are_those_of_the_log():
     expect(config == hashlib.sha256((RUN / "config.yaml").read_bytes()).hexdigest(), "another configuration")
     expect(single == 1, "a run with loops takes points in single precision")
     expect([keyframe[0] for keyframe in keyframes] == report["keyframe_scans"], "other keyframes than the report's")
-    scans = log_ranges(LOG)
+    scans = log_scans(LOG)
     poses = [tuple(map(float, line.split())) for line in (RUN / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
     covariances = [tuple(map(float, line.split(","))) for line in (RUN / "covariance.csv").read_text().splitlines()[1:]]
     returns = 0
@@ -72,11 +77,13 @@ def keyframes_are_those_of_the_log():
         expect(abs(poses[scan][0] - stamp) < 1e-6, f"scan {scan} has the stamp {stamp}")
         expect(abs(poses[scan][1] - pose[0]) < 1e-6 and abs(poses[scan][2] - pose[1]) < 1e-6, f"scan {scan} is at {pose}")
         expect(covariance == covariances[scan][1:], f"scan {scan} has the covariance {covariance}")
-        expect(len(ranges) == len(scans[scan]), f"scan {scan} has {len(ranges)} beams")
-        for kept, range_m in zip(ranges, scans[scan]):
+        measured, mount = scans[scan]
+        expect(len(ranges) == len(measured), f"scan {scan} has {len(ranges)} beams")
+        for kept, range_m in zip(ranges, measured):
             expect(kept is not None and abs(kept - 1000 * range_m) < 0.51, f"scan {scan}: {kept} mm for {range_m} m")
             returns += 1
-        expect(laser[:3] == (0.0, 0.0, 0.0) and abs(laser[4] - 0.01745329) < 1e-7, f"scan {scan} has the laser {laser}")
+        expect(max(abs(a - b) for a, b in zip(laser, mount)) < 2e-5, f"scan {scan} has the mount {laser[:3]}, not {mount}")
+        expect(abs(laser[3] + math.pi / 2) < 1e-9 and abs(laser[4] - math.pi / 180) < 1e-9, f"scan {scan} has the laser {laser}")
     expect(returns > 10000, f"{returns} ranges")
 
 
