@@ -48,9 +48,9 @@ def read_keyframes(path):
 
 
 def log_scans(path):
-    """Of each FLASER line of a log the ranges, and the laser on the robot: (forward, left, turn)."""
+    """Of each FLASER line of a plain log the ranges, and the laser on the robot: (forward, left, turn)."""
     rows = []
-    for line in gzip.decompress(path.read_bytes()).decode().splitlines():
+    for line in path.read_text().splitlines():
         words = line.split()
         if words[0] == "FLASER":
             beams = int(words[1])
