@@ -47,7 +47,7 @@ struct Linearisation {
 
 class Objective {
  public:
-  /// The map must outlive this and have cells().
+  /// The map must outlive this and have memory().
   Objective(const GlobalField& map, Interpolation interpolation, CostForm form);
 
   /// Where poses are relative to, in map cells.

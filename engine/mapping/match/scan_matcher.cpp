@@ -31,7 +31,7 @@ ScanMatcher::ScanMatcher(const MapperConfig& config, const GlobalField& map)
 ScanMatcher::~ScanMatcher() = default;
 
 void ScanMatcher::start(std::span<const PointCells> points, const Prediction& prediction, bool search) {
-  assert(map_->box().empty() || !map_->cells().empty());  // it lives where the host sees it
+  assert(map_->box().empty() || !map_->memory().empty());  // it lives where the host sees it
   points_ = points;
   by_odometry_ = prediction.by_odometry;
   must_search_ = search;
