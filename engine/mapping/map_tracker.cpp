@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/mapping/map/field_store.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_model.hpp"
