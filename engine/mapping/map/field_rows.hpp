@@ -11,6 +11,7 @@ class FieldRows final : public FieldStore {
       : backend_(&backend), cap_(cap), max_cells_(max_cells) {}
 
   [[nodiscard]] bool can_hold(const CellBox& box) const override;
+  [[nodiscard]] std::string limit() const override { return limit_of_option(max_cells_); }
   void hold(const CellBox& content, const CellBox& box) override;
   void touch(const CellBox& /*box*/) override {}
   [[nodiscard]] std::uint64_t untaken_cells(const CellBox& /*box*/) const override { return 0; }

@@ -29,6 +29,11 @@ void FieldStore::read_row(CellIndex first, std::span<std::uint16_t> all, std::ui
   }
 }
 
+std::string limit_of_option(std::uint64_t max_cells) {
+  return ", more than map.max_megacells allows (" + std::to_string(max_cells >> 20U) +
+         " x 2^20); check the log with 'gdtslam doctor' or raise the limit";
+}
+
 std::unique_ptr<FieldStore> make_field_store(Backend& backend, std::uint16_t cap, std::uint64_t max_cells) {
   if (backend.device().kind == "cpu") return std::make_unique<FieldStrips>(backend, cap);
   return std::make_unique<FieldRows>(backend, cap, max_cells);

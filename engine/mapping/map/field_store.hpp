@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gdtslam/compute/backend.hpp"
@@ -30,6 +31,8 @@ class FieldStore {
 
   /// Whether hold() may be asked for the box.
   [[nodiscard]] virtual bool can_hold(const CellBox& box) const = 0;
+  /// What is more than that, as the end of a sentence: what bounds it and what to do.
+  [[nodiscard]] virtual std::string limit() const = 0;
   /// Makes room for the content, which is what is known and about to be, and where growing copies what is stored for
   /// the box around it. Throws DeviceError where a device fails, Error where there is no such memory; all is as before
   /// then.
@@ -66,6 +69,9 @@ class FieldStore {
 
 /// In strips where the backend is the CPU, else in rows of `max_cells` at most.
 std::unique_ptr<FieldStore> make_field_store(Backend& backend, std::uint16_t cap, std::uint64_t max_cells);
+
+/// The end of such a sentence where the option map.max_megacells is the bound.
+std::string limit_of_option(std::uint64_t max_cells);
 
 /// Cells from row to row of a box that is stored in rows.
 std::uint32_t row_stride(const CellBox& box);

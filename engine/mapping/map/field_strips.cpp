@@ -58,6 +58,10 @@ bool FieldStrips::can_hold(const CellBox& box) const {
   return count_of(tiles) <= kMostTiles && std::max(tiles.width(), tiles.height()) <= kMostTilesOfASide;
 }
 
+std::string FieldStrips::limit() const {
+  return ", more than 2^32 of which are not counted; check the log with 'gdtslam doctor' or raise map.resolution";
+}
+
 void FieldStrips::hold(const CellBox& content, const CellBox& box) {
   assert(can_hold(content));
   const CellBox tiles = tiles_that_hold(content);

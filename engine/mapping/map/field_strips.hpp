@@ -12,6 +12,7 @@ class FieldStrips final : public FieldStore {
   FieldStrips(Backend& backend, std::uint16_t cap) : backend_(&backend) { layout_.blank = cap; }
 
   [[nodiscard]] bool can_hold(const CellBox& box) const override;
+  [[nodiscard]] std::string limit() const override;
   void hold(const CellBox& content, const CellBox& box) override;
   void touch(const CellBox& box) override;
   [[nodiscard]] std::uint64_t untaken_cells(const CellBox& box) const override;

@@ -18,11 +18,6 @@ std::string size_of(const CellBox& box) {
   return std::to_string(box.width()) + " x " + std::to_string(box.height()) + " cells";
 }
 
-std::string more_than(std::uint64_t max_cells) {
-  return ", more than map.max_megacells allows (" + std::to_string(max_cells >> 20U) +
-         " x 2^20); check the log with 'gdtslam doctor' or raise the limit";
-}
-
 }  // namespace
 
 GlobalField::GlobalField(Backend& backend, double resolution_m, std::uint32_t radius_cells, std::uint64_t max_cells)
@@ -74,11 +69,7 @@ void GlobalField::grow_to_hold(const CellBox& map_box) {
   const auto fits = [this](const CellBox& box) { return store_->can_hold(box); };
   const std::optional<GridBoxes> grown = grown_to_hold({content_, box_}, guarded, fits);
   if (!grown) {
-    const std::string size = size_of(hull_of(content_, guarded));
-    if (backend_->device().kind != "cpu") throw InputError("the map would need " + size + more_than(max_cells_));
-    throw InputError("the map would reach over " + size +
-                     ", more than 2^32 of which are not counted; check the log with 'gdtslam doctor' or raise "
-                     "map.resolution");
+    throw InputError("the map would reach over " + size_of(hull_of(content_, guarded)) + store_->limit());
   }
   store_->hold(grown->content, grown->stored);
   box_ = grown->stored;
@@ -89,7 +80,7 @@ void GlobalField::require_room(std::span<const CellBox> map_boxes) const {
   std::uint64_t cells = store_->taken_cells();
   for (const CellBox& box : map_boxes) cells += store_->untaken_cells(box);
   if (cells > max_cells_) {
-    throw InputError("the map would need " + std::to_string(cells) + " known cells" + more_than(max_cells_));
+    throw InputError("the map would need " + std::to_string(cells) + " known cells" + limit_of_option(max_cells_));
   }
 }
 

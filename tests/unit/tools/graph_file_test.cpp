@@ -2,6 +2,7 @@
 #include "engine/runs/folder/graph_file.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -19,10 +20,11 @@ struct G2oLine {
   std::vector<double> numbers;
 };
 
-/// A file of this text, for as long as the object lives.
+/// A file of this text that no other process writes, for as long as the object lives.
 class GraphText {
  public:
-  explicit GraphText(const std::string& text) : path_(testing::TempDir() + "graph_file_test.g2o") {
+  explicit GraphText(const std::string& text)
+      : path_(testing::TempDir() + "graph_file_test." + std::to_string(::getpid()) + ".g2o") {
     std::ofstream(path_) << text;
   }
   GraphText(const GraphText&) = delete;
