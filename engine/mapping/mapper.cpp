@@ -9,6 +9,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/thinned_points.hpp"
 #include "engine/mapping/surface/closed_surfaces.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -195,11 +196,7 @@ void Mapper::State::see(PointScan scan) {
   stamp_s = scan.stamp_s;
   points_m = std::move(scan.points_base_m);
   points = in_cells(points_m, config.map.resolution_m);
-  if (points.size() <= Matcher::kMostPoints) return;
-  const std::size_t every = (points.size() + Matcher::kMostPoints - 1) / Matcher::kMostPoints;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < points.size(); i += every) points[kept++] = points[i];
-  points.resize(kept);
+  thin(points, Matcher::kMostPoints);
 }
 
 void Mapper::State::predict(const std::optional<Pose2>& T_odom_base) {

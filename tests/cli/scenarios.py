@@ -16,6 +16,7 @@ import scenario_hostile_files
 import scenario_keyframes
 import scenario_linkage
 import scenario_localize
+import scenario_localize_occupancy
 import scenario_loops
 import scenario_measure
 import scenario_modules
@@ -34,7 +35,8 @@ import scenario_tilt3d
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_convert, scenario_devices,
            scenario_doctor, scenario_files,
-           scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_localize, scenario_loops, scenario_measure, scenario_modules,
+            scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_localize, scenario_localize_occupancy, scenario_loops,
+            scenario_measure, scenario_modules,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,

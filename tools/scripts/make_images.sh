@@ -31,6 +31,9 @@ gdtslam linkage paper-b --picture "$images/linkage-paper-b.svg"
 gdtslam measure three-boxes/cloud.ply --boxes --picture "$images/measured-boxes.svg"
 gdtslam simulate wall -o wall.log --linkage paper-b-calibrated
 gdtslam doctor office-loop.log --picture "$images/office-loop-log.svg"
+gdtslam map office-loop.log -o coarse --set map.resolution=5cm --set merge.threshold=5cm --set map.truncation=1m
+gdtslam localize coarse/map.yaml office-loop.log --random 60 --reference coarse/trajectory.tum \
+  --picture "$images/office-loop-found.png"
 gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.png"
 # Of a real log, where there is one: GDTSLAM_DATA names the folder of slam2d/intel.clf.gz.
 if [[ -n ${GDTSLAM_DATA:-} ]]; then

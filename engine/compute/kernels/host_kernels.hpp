@@ -53,11 +53,11 @@ void pose_minorant_wide_host(Isa isa, const PoseMinorantWide::Params& params, co
                              const BoundPoint* points, const PoseCandidate* boxes, std::uint32_t count,
                              PoseMinorant::Value* values);
 
-// The tests' references for the kernels of the same names; no other code calls these.
-
 /// Truncated exact transform, both passes; `column_distance` is scratch of stride * height bytes.
 void edt_host(Isa isa, const EdtColumns::Params& params, const std::uint8_t* seeds, std::uint8_t* column_distance,
               std::uint16_t* sq_distance);
+
+// The tests' references for the kernels of the same names; no other code calls these.
 
 /// Truncated transform by jump flooding, all passes; `nearest` and `scratch` are of stride * height values each.
 void jump_flood_host(Isa isa, const JumpFloodDistance::Params& params, std::span<const std::uint32_t> steps,

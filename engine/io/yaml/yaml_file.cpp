@@ -70,7 +70,7 @@ GridGeometry DescriptionFile::geometry() const {
     fail("origin", "must be [x, y, yaw]");
   }
   if (number_of(list[2], "origin") != 0.0) {
-    fail("origin", "a map that is turned (yaw other than 0) cannot be read");
+    fail("origin", "a map that is turned (yaw other than 0) cannot be read; turn its picture and state a yaw of 0");
   }
   return {resolution_m, number_of(list[0], "origin"), number_of(list[1], "origin"), 0, 0};
 }

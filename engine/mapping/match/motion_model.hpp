@@ -38,7 +38,9 @@ struct Prediction {
 
 class MotionModel {
  public:
-  explicit MotionModel(const OdometryConfig& config) : config_(config) {}
+  /// The robot stands at `T_map_base`.
+  explicit MotionModel(const OdometryConfig& config, const Pose2& T_map_base = {})
+      : config_(config), T_map_base_(T_map_base) {}
 
   /// Prediction for the next scan. A pose that is not finite counts as none.
   Prediction predict(const std::optional<Pose2>& T_odom_base);

@@ -68,12 +68,16 @@ RunReader run_of_map(const std::string& map, const std::string& purpose) {
                    "belongs to no folder of a run, which " + purpose + " needs: give what 'gdtslam map -o' wrote");
 }
 
-FitLimit fit_limit_of(const std::string& map, double resolution_m) {
+FitLimit fit_limit_of_cells(double resolution_m) {
   constexpr double kCells = 2.0;
+  return {kCells * resolution_m, FitLimit::Source::kResolution};
+}
+
+FitLimit fit_limit_of(const std::string& map, double resolution_m) {
   const std::optional<std::string> folder = run_folder_of(map);
   const std::optional<double> by_run = folder ? RunReader(*folder).summary().match_p99_m : std::nullopt;
   if (by_run) return {*by_run, FitLimit::Source::kRun};
-  return {kCells * resolution_m, FitLimit::Source::kResolution};
+  return fit_limit_of_cells(resolution_m);
 }
 
 }  // namespace gdtslam

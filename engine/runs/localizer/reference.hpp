@@ -66,5 +66,7 @@ struct FitLimit {
 /// For a map without a run, or a run of a version that did not tell: two cells, which is what rounding to cells in the
 /// scan and in the map may take away, and 50 mm by default.
 FitLimit fit_limit_of(const std::string& map, double resolution_m);
+/// The two cells.
+FitLimit fit_limit_of_cells(double resolution_m);
 
 }  // namespace gdtslam

@@ -4,71 +4,14 @@
 #include <array>
 #include <cmath>
 #include <ctime>
-#include <filesystem>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/core/elementary.hpp"
-#include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
-
-// The file with the distances of a map: the map itself, or in its folder.
-std::string field_file_of(const std::string& map) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (fs::is_directory(map, ignored)) return (fs::path(map) / "gdt.yaml").string();
-  if (!fs::is_regular_file(map, ignored)) return map;  // reading it says what is wrong
-  constexpr const char* kWanted = "give the folder that 'gdtslam map -o' wrote, or its gdt.yaml";
-  if (!looks_like_map(map)) throw InputError({map, 0}, std::string("is no map; ") + kWanted);
-  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
-  if (read_text<InputError>(map, kMostBytes).find("occupied_thresh") != std::string::npos) {
-    throw InputError({map, 0},
-                     std::string("is an occupancy map, whose distances to obstacles are not known; ") + kWanted);
-  }
-  return map;
-}
-
-// The kernels count in cells of the map's grid, whose origin must lie on it.
-FieldView view_of(const DistanceFieldFile& file, const std::string& path) {
-  const GridGeometry& grid = file.geometry;
-  const double x = grid.origin_x_m / grid.resolution_m;
-  const double y = grid.origin_y_m / grid.resolution_m;
-  constexpr double kFarthest = 1.0e6;
-  if (!(std::fabs(x) < kFarthest && std::fabs(y) < kFarthest)) {
-    throw InputError({path, 0}, "the origin lies more than a million cells from the map's; was the file edited?");
-  }
-  return {.cells = file.cells.data(),
-          .width = static_cast<std::uint32_t>(grid.width),
-          .height = static_cast<std::uint32_t>(grid.height),
-          .stride = static_cast<std::uint32_t>(grid.width),
-          .first_cell = {static_cast<std::int32_t>(std::lround(x)), static_cast<std::int32_t>(std::lround(y))},
-          .cap = file.cap,
-          .resolution_m = grid.resolution_m};
-}
-
-PoseWindow known_window(const DistanceFieldFile& file, const std::string& path) {
-  CellBox known{{file.geometry.width, file.geometry.height}, {0, 0}};
-  for (std::int32_t y = 0; y < file.geometry.height; ++y) {
-    for (std::int32_t x = 0; x < file.geometry.width; ++x) {
-      if (file.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(file.geometry.width) +
-                     static_cast<std::size_t>(x)] >= file.cap) {
-        continue;
-      }
-      known.min = {std::min(known.min.x, x), std::min(known.min.y, y)};
-      known.end = {std::max(known.end.x, x + 1), std::max(known.end.y, y + 1)};
-    }
-  }
-  if (known.empty()) throw InputError({path, 0}, "the map knows no obstacle, so no scan can be found in it");
-  const double r = file.geometry.resolution_m;
-  return {.centre = {file.geometry.origin_x_m + 0.5 * r * (known.min.x + known.end.x),
-                     file.geometry.origin_y_m + 0.5 * r * (known.min.y + known.end.y), 0.0},
-          .half_x_m = 0.5 * r * known.width(),
-          .half_y_m = 0.5 * r * known.height(),
-          .half_theta_rad = kPi};
-}
 
 double thread_cpu_s() {
   timespec time{};
@@ -87,19 +30,20 @@ std::vector<PointCells> points_to_match(const LaserScan& scan, const MapperConfi
   return points;
 }
 
+// Of a run the occupied cells of its map.yaml are others than the obstacles that its scans were matched with.
+FitLimit good_fit_in(const MapField& field, const LocalizeLimits& limits) {
+  if (limits.good_fit_m) return {*limits.good_fit_m, FitLimit::Source::kOption};
+  const double resolution_m = field.file.geometry.resolution_m;
+  if (field.source == MapField::Source::kOccupiedCells) return fit_limit_of_cells(resolution_m);
+  return fit_limit_of(field.path, resolution_m);
+}
+
 // A search that is cut short at once has tried no pose.
 std::optional<CertifiedResult> if_any(const CertifiedResult& found) {
   return std::isfinite(found.mean_cost_m) ? std::optional(found) : std::nullopt;
 }
 
 }  // namespace
-
-bool looks_like_map(const std::string& path) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  const std::string ending = fs::path(path).extension().string();
-  return ending == ".yaml" || ending == ".yml" || fs::exists(fs::path(path) / "gdt.yaml", ignored);
-}
 
 std::string_view to_string(Verdict verdict) {
   static constexpr std::array<std::string_view, 4> kNames{"found", "ambiguous", "poor fit", "no pose"};
@@ -121,17 +65,31 @@ bool LocalizedScan::is_ambiguous() const {
 Localizer::Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend)
     : config_(config),
       limits_(limits),
-      path_(field_file_of(map)),
-      file_(read_distance_field(path_)),
-      window_(known_window(file_, path_)),
-      good_fit_(limits.good_fit_m ? FitLimit{*limits.good_fit_m, FitLimit::Source::kOption}
-                                  : fit_limit_of(path_, file_.geometry.resolution_m)) {
+      field_(read_map_field(map, config.map, backend.host_isa())),
+      window_(field_.known_window()),
+      good_fit_(good_fit_in(field_, limits)) {
   try {
     Backend* const device = backend.device().kind == "cpu" ? nullptr : &backend;
-    map_.emplace(view_of(file_, path_), backend.host_isa(), CertifiedMap::kAnyWindows, device);
+    map_.emplace(field_.view(), backend.host_isa(), CertifiedMap::kAnyWindows, device);
   } catch (const InputError& error) {
-    throw InputError({path_, 0}, error.what());
+    throw InputError({field_.path, 0}, error.what());
   }
+}
+
+// A window of the map as the kernels' frame has it, and the pose back.
+CertifiedResult Localizer::search(std::span<const PointCells> points, PoseWindow window,
+                                  CertifiedOptions options) const {
+  const Point2& origin_m = field_.kernel_origin_m;
+  const auto shift = [](Pose2& pose, const Point2& by_m) {
+    pose.x_m += by_m.x();
+    pose.y_m += by_m.y();
+  };
+  shift(window.centre, -origin_m);
+  for (Pose2& start : options.starts) shift(start, -origin_m);
+  if (options.excluded) shift(options.excluded->around, -origin_m);
+  CertifiedResult found = find_pose(*map_, points, window, options);
+  shift(found.T_map_base, origin_m);
+  return found;
 }
 
 CertifiedOptions Localizer::options_with(double gap_m) const {
@@ -144,15 +102,15 @@ CertifiedOptions Localizer::options_with(double gap_m) const {
 LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
                                   const std::optional<Pose2>& T_map_base_reference) const {
   const double begin_s = thread_cpu_s();
-  const std::vector<PointCells> points = points_to_match(scan, config_, file_.geometry.resolution_m);
+  const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
   LocalizedScan found;
   found.index = index;
   found.stamp_s = scan.stamp_s;
   found.points = static_cast<std::uint32_t>(points.size());
   found.has_returns = !points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points);
-  if (found.has_returns) found.best = if_any(find_pose(*map_, points, window_, options_with(limits_.gap_m)));
-  found.as_good = static_cast<std::uint32_t>(limits_.gap_m / file_.geometry.resolution_m * kFieldOne *
-                                             static_cast<double>(points.size()));
+  if (found.has_returns) found.best = if_any(search(points, window_, options_with(limits_.gap_m)));
+  found.as_good =
+      static_cast<std::uint32_t>(limits_.gap_m / resolution_m() * kFieldOne * static_cast<double>(points.size()));
   if (found.best && limits_.with_runner_up)
     found.runner_up = elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good);
   found.verdict = verdict_of(found, good_fit_.distance_m);
@@ -168,7 +126,7 @@ std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> 
   CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
   options.excluded = ExcludedPoses{T_map_best, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
-  const CertifiedResult first = find_pose(*map_, points, window_, options);
+  const CertifiedResult first = search(points, window_, options);
   if (first.stop == CertifiedStop::kNothingAllowed) return first;
   const bool has_pose = std::isfinite(first.mean_cost_m);
   if (first.bound > as_good_as || (has_pose && first.cost <= as_good_as)) return if_any(first);
@@ -176,7 +134,7 @@ std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> 
   options.wanted_bound = as_good_as + 1;
   options.max_boxes = LocalizeLimits::kElsewhereBoxes;
   if (has_pose) options.starts = {first.T_map_base};
-  return if_any(find_pose(*map_, points, window_, options));
+  return if_any(search(points, window_, options));
 }
 
 ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2& T_map_base,
@@ -197,13 +155,13 @@ ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2&
   CertifiedOptions options = options_with(LocalizeLimits::kNearbyGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kNearbyBoxes;
   options.starts = {T_map_base};
-  reference.nearby = if_any(find_pose(*map_, points, around, options));
+  reference.nearby = if_any(search(points, around, options));
   return reference;
 }
 
 double Localizer::known_share(std::span<const PointCells> points, const Pose2& T_map_base) const {
   const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
-  const DistanceFieldView field = file_.view();
+  const DistanceFieldView field = field_.file.view();
   const double r = field.geometry.resolution_m;
   std::size_t known = 0;
   for (const PointCells& point : points) {

@@ -14,9 +14,9 @@
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "gdtslam/io/distance_field_file.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "map_field.hpp"
 #include "reference.hpp"
 
 namespace gdtslam {
@@ -81,13 +81,10 @@ struct LocalizedScan {
 /// Of a scan whose poses are known.
 Verdict verdict_of(const LocalizedScan& scan, double good_fit_m);
 
-/// Whether that is a folder with a gdt.yaml, or a file that may be one by its name.
-bool looks_like_map(const std::string& path);
-
 class Localizer {
  public:
-  /// `map` is a run folder or its gdt.yaml; the backend must outlive this where it is a device. Throws InputError,
-  /// FileError, DeviceError.
+  /// `map` is a run folder, its gdt.yaml, or the map.yaml of an occupancy map; the backend must outlive this where it
+  /// is a device. Throws InputError, FileError, DeviceError.
   Localizer(const std::string& map, const MapperConfig& config, const LocalizeLimits& limits, Backend& backend);
 
   /// Throws DeviceError.
@@ -95,13 +92,16 @@ class Localizer {
                                        const std::optional<Pose2>& T_map_base_reference) const;
   /// The poses that are searched: those over what the map knows, all headings.
   [[nodiscard]] const PoseWindow& window() const { return window_; }
-  [[nodiscard]] const std::string& file() const { return path_; }
-  [[nodiscard]] const DistanceFieldFile& field() const { return file_; }
+  [[nodiscard]] const std::string& file() const { return field_.path; }
+  [[nodiscard]] const MapField& field() const { return field_; }
   [[nodiscard]] const LocalizeLimits& limits() const { return limits_; }
   [[nodiscard]] const FitLimit& good_fit() const { return good_fit_; }
   [[nodiscard]] bool has_device() const { return map_->device() != nullptr; }
 
  private:
+  [[nodiscard]] double resolution_m() const { return field_.file.geometry.resolution_m; }
+  [[nodiscard]] CertifiedResult search(std::span<const PointCells> points, PoseWindow window,
+                                       CertifiedOptions options) const;
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
   [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
                                                          std::uint32_t as_good_as) const;
@@ -111,8 +111,7 @@ class Localizer {
 
   MapperConfig config_;
   LocalizeLimits limits_;
-  std::string path_;
-  DistanceFieldFile file_;
+  MapField field_;
   std::optional<CertifiedMap> map_;
   PoseWindow window_;
   FitLimit good_fit_;

@@ -281,9 +281,12 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
 void add_localize_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<LocalizeOptions>();
   CLI::App* command = add_command(app, "localize", "The pose of scans in a whole map, without odometry, with a proof");
-  command->add_option("map", options->map, "Run folder of `gdtslam map`, or its gdt.yaml")
+  command
+      ->add_option("map", options->map,
+                   "Run folder of `gdtslam map`, its gdt.yaml, or the map.yaml of an occupancy map\n"
+                   "(ROS map_server, Nav2)")
       ->required()
-      ->type_name("RUN");
+      ->type_name("MAP");
   command->add_option("log", options->log, "Log with the scans, plain or gzip")->required()->type_name("LOG");
   add_choices(*command, *options);
   add_reference_options(*command, *options);
@@ -297,13 +300,18 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       "means 1 m or 20 degrees away; a scan is ambiguous when a pose elsewhere may be as good, and a poor fit when\n"
       "even the best pose leaves a larger mean distance than scans of the mapped place do: it was taken elsewhere.\n"
       "\n"
-      "JSON: map, log, gap_m, window, choice (of the scans), interrupted, good_fit, verdicts, certified (counts),\n"
+      "Of an occupancy map the occupied cells are the obstacles, at the map's own resolution; distances to them are\n"
+      "kept up to map.truncation.\n"
+      "\n"
+      "JSON: map, log, field, gap_m, window, choice (of the scans), interrupted, good_fit, verdicts, certified "
+      "(counts),\n"
       "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, verdict,\n"
       "best, runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
       "\n"
       "Examples:\n"
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"
       "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json\n"
+      "  gdtslam localize warehouse/map.yaml today.bag --every 50 --picture poses.png\n"
       "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel/trajectory.tum\n"
       "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");
   command->callback([&context, options] { context.run = [options] { return localize(*options); }; });

@@ -98,7 +98,8 @@ std::string within_text(const LocalizeLimits& limits, const LocalizeFigures& fig
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kFitSources{"option", "run", "resolution"};  // as FitLimit::Source has them
+constexpr std::array kFitSources{"option", "run", "resolution"};    // as FitLimit::Source has them
+constexpr std::array kFieldSources{"distances", "occupied-cells"};  // as MapField::Source has them
 
 // "poor-fit"
 std::string json_name(Verdict verdict) {
@@ -191,6 +192,14 @@ Json errors_json(const LocalizeJob& job, const LocalizeLimits& limits, const Loc
           {"faults", faults}};
 }
 
+Json field_json(const MapField& field) {
+  constexpr double kUnitsPerCell = 256.0;
+  const double resolution_m = field.file.geometry.resolution_m;
+  return {{"from", kFieldSources[static_cast<std::size_t>(field.source)]},
+          {"resolution_m", resolution_m},
+          {"truncation_m", resolution_m * static_cast<double>(field.file.cap) / kUnitsPerCell}};
+}
+
 Json times_json(const LocalizeJob& job, const Localized& all, const LocalizeTimes& times) {
   Json scans = Json::array();
   for (const LocalizedScan& scan : all.scans) scans.push_back(scan.cpu_s);
@@ -233,6 +242,7 @@ Json as_json(const LocalizeJob& job, const Localizer& localizer, const Localized
   const PoseWindow& window = localizer.window();
   return {{"map", localizer.file()},
           {"log", job.log},
+          {"field", field_json(localizer.field())},
           {"gap_m", limits.gap_m},
           {"window",
            {{"x_m", {window.centre.x_m - window.half_x_m, window.centre.x_m + window.half_x_m}},

@@ -95,7 +95,7 @@ void frame_map(const DistanceFieldView& field, Point2& low, Point2& high) {
 View view_of(const Localizer& localizer, const Localized& all) {
   Point2 low = Point2::Zero();
   Point2 high = Point2::Zero();
-  frame_map(localizer.field().view(), low, high);
+  frame_map(localizer.field().file.view(), low, high);
   const auto include = [&low, &high](const Pose2& pose) {
     const Point2 around(kAround_m, kAround_m);
     low = low.cwiseMin(pose.translation() - around);
@@ -308,7 +308,7 @@ Canvas localize_picture(const LocalizeJob& job, const Localizer& localizer, cons
   const DrawingArea& card = view.card;
   canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, 6.0);
   canvas.begin_clip(card.corner, card.width, card.height);
-  draw_walls(canvas, view, localizer.field().view());
+  draw_walls(canvas, view, localizer.field().file.view());
   draw_scans(canvas, view, all, limits);
   canvas.end_clip();
   draw_scale_bar(canvas, {.pixels_per_m = view.pixels_per_m}, card.corner + Point2(kInset, card.height - kInset));

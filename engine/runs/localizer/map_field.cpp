@@ -1,0 +1,142 @@
+#include "map_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "engine/io/file_limits.hpp"
+#include "engine/io/yaml/yaml_text.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "obstacle_field.hpp"
+
+namespace gdtslam {
+namespace {
+
+// The description of a map: the file itself, or in its folder.
+std::string description_file_of(const std::string& map) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_directory(map, ignored)) return (fs::path(map) / "gdt.yaml").string();
+  if (!fs::is_regular_file(map, ignored)) return map;  // reading it says what is wrong
+  if (!looks_like_map(map)) {
+    throw InputError({map, 0},
+                     "is no map; give the folder that 'gdtslam map -o' wrote, its gdt.yaml, or a map.yaml of "
+                     "map_server");
+  }
+  return map;
+}
+
+bool is_occupancy_map(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored) &&
+         read_text<InputError>(path, kMaxYamlBytes).find("occupied_thresh") != std::string::npos;
+}
+
+// Cells far smaller than any laser tells apart, or larger than any room, are a mistake in the file.
+void check_geometry(const GridGeometry& grid, const std::string& path) {
+  constexpr double kFinest_m = 0.001;
+  constexpr double kCoarsest_m = 1.0;
+  constexpr double kMostDistant_m = 1.0e8;
+  if (!(grid.resolution_m >= kFinest_m && grid.resolution_m <= kCoarsest_m)) {
+    throw InputError({path, 0}, fmt::format("a resolution of {:g} m is not between {:g} and {:g} m, so no scan can be "
+                                            "searched in the map; is it in metres?",
+                                            grid.resolution_m, kFinest_m, kCoarsest_m));
+  }
+  if (!(std::fabs(grid.origin_x_m) <= kMostDistant_m && std::fabs(grid.origin_y_m) <= kMostDistant_m)) {
+    throw InputError({path, 0},
+                     fmt::format("the origin lies more than {:g} m away; was the file edited?", kMostDistant_m));
+  }
+}
+
+MapField field_of_occupied(const std::string& path, const MapConfig& config, Isa isa) {
+  const OccupancyMap map = read_occupancy_map(path);
+  check_geometry(map.geometry, path);
+  MapField field;
+  field.path = path;
+  field.source = MapField::Source::kOccupiedCells;
+  try {
+    field.file = obstacle_field(map, obstacle_radius(config.truncation_m, map.geometry.resolution_m), isa);
+  } catch (const InputError& error) {
+    throw InputError({path, 0}, error.what());
+  }
+  if (field.file.cells.empty()) {
+    throw InputError(
+        {path, 0},
+        "the map has no occupied cell, so no scan can be found in it; are occupied_thresh and negate right?");
+  }
+  field.kernel_origin_m = {field.file.geometry.origin_x_m, field.file.geometry.origin_y_m};
+  return field;
+}
+
+// The kernels count in cells of the map's grid, whose origin must lie on it.
+void check_lattice(const MapField& field) {
+  const GridGeometry& grid = field.file.geometry;
+  constexpr double kFarthest = 1.0e6;
+  if (!(std::fabs(grid.origin_x_m / grid.resolution_m) < kFarthest &&
+        std::fabs(grid.origin_y_m / grid.resolution_m) < kFarthest)) {
+    throw InputError({field.path, 0}, "the origin lies more than a million cells from the map's; was the file edited?");
+  }
+}
+
+}  // namespace
+
+FieldView MapField::view() const {
+  const GridGeometry& grid = file.geometry;
+  const auto whole_cells = [&grid](double distance_m) {
+    return static_cast<std::int32_t>(std::lround(distance_m / grid.resolution_m));
+  };
+  return {.cells = file.cells.data(),
+          .width = static_cast<std::uint32_t>(grid.width),
+          .height = static_cast<std::uint32_t>(grid.height),
+          .stride = static_cast<std::uint32_t>(grid.width),
+          .first_cell = {whole_cells(grid.origin_x_m - kernel_origin_m.x()),
+                         whole_cells(grid.origin_y_m - kernel_origin_m.y())},
+          .cap = file.cap,
+          .resolution_m = grid.resolution_m};
+}
+
+PoseWindow MapField::known_window() const {
+  const GridGeometry& grid = file.geometry;
+  CellBox known{{grid.width, grid.height}, {0, 0}};
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    for (std::int32_t x = 0; x < grid.width; ++x) {
+      if (file.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) +
+                     static_cast<std::size_t>(x)] >= file.cap) {
+        continue;
+      }
+      known.min = {std::min(known.min.x, x), std::min(known.min.y, y)};
+      known.end = {std::max(known.end.x, x + 1), std::max(known.end.y, y + 1)};
+    }
+  }
+  if (known.empty()) throw InputError({path, 0}, "the map knows no obstacle, so no scan can be found in it");
+  const double r = grid.resolution_m;
+  return {.centre = {grid.origin_x_m + 0.5 * r * (known.min.x + known.end.x),
+                     grid.origin_y_m + 0.5 * r * (known.min.y + known.end.y), 0.0},
+          .half_x_m = 0.5 * r * known.width(),
+          .half_y_m = 0.5 * r * known.height(),
+          .half_theta_rad = kPi};
+}
+
+bool looks_like_map(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const std::string ending = fs::path(path).extension().string();
+  return ending == ".yaml" || ending == ".yml" || fs::exists(fs::path(path) / "gdt.yaml", ignored);
+}
+
+MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa) {
+  const std::string path = description_file_of(map);
+  if (is_occupancy_map(path)) return field_of_occupied(path, config, isa);
+  MapField field;
+  field.path = path;
+  field.file = read_distance_field(path);
+  check_lattice(field);
+  return field;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,40 @@
+// The distance field that scans are searched in: of a run, or of an occupancy map that any program made. Frame: the
+// map's own, metres. Thread-safe once read; O(cells).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "gdtslam/compute/kernel.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/mapping/certified.hpp"
+#include "gdtslam/mapping/config.hpp"
+
+namespace gdtslam {
+
+/// A field with the file that it comes from.
+struct MapField {
+  enum class Source : std::uint8_t { kDistances, kOccupiedCells };
+  std::string path;
+  Source source = Source::kDistances;
+  DistanceFieldFile file;
+  /// Where the origin of the kernels' frame lies in the map, parallel to it: they count in whole cells from there. The
+  /// map's own origin for a run, whose cells lie on it; the field's corner for an occupancy map, whose cells may not,
+  /// and whose origin may be far away.
+  Point2 kernel_origin_m = Point2::Zero();
+
+  /// Valid as long as this stays where it is; in the kernels' frame.
+  [[nodiscard]] FieldView view() const;
+  /// Every place that the field knows, in every heading.
+  [[nodiscard]] PoseWindow known_window() const;
+};
+
+/// Whether that is a folder with a gdt.yaml, or a file that may be a map's description by its name.
+bool looks_like_map(const std::string& path);
+
+/// `map` is a run folder, its gdt.yaml, or the map.yaml of an occupancy map, whose distances are kept up to
+/// `config.truncation_m`. Throws InputError, also where no cell of it is occupied; FileError.
+MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa);
+
+}  // namespace gdtslam

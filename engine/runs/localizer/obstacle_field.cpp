@@ -1,0 +1,138 @@
+#include "obstacle_field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <vector>
+
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/compute/kernels/host_kernels.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+// The box of all occupied cells; empty where there are none.
+CellBox occupied_box(const OccupancyMap& map) {
+  const GridGeometry& grid = map.geometry;
+  CellBox box{{grid.width, grid.height}, {0, 0}};
+  std::vector<CellState> row(static_cast<std::size_t>(grid.width));
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    map.read_row(y, row);
+    const auto first = std::find(row.begin(), row.end(), CellState::kOccupied);
+    if (first == row.end()) continue;
+    const auto behind = std::find(row.rbegin(), row.rend(), CellState::kOccupied).base();
+    box.min = {std::min(box.min.x, static_cast<std::int32_t>(first - row.begin())), std::min(box.min.y, y)};
+    box.end = {std::max(box.end.x, static_cast<std::int32_t>(behind - row.begin())), y + 1};
+  }
+  return box;
+}
+
+/// The field's box in cells of the map, beyond whose edges it may lie.
+struct FieldBox {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+};
+
+// Beyond the radius there is nothing but the cap: of the margin's cells the two outermost on each side hold it.
+FieldBox field_box(const CellBox& occupied, std::uint32_t radius) {
+  const std::int64_t margin = std::int64_t{radius} + 1;
+  const FieldBox box{std::int64_t{occupied.min.x} - margin, std::int64_t{occupied.min.y} - margin,
+                     std::int64_t{occupied.width()} + 2 * margin, std::int64_t{occupied.height()} + 2 * margin};
+  const auto cells = static_cast<std::uint64_t>(box.width) * static_cast<std::uint64_t>(box.height);
+  if (cells > kMostObstacleFieldCells) {
+    throw InputError(
+        fmt::format("a distance field of {} x {} cells would be too large, more than {} cells; crop the "
+                    "map or scale it down",
+                    box.width, box.height, kMostObstacleFieldCells));
+  }
+  return box;
+}
+
+/// Makes one band of rows after the other, each from the obstacles of its own rows and of those within the radius.
+class BandTransform {
+ public:
+  BandTransform(const OccupancyMap& map, const FieldBox& box, std::uint32_t radius, Isa isa)
+      : map_(map), box_(box), radius_(radius), isa_(isa), table_(distance_table(radius)) {
+    states_.resize(static_cast<std::size_t>(map.geometry.width));
+  }
+
+  /// The distances of `rows` rows of the field from row `first` on.
+  void make(std::int64_t first, std::int64_t rows, std::uint16_t* field) {
+    const std::int64_t low = std::max<std::int64_t>(0, first - radius_);
+    const std::int64_t high = std::min<std::int64_t>(box_.height, first + rows + radius_);
+    const auto width = static_cast<std::size_t>(box_.width);
+    const std::size_t cells = width * static_cast<std::size_t>(high - low);
+    seeds_.assign(cells, 0);
+    columns_.resize(cells);
+    squares_.resize(cells);
+    for (std::int64_t y = low; y < high; ++y) sow(y, &seeds_[static_cast<std::size_t>(y - low) * width]);
+    edt_host(isa_,
+             {.width = static_cast<std::uint32_t>(width),
+              .height = static_cast<std::uint32_t>(high - low),
+              .stride = static_cast<std::uint32_t>(width),
+              .radius = radius_},
+             seeds_.data(), columns_.data(), squares_.data());
+    const std::uint16_t* const squares = &squares_[static_cast<std::size_t>(first - low) * width];
+    const std::size_t wanted = static_cast<std::size_t>(rows) * width;
+    std::transform(squares, squares + wanted, field, [this](std::uint16_t square) { return table_[square]; });
+  }
+
+ private:
+  // The obstacles of a row of the field; the map may not reach that far.
+  void sow(std::int64_t y, std::uint8_t* seeds) {
+    const std::int64_t row = box_.y + y;
+    if (row < 0 || row >= map_.geometry.height) return;
+    map_.read_row(static_cast<std::int32_t>(row), states_);
+    const std::int64_t begin = std::max<std::int64_t>(0, box_.x);
+    const std::int64_t end = std::min<std::int64_t>(map_.geometry.width, box_.x + box_.width);
+    for (std::int64_t x = begin; x < end; ++x) {
+      seeds[x - box_.x] = states_[static_cast<std::size_t>(x)] == CellState::kOccupied ? 1 : 0;
+    }
+  }
+
+  const OccupancyMap& map_;
+  FieldBox box_;
+  std::uint32_t radius_;
+  Isa isa_;
+  std::vector<std::uint16_t> table_;
+  std::vector<CellState> states_;
+  std::vector<std::uint8_t> seeds_;
+  std::vector<std::uint8_t> columns_;
+  std::vector<std::uint16_t> squares_;
+};
+
+}  // namespace
+
+std::uint32_t obstacle_radius(double truncation_m, double resolution_m) {
+  constexpr double kLeast = 4.0;
+  constexpr double kMost = 255.0;
+  return static_cast<std::uint32_t>(std::lround(std::clamp(truncation_m / resolution_m, kLeast, kMost)));
+}
+
+DistanceFieldFile obstacle_field(const OccupancyMap& map, std::uint32_t radius_cells, Isa isa, std::int32_t band_rows) {
+  assert(radius_cells >= 1 && radius_cells <= 255 && band_rows >= 1);
+  const GridGeometry& grid = map.geometry;
+  DistanceFieldFile field;
+  field.cap = field_cap(radius_cells);
+  field.geometry = {grid.resolution_m, grid.origin_x_m, grid.origin_y_m, 0, 0};
+  const CellBox occupied = occupied_box(map);
+  if (occupied.empty()) return field;
+  const FieldBox box = field_box(occupied, radius_cells);
+  field.geometry = {grid.resolution_m, grid.origin_x_m + static_cast<double>(box.x) * grid.resolution_m,
+                    grid.origin_y_m + static_cast<double>(box.y) * grid.resolution_m,
+                    static_cast<std::int32_t>(box.width), static_cast<std::int32_t>(box.height)};
+  field.cells.resize(field.geometry.cell_count());
+  BandTransform bands(map, box, radius_cells, isa);
+  for (std::int64_t first = 0; first < box.height; first += band_rows) {
+    const std::int64_t rows = std::min<std::int64_t>(band_rows, box.height - first);
+    bands.make(first, rows, field.cells.data() + first * box.width);
+  }
+  return field;
+}
+
+}  // namespace gdtslam

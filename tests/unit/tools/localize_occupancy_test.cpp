@@ -1,0 +1,130 @@
+// Scans searched in occupancy maps as map_server reads them: a drawn building, and the map of a real one. The scans are
+// cast in the maps' cells here, from poses drawn at random.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include "engine/runs/localizer/run.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "occupancy_scans.hpp"
+#include "support/real_data.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using test::drawn_building;
+using test::free_pose;
+using test::scan_at;
+
+/// A folder that lives as long as the test.
+class LocalizeOccupancy : public ::testing::Test {
+ protected:
+  LocalizeOccupancy() { fs::create_directories(folder_); }
+  ~LocalizeOccupancy() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("gdtslam-occupancy-" + std::to_string(::getpid()));
+};
+
+/// How many scans of so many were found, each where it was taken.
+struct Tally {
+  int found = 0;
+  int ambiguous = 0;
+  double worst_m = 0.0;
+  double worst_rad = 0.0;
+};
+
+Tally localize_some(const std::string& yaml, int count, std::uint64_t seed) {
+  const OccupancyMap map = read_occupancy_map(yaml);
+  const std::unique_ptr<Backend> backend = make_cpu_backend({});
+  const Localizer localizer(yaml, MapperConfig{}, LocalizeLimits{}, *backend);
+  Random random(seed);
+  Tally tally;
+  for (int k = 0; k < count; ++k) {
+    const Pose2 truth = free_pose(map, random);
+    const LocalizedScan scan = localizer.localize(scan_at(map, truth, random), static_cast<std::uint64_t>(k), truth);
+    EXPECT_TRUE(scan.best.has_value());
+    if (!scan.best) continue;
+    const double off_m = (scan.best->T_map_base.translation() - truth.translation()).norm();
+    const double off_rad = std::fabs(wrap_angle(scan.best->T_map_base.theta_rad - truth.theta_rad));
+    SCOPED_TRACE(std::string(to_string(scan.verdict)) + ", " + std::to_string(off_m) + " m off, scan " +
+                 std::to_string(k));
+    EXPECT_TRUE(scan.verdict == Verdict::kFound || scan.verdict == Verdict::kAmbiguous);
+    EXPECT_NEAR(scan.reference->distance_m, off_m, 1e-6);
+    if (scan.verdict == Verdict::kAmbiguous) ++tally.ambiguous;
+    if (scan.verdict != Verdict::kFound) continue;
+    ++tally.found;
+    tally.worst_m = std::max(tally.worst_m, off_m);
+    tally.worst_rad = std::max(tally.worst_rad, off_rad);
+  }
+  return tally;
+}
+
+TEST_F(LocalizeOccupancy, FindsScansInADrawnBuilding) {
+  write_occupancy_map(file("map.yaml"), drawn_building());
+  const Tally tally = localize_some(file("map.yaml"), 12, 3);
+  EXPECT_GE(tally.found, 9) << tally.ambiguous << " ambiguous";
+  EXPECT_LT(tally.worst_m, 0.05);                 // a cell
+  EXPECT_LT(tally.worst_rad, rad_from_deg(1.0));  // a cell 3 m away
+}
+
+// The map was scaled down in a picture editor: most of its walls are lighter than the threshold that it states.
+TEST_F(LocalizeOccupancy, FindsScansInAMapOfARealBuilding) {
+  GDTSLAM_REAL_DATA(image, "maps/willow-2010-02-18-0.10.pgm.gz");
+  GDTSLAM_REAL_DATA(description, "maps/willow-2010-02-18-0.10.yaml");
+  fs::copy_file(image, file("willow-2010-02-18-0.10.pgm"));
+  std::ifstream stated(description);
+  std::string yaml{std::istreambuf_iterator<char>(stated), {}};
+  const std::string threshold = "occupied_thresh: 0.65";
+  ASSERT_NE(yaml.find(threshold), std::string::npos);
+  yaml.replace(yaml.find(threshold), threshold.size(), "occupied_thresh: 0.25");
+  std::ofstream(file("willow.yaml")) << yaml;
+  const Tally tally = localize_some(file("willow.yaml"), 12, 1);
+  EXPECT_GE(tally.found, 9) << tally.ambiguous << " ambiguous";
+  EXPECT_LT(tally.worst_m, 0.1);  // a cell
+  EXPECT_LT(tally.worst_rad, rad_from_deg(1.0));
+}
+
+std::string refusal(const std::string& map) {
+  const std::unique_ptr<Backend> backend = make_cpu_backend({});
+  try {
+    const Localizer localizer(map, MapperConfig{}, LocalizeLimits{}, *backend);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST_F(LocalizeOccupancy, RefusesWhatCannotBeSearched) {
+  using ::testing::HasSubstr;
+  OccupancyMap map = drawn_building();
+  const auto refusal_of = [this](const OccupancyMap& wrong) {
+    write_occupancy_map(file("map.yaml"), wrong);
+    return refusal(file("map.yaml"));
+  };
+  map.geometry.resolution_m = 5.0;
+  EXPECT_THAT(refusal_of(map), HasSubstr("map.yaml: a resolution of 5 m is not between 0.001 and 1 m"));
+  map.geometry.resolution_m = 0.05;
+  map.geometry.origin_x_m = 1e300;
+  EXPECT_THAT(refusal_of(map), HasSubstr("map.yaml: the origin lies more than 1e+08 m away"));
+  map.geometry.origin_x_m = 0.0;
+  map.cells = CellStates(map.geometry.cell_count());
+  EXPECT_THAT(refusal_of(map), HasSubstr("map.yaml: the map has no occupied cell"));
+}
+
+}  // namespace
+}  // namespace gdtslam
