@@ -99,7 +99,7 @@ TEST_F(LocalizeOccupancy, FindsScansInAMapOfARealBuilding) {
   EXPECT_LT(tally.worst_rad, rad_from_deg(1.0));
 }
 
-std::string refusal(const std::string& map) {
+std::string refusal_of_map(const std::string& map) {
   const std::unique_ptr<Backend> backend = make_cpu_backend({});
   try {
     const Localizer localizer(map, MapperConfig{}, LocalizeLimits{}, *backend);
@@ -114,7 +114,7 @@ TEST_F(LocalizeOccupancy, RefusesWhatCannotBeSearched) {
   OccupancyMap map = drawn_building();
   const auto refusal_of = [this](const OccupancyMap& wrong) {
     write_occupancy_map(file("map.yaml"), wrong);
-    return refusal(file("map.yaml"));
+    return refusal_of_map(file("map.yaml"));
   };
   map.geometry.resolution_m = 5.0;
   EXPECT_THAT(refusal_of(map), HasSubstr("map.yaml: a resolution of 5 m is not between 0.001 and 1 m"));
