@@ -9,6 +9,7 @@
 
 #include "engine/core/free_memory.hpp"
 #include "engine/io/atomic_file.hpp"
+#include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/folder/run_times.hpp"
@@ -119,7 +120,7 @@ std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const 
   return delay;
 }
 
-MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& backend) {
+MapResult map_opened(const MapRequest& request, const MapJob& job, const BackendOfRun& backend_of) {
   RunTimes times;
   ScanStream scans(job.logs, job.read, job.range);
   // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
@@ -132,6 +133,8 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
         fmt::format("has no ENCODER or TILT message among its first {} records, so --linkage has nothing to work on",
                     ScanStream::kMostAhead));
   }
+  Backend& backend =
+      backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
   RunFolder folder(request.folder);
   if (kind == NodKind::kNone) {
     MapJob flat = job;
@@ -145,7 +148,7 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
 
 }  // namespace
 
-MapResult map_logs(const MapRequest& request, Backend& backend) {
+MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
   if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
   const MapJob job{.logs = request.logs,
                    .read = read_options_of(request.settings.log, request.lenient),
