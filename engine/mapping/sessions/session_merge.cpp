@@ -10,6 +10,9 @@
 namespace gdtslam {
 namespace {
 
+constexpr double kSameWay_m = 1.0;  // of two ways to lay a session on another
+constexpr double kSameWay_rad = 0.35;
+constexpr std::size_t kMostWays = 40;
 constexpr std::size_t kSearchesAtOnce = 8;  // before it is asked whether enough were found
 
 // The larger one is searched in: more of the other's places are there.
@@ -50,6 +53,53 @@ std::vector<SessionFix> find_places(const SessionMap& map, const Session& query,
   return fixes;
 }
 
+// How many of the places that were found fit where this pose of the query's map has them.
+std::size_t explained_by(const Pose2& T_map_query, const SessionMap& map, const Session& query,
+                         const std::vector<SessionFix>& found, WorkerPool& workers) {
+  std::vector<char> fits(found.size());
+  workers.run(found.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t k = begin; k < end; ++k) {
+      fits[k] = map.fits(query, found[k], T_map_query * query.poses[found[k].keyframe]) ? 1 : 0;
+    }
+  });
+  return static_cast<std::size_t>(std::count(fits.begin(), fits.end(), 1));
+}
+
+// Ways to lay the query that any place found speaks for, those beside one that is there already left out.
+std::vector<Pose2> ways_to_join(const Session& query, const std::vector<SessionFix>& found, const Pose2& T_map_query) {
+  const ExcludedPoses same{{}, kSameWay_m, kSameWay_rad};
+  std::vector<Pose2> ways{T_map_query};
+  const auto take = [&](const SessionFix& fix, const Pose2& T_map_keyframe) {
+    const Pose2& at = query.poses[fix.keyframe];
+    const bool is_known = std::any_of(ways.begin(), ways.end(),
+                                      [&](const Pose2& way) { return same.hold(between(way * at, T_map_keyframe)); });
+    if (!is_known && ways.size() < kMostWays) ways.push_back(T_map_keyframe * inverse(at));
+  };
+  for (const SessionFix& fix : found) {
+    take(fix, fix.T_map_keyframe);
+    if (fix.T_map_elsewhere) take(fix, *fix.T_map_elsewhere);
+  }
+  return ways;
+}
+
+// A building that repeats itself can be laid on itself in several ways, each of which fits in places that the other
+// session happens to have seen once: what is right explains far more than any other way.
+void weigh_rivals(const SessionMap& map, const Session& query, const std::vector<SessionFix>& fixes,
+                  WorkerPool& workers, SessionJoint& joint) {
+  std::vector<SessionFix> found;
+  std::copy_if(fixes.begin(), fixes.end(), std::back_inserter(found), [](const auto& fix) { return fix.is_possible; });
+  const SessionFix& middle = joint.held[joint.held.size() / 2];
+  const Pose2 T_map_query = middle.T_map_keyframe * inverse(query.poses[middle.keyframe]);
+  for (const Pose2& way : ways_to_join(query, found, T_map_query)) {
+    const std::size_t explained = explained_by(way, map, query, found, workers);
+    if (joint.explained == 0) {
+      joint.explained = explained;
+    } else {
+      joint.rival = std::max(joint.rival, explained);
+    }
+  }
+}
+
 void find_overlap(const SessionMap& map, const Session& query, const MergeOptions& options, WorkerPool& workers,
                   SessionJoint& joint) {
   const std::vector<SessionFix> fixes = find_places(map, query, options, workers);
@@ -61,6 +111,15 @@ void find_overlap(const SessionMap& map, const Session& query, const MergeOption
   joint.possible = count(&SessionFix::is_possible);
   joint.alone = count(&SessionFix::is_alone);
   for (const std::size_t k : agreeing(query, fixes, options.agreement)) joint.held.push_back(fixes[k]);
+  if (joint.held.empty()) return;
+  weigh_rivals(map, query, fixes, workers, joint);
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
+  };
+  if (share(joint.alone, joint.possible) < options.least_alone ||
+      share(joint.rival, joint.explained) > options.most_rival) {
+    joint.held.clear();
+  }
 }
 
 // One map at a time is prepared.

@@ -25,13 +25,17 @@ struct SessionJoint {
   std::size_t searched = 0;      ///< places and keyframes beside them
   std::size_t possible = 0;      ///< of these, found with nothing against it
   std::size_t alone = 0;         ///< of these, that fit nowhere else as well
+  std::size_t explained = 0;     ///< of those found, that fit where the two are joined
+  std::size_t rival = 0;         ///< and where the second best way to join them has them
   std::vector<SessionFix> held;  ///< of these, that agree; empty where the two are not joined
 };
 
 struct MergeOptions {
   SessionSearchOptions search;
   AgreementLimits agreement;
-  std::size_t enough = 6;  ///< fixes that agree, after which no more are looked for
+  std::size_t enough = 6;    ///< fixes that agree, after which no more are looked for
+  double least_alone = 0.5;  ///< share of the places found that fit nowhere else: else the building repeats itself
+  double most_rival = 0.5;   ///< share of what a joint explains that another way to join the two may explain
   LoopSearchOptions loops;
   int rounds = 2;  ///< over all places, of the search for loops
   JointOptions joint;

@@ -15,9 +15,11 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kSessionSpacing_m = 0.05;              // of the points of a session that others are searched in
-constexpr double kPlaceSpacing_m = 0.1;                 // and of a place
-constexpr double kPlaceHeld_m = 0.03;                   // and of what it is held against
+constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
+constexpr double kPlaceSpacing_m = 0.1;     // and of a place
+constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
+constexpr double kBesideHalf_m = 0.5;       // of the window around a pose that is asked about: drift of both
+constexpr double kBesideHalf_rad = 0.05;
 constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
 constexpr std::size_t kQueriesApart = 4;                // of which one is looked for before the others between
 
@@ -97,14 +99,34 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   fix.evidence = weigh_loop(reference, group, between(session_.poses[*nearest], fix.T_map_keyframe));
   fix.is_possible = is_possible(fix.evidence, options_.limits);
   if (!fix.is_possible) return fix;
-  const double as_good_m = std::max(options_.as_good_m, options_.as_good_share * fix.mean_m);
   search.gap_m = 0.0;
   search.excluded = ExcludedPoses{fix.T_map_keyframe};
-  search.wanted_bound = best.cost + static_cast<std::uint32_t>(as_good_m * unit) + 1;
+  search.wanted_bound = best.cost + static_cast<std::uint32_t>(as_good_m(fix) * unit) + 1;
   const CertifiedResult elsewhere = find_pose(state_->map, points, state_->window, search);
   fix.elsewhere_m = elsewhere.mean_bound_m;
   fix.is_alone = elsewhere.stop == CertifiedStop::kNothingAllowed || elsewhere.bound >= search.wanted_bound;
+  if (!fix.is_alone && elsewhere.cost < search.wanted_bound) fix.T_map_elsewhere = elsewhere.T_map_base;
   return fix;
+}
+
+double SessionMap::as_good_m(const SessionFix& fix) const {
+  return std::max(options_.as_good_m, options_.as_good_share * fix.mean_m);
+}
+
+bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
+  const ScanGroup group(path_of(query), fix.keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
+  if (points.empty()) return false;
+  const PoseWindow beside{.centre = T_map_keyframe,
+                          .half_x_m = kBesideHalf_m,
+                          .half_y_m = kBesideHalf_m,
+                          .half_theta_rad = kBesideHalf_rad};
+  CertifiedOptions search;
+  search.gap_m = options_.gap_m;
+  search.max_boxes = options_.most_boxes;
+  search.starts = {T_map_keyframe};
+  const CertifiedResult best = find_pose(state_->map, points, beside, search);
+  return best.mean_cost_m <= fix.mean_m + as_good_m(fix);
 }
 
 std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most) {

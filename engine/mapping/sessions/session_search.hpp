@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/core/worker_pool.hpp"
@@ -14,18 +15,18 @@
 namespace gdtslam {
 
 struct SessionSearchOptions {
-  double query_half_m = 4.0;      ///< of path to each side of a keyframe that is looked for
-  double reference_half_m = 9.0;  ///< and of the place of the other session that it is held against
-  double resolution_m = 0.1;      ///< of the distance field
-  std::size_t points = 300;       ///< of a query
-  double beyond_m = 5.0;          ///< the robot was at most so far from where the other one drove
-  double gap_m = 0.02;            ///< of the mean distance, to what is proven
-  double as_good_m = 0.03;        ///< a pose elsewhere whose mean distance is larger by no more fits as well
-  double as_good_share = 0.5;     ///< or by no more than this share of the best one's
-  double most_m = 0.08;           ///< mean distance beyond which a pose is not worth to be looked at
-  std::uint64_t most_boxes = 3000000;
-  std::size_t most_places = 48;  ///< of a session, evenly along its path
-  std::size_t most_beside = 24;  ///< keyframes beside places that were found
+  double query_half_m = 4.0;          ///< of path to each side of a keyframe that is looked for
+  double reference_half_m = 9.0;      ///< and of the place of the other session that it is held against
+  double resolution_m = 0.1;          ///< of the distance field
+  std::size_t points = 300;           ///< of a query
+  double beyond_m = 5.0;              ///< the robot was at most so far from where the other one drove
+  double gap_m = 0.02;                ///< of the mean distance, to what is proven
+  double as_good_m = 0.03;            ///< a pose elsewhere whose mean distance is larger by no more fits as well
+  double as_good_share = 0.5;         ///< or by no more than this share of the best one's
+  double most_m = 0.08;               ///< mean distance beyond which a pose is not worth to be looked at
+  std::uint64_t most_boxes = 500000;  ///< of a search; what is not told by then was not found
+  std::size_t most_places = 48;       ///< of a session, evenly along its path
+  std::size_t most_beside = 24;       ///< keyframes beside places that were found
   LoopLimits limits{.least_overlap = 0.5, .most_turned = 0.1, .most_contradiction = 0.05};
 };
 
@@ -35,10 +36,11 @@ struct SessionFix {
   std::size_t reference_place = 0;  ///< of the other, the nearest
   Pose2 T_map_keyframe;             ///< in the other's map
   LoopEvidence evidence;
-  double mean_m = 0.0;       ///< distance of its points to the other's
-  double elsewhere_m = 0.0;  ///< at least, anywhere else
-  bool is_possible = false;  ///< nothing speaks against it
-  bool is_alone = false;     ///< and it fits nowhere else as well
+  double mean_m = 0.0;                     ///< distance of its points to the other's
+  double elsewhere_m = 0.0;                ///< at least, anywhere else
+  bool is_possible = false;                ///< nothing speaks against it
+  bool is_alone = false;                   ///< and it fits nowhere else as well
+  std::optional<Pose2> T_map_elsewhere{};  ///< where it does, in one of the places
 };
 
 /// A session that others are searched in.
@@ -51,9 +53,12 @@ class SessionMap {
   SessionMap& operator=(const SessionMap&) = delete;
 
   [[nodiscard]] SessionFix find(const Session& query, std::size_t keyframe) const;
+  /// Whether what was found fits as well there, or a little beside.
+  [[nodiscard]] bool fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
 
  private:
   struct State;
+  [[nodiscard]] double as_good_m(const SessionFix& fix) const;
 
   const Session& session_;
   SessionSearchOptions options_;

@@ -100,8 +100,8 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   for (std::size_t k = 0; k < runs.size(); ++k) {
     paths.push_back(trajectory_in_site(*runs[k], site.poses[k]));
     write_tum(folder.staged(session_file(k)), paths.back());
-    joined.runs.push_back({runs[k]->folder, runs[k]->name, std::to_string(number) + "/" + session_file(k),
-                           paths.back().size()});
+    joined.runs.push_back(
+        {runs[k]->folder, runs[k]->name, std::to_string(number) + "/" + session_file(k), paths.back().size()});
   }
   leave_out_old(folder, runs.size());
   MapOutcome outcome = site_outcome(site, runs, paths);
@@ -127,15 +127,17 @@ nlohmann::ordered_json pair_json(const RunPair& pair) {
   const SessionJoint& joint = pair.joint;
   nlohmann::ordered_json fixes = nlohmann::ordered_json::array();
   for (const SessionFix& fix : joint.held) {
-    fixes.push_back({{"keyframe", fix.keyframe},
+    fixes.push_back({{"stamp_s", pair.stamps_s.at(fix.keyframe)},
+                     {"pose", {fix.T_map_keyframe.x_m, fix.T_map_keyframe.y_m, fix.T_map_keyframe.theta_rad}},
                      {"mean_distance_m", fix.mean_m},
                      {"elsewhere_at_least_m", fix.elsewhere_m},
                      {"overlap", fix.evidence.overlap},
                      {"contradiction", fix.evidence.contradiction}});
   }
-  return {{"searched_in", pair.reference}, {"searched", pair.query},       {"is_joined", !joint.held.empty()},
-          {"places", joint.searched},      {"possible", joint.possible},   {"unambiguous", joint.alone},
-          {"agree", joint.held.size()},    {"fixes", std::move(fixes)}};
+  return {{"searched_in", pair.reference}, {"searched", pair.query},     {"is_joined", !joint.held.empty()},
+          {"places", joint.searched},      {"possible", joint.possible}, {"unambiguous", joint.alone},
+          {"explained", joint.explained},  {"rival", joint.rival},       {"agree", joint.held.size()},
+          {"fixes", std::move(fixes)}};
 }
 
 std::string report_of(const MergeOutcome& outcome) {
@@ -146,7 +148,8 @@ std::string report_of(const MergeOutcome& outcome) {
   for (const JoinedSite& site : outcome.sites) {
     nlohmann::ordered_json runs = nlohmann::ordered_json::array();
     for (const JoinedRun& run : site.runs) {
-      runs.push_back({{"run", run.folder}, {"name", run.name}, {"trajectory", run.trajectory_file}, {"scans", run.scans}});
+      runs.push_back(
+          {{"run", run.folder}, {"name", run.name}, {"trajectory", run.trajectory_file}, {"scans", run.scans}});
     }
     report["sites"].push_back({{"folder", std::filesystem::path(site.folder).filename().string()},
                                {"runs", std::move(runs)},
@@ -168,12 +171,14 @@ MergeOutcome merge_runs(const MergeRequest& request) {
   sessions.reserve(runs.size());
   for (const RunSession& run : runs) sessions.push_back(run.session);
   WorkerPool workers(threads_meant(request.threads));
-  const MergedSessions merged =
-      merge_sessions(sessions, request.options, workers,
-                     [&](std::string_view step, double share) { tell(request, step, share); });
+  const MergedSessions merged = merge_sessions(
+      sessions, request.options, workers, [&](std::string_view step, double share) { tell(request, step, share); });
   MergeOutcome outcome;
   for (const SessionJoint& joint : merged.joints) {
-    outcome.pairs.push_back({runs[joint.reference].folder, runs[joint.query].folder, joint});
+    RunPair pair{runs[joint.reference].folder, runs[joint.query].folder, joint, {}};
+    for (const RunKeyframe& keyframe : runs[joint.query].kept.keyframes)
+      pair.stamps_s.push_back(keyframe.laser.stamp_s);
+    outcome.pairs.push_back(std::move(pair));
   }
   for (const MergedSite& site : merged.sites) {
     std::vector<const RunSession*> of_site;

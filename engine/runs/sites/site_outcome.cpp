@@ -32,7 +32,8 @@ void add_doubtful(const RunSession& run, std::size_t before, std::vector<Doubtfu
   const ReportReader report = read_report(run.folder + "/report.json", run.folder);
   for (const ReportReader& entry : report.entries("doubtful_scans")) {
     const std::string reason = entry.text("reason");
-    const auto* const doubt = std::find_if(kDoubts.begin(), kDoubts.end(), [&](Doubt d) { return to_string(d) == reason; });
+    const auto* const doubt =
+        std::find_if(kDoubts.begin(), kDoubts.end(), [&](Doubt d) { return to_string(d) == reason; });
     doubtful.push_back({.index = before + entry.index("index", run.trajectory.size()),
                         .stamp_s = entry.number("stamp_s"),
                         .reason = doubt == kDoubts.end() ? Doubt::kWeakEvidence : *doubt,
@@ -102,8 +103,8 @@ Trajectory trajectory_in_site(const RunSession& run, const std::vector<Pose2>& k
     const Pose2 pose = path[scan].T_map_base;
     path[scan].T_map_base = moved_by(last, pose);
     if (last + 1 == kept.size() || scan <= kept[last].scan) continue;
-    const double share = static_cast<double>(scan - kept[last].scan) /
-                         static_cast<double>(kept[last + 1].scan - kept[last].scan);
+    const double share =
+        static_cast<double>(scan - kept[last].scan) / static_cast<double>(kept[last + 1].scan - kept[last].scan);
     const Tangent2 off = log_tangent(between(path[scan].T_map_base, moved_by(last + 1, pose)));
     path[scan].T_map_base = path[scan].T_map_base * exp_tangent({share * off[0], share * off[1], share * off[2]});
   }
@@ -123,9 +124,8 @@ MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSessi
     add_doubtful(*runs[k], before, outcome.doubtful);
     add_counts(*runs[k], outcome.statistics);
     outcome.statistics.path_m += length_m_of(paths[k]);
-    const auto [first, last] = std::minmax_element(paths[k].begin(), paths[k].end(), [](const auto& a, const auto& b) {
-      return a.stamp_s < b.stamp_s;
-    });
+    const auto [first, last] = std::minmax_element(paths[k].begin(), paths[k].end(),
+                                                   [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
     if (first != paths[k].end()) outcome.log_duration_s += last->stamp_s - first->stamp_s;
   }
   outcome.closed = closed_path(site, outcome.keyframes, outcome);

@@ -104,7 +104,8 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
   command->footer(
       "Which runs overlap is found by itself, without start poses: what the robot saw around places of one run is\n"
       "searched in the whole of the other, with proof. Two runs are joined where three such places agree within 10 cm\n"
-      "and 1 degree, nothing speaks against them and they fit nowhere else; runs that overlap with none stay a site of\n"
+      "and 1 degree, nothing speaks against them and they fit nowhere else; runs that overlap with none stay a site "
+      "of\n"
       "their own. Then loops between the runs are closed and all keyframes adjusted together.\n"
       "A site is a run folder as 'gdtslam map' writes it, in the frame of its first drive, with session-1.tum,\n"
       "session-2.tum and so on, the path of each run in it. Runs are those of flat lasers that closed their loops.\n"
