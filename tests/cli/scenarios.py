@@ -19,6 +19,7 @@ import scenario_localize
 import scenario_localize_occupancy
 import scenario_loops
 import scenario_measure
+import scenario_merge
 import scenario_modules
 import scenario_nodding
 import scenario_nodding_faults
@@ -36,7 +37,7 @@ import scenario_tilt3d
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_convert, scenario_devices,
            scenario_doctor, scenario_files,
             scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_localize, scenario_localize_occupancy, scenario_loops,
-            scenario_measure, scenario_modules,
+            scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,

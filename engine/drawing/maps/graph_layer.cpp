@@ -12,6 +12,7 @@
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/ticks.hpp"
+#include "path_layer.hpp"
 
 namespace gdtslam::picture {
 namespace {
@@ -228,8 +229,9 @@ void draw_graph(Canvas& canvas, const MapFrame& frame, const GraphOverlay& overl
       canvas.polyline(std::move(band), {.colour = kBand, .width = kBandPx * sizes.unit, .opacity = 0.8});
     }
   }
-  if (!overlay.trajectory.empty()) {
-    std::vector<Point2> path = pixels_of(frame, overlay, 0, overlay.trajectory.size() - 1, 0.8 * sizes.unit);
+  const std::vector<std::size_t> ends = ends_of_drives(overlay.drives, overlay.trajectory.size());
+  for (std::size_t k = 1; k < ends.size() && !overlay.trajectory.empty(); ++k) {
+    std::vector<Point2> path = pixels_of(frame, overlay, ends[k - 1], ends[k] - 1, 0.8 * sizes.unit);
     if (path.size() > 1) canvas.polyline(std::move(path), {.colour = kPathInk, .width = kPathPx * sizes.unit});
   }
   draw_nodes(canvas, frame, overlay, sizes);

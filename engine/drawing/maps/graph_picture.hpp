@@ -40,6 +40,7 @@ struct GraphOverlay {
   std::vector<PoseCovariance> covariances;  ///< one a pose, or none
   std::vector<PathStretch> doubtful;
   std::vector<NumberedPlace> numbers;
+  std::vector<std::size_t> drives{};  ///< poses at which another drive begins: no line leads there
 };
 
 /// Walls in grey, the path with its keyframes, loops that hold as lines in the colours of their weight, those that are

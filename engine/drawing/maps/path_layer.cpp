@@ -28,13 +28,14 @@ struct PathPoint {
   Point2 at;
   double share = 0.0;
 };
-std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& trajectory, double least_px) {
+std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& trajectory, std::size_t begin,
+                                   std::size_t end, double least_px) {
   const std::vector<double> shares = time_shares(trajectory);
   std::vector<PathPoint> points;
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     if (!is_drawable(frame, trajectory[i].T_map_base)) continue;
     const Point2 at = frame.pixel_of(trajectory[i].T_map_base.translation());
-    const bool is_last = i + 1 == trajectory.size();
+    const bool is_last = i + 1 == end;
     if (points.empty() || is_last || (at - points.back().at).norm() >= least_px) points.push_back({at, shares[i]});
   }
   return points;
@@ -155,6 +156,16 @@ Colour keyframe_colour(const PathColours& colours, double share) {
 void check(const PathOverlay& overlay) {
   check_indices(overlay.keyframes, overlay.trajectory.size(), "keyframe");
   check_indices(overlay.doubtful, overlay.trajectory.size(), "doubtful scan");
+  check_indices(overlay.drives, overlay.trajectory.size(), "drive");
+}
+
+std::vector<std::size_t> ends_of_drives(const std::vector<std::size_t>& drives, std::size_t count) {
+  std::vector<std::size_t> ends{0};
+  for (const std::size_t drive : drives) {
+    if (drive > ends.back() && drive < count) ends.push_back(drive);
+  }
+  ends.push_back(count);
+  return ends;
 }
 
 std::vector<double> time_shares(const Trajectory& trajectory) {
@@ -183,9 +194,15 @@ double duration_s(const Trajectory& trajectory) {
 void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const MapLook& look,
                const PathColours& colours, const Proportions& sizes) {
   const Panel& panel = frame.panel;
-  const std::vector<PathPoint> points = seen_points(frame, overlay.trajectory, 0.8 * sizes.unit);
+  std::vector<std::vector<PathPoint>> pieces;
+  const std::vector<std::size_t> ends = ends_of_drives(overlay.drives, overlay.trajectory.size());
+  for (std::size_t k = 1; k < ends.size(); ++k) {
+    pieces.push_back(seen_points(frame, overlay.trajectory, ends[k - 1], ends[k], 0.8 * sizes.unit));
+    if (pieces.back().empty()) pieces.pop_back();
+  }
   canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
-  if (look.with_path && points.size() > 1) {
+  for (const std::vector<PathPoint>& points : pieces) {
+    if (!look.with_path || points.size() < 2) continue;
     std::vector<Point2> whole;
     whole.reserve(points.size());
     for (const PathPoint& point : points) whole.push_back(point.at);
@@ -193,9 +210,9 @@ void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay
     draw_line(canvas, points, colours, sizes.line_px);
   }
   if (look.with_keyframes) draw_keyframes(canvas, frame, overlay, colours, sizes);
-  if (look.with_path && !points.empty()) {
-    draw_start(canvas, points.front().at, colours, sizes);
-    draw_end(canvas, points.back().at, colours, sizes);
+  if (look.with_path && !pieces.empty()) {
+    draw_start(canvas, pieces.front().front().at, colours, sizes);
+    draw_end(canvas, pieces.back().back().at, colours, sizes);
   }
   draw_doubtful_scans(canvas, frame, overlay, colours, sizes);
   canvas.end_clip();

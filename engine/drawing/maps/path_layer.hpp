@@ -27,6 +27,9 @@ Colour mixed(Colour from, Colour to, double share);
 Colour time_colour(const PathColours& colours, double share);
 Colour keyframe_colour(const PathColours& colours, double share);
 
+/// A path of several drives in pieces: the index at which each begins, and behind the last one the count.
+std::vector<std::size_t> ends_of_drives(const std::vector<std::size_t>& drives, std::size_t count);
+
 /// Throws InputError where an index of the overlay is beyond the trajectory.
 void check(const PathOverlay& overlay);
 /// The time since the start, as share of the whole, of each pose; never falls, though stamps of some logs do.

@@ -34,6 +34,15 @@ std::size_t place_before(const Session& session, std::size_t keyframe) {
   return static_cast<std::size_t>(next - session.places.begin()) - 1;
 }
 
+// From the later to the earlier: the same measurement, its tangent seen from there.
+PoseRelation turned_round(const PoseRelation& relation) {
+  const Matrix3 back = adjoint_matrix(inverse(relation.T_from_to));
+  return {.from = relation.to,
+          .to = relation.from,
+          .T_from_to = inverse(relation.T_from_to),
+          .information = transposed_times(back, relation.information * back)};
+}
+
 }  // namespace
 
 SiteGraph::SiteGraph(const std::vector<std::size_t>& group, const std::vector<Session>& sessions,
@@ -122,10 +131,11 @@ void SiteGraph::add_joint(const SessionJoint& joint, const std::vector<Session>&
         .to = parts_[part_of(joint.query)].first_place + place,
         .T_from_to = between(reference.poses[reference.places[fix.reference_place]], T_map_place),
         .information = loop_information(fix.evidence)};
+    const PoseRelation onward = relation.from < relation.to ? relation : turned_round(relation);
     if (is_trusted) {
-      graph_.path.push_back(relation);
+      graph_.path.push_back(onward);
     } else {
-      graph_.loops.push_back({relation, 1.0});
+      graph_.loops.push_back({onward, 1.0});
     }
   }
 }

@@ -23,12 +23,13 @@ namespace gdtslam {
 namespace {
 
 std::string title_of(const MapJob& job) {
-  return std::filesystem::path(log_name(job.logs.front())).filename().string();
+  const std::string first = std::filesystem::path(log_name(job.logs.front())).filename().string();
+  return job.logs.size() == 1 ? first : fmt::format("{} and {} more", first, job.logs.size() - 1);
 }
 
 // The map with the path on it, to look at.
 Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
-  PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}};
+  PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}, outcome.drives};
   for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
   const MapperStatistics& s = outcome.statistics;
   const GridGeometry& geometry = outcome.occupancy.geometry;
@@ -50,8 +51,8 @@ Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
   look.subtitle = graph_subtitle(closed.loops, uncertain, scans_of(outcome));
   return graph_picture(
       outcome.occupancy,
-      graph_overlay(outcome.trajectory, outcome.keyframes, closed.loops, closed.covariances, uncertain), look,
-      size_for_content(geometry.width, geometry.height));
+      graph_overlay(outcome.trajectory, outcome.keyframes, closed.loops, closed.covariances, uncertain, outcome.drives),
+      look, size_for_content(geometry.width, geometry.height));
 }
 
 std::string png_of(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
@@ -98,13 +99,14 @@ void write_encoded(RunFolder& folder, const std::string& name, const EncodedPict
 
 GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
                            std::span<const ClosedLoop> loops, const std::vector<PoseCovariance>& covariances,
-                           std::span<const UncertainStretch> uncertain) {
+                           std::span<const UncertainStretch> uncertain, const std::vector<std::size_t>& drives) {
   GraphOverlay overlay{.trajectory = trajectory,
                        .keyframes = keyframes,
                        .loops = {},
                        .covariances = covariances,
                        .doubtful = {},
-                       .numbers = {}};
+                       .numbers = {},
+                       .drives = drives};
   overlay.loops.reserve(loops.size());
   for (const ClosedLoop& loop : loops) overlay.loops.push_back({loop.from, loop.to, loop.weight, loop.is_on});
   overlay.doubtful.reserve(uncertain.size());

@@ -18,7 +18,7 @@ namespace gdtslam {
 /// What graph_picture() shows of a run with closed loops.
 GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
                            std::span<const ClosedLoop> loops, const std::vector<PoseCovariance>& covariances,
-                           std::span<const UncertainStretch> uncertain);
+                           std::span<const UncertainStretch> uncertain, const std::vector<std::size_t>& drives);
 /// "1 loop on", "23 loops, all on", "20 of 23 loops on", "2 loops switched off", "no loop found".
 std::string loops_text(std::size_t found, std::size_t on);
 /// "1,803 scans, 20 of 23 loops on; 40 scans not to be trusted, standard deviation up to 0.3 m".

@@ -77,6 +77,7 @@ RunReader::RunReader(std::string folder) : folder_(std::move(folder)) {
   if (report.has("keyframe_scans")) {
     summary_.keyframes = report.indices("keyframe_scans", nullptr, summary_.scans);
   }
+  if (report.has("drives")) summary_.drives = report.indices("drives", nullptr, summary_.scans);
 }
 
 RunDoubts RunReader::doubts() const { return doubts_of(read_report(file(kReport), folder_), summary_.scans); }

@@ -37,6 +37,7 @@ struct RunSummary {
   std::optional<double> match_p99_m;
   std::vector<std::size_t> doubtful;   ///< indices into the trajectory
   std::vector<std::size_t> keyframes;  ///< likewise; empty where the report is of an older version
+  std::vector<std::size_t> drives;     ///< likewise, at which another drive begins
 };
 
 class RunReader {

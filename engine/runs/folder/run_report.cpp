@@ -238,6 +238,7 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   report["stages"] = stages_json(outcome, others);
   report["doubtful_scans"] = doubtful_json(outcome.doubtful);
   report["keyframe_scans"] = outcome.keyframes;
+  if (!outcome.drives.empty()) report["drives"] = outcome.drives;
   return report;
 }
 

@@ -106,6 +106,7 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   leave_out_old(folder, runs.size());
   MapOutcome outcome = site_outcome(site, runs, paths);
   const MapJob job = job_of(request, runs);
+  times.add("prepare");
   tell(request, "the map", 0.0);
   const std::unique_ptr<SeparateMap> map = map_of(runs, site);
   outcome.match_distances_m = distances_from(map->field(), runs, site.poses);

@@ -21,11 +21,17 @@ using PlaceOfScan = std::map<std::size_t, std::size_t>;
 
 Matrix3 matrix_of(const PoseInformation& p) { return {{p.xx, p.xy, p.xt, p.xy, p.yy, p.yt, p.xt, p.yt, p.tt}}; }
 
-void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, Session& session) {
+// Of path where another drive begins: what was seen before does not belong to it.
+constexpr double kBetweenDrives_m = 1000.0;
+
+void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, const std::vector<std::size_t>& drives,
+                    Session& session) {
   ScanPoints points(config.scan);
   double path_m = 0.0;
+  auto drive = drives.begin();
   for (const RunKeyframe& keyframe : kept.keyframes) {
     if (!session.poses.empty()) path_m += length_of(between(session.poses.back(), keyframe.T_map_base));
+    for (; drive != drives.end() && keyframe.scan >= *drive; ++drive) path_m += kBetweenDrives_m;
     session.scans.push_back(keep_scan(points.of(keyframe.laser)));
     session.poses.push_back(keyframe.T_map_base);
     session.path_m.push_back(path_m);
@@ -81,7 +87,7 @@ RunSession read_run_session(const std::string& folder) {
                  .trajectory = reader.trajectory(),
                  .kept = std::move(*kept),
                  .session = {}};
-  take_keyframes(run.kept, run.settings.mapper, run.session);
+  take_keyframes(run.kept, run.settings.mapper, reader.summary().drives, run.session);
   take_graph(folder, run.kept, run.session);
   return run;
 }

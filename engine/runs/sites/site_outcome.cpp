@@ -116,6 +116,7 @@ MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSessi
   MapOutcome outcome;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const std::size_t before = outcome.trajectory.size();
+    if (before > 0) outcome.drives.push_back(before);
     outcome.trajectory.insert(outcome.trajectory.end(), paths[k].begin(), paths[k].end());
     for (const RunKeyframe& keyframe : runs[k]->kept.keyframes) {
       outcome.keyframes.push_back(before + keyframe.scan);

@@ -147,7 +147,8 @@ void draw_review(const RunReader& run, const RunReview& review, const Trajectory
                  const std::vector<PoseCovariance>& covariances, const std::string& file) {
   const LoopFindings found = review.doubts.loops.value_or(LoopFindings{});
   const OccupancyMap map = run.map();
-  GraphOverlay overlay = graph_overlay(trajectory, run.summary().keyframes, found.loops, covariances, found.uncertain);
+  GraphOverlay overlay = graph_overlay(trajectory, run.summary().keyframes, found.loops, covariances, found.uncertain,
+                                       run.summary().drives);
   for (std::size_t k = 0; k < review.notes.size(); ++k) {
     if (review.notes[k].at_m) overlay.numbers.push_back({*review.notes[k].at_m, k + 1});
   }

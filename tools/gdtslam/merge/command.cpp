@@ -54,6 +54,7 @@ std::string text_of(const RunPair& pair) {
 
 int merge(const MergeCommand& command) {
   MergeRequest request = command.request;
+  if (request.runs.size() < 2) throw UsageError("one run has nothing to be joined with: name two or more");
   request.with_map = !command.no_map;
   request.with_pictures = !command.no_pictures;
   request.stop = [] { return interrupted(); };

@@ -276,6 +276,7 @@ PathOverlay RenderSource::overlay() {
   if (run_) {
     overlay.keyframes = run_->summary().keyframes;
     overlay.doubtful = run_->summary().doubtful;
+    overlay.drives = run_->summary().drives;
   }
   return overlay;
 }
@@ -284,7 +285,7 @@ RenderSource::Graph RenderSource::graph() {
   const LoopFindings found = run_.value().doubts().loops.value();
   const std::vector<PoseCovariance> covariances = run_->covariances().value_or(std::vector<PoseCovariance>());
   const RunSummary& summary = run_->summary();
-  return {graph_overlay(trajectory(), summary.keyframes, found.loops, covariances, found.uncertain),
+  return {graph_overlay(trajectory(), summary.keyframes, found.loops, covariances, found.uncertain, summary.drives),
           graph_subtitle(found.loops, found.uncertain, summary.scans)};
 }
 

@@ -33,6 +33,7 @@ struct PathOverlay {
   Trajectory trajectory;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
   std::vector<std::size_t> doubtful;   ///< likewise
+  std::vector<std::size_t> drives{};   ///< likewise, at which another drive begins: no line leads there
 };
 
 /// What a picture of a map or a field shows, and in which colours.

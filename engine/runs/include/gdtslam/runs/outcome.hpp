@@ -93,6 +93,7 @@ struct MapOutcome {
   Trajectory trajectory;
   std::vector<DoubtfulScan> doubtful;
   std::vector<std::size_t> keyframes;  ///< indices into the trajectory
+  std::vector<std::size_t> drives{};   ///< likewise, at which another drive begins: of a site that several make up
   /// The scan of each of them as it was mapped; empty where the laser nods.
   std::vector<LaserScan> keyframe_scans;
   std::optional<ClosedPath> closed;  ///< where loops were closed; its poses are in the trajectory

@@ -1,0 +1,114 @@
+"""Runs joined to sites: where they overlap, in any order, and where not."""
+
+import json
+import pathlib
+import shutil
+
+import cli_support as cli
+from cli_support import LOG, RUN, SOURCE, TRUTH, command, expect, expect_exit, fresh_folder, mapped, one_error_line, scans_in
+
+SITE_FILES = ("map.pgm", "map.yaml", "gdt.png", "gdt.yaml", "trajectory.tum", "keyframes.bin.gz", "graph.g2o", "covariance.csv",
+              "config.yaml", "overview.png", "graph.png", "session-1.tum", "session-2.tum")
+
+
+def parts_of_the_log(folder):
+    """Its first and its last 60 %, mapped each alone."""
+    scans = scans_in(RUN)["scans"]
+    part = 6 * scans // 10
+    mapped(folder / "early", "--first", part)
+    mapped(folder / "late", "--skip", scans - part)
+    return folder / "early", folder / "late", scans, part
+
+
+def mean_error_m(run):
+    process = command("evaluate", run, "--reference", TRUTH, "--json")
+    expect_exit(process, 0)
+    return json.loads(process.stdout)["ate"]["translation_m"]["mean"]
+
+
+def merge_joins_what_overlaps():
+    """Two parts of a drive lie as the whole does; the site is a run; the same bytes in either order."""
+    folder = fresh_folder("merge")
+    early, late, _, part = parts_of_the_log(folder)
+    process = command("merge", early, late, "-o", folder / "site", "--json")
+    expect_exit(process, 0)
+    cli.validate(process.stdout, "merge")
+    merged = json.loads(process.stdout)
+    expect(process.stdout == (folder / "site/merge.json").read_text(), "another merge.json")
+    expect(len(merged["sites"]) == 1 and merged["pairs"][0]["is_joined"], process.stdout)
+    expect([run["run"] for run in merged["sites"][0]["runs"]] == [str(early), str(late)], "not in the order of time")
+    site = folder / "site/1"
+    report = scans_in(site)
+    cli.validate((site / "report.json").read_text(), "report")
+    expect(report["scans"] == 2 * part and report["drives"] == [part], f"{report['scans']}, {report['drives']}")
+    expect(report["keyframes"] == scans_in(early)["keyframes"] + scans_in(late)["keyframes"], f"{report['keyframes']}")
+    whole_m, site_m = mean_error_m(RUN), mean_error_m(site)
+    expect(site_m <= 1.2 * whole_m + 0.001, f"{site_m} m, in one go {whole_m} m")
+    sessions = [(site / f"session-{k}.tum").read_text().splitlines() for k in (1, 2)]
+    paths = [[line for line in lines if not line.startswith("#")] for lines in sessions]
+    whole = [line for line in (site / "trajectory.tum").read_text().splitlines() if not line.startswith("#")]
+    expect(paths[0] + paths[1] == whole, "the sessions are not the trajectory")
+    expect_exit(command("merge", late, early, "-o", folder / "other", "--threads", 2, "-q"), 0)
+    for name in SITE_FILES:
+        expect((site / name).read_bytes() == (folder / "other/1" / name).read_bytes(), f"{name} depends on the order")
+    found = command("localize", site, LOG, "--every", 300, "--json")
+    expect_exit(found, 0)
+    expect(all(scan["verdict"] != "poor-fit" for scan in json.loads(found.stdout)["scans"]), found.stdout)
+    expect_exit(command("doctor", "--after", site), 0)
+
+
+def merge_leaves_apart_what_does_not_overlap():
+    """A drive through another place is a site of its own, with the poses that it had."""
+    folder = fresh_folder("merge_apart")
+    scans = scans_in(RUN)["scans"]
+    mapped(folder / "office", "--first", scans // 2)
+    expect_exit(command("simulate", "corridor", "-o", folder / "other.log", "--seed", 3, "--quiet"), 0)
+    expect_exit(command("map", folder / "other.log", "-o", folder / "other", "--quiet"), 0)
+    process = command("merge", folder / "other", folder / "office", "-o", folder / "sites")
+    expect_exit(process, 0)
+    merged = json.loads((folder / "sites/merge.json").read_text())
+    expect(len(merged["sites"]) == 2 and not merged["pairs"][0]["is_joined"], process.stdout)
+    for site in merged["sites"]:
+        run, = site["runs"]
+        here, there = (poses_of(path / "trajectory.tum") for path in (folder / "sites" / site["folder"], pathlib.Path(run["run"])))
+        expect(here == there, f"{run['run']} was moved")
+    expect(process.stdout.count("1 run,") == 2, process.stdout)
+
+
+def poses_of(path):
+    with open(path, encoding="ascii") as file:
+        return [tuple(round(float(word), 6) for word in line.split()) for line in file if not line.startswith("#")]
+
+
+def merge_refuses_what_it_cannot_join():
+    """Each with one line and what to do; nothing is written."""
+    folder = fresh_folder("merge_refusals")
+    early, late = folder / "early", folder / "late"
+    mapped(early, "--first", 200)
+    mapped(late, "--skip", 100, "--first", 200)
+    mapped(folder / "loose", "--first", 100, "--no-loops")
+    expect_exit(command("map", SOURCE / "assets/logs/nodding-start.log.gz", "-o", folder / "nods", "--no-cloud", "-q"), 0)
+    shutil.copytree(early, folder / "cut")
+    kept = (folder / "cut/keyframes.bin.gz").read_bytes()
+    (folder / "cut/keyframes.bin.gz").write_bytes(kept[:len(kept) // 2])
+    shutil.copytree(early, folder / "old")
+    (folder / "old/keyframes.bin.gz").unlink()
+    for runs, code, words in (((early,), 2, "one run has nothing to be joined with"),
+                              ((early, early), 65, "is the same run as"),
+                              ((early, folder), 65, "is no folder of a run"),
+                              ((early, folder / "loose"), 65, "was mapped with --no-loops"),
+                              ((early, folder / "nods"), 65, "is a run of a laser that nods"),
+                              ((early, folder / "cut"), 65, "keyframes.bin.gz"),
+                              ((early, folder / "old"), 65, "keyframes.bin.gz")):
+        process = command("merge", *runs, "-o", folder / "site")
+        expect_exit(process, code)
+        one_error_line(process.stderr)
+        expect(words in process.stderr, process.stderr)
+        expect(not (folder / "site").exists(), f"{words}: something was written")
+    (folder / "site/1").mkdir(parents=True)
+    (folder / "site/1/map.yaml").write_text("mine\n")
+    process = command("merge", early, late, "-o", folder / "site")
+    expect_exit(process, 2)
+    expect("map.yaml that no run wrote" in process.stderr, process.stderr)
+    expect((folder / "site/1/map.yaml").read_text() == "mine\n", "a foreign file was replaced")
+    expect_exit(command("merge", early, late, "-o", folder / "site", "--force", "-q"), 0)
