@@ -1,6 +1,7 @@
 #include "session_merge.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double kSameWay_m = 1.0;  // of two ways to lay a session on another
 constexpr double kSameWay_rad = 0.35;
+constexpr double kSamePlace_m = 1.0;  // of path
 constexpr std::size_t kMostWays = 40;
 constexpr std::size_t kSearchesAtOnce = 8;  // before it is asked whether enough were found
 
@@ -110,6 +112,9 @@ void find_overlap(const SessionMap& map, const Session& query, const MergeOption
   };
   joint.possible = count(&SessionFix::is_possible);
   joint.alone = count(&SessionFix::is_alone);
+  for (const SessionFix& fix : fixes) {
+    if (fix.is_possible && !fix.is_alone) joint.repeated.push_back(fix.keyframe);
+  }
   for (const std::size_t k : agreeing(query, fixes, options.agreement)) joint.held.push_back(fixes[k]);
   if (joint.held.empty()) return;
   weigh_rivals(map, query, fixes, workers, joint);
@@ -119,6 +124,42 @@ void find_overlap(const SessionMap& map, const Session& query, const MergeOption
   if (share(joint.alone, joint.possible) < options.least_alone ||
       share(joint.rival, joint.explained) > options.most_rival) {
     joint.held.clear();
+  }
+}
+
+/// What all pairs together tell of places that are there more than once.
+class RepeatedPlaces {
+ public:
+  RepeatedPlaces(const std::vector<Session>& sessions, const std::vector<SessionJoint>& joints)
+      : sessions_(sessions), of_session_(sessions.size()) {
+    for (const SessionJoint& joint : joints) {
+      std::vector<std::size_t>& all = of_session_[joint.query];
+      all.insert(all.end(), joint.repeated.begin(), joint.repeated.end());
+    }
+  }
+  /// Whether the keyframe is beside one that fits in several spots of any session.
+  [[nodiscard]] bool hold(std::size_t session, std::size_t keyframe) const {
+    const std::vector<double>& path_m = sessions_[session].path_m;
+    return std::any_of(of_session_[session].begin(), of_session_[session].end(), [&](std::size_t repeated) {
+      return std::fabs(path_m[repeated] - path_m[keyframe]) <= kSamePlace_m;
+    });
+  }
+
+ private:
+  const std::vector<Session>& sessions_;
+  std::vector<std::vector<std::size_t>> of_session_;
+};
+
+// Two drives that saw one of two wings each fit on each other without a flaw; a third that saw both tells.
+void drop_repeated(const std::vector<Session>& sessions, const AgreementLimits& limits,
+                   std::vector<SessionJoint>& joints) {
+  const RepeatedPlaces repeated(sessions, joints);
+  for (SessionJoint& joint : joints) {
+    std::erase_if(joint.held, [&](const SessionFix& fix) {
+      return repeated.hold(joint.query, fix.keyframe) ||
+             repeated.hold(joint.reference, sessions[joint.reference].places[fix.reference_place]);
+    });
+    if (joint.held.size() < limits.least) joint.held.clear();
   }
 }
 
@@ -139,6 +180,7 @@ std::vector<SessionJoint> find_joints(const std::vector<Session>& sessions, cons
       progress("looking where sessions overlap", static_cast<double>(++done) / static_cast<double>(joints.size()));
     }
   }
+  drop_repeated(sessions, options.agreement, joints);
   return joints;
 }
 

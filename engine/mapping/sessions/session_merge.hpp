@@ -20,14 +20,15 @@ namespace gdtslam {
 
 /// Two sessions that overlap, or do not.
 struct SessionJoint {
-  std::size_t reference = 0;     ///< the one that was searched in
-  std::size_t query = 0;         ///< whose places were looked for
-  std::size_t searched = 0;      ///< places and keyframes beside them
-  std::size_t possible = 0;      ///< of these, found with nothing against it
-  std::size_t alone = 0;         ///< of these, that fit nowhere else as well
-  std::size_t explained = 0;     ///< of those found, that fit where the two are joined
-  std::size_t rival = 0;         ///< and where the second best way to join them has them
-  std::vector<SessionFix> held;  ///< of these, that agree; empty where the two are not joined
+  std::size_t reference = 0;          ///< the one that was searched in
+  std::size_t query = 0;              ///< whose places were looked for
+  std::size_t searched = 0;           ///< places and keyframes beside them
+  std::size_t possible = 0;           ///< of these, found with nothing against it
+  std::size_t alone = 0;              ///< of these, that fit nowhere else as well
+  std::size_t explained = 0;          ///< of those found, that fit where the two are joined
+  std::size_t rival = 0;              ///< and where the second best way to join them has them
+  std::vector<std::size_t> repeated;  ///< keyframes of the query that were found, and fit elsewhere as well
+  std::vector<SessionFix> held;       ///< fixes that agree; empty where the two are not joined
 };
 
 struct MergeOptions {
