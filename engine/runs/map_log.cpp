@@ -9,6 +9,7 @@
 
 #include "engine/core/free_memory.hpp"
 #include "engine/io/atomic_file.hpp"
+#include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/continuing/continuation.hpp"
 #include "engine/runs/continuing/continue_file.hpp"
 #include "engine/runs/continuing/log_copies.hpp"
@@ -185,7 +186,8 @@ MapResult map_prepared(RunFolder& folder, const MapRequest& request, const MapJo
 }
 
 // `continued` is null for a new run.
-MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& backend, const Continuation* continued) {
+MapResult map_opened(const MapRequest& request, const MapJob& job, const BackendOfRun& backend_of,
+                     const Continuation* continued) {
   RunTimes times;
   KeptRequest kept = continued != nullptr ? continued->kept : kept_request_of(request);
   LogCopies copies(job.logs, kept.paths, job.read);
@@ -197,12 +199,14 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, Backend& back
   const auto open = [&copies](std::size_t log) { return copies.open(log); };
   ScanStream scans(job.logs, job.read, job.range,
                    request.with_copies ? ScanStream::OpenLog(open) : ScanStream::OpenLog());
+  const NodKind kind = kept.prepared ? kept.prepared->nods : nod_kind_of_start(request, scans);
+  Backend& backend =
+      backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
+  if (!folder) {
+    folder = std::make_unique<RunFolder>(request.folder);
+    if (request.with_copies) copies.write_into(*folder);
+  }
   if (!kept.prepared) {
-    const NodKind kind = nod_kind_of_start(request, scans);
-    if (!folder) {
-      folder = std::make_unique<RunFolder>(request.folder);
-      if (request.with_copies) copies.write_into(*folder);
-    }
     if (request.with_copies) write_continue_file(folder->staged_path(kContinueFile), kept);
     kept.prepared = prepare(request, job, copies, kind);
     if (request.with_copies && !stopped(request)) write_continue_file(folder->staged_path(kContinueFile), kept);
@@ -226,7 +230,7 @@ MapJob job_of(const MapRequest& request) {
 
 }  // namespace
 
-MapResult map_logs(const MapRequest& request, Backend& backend) {
+MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
   if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
   try {
     if (request.continued.empty()) return map_opened(request, job_of(request), backend, nullptr);

@@ -342,6 +342,21 @@ def bench_of_a_device():
     expect("x CPU" in text and "smallest_values" in text, text)
 
 
+def gpu_is_looked_for_when_needed():
+    """--device auto asks the Vulkan loader for devices only where a run has work for one; a device that is named is opened always."""
+    if not has_vulkan_part() or ctypes.util.find_library("vulkan") is None:
+        skip("there is no Vulkan here")
+    folder = fresh_folder("gpu_when_needed")
+    nodding = SOURCE / "assets/logs/nodding-start.log.gz"
+    for log, arguments, is_needed in ((SAMPLE, (), False), (SAMPLE, ("--matcher", "exhaustive"), True), (nodding, (), True)):
+        process = command("map", log, "-o", folder / "run", "--first", 20, "--no-pictures", "-q", *arguments,
+                          env=environment(VK_LOADER_DEBUG="all", **NO_DRIVER))
+        expect_exit(process, 0)
+        has_looked = "vkCreateInstance" in process.stderr or "ICD" in process.stderr or "DRIVER" in process.stderr
+        expect(has_looked == is_needed, f"{log.name} {arguments}: {process.stderr[:2000]}")
+    expect_exit(command("map", SAMPLE, "-o", folder / "no", "--device", "vulkan", env=environment(**NO_DRIVER)), 69)
+
+
 def bench_work_of_a_device():
     """What mapping the sample asks of a device adds up to what report.json counts, and does not depend on the run."""
     device = require_vulkan()[0]["device"]

@@ -194,22 +194,14 @@ std::vector<Matrix3> BackEnd::covariances_of_scans(const LoopCloser& closer) con
   if (nodes.back() + 1 < places.size()) nodes.push_back(places.size() - 1);
   PoseGraph cautious = closer.graph();
   if (places.size() > 1) cautious.path = closer.measured().cautious_relations(kLeastForDoubt);
-  const std::vector<Matrix3> of_nodes = covariances_in_map(cautious, nodes);
+  std::vector<std::size_t> at;
+  at.reserve(nodes.size());
+  for (const std::size_t node : nodes) at.push_back(places[node]);
+  const std::vector<Matrix3> of_keyframes =
+      spread_covariances(at, covariances_in_map(cautious, nodes), keyframes_.size());
   std::vector<Matrix3> covariances;
   covariances.reserve(scans_.size());
-  std::size_t next = 0;
-  for (const Scan& scan : scans_) {
-    while (next < nodes.size() && places[nodes[next]] <= scan.keyframe) ++next;
-    const std::size_t last = next - 1;
-    if (next == nodes.size()) {
-      covariances.push_back(of_nodes[last]);
-      continue;
-    }
-    const auto from = static_cast<double>(places[nodes[last]]);
-    const double share =
-        (static_cast<double>(scan.keyframe) - from) / (static_cast<double>(places[nodes[next]]) - from);
-    covariances.push_back((1.0 - share) * of_nodes[last] + share * of_nodes[next]);
-  }
+  for (const Scan& scan : scans_) covariances.push_back(of_keyframes[scan.keyframe]);
   return covariances;
 }
 

@@ -69,4 +69,23 @@ std::vector<Matrix3> covariances_in_map(const PoseGraph& graph, std::span<const 
   return own;
 }
 
+std::vector<Matrix3> spread_covariances(std::span<const std::size_t> at, std::span<const Matrix3> known,
+                                        std::size_t count) {
+  std::vector<Matrix3> all;
+  all.reserve(count);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    while (next < at.size() && at[next] <= i) ++next;
+    const std::size_t last = next - 1;
+    if (next == at.size()) {
+      all.push_back(known[last]);
+      continue;
+    }
+    const auto from = static_cast<double>(at[last]);
+    const double share = (static_cast<double>(i) - from) / (static_cast<double>(at[next]) - from);
+    all.push_back((1.0 - share) * known[last] + share * known[next]);
+  }
+  return all;
+}
+
 }  // namespace gdtslam

@@ -16,4 +16,9 @@ namespace gdtslam {
 /// Of (x, y, theta) along the map's axes, one a node asked for; the rigid motion is that of these nodes' positions.
 std::vector<Matrix3> covariances_in_map(const PoseGraph& graph, std::span<const std::size_t> nodes);
 
+/// For `count` indices, the covariances that are known at some of them, ascending, and between two of these linearly;
+/// beyond the last as there.
+std::vector<Matrix3> spread_covariances(std::span<const std::size_t> at, std::span<const Matrix3> known,
+                                        std::size_t count);
+
 }  // namespace gdtslam

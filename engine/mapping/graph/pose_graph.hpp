@@ -42,6 +42,9 @@ struct Loop {
   [[nodiscard]] bool is_on() const { return weight > 0.25; }
 };
 
+/// A loop that is there already was found again, from a better start: the new one takes its place.
+void take_loop(std::vector<Loop>& loops, const Loop& loop);
+
 class PoseGraph {
  public:
   /// chi2 of three degrees of freedom that one right loop in a hundred exceeds.

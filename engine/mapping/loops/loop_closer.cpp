@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "engine/mapping/loops/carried_keyframes.hpp"
+
 namespace gdtslam {
 namespace {
 
@@ -14,18 +16,6 @@ constexpr int kGraduatedEvery = 8;  // places with loops, after which the graph 
 std::size_t loops_on(const PoseGraph& graph) {
   return static_cast<std::size_t>(
       std::count_if(graph.loops.begin(), graph.loops.end(), [](const Loop& loop) { return loop.is_on(); }));
-}
-
-// A loop that is there already is found again from a better start: the new one takes its place.
-void take(std::vector<Loop>& loops, const Loop& loop) {
-  const auto same = std::find_if(loops.begin(), loops.end(), [&](const Loop& known) {
-    return known.relation.from == loop.relation.from && known.relation.to == loop.relation.to;
-  });
-  if (same == loops.end()) {
-    loops.push_back(loop);
-  } else {
-    *same = loop;
-  }
 }
 
 }  // namespace
@@ -43,7 +33,7 @@ LoopCloser::LoopCloser(const FrontEndPath& path, const LoopOptions& options)
     : path_(path), options_(options), counter_(options), measured_(path, {}), finder_(options.search) {}
 
 bool LoopCloser::take_loops(const std::vector<Loop>& loops) {
-  for (const Loop& loop : loops) take(graph_.loops, loop);
+  for (const Loop& loop : loops) take_loop(graph_.loops, loop);
   return !loops.empty();
 }
 
@@ -107,24 +97,9 @@ void LoopCloser::weigh_sources() {
   graph_ = as_stated;
 }
 
-// Between two places the path keeps its shape; what the graph moved its end by is spread over it.
 std::vector<Pose2> LoopCloser::carried_keyframes() const {
-  const std::vector<Pose2>& shape = path_.poses;
   std::vector<Pose2> poses = poses_;
-  for (std::size_t place = 0; place < graph_.poses.size(); ++place) {
-    const std::size_t from = places()[place];
-    const bool is_last = place + 1 == graph_.poses.size();
-    const std::size_t to = is_last ? poses.size() : places()[place + 1];
-    for (std::size_t i = from; i < to; ++i) poses[i] = graph_.poses[place] * between(shape[from], shape[i]);
-    if (is_last) break;
-    const Pose2 end = graph_.poses[place] * between(shape[from], shape[to]);
-    const Tangent2 off = log_tangent(between(end, graph_.poses[place + 1]));
-    for (std::size_t i = from + 1; i < to; ++i) {
-      const double share = static_cast<double>(i - from) / static_cast<double>(to - from);
-      const Tangent2 here = adjoint_matrix(between(shape[i], shape[to])) * off;
-      poses[i] = poses[i] * exp_tangent({share * here[0], share * here[1], share * here[2]});
-    }
-  }
+  carry_keyframes_between(places(), graph_.poses, path_.poses, poses);
   return poses;
 }
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/core/free_memory.hpp"
-#include "engine/mapping/map/keyframe_map.hpp"
+#include "engine/mapping/loops/group_field.hpp"
 #include "gdtslam/compute/kernel.hpp"
 
 namespace gdtslam {
@@ -20,25 +20,6 @@ constexpr std::size_t kAheadAThread = 4;  // places that are looked at before it
 constexpr double kNearWindow_m = 0.8;     // half windows that are cheap to prepare for
 constexpr double kNearWindow_rad = 0.5;
 
-MapperConfig field_config(double resolution_m) {
-  MapperConfig config;
-  config.map.resolution_m = resolution_m;
-  config.merge.threshold_m = resolution_m;
-  return config;
-}
-
-// One at a time is made on a backend.
-FieldCopy field_of(const std::vector<Point2>& points_m, double resolution_m, Backend& backend,
-                   std::mutex& backend_mutex) {
-  const MapperConfig config = field_config(resolution_m);
-  const KeyframeCells cells = keyframe_of(points_m, resolution_m, config.map.radius_cells());
-  const std::lock_guard lock(backend_mutex);
-  KeyframeMap map(config, backend);
-  StageTimes times;
-  map.merge(cells, times);
-  return FieldCopy(map.field);
-}
-
 // Cost units that one sigma squared is worth: a point that is a cell off costs 256, and of `points` only some are
 // independent.
 WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t points) {
@@ -50,14 +31,6 @@ WindowPrior prior_of(const Revisit& revisit, double resolution_m, std::size_t po
   prior.weight_xy = static_cast<float>(unit / (cells * cells));
   prior.weight_theta = static_cast<float>(unit / (radians * radians));
   return prior;
-}
-
-std::vector<Point2> every_nth(const std::vector<Point2>& points, std::size_t most) {
-  const std::size_t step = (points.size() + most - 1) / std::max<std::size_t>(1, most);
-  if (step <= 1) return points;
-  std::vector<Point2> taken;
-  for (std::size_t i = 0; i < points.size(); i += step) taken.push_back(points[i]);
-  return taken;
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "scan_group.hpp"
 
 #include <cmath>
-#include <unordered_set>
 #include <utility>
 
 #include "engine/core/elementary.hpp"
+#include "engine/mapping/loops/point_thinner.hpp"
 
 namespace gdtslam {
 namespace {
@@ -23,23 +23,6 @@ std::pair<std::size_t, std::size_t> stretch_of(std::span<const double> path_m, s
   return {first, last};
 }
 
-// The first point of each cell, in order.
-class Thinner {
- public:
-  explicit Thinner(double spacing_m) : spacing_m_(spacing_m) {}
-  bool is_first(const Point2& point) {
-    const auto x = static_cast<std::int32_t>(std::floor(point.x() / spacing_m_));
-    const auto y = static_cast<std::int32_t>(std::floor(point.y() / spacing_m_));
-    return seen_
-        .insert((static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) | static_cast<std::uint32_t>(y))
-        .second;
-  }
-
- private:
-  double spacing_m_;
-  std::unordered_set<std::uint64_t> seen_;  // never iterated over
-};
-
 Point2 turned(const SinCos<double>& turn, const Point2& v) {
   return {turn.cos * v.x() - turn.sin * v.y(), turn.sin * v.x() + turn.cos * v.y()};
 }
@@ -50,7 +33,7 @@ ScanGroup::ScanGroup(const KeyframePath& keyframes, std::size_t middle, double h
     : middle_(middle) {
   const auto [first, last] = stretch_of(keyframes.path_m, middle, half_m);
   first_ = first;
-  Thinner thinner(spacing_m);
+  PointThinner thinner(spacing_m);
   std::vector<Beam> beams;
   std::vector<WallPoint> walls;
   for (std::size_t i = first; i <= last; ++i) {

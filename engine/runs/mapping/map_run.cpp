@@ -11,19 +11,13 @@
 #include "engine/mapping/nodding/level_scan.hpp"
 #include "engine/runs/streams/log_check.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
 
 namespace gdtslam {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostUncast = 256;  // scans that wait to be cast into the occupancy map
-
-OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
-  return {.resolution_m = config.map.resolution_m,
-          .min_range_m = config.scan.min_range_m,
-          .max_range_m = config.scan.max_range_m,
-          .max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U};
-}
 
 // Linkage and mount of the model, or its mount alone where the elevation itself was measured.
 NoddingScanner scanner_for(const NoddingJob& job) {
@@ -35,15 +29,14 @@ NoddingScanner scanner_for(const NoddingJob& job) {
   };
 }
 
-double length_m_of(const Trajectory& trajectory) {
-  double length_m = 0.0;
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    length_m += between(trajectory[i - 1].T_map_base, trajectory[i].T_map_base).translation().norm();
-  }
-  return length_m;
-}
-
 }  // namespace
+
+OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config) {
+  return {.resolution_m = config.map.resolution_m,
+          .min_range_m = config.scan.min_range_m,
+          .max_range_m = config.scan.max_range_m,
+          .max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U};
+}
 
 /// What there is besides where the laser nods. Points go to the cloud, where there is one, and to the check of the
 /// sweeps.

@@ -57,6 +57,9 @@ struct NoddingJob {
   SweepCheckConfig check;
 };
 
+/// Of the occupancy map of a run with that configuration.
+OccupancyBuilder::Limits occupancy_limits(const MapperConfig& config);
+
 class MapRun {
  public:
   /// Opens the first log and prepares the mapper. Throws ConfigError, InputError or FileError.

@@ -183,7 +183,7 @@ void check_continued(const CLI::App& command, const MapOptions& options) {
 int map(const MapOptions& options) {
   check_mcap(options);
   MapRequest request = request_of(options);
-  const std::unique_ptr<Backend> backend = make_backend(options.device);
+  BackendWhenNeeded backend(options.device);
   ProgressLine line("scans", options.quiet);
   request.progress = [&line](std::uint64_t done, double share) { line.update(done, share); };
   TerminalLine closing(options.quiet);
@@ -195,7 +195,7 @@ int map(const MapOptions& options) {
     line.clear();
     closing.draw_now(fmt::format("making {}", what));
   };
-  const MapResult result = map_logs(request, *backend);
+  const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
   line.clear();
   closing.clear();
   write_mcap(options, request, result.outcome);

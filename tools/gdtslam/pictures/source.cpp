@@ -320,12 +320,4 @@ std::string name_of_place(const std::string& path) {
   return failed || whole.filename().empty() ? "cloud" : whole.filename().string();
 }
 
-double length_m_of(const Trajectory& trajectory) {
-  double length_m = 0.0;
-  for (std::size_t k = 1; k < trajectory.size(); ++k) {
-    length_m += (trajectory[k].T_map_base.translation() - trajectory[k - 1].T_map_base.translation()).norm();
-  }
-  return length_m;
-}
-
 }  // namespace gdtslam

@@ -109,7 +109,5 @@ StillCloud read_cloud_for_still(const std::string& path, const PictureSize& size
 std::array<double, 3> origin_of_cloud(const std::string& path);
 /// The own name of a file or folder, whatever the path to it looks like.
 std::string name_of_place(const std::string& path);
-/// From pose to pose.
-double length_m_of(const Trajectory& trajectory);
 
 }  // namespace gdtslam

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {

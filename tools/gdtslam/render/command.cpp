@@ -129,8 +129,8 @@ MapOutcome map_into(const RenderOptions& options, const std::string& folder) {
   request.progress = [&line](std::uint64_t done, double share) { line.update(done, share); };
   request.stop = [] { return interrupted(); };
   if (!options.quiet) request.warn = print_remark;
-  const std::unique_ptr<Backend> backend = make_backend({});
-  MapResult result = map_logs(request, *backend);
+  BackendWhenNeeded backend({});
+  MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
   line.clear();
   if (!options.quiet) print_remarks(result.outcome);
   return std::move(result.outcome);

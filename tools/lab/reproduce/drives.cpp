@@ -179,7 +179,9 @@ void map_whole(const std::string& log, const std::string& run, const DeviceOptio
   request.on_failure = on_failure_of(device);
   request.progress = [&](std::uint64_t, double share) { progress(share); };
   request.stop = [] { return interrupted(); };
-  if (map_logs(request, *make_backend(device)).outcome.interrupted) throw_interrupted();
+  BackendWhenNeeded backend(device);
+  const auto backend_of = [&backend](bool has_work) -> Backend& { return backend.of(has_work); };
+  if (map_logs(request, backend_of).outcome.interrupted) throw_interrupted();
 }
 
 ReferenceReport errors_of(const Drive& drive, bool is_aligned) {

@@ -150,6 +150,17 @@ std::unique_ptr<Backend> make_backend(const DeviceOptions& options) {
   return cpu;
 }
 
+BackendWhenNeeded::BackendWhenNeeded(const DeviceOptions& options)
+    : options_(options),
+      is_chosen_(parse_device_name(options.device).kind != DeviceName::Kind::kAuto),
+      backend_(is_chosen_ ? make_backend(options) : make_cpu(options)) {}
+
+Backend& BackendWhenNeeded::of(bool has_work) {
+  if (!is_chosen_ && has_work) backend_ = make_backend(options_);
+  is_chosen_ = true;
+  return *backend_;
+}
+
 DeviceName parse_device_name(const std::string& name) {
   constexpr std::string_view kNumbered = "vulkan:";
   if (name == "auto") return {DeviceName::Kind::kAuto, {}};

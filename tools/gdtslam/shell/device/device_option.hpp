@@ -40,6 +40,21 @@ std::unique_ptr<VulkanBackend> make_vulkan(const DeviceOptions& options, VulkanO
 /// warning, unless no_fallback is set. Throws UnavailableError for a device that this machine does not have.
 std::unique_ptr<Backend> make_backend(const DeviceOptions& options);
 
+/// The backend of a command for which there may be nothing that a device would do. One that is named is opened at once;
+/// a GPU is looked for, which takes a driver's memory and time, only where there is work for it.
+class BackendWhenNeeded {
+ public:
+  /// As make_backend().
+  explicit BackendWhenNeeded(const DeviceOptions& options);
+  /// Of the first call; later ones give the same.
+  Backend& of(bool has_work);
+
+ private:
+  DeviceOptions options_;
+  bool is_chosen_;
+  std::unique_ptr<Backend> backend_;
+};
+
 // Values in, values out: nothing is opened below.
 
 struct DeviceName {

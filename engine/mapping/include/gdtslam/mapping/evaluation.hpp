@@ -90,4 +90,7 @@ struct ReferenceOptions {
 ReferenceReport evaluate_reference(const Trajectory& estimate, const Trajectory& reference,
                                    const ReferenceOptions& options);
 
+/// Of the path, from pose to pose, metres.
+double length_m_of(const Trajectory& trajectory);
+
 }  // namespace gdtslam

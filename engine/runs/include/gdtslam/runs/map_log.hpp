@@ -58,10 +58,18 @@ struct MapResult {
   std::string report;   ///< the text of report.json
 };
 
+/// Gives the backend of a run once its log is open, and with it whether there is anything that a device would do: a
+/// flat laser's scans are matched on the host, but for one matcher. What it refers to must live as long as the run.
+using BackendOfRun = std::function<Backend&(bool has_work)>;
+
 /// Maps the logs and writes the run folder, all files or none. Throws InputError, ConfigError, FileError,
-/// UnavailableError, DeviceError where the request does not allow to go on without the device, UsageError where the run
-/// cannot be gone on with in that way, and Error(kInterrupted) when stopped before a scan was mapped.
-MapResult map_logs(const MapRequest& request, Backend& backend);
+/// UnavailableError, what `backend` throws, DeviceError where the request does not allow to go on without the device,
+/// UsageError where the run cannot be gone on with in that way, and Error(kInterrupted) when stopped before a scan was
+/// mapped.
+MapResult map_logs(const MapRequest& request, const BackendOfRun& backend);
+inline MapResult map_logs(const MapRequest& request, Backend& backend) {
+  return map_logs(request, [&backend](bool) -> Backend& { return backend; });
+}
 
 /// How the logs tell, among the first 10,000 records of the first one, how their laser nods. What is read of the
 /// standard input ("-") is lost to a later reader. Throws InputError or FileError for what cannot be read.

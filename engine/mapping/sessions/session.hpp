@@ -1,0 +1,22 @@
+// A drive that was mapped, as it takes part in a merge: its keyframes and the graph of its path. Frame: the session's
+// map. Plain data.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/mapping/graph/pose_graph.hpp"
+#include "engine/mapping/surface/surface_points.hpp"
+
+namespace gdtslam {
+
+struct Session {
+  std::vector<KeptScan> scans;      ///< of its keyframes
+  std::vector<Pose2> poses;         ///< likewise
+  std::vector<double> path_m;       ///< travelled until each
+  std::vector<std::size_t> places;  ///< keyframes, ascending, the first one among them
+  std::vector<PoseRelation> path;   ///< as it was measured, between places by their number
+  std::vector<Loop> loops;          ///< likewise, as far as they are believed
+};
+
+}  // namespace gdtslam

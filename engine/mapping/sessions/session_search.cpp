@@ -1,0 +1,177 @@
+#include "session_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+
+#include "engine/mapping/adjust/pose_bins.hpp"
+#include "engine/mapping/loops/group_field.hpp"
+#include "engine/mapping/loops/point_thinner.hpp"
+#include "engine/mapping/loops/scan_group.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/certified.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
+constexpr double kPlaceSpacing_m = 0.1;     // and of a place
+constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
+constexpr double kBesideHalf_m = 0.5;       // of the window around a pose that is asked about: drift of both
+constexpr double kBesideHalf_rad = 0.05;
+constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
+constexpr std::size_t kQueriesApart = 4;                // of which one is looked for before the others between
+
+KeyframePath path_of(const Session& session) { return {session.scans, session.poses, session.path_m}; }
+
+std::vector<Point2> points_of(const Session& session) {
+  PointThinner thinner(kSessionSpacing_m);
+  std::vector<Point2> points;
+  for (std::size_t i = 0; i < session.scans.size(); ++i) {
+    for (const Point2& point : points_of(session.scans[i])) {
+      const Point2 there = session.poses[i] * point;
+      if (thinner.is_first(there)) points.push_back(there);
+    }
+  }
+  return points;
+}
+
+// Where the robot may have been: around all of the path, in every heading.
+PoseWindow window_around(const std::vector<Pose2>& poses, double beyond_m) {
+  double left = poses.front().x_m;
+  double right = left;
+  double bottom = poses.front().y_m;
+  double top = bottom;
+  for (const Pose2& pose : poses) {
+    left = std::min(left, pose.x_m);
+    right = std::max(right, pose.x_m);
+    bottom = std::min(bottom, pose.y_m);
+    top = std::max(top, pose.y_m);
+  }
+  return {.centre = {0.5 * (left + right), 0.5 * (bottom + top), 0.0},
+          .half_x_m = 0.5 * (right - left) + beyond_m,
+          .half_y_m = 0.5 * (top - bottom) + beyond_m,
+          .half_theta_rad = std::numbers::pi};
+}
+
+}  // namespace
+
+struct SessionMap::State {
+  State(const Session& session, const SessionSearchOptions& options)
+      : backend(make_cpu_backend({})),
+        field(field_of(points_of(session), options.resolution_m, *backend, mutex)),
+        map(field.view(), best_isa()),
+        window(window_around(session.poses, options.beyond_m)) {}
+
+  std::unique_ptr<Backend> backend;
+  std::mutex mutex;
+  FieldCopy field;
+  CertifiedMap map;
+  PoseWindow window;
+};
+
+SessionMap::SessionMap(const Session& session, const SessionSearchOptions& options)
+    : session_(session), options_(options), state_(std::make_unique<State>(session, options)) {}
+SessionMap::~SessionMap() = default;
+
+SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
+  SessionFix fix;
+  fix.keyframe = keyframe;
+  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
+  if (points.empty()) return fix;
+  CertifiedOptions search;
+  search.gap_m = options_.gap_m;
+  search.max_boxes = options_.most_boxes;
+  const double unit = 256.0 / options_.resolution_m * static_cast<double>(points.size());
+  search.wanted_bound = static_cast<std::uint32_t>(options_.most_m * unit);
+  const CertifiedResult best = find_pose(state_->map, points, state_->window, search);
+  if (!best.certified() || best.cost > search.wanted_bound) return fix;
+  fix.T_map_keyframe = best.T_map_base;
+  fix.mean_m = best.mean_cost_m;
+  const auto nearest = std::min_element(session_.places.begin(), session_.places.end(), [&](auto a, auto b) {
+    return squared_distance(session_.poses[a], fix.T_map_keyframe) <
+           squared_distance(session_.poses[b], fix.T_map_keyframe);
+  });
+  fix.reference_place = static_cast<std::size_t>(nearest - session_.places.begin());
+  const ScanGroup reference(path_of(session_), *nearest, options_.reference_half_m, kPlaceHeld_m);
+  fix.evidence = weigh_loop(reference, group, between(session_.poses[*nearest], fix.T_map_keyframe));
+  fix.is_possible = is_possible(fix.evidence, options_.limits);
+  if (!fix.is_possible) return fix;
+  search.gap_m = 0.0;
+  search.excluded = ExcludedPoses{fix.T_map_keyframe};
+  search.wanted_bound = best.cost + static_cast<std::uint32_t>(as_good_m(fix) * unit) + 1;
+  const CertifiedResult elsewhere = find_pose(state_->map, points, state_->window, search);
+  fix.elsewhere_m = elsewhere.mean_bound_m;
+  fix.is_alone = elsewhere.stop == CertifiedStop::kNothingAllowed || elsewhere.bound >= search.wanted_bound;
+  if (!fix.is_alone && elsewhere.cost < search.wanted_bound) fix.T_map_elsewhere = elsewhere.T_map_base;
+  return fix;
+}
+
+double SessionMap::as_good_m(const SessionFix& fix) const {
+  return std::max(options_.as_good_m, options_.as_good_share * fix.mean_m);
+}
+
+bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
+  const ScanGroup group(path_of(query), fix.keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
+  if (points.empty()) return false;
+  const PoseWindow beside{.centre = T_map_keyframe,
+                          .half_x_m = kBesideHalf_m,
+                          .half_y_m = kBesideHalf_m,
+                          .half_theta_rad = kBesideHalf_rad};
+  CertifiedOptions search;
+  search.gap_m = options_.gap_m;
+  search.max_boxes = options_.most_boxes;
+  search.starts = {T_map_keyframe};
+  const CertifiedResult best = find_pose(state_->map, points, beside, search);
+  return best.mean_cost_m <= fix.mean_m + as_good_m(fix);
+}
+
+std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most) {
+  const std::size_t count = std::min(most, query.places.size());
+  std::vector<std::size_t> places;
+  places.reserve(count);
+  for (std::size_t first = 0; first < kQueriesApart; ++first) {
+    for (std::size_t k = first; k < count; k += kQueriesApart)
+      places.push_back(query.places[k * query.places.size() / count]);
+  }
+  return places;
+}
+
+std::vector<std::size_t> keyframes_beside(const Session& query, std::size_t keyframe) {
+  std::vector<std::size_t> beside;
+  for (const double away_m : kBeside_m) {
+    const double path_m = query.path_m[keyframe] + away_m;
+    if (path_m < 0.0 || path_m > query.path_m.back()) continue;
+    const auto at = std::lower_bound(query.path_m.begin(), query.path_m.end(), path_m);
+    beside.push_back(static_cast<std::size_t>(at - query.path_m.begin()));
+  }
+  return beside;
+}
+
+std::vector<std::size_t> agreeing(const Session& query, const std::vector<SessionFix>& fixes,
+                                  const AgreementLimits& limits) {
+  const auto agree = [&](const SessionFix& a, const SessionFix& b) {
+    const std::size_t from = a.keyframe;
+    const std::size_t to = b.keyframe;
+    const Pose2 off = between(between(query.poses[from], query.poses[to]), between(a.T_map_keyframe, b.T_map_keyframe));
+    const double way_m = std::fabs(query.path_m[to] - query.path_m[from]);
+    return length_of(off) <= limits.near_m + limits.drift_m_per_m * way_m &&
+           std::fabs(wrap_angle(off.theta_rad)) <= limits.near_rad + limits.drift_rad_per_m * way_m;
+  };
+  std::vector<std::size_t> most;
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    if (!fixes[i].is_alone) continue;
+    std::vector<std::size_t> with;
+    for (std::size_t j = 0; j < fixes.size(); ++j) {
+      if (fixes[j].is_alone && agree(fixes[i], fixes[j])) with.push_back(j);
+    }
+    if (with.size() > most.size()) most = std::move(with);
+  }
+  if (most.size() < limits.least) most.clear();
+  return most;
+}
+
+}  // namespace gdtslam

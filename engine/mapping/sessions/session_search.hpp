@@ -1,0 +1,87 @@
+// Keyframes of one session searched in the whole of another, without any idea where: what the robot saw around one,
+// laid by the certified search where it fits best, and whether it fits elsewhere as well. Frame: the map of the session
+// that is searched in. Thread-safe. Cost: some tenths of a second a search on an office floor.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/core/worker_pool.hpp"
+#include "engine/mapping/loops/loop_verdict.hpp"
+#include "engine/mapping/sessions/session.hpp"
+
+namespace gdtslam {
+
+struct SessionSearchOptions {
+  double query_half_m = 4.0;          ///< of path to each side of a keyframe that is looked for
+  double reference_half_m = 9.0;      ///< and of the place of the other session that it is held against
+  double resolution_m = 0.1;          ///< of the distance field
+  std::size_t points = 300;           ///< of a query
+  double beyond_m = 5.0;              ///< the robot was at most so far from where the other one drove
+  double gap_m = 0.02;                ///< of the mean distance, to what is proven
+  double as_good_m = 0.03;            ///< a pose elsewhere whose mean distance is larger by no more fits as well
+  double as_good_share = 0.5;         ///< or by no more than this share of the best one's
+  double most_m = 0.08;               ///< mean distance beyond which a pose is not worth to be looked at
+  std::uint64_t most_boxes = 500000;  ///< of a search; what is not told by then was not found
+  std::size_t most_places = 48;       ///< of a session, evenly along its path
+  std::size_t most_beside = 24;       ///< keyframes beside places that were found
+  LoopLimits limits{.least_overlap = 0.5, .most_turned = 0.1, .most_contradiction = 0.05};
+};
+
+/// Where a keyframe of one session lies in another.
+struct SessionFix {
+  std::size_t keyframe = 0;         ///< of the one that is looked for
+  std::size_t reference_place = 0;  ///< of the other, the nearest
+  Pose2 T_map_keyframe;             ///< in the other's map
+  LoopEvidence evidence;
+  double mean_m = 0.0;                     ///< distance of its points to the other's
+  double elsewhere_m = 0.0;                ///< at least, anywhere else
+  bool is_possible = false;                ///< nothing speaks against it
+  bool is_alone = false;                   ///< and it fits nowhere else as well
+  std::optional<Pose2> T_map_elsewhere{};  ///< where it does, in one of the places
+};
+
+/// A session that others are searched in.
+class SessionMap {
+ public:
+  /// `session` must outlive this.
+  SessionMap(const Session& session, const SessionSearchOptions& options);
+  ~SessionMap();
+  SessionMap(const SessionMap&) = delete;
+  SessionMap& operator=(const SessionMap&) = delete;
+
+  [[nodiscard]] SessionFix find(const Session& query, std::size_t keyframe) const;
+  /// Whether what was found fits as well there, or a little beside.
+  [[nodiscard]] bool fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
+
+ private:
+  struct State;
+  [[nodiscard]] double as_good_m(const SessionFix& fix) const;
+
+  const Session& session_;
+  SessionSearchOptions options_;
+  std::unique_ptr<State> state_;
+};
+
+/// Places of a session, as keyframes, evenly along its path, in the order in which they are worth to be looked for:
+/// first those that are far from each other.
+std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most);
+/// Keyframes beside one that was found, to both sides: sessions that overlap little have but a place or two in common.
+std::vector<std::size_t> keyframes_beside(const Session& query, std::size_t keyframe);
+
+/// Of fixes that nothing speaks against and that fit nowhere else: the most that agree with each other, each with the
+/// one in their middle within `near_m` and `near_rad`, and a share of the path in between for what both drifted.
+struct AgreementLimits {
+  double near_m = 0.10;
+  double near_rad = 0.0174532925199432955;  ///< a degree
+  double drift_m_per_m = 0.01;
+  double drift_rad_per_m = 0.0005;
+  std::size_t least = 3;
+};
+/// Indices into the fixes, ascending; empty where fewer than `least` agree.
+std::vector<std::size_t> agreeing(const Session& query, const std::vector<SessionFix>& fixes,
+                                  const AgreementLimits& limits = {});
+
+}  // namespace gdtslam

@@ -1,0 +1,194 @@
+#include "merge_runs.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
+#include "engine/mapping/map/separate_map.hpp"
+#include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_report.hpp"
+#include "engine/runs/sites/site_outcome.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+
+namespace gdtslam {
+namespace {
+
+void check(const MergeRequest& request) {
+  if (request.stop && request.stop()) throw Error(ExitCode::kInterrupted, "interrupted; no site was written");
+}
+
+void tell(const MergeRequest& request, std::string_view what, double share) {
+  if (request.progress) request.progress(what, share);
+  check(request);
+}
+
+// By time, so that nothing depends on the order in which they were named.
+std::vector<RunSession> read_runs(const MergeRequest& request) {
+  std::vector<RunSession> runs;
+  runs.reserve(request.runs.size());
+  for (const std::string& folder : request.runs) {
+    tell(request, "reading runs", static_cast<double>(runs.size()) / static_cast<double>(request.runs.size()));
+    runs.push_back(read_run_session(folder));
+  }
+  const auto key = [](const RunSession& run) {
+    return std::make_tuple(run.trajectory.front().stamp_s, std::cref(run.keyframes_sha256));
+  };
+  std::sort(runs.begin(), runs.end(), [&](const RunSession& a, const RunSession& b) { return key(a) < key(b); });
+  for (std::size_t i = 1; i < runs.size(); ++i) {
+    if (runs[i].keyframes_sha256 != runs[i - 1].keyframes_sha256) continue;
+    throw InputError({runs[i].folder, 0}, "is the same run as " + runs[i - 1].folder + ": name it once");
+  }
+  return runs;
+}
+
+// The map of all keyframes, one run after the other, paper equations (1) and (9) to (11).
+std::unique_ptr<SeparateMap> map_of(const std::vector<const RunSession*>& runs, const MergedSite& site) {
+  auto map = std::make_unique<SeparateMap>(runs.front()->settings.mapper);
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    for (std::size_t i = 0; i < runs[k]->session.scans.size(); ++i) {
+      map->merge(points_of(runs[k]->session.scans[i]), site.poses[k][i]);
+    }
+  }
+  return map;
+}
+
+OccupancyMap occupancy_of(const std::vector<const RunSession*>& runs, const MergedSite& site) {
+  OccupancyBuilder builder(runs.front()->settings.occupancy, occupancy_limits(runs.front()->settings.mapper));
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    for (std::size_t i = 0; i < site.poses[k].size(); ++i) {
+      builder.add(runs[k]->kept.keyframes[i].laser, site.poses[k][i]);
+    }
+  }
+  return builder.build();
+}
+
+MapJob job_of(const MergeRequest& request, const std::vector<const RunSession*>& runs) {
+  MapJob job;
+  for (const RunSession* run : runs) job.logs.push_back(run->folder);
+  job.mapper = runs.front()->settings.mapper;
+  job.occupancy = runs.front()->settings.occupancy;
+  job.with_occupancy = request.with_map;
+  job.with_pictures = request.with_pictures;
+  job.with_loops = true;
+  if (request.progress) job.finishing = [&request](std::string_view what) { request.progress(what, 1.0); };
+  return job;
+}
+
+std::string session_file(std::size_t k) { return "session-" + std::to_string(k + 1) + ".tum"; }
+
+// An earlier merge may have had more of them.
+void leave_out_old(RunFolder& folder, std::size_t sessions) {
+  for (std::size_t k = sessions; std::filesystem::exists(folder.file(session_file(k))); ++k) {
+    folder.without(session_file(k));
+  }
+}
+
+JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const std::vector<const RunSession*>& runs,
+                      std::size_t number) {
+  JoinedSite joined;
+  joined.folder = request.folder + "/" + std::to_string(number);
+  if (!request.replace_foreign_files) require_no_foreign_files(joined.folder);
+  RunTimes times;
+  RunFolder folder(joined.folder);
+  std::vector<Trajectory> paths;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    paths.push_back(trajectory_in_site(*runs[k], site.poses[k]));
+    write_tum(folder.staged(session_file(k)), paths.back());
+    joined.runs.push_back(
+        {runs[k]->folder, runs[k]->name, std::to_string(number) + "/" + session_file(k), paths.back().size()});
+  }
+  leave_out_old(folder, runs.size());
+  MapOutcome outcome = site_outcome(site, runs, paths);
+  const MapJob job = job_of(request, runs);
+  tell(request, "the map", 0.0);
+  const std::unique_ptr<SeparateMap> map = map_of(runs, site);
+  outcome.match_distances_m = distances_from(map->field(), runs, site.poses);
+  const WrittenField field = write_run_field(folder, job, map->field(), times);
+  if (job.with_occupancy) outcome.occupancy = occupancy_of(runs, site);
+  for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
+  times.skip();
+  check(request);
+  const std::unique_ptr<Backend> cpu = make_cpu_backend({});
+  write_run(folder, {job, nullptr, field, cpu->device(), runs.front()->settings}, times, outcome);
+  joined.keyframes = outcome.keyframes.size();
+  joined.loops_between = site.loops_between;
+  joined.loops_off = site.loops_off;
+  joined.map_sha256 = field.sha256;
+  return joined;
+}
+
+nlohmann::ordered_json pair_json(const RunPair& pair) {
+  const SessionJoint& joint = pair.joint;
+  nlohmann::ordered_json fixes = nlohmann::ordered_json::array();
+  for (const SessionFix& fix : joint.held) {
+    fixes.push_back({{"stamp_s", pair.stamps_s.at(fix.keyframe)},
+                     {"pose", {fix.T_map_keyframe.x_m, fix.T_map_keyframe.y_m, fix.T_map_keyframe.theta_rad}},
+                     {"mean_distance_m", fix.mean_m},
+                     {"elsewhere_at_least_m", fix.elsewhere_m},
+                     {"overlap", fix.evidence.overlap},
+                     {"contradiction", fix.evidence.contradiction}});
+  }
+  return {{"searched_in", pair.reference}, {"searched", pair.query},     {"is_joined", !joint.held.empty()},
+          {"places", joint.searched},      {"possible", joint.possible}, {"unambiguous", joint.alone},
+          {"explained", joint.explained},  {"rival", joint.rival},       {"agree", joint.held.size()},
+          {"fixes", std::move(fixes)}};
+}
+
+std::string report_of(const MergeOutcome& outcome) {
+  nlohmann::ordered_json report;
+  report["format"] = kReportVersion;
+  report["version"] = GDTSLAM_VERSION;
+  report["sites"] = nlohmann::ordered_json::array();
+  for (const JoinedSite& site : outcome.sites) {
+    nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+    for (const JoinedRun& run : site.runs) {
+      runs.push_back(
+          {{"run", run.folder}, {"name", run.name}, {"trajectory", run.trajectory_file}, {"scans", run.scans}});
+    }
+    report["sites"].push_back({{"folder", std::filesystem::path(site.folder).filename().string()},
+                               {"runs", std::move(runs)},
+                               {"keyframes", site.keyframes},
+                               {"loops_between", site.loops_between},
+                               {"loops_switched_off", site.loops_off},
+                               {"map_sha256", site.map_sha256}});
+  }
+  report["pairs"] = nlohmann::ordered_json::array();
+  for (const RunPair& pair : outcome.pairs) report["pairs"].push_back(pair_json(pair));
+  return json_text(report);
+}
+
+}  // namespace
+
+MergeOutcome merge_runs(const MergeRequest& request) {
+  const std::vector<RunSession> runs = read_runs(request);
+  std::vector<Session> sessions;
+  sessions.reserve(runs.size());
+  for (const RunSession& run : runs) sessions.push_back(run.session);
+  WorkerPool workers(threads_meant(request.threads));
+  const MergedSessions merged = merge_sessions(
+      sessions, request.options, workers, [&](std::string_view step, double share) { tell(request, step, share); });
+  MergeOutcome outcome;
+  for (const SessionJoint& joint : merged.joints) {
+    RunPair pair{runs[joint.reference].folder, runs[joint.query].folder, joint, {}};
+    for (const RunKeyframe& keyframe : runs[joint.query].kept.keyframes)
+      pair.stamps_s.push_back(keyframe.laser.stamp_s);
+    outcome.pairs.push_back(std::move(pair));
+  }
+  for (const MergedSite& site : merged.sites) {
+    std::vector<const RunSession*> of_site;
+    of_site.reserve(site.sessions.size());
+    for (const std::size_t k : site.sessions) of_site.push_back(&runs[k]);
+    outcome.sites.push_back(write_site(request, site, of_site, outcome.sites.size() + 1));
+  }
+  outcome.report = report_of(outcome);
+  write_file_atomically(request.folder + "/" + kMergeFile, outcome.report);
+  return outcome;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,67 @@
+// Runs of several drives joined to sites: what `gdtslam merge` does. The folder that it writes has a run folder for
+// each site, numbered from 1, with the path of each run in it, and merge.json, which tells what was joined with what
+// and why (docs/formats.md). The same bytes in whatever order the runs are named. One call belongs to one thread; it
+// may use more. Cost: docs/howto/merge.md.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/mapping/sessions/session_merge.hpp"
+
+namespace gdtslam {
+
+/// In the folder that is written.
+inline constexpr const char* kMergeFile = "merge.json";
+
+struct MergeRequest {
+  std::vector<std::string> runs{};  ///< folders
+  std::string folder{};             ///< of the results; made if need be
+  MergeOptions options{};
+  bool with_map = true;  ///< the occupancy map, and the pictures of it
+  bool with_pictures = true;
+  bool replace_foreign_files = false;  ///< files of a run's names in the folders of sites that no run wrote
+  unsigned threads = 1;                ///< 0: one a processor
+
+  MergeProgress progress{};  ///< the step at work, and the share of it that is done
+  std::function<bool()> stop{};
+};
+
+/// A run in a site.
+struct JoinedRun {
+  std::string folder;
+  std::string name;
+  std::string trajectory_file;  ///< within the folder of the results
+  std::size_t scans = 0;
+};
+
+struct JoinedSite {
+  std::string folder;  ///< whole
+  std::vector<JoinedRun> runs;
+  std::size_t keyframes = 0;
+  std::size_t loops_between = 0;
+  std::size_t loops_off = 0;
+  std::string map_sha256;
+};
+
+/// Two runs of which one was searched in the other.
+struct RunPair {
+  std::string reference;  ///< folders
+  std::string query;
+  SessionJoint joint;
+  std::vector<double> stamps_s;  ///< of the query's keyframes
+};
+
+struct MergeOutcome {
+  std::vector<JoinedSite> sites;
+  std::vector<RunPair> pairs;
+  std::string report;  ///< the text of merge.json
+};
+
+/// Throws InputError, UsageError, FileError, and Error(kInterrupted) where stop() became true: then nothing is written
+/// but sites that were done.
+MergeOutcome merge_runs(const MergeRequest& request);
+
+}  // namespace gdtslam

@@ -1,0 +1,89 @@
+#include "run_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "engine/runs/folder/graph_file.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+
+namespace gdtslam {
+namespace {
+
+using PlaceOfScan = std::map<std::size_t, std::size_t>;
+
+[[noreturn]] void refuse(const std::string& folder, const std::string& fault) { throw InputError({folder, 0}, fault); }
+
+Matrix3 matrix_of(const PoseInformation& p) { return {{p.xx, p.xy, p.xt, p.xy, p.yy, p.yt, p.xt, p.yt, p.tt}}; }
+
+void take_keyframes(const RunKeyframes& kept, const MapperConfig& config, Session& session) {
+  ScanPoints points(config.scan);
+  double path_m = 0.0;
+  for (const RunKeyframe& keyframe : kept.keyframes) {
+    if (!session.poses.empty()) path_m += length_of(between(session.poses.back(), keyframe.T_map_base));
+    session.scans.push_back(keep_scan(points.of(keyframe.laser)));
+    session.poses.push_back(keyframe.T_map_base);
+    session.path_m.push_back(path_m);
+  }
+}
+
+// Relations of places that follow each other are the path's, the others are loops, whose weight is in their
+// information.
+void take_graph(const std::string& folder, const RunKeyframes& kept, Session& session) {
+  const std::string file = folder + "/graph.g2o";
+  const GraphLines graph = read_graph(file);
+  PlaceOfScan place_of;
+  std::size_t keyframe = 0;
+  for (const GraphPlace& place : graph.places) {
+    while (keyframe < kept.keyframes.size() && kept.keyframes[keyframe].scan < place.scan) ++keyframe;
+    if (keyframe == kept.keyframes.size() || kept.keyframes[keyframe].scan != place.scan) {
+      refuse(file, "has a place at scan " + std::to_string(place.scan) +
+                       ", which is no keyframe of keyframes.bin.gz: map the log again");
+    }
+    place_of[place.scan] = session.places.size();
+    session.places.push_back(keyframe);
+  }
+  if (session.places.empty() || session.places.front() != 0) {
+    refuse(file, "has no place at the first keyframe: map the log again");
+  }
+  for (const PathRelation& line : graph.relations) {
+    const auto from = place_of.find(line.from);
+    const auto to = place_of.find(line.to);
+    if (from == place_of.end() || to == place_of.end()) refuse(file, "has an edge of a place that it does not have");
+    const PoseRelation relation{from->second, to->second, line.T_from_to, matrix_of(line.information)};
+    if (relation.to == relation.from + 1) {
+      session.path.push_back(relation);
+    } else {
+      session.loops.push_back({relation, 1.0});
+    }
+  }
+}
+
+}  // namespace
+
+RunSession read_run_session(const std::string& folder) {
+  const RunReader reader(folder);
+  if (reader.summary().nods) refuse(folder, "is a run of a laser that nods; only flat lasers' runs can be joined");
+  if (!reader.summary().has_loops) {
+    refuse(folder, "was mapped with --no-loops, so nothing holds its path: map its log again without it");
+  }
+  std::optional<RunKeyframes> kept = reader.keyframes();
+  if (!kept) refuse(folder, "has no keyframes.bin.gz, which older versions did not write: map its log again");
+  RunSession run{.folder = folder,
+                 .name = reader.name(),
+                 .keyframes_sha256 = *reader.summary().keyframes_sha256,
+                 .settings = reader.settings(),
+                 .trajectory = reader.trajectory(),
+                 .kept = std::move(*kept),
+                 .session = {}};
+  take_keyframes(run.kept, run.settings.mapper, run.session);
+  take_graph(folder, run.kept, run.session);
+  return run;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,29 @@
+// A run as a session that can be joined with others: its keyframes with their scans, and the graph in which its loops
+// were closed. Frame: the run's map. Thread-safe; linear in the keyframes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/mapping/sessions/session.hpp"
+#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/runs/settings.hpp"
+
+namespace gdtslam {
+
+struct RunSession {
+  std::string folder;
+  std::string name;              ///< of the first log
+  std::string keyframes_sha256;  ///< tells it from others
+  Settings settings;             ///< that it was mapped with
+  Trajectory trajectory;
+  RunKeyframes kept;  ///< the keyframes; their scans as ranges
+  Session session;    ///< and as points
+};
+
+/// Throws InputError, with what to do, where the folder is no run, its laser nods, it was mapped with --no-loops or by
+/// an older version, or its files do not belong together; FileError.
+RunSession read_run_session(const std::string& folder);
+
+}  // namespace gdtslam

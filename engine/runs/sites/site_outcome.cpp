@@ -1,0 +1,152 @@
+#include "site_outcome.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "engine/mapping/cost/fit.hpp"
+#include "engine/runs/folder/report_reader.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::size_t kMostMatched = 4000;  // points of a keyframe
+constexpr std::array kDoubts{Doubt::kFewPoints, Doubt::kLowOverlap, Doubt::kContradiction, Doubt::kWeakEvidence,
+                             Doubt::kFarFromPrediction};
+
+PoseInformation information_of(const Matrix3& m) {
+  return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
+}
+
+PoseCovariance covariance_of(const Matrix3& m) {
+  return {.xx = m(0, 0), .xy = m(0, 1), .xt = m(0, 2), .yy = m(1, 1), .yt = m(1, 2), .tt = m(2, 2)};
+}
+
+// What the run's report says of its doubtful scans, numbered anew.
+void add_doubtful(const RunSession& run, std::size_t before, std::vector<DoubtfulScan>& doubtful) {
+  const ReportReader report = read_report(run.folder + "/report.json", run.folder);
+  for (const ReportReader& entry : report.entries("doubtful_scans")) {
+    const std::string reason = entry.text("reason");
+    const auto* const doubt =
+        std::find_if(kDoubts.begin(), kDoubts.end(), [&](Doubt d) { return to_string(d) == reason; });
+    doubtful.push_back({.index = before + entry.index("index", run.trajectory.size()),
+                        .stamp_s = entry.number("stamp_s"),
+                        .reason = doubt == kDoubts.end() ? Doubt::kWeakEvidence : *doubt,
+                        .accepted = entry.truth("accepted"),
+                        .from_prediction_m = entry.number("from_prediction_m"),
+                        .from_prediction_rad = rad_from_deg(entry.number("from_prediction_deg"))});
+  }
+}
+
+void add_counts(const RunSession& run, MapperStatistics& sum) {
+  const ReportReader report = read_report(run.folder + "/report.json", run.folder);
+  sum.scans += run.trajectory.size();
+  sum.matched += report.whole("matched");
+  sum.doubtful += report.whole("doubtful");
+  sum.keyframes += run.kept.keyframes.size();
+  sum.restarts += report.whole("restarts");
+}
+
+// The graph of the site, its nodes numbered as the scans.
+ClosedPath closed_path(const MergedSite& site, const std::vector<std::size_t>& keyframes, MapOutcome& outcome) {
+  ClosedPath closed;
+  closed.is_closed = true;
+  closed.keyframes = keyframes;
+  closed.searches = site.searches;
+  closed.pairs = site.joint.pairs;
+  closed.rms_m = site.joint.rms_m;
+  const auto scan_of = [&](std::size_t place) { return keyframes[site.places[place]]; };
+  for (std::size_t i = 0; i < site.places.size(); ++i) closed.places.push_back({scan_of(i), site.graph.poses[i]});
+  for (const PoseRelation& relation : site.graph.path) {
+    closed.path.push_back({.from = scan_of(relation.from),
+                           .to = scan_of(relation.to),
+                           .T_from_to = relation.T_from_to,
+                           .information = information_of(relation.information)});
+  }
+  for (const Loop& loop : site.graph.loops) {
+    const PoseRelation& relation = loop.relation;
+    const Tangent2 off = residual_of(relation, site.graph.poses[relation.from], site.graph.poses[relation.to]);
+    closed.loops.push_back({.from = scan_of(relation.from),
+                            .to = scan_of(relation.to),
+                            .T_from_to = relation.T_from_to,
+                            .information = information_of(relation.information),
+                            .weight = loop.weight,
+                            .off_m = std::sqrt(square(off[0]) + square(off[1])),
+                            .off_rad = std::fabs(off[2]),
+                            .is_on = loop.is_on()});
+  }
+  closed.covariances.reserve(outcome.trajectory.size());
+  std::size_t keyframe = 0;
+  for (std::size_t scan = 0; scan < outcome.trajectory.size(); ++scan) {
+    while (keyframe + 1 < keyframes.size() && keyframes[keyframe + 1] <= scan) ++keyframe;
+    closed.covariances.push_back(covariance_of(site.covariances[keyframe]));
+  }
+  return closed;
+}
+
+}  // namespace
+
+Trajectory trajectory_in_site(const RunSession& run, const std::vector<Pose2>& keyframes) {
+  const std::vector<RunKeyframe>& kept = run.kept.keyframes;
+  const auto moved_by = [&](std::size_t keyframe, const Pose2& pose) {
+    return keyframes[keyframe] * between(kept[keyframe].T_map_base, pose);
+  };
+  Trajectory path = run.trajectory;
+  std::size_t last = 0;
+  for (std::size_t scan = 0; scan < path.size(); ++scan) {
+    while (last + 1 < kept.size() && kept[last + 1].scan <= scan) ++last;
+    const Pose2 pose = path[scan].T_map_base;
+    path[scan].T_map_base = moved_by(last, pose);
+    if (last + 1 == kept.size() || scan <= kept[last].scan) continue;
+    const double share =
+        static_cast<double>(scan - kept[last].scan) / static_cast<double>(kept[last + 1].scan - kept[last].scan);
+    const Tangent2 off = log_tangent(between(path[scan].T_map_base, moved_by(last + 1, pose)));
+    path[scan].T_map_base = path[scan].T_map_base * exp_tangent({share * off[0], share * off[1], share * off[2]});
+  }
+  return path;
+}
+
+MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSession*>& runs,
+                        const std::vector<Trajectory>& paths) {
+  MapOutcome outcome;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const std::size_t before = outcome.trajectory.size();
+    outcome.trajectory.insert(outcome.trajectory.end(), paths[k].begin(), paths[k].end());
+    for (const RunKeyframe& keyframe : runs[k]->kept.keyframes) {
+      outcome.keyframes.push_back(before + keyframe.scan);
+      outcome.keyframe_scans.push_back(keyframe.laser);
+    }
+    add_doubtful(*runs[k], before, outcome.doubtful);
+    add_counts(*runs[k], outcome.statistics);
+    outcome.statistics.path_m += length_m_of(paths[k]);
+    const auto [first, last] = std::minmax_element(paths[k].begin(), paths[k].end(),
+                                                   [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
+    if (first != paths[k].end()) outcome.log_duration_s += last->stamp_s - first->stamp_s;
+  }
+  outcome.closed = closed_path(site, outcome.keyframes, outcome);
+  return outcome;
+}
+
+std::vector<double> distances_from(const GlobalField& field, const std::vector<const RunSession*>& runs,
+                                   const std::vector<std::vector<Pose2>>& poses) {
+  std::vector<double> distances_m;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const MapperConfig& config = runs[k]->settings.mapper;
+    ScanPoints scan_points(config.scan);
+    for (std::size_t i = 0; i < poses[k].size(); ++i) {
+      std::vector<PointCells> points =
+          in_cells(scan_points.of(runs[k]->kept.keyframes[i].laser), field.geometry().resolution_m);
+      if (points.empty()) continue;
+      if (points.size() > kMostMatched) points.resize(kMostMatched);
+      distances_m.push_back(mean_distances_m(field, points, {poses[k][i], poses[k][i]}, config.map.truncation_m)[0]);
+    }
+  }
+  return distances_m;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,243 @@
+// Sessions joined, in worlds whose walls and poses are known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "engine/mapping/graph/free_network.hpp"
+#include "engine/mapping/sessions/session_merge.hpp"
+#include "gdtslam/core/angle.hpp"
+#include "loop_drive.hpp"
+
+namespace gdtslam {
+namespace {
+
+using test::Segment;
+
+/// Of poses that are known; every sixteenth keyframe is a place. What a map's frame is, is the session's own matter.
+Session session_of(const std::vector<Segment>& walls, const std::vector<Pose2>& truth, const Pose2& T_map_truth) {
+  constexpr std::size_t kPlaceEvery = 16;
+  Session session;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const double step_m = i > 0 ? length_of(between(truth[i - 1], truth[i])) : 0.0;
+    session.scans.push_back(keep_scan(points_of(test::scan_of(walls, truth[i], 0.0, 180), {})));
+    session.poses.push_back(T_map_truth * truth[i]);
+    session.path_m.push_back(i > 0 ? session.path_m.back() + step_m : 0.0);
+    if (i % kPlaceEvery != 0) continue;
+    session.places.push_back(i);
+    const std::size_t place = session.places.size() - 1;
+    if (place == 0) continue;
+    session.path.push_back({place - 1, place, between(truth[i - kPlaceEvery], truth[i]),
+                            inverse(Matrix3::diagonal(1.0e-4, 1.0e-4, 1.0e-6))});
+  }
+  return session;
+}
+
+std::vector<Pose2> part_of(const std::vector<Pose2>& poses, double from, double to) {
+  const auto at = [&](double share) { return poses.begin() + std::lround(share * static_cast<double>(poses.size())); };
+  return {at(from), at(to)};
+}
+
+/// A passage around a block with rooms of many widths and depths on its outside, 3 m deep at most: no two stretches of
+/// it look alike. The drive is that of test::poses_around_ring().
+std::vector<Segment> rooms_around_a_block() {
+  const Pose2 turned{0.011, 0.007, 0.21};
+  std::vector<Segment> walls;
+  test::add_box(walls, {-18.0, -12.0}, {18.0, 12.0});
+  test::add_box(walls, {-13.0, -7.0}, {13.0, 7.0});
+  struct Pier {
+    double from, to, depth_m;
+  };
+  for (const Pier& p : {Pier{-15.0, -12.2, 2.9},
+                        {-10.9, -10.1, 2.2},
+                        {-7.0, -3.4, 1.3},
+                        {-1.5, 1.0, 2.8},
+                        {3.2, 3.9, 2.9},
+                        {7.5, 9.0, 0.9},
+                        {11.0, 14.5, 2.6}}) {
+    test::add_box(walls, {p.from, -12.0}, {p.to, -12.0 + p.depth_m});
+  }
+  for (const Pier& p : {Pier{-13.0, -11.4, 1.7},
+                        {-9.0, -4.8, 2.7},
+                        {-2.6, -2.0, 2.9},
+                        {0.7, 5.1, 0.8},
+                        {6.0, 8.8, 2.4},
+                        {12.0, 13.0, 2.9}}) {
+    test::add_box(walls, {p.from, 12.0 - p.depth_m}, {p.to, 12.0});
+  }
+  for (const Pier& p : {Pier{-8.0, -5.7, 2.5}, {-2.2, -1.6, 2.9}, {1.8, 6.2, 1.1}}) {
+    test::add_box(walls, {18.0 - p.depth_m, p.from}, {18.0, p.to});
+  }
+  for (const Pier& p : {Pier{-7.1, -6.5, 2.8}, {-3.3, 1.2, 1.9}, {4.0, 7.5, 2.8}}) {
+    test::add_box(walls, {-18.0, p.from}, {-18.0 + p.depth_m, p.to});
+  }
+  for (Segment& wall : walls) wall = {turned * wall.from, turned * wall.to};
+  return walls;
+}
+
+const std::vector<Segment>& rooms() {
+  static const std::vector<Segment> walls = rooms_around_a_block();
+  return walls;
+}
+
+const Pose2 kFirstFrame{3.0, -2.0, 0.4};
+const Pose2 kSecondFrame{-40.0, 25.0, -2.5};
+
+/// Two drives that have the middle of the round in common, each in a frame of its own.
+std::vector<Session> two_drives() {
+  const std::vector<Pose2> once = test::poses_around_ring(1);
+  return {session_of(rooms(), part_of(once, 0.0, 0.65), kFirstFrame),
+          session_of(rooms(), part_of(once, 0.35, 1.0), kSecondFrame)};
+}
+
+MergedSessions merged(const std::vector<Session>& sessions, unsigned threads = 1) {
+  WorkerPool workers(threads);
+  return merge_sessions(sessions, {}, workers, [](std::string_view, double) {});
+}
+
+TEST(Sessions, APlaceIsFoundInTheOther) {
+  const std::vector<Session> sessions = two_drives();
+  const SessionMap map(sessions[0], {});
+  const Session& query = sessions[1];
+  const std::size_t keyframe = query.places[2];
+  const SessionFix fix = map.find(query, keyframe);
+  const Pose2 truth = kFirstFrame * inverse(kSecondFrame) * query.poses[keyframe];
+  EXPECT_TRUE(fix.is_possible);
+  EXPECT_TRUE(fix.is_alone);
+  EXPECT_LT(length_of(between(truth, fix.T_map_keyframe)), 0.1);
+  EXPECT_TRUE(map.fits(query, fix, truth));
+  EXPECT_FALSE(map.fits(query, fix, truth * Pose2{0.0, 0.0, kPi})) << "the other way around";
+  EXPECT_FALSE(map.find(query, query.places.back()).is_possible) << "the first drive was not there";
+}
+
+TEST(Sessions, ThatOverlapBecomeOneSiteInTheFirstOnesFrame) {
+  const std::vector<Pose2> once = test::poses_around_ring(1);
+  const MergedSessions found = merged(two_drives());
+  ASSERT_EQ(found.sites.size(), 1U);
+  const MergedSite& site = found.sites.front();
+  EXPECT_EQ(site.sessions, (std::vector<std::size_t>{0, 1}));
+  EXPECT_GT(site.loops_between, 0U);
+  EXPECT_EQ(site.loops_off, 0U);
+  EXPECT_EQ(site.covariances.size(), site.poses[0].size() + site.poses[1].size());
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::vector<Pose2> truth = k == 0 ? part_of(once, 0.0, 0.65) : part_of(once, 0.35, 1.0);
+    for (Pose2& pose : truth) pose = kFirstFrame * pose;
+    EXPECT_LT(test::largest_error_m(site.poses[k], truth), 0.05) << k;
+  }
+}
+
+TEST(Sessions, AreTheSameBitsForAnyNumberOfThreads) {
+  const MergedSessions one = merged(two_drives(), 1);
+  const MergedSessions three = merged(two_drives(), 3);
+  ASSERT_EQ(one.sites.size(), three.sites.size());
+  EXPECT_EQ(one.sites.front().poses, three.sites.front().poses);
+  EXPECT_EQ(one.sites.front().covariances, three.sites.front().covariances);
+}
+
+TEST(Sessions, OfDifferentBuildingsStayApart) {
+  const std::vector<Session> sessions{two_drives()[0],
+                                      session_of(test::furnished_room(), test::drive_through_room(), {})};
+  const MergedSessions found = merged(sessions);
+  ASSERT_EQ(found.joints.size(), 1U);
+  EXPECT_TRUE(found.joints.front().held.empty());
+  ASSERT_EQ(found.sites.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(found.sites[k].sessions, std::vector<std::size_t>{k});
+    EXPECT_EQ(found.sites[k].poses, std::vector<std::vector<Pose2>>{sessions[k].poses}) << "as they were";
+  }
+}
+
+/// A corridor with the same niche every 5 m on both sides, and its ends out of sight.
+std::vector<Segment> corridor_that_repeats() {
+  std::vector<Segment> walls;
+  test::add_box(walls, {-60.0, -1.2}, {60.0, 1.2});
+  for (double x = -57.5; x < 60.0; x += 5.0) {
+    test::add_box(walls, {x, -1.2}, {x + 0.6, -0.9});
+    test::add_box(walls, {x, 0.9}, {x + 0.6, 1.2});
+  }
+  return walls;
+}
+
+std::vector<Pose2> straight(double from_m, double to_m) {
+  std::vector<Pose2> poses;
+  for (double x = from_m; x < to_m; x += 0.25) poses.push_back({x, 0.0, 0.0});
+  return poses;
+}
+
+TEST(Sessions, OfABuildingThatRepeatsItselfAreNotJoined) {
+  const std::vector<Segment> walls = corridor_that_repeats();
+  const MergedSessions found =
+      merged({session_of(walls, straight(-30.0, 10.0), {}), session_of(walls, straight(-10.0, 30.0), kSecondFrame)});
+  const SessionJoint& joint = found.joints.front();
+  EXPECT_GT(joint.possible, 5U) << "its places are found,";
+  EXPECT_LT(2 * joint.alone, joint.possible) << "and most of them in several spots";
+  EXPECT_TRUE(joint.held.empty());
+  EXPECT_EQ(found.sites.size(), 2U);
+}
+
+/// A session that stands every half metre on a line, and where it is said to lie.
+struct OnALine {
+  Session session;
+  std::vector<SessionFix> fixes;
+  OnALine() {
+    for (std::size_t i = 0; i < 60; ++i) {
+      session.poses.push_back({0.5 * static_cast<double>(i), 0.0, 0.0});
+      session.path_m.push_back(0.5 * static_cast<double>(i));
+    }
+  }
+  void add(std::size_t keyframe, const Pose2& off, bool is_alone = true) {
+    SessionFix& fix = fixes.emplace_back();
+    fix.keyframe = keyframe;
+    fix.T_map_keyframe = kSecondFrame * session.poses[keyframe] * off;
+    fix.is_possible = true;
+    fix.is_alone = is_alone;
+  }
+};
+
+TEST(AgreeingFixes, AreThreeWithinTenCentimetresAndADegree) {
+  OnALine line;
+  line.add(0, {});
+  line.add(4, {0.08, 0.0, 0.0});
+  EXPECT_TRUE(agreeing(line.session, line.fixes).empty()) << "two";
+  line.add(8, {0.0, 0.0, rad_from_deg(3.0)});
+  EXPECT_TRUE(agreeing(line.session, line.fixes).empty()) << "the third is turned by 3 degrees";
+  line.add(12, {0.0, 0.5, 0.0});
+  line.add(14, {}, false);
+  EXPECT_TRUE(agreeing(line.session, line.fixes).empty()) << "half a metre away, and one that fits elsewhere too";
+  line.add(16, {0.0, -0.05, rad_from_deg(-0.5)});
+  EXPECT_EQ(agreeing(line.session, line.fixes), (std::vector<std::size_t>{0, 1, 5}));
+}
+
+TEST(PlacesToLookFor, AreSpreadAlongThePathFarOnesFirst) {
+  Session session;
+  session.places.resize(100);
+  std::iota(session.places.begin(), session.places.end(), 0U);
+  const std::vector<std::size_t> places = places_to_look_for(session, 40);
+  ASSERT_EQ(places.size(), 40U);
+  for (std::size_t k = 1; k < 10; ++k) EXPECT_EQ(places[k] - places[k - 1], 10U) << k;
+  std::vector<std::size_t> sorted = places;
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end()), sorted.end()) << "none twice";
+  EXPECT_EQ(places_to_look_for(session, 1000).size(), 100U);
+}
+
+TEST(KeyframesBeside, LieOnThePathToBothSides) {
+  const OnALine line;
+  EXPECT_EQ(keyframes_beside(line.session, 30), (std::vector<std::size_t>{24, 27, 33, 36}));
+  EXPECT_EQ(keyframes_beside(line.session, 2), (std::vector<std::size_t>{5, 8})) << "the path begins a metre before";
+}
+
+TEST(SpreadCovariances, AreLinearBetweenThoseKnownAndConstantBehind) {
+  const std::vector<std::size_t> at{0, 4};
+  const std::vector<Matrix3> known{Matrix3::diagonal(1.0, 2.0, 3.0), Matrix3::diagonal(5.0, 2.0, 1.0)};
+  const std::vector<Matrix3> all = spread_covariances(at, known, 7);
+  ASSERT_EQ(all.size(), 7U);
+  EXPECT_EQ(all[0], known[0]);
+  EXPECT_EQ(all[1], Matrix3::diagonal(2.0, 2.0, 2.5));
+  EXPECT_EQ(all[6], known[1]);
+}
+
+}  // namespace
+}  // namespace gdtslam

@@ -1,0 +1,122 @@
+// gdtslam merge: runs of several drives to sites, each with one map.
+#include <fmt/format.h>
+#include <CLI/App.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/runs/sites/merge_runs.hpp"
+#include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/options.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr unsigned kMostThreads = 1024;
+
+struct MergeCommand {
+  MergeRequest request;
+  bool no_map = false;
+  bool no_pictures = false;
+  bool json = false;
+  bool quiet = false;
+};
+
+std::string count_of(std::size_t count, const char* one) {
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
+}
+
+std::string text_of(const JoinedSite& site) {
+  std::string text = fmt::format("{}: {}, {}", printable(site.folder), count_of(site.runs.size(), "run"),
+                                 count_of(site.keyframes, "keyframe"));
+  if (site.runs.size() > 1) {
+    text += fmt::format(", {} between them", count_of(site.loops_between, "loop"));
+    if (site.loops_off > 0) text += fmt::format(" and {} that do not hold", site.loops_off);
+  }
+  text += '\n';
+  for (const JoinedRun& run : site.runs) {
+    text += fmt::format("  {}  {} scans\n", printable(run.folder), run.scans);
+  }
+  return text;
+}
+
+// One that nearly overlaps is worth a word: what was found there did not agree, or fits elsewhere as well.
+std::string text_of(const RunPair& pair) {
+  const SessionJoint& joint = pair.joint;
+  if (!joint.held.empty() || joint.possible == 0) return {};
+  return fmt::format("not joined: {} and {}, where {} of {} places were found, {} of them in one spot alone\n",
+                     printable(pair.query), printable(pair.reference), joint.possible, joint.searched, joint.alone);
+}
+
+int merge(const MergeCommand& command) {
+  MergeRequest request = command.request;
+  request.with_map = !command.no_map;
+  request.with_pictures = !command.no_pictures;
+  request.stop = [] { return interrupted(); };
+  TerminalLine line(command.quiet);
+  request.progress = [&line](std::string_view step, double share) {
+    line.draw([&](double) { return fmt::format("{:4.0f} %  {}", 100.0 * share, step); });
+  };
+  const MergeOutcome outcome = merge_runs(request);
+  line.clear();
+  if (command.json) {
+    print_result(outcome.report);
+    return static_cast<int>(ExitCode::kDone);
+  }
+  if (command.quiet) return static_cast<int>(ExitCode::kDone);
+  std::string text;
+  for (const JoinedSite& site : outcome.sites) text += text_of(site);
+  for (const RunPair& pair : outcome.pairs) text += text_of(pair);
+  print_result(text);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void add_merge_command(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<MergeCommand>();
+  CLI::App* command = add_command(app, "merge", "Join the runs of several drives: one map where they overlap");
+  command->add_option("run", options->request.runs, "Run folders of 'gdtslam map', in any order")
+      ->required()
+      ->type_name("RUN");
+  command
+      ->add_option("-o,--output", options->request.folder,
+                   "Folder of the results: a run folder for each site, 1, 2 and so on, and merge.json")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--force", options->request.replace_foreign_files,
+                    "Replace files of a run's names in the folders of sites that no run wrote");
+  command
+      ->add_option("--threads", options->request.threads,
+                   "Threads of the CPU; 0: one per processor. Results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(0U, kMostThreads).description(""))
+      ->capture_default_str();
+  command->add_flag("--no-map", options->no_map,
+                    "Do not cast the occupancy map, nor write map.pgm, map.yaml and the pictures of it");
+  command->add_flag("--no-pictures", options->no_pictures, "Do not write overview.png and graph.png (or .svg)");
+  command->add_flag("--json", options->json, "Print merge.json on standard output");
+  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
+  command->footer(
+      "Which runs overlap is found by itself, without start poses: what the robot saw around places of one run is\n"
+      "searched in the whole of the other, with proof. Two runs are joined where three such places agree within 10 cm\n"
+      "and 1 degree, nothing speaks against them and they fit nowhere else; runs that overlap with none stay a site "
+      "of\n"
+      "their own. Then loops between the runs are closed and all keyframes adjusted together.\n"
+      "A site is a run folder as 'gdtslam map' writes it, in the frame of its first drive, with session-1.tum,\n"
+      "session-2.tum and so on, the path of each run in it. Runs are those of flat lasers that closed their loops.\n"
+      "\n"
+      "Examples:\n"
+      "  gdtslam merge monday tuesday wednesday -o site\n"
+      "  gdtslam merge runs/* -o sites --threads 0 --json | jq '.sites[].runs[].run'");
+  command->callback([options, &context] {
+    context.run = [options] { return merge(*options); };
+    context.when_out_of_memory = kSmallerMap;
+  });
+}
+
+}  // namespace gdtslam

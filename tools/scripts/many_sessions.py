@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Sessions of a simulated site joined by `gdtslam merge`, held against the truth: how many edges are wrong, how many are found.
+
+`many_sessions.py PROGRAM [-o FOLDER] [--worlds NAME,...] [--seeds N] [--sessions N] [--metres D] [--threads N]` simulates so many
+drives from corners of a world of long_drives.py, each through a part of it, maps each and merges them, and prints a line a seed
+as Markdown. An edge is wrong where one of its fixes lies more than 0.5 m or 5 degrees from where the truth has it. Two drives
+overlap where at least 10 m of one come within 2 m of the other; they are joined where they end in one site. The exit code is
+1 where an edge is wrong. FOLDER is removed unless it is given."""
+
+import argparse
+import json
+import math
+import pathlib
+import random
+import sys
+import tempfile
+import time
+
+from long_drives import WORLDS, between, errors_of, poses_of, run
+
+WRONG_M = 0.5
+WRONG_RAD = math.radians(5.0)
+NEAR_M = 2.0
+OVERLAP_M = 10.0
+
+
+def stamped_poses(path):
+    lines = [line.split() for line in path.read_text().splitlines() if line and not line.startswith("#")]
+    return {float(words[0]): pose for words, pose in zip(lines, poses_of(path))}
+
+
+def times(a, b):
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2])
+
+
+def walk(world, rng, length_m):
+    """Corners from any corner on, as World.drive() goes."""
+    here, last, driven = rng.randrange(len(world.corners)), None, 0.0
+    path = [here]
+    while driven < length_m:
+        onward = [corner for corner in world.ways[here] if corner != last] or world.ways[here]
+        last, here = here, rng.choice(onward)
+        driven += math.dist(world.corners[last], world.corners[here])
+        path.append(here)
+    return [world.corners[corner] for corner in path]
+
+
+class Session:
+    def __init__(self, folder, log):
+        self.folder = folder
+        self.poses = stamped_poses(folder / "trajectory.tum")
+        self.truth = stamped_poses(log.with_suffix(".truth.tum"))
+
+
+def make_session(program, folder, name, seed, number, metres):
+    rng = random.Random(f"{name} {seed} session {number}")
+    world = WORLDS[name](random.Random(f"{name} {seed}"))
+    scene, log, out = folder / f"{number}.yaml", folder / f"{number}.log", folder / f"run-{number}"
+    scene.write_text(world.scene(f"{name}-{number}", walk(world, rng, metres)))
+    run(program, "simulate", scene, "-o", log, "--seed", 1000 * seed + number, "--quiet")
+    run(program, "map", log, "-o", out, "--no-pictures", "--no-map", "--quiet")
+    return Session(out, log)
+
+
+def do_overlap(a, b):
+    """Metres of a's true path near b's."""
+    cells = {}
+    for pose in b.truth.values():
+        cells.setdefault((int(pose[0] // NEAR_M), int(pose[1] // NEAR_M)), []).append(pose)
+
+    def is_near(pose):
+        x, y = int(pose[0] // NEAR_M), int(pose[1] // NEAR_M)
+        return any(math.dist(pose[:2], other[:2]) < NEAR_M for i in (x - 1, x, x + 1) for j in (y - 1, y, y + 1)
+                   for other in cells.get((i, j), []))
+
+    path, near_m = list(a.truth.values()), 0.0
+    for before, pose in zip(path, path[1:]):
+        if is_near(pose):
+            near_m += math.dist(before[:2], pose[:2])
+    return near_m >= OVERLAP_M
+
+
+def is_wrong(fix, reference, query):
+    """Whether it says otherwise than the truth where the query's robot was, seen from the nearest scan of the other."""
+    stamp = min(reference.poses, key=lambda s: math.dist(reference.poses[s][:2], fix["pose"][:2]))
+    found = between(reference.poses[stamp], fix["pose"])
+    true = between(reference.truth[stamp], query.truth[fix["stamp_s"]])
+    off = between(true, found)
+    return math.hypot(off[0], off[1]) > WRONG_M or abs(off[2]) > WRONG_RAD
+
+
+def figures(sessions, merged):
+    report = json.loads((merged / "merge.json").read_text())
+    by_folder = {str(session.folder): session for session in sessions}
+    site_of = {entry["run"]: site["folder"] for site in report["sites"] for entry in site["runs"]}
+    found = {"edges": 0, "wrong": 0, "overlap": 0, "joined": 0, "sites": len(report["sites"]), "ate": 0.0}
+    for pair in report["pairs"]:
+        reference, query = by_folder[pair["searched_in"]], by_folder[pair["searched"]]
+        found["edges"] += pair["is_joined"]
+        found["wrong"] += any(is_wrong(fix, reference, query) for fix in pair["fixes"])
+        if do_overlap(query, reference) or do_overlap(reference, query):
+            found["overlap"] += 1
+            found["joined"] += site_of[pair["searched_in"]] == site_of[pair["searched"]]
+    for site in report["sites"]:
+        poses, truth = [], []
+        for entry in site["runs"]:
+            path = stamped_poses(merged / entry["trajectory"])
+            session = by_folder[entry["run"]]
+            poses += [path[stamp] for stamp in path if stamp in session.truth]
+            truth += [session.truth[stamp] for stamp in path if stamp in session.truth]
+        found["ate"] = max(found["ate"], sum(errors_of(poses, truth)) / len(poses))
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("-o", "--output", type=pathlib.Path)
+    parser.add_argument("--worlds", default="wings", help="of: " + ",".join(WORLDS))
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--first-seed", type=int, default=1)
+    parser.add_argument("--sessions", type=int, default=20)
+    parser.add_argument("--metres", type=float, default=150.0, help="of each drive")
+    parser.add_argument("--threads", type=int, default=0)
+    arguments = parser.parse_args()
+    wrong = 0
+    print("| world | seed | edges, wrong | pairs that overlap, in one site | sites | ATE mean of the worst site | merge |")
+    print("|---|---|---|---|---|---|---|")
+    for name in arguments.worlds.split(","):
+        for seed in range(arguments.first_seed, arguments.first_seed + arguments.seeds):
+            with tempfile.TemporaryDirectory() as temporary:
+                folder = (arguments.output or pathlib.Path(temporary)) / f"{name}-{seed}"
+                folder.mkdir(parents=True, exist_ok=True)
+                sessions = [make_session(arguments.program, folder, name, seed, number, arguments.metres)
+                            for number in range(1, arguments.sessions + 1)]
+                began_s = time.monotonic()
+                run(arguments.program, "merge", *(session.folder for session in sessions), "-o", folder / "site", "--no-map",
+                    "--threads", arguments.threads, "--quiet")
+                f = figures(sessions, folder / "site")
+                wrong += f["wrong"]
+                print(f"| {name} | {seed} | {f['edges']}, {f['wrong']} | {f['overlap']}, {f['joined']} | {f['sites']} | "
+                      f"{f['ate']:.3f} m | {time.monotonic() - began_s:.0f} s |", flush=True)
+    sys.exit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
