@@ -10,6 +10,9 @@
 #include "engine/core/free_memory.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/mapping/match/matchers.hpp"
+#include "engine/runs/continuing/continuation.hpp"
+#include "engine/runs/continuing/continue_file.hpp"
+#include "engine/runs/continuing/log_copies.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/folder/run_times.hpp"
@@ -43,9 +46,16 @@ void add_cloud_picture(const MapRequest& request, const NoddingJob& nodding, con
   folder.without("cloud.png");
 }
 
+/// What a run has before its first scan.
+struct RunStart {
+  ScanStream scans;
+  LogCopies& copies;
+  RunPreparation prepared;
+};
+
 // `nodding` is null where the laser does not nod.
 MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& job, const NoddingJob* nodding,
-                   Backend& backend, ScanStream scans, RunTimes& times) {
+                   Backend& backend, RunStart start, RunTimes& times) {
   std::unique_ptr<CloudOutput> cloud;
   std::string cloud_file;
   if (nodding != nullptr && request.with_cloud) {
@@ -54,12 +64,17 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   } else {
     folder.without("cloud.ply");
   }
-  auto run = std::make_unique<MapRun>(job, backend, std::move(scans), nodding, std::move(cloud));
+  auto run = std::make_unique<MapRun>(job, backend, std::move(start.scans), nodding, std::move(cloud));
   MapResult result;
   times.add("prepare");
   result.outcome = run->run(
       request.progress ? request.progress : [](std::uint64_t, double) {}, [&request] { return stopped(request); });
   times.skip();  // its stages are in the outcome
+  if (request.with_copies) {
+    start.copies.finish(!result.outcome.interrupted);
+  } else {
+    LogCopies::leave_out(folder);
+  }
   const WrittenField field = write_run_field(folder, job, run->field(), times);
   run.reset();  // its memory is for the pictures
   return_free_memory();
@@ -103,13 +118,14 @@ NoddingJob nodding_job(const MapRequest& request, NodKind kind) {
   return job;
 }
 
-std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const MapJob& job) {
+std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const MapJob& job,
+                                               const std::string& log_file) {
   const LogConfig& log = request.settings.log;
   if (log.odometry_stamps == OdometryStamps::kLog) return std::nullopt;
   if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
   if (!request.with_loops) return std::nullopt;  // what maps without loops are compared with was made without it
   std::optional<OdometryDelay> delay =
-      measured_delay(request.logs.front(), job.read, job.range, job.mapper, [&request] { return stopped(request); });
+      measured_delay(log_file, job.read, job.range, job.mapper, [&request] { return stopped(request); });
   if (!delay || !delay->stands_out()) return std::nullopt;
   if (request.warn) {
     request.warn(
@@ -120,9 +136,8 @@ std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const 
   return delay;
 }
 
-MapResult map_opened(const MapRequest& request, const MapJob& job, const BackendOfRun& backend_of) {
-  RunTimes times;
-  ScanStream scans(job.logs, job.read, job.range);
+// How the laser nods, by the log.
+NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
   // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
   const bool has_linkage = !request.linkage.empty() || !linkage_sidecar(request.logs.front()).empty();
   const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
@@ -133,36 +148,96 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
         fmt::format("has no ENCODER or TILT message among its first {} records, so --linkage has nothing to work on",
                     ScanStream::kMostAhead));
   }
+  return kind;
+}
+
+// What the first log tells before it is mapped; a run that is gone on with knows it.
+RunPreparation prepare(const MapRequest& request, const MapJob& job, const LogCopies& copies, NodKind kind) {
+  RunPreparation prepared{.nods = kind, .linkage = {}, .linkage_yaml = {}, .delay = {}};
+  if (kind == NodKind::kNone) {
+    prepared.delay = odometry_delay_of(request, job, copies.first_log());
+  } else {
+    const NoddingJob nodding = nodding_job(request, kind);
+    prepared.linkage = nodding.linkage;
+    prepared.linkage_yaml = linkage_text(nodding.model);
+  }
+  return prepared;
+}
+
+NoddingJob prepared_nodding_job(const MapRequest& request, const RunPreparation& prepared) {
+  return {.kind = prepared.nods,
+          .model = read_linkage_text(prepared.linkage_yaml, kContinueFile).model,
+          .linkage = prepared.linkage,
+          .nodding = request.settings.nodding,
+          .limits = request.settings.nod_limits,
+          .check = {}};
+}
+
+MapResult map_prepared(RunFolder& folder, const MapRequest& request, const MapJob& job, Backend& backend,
+                       RunStart start, RunTimes& times) {
+  if (start.prepared.nods == NodKind::kNone) {
+    MapJob flat = job;
+    flat.odometry_delay = start.prepared.delay;
+    if (flat.odometry_delay) start.scans.set_odometry_delay(flat.odometry_delay->delay_s);
+    return map_into(folder, request, flat, nullptr, backend, std::move(start), times);
+  }
+  const NoddingJob nodding = prepared_nodding_job(request, start.prepared);
+  return map_into(folder, request, job, &nodding, backend, std::move(start), times);
+}
+
+// `continued` is null for a new run.
+MapResult map_opened(const MapRequest& request, const MapJob& job, const BackendOfRun& backend_of,
+                     const Continuation* continued) {
+  RunTimes times;
+  KeptRequest kept = continued != nullptr ? continued->kept : kept_request_of(request);
+  LogCopies copies(job.logs, kept.paths, job.read);
+  std::unique_ptr<RunFolder> folder;
+  if (continued != nullptr) {
+    folder = folder_to_continue(*continued, request.folder);
+    copies.write_into(*folder);
+  }
+  const auto open = [&copies](std::size_t log) { return copies.open(log); };
+  ScanStream scans(job.logs, job.read, job.range,
+                   request.with_copies ? ScanStream::OpenLog(open) : ScanStream::OpenLog());
+  const NodKind kind = kept.prepared ? kept.prepared->nods : nod_kind_of_start(request, scans);
   Backend& backend =
       backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);
-  RunFolder folder(request.folder);
-  if (kind == NodKind::kNone) {
-    MapJob flat = job;
-    flat.odometry_delay = odometry_delay_of(request, job);
-    if (flat.odometry_delay) scans.set_odometry_delay(flat.odometry_delay->delay_s);
-    return map_into(folder, request, flat, nullptr, backend, std::move(scans), times);
+  if (!folder) {
+    folder = std::make_unique<RunFolder>(request.folder);
+    if (request.with_copies) copies.write_into(*folder);
   }
-  const NoddingJob nodding = nodding_job(request, kind);
-  return map_into(folder, request, job, &nodding, backend, std::move(scans), times);
+  if (!kept.prepared) {
+    if (request.with_copies) write_continue_file(folder->staged_path(kContinueFile), kept);
+    kept.prepared = prepare(request, job, copies, kind);
+    if (request.with_copies && !stopped(request)) write_continue_file(folder->staged_path(kContinueFile), kept);
+  }
+  return map_prepared(*folder, request, job, backend, {std::move(scans), copies, *kept.prepared}, times);
+}
+
+MapJob job_of(const MapRequest& request) {
+  return {.logs = request.logs,
+          .read = read_options_of(request.settings.log, request.lenient),
+          .range = request.range,
+          .mapper = request.settings.mapper,
+          .occupancy = request.settings.occupancy,
+          .with_occupancy = request.with_map,
+          .with_pictures = request.with_pictures,
+          .with_loops = request.with_loops,
+          .closing = request.closing,
+          .finishing = request.finishing,
+          .on_failure = request.on_failure};
 }
 
 }  // namespace
 
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend) {
   if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
-  const MapJob job{.logs = request.logs,
-                   .read = read_options_of(request.settings.log, request.lenient),
-                   .range = request.range,
-                   .mapper = request.settings.mapper,
-                   .occupancy = request.settings.occupancy,
-                   .with_occupancy = request.with_map,
-                   .with_pictures = request.with_pictures,
-                   .with_loops = request.with_loops,
-                   .closing = request.closing,
-                   .finishing = request.finishing,
-                   .on_failure = request.on_failure};
   try {
-    return map_opened(request, job, backend);
+    if (request.continued.empty()) return map_opened(request, job_of(request), backend, nullptr);
+    const Continuation continued = continuation_of(request.continued, request.logs);
+    if (!continued.remark.empty() && request.warn) request.warn(continued.remark);
+    const MapRequest whole = restored(request, continued.kept);
+    return map_opened(whole, job_of(whole), backend, &continued);
   } catch (const InputError&) {  // an input that a signal ended before anything came is no bad input
     if (!stopped(request)) throw;
     throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");

@@ -216,7 +216,8 @@ def write_data():
 
 
 OVERVIEW = "overview.png" if os.environ.get("GDTSLAM_VIEWER") == "1" else "overview.svg"
-LEVEL_OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum"]
+LEVEL_OUTPUTS = ["config.yaml", "gdt.png", "gdt.yaml", "map.pgm", "map.yaml", OVERVIEW, "report.json", "trajectory.tum", "continue.json",
+                 "log-1.copy"]
 # Of a run that closed no loops: --no-loops, an interrupt.
 PLAIN_OUTPUTS = sorted([*LEVEL_OUTPUTS, "keyframes.bin.gz"])
 LOOP_OUTPUTS = ["covariance.csv", "graph.g2o", OVERVIEW.replace("overview", "graph")]

@@ -8,6 +8,7 @@ import scenario_bags
 import scenario_bench
 import scenario_calibrate
 import scenario_compare
+import scenario_continue
 import scenario_convert
 import scenario_devices
 import scenario_doctor
@@ -34,7 +35,7 @@ import scenario_same_bytes
 import scenario_signals
 import scenario_tilt3d
 
-MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_convert, scenario_devices,
+MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
            scenario_doctor, scenario_files,
             scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "carmen.hpp"
+#include "engine/io/binary/log_copy.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/log_contents.hpp"
 #include "engine/io/recordings/recording_reader.hpp"
@@ -37,8 +38,9 @@ struct Magic {
   std::optional<StreamPacking> packing{};
 };
 constexpr std::string_view kSqliteHead = "SQLite format 3";
-constexpr std::array<Magic, 6> kMagics = {
+constexpr std::array<Magic, 7> kMagics = {
     {{"#ROSBAG V", "", open_bag},
+     {"gdtslam-log-copy", "", open_log_copy},
      {"\x89MCAP", "", open_mcap},
      {kSqliteHead, "an SQLite file, which cannot be read from a pipe (give its name)"},
      {"BZh", "bzip2 data", nullptr, StreamPacking::kBzip2},

@@ -25,23 +25,41 @@ constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
 constexpr std::array kRunFiles{"trajectory.tum",   "covariance.csv", "graph.g2o",   "map.yaml",     "map.pgm",
                                "keyframes.bin.gz", "gdt.yaml",       "gdt.png",     "overview.png", "overview.svg",
                                "graph.png",        "graph.svg",      "config.yaml", "linkage.yaml", "cloud.ply",
-                               "cloud.png",        "report.json"};
+                               "cloud.png",        "continue.json",  "log-1.copy",  "report.json"};
 
 // Where the old files are while a commit lasts.
 fs::path kept_in(const fs::path& staging) { return staging / "old"; }
 
-// Staging folders of processes that were killed.
-std::vector<fs::path> leftovers_in(const fs::path& folder) {
-  std::vector<fs::path> leftovers;
+/// A staging folder, and the process that it belongs to.
+struct Staging {
+  fs::path folder;
+  pid_t process = 0;
+  // One of this process's own number is of an earlier one: processes of a container begin at 1 again.
+  [[nodiscard]] bool is_left() const {
+    return process > 0 && (process == ::getpid() || (::kill(process, 0) != 0 && errno == ESRCH));
+  }
+};
+
+std::vector<Staging> stagings_in(const fs::path& folder) {
+  std::vector<Staging> stagings;
   std::error_code ignored;  // what cannot be listed is not in the way
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kStagingPrefix)) continue;
     pid_t process = 0;
     const char* const digits = name.data() + kStagingPrefix.size();
-    const auto parsed = std::from_chars(digits, name.data() + name.size(), process);
-    const bool is_dead = parsed.ec == std::errc{} && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
-    if (is_dead) leftovers.push_back(entry.path());
+    if (std::from_chars(digits, name.data() + name.size(), process).ec == std::errc{}) {
+      stagings.push_back({entry.path(), process});
+    }
+  }
+  return stagings;
+}
+
+// Staging folders of processes that were killed, but for that one.
+std::vector<fs::path> leftovers_in(const fs::path& folder, const fs::path& own = {}) {
+  std::vector<fs::path> leftovers;
+  for (const Staging& staging : stagings_in(folder)) {
+    if (staging.is_left() && staging.folder != own) leftovers.push_back(staging.folder);
   }
   return leftovers;
 }
@@ -85,9 +103,16 @@ RunFolder::RunFolder(const std::string& path) : folder_(path) {
   }
 }
 
+RunFolder::RunFolder(const std::string& path, const fs::path& leftover)
+    : folder_(path), staging_(folder_ / fmt::format("{}{}", kStagingPrefix, ::getpid())), is_taken_over_(true) {
+  std::error_code failed;
+  if (leftover != staging_) fs::rename(leftover, staging_, failed);
+  if (failed) throw FileError(path, "cannot be written to: " + failed.message());
+}
+
 RunFolder::~RunFolder() {
   std::error_code ignored;
-  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  if (!staging_.empty() && !is_taken_over_) fs::remove_all(staging_, ignored);
   if (is_new_) fs::remove(folder_, ignored);  // succeeds only when it is empty
 }
 
@@ -149,7 +174,26 @@ void RunFolder::commit() {
   names_.clear();
   gone_.clear();
   std::error_code ignored;  // they are in nobody's way
-  for (const fs::path& leftover : leftovers_in(folder_)) fs::remove_all(leftover, ignored);
+  is_taken_over_ = false;
+  for (const fs::path& leftover : leftovers_in(folder_, staging_)) fs::remove_all(leftover, ignored);
+}
+
+UnfinishedRun unfinished_run_in(const std::string& folder, const char* file) {
+  UnfinishedRun newest;
+  fs::file_time_type newest_time = fs::file_time_type::min();
+  std::error_code ignored;
+  for (const Staging& staging : stagings_in(folder)) {
+    if (!staging.is_left()) {
+      throw UsageError(fmt::format("process {} is writing to '{}': end it first", staging.process, folder));
+    }
+    const bool is_of_commit = is_of_a_commit(staging.folder);
+    if (!is_of_commit && !fs::exists(staging.folder / file, ignored)) continue;
+    const fs::file_time_type time = fs::last_write_time(staging.folder, ignored);
+    if (!newest.folder.empty() && time < newest_time) continue;
+    newest = {staging.folder, is_of_commit};
+    newest_time = time;
+  }
+  return newest;
 }
 
 void require_no_foreign_files(const std::string& folder) {

@@ -18,13 +18,18 @@ class RunFolder {
   /// Makes the folder if need be, and the staging folder, so that a place that cannot be written shows before the work
   /// is done. Throws FileError, as commit() does.
   explicit RunFolder(const std::string& path);
+  /// Takes over what a killed run left in that folder, its staging folder. Throws FileError.
+  RunFolder(const std::string& path, const std::filesystem::path& leftover);
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
-  /// Removes what is staged, and the folder itself where this object made it and nothing came into it.
+  /// Removes what is staged, and the folder itself where this object made it and nothing came into it. What was taken
+  /// over stays, so that the run can be gone on with once more.
   ~RunFolder();
 
   /// Where to write the file of that name until commit().
   std::string staged(std::string_view name);
+  /// Where that file is until then, without that it becomes one of the run.
+  [[nodiscard]] std::string staged_path(std::string_view name) const { return (staging_ / name).string(); }
   /// This run makes no such file: one that an earlier run left goes with commit().
   void without(std::string_view name) { gone_.emplace_back(name); }
   /// Every staged file takes its name.
@@ -45,7 +50,17 @@ class RunFolder {
   std::vector<std::string> gone_;
   std::size_t given_ = 0;  ///< of names_, in the commit
   bool is_new_ = false;
+  bool is_taken_over_ = false;
 };
+
+/// What a killed run left.
+struct UnfinishedRun {
+  std::filesystem::path folder;  ///< its staging folder; empty: there is none
+  bool is_of_a_commit = false;   ///< some of its files have their names already
+};
+/// The newest in the folder that has that file, or was killed as its files got their names. Throws UsageError where a
+/// process that writes there lives.
+UnfinishedRun unfinished_run_in(const std::string& folder, const char* file);
 
 /// Nothing where the folder holds no file that a run would replace or remove, or where a run of this program wrote
 /// them. Throws UsageError else, so that nobody loses a map.yaml or a linkage.yaml of another origin; FileError.

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "engine/io/atomic_file.hpp"
+#include "engine/io/binary/bytes.hpp"
 #include "engine/io/byte_source.hpp"
 #include "engine/io/logs/gzip_file.hpp"
 #include "engine/io/sha256.hpp"
 #include "gdtslam/core/error.hpp"
-#include "keyframe_bytes.hpp"
 
 namespace gdtslam {
 namespace {

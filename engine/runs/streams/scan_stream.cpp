@@ -55,8 +55,8 @@ std::optional<ScanRecord> OdometryInterpolator::next(bool at_end) {
   return scan;
 }
 
-ScanStream::ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range)
-    : paths_(std::move(paths)), options_(options), range_(range) {
+ScanStream::ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range, OpenLog open)
+    : paths_(std::move(paths)), options_(options), range_(range), open_(std::move(open)) {
   open_next();
 }
 
@@ -65,7 +65,8 @@ bool ScanStream::open_next() {
   reader_.reset();
   if (opened_ == paths_.size()) return false;
   if (opened_ > 0 && listener_.next_log) listener_.next_log();
-  reader_ = open_log(paths_[opened_++], options_);
+  reader_ = open_ ? open_(opened_) : open_log(paths_[opened_], options_);
+  ++opened_;
   interpolator_ = {};
   speed_.reset();
   if (shift_) shift_.emplace(shift_->delay_s());

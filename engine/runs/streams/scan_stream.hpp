@@ -50,8 +50,10 @@ class OdometryInterpolator {
 
 class ScanStream {
  public:
+  /// Opens the log of that number, counted from 0, another way than by its path; empty: by its path.
+  using OpenLog = std::function<std::unique_ptr<LogReader>(std::size_t log)>;
   /// Opens the first log. Throws InputError or FileError, as next() does.
-  ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range);
+  ScanStream(std::vector<std::string> paths, const ReadOptions& options, const ScanRange& range, OpenLog open = {});
 
   std::optional<ScanRecord> next();
   /// Looks ahead for a message of a mount, up to so many scans of the first log. What is wrong with a record that it
@@ -93,6 +95,7 @@ class ScanStream {
   std::vector<std::string> paths_;
   ReadOptions options_;
   ScanRange range_;
+  OpenLog open_;
   std::size_t opened_ = 0;
   std::unique_ptr<LogReader> reader_;
   OdometryInterpolator interpolator_;

@@ -28,6 +28,7 @@ TEST(FuzzCorpus, SqliteBag) { replay("sqlite_bag", fuzz::read_sqlite_bag, 2); }
 TEST(FuzzCorpus, Cdr) { replay("cdr", fuzz::read_cdr, 6); }
 TEST(FuzzCorpus, Csv) { replay("csv", fuzz::read_csv, 6); }
 TEST(FuzzCorpus, JsonLines) { replay("jsonl", fuzz::read_json_lines, 5); }
+TEST(FuzzCorpus, LogCopy) { replay("log_copy", fuzz::read_log_copy, 6); }
 TEST(FuzzCorpus, Config) { replay("config", fuzz::read_config, 8); }
 TEST(FuzzCorpus, Map) { replay("map", fuzz::read_map_image, 3); }
 TEST(FuzzCorpus, Tum) { replay("tum", fuzz::read_trajectory, 2); }

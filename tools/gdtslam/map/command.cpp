@@ -40,12 +40,14 @@ struct MapOptions {
   std::string linkage;  ///< preset or file; empty: the file beside the log, else the default preset
   bool lenient = false;
   RecordingOptions recording;
-  std::string mcap;    ///< empty: none
-  bool force = false;  ///< replace files of other origin in the folder
+  std::string mcap;       ///< empty: none
+  std::string continued;  ///< folder of a run to go on with; empty: a new run
+  bool force = false;     ///< replace files of other origin in the folder
   bool no_cloud = false;
   bool no_map = false;
   bool no_pictures = false;
   bool no_loops = false;
+  bool no_copy = false;
   bool json = false;
   bool quiet = false;
 };
@@ -117,13 +119,20 @@ CloudPicture cloud_painter() {
 #endif
 }
 
+std::string folder_of(const MapOptions& options) {
+  if (!options.folder.empty()) return options.folder;
+  return options.continued.empty() ? default_run_folder(options.logs.front()) : options.continued;
+}
+
 MapRequest request_of(const MapOptions& options) {
   MapRequest request{.logs = options.logs,
-                     .folder = options.folder.empty() ? default_run_folder(options.logs.front()) : options.folder,
+                     .folder = folder_of(options),
                      .settings = settings_of(options),
                      .lenient = options.lenient,
                      .range = options.range,
                      .linkage = options.linkage,
+                     .continued = options.continued,
+                     .with_copies = !options.no_copy,
                      .replace_foreign_files = options.force,
                      .with_cloud = !options.no_cloud,
                      .with_map = !options.no_map,
@@ -156,6 +165,21 @@ void write_mcap(const MapOptions& options, const MapRequest& request, const MapO
   }
 }
 
+// What determines the result is that of the run.
+void check_continued(const CLI::App& command, const MapOptions& options) {
+  if (options.continued.empty()) {
+    if (options.logs.empty()) throw CLI::RequiredError("log");
+    return;
+  }
+  for (const char* name :
+       {"--config", "--set", "--matcher", "--linkage", "--lenient", "--topic", "--odom", "--crank", "--mount", "--skip",
+        "--first", "--no-cloud", "--no-map", "--no-loops", "--no-pictures", "--no-copy", "--mcap"}) {
+    if (command.count(name) == 0) continue;
+    throw UsageError(
+        fmt::format("{}: a run that is gone on with keeps its configuration and parts: leave it out", name));
+  }
+}
+
 int map(const MapOptions& options) {
   check_mcap(options);
   MapRequest request = request_of(options);
@@ -175,7 +199,7 @@ int map(const MapOptions& options) {
   line.clear();
   closing.clear();
   write_mcap(options, request, result.outcome);
-  if (options.folder.empty()) link_latest(request.folder);
+  if (options.folder.empty() && options.continued.empty()) link_latest(request.folder);
   if (!options.quiet) print_remarks(result.outcome);
   if (options.json) {
     print_result(result.report);
@@ -193,8 +217,14 @@ void add_input_options(CLI::App& command, MapOptions& options) {
   command
       .add_option("log", options.logs,
                   fmt::format("{} logs, plain or gzip, mapped one after the other; - is standard input", kLogFormats))
-      ->required()
       ->type_name("LOG");
+  command
+      .add_option(
+          "--continue", options.continued,
+          "Go on with the run in DIR, and the logs after its own: the same results as all logs in one go, from\n"
+          "DIR alone. One that was interrupted or killed goes on where it was. Results replace those in DIR, or\n"
+          "go to -o")
+      ->type_name("DIR");
   command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
   add_recording_options(command, options.recording);
   add_count_option(command, "--skip", options.range.skip, 0, "Leave out the first N scans");
@@ -234,6 +264,8 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "--no-loops", options->no_loops,
       "Match each scan with one map of all that was seen; without it loops are closed and the whole path\n"
       "is adjusted once the log has ended");
+  command->add_flag("--no-copy", options->no_copy,
+                    "Do not keep what is read of the logs (log-1.copy ...): the run cannot be gone on with");
   command->add_flag("--no-pictures", options->no_pictures,
                     "Do not write overview.png, graph.png (or .svg) and cloud.png");
   command
@@ -247,8 +279,10 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "Writes map.pgm and map.yaml (for ROS map_server and Nav2), gdt.png and gdt.yaml (the distance field),\n"
       "trajectory.tum, keyframes.bin.gz (the scans in the map), overview.png (or .svg), config.yaml and report.json;\n"
       "where loops are closed also covariance.csv, graph.g2o and graph.png (or .svg), and where the log tells how the\n"
-      "laser nods cloud.ply, cloud.png and linkage.yaml, but no keyframes.bin.gz. 'gdtslam render DIR' makes more\n"
-      "pictures, films and pages; 'gdtslam doctor --after DIR' says what in the map is doubtful.\n"
+      "laser nods cloud.ply, cloud.png and linkage.yaml, but no keyframes.bin.gz. For --continue, continue.json and "
+      "of\n"
+      "each log log-N.copy. 'gdtslam render DIR' makes more pictures, films and pages; 'gdtslam doctor --after DIR'\n"
+      "says what in the map is doubtful.\n"
       "An interrupt (Ctrl-C, SIGTERM, a lost terminal) finishes the scan in hand and writes what there is, exit 130.\n"
       "\n"
       "Examples:\n"
@@ -256,8 +290,10 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       "  gdtslam map intel.clf.gz -o fast --matcher gauss-newton --set search.when=suspect\n"
       "  gdtslam map office.log -c my.yaml --set map.resolution=\"10 cm\" --json | jq .scans_per_s\n"
       "  gdtslam map office-7f.log -o office --linkage paper-b --set cloud.voxel=\"5 cm\"\n"
+      "  gdtslam map --continue office tomorrow.log\n"
       "  zcat drive.log.gz | gdtslam map - -o drive");
-  command->callback([options, &context] {
+  command->callback([command, options, &context] {
+    check_continued(*command, *options);
     context.run = [options] { return map(*options); };
     context.when_out_of_memory = kSmallerMap;
   });

@@ -175,6 +175,7 @@ void map_whole(const std::string& log, const std::string& run, const DeviceOptio
   MapRequest request{.logs = {log}, .folder = run, .settings = load_settings({.file = "", .sets = sets})};
   if (first > 0) request.range.count = first;
   request.with_pictures = false;
+  request.with_copies = false;
   request.on_failure = on_failure_of(device);
   request.progress = [&](std::uint64_t, double share) { progress(share); };
   request.stop = [] { return interrupted(); };

@@ -31,6 +31,11 @@ struct MapRequest {
   ScanRange range{};
   std::string
       linkage{};  ///< of a nodding laser: preset or file; empty: the file beside the first log, else the default
+  /// Folder of a run to go on with, finished, interrupted or killed: its logs, configuration, range, linkage and parts
+  /// count in place of those here, and `logs` come after its own. What it has read of its logs need not be there any
+  /// more. Empty: a new run.
+  std::string continued{};
+  bool with_copies = true;             ///< of the logs as they are read, from which the run can be gone on with
   bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
   bool with_cloud = true;
   bool with_map = true;        ///< the occupancy map, and the pictures of it: overview and graph
@@ -59,7 +64,8 @@ using BackendOfRun = std::function<Backend&(bool has_work)>;
 
 /// Maps the logs and writes the run folder, all files or none. Throws InputError, ConfigError, FileError,
 /// UnavailableError, what `backend` throws, DeviceError where the request does not allow to go on without the device,
-/// and Error(kInterrupted) when stopped before a scan was mapped.
+/// UsageError where the run cannot be gone on with in that way, and Error(kInterrupted) when stopped before a scan was
+/// mapped.
 MapResult map_logs(const MapRequest& request, const BackendOfRun& backend);
 inline MapResult map_logs(const MapRequest& request, Backend& backend) {
   return map_logs(request, [&backend](bool) -> Backend& { return backend; });

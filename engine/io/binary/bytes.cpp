@@ -1,7 +1,8 @@
-#include "keyframe_bytes.hpp"
+#include "bytes.hpp"
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -15,7 +16,9 @@ constexpr std::size_t kMostVarintBytes = 9;  // 63 bits, which a signed number h
 
 template <class Whole>
 void put_little_endian(std::string& bytes, Whole value) {
-  for (std::size_t i = 0; i < sizeof(Whole); ++i) bytes += static_cast<char>(value >> (8U * i) & 0xffU);
+  std::array<char, sizeof(Whole)> piece{};
+  for (std::size_t i = 0; i < sizeof(Whole); ++i) piece[i] = static_cast<char>(value >> (8U * i) & 0xffU);
+  bytes.append(piece.data(), piece.size());
 }
 
 template <class Whole>
@@ -45,8 +48,12 @@ BytesOut& BytesOut::number(double value) {
 }
 
 BytesOut& BytesOut::varint(std::uint64_t value) {
-  for (; value >= 0x80U; value >>= 7U) bytes_ += static_cast<char>((value & 0x7fU) | 0x80U);
-  return byte(static_cast<std::uint8_t>(value));
+  std::array<char, 10> piece{};
+  std::size_t size = 0;
+  for (; value >= 0x80U; value >>= 7U) piece[size++] = static_cast<char>((value & 0x7fU) | 0x80U);
+  piece[size++] = static_cast<char>(value);
+  bytes_.append(piece.data(), size);
+  return *this;
 }
 
 BytesOut& BytesOut::text(std::string_view value) {

@@ -1,0 +1,144 @@
+#include "continuation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+
+#include "engine/io/binary/log_copy.hpp"
+#include "engine/io/binary/log_copy_records.hpp"
+#include "gdtslam/core/error.hpp"
+#include "log_copies.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_a_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+// Of two folders the first that has it.
+std::string file_in(const std::vector<fs::path>& folders, const std::string& name) {
+  for (const fs::path& folder : folders) {
+    if (is_a_file(folder / name)) return (folder / name).string();
+  }
+  return {};
+}
+
+// Whether all of each log is there, and the run has nothing more to read.
+bool is_all_read(const KeptRequest& kept, const std::vector<std::string>& copies) {
+  return copies.size() == kept.request.logs.size() &&
+         (copies.empty() || extent_of_log_copy(copies.back()).is_of_whole_log());
+}
+
+bool has_same_records(const std::string& copy, const std::string& log, const ReadOptions& options) {
+  try {
+    const std::unique_ptr<LogReader> copied = open_log(copy, options);
+    const std::unique_ptr<LogReader> read = open_log(log, options);
+    while (const std::optional<LogRecord> record = read->next()) {
+      const std::optional<LogRecord> other = copied->next();
+      if (!other || record_bytes(*record) != record_bytes(*other)) return false;
+    }
+    return !copied->next();
+  } catch (const Error&) {  // what is wrong with it is told by those who map it
+    return false;
+  }
+}
+
+// Whether the run ends with these logs by their names, and has more than them.
+bool ends_with(const std::vector<std::string>& logs, const std::vector<std::string>& last) {
+  return logs.size() > last.size() && std::equal(last.rbegin(), last.rend(), logs.rbegin());
+}
+
+// Whether a finished run was told of these logs already, and they are the same still.
+bool has_mapped(const Continuation& found, const std::vector<std::string>& more) {
+  const MapRequest& request = found.kept.request;
+  if (!ends_with(request.logs, more)) return false;
+  const ReadOptions options = read_options_of(request.settings.log, request.lenient);
+  const std::size_t before = request.logs.size() - more.size();
+  for (std::size_t k = 0; k < more.size(); ++k) {
+    if (more[k] == "-" || !has_same_records(found.copies[before + k], more[k], options)) return false;
+  }
+  return true;
+}
+
+void refuse_more(const Continuation& found, bool is_finished) {
+  const ScanRange& range = found.kept.request.range;
+  const bool is_stream = found.kept.request.logs.back() == "-" && found.copies.size() == found.kept.request.logs.size();
+  if (!is_finished && !is_stream) {
+    throw UsageError(fmt::format(
+        "--continue: the run in '{0}' is unfinished: finish it first, gdtslam map --continue {0}", found.run));
+  }
+  if (range.count != ScanRange{}.count) {
+    throw UsageError(
+        fmt::format("--continue: the run in '{}' has its first {} scans only (--first), and a further log "
+                    "would add nothing: map its logs again without --first",
+                    found.run, range.count));
+  }
+}
+
+// A killed run that was told to go on with these logs may be told so again.
+void add_logs(Continuation& found, bool is_finished, const std::vector<std::string>& more) {
+  std::vector<std::string>& logs = found.kept.request.logs;
+  if (more.empty() || (!is_finished && ends_with(logs, more))) return;
+  if (is_finished && has_mapped(found, more)) {
+    found.remark = fmt::format("warning: the run in '{}' ends with {} already: not added once more", found.run,
+                               more.size() == 1 ? "this log" : "these logs");
+    return;
+  }
+  refuse_more(found, is_finished);
+  for (const std::string& log : more) {
+    logs.push_back(log);
+    found.kept.paths.push_back(absolute_path_of(log));
+  }
+}
+
+}  // namespace
+
+Continuation continuation_of(const std::string& run, const std::vector<std::string>& more_logs) {
+  const UnfinishedRun unfinished = unfinished_run_in(run, kContinueFile);
+  std::vector<fs::path> folders;
+  if (!unfinished.folder.empty()) folders.push_back(unfinished.folder);
+  if (unfinished.folder.empty() || unfinished.is_of_a_commit) folders.emplace_back(run);
+  const std::string file = file_in(folders, kContinueFile);
+  if (file.empty()) {
+    throw InputError({run, 0},
+                     "has no run to go on with: no continue.json is in it, as 'gdtslam map' leaves one unless "
+                     "--no-copy is given; map its logs again");
+  }
+  Continuation found{.kept = read_continue_file(file, run), .run = run, .leftover = {}, .copies = {}, .remark = {}};
+  if (!unfinished.is_of_a_commit) found.leftover = unfinished.folder;
+  for (std::size_t log = 0; log < found.kept.request.logs.size(); ++log) {
+    const std::string copy = file_in(folders, log_copy_name(log));
+    if (copy.empty()) break;
+    found.copies.push_back(copy);
+  }
+  const bool is_finished = found.leftover.empty() && is_all_read(found.kept, found.copies);
+  add_logs(found, is_finished, more_logs);
+  return found;
+}
+
+std::unique_ptr<RunFolder> folder_to_continue(const Continuation& continuation, const std::string& path) {
+  std::error_code ignored;
+  const bool is_taken_over = !continuation.leftover.empty() && fs::equivalent(path, continuation.run, ignored);
+  if (is_taken_over) {
+    auto folder = std::make_unique<RunFolder>(path, continuation.leftover);
+    write_continue_file(folder->staged_path(kContinueFile), continuation.kept);
+    return folder;
+  }
+  auto folder = std::make_unique<RunFolder>(path);
+  for (std::size_t log = 0; log < continuation.copies.size(); ++log) {
+    const std::string target = folder->staged_path(log_copy_name(log));
+    std::error_code failed;
+    fs::copy_file(continuation.copies[log], target, failed);
+    if (failed) throw FileError(target, "cannot be written: " + failed.message());
+  }
+  write_continue_file(folder->staged_path(kContinueFile), continuation.kept);
+  return folder;
+}
+
+}  // namespace gdtslam
