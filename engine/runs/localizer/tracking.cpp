@@ -49,15 +49,15 @@ void RobotTracker::follow_in(Place& place, const Scan& scan) const {
       place.match.accepted && !place.is_outside && known.mean_distance_m <= localizer_.good_fit().distance_m;
   place.faults = place.is_good ? 0 : place.faults + 1;
   if (place.is_good) {
-    place.contradicted_m = 0.0;
-  } else if (!place.match.accepted && !place.is_outside) {
-    place.contradicted_m += step_m;
+    place.unmatched_m = 0.0;
+  } else if (!place.is_outside) {
+    place.unmatched_m += step_m;
   }
   place.distance_sum_m += place.match.mean_cost_m;
 }
 
 bool RobotTracker::is_lost(const Place& place) const {
-  return place.contradicted_m > limits_.lost_m || place.tracker.covariance().sigma_m() > limits_.lost_sigma_m;
+  return place.unmatched_m > limits_.lost_m || place.tracker.covariance().sigma_m() > limits_.lost_sigma_m;
 }
 
 TrackedPose RobotTracker::follow(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
@@ -71,7 +71,7 @@ TrackedPose RobotTracker::follow(const LaserScan& scan, const std::optional<Pose
   }
   if (trial_) try_place(now);
   if (!trial_ && is_search_due(T_odom_base)) look_for(now);
-  if (here_) {
+  if (here_ && !is_trial_better()) {
     return in_map(*here_, here_->is_good ? Whereabouts::kTracked : Whereabouts::kPredicted);
   }
   return trial_ ? in_map(*trial_, Whereabouts::kFound) : TrackedPose{};
@@ -84,9 +84,12 @@ void RobotTracker::try_place(const Scan& scan) {
                           (trial_->faults > 0 && trial_->match.mean_cost_m > 2.0 * localizer_.good_fit().distance_m);
   if (is_refuted) return trial_.reset();
   if (trial_->path < limits_.trial_m) return;
-  const bool is_better = !here_ || trial_->distance_sum_m < limits_.better * here_->distance_sum_m;
-  if (is_better) here_ = std::move(trial_);
+  if (!here_ || is_trial_better()) here_ = std::move(trial_);
   trial_.reset();
+}
+
+bool RobotTracker::is_trial_better() const {
+  return here_ && trial_ && trial_->distance_sum_m < limits_.better * here_->distance_sum_m;
 }
 
 // From the same place the same would be found.
@@ -122,7 +125,7 @@ void RobotTracker::look_for(const Scan& scan) {
   const LocalizedScan found = localizer_.find(scan.scan, scan.index);
   if (found.verdict != Verdict::kFound && found.verdict != Verdict::kAmbiguous) return;
   const bool is_same = here_ && is_here(found.best->T_map_base);
-  if (here_ && found.verdict == Verdict::kAmbiguous && !is_same) return;
+  if (here_ && here_->is_good && found.verdict == Verdict::kAmbiguous && !is_same) return;
   if (is_same && here_->is_good) {
     here_->is_ambiguous = found.verdict == Verdict::kAmbiguous;
     return;

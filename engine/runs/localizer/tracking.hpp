@@ -44,7 +44,7 @@ struct TrackedPose {
 /// When a robot is looked for, and when it is believed to be where it was found.
 struct TrackLimits {
   double least_known = 0.5;       ///< share of a scan's points in the map, with fewer of which the map does not count
-  double lost_m = 5.0;            ///< after so much path that the map contradicts nothing is known any more
+  double lost_m = 10.0;           ///< after so much path in the map without a good match nothing is known any more
   double lost_sigma_m = 1.0;      ///< nor where the pose has become so unsure, as outside of the map
   std::uint32_t doubt_scans = 5;  ///< so many scans without a good match: it may have been carried away
   /// While it is looked for, the next scan is searched after so many, or after so much path by the wheels; a turn by 90
@@ -80,7 +80,7 @@ class RobotTracker {
     bool is_outside = false;  // too little of the scan lies in the map to say anything
     bool is_ambiguous = false;
     double path = 0.0;            // metres and quarter turns since it was found
-    double contradicted_m = 0.0;  // path since a good match that the map speaks against
+    double unmatched_m = 0.0;     // path in the map since a good match
     std::uint32_t faults = 0;     // scans in a row without a good match
     double distance_sum_m = 0.0;  // of the scans since the trial began, as the next
   };
@@ -93,6 +93,7 @@ class RobotTracker {
   void follow_in(Place& place, const Scan& scan) const;
   [[nodiscard]] bool is_lost(const Place& place) const;
   void try_place(const Scan& scan);
+  [[nodiscard]] bool is_trial_better() const;
   [[nodiscard]] bool is_search_due(const std::optional<Pose2>& T_odom_base);
   void look_for(const Scan& scan);
   [[nodiscard]] bool is_here(const Pose2& T_map_base) const;
