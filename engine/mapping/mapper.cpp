@@ -44,11 +44,6 @@ struct PlacedMap {
 
 bool is_cpu(const Backend& backend) { return backend.device().kind == "cpu"; }
 
-// A scan fits about as well where the mean distance of its points is so much more; farther points hold nothing.
-constexpr double kAboutAsWell = 1.3;
-constexpr double kAsWell_m = 0.003;
-constexpr double kFarthest_m = 0.3;
-
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
 double turn(const Pose2& a, const Pose2& b) { return std::fabs(wrap_angle(a.theta_rad - b.theta_rad)); }
 
@@ -229,12 +224,8 @@ MatchResult Mapper::State::locate() {
   return result;
 }
 
-// Where little holds a scan, as in a bare corridor, a match can slide along it for next to nothing.
 bool Mapper::State::fits_as_well(const Pose2& pose, const Pose2& matched) {
-  const auto [there, here] = match_on_device([&] {
-    return mean_distances_m(map->matched(), points, {matched, pose}, kFarthest_m);
-  });
-  return here <= kAboutAsWell * there + kAsWell_m;
+  return match_on_device([&] { return fits_about_as_well(map->matched(), points, pose, matched); });
 }
 
 bool Mapper::State::is_keyframe(const Pose2& pose) const {

@@ -99,20 +99,49 @@ CertifiedOptions Localizer::options_with(double gap_m) const {
   return options;
 }
 
-LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
-                                  const std::optional<Pose2>& T_map_base_reference) const {
-  const double begin_s = thread_cpu_s();
-  const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
+LocalizedScan Localizer::begun(const LaserScan& scan, std::uint64_t index, std::span<const PointCells> points) const {
   LocalizedScan found;
   found.index = index;
   found.stamp_s = scan.stamp_s;
   found.points = static_cast<std::uint32_t>(points.size());
   found.has_returns = !points.empty() && points.size() >= static_cast<std::size_t>(config_.scan.min_points);
-  if (found.has_returns) found.best = if_any(search(points, window_, options_with(limits_.gap_m)));
   found.as_good =
       static_cast<std::uint32_t>(limits_.gap_m / resolution_m() * kFieldOne * static_cast<double>(points.size()));
-  if (found.best && limits_.with_runner_up)
-    found.runner_up = elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good);
+  return found;
+}
+
+// Where no pose is a good fit the search ends as soon as that is proven.
+LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index) const {
+  const double begin_s = thread_cpu_s();
+  const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
+  LocalizedScan found = begun(scan, index, points);
+  if (found.has_returns) {
+    constexpr double kMostUnits = 4.0e9;
+    const double units = good_fit_.distance_m / resolution_m() * kFieldOne * static_cast<double>(points.size());
+    CertifiedOptions options = options_with(limits_.gap_m);
+    options.max_boxes = LocalizeLimits::kWaitingBoxes;
+    options.wanted_bound = static_cast<std::uint32_t>(std::min(units, kMostUnits)) + 1;
+    found.best = if_any(search(points, window_, options));
+  }
+  if (verdict_of(found, good_fit_.distance_m) == Verdict::kFound) {
+    found.runner_up =
+        elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good, LocalizeLimits::kWaitingBoxes);
+  }
+  found.verdict = verdict_of(found, good_fit_.distance_m);
+  found.cpu_s = thread_cpu_s() - begin_s;
+  return found;
+}
+
+LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
+                                  const std::optional<Pose2>& T_map_base_reference) const {
+  const double begin_s = thread_cpu_s();
+  const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
+  LocalizedScan found = begun(scan, index, points);
+  if (found.has_returns) found.best = if_any(search(points, window_, options_with(limits_.gap_m)));
+  if (found.best && limits_.with_runner_up) {
+    found.runner_up =
+        elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good, LocalizeLimits::kElsewhereBoxes);
+  }
   found.verdict = verdict_of(found, good_fit_.distance_m);
   if (T_map_base_reference) found.reference = beside(points, *T_map_base_reference, found.best);
   found.cpu_s = thread_cpu_s() - begin_s;
@@ -122,7 +151,7 @@ LocalizedScan Localizer::localize(const LaserScan& scan, std::uint64_t index,
 // A good pose elsewhere, and whether one there may be as good as the best: a short search finds the pose; where it
 // leaves the question open a second one answers it, which needs no proof of how good the poses are that are worse.
 std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
-                                                    std::uint32_t as_good_as) const {
+                                                    std::uint32_t as_good_as, std::uint64_t most_boxes) const {
   CertifiedOptions options = options_with(LocalizeLimits::kElsewhereGaps * limits_.gap_m);
   options.max_boxes = LocalizeLimits::kRunnerUpBoxes;
   options.excluded = ExcludedPoses{T_map_best, LocalizeLimits::kElsewhereM, LocalizeLimits::kElsewhereRad};
@@ -132,7 +161,7 @@ std::optional<CertifiedResult> Localizer::elsewhere(std::span<const PointCells> 
   if (first.bound > as_good_as || (has_pose && first.cost <= as_good_as)) return if_any(first);
   options.gap_m = 0.0;
   options.wanted_bound = as_good_as + 1;
-  options.max_boxes = LocalizeLimits::kElsewhereBoxes;
+  options.max_boxes = most_boxes;
   if (has_pose) options.starts = {first.T_map_base};
   return if_any(search(points, window_, options));
 }
@@ -157,6 +186,15 @@ ReferencePose Localizer::beside(std::span<const PointCells> points, const Pose2&
   options.starts = {T_map_base};
   reference.nearby = if_any(search(points, around, options));
   return reference;
+}
+
+double Localizer::known_share(const LaserScan& scan, const Pose2& T_map_base) const {
+  return known_share(points_to_match(scan, config_, resolution_m()), T_map_base);
+}
+
+double Localizer::least_known_share() const {
+  const double truncation_m = resolution_m() * static_cast<double>(field_.file.cap) / kFieldOne;
+  return std::max(0.0, 1.0 - good_fit_.distance_m / truncation_m);
 }
 
 double Localizer::known_share(std::span<const PointCells> points, const Pose2& T_map_base) const {

@@ -33,6 +33,7 @@ struct LocalizeLimits {
   static constexpr double kElsewhereGaps = 8.0;
   static constexpr std::uint64_t kRunnerUpBoxes = 50000;  ///< for a pose there
   static constexpr std::uint64_t kElsewhereBoxes = 6000000;
+  static constexpr std::uint64_t kWaitingBoxes = 400000;       ///< of either search where a robot waits
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
   static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
   static constexpr double kNearbyGaps = 0.1;                   ///< of the search around the reference
@@ -90,6 +91,14 @@ class Localizer {
   /// Throws DeviceError.
   [[nodiscard]] LocalizedScan localize(const LaserScan& scan, std::uint64_t index,
                                        const std::optional<Pose2>& T_map_base_reference) const;
+  /// The same for a robot that is waiting, which will find out: no pose is proven where none is a good fit or it takes
+  /// too long, and one elsewhere counts as being as good where it takes too long to tell. No reference.
+  [[nodiscard]] LocalizedScan find(const LaserScan& scan, std::uint64_t index) const;
+  /// Share of the scan's points that a pose puts near an obstacle of the map.
+  [[nodiscard]] double known_share(const LaserScan& scan, const Pose2& T_map_base) const;
+  /// The least of it with which a scan can be a good fit: points that the map does not have lie at least as far from
+  /// its obstacles as distances are kept.
+  [[nodiscard]] double least_known_share() const;
   /// The poses that are searched: those over what the map knows, all headings.
   [[nodiscard]] const PoseWindow& window() const { return window_; }
   [[nodiscard]] const std::string& file() const { return field_.path; }
@@ -104,7 +113,9 @@ class Localizer {
                                        CertifiedOptions options) const;
   [[nodiscard]] CertifiedOptions options_with(double gap_m) const;
   [[nodiscard]] std::optional<CertifiedResult> elsewhere(std::span<const PointCells> points, const Pose2& T_map_best,
-                                                         std::uint32_t as_good_as) const;
+                                                         std::uint32_t as_good_as, std::uint64_t most_boxes) const;
+  [[nodiscard]] LocalizedScan begun(const LaserScan& scan, std::uint64_t index,
+                                    std::span<const PointCells> points) const;
   [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,
                                      const std::optional<CertifiedResult>& best) const;
   [[nodiscard]] double known_share(std::span<const PointCells> points, const Pose2& T_map_base) const;

@@ -13,6 +13,7 @@
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "options.hpp"
 #include "output.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -21,32 +22,10 @@
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
+#include "tracking.hpp"
 
 namespace gdtslam {
 namespace {
-
-struct LocalizeOptions {
-  std::string map;
-  std::string log;
-  ScanChoice choice;
-  double leave_out_s = -1.0;  ///< negative: not asked for
-  std::string reference;
-  bool align = false;
-  std::string within = "10cm/1deg";
-  double gap_m = 0.005;
-  double max_seconds = 0.0;  ///< 0: no limit
-  bool no_runner_up = false;
-  double poor_fit_m = -1.0;  ///< negative: what the map tells
-  bool strict = false;
-  DeviceOptions device{.device = "cpu"};
-  bool lenient = false;
-  RecordingOptions recording;
-  bool json = false;
-  bool quiet = false;
-  std::string trajectory;  ///< to be written; empty: none
-  std::string picture;
-  SettingsOptions settings;
-};
 
 constexpr double kMostSeconds = 1.0e5;  // 28 hours
 constexpr double kMostGap_m = 1.0;
@@ -64,14 +43,6 @@ void read_within(const std::string& text, LocalizeLimits& limits) {
   if (!(limits.within_m > 0.0 && limits.within_m <= kMost_m && limits.within_rad > 0.0 && limits.within_rad <= kPi)) {
     throw UsageError("--within: '" + text + "' is out of range: up to 100m/180deg, neither of them 0");
   }
-}
-
-LocalizeLimits limits_of(const LocalizeOptions& options) {
-  LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
-  if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
-  if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
-  read_within(options.within, limits);
-  return limits;
 }
 
 LocalizeJob job_of(const LocalizeOptions& options, const Settings& settings) {
@@ -98,6 +69,7 @@ void check(const LocalizeOptions& options) {
     throw UsageError(fmt::format("'{0}' is a map and '{1}' is none; the map comes first: gdtslam localize {0} {1}",
                                  options.log, options.map));
   }
+  check_tracking(options);
   const ScanChoice& choice = options.choice;
   if (options.leave_out_s >= 0.0 && choice.random == 0 && choice.every == 0) {
     throw UsageError("--leave-out chooses among scans: give --random or --every too");
@@ -106,6 +78,7 @@ void check(const LocalizeOptions& options) {
   const std::vector<std::string> inputs{options.log, options.reference, options.map};
   check_written_file("--output", options.trajectory, inputs);
   check_written_file("--picture", options.picture, inputs);
+  check_written_file("--table", options.table, inputs);
 }
 
 void write_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
@@ -179,29 +152,15 @@ Work work_with(const LocalizeOptions& options, const Settings& settings, const L
   return work;
 }
 
-// The CPU gives the same, so a device that fails costs the time spent and nothing else.
-Work work_of(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job) {
-  try {
-    return work_with(options, settings, job, options.device);
-  } catch (const DeviceError& error) {
-    if (options.device.no_fallback) throw;
-    print_remark(fmt::format("warning: {}; beginning again with the CPU", error.what()));
-  } catch (const InputError&) {
-    if (!interrupted()) throw;  // else the signal ended the standard input
-    throw Error(ExitCode::kInterrupted, "interrupted before the first scan; nothing is written");
-  }
-  DeviceOptions cpu = options.device;
-  cpu.device = "cpu";
-  return work_with(options, settings, job, cpu);
-}
-
 int localize(const LocalizeOptions& options) {
   check(options);
   Stopwatch watch;
   LocalizeTimes times;
   const Settings settings = load_settings(options.settings);
   const LocalizeJob job = job_of(options, settings);
-  const Work work = work_of(options, settings, job);
+  if (options.track) return track(options, settings, job);
+  const Work work = with_device(options.device,
+                                [&](const DeviceOptions& device) { return work_with(options, settings, job, device); });
   const Localized& all = work.all;
   require_reference(job, all);
   watch.add_to(times.wall_s, times.cpu_s);
@@ -237,6 +196,16 @@ void add_choices(CLI::App& command, LocalizeOptions& chosen) {
   add_quantity_option(command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMostSeconds},
                       "Do not choose scans that were taken this near in time to one that went into the map;\n"
                       "needs the run folder; 0: leave out those that went into it themselves");
+}
+
+void add_tracking_options(CLI::App& command, LocalizeOptions& chosen) {
+  CLI::Option* track =
+      command.add_flag("--track", chosen.track,
+                       "Follow the robot from scan to scan with odometry, from a start that is found by itself");
+  track->excludes("--every")->excludes("--random")->excludes("--no-runner-up");
+  command.add_option("--table", chosen.table, "Write a line for every scan followed, CSV")
+      ->type_name("FILE")
+      ->needs(track);
 }
 
 void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
@@ -278,9 +247,17 @@ void add_output_options(CLI::App& command, LocalizeOptions& chosen) {
 
 }  // namespace
 
+LocalizeLimits limits_of(const LocalizeOptions& options) {
+  LocalizeLimits limits{.gap_m = options.gap_m, .max_seconds = {}, .with_runner_up = !options.no_runner_up};
+  if (options.poor_fit_m >= 0.0) limits.good_fit_m = options.poor_fit_m;
+  if (options.max_seconds > 0.0) limits.max_seconds = options.max_seconds;
+  read_within(options.within, limits);
+  return limits;
+}
+
 void add_localize_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<LocalizeOptions>();
-  CLI::App* command = add_command(app, "localize", "The pose of scans in a whole map, without odometry, with a proof");
+  CLI::App* command = add_command(app, "localize", "The pose of scans in a whole map, with a proof, or a drive in it");
   command
       ->add_option("map", options->map,
                    "Run folder of `gdtslam map`, its gdt.yaml, or the map.yaml of an occupancy map\n"
@@ -291,6 +268,7 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
   add_choices(*command, *options);
   add_reference_options(*command, *options);
   add_search_options(*command, *options);
+  add_tracking_options(*command, *options);
   add_device_options(*command, options->device);
   add_output_options(*command, *options);
   add_settings_options(*command, options->settings);
@@ -308,11 +286,14 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, verdict,\n"
       "best, runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
       "\n"
+      "--track: JSON has whereabouts (counts), ambiguous, searches, unknown (stretches), errors, warnings, times.\n"
+      "\n"
       "Examples:\n"
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"
       "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json\n"
       "  gdtslam localize warehouse/map.yaml today.bag --every 50 --picture poses.png\n"
       "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel/trajectory.tum\n"
+      "  gdtslam localize intel today.clf.gz --track -o track.tum --table track.csv --picture track.png\n"
       "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");
   command->callback([&context, options] { context.run = [options] { return localize(*options); }; });
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "gdtslam/core/angle.hpp"
+#include "output_parts.hpp"
 
 namespace gdtslam {
 namespace {
@@ -71,13 +72,6 @@ std::string chosen_text(const LocalizeJob& job, const Localized& all, const Loca
   return text + fmt::format(": {}; {} proven\n", as_text(figures.verdicts), figures.certified);
 }
 
-std::string fit_text(const FitLimit& fit) {
-  const char* why = "as --poor-fit says";
-  if (fit.source == FitLimit::Source::kRun) why = "99 of 100 matches of the run left no more";
-  if (fit.source == FitLimit::Source::kResolution) why = "two cells of the map, as no run tells how well its scans fit";
-  return fmt::format("a mean distance of more than {:.1f} mm is a poor fit: {}\n", 1000.0 * fit.distance_m, why);
-}
-
 std::string within_text(const LocalizeLimits& limits, const LocalizeFigures& figures) {
   const Share& within = figures.within;
   std::string text = fmt::format(
@@ -97,9 +91,6 @@ std::string within_text(const LocalizeLimits& limits, const LocalizeFigures& fig
 }
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::array kFitSources{"option", "run", "resolution"};    // as FitLimit::Source has them
-constexpr std::array kFieldSources{"distances", "occupied-cells"};  // as MapField::Source has them
 
 // "poor-fit"
 std::string json_name(Verdict verdict) {
@@ -161,21 +152,6 @@ Json choice_json(const LocalizeJob& job, const Localized& all) {
           {"without_reference", all.without_reference}};
 }
 
-Json share_json(const Share& share) {
-  const bool is_any = share.of > 0;
-  return {{"count", share.count},
-          {"of", share.of},
-          {"share", is_any ? Json(share.value()) : Json()},
-          {"low_95", is_any ? Json(share.low()) : Json()},
-          {"high_95", is_any ? Json(share.high()) : Json()}};
-}
-
-Json error_json(const ErrorSummary& error) {
-  const auto value = [&error](double number) { return error.count > 0 ? Json(number) : Json(); };
-  return {
-      {"count", error.count}, {"mean", value(error.mean)}, {"median", value(error.median)}, {"max", value(error.max)}};
-}
-
 Json errors_json(const LocalizeJob& job, const LocalizeLimits& limits, const LocalizeFigures& figures) {
   if (!job.reference) return nullptr;
   Json faults = Json::object();
@@ -190,14 +166,6 @@ Json errors_json(const LocalizeJob& job, const LocalizeLimits& limits, const Loc
           {"distance_m", error_json(figures.distance_m)},
           {"angle_deg", error_json(figures.angle_deg)},
           {"faults", faults}};
-}
-
-Json field_json(const MapField& field) {
-  constexpr double kUnitsPerCell = 256.0;
-  const double resolution_m = field.file.geometry.resolution_m;
-  return {{"from", kFieldSources[static_cast<std::size_t>(field.source)]},
-          {"resolution_m", resolution_m},
-          {"truncation_m", resolution_m * static_cast<double>(field.file.cap) / kUnitsPerCell}};
 }
 
 Json times_json(const LocalizeJob& job, const Localized& all, const LocalizeTimes& times) {
@@ -238,7 +206,6 @@ Json as_json(const LocalizeJob& job, const Localizer& localizer, const Localized
   for (const Verdict verdict : kVerdicts) {
     verdicts[json_name(verdict)] = figures.verdicts[static_cast<std::size_t>(verdict)];
   }
-  const FitLimit& fit = localizer.good_fit();
   const PoseWindow& window = localizer.window();
   return {{"map", localizer.file()},
           {"log", job.log},
@@ -249,7 +216,7 @@ Json as_json(const LocalizeJob& job, const Localizer& localizer, const Localized
             {"y_m", {window.centre.y_m - window.half_y_m, window.centre.y_m + window.half_y_m}}}},
           {"choice", choice_json(job, all)},
           {"interrupted", all.interrupted},
-          {"good_fit", {{"distance_m", fit.distance_m}, {"from", kFitSources[static_cast<std::size_t>(fit.source)]}}},
+          {"good_fit", fit_json(localizer.good_fit())},
           {"verdicts", verdicts},
           {"certified", figures.certified},
           {"errors", errors_json(job, limits, figures)},

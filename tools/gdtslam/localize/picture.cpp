@@ -6,29 +6,15 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
-#include <numeric>
 #include <utility>
 
 #include "engine/core/elementary.hpp"
 #include "engine/drawing/plots/bars.hpp"
 #include "gdtslam/drawing/theme.hpp"
+#include "map_view.hpp"
 
 namespace gdtslam {
 namespace {
-
-constexpr double kWidth = 1180.0;
-constexpr double kMargin = 24.0;
-constexpr double kHeading = 62.0;
-constexpr double kLegend = 46.0;
-constexpr double kInset = 18.0;  // of the map in its card
-constexpr double kTallest = 1100.0;
-constexpr double kLeastTall = 260.0;
-constexpr double kAround_m = 1.0;    // of poses
-constexpr double kImageScale = 2.0;  // pixels of the map's image for each of the drawing
-constexpr Colour kWall = colour_for(0x8e949c);
-constexpr std::uint16_t kFullWall = 128;  // 1/256 cell: up to here an obstacle is drawn in full, and to nothing at
-constexpr double kNoWall = 512.0;
 
 /// How a scan is drawn.
 enum class Mark : std::uint8_t { kRight, kAmbiguous, kOff, kNone };
@@ -46,106 +32,14 @@ Mark mark_of(const LocalizedScan& scan, const LocalizeLimits& limits) {
   return scan.is_ambiguous() ? Mark::kAmbiguous : Mark::kRight;
 }
 
-/// From the map to the page.
-struct View {
-  DrawingArea card;
-  Point2 centre_m = Point2::Zero();
-  double pixels_per_m = 20.0;
-  [[nodiscard]] Point2 at(const Point2& place_m) const {
-    const Point2 off = pixels_per_m * (place_m - centre_m);
-    return card.corner + Point2(0.5 * card.width + off.x(), 0.5 * card.height - off.y());
-  }
-  [[nodiscard]] Point2 back(const Point2& page) const {
-    const Point2 off = page - card.corner - Point2(0.5 * card.width, 0.5 * card.height);
-    return centre_m + Point2(off.x(), -off.y()) / pixels_per_m;
-  }
-};
-
-/// Where all but a few of the counts lie: the first and the last that count.
-std::pair<std::size_t, std::size_t> span_of(const std::vector<std::uint64_t>& counts) {
-  constexpr double kStray = 0.002;  // of all obstacles, at either end: single returns far outside stretch no picture
-  const auto total = static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
-  const auto most = static_cast<std::uint64_t>(kStray * total);
-  std::size_t first = 0;
-  for (std::uint64_t sum = counts[first]; sum <= most && first + 1 < counts.size();) sum += counts[++first];
-  std::size_t last = counts.size() - 1;
-  for (std::uint64_t sum = counts[last]; sum <= most && last > first;) sum += counts[--last];
-  return {first, last};
-}
-
-/// The part of the map that is worth a picture, metres.
-void frame_map(const DistanceFieldView& field, Point2& low, Point2& high) {
-  const GridGeometry& grid = field.geometry;
-  std::vector<std::uint64_t> columns(static_cast<std::size_t>(grid.width));
-  std::vector<std::uint64_t> rows(static_cast<std::size_t>(grid.height));
-  for (std::int32_t y = 0; y < grid.height; ++y) {
-    for (std::int32_t x = 0; x < grid.width; ++x) {
-      if (field.at({x, y}) > kFullWall) continue;
-      ++columns[static_cast<std::size_t>(x)];
-      ++rows[static_cast<std::size_t>(y)];
-    }
-  }
-  const auto [left, right] = span_of(columns);
-  const auto [bottom, top] = span_of(rows);
-  const Point2 around(kAround_m, kAround_m);
-  low = grid.centre_of({static_cast<std::int32_t>(left), static_cast<std::int32_t>(bottom)}) - around;
-  high = grid.centre_of({static_cast<std::int32_t>(right), static_cast<std::int32_t>(top)}) + around;
-}
-
-View view_of(const Localizer& localizer, const Localized& all) {
-  Point2 low = Point2::Zero();
-  Point2 high = Point2::Zero();
-  frame_map(localizer.field().file.view(), low, high);
-  const auto include = [&low, &high](const Pose2& pose) {
-    const Point2 around(kAround_m, kAround_m);
-    low = low.cwiseMin(pose.translation() - around);
-    high = high.cwiseMax(pose.translation() + around);
-  };
+MapView view_of(const Localizer& localizer, const Localized& all) {
+  std::vector<Point2> places;
+  places.reserve(2 * all.scans.size());
   for (const LocalizedScan& scan : all.scans) {
-    if (scan.best) include(scan.best->T_map_base);
-    if (scan.reference) include(scan.reference->T_map_base);
+    if (scan.best) places.push_back(scan.best->T_map_base.translation());
+    if (scan.reference) places.push_back(scan.reference->T_map_base.translation());
   }
-  View view;
-  view.card = {{kMargin, kMargin + kHeading}, kWidth - 2.0 * kMargin, 0.0};
-  view.centre_m = 0.5 * (low + high);
-  const double wide = view.card.width - 2.0 * kInset;
-  view.pixels_per_m = std::min(wide / (high.x() - low.x()), (kTallest - 2.0 * kInset) / (high.y() - low.y()));
-  view.card.height = std::max(kLeastTall, view.pixels_per_m * (high.y() - low.y()) + 2.0 * kInset);
-  return view;
-}
-
-// The nearest obstacle of all cells under a pixel, so that walls stay whole however small the map is drawn.
-std::uint16_t least_under(const DistanceFieldView& field, const Point2& from_m, const Point2& to_m) {
-  const CellIndex a = field.geometry.cell_of(from_m);
-  const CellIndex b = field.geometry.cell_of(to_m);
-  std::uint16_t least = field.cap;
-  for (std::int32_t y = std::max(a.y, 0); y <= std::min(b.y, field.geometry.height - 1); ++y) {
-    for (std::int32_t x = std::max(a.x, 0); x <= std::min(b.x, field.geometry.width - 1); ++x) {
-      least = std::min(least, field.at({x, y}));
-    }
-  }
-  return least;
-}
-
-void draw_walls(Canvas& canvas, const View& view, const DistanceFieldView& field) {
-  auto image = std::make_shared<RgbaImage>(static_cast<std::uint32_t>(kImageScale * view.card.width),
-                                           static_cast<std::uint32_t>(kImageScale * view.card.height));
-  for (std::uint32_t v = 0; v < image->height; ++v) {
-    for (std::uint32_t u = 0; u < image->width; ++u) {
-      const Point2 upper_left = view.card.corner + Point2(u, v) / kImageScale;
-      const Point2 lower_right = upper_left + Point2(1.0, 1.0) / kImageScale;
-      const Point2 from = view.back({upper_left.x(), lower_right.y()});
-      const Point2 to = view.back({lower_right.x(), upper_left.y()});
-      const double value = least_under(field, from, to);
-      const double share = std::clamp((kNoWall - value) / (kNoWall - kFullWall), 0.0, 1.0);
-      std::uint8_t* const pixel = image->at(u, v);
-      pixel[0] = kWall.red;
-      pixel[1] = kWall.green;
-      pixel[2] = kWall.blue;
-      pixel[3] = static_cast<std::uint8_t>(std::lround(255.0 * share));
-    }
-  }
-  canvas.picture(view.card.corner, view.card.width, view.card.height, std::move(image));
+  return view_of_map(localizer.field().file.view(), places);
 }
 
 // A slim arrow head whose tail is notched; the pose lies in its middle.
@@ -166,7 +60,7 @@ void draw_arrow(Canvas& canvas, const Point2& at, double theta_rad, Mark mark) {
   canvas.polyline(std::move(outline), {.colour = ink::kCard, .width = 0.6, .opacity = 0.9});
 }
 
-void draw_reference(Canvas& canvas, const View& view, const LocalizedScan& scan) {
+void draw_reference(Canvas& canvas, const MapView& view, const LocalizedScan& scan) {
   const Pose2& T = scan.reference->T_map_base;
   const Point2 at = view.at(T.translation());
   if (scan.best) {
@@ -187,7 +81,7 @@ struct Name {
   int count = 1;
 };
 
-void add_name(std::vector<Name>& names, const View& view, const LocalizedScan& scan) {
+void add_name(std::vector<Name>& names, const MapView& view, const LocalizedScan& scan) {
   constexpr double kNear_px = 20.0;
   constexpr double kLetters_px = 12.0;
   constexpr int kMostNamed = 3;
@@ -206,7 +100,7 @@ void add_name(std::vector<Name>& names, const View& view, const LocalizedScan& s
   }
 }
 
-void draw_name(Canvas& canvas, const View& view, const Name& name) {
+void draw_name(Canvas& canvas, const MapView& view, const Name& name) {
   const bool is_right = name.at.x() > view.card.corner.x() + 0.85 * view.card.width;
   const bool is_top = name.at.y() < view.card.corner.y() + 30.0;
   canvas.text(name.at + Point2(is_right ? -10.0 : 10.0, is_top ? 18.0 : -8.0), name.words,
@@ -218,7 +112,7 @@ void draw_name(Canvas& canvas, const View& view, const Name& name) {
 }
 
 // What matters most comes last, on top.
-void draw_scans(Canvas& canvas, const View& view, const Localized& all, const LocalizeLimits& limits) {
+void draw_scans(Canvas& canvas, const MapView& view, const Localized& all, const LocalizeLimits& limits) {
   for (const Mark wanted : {Mark::kRight, Mark::kAmbiguous, Mark::kOff, Mark::kNone}) {
     for (const LocalizedScan& scan : all.scans) {
       if (mark_of(scan, limits) != wanted) continue;
@@ -298,20 +192,23 @@ std::string caption(const LocalizeJob& job, const Localized& all, const Localize
 
 Canvas localize_picture(const LocalizeJob& job, const Localizer& localizer, const Localized& all) {
   const LocalizeLimits& limits = localizer.limits();
-  const View view = view_of(localizer, all);
+  const MapView view = view_of(localizer, all);
   const std::string log = std::filesystem::path(job.log).filename().string();
   const std::string title = "Scans of " + log + " found in the map";
-  Canvas canvas(kWidth, view.card.corner.y() + view.card.height + kLegend + kMargin, title);
+  Canvas canvas(page_sizes::kWidth, view.card.corner.y() + view.card.height + page_sizes::kLegend + page_sizes::kMargin,
+                title);
   canvas.rectangle({0.0, 0.0}, canvas.width(), canvas.height(), Fill{kLightTheme.page});
-  canvas.text({kMargin, kMargin + 18.0}, title, {.size = 20.0, .is_bold = true});
-  canvas.text({kMargin, kMargin + 41.0}, caption(job, all, limits), {.size = 13.0, .colour = ink::kQuiet});
+  canvas.text({page_sizes::kMargin, page_sizes::kMargin + 18.0}, title, {.size = 20.0, .is_bold = true});
+  canvas.text({page_sizes::kMargin, page_sizes::kMargin + 41.0}, caption(job, all, limits),
+              {.size = 13.0, .colour = ink::kQuiet});
   const DrawingArea& card = view.card;
   canvas.rectangle(card.corner, card.width, card.height, Fill{ink::kCard}, Pen{.colour = ink::kEdge}, 6.0);
   canvas.begin_clip(card.corner, card.width, card.height);
   draw_walls(canvas, view, localizer.field().file.view());
   draw_scans(canvas, view, all, limits);
   canvas.end_clip();
-  draw_scale_bar(canvas, {.pixels_per_m = view.pixels_per_m}, card.corner + Point2(kInset, card.height - kInset));
+  draw_scale_bar(canvas, {.pixels_per_m = view.pixels_per_m},
+                 card.corner + Point2(page_sizes::kInset, card.height - page_sizes::kInset));
   draw_legend(canvas, card.corner + Point2(0.0, card.height + 28.0), job, all, limits);
   return canvas;
 }

@@ -12,9 +12,16 @@
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/mapping/certified.hpp"
 #include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/match.hpp"
 
 namespace gdtslam {
+
+/// How a scan lies on the part of a map that it reaches.
+struct KnownFit {
+  double share = 0.0;            ///< of its points: those nearer to an obstacle of the map than distances are kept
+  double mean_distance_m = 0.0;  ///< of those points
+};
 
 class MapTracker {
  public:
@@ -23,8 +30,8 @@ class MapTracker {
   /// beyond map.max_megacells.
   MapTracker(const MapperConfig& config, const FieldView& map, Backend& cpu);
   ~MapTracker();
-  MapTracker(const MapTracker&) = delete;
-  MapTracker& operator=(const MapTracker&) = delete;
+  MapTracker(MapTracker&&) noexcept;
+  MapTracker& operator=(MapTracker&&) noexcept;
 
   /// The robot is there, whatever was known before. The map's origin until this is called.
   void start_at(const Pose2& T_map_base);
@@ -32,9 +39,17 @@ class MapTracker {
   /// not weighed (T_odometry_step and its sigmas stay as they are made). The first scan after start_at() was taken
   /// there or a step away.
   MatchResult process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base);
+  /// How sure that pose is within the map: by what the scan shows where it was matched, along what it does not show by
+  /// the way that led there, and by that alone where it was not.
+  [[nodiscard]] PoseCovariance covariance() const;
+  /// Of the last scan at that pose.
+  [[nodiscard]] const KnownFit& known_fit() const;
+  /// Another tracker in the same field, which is not copied; as configured, the robot at the map's origin.
+  [[nodiscard]] MapTracker another() const;
 
  private:
   struct State;
+  explicit MapTracker(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

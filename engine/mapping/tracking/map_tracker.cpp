@@ -1,0 +1,179 @@
+#include "map_tracker.hpp"
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/compute/kernels/distance_field/distance_field.hpp"
+#include "engine/core/elementary.hpp"
+#include "engine/mapping/cost/fit.hpp"
+#include "engine/mapping/map/field_store.hpp"
+#include "engine/mapping/match/matchers.hpp"
+#include "engine/mapping/match/motion_estimate.hpp"
+#include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/thinned_points.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+#include "pose_certainty.hpp"
+
+namespace gdtslam {
+namespace {
+
+// Whoever says where the robot is knows it by a search, whose poses lie so near to those of matches.
+constexpr double kStartSigma_m = 0.1;
+constexpr double kStartSigma_rad = 0.03;
+constexpr double kLeastKnown = 0.5;      // of a scan, with less of which in the map it says nothing
+constexpr double kLeastExplained = 0.5;  // of that: what is not has come or gone since the map was made
+
+Matrix3 covariance_at_start() {
+  return Matrix3::diagonal(square(kStartSigma_m), square(kStartSigma_m), square(kStartSigma_rad));
+}
+
+// That of the field's grid, as far as it is one's own to choose.
+MapperConfig config_for(MapperConfig config, const FieldView& map) {
+  config.odometry.estimate = true;
+  config.map.resolution_m = map.resolution_m;
+  config.map.truncation_m = map.resolution_m * static_cast<double>(map.cap) / kFieldOne;
+  const std::vector<std::string> found = validate(config);
+  if (found.empty()) return config;
+  std::string text = found.front();
+  for (std::size_t i = 1; i < found.size(); ++i) text += "; " + found[i];
+  throw ConfigError(text);
+}
+
+KnownFit known_fit_of(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base) {
+  const double r = map.geometry().resolution_m;
+  const SinCos<double> turn = sin_cos(T_map_base.theta_rad);
+  std::uint64_t sum = 0;
+  std::size_t known = 0;
+  for (const PointCells& point : points) {
+    const double x = r * static_cast<double>(point.x);
+    const double y = r * static_cast<double>(point.y);
+    const std::uint16_t distance = map.at(
+        map_cell_of({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r));
+    if (distance >= map.cap()) continue;
+    ++known;
+    sum += distance;
+  }
+  if (known == 0) return {};
+  return {.share = static_cast<double>(known) / static_cast<double>(points.size()),
+          .mean_distance_m = r * static_cast<double>(sum) / (kFieldOne * static_cast<double>(known))};
+}
+
+// One for all trackers of a map.
+struct TrackedField {
+  TrackedField(const MapperConfig& c, const FieldView& map, Backend& cpu)
+      : config(config_for(c, map)),
+        field(cpu, config.map.resolution_m, config.map.radius_cells(),
+              static_cast<std::uint64_t>(config.map.max_megacells) << 20U) {
+    const CellBox box{map.first_cell, map.first_cell + CellOffset{static_cast<std::int32_t>(map.width),
+                                                                  static_cast<std::int32_t>(map.height)}};
+    field.grow_to_hold(box);
+    field.require_room({&box, 1});
+    field.adopt({{map.cells, std::size_t{map.stride} * map.height}, map.stride, box});
+  }
+
+  MapperConfig config;
+  GlobalField field;
+};
+
+}  // namespace
+
+struct MapTracker::State {
+  explicit State(std::shared_ptr<const TrackedField> of_map)
+      : map(std::move(of_map)),
+        config(map->config),
+        motion(config.odometry),
+        scan_points(config.scan),
+        matcher(matcher_info(config.match.matcher).make(config, map->field)) {}
+
+  std::shared_ptr<const TrackedField> map;
+  const MapperConfig& config;
+  MotionModel motion;
+  ScanPoints scan_points;
+  std::unique_ptr<Matcher> matcher;
+  MotionEstimate estimate;
+  Matrix3 covariance = covariance_at_start();  // of the tangent at the last pose
+  KnownFit known;
+
+  void carry(const Prediction& prediction, const MatchResult& result);
+  void doubt(MatchResult& result, std::span<const PointCells> points) const;
+  void weigh(const MatchResult& result, std::span<const PointCells> points);
+};
+
+// Along with the robot, with what the wheels may get wrong; a motion that only goes on may be wrong altogether.
+void MapTracker::State::carry(const Prediction& prediction, const MatchResult& result) {
+  const MotionNoise noise = prediction.by_odometry ? MotionNoise{result.odometry_sigma_m, result.odometry_sigma_rad}
+                                                   : MotionNoise{prediction.travelled_m, prediction.turned_rad};
+  const Matrix3 moved = adjoint_matrix(between(prediction.T_map_base, motion.pose()));
+  const double m = square(noise.sigma_m);
+  covariance = moved * times_transposed(covariance, moved) + Matrix3::diagonal(m, m, square(noise.sigma_rad));
+}
+
+// At the border of a map a scan slides into it, for what lies outside of it costs most: a match must explain what it
+// puts into the map, and that must be enough.
+void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> points) const {
+  const double share = known_fit_of(map->field, points, result.T_map_base).share;
+  if (share >= kLeastKnown && result.overlap >= kLeastExplained * share) return;
+  result.accepted = false;
+  result.doubt = Doubt::kLowOverlap;
+  result.T_map_base = result.T_map_predicted;
+}
+
+void MapTracker::State::weigh(const MatchResult& result, std::span<const PointCells> points) {
+  known = known_fit_of(map->field, points, result.T_map_base);
+  if (!result.accepted) return;
+  const std::optional<Matrix3> by_scan = covariance_by_scan(map->field, points, result.T_map_base, config.gate.final_m);
+  if (by_scan) covariance = intersection_of(*by_scan, covariance);
+}
+
+MapTracker::MapTracker(const MapperConfig& config, const FieldView& map, Backend& cpu)
+    : state_(std::make_unique<State>(std::make_shared<const TrackedField>(config, map, cpu))) {}
+MapTracker::MapTracker(std::unique_ptr<State> state) : state_(std::move(state)) {}
+MapTracker::MapTracker(MapTracker&&) noexcept = default;
+MapTracker& MapTracker::operator=(MapTracker&&) noexcept = default;
+MapTracker::~MapTracker() = default;
+
+MapTracker MapTracker::another() const { return MapTracker(std::make_unique<State>(state_->map)); }
+
+void MapTracker::start_at(const Pose2& T_map_base) {
+  state_->motion = MotionModel(state_->config.odometry, T_map_base);
+  state_->estimate = MotionEstimate();
+  state_->covariance = covariance_at_start();
+}
+
+MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
+  State& s = *state_;
+  const std::vector<Point2> points_m = s.scan_points.of(scan);
+  std::vector<PointCells> points = in_cells(points_m, s.config.map.resolution_m);
+  thin(points, Matcher::kMostPoints);
+  const Prediction prediction = s.estimate.predict(s.motion, T_odom_base);
+  const bool is_matched = points.size() >= static_cast<std::size_t>(s.config.scan.min_points);
+  MatchResult result;
+  if (is_matched) {
+    result = s.matcher->match(points, prediction, s.config.search.when == SearchWhen::kAlways);
+  } else {
+    result.T_map_base = result.T_map_predicted = prediction.T_map_base;
+    result.points = static_cast<std::uint32_t>(points.size());
+    result.doubt = Doubt::kFewPoints;
+  }
+  if (result.accepted) s.doubt(result, points);
+  s.estimate.take(result, is_matched, points_m, [&](const Pose2& pose, const Pose2& matched) {
+    return fits_about_as_well(s.map->field, points, pose, matched);
+  });
+  s.carry(prediction, result);
+  s.weigh(result, points);
+  s.motion.correct(result.T_map_base, result.accepted);
+  result.stamp_s = scan.stamp_s;
+  return result;
+}
+
+const KnownFit& MapTracker::known_fit() const { return state_->known; }
+
+PoseCovariance MapTracker::covariance() const {
+  const Matrix3 c = in_map_axes(state_->covariance, state_->motion.pose().theta_rad);
+  return {.xx = c(0, 0), .xy = c(0, 1), .xt = c(0, 2), .yy = c(1, 1), .yt = c(1, 2), .tt = c(2, 2)};
+}
+
+}  // namespace gdtslam

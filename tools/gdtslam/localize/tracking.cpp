@@ -1,0 +1,120 @@
+#include "tracking.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
+#include "engine/runs/localizer/drive.hpp"
+#include "engine/runs/localizer/drive_figures.hpp"
+#include "engine/runs/mapping/stopwatch.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "tools/gdtslam/drawings/drawing_file.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "track_output.hpp"
+
+namespace gdtslam {
+namespace {
+
+struct TrackWork {
+  std::unique_ptr<Backend> backend;
+  std::unique_ptr<Backend> cpu;  // follows, whatever searches
+  std::unique_ptr<Localizer> localizer;
+  TrackedDrive drive;
+};
+
+// One scan comes after the other, so threads are left for nothing but the kernels, which are too short for them.
+TrackWork track_with(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job,
+                     DeviceOptions device) {
+  device.threads = 1;
+  TrackWork work;
+  work.backend = make_backend(device);
+  device.device = "cpu";
+  work.cpu = make_backend(device);
+  work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  ProgressLine progress("scans", options.quiet);
+  work.drive = track_drive(
+      job, *work.localizer, settings.mapper, *work.cpu,
+      [&progress](std::uint64_t scans, double share) { progress.update(scans, share); }, [] { return interrupted(); });
+  return work;
+}
+
+void write_track_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
+                       const TrackedDrive& drive) {
+  if (!options.trajectory.empty()) {
+    Trajectory trajectory;
+    trajectory.reserve(drive.scans.size());
+    for (const TrackedScan& scan : drive.scans) {
+      if (scan.pose.whereabouts != Whereabouts::kUnknown) trajectory.push_back({scan.stamp_s, scan.pose.T_map_base});
+    }
+    write_tum(options.trajectory, trajectory);
+  }
+  if (!options.table.empty()) write_file_atomically(options.table, table_text(drive));
+  if (!options.picture.empty()) {
+    write_file_atomically(options.picture,
+                          drawing_bytes(track_picture(job, localizer, drive), options.picture, kDensePng));
+  }
+}
+
+void print_track_remarks(const TrackedDrive& drive) {
+  print_warnings(drive.warnings);
+  if (drive.nods) {
+    print_remark("warning: the laser of this log nods; a scan is matched where it was taken nearly level only");
+  }
+  if (drive.interrupted) print_remark(fmt::format("interrupted after {} scans", drive.scans.size()));
+}
+
+void require_compared(const LocalizeJob& job, const TrackedDrive& drive) {
+  if (!job.reference || drive.interrupted) return;
+  const bool is_any =
+      std::any_of(drive.scans.begin(), drive.scans.end(), [](const auto& scan) { return scan.reference.has_value(); });
+  if (is_any) return;
+  throw InputError({job.reference->file(), 0},
+                   fmt::format("none of its {} poses has the stamp of a scan that was followed; do both belong to the "
+                               "same log?",
+                               job.reference->count()));
+}
+
+void require_known(const DriveFigures& figures) {
+  const std::uint64_t unknown = figures.whereabouts[static_cast<std::size_t>(Whereabouts::kUnknown)];
+  if (unknown == 0 && figures.ambiguous == 0) return;
+  throw Error(ExitCode::kFailed, fmt::format("--strict: the place of {} scans is not known, that of {} is ambiguous",
+                                             unknown, figures.ambiguous));
+}
+
+}  // namespace
+
+void check_tracking(const LocalizeOptions& options) {
+  if (options.track && options.leave_out_s >= 0.0) {
+    throw UsageError("--leave-out chooses among scans, and --track follows all of them");
+  }
+}
+
+int track(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job) {
+  Stopwatch watch;
+  LocalizeTimes times;
+  const TrackWork work = with_device(
+      options.device, [&](const DeviceOptions& device) { return track_with(options, settings, job, device); });
+  const TrackedDrive& drive = work.drive;
+  require_compared(job, drive);
+  watch.add_to(times.wall_s, times.cpu_s);
+  write_track_files(options, job, *work.localizer, drive);
+  print_track_remarks(drive);
+  if (options.json) {
+    times.device = work.backend->device().name;
+    print_result(json_text(as_json(job, *work.localizer, drive, times)));
+  } else if (!options.quiet) {
+    print_result(as_text(job, *work.localizer, drive));
+  }
+  if (drive.interrupted) return static_cast<int>(ExitCode::kInterrupted);
+  const DriveFigures figures = figures_of(drive);
+  if (figures.whereabouts[static_cast<std::size_t>(Whereabouts::kUnknown)] == drive.scans.size()) {
+    throw InputError({job.log, 0}, "the robot was found at none of its scans; was it driven in the place of this map?");
+  }
+  if (options.strict) require_known(figures);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace gdtslam
