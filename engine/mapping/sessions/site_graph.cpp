@@ -15,11 +15,11 @@ namespace {
 constexpr double kBetweenSessions_m = 1000.0;
 // What a session says of its own path after its own adjustment: as good as a match over each step, and over stretches
 // as what the front end says of them in the adjustment of one drive.
-constexpr std::size_t kSpans[] = {1, 4, 12, 30};  // keyframes
-constexpr std::size_t kSpansOver = 4;             // each of them over every step, which is to count once
-constexpr double kSpanNoise_m = 0.01;
-constexpr double kSpanNoise_rad = 0.003;
-constexpr std::size_t kMostCovariances = 400;  // places for which they are computed, the rest lies in between
+constexpr std::size_t kHeldSpans[] = {1, 4, 12, 30};  // keyframes
+constexpr std::size_t kHeldOver = 4;                  // each of them over every step, which is to count once
+constexpr double kHeldNoise_m = 0.01;
+constexpr double kHeldNoise_rad = 0.003;
+constexpr std::size_t kMostSolved = 400;  // places for which they are computed, the rest lies in between
 
 // The fix that agrees with most others in the middle of what agrees: of those held the one with the largest overlap.
 const SessionFix& best_of(const std::vector<SessionFix>& fixes) {
@@ -171,12 +171,12 @@ void SiteGraph::carry_keyframes() {
 std::vector<PoseRelation> SiteGraph::held_relations() const {
   std::vector<PoseRelation> held;
   const Matrix3 information =
-      1.0 / static_cast<double>(kSpansOver * std::size(kSpans)) *
-      Matrix3::diagonal(1.0 / square(kSpanNoise_m), 1.0 / square(kSpanNoise_m), 1.0 / square(kSpanNoise_rad));
+      1.0 / static_cast<double>(kHeldOver * std::size(kHeldSpans)) *
+      Matrix3::diagonal(1.0 / square(kHeldNoise_m), 1.0 / square(kHeldNoise_m), 1.0 / square(kHeldNoise_rad));
   for (const Part& part : parts_) {
     const std::size_t end = part.first_keyframe + part.keyframes;
-    for (const std::size_t span : kSpans) {
-      const std::size_t step = std::max<std::size_t>(1, span / kSpansOver);
+    for (const std::size_t span : kHeldSpans) {
+      const std::size_t step = std::max<std::size_t>(1, span / kHeldOver);
       for (std::size_t i = part.first_keyframe; i + span < end; i += step) {
         held.push_back({i, i + span, between(shape_[i], shape_[i + span]), information});
       }
@@ -209,7 +209,7 @@ std::vector<std::vector<Pose2>> SiteGraph::poses_of_sessions() const {
 
 std::vector<Matrix3> SiteGraph::covariances() const {
   std::vector<std::size_t> nodes;
-  for (std::size_t i = 0; i < places_.size(); i += places_.size() / kMostCovariances + 1) nodes.push_back(i);
+  for (std::size_t i = 0; i < places_.size(); i += places_.size() / kMostSolved + 1) nodes.push_back(i);
   if (nodes.back() + 1 < places_.size()) nodes.push_back(places_.size() - 1);
   std::vector<std::size_t> at;
   at.reserve(nodes.size());
