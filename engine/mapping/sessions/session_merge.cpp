@@ -102,6 +102,24 @@ void weigh_rivals(const SessionMap& map, const Session& query, const std::vector
   }
 }
 
+// Where both drove both saw the same: of a wrong joint a corner or two fit, and what lies between does not.
+void test_joint(const SessionMap& map, const Session& query, WorkerPool& workers, SessionJoint& joint) {
+  const SessionFix& middle = joint.held[joint.held.size() / 2];
+  const Pose2 T_map_query = middle.T_map_keyframe * inverse(query.poses[middle.keyframe]);
+  std::vector<SessionMap::Test> tests(query.places.size());
+  workers.run(tests.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t k = begin; k < end; ++k) {
+      const std::size_t keyframe = query.places[k];
+      tests[k] = map.test(query, keyframe, T_map_query * query.poses[keyframe]);
+    }
+  });
+  const auto count = [&tests](SessionMap::Test what) {
+    return static_cast<std::size_t>(std::count(tests.begin(), tests.end(), what));
+  };
+  joint.fitting = count(SessionMap::Test::kFits);
+  joint.met = joint.fitting + count(SessionMap::Test::kDoesNotFit);
+}
+
 void find_overlap(const SessionMap& map, const Session& query, const MergeOptions& options, WorkerPool& workers,
                   SessionJoint& joint) {
   const std::vector<SessionFix> fixes = find_places(map, query, options, workers);
@@ -118,11 +136,13 @@ void find_overlap(const SessionMap& map, const Session& query, const MergeOption
   for (const std::size_t k : agreeing(query, fixes, options.agreement)) joint.held.push_back(fixes[k]);
   if (joint.held.empty()) return;
   weigh_rivals(map, query, fixes, workers, joint);
+  test_joint(map, query, workers, joint);
   const auto share = [](std::size_t part, std::size_t whole) {
     return static_cast<double>(part) / static_cast<double>(whole);
   };
   if (share(joint.alone, joint.possible) < options.least_alone ||
-      share(joint.rival, joint.explained) > options.most_rival) {
+      share(joint.rival, joint.explained) > options.most_rival ||
+      static_cast<double>(joint.fitting) < options.least_fitting * static_cast<double>(joint.met)) {
     joint.held.clear();
   }
 }

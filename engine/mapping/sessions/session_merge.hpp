@@ -27,6 +27,8 @@ struct SessionJoint {
   std::size_t alone = 0;              ///< of these, that fit nowhere else as well
   std::size_t explained = 0;          ///< of those found, that fit where the two are joined
   std::size_t rival = 0;              ///< and where the second best way to join them has them
+  std::size_t met = 0;                ///< of all places, that the joint puts where the reference drove too
+  std::size_t fitting = 0;            ///< of these, that fit there
   std::vector<std::size_t> repeated;  ///< keyframes of the query that were found, and fit elsewhere as well
   std::vector<SessionFix> held;       ///< fixes that agree; empty where the two are not joined
 };
@@ -34,9 +36,10 @@ struct SessionJoint {
 struct MergeOptions {
   SessionSearchOptions search;
   AgreementLimits agreement;
-  std::size_t enough = 6;    ///< fixes that agree, after which no more are looked for
-  double least_alone = 0.5;  ///< share of the places found that fit nowhere else: else the building repeats itself
-  double most_rival = 0.5;   ///< share of what a joint explains that another way to join the two may explain
+  std::size_t enough = 6;      ///< fixes that agree, after which no more are looked for
+  double least_alone = 0.5;    ///< share of the places found that fit nowhere else: else the building repeats itself
+  double least_fitting = 0.6;  ///< share of the places that the joint puts where both drove
+  double most_rival = 0.5;     ///< share of what a joint explains that another way to join the two may explain
   LoopSearchOptions loops;
   int rounds = 2;  ///< over all places, of the search for loops
   JointOptions joint;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <numbers>
 
@@ -18,6 +19,8 @@ namespace {
 constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
 constexpr double kPlaceSpacing_m = 0.1;     // and of a place
 constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
+constexpr double kDroveThere_m = 1.5;       // of a robot from where another was, to see the same
+constexpr double kFitsAtAll = 1.25;         // of the mean distance at which a place is found: much may have changed
 constexpr double kBesideHalf_m = 0.5;       // of the window around a pose that is asked about: drift of both
 constexpr double kBesideHalf_rad = 0.05;
 constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
@@ -113,10 +116,11 @@ double SessionMap::as_good_m(const SessionFix& fix) const {
   return std::max(options_.as_good_m, options_.as_good_share * fix.mean_m);
 }
 
-bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
-  const ScanGroup group(path_of(query), fix.keyframe, options_.query_half_m, kPlaceSpacing_m);
+// Farther than any wall where there are no points.
+double SessionMap::mean_beside_m(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {
+  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
   const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
-  if (points.empty()) return false;
+  if (points.empty()) return std::numeric_limits<double>::infinity();
   const PoseWindow beside{.centre = T_map_keyframe,
                           .half_x_m = kBesideHalf_m,
                           .half_y_m = kBesideHalf_m,
@@ -125,8 +129,20 @@ bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& 
   search.gap_m = options_.gap_m;
   search.max_boxes = options_.most_boxes;
   search.starts = {T_map_keyframe};
-  const CertifiedResult best = find_pose(state_->map, points, beside, search);
-  return best.mean_cost_m <= fix.mean_m + as_good_m(fix);
+  return find_pose(state_->map, points, beside, search).mean_cost_m;
+}
+
+bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
+  return mean_beside_m(query, fix.keyframe, T_map_keyframe) <= fix.mean_m + as_good_m(fix);
+}
+
+SessionMap::Test SessionMap::test(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {
+  const bool is_near = std::any_of(session_.poses.begin(), session_.poses.end(), [&](const Pose2& pose) {
+    return squared_distance(pose, T_map_keyframe) < kDroveThere_m * kDroveThere_m;
+  });
+  if (!is_near) return Test::kElsewhere;
+  return mean_beside_m(query, keyframe, T_map_keyframe) <= kFitsAtAll * options_.most_m ? Test::kFits
+                                                                                        : Test::kDoesNotFit;
 }
 
 std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -55,9 +56,14 @@ class SessionMap {
   [[nodiscard]] SessionFix find(const Session& query, std::size_t keyframe) const;
   /// Whether what was found fits as well there, or a little beside.
   [[nodiscard]] bool fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
+  /// Whether the keyframe, taken there or a little beside, would lie where this session drove, and whether what was
+  /// seen around it fits then at all.
+  enum class Test : std::uint8_t { kElsewhere, kFits, kDoesNotFit };
+  [[nodiscard]] Test test(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
 
  private:
   struct State;
+  [[nodiscard]] double mean_beside_m(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
   [[nodiscard]] double as_good_m(const SessionFix& fix) const;
 
   const Session& session_;

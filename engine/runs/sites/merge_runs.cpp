@@ -137,8 +137,8 @@ nlohmann::ordered_json pair_json(const RunPair& pair) {
   }
   return {{"searched_in", pair.reference}, {"searched", pair.query},     {"is_joined", !joint.held.empty()},
           {"places", joint.searched},      {"possible", joint.possible}, {"unambiguous", joint.alone},
-          {"explained", joint.explained},  {"rival", joint.rival},       {"agree", joint.held.size()},
-          {"fixes", std::move(fixes)}};
+          {"explained", joint.explained},  {"rival", joint.rival},       {"met", joint.met},
+          {"fitting", joint.fitting},      {"agree", joint.held.size()}, {"fixes", std::move(fixes)}};
 }
 
 std::string report_of(const MergeOutcome& outcome) {
