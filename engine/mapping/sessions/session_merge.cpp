@@ -5,7 +5,6 @@
 #include <iterator>
 #include <utility>
 
-#include "engine/mapping/loops/carried_keyframes.hpp"
 #include "engine/mapping/sessions/site_graph.hpp"
 
 namespace gdtslam {
@@ -67,7 +66,14 @@ std::size_t explained_by(const Pose2& T_map_query, const SessionMap& map, const 
   return static_cast<std::size_t>(std::count(fits.begin(), fits.end(), 1));
 }
 
-// Ways to lay the query that any place found speaks for, those beside one that is there already left out.
+// By the fix in the middle of those that agree.
+Pose2 T_map_query_of(const SessionJoint& joint, const Session& query) {
+  const SessionFix& middle = joint.held[joint.held.size() / 2];
+  return middle.T_map_keyframe * inverse(query.poses[middle.keyframe]);
+}
+
+// That pose first, then the ways to lay the query that any place found speaks for, those beside one that is there
+// already left out.
 std::vector<Pose2> ways_to_join(const Session& query, const std::vector<SessionFix>& found, const Pose2& T_map_query) {
   const ExcludedPoses same{{}, kSameWay_m, kSameWay_rad};
   std::vector<Pose2> ways{T_map_query};
@@ -90,22 +96,16 @@ void weigh_rivals(const SessionMap& map, const Session& query, const std::vector
                   WorkerPool& workers, SessionJoint& joint) {
   std::vector<SessionFix> found;
   std::copy_if(fixes.begin(), fixes.end(), std::back_inserter(found), [](const auto& fix) { return fix.is_possible; });
-  const SessionFix& middle = joint.held[joint.held.size() / 2];
-  const Pose2 T_map_query = middle.T_map_keyframe * inverse(query.poses[middle.keyframe]);
-  for (const Pose2& way : ways_to_join(query, found, T_map_query)) {
-    const std::size_t explained = explained_by(way, map, query, found, workers);
-    if (joint.explained == 0) {
-      joint.explained = explained;
-    } else {
-      joint.rival = std::max(joint.rival, explained);
-    }
+  const std::vector<Pose2> ways = ways_to_join(query, found, T_map_query_of(joint, query));
+  joint.explained = explained_by(ways.front(), map, query, found, workers);
+  for (std::size_t k = 1; k < ways.size(); ++k) {
+    joint.rival = std::max(joint.rival, explained_by(ways[k], map, query, found, workers));
   }
 }
 
 // Where both drove both saw the same: of a wrong joint a corner or two fit, and what lies between does not.
 void test_joint(const SessionMap& map, const Session& query, WorkerPool& workers, SessionJoint& joint) {
-  const SessionFix& middle = joint.held[joint.held.size() / 2];
-  const Pose2 T_map_query = middle.T_map_keyframe * inverse(query.poses[middle.keyframe]);
+  const Pose2 T_map_query = T_map_query_of(joint, query);
   std::vector<SessionMap::Test> tests(query.places.size());
   workers.run(tests.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t k = begin; k < end; ++k) {

@@ -9,6 +9,7 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/mapping/map/separate_map.hpp"
+#include "engine/runs/continuing/log_copies.hpp"
 #include "engine/runs/folder/run_folder.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
@@ -113,6 +114,7 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   const WrittenField field = write_run_field(folder, job, map->field(), times);
   if (job.with_occupancy) outcome.occupancy = occupancy_of(runs, site);
   for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
+  LogCopies::leave_out(folder);  // of a run that lay there
   times.skip();
   check(request);
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});

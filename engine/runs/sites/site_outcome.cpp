@@ -28,8 +28,8 @@ PoseCovariance covariance_of(const Matrix3& m) {
 }
 
 // What the run's report says of its doubtful scans, numbered anew.
-void add_doubtful(const RunSession& run, std::size_t before, std::vector<DoubtfulScan>& doubtful) {
-  const ReportReader report = read_report(run.folder + "/report.json", run.folder);
+void add_doubtful(const ReportReader& report, const RunSession& run, std::size_t before,
+                  std::vector<DoubtfulScan>& doubtful) {
   for (const ReportReader& entry : report.entries("doubtful_scans")) {
     const std::string reason = entry.text("reason");
     const auto* const doubt =
@@ -43,8 +43,7 @@ void add_doubtful(const RunSession& run, std::size_t before, std::vector<Doubtfu
   }
 }
 
-void add_counts(const RunSession& run, MapperStatistics& sum) {
-  const ReportReader report = read_report(run.folder + "/report.json", run.folder);
+void add_counts(const ReportReader& report, const RunSession& run, MapperStatistics& sum) {
   sum.scans += run.trajectory.size();
   sum.matched += report.whole("matched");
   sum.doubtful += report.whole("doubtful");
@@ -122,8 +121,9 @@ MapOutcome site_outcome(const MergedSite& site, const std::vector<const RunSessi
       outcome.keyframes.push_back(before + keyframe.scan);
       outcome.keyframe_scans.push_back(keyframe.laser);
     }
-    add_doubtful(*runs[k], before, outcome.doubtful);
-    add_counts(*runs[k], outcome.statistics);
+    const ReportReader report = read_report(runs[k]->folder + "/report.json", runs[k]->folder);
+    add_doubtful(report, *runs[k], before, outcome.doubtful);
+    add_counts(report, *runs[k], outcome.statistics);
     outcome.statistics.path_m += length_m_of(paths[k]);
     const auto [first, last] = std::minmax_element(paths[k].begin(), paths[k].end(),
                                                    [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
