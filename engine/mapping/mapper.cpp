@@ -1,5 +1,6 @@
 #include "gdtslam/mapping/mapper.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
@@ -26,11 +27,29 @@ const MapperConfig& checked(const MapperConfig& config) {
   throw ConfigError(text);
 }
 
+// Map cells that a scan's points may come to lie in, however it is turned, within the widest window.
+CellBox reach_of(const std::vector<Point2>& points_base_m, const Pose2& pose, const MapperConfig& config) {
+  double range_m = 0.0;
+  for (const Point2& point : points_base_m) range_m = std::max(range_m, point.norm());
+  const double reach_m = range_m + config.search.max_half_m;
+  const Eigen::Vector2d at_m = pose.translation();
+  return {map_cell_of(at_m - Eigen::Vector2d(reach_m, reach_m), config.map.resolution_m) - CellOffset{1, 1},
+          map_cell_of(at_m + Eigen::Vector2d(reach_m, reach_m), config.map.resolution_m) + CellOffset{2, 2}};
+}
+
+// Whether what a scan may see is small beside the piece of the map that is at hand.
+bool sees_little(const MapperConfig& config) {
+  constexpr double kMostCells = 12000.0;
+  return (config.scan.max_range_m + config.search.max_half_m) / config.map.resolution_m <= kMostCells;
+}
+
 /// A map on the host and, where its matcher works on a device, there too.
 struct PlacedMap {
   PlacedMap(const MapperConfig& config, Backend& cpu) : host(config, cpu) {}
-  void place_on(const MapperConfig& config, Backend* on_device) {
-    if (on_device != nullptr) device.emplace(config, *on_device, host);
+  // Where it is on the CPU alone it may be larger than the memory.
+  void place_on(const MapperConfig& config, Backend* on_device, const std::string& scratch_folder) {
+    if (on_device != nullptr) return static_cast<void>(device.emplace(config, *on_device, host));
+    if (sees_little(config)) host.field.keep_near(scratch_folder);
   }
   [[nodiscard]] const GlobalField& matched() const { return device ? device->field() : host.field; }
   void leave_device() {
@@ -144,8 +163,8 @@ Mapper::State::State(const MapperConfig& c, Backend& backend, MapperOptions o)
   map = std::make_unique<PlacedMap>(config, *cpu);
   if (config.local.stretch_m > 0.0) next = std::make_unique<PlacedMap>(config, *cpu);
   on_device([&] {
-    map->place_on(config, device);
-    if (next) next->place_on(config, device);
+    map->place_on(config, device, options.scratch_folder);
+    if (next) next->place_on(config, device, options.scratch_folder);
     open_matcher();
   });
 }
@@ -204,6 +223,7 @@ void Mapper::State::begin_match() {
   is_matched = started && points.size() >= static_cast<std::size_t>(config.scan.min_points);
   if (!is_matched) return;
   const StageTimer timer(statistics.stages.match_s);
+  if (!map->device) map->host.field.come_near(reach_of(points_m, prediction.T_map_base, config));
   matcher->start(points, prediction, wants_search(prediction.T_map_base));
   is_begun = true;
 }
@@ -282,7 +302,7 @@ void Mapper::State::merge_into(PlacedMap& placed, const KeyframeCells& keyframe)
 // The map that was begun a stretch ago has become the one to match with, and a new one is begun.
 void Mapper::State::begin_stretch() {
   auto fresh = std::make_unique<PlacedMap>(config, *cpu);
-  on_device([&] { fresh->place_on(config, device); });
+  on_device([&] { fresh->place_on(config, device, options.scratch_folder); });
   matcher.reset();
   map = std::move(next);
   next = std::move(fresh);

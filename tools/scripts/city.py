@@ -203,8 +203,8 @@ def main():
     parser.add_argument("--loops", action="store_true", help="map with loops")
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="passed on")
     options = parser.parse_args()
-    if not (60.0 <= options.side <= 1000.0 and options.blocks >= 1 and options.side / options.blocks >= 60.0):
-        parser.error("--side is 60 to 1000 m, 60 m a block at least")
+    if not (60.0 <= options.side <= 4000.0 and options.blocks >= 1 and options.side / options.blocks >= 60.0):
+        parser.error("--side is 60 to 4000 m, 60 m a block at least")
     start = time.monotonic()
     log = make_log(options)
     print(f"{log}: {time.monotonic() - start:.0f} s")

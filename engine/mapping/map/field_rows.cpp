@@ -55,7 +55,8 @@ Buffer FieldRows::allocate_for(const CellBox& box) const {
   }
 }
 
-void FieldRows::hold(const CellBox& /*content*/, const CellBox& box) {
+void FieldRows::hold(const CellBox& /*wanted*/, const GridBoxes& boxes) {
+  const CellBox& box = boxes.stored;
   if (box == stored_) return;
   Buffer buffer = allocate_for(box);
   if (stored_.empty()) {

@@ -12,6 +12,7 @@
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/grid_geometry.hpp"
+#include "growth.hpp"
 
 namespace gdtslam {
 
@@ -34,9 +35,14 @@ class FieldStore {
   /// What is more than that, as the end of a sentence: what bounds it and what to do.
   [[nodiscard]] virtual std::string limit() const = 0;
   /// Makes room for the content, which is what is known and about to be, and where growing copies what is stored for
-  /// the box around it. Throws DeviceError where a device fails, Error where there is no such memory; all is as before
-  /// then.
-  virtual void hold(const CellBox& content, const CellBox& box) = 0;
+  /// the box around it. What comes next is in `wanted`, a part of it. Throws DeviceError where a device fails, Error
+  /// where there is no such memory; all is as before then.
+  virtual void hold(const CellBox& wanted, const GridBoxes& boxes) = 0;
+  /// From now on cells may wait in a file of that folder (ScratchFile) while come_near() is far from them. Where the
+  /// store can do that.
+  virtual void keep_near(const std::string& /*folder*/) {}
+  /// Brings what is known of the box, and somewhat around it, to where kernels find it. Throws FileError.
+  virtual void come_near(const CellBox& /*box*/) {}
   /// Notes that the cells of the box may be known from now on.
   virtual void touch(const CellBox& box) = 0;
   /// Cells that touch() would take memory for.
@@ -50,8 +56,10 @@ class FieldStore {
   /// A copy in the backend's memory, in rows.
   [[nodiscard]] virtual Buffer snapshot() const = 0;
 
-  /// Cells of a row from `first` on, the cap where none are stored; where the host sees them.
-  void read_row(CellIndex first, std::span<std::uint16_t> cells, std::uint16_t cap) const;
+  /// Cells of a row from `first` on, the cap where none are stored; where the host sees them. Throws FileError.
+  virtual void read_row(CellIndex first, std::span<std::uint16_t> cells, std::uint16_t cap) const;
+  /// Whether all that is known lies in memory().
+  [[nodiscard]] virtual bool is_whole() const { return true; }
 
   /// What the buffer holds, at least the content; empty before.
   [[nodiscard]] const CellBox& stored() const { return stored_; }

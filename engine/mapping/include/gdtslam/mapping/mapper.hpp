@@ -56,6 +56,9 @@ struct MapperOptions {
   CpuOptions cpu;
   /// Called once for each failure, with one line that says what failed and what happens now.
   std::function<void(const std::string&)> warn;
+  /// For the file without a name in which what is far from the robot waits once the map has become large, on the CPU;
+  /// empty: that of TMPDIR, or /var/tmp.
+  std::string scratch_folder{};
   /// Of LoopMapper: a thread of its own looks for loops while the caller maps; else the caller's does so at the same
   /// keyframes. The results are the same.
   bool loops_beside = true;
@@ -81,7 +84,8 @@ class Mapper {
   /// odometry) and returns the robot's pose in the map with its evidence. Poses or ranges that are not finite never
   /// reach the map: such a pose counts as no odometry, such a range as no return. Throws InputError when the map would
   /// grow beyond map.max_megacells, with the size needed and the size allowed; the map then stays as it was, the
-  /// robot's motion is kept, and mapping may go on.
+  /// robot's motion is kept, and mapping may go on. Throws FileError where the map is larger than the memory meant for
+  /// it and the disk is full.
   MatchResult process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
     start(scan, T_odom_base);
     return finish();

@@ -1,0 +1,31 @@
+// What a process keeps on disk while it runs: a file without a name, which is gone with its object, however the process
+// ends. Places in it are bytes from its beginning. One object belongs to one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace gdtslam {
+
+class ScratchFile {
+ public:
+  /// In that folder; where it is empty in that of the variable TMPDIR, or in /var/tmp. Throws FileError where the
+  /// folder takes no file.
+  explicit ScratchFile(const std::string& folder);
+  ~ScratchFile();
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  /// Throws FileError where the disk is full.
+  void write(std::uint64_t place, std::span<const std::byte> bytes);
+  /// What was written there. Throws FileError.
+  void read(std::uint64_t place, std::span<std::byte> bytes) const;
+
+ private:
+  std::string folder_;
+  int descriptor_ = -1;
+};
+
+}  // namespace gdtslam

@@ -1,0 +1,165 @@
+// A map that is larger than the memory meant for it: what is far from the robot waits on disk, and no cell differs from
+// those of a map that has all of them in memory.
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/core/scratch_file.hpp"
+#include "engine/mapping/cost/objective.hpp"
+#include "engine/mapping/map/local_field.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
+#include "gdtslam/mapping/global_field.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr double kCell_m = 0.025;
+constexpr std::uint32_t kRadius = 20;
+constexpr std::uint64_t kManyCells = std::uint64_t{8} << 30U;
+constexpr double kSight_m = 60.0;
+
+// Obstacles in a square around a place; cells on a lattice are hit again when the robot comes back.
+std::vector<Point2> obstacles_around(const Point2& place_m, Random& random) {
+  std::vector<Point2> points;
+  for (int i = 0; i < 2500; ++i) {
+    const auto draw = [&] { return std::floor(random.uniform(-kSight_m, kSight_m) / 0.4) * 0.4; };
+    points.emplace_back(std::round(place_m.x()) + draw(), std::round(place_m.y()) + draw());
+  }
+  return points;
+}
+
+struct MapOnCpu {
+  MapOnCpu() : backend(make_cpu_backend({})), field(*backend, kCell_m, kRadius, kManyCells), local(*backend, kRadius) {}
+  void merge(const KeyframeCells& keyframe) {
+    field.grow_to_hold(keyframe.window);
+    local.prepare(keyframe, field);
+    local.merge_into(field, {.rule = MergeRule::kWorking, .threshold = 1024, .lift = 512});
+  }
+  std::unique_ptr<Backend> backend;
+  GlobalField field;
+  LocalField local;
+};
+
+// There and back along a line, farther than a piece of address space reaches, with a turn to the side on the way.
+std::vector<Point2> long_way() {
+  std::vector<Point2> way;
+  for (double x_m = 0.0; x_m < 1800.0; x_m += 45.0) way.emplace_back(x_m, x_m > 900.0 ? 60.0 : -20.0);
+  for (double x_m = 1800.0; x_m > -300.0; x_m -= 70.0) way.emplace_back(x_m, 10.0);
+  return way;
+}
+
+bool rows_are_equal(const GlobalField& a, const GlobalField& b, const CellBox& box) {
+  std::vector<std::uint16_t> row_a(static_cast<std::size_t>(box.width()));
+  std::vector<std::uint16_t> row_b(row_a.size());
+  for (std::int32_t y = box.min.y; y < box.end.y; ++y) {
+    a.read_row({box.min.x, y}, row_a);
+    b.read_row({box.min.x, y}, row_b);
+    if (row_a != row_b) return false;
+  }
+  return true;
+}
+
+TEST(FieldOnDisk, HasEveryCellOfTheMapThatIsInMemory) {
+  MapOnCpu whole;
+  MapOnCpu near;
+  near.field.keep_near(testing::TempDir());
+  Random random(7);
+  for (const Point2& place : long_way()) {
+    const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kRadius);
+    whole.merge(keyframe);
+    near.merge(keyframe);
+    ASSERT_EQ(near.field.taken_cells(), whole.field.taken_cells());
+  }
+  // Some of it waits on disk: not all is in one piece of address space.
+  EXPECT_GT(whole.field.box().width(), near.field.stored().width());
+  EXPECT_EQ(near.field.box(), whole.field.box());
+  EXPECT_TRUE(rows_are_equal(near.field, whole.field, whole.field.box()));
+  for (int i = 0; i < 2000; ++i) {
+    const CellIndex cell{static_cast<std::int32_t>(random.uniform(-14000.0, 74000.0)),
+                         static_cast<std::int32_t>(random.uniform(-3300.0, 4900.0))};
+    ASSERT_EQ(near.field.at_and_beside(cell), whole.field.at_and_beside(cell)) << cell.x << ' ' << cell.y;
+  }
+}
+
+// What kernels look up there, the cell beside the last one of a strip included, is what they find in the whole map.
+TEST(FieldOnDisk, KernelsFindTheSameOnceTheBoxIsNear) {
+  MapOnCpu whole;
+  MapOnCpu near;
+  near.field.keep_near(testing::TempDir());
+  Random random(11);
+  std::vector<PointCells> points;
+  for (int i = 0; i < 300; ++i) {
+    points.push_back(
+        {static_cast<float>(random.uniform(-2300.0, 2300.0)), static_cast<float>(random.uniform(-2300.0, 2300.0))});
+  }
+  int looked_up = 0;
+  for (const Point2& place : long_way()) {
+    const CellIndex at = map_cell_of(place, kCell_m);
+    near.field.come_near({at - CellOffset{2400, 2400}, at + CellOffset{2400, 2400}});
+    if (!whole.field.box().empty()) {
+      const auto costs_in = [&](const MapOnCpu& map) {
+        Objective objective(map.field, Interpolation::kBilinear, CostForm::kDistance);
+        objective.set_anchor(at);
+        objective.set_points(points);
+        objective.set_cap(map.field.cap());
+        std::vector<CellPose> poses;
+        for (int k = 0; k < 8; ++k)
+          poses.push_back({0.31F * static_cast<float>(k), 0.17F, 0.01F * static_cast<float>(k)});
+        std::vector<std::uint32_t> costs(poses.size());
+        objective.evaluate(poses, costs);
+        return costs;
+      };
+      ASSERT_EQ(costs_in(near), costs_in(whole)) << place.transpose();
+      ++looked_up;
+    }
+    const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kRadius);
+    whole.merge(keyframe);
+    near.merge(keyframe);
+  }
+  EXPECT_GT(looked_up, 60);
+}
+
+TEST(FieldOnDisk, NamesTheFolderThatTakesNoFile) {
+  MapOnCpu map;
+  map.field.keep_near("/proc/no-such-folder");
+  Random random(3);
+  const auto drive = [&] {
+    for (const Point2& place : long_way()) map.merge(keyframe_of(obstacles_around(place, random), kCell_m, kRadius));
+  };
+  try {
+    drive();
+    FAIL() << "no error";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("/proc/no-such-folder"));
+  }
+}
+
+TEST(ScratchFile, HasWhatWasWrittenAndLeavesNothingBehind) {
+  const std::string folder = testing::TempDir() + "/scratch-" + std::to_string(::getpid());
+  std::filesystem::create_directories(folder);
+  const std::array<std::uint32_t, 3> words{5, 7, 11};
+  {
+    ScratchFile file(folder);
+    file.write(1000, std::as_bytes(std::span(words)));
+    std::array<std::uint32_t, 2> last{};
+    file.read(1004, std::as_writable_bytes(std::span(last)));
+    EXPECT_THAT(last, testing::ElementsAre(7, 11));
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+    EXPECT_THROW(file.read(1008, std::as_writable_bytes(std::span(last))), FileError);  // beyond its end
+  }
+  std::filesystem::remove(folder);
+}
+
+}  // namespace
+}  // namespace gdtslam
