@@ -11,7 +11,7 @@
 
 #include "engine/compute/cpu/functions.hpp"
 #include "engine/compute/cpu/launch.hpp"
-#include "engine/core/out_of_memory.hpp"
+#include "engine/core/memory/out_of_memory.hpp"
 #include "engine/core/worker_pool.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/core/error.hpp"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/core/free_memory.hpp"
+#include "engine/core/memory/free_memory.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/runs/continuing/continuation.hpp"

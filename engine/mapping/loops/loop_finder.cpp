@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/core/free_memory.hpp"
+#include "engine/core/memory/free_memory.hpp"
 #include "engine/mapping/loops/group_field.hpp"
 #include "gdtslam/compute/kernel.hpp"
 

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
-#include "field_store.hpp"
 #include "gdtslam/core/error.hpp"
-#include "growth.hpp"
+#include "store/field_store.hpp"
+#include "store/growth.hpp"
 
 namespace gdtslam {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "field_store.hpp"
+#include "store/field_store.hpp"
 
 namespace gdtslam {
 namespace {

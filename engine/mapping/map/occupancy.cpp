@@ -7,9 +7,9 @@
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
-#include "growth.hpp"
 #include "scan_beams.hpp"
 #include "scan_marks.hpp"
+#include "store/growth.hpp"
 #include "tile_counts.hpp"
 
 namespace gdtslam {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "growth.hpp"
+#include "store/growth.hpp"
 
 namespace gdtslam {
 namespace {

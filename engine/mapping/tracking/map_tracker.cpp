@@ -7,7 +7,7 @@
 #include "engine/compute/kernels/distance_field/distance_field.hpp"
 #include "engine/core/elementary.hpp"
 #include "engine/mapping/cost/fit.hpp"
-#include "engine/mapping/map/field_store.hpp"
+#include "engine/mapping/map/store/field_store.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"

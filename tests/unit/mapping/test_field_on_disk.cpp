@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/core/scratch_file.hpp"
+#include "engine/core/memory/scratch_file.hpp"
 #include "engine/mapping/cost/objective.hpp"
 #include "engine/mapping/map/local_field.hpp"
 #include "gdtslam/core/error.hpp"
@@ -25,7 +25,7 @@ namespace gdtslam {
 namespace {
 
 constexpr double kCell_m = 0.025;
-constexpr std::uint32_t kRadius = 20;
+constexpr std::uint32_t kDiskRadius = 20;
 constexpr std::uint64_t kManyCells = std::uint64_t{8} << 30U;
 constexpr double kSight_m = 60.0;
 
@@ -40,7 +40,10 @@ std::vector<Point2> obstacles_around(const Point2& place_m, Random& random) {
 }
 
 struct MapOnCpu {
-  MapOnCpu() : backend(make_cpu_backend({})), field(*backend, kCell_m, kRadius, kManyCells), local(*backend, kRadius) {}
+  MapOnCpu()
+      : backend(make_cpu_backend({})),
+        field(*backend, kCell_m, kDiskRadius, kManyCells),
+        local(*backend, kDiskRadius) {}
   void merge(const KeyframeCells& keyframe) {
     field.grow_to_hold(keyframe.window);
     local.prepare(keyframe, field);
@@ -76,7 +79,7 @@ TEST(FieldOnDisk, HasEveryCellOfTheMapThatIsInMemory) {
   near.field.keep_near(testing::TempDir());
   Random random(7);
   for (const Point2& place : long_way()) {
-    const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kRadius);
+    const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kDiskRadius);
     whole.merge(keyframe);
     near.merge(keyframe);
     ASSERT_EQ(near.field.taken_cells(), whole.field.taken_cells());
@@ -123,7 +126,7 @@ TEST(FieldOnDisk, KernelsFindTheSameOnceTheBoxIsNear) {
       ASSERT_EQ(costs_in(near), costs_in(whole)) << place.transpose();
       ++looked_up;
     }
-    const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kRadius);
+    const KeyframeCells keyframe = keyframe_of(obstacles_around(place, random), kCell_m, kDiskRadius);
     whole.merge(keyframe);
     near.merge(keyframe);
   }
@@ -135,7 +138,8 @@ TEST(FieldOnDisk, NamesTheFolderThatTakesNoFile) {
   map.field.keep_near("/proc/no-such-folder");
   Random random(3);
   const auto drive = [&] {
-    for (const Point2& place : long_way()) map.merge(keyframe_of(obstacles_around(place, random), kCell_m, kRadius));
+    for (const Point2& place : long_way())
+      map.merge(keyframe_of(obstacles_around(place, random), kCell_m, kDiskRadius));
   };
   try {
     drive();

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/mapping/map/field_store.hpp"
 #include "engine/mapping/map/local_field.hpp"
+#include "engine/mapping/map/store/field_store.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/core/random.hpp"
 #include "gdtslam/mapping/global_field.hpp"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "console.hpp"
-#include "engine/core/out_of_memory.hpp"
+#include "engine/core/memory/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
 #include "modules.hpp"

@@ -18,7 +18,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "engine/core/out_of_memory.hpp"
+#include "engine/core/memory/out_of_memory.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 

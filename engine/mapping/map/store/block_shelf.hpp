@@ -12,14 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "engine/core/scratch_file.hpp"
+#include "engine/core/memory/scratch_file.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 
 namespace gdtslam {
 
 inline constexpr std::int32_t kBlockTiles = 8;  ///< of a block: a multiple of the system's pages
-inline constexpr std::size_t kTileCells = std::size_t{kStripStride} * kStripWidth;
-inline constexpr std::size_t kBlockCells = kTileCells * kBlockTiles;
+inline constexpr std::size_t kTileOfStripCells = std::size_t{kStripStride} * kStripWidth;
+inline constexpr std::size_t kBlockCells = kTileOfStripCells * kBlockTiles;
 
 /// A block by its column and row in the map; block (0, 0) has map cell (0, 0) in its lower left corner.
 struct BlockIndex {

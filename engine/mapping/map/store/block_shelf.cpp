@@ -34,8 +34,8 @@ void BlockShelf::put(BlockIndex block, TileSet tiles, std::span<const std::uint1
   const std::uint64_t next = places_.size();
   const Place place{places_.contains(block) ? places_.at(block).slot : next, tiles};
   for_each_stretch(tiles, [&](std::size_t first, std::size_t count) {
-    file_->write(place.slot * kSlotBytes + first * kTileCells * sizeof(std::uint16_t),
-                 std::as_bytes(cells.subspan(first * kTileCells, count * kTileCells)));
+    file_->write(place.slot * kSlotBytes + first * kTileOfStripCells * sizeof(std::uint16_t),
+                 std::as_bytes(cells.subspan(first * kTileOfStripCells, count * kTileOfStripCells)));
   });
   copies_.erase(block.x);
   count_ += tiles_of(block) == 0 ? 1U : 0U;
@@ -44,8 +44,8 @@ void BlockShelf::put(BlockIndex block, TileSet tiles, std::span<const std::uint1
 
 void BlockShelf::read(const Place& place, std::span<std::uint16_t, kBlockCells> cells) const {
   for_each_stretch(place.tiles, [&](std::size_t first, std::size_t count) {
-    file_->read(place.slot * kSlotBytes + first * kTileCells * sizeof(std::uint16_t),
-                std::as_writable_bytes(cells.subspan(first * kTileCells, count * kTileCells)));
+    file_->read(place.slot * kSlotBytes + first * kTileOfStripCells * sizeof(std::uint16_t),
+                std::as_writable_bytes(cells.subspan(first * kTileOfStripCells, count * kTileOfStripCells)));
   });
 }
 

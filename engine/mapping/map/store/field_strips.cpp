@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/core/page_memory.hpp"
+#include "engine/core/memory/page_memory.hpp"
 #include "growth.hpp"
 
 namespace gdtslam {
@@ -15,7 +15,7 @@ namespace {
 constexpr auto kSide = static_cast<std::int32_t>(kStripWidth);  // of a tile, cells
 constexpr std::int32_t kBlockRows = kSide * kBlockTiles;        // cells
 // As many as 32 bits count the cells of, and as the kernels take along a side.
-constexpr std::int64_t kMostTiles = (std::int64_t{1} << 32U) / static_cast<std::int64_t>(kTileCells);
+constexpr std::int64_t kMostTiles = (std::int64_t{1} << 32U) / static_cast<std::int64_t>(kTileOfStripCells);
 constexpr std::int32_t kMostTilesOfASide = (1 << 21) / kSide - 1;
 // A piece of address space is a square of so many tiles a side, where the process may have 8 GB of it.
 constexpr std::int32_t kWideSide = 960;
@@ -27,7 +27,7 @@ constexpr std::int32_t kNearMargin = 8;
 constexpr std::int32_t kFarMargin = 32;
 constexpr std::uint64_t kMostHere = 12000;  // 104 MB
 constexpr std::size_t kMostPutAway = 32;
-constexpr std::size_t kMostLookedAt = 8192;
+constexpr std::size_t kMostPassedOver = 8192;
 
 std::int32_t floor_to(std::int32_t cell, std::int32_t side) { return (cell >= 0 ? cell : cell - (side - 1)) / side; }
 
@@ -38,7 +38,7 @@ CellBox tiles_that_hold(const CellBox& box) {
 
 std::int64_t count_of(const CellBox& tiles) { return std::int64_t{tiles.width()} * tiles.height(); }
 std::size_t bytes_of(const CellBox& tiles) {
-  return static_cast<std::size_t>(count_of(tiles)) * kTileCells * sizeof(std::uint16_t);
+  return static_cast<std::size_t>(count_of(tiles)) * kTileOfStripCells * sizeof(std::uint16_t);
 }
 
 CellBox with_margin(const CellBox& tiles, std::int32_t x, std::int32_t y) {
@@ -158,8 +158,8 @@ void FieldStrips::move_to(const CellBox& tiles, Buffer buffer) {
     const std::span<std::uint16_t, kBlockCells> from = cells_of(block);
     for (std::size_t tile = 0; tile < kBlockTiles; ++tile) {
       if ((known_[block] & bit_of(tile)) == 0) continue;
-      std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(tile * kTileCells), kTileCells,
-                  memory.begin() + static_cast<std::ptrdiff_t>(to * kBlockCells + tile * kTileCells));
+      std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(tile * kTileOfStripCells), kTileOfStripCells,
+                  memory.begin() + static_cast<std::ptrdiff_t>(to * kBlockCells + tile * kTileOfStripCells));
     }
     forget(std::as_writable_bytes(from));
   }
@@ -179,8 +179,8 @@ void FieldStrips::repeat_first_cells(std::size_t block) {
   if (known_[block] == 0 || block * kBlockCells < layout_.strip) return;
   for (std::size_t tile = 0; tile < kBlockTiles; ++tile) {
     if ((known_[block] & bit_of(tile)) == 0) continue;
-    const std::size_t first = block * kBlockCells + tile * kTileCells;
-    for (std::size_t cell = first; cell < first + kTileCells; cell += kStripStride) {
+    const std::size_t first = block * kBlockCells + tile * kTileOfStripCells;
+    for (std::size_t cell = first; cell < first + kTileOfStripCells; cell += kStripStride) {
       memory_[cell - layout_.strip + kStripWidth] = memory_[cell];
     }
   }
@@ -220,7 +220,7 @@ void FieldStrips::put_away(std::size_t block) {
 // Some blocks that are outside of the tiles, round by round.
 void FieldStrips::put_far_away(const CellBox& tiles) {
   std::size_t left = kMostPutAway;
-  for (std::size_t k = std::min(kMostLookedAt, known_.size()); k > 0 && left > 0; --k) {
+  for (std::size_t k = std::min(kMostPassedOver, known_.size()); k > 0 && left > 0; --k) {
     const std::size_t block = std::exchange(next_, (next_ + 1) % known_.size());
     if (known_[block] == 0) continue;
     if (!common_part(tiles, tiles_of(block)).empty()) continue;
@@ -301,11 +301,11 @@ void FieldStrips::write(const CellRows& from) {
   assert(is_whole());
   for (std::size_t tile = 0; tile < known_.size() * kBlockTiles; ++tile) {
     if ((known_[tile / kBlockTiles] & bit_of(tile)) == 0) continue;
-    const auto cells = memory_.subspan(tile * kTileCells, kTileCells);
+    const auto cells = memory_.subspan(tile * kTileOfStripCells, kTileOfStripCells);
     std::fill(cells.begin(), cells.end(), std::uint16_t{0});
     const std::size_t strip = layout_.strip;
-    for (std::size_t row = 0; row < kStripWidth && tile * kTileCells >= strip; ++row) {
-      memory_[tile * kTileCells - strip + row * kStripStride + kStripWidth] = 0;
+    for (std::size_t row = 0; row < kStripWidth && tile * kTileOfStripCells >= strip; ++row) {
+      memory_[tile * kTileOfStripCells - strip + row * kStripStride + kStripWidth] = 0;
     }
   }
   const CellBox box = common_part(from.box, stored_);
