@@ -95,7 +95,9 @@ struct LoopMapper::State {
                   .scans = {},
                   .threads = threads}),
         points(config.scan),
-        map(config) {}
+        map(config) {
+    map.keep_near(options.scratch_folder);
+  }
 
   BackEndResult closed(const Progress& progress, const std::function<bool()>& stop);
   void rebuild(const std::vector<std::size_t>& keyframes, const std::vector<Pose2>& poses);

@@ -75,9 +75,16 @@ MapResult map_into(RunFolder& folder, const MapRequest& request, const MapJob& j
   } else {
     LogCopies::leave_out(folder);
   }
-  const WrittenField field = write_run_field(folder, job, run->field(), times);
-  run.reset();  // its memory is for the pictures
-  return_free_memory();
+  // The memory of what mapped is for the pictures, and the tiles of a large map.
+  const auto end_mapping = [&run] {
+    run.reset();
+    return_free_memory();
+  };
+  if (result.outcome.is_in_tiles) end_mapping();
+  const WrittenField field = result.outcome.is_in_tiles
+                                 ? write_run_tiles(folder, job, request.settings, times, result.outcome)
+                                 : write_run_field(folder, job, run->field(), times);
+  end_mapping();
   if (nodding != nullptr) {
     result.linkage = nodding->linkage;
     add_cloud_picture(request, *nodding, cloud_file, result.outcome, folder);

@@ -11,6 +11,7 @@
 #include "engine/io/yaml/yaml_file.hpp"
 #include "gdtslam/core/error.hpp"
 #include "pgm.hpp"
+#include "png.hpp"
 
 namespace gdtslam {
 namespace {
@@ -36,17 +37,33 @@ std::uint8_t level_of(CellState state) {
 }
 
 // A row after the other from the top; the map is not copied.
-void write_levels(AtomicFile& file, const OccupancyMap& map) {
+template <class Take>
+void for_each_row(const OccupancyMap& map, const Take& take) {
   const auto width = static_cast<std::size_t>(map.geometry.width);
-  file.write(pgm_header(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(map.geometry.height), 255));
   std::vector<CellState> row(width);
   std::vector<std::uint8_t> levels(width);
   for (std::int32_t y = map.geometry.height; y-- > 0;) {
     map.read_row(y, row);
     std::transform(row.begin(), row.end(), levels.begin(), level_of);
-    file.write(std::as_bytes(std::span(levels)));
+    take(std::as_bytes(std::span(levels)));
   }
 }
+
+void write_image(AtomicFile& file, const OccupancyMap& map, MapImage image) {
+  const auto width = static_cast<std::uint32_t>(map.geometry.width);
+  const auto height = static_cast<std::uint32_t>(map.geometry.height);
+  const auto write = [&file](std::span<const std::byte> bytes) { file.write(bytes); };
+  if (image == MapImage::kPgm) {
+    file.write(pgm_header(width, height, 255));
+    return for_each_row(map, write);
+  }
+  PngWriter png(width, height, PngWriter::Pixels::kGrey8, write);
+  for_each_row(map, [&png](std::span<const std::byte> row) { png.add_row(row); });
+  png.finish();
+}
+
+// By what the file begins with: names may say anything.
+Grey8Image read_image(const std::string& path) { return is_png(path) ? read_png_grey8(path) : read_pgm(path); }
 
 struct Thresholds {
   double occupied = kOccupiedThreshold;
@@ -85,10 +102,11 @@ CellState state_of(std::uint8_t level, std::uint32_t max_value, const Thresholds
 
 }  // namespace
 
-void write_occupancy_map(const std::string& yaml_path, const OccupancyMap& map) {
-  const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(".pgm");
+void write_occupancy_map(const std::string& yaml_path, const OccupancyMap& map, MapImage image) {
+  const char* const extension = image == MapImage::kPgm ? ".pgm" : ".png";
+  const std::filesystem::path image_path = std::filesystem::path(yaml_path).replace_extension(extension);
   AtomicFileSet files;
-  write_levels(files.add(image_path.string()), map);
+  write_image(files.add(image_path.string()), map, image);
   files.add(yaml_path).write(fmt::format(
       "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\n"
       "occupied_thresh: {}\nfree_thresh: {}\n",
@@ -102,7 +120,7 @@ OccupancyMap read_occupancy_map(const std::string& yaml_path) {
   OccupancyMap map;
   map.geometry = file.geometry();
   const Thresholds thresholds = thresholds_of(file);
-  const Grey8Image image = read_pgm(file.image_path());
+  const Grey8Image image = read_image(file.image_path());
   map.geometry.width = static_cast<std::int32_t>(image.width);
   map.geometry.height = static_cast<std::int32_t>(image.height);
   map.cells = CellStates(image.pixels.size());

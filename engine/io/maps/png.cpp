@@ -9,6 +9,8 @@
 #include <csetjmp>
 #include <cstring>
 #include <exception>
+#include <fstream>
+#include <string_view>
 #include <utility>
 
 #include "engine/io/byte_source.hpp"
@@ -98,6 +100,23 @@ bool read_header(Codec& codec, Input& input, Header& header) {
   });
 }
 
+// All kinds of pixels become one byte.
+bool read_rows_as_grey8(Codec& codec, Grey8Image& image) {
+  constexpr int kThird = 33333;  // of the weights of red and green, of 100,000
+  return codec.run([&] {
+    png_set_expand(codec.png);
+    png_set_strip_16(codec.png);
+    png_set_strip_alpha(codec.png);
+    png_set_rgb_to_gray_fixed(codec.png, PNG_ERROR_ACTION_NONE, kThird, kThird);
+    png_read_update_info(codec.png, codec.info);
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+      image.pixels.resize(image.pixels.size() + image.width);
+      png_read_row(codec.png, &image.pixels[std::size_t{y} * image.width], nullptr);
+    }
+    png_read_end(codec.png, nullptr);
+  });
+}
+
 /// Memory grows with the rows that are really there.
 bool read_rows(Codec& codec, Grey16Image& image) {
   return codec.run([&] {
@@ -111,20 +130,58 @@ bool read_rows(Codec& codec, Grey16Image& image) {
   });
 }
 
-void check_header(const Header& header, std::size_t file_bytes, std::uint64_t max_pixels, const std::string& name) {
+// `bits` that a pixel takes in the file at least.
+void check_size(const Header& header, std::uint64_t bits, std::size_t file_bytes, std::uint64_t max_pixels,
+                const std::string& name) {
   constexpr std::uint64_t kLargestDeflateRatio = 1032;
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
-  if (header.colour != PNG_COLOR_TYPE_GRAY || header.depth != 16 || header.interlace != PNG_INTERLACE_NONE) {
-    throw InputError({name, 0}, "is no 16-bit grey PNG without interlacing");
-  }
   if (pixels > max_pixels) {
     throw InputError({name, 0}, fmt::format("has {} x {} pixels, more than the {} that are read", header.width,
                                             header.height, max_pixels));
   }
-  if (pixels * 2 > file_bytes * kLargestDeflateRatio) {
+  if (pixels / 8 * bits > file_bytes * kLargestDeflateRatio) {
     throw InputError({name, 0}, fmt::format("states {} x {} pixels, which {} bytes cannot hold", header.width,
                                             header.height, file_bytes));
   }
+}
+
+void check_header(const Header& header, std::size_t file_bytes, std::uint64_t max_pixels, const std::string& name) {
+  if (header.colour != PNG_COLOR_TYPE_GRAY || header.depth != 16 || header.interlace != PNG_INTERLACE_NONE) {
+    throw InputError({name, 0}, "is no 16-bit grey PNG without interlacing");
+  }
+  check_size(header, 16, file_bytes, max_pixels, name);
+}
+
+// What decode_png() begins with.
+Header header_of(Codec& codec, Input& input, const std::string& name) {
+  if (codec.info == nullptr) throw Error(ExitCode::kFailed, located({name, 0}, "libpng cannot be started"));
+  Header header;
+  if (!read_header(codec, input, header)) {
+    throw InputError({name, 0}, fmt::format("is no readable PNG: {}", static_cast<const char*>(codec.message)));
+  }
+  return header;
+}
+
+[[noreturn]] void fail_as_damaged(const Codec& codec, const std::string& name) {
+  throw InputError({name, 0}, fmt::format("is a damaged PNG: {}", static_cast<const char*>(codec.message)));
+}
+
+std::size_t bytes_of_pixel(PngWriter::Pixels pixels) {
+  switch (pixels) {
+    case PngWriter::Pixels::kGrey16:
+      return 2;
+    case PngWriter::Pixels::kRgba8:
+      return 4;
+    case PngWriter::Pixels::kGrey8:
+      break;
+  }
+  return 1;
+}
+
+std::string bytes_of_file(const std::string& path) {
+  constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
+  const std::unique_ptr<ByteSource> source = open_file_source(path);
+  return read_all(*source, kMaxFileBytes, path);
 }
 
 void flush_nothing(png_structp /*png*/) {}
@@ -132,7 +189,7 @@ void flush_nothing(png_structp /*png*/) {}
 // The best of filters none, sub, up, average and Paeth with levels 1 to 6 and runs only, measured on fields and maps of
 // the public logs.
 void set_packing(png_structp png, PngWriter::Pixels pixels) {
-  const bool is_field = pixels == PngWriter::Pixels::kGrey16;
+  const bool is_field = pixels == PngWriter::Pixels::kGrey16;  // else a picture, or what is known of cells
   png_set_filter(png, PNG_FILTER_TYPE_BASE, is_field ? PNG_FILTER_UP : PNG_FILTER_NONE);
   png_set_compression_level(png, is_field ? 1 : 3);
   if (is_field) png_set_compression_strategy(png, Z_RLE);
@@ -140,7 +197,7 @@ void set_packing(png_structp png, PngWriter::Pixels pixels) {
 
 std::string encode(std::uint32_t width, std::uint32_t height, PngWriter::Pixels pixels,
                    std::span<const std::byte> bytes) {
-  const std::size_t row_bytes = std::size_t{pixels == PngWriter::Pixels::kGrey16 ? 2U : 4U} * width;
+  const std::size_t row_bytes = bytes_of_pixel(pixels) * width;
   if (width == 0 || height == 0 || bytes.size() != row_bytes * height) {
     throw Error(ExitCode::kFailed, fmt::format("an image of {} x {} pixels in {} bytes cannot be made a PNG", width,
                                                height, bytes.size()));
@@ -194,7 +251,7 @@ PngWriter::PngWriter(std::uint32_t width, std::uint32_t height, Pixels pixels, S
     png_set_write_fn(png, &state, State::take, flush_nothing);
     png_set_user_limits(png, 0x7fffffffU, 0x7fffffffU);
     png_set_IHDR(png, state.codec.info, width, height, is_grey16 ? 16 : 8,
-                 is_grey16 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
+                 pixels == Pixels::kRgba8 ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     set_packing(png, pixels);
     png_write_info(png, state.codec.info);
@@ -222,27 +279,42 @@ std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<cons
 
 Grey16Image decode_png_grey16(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels) {
   Codec codec(Direction::kRead);
-  if (codec.info == nullptr) {
-    throw Error(ExitCode::kFailed, located({name, 0}, "libpng cannot be started"));
-  }
   Input input{data.data(), data.size()};
-  Header header;
-  if (!read_header(codec, input, header)) {
-    throw InputError({name, 0}, fmt::format("is no readable PNG: {}", static_cast<const char*>(codec.message)));
-  }
+  const Header header = header_of(codec, input, name);
   check_header(header, data.size(), max_pixels, name);
   Grey16Image image{header.width, header.height, {}};
-  if (!read_rows(codec, image)) {
-    throw InputError({name, 0}, fmt::format("is a damaged PNG: {}", static_cast<const char*>(codec.message)));
-  }
+  if (!read_rows(codec, image)) fail_as_damaged(codec, name);
   return image;
 }
 
 Grey16Image read_png_grey16(const std::string& path, std::uint64_t max_pixels) {
-  constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
-  const std::unique_ptr<ByteSource> source = open_file_source(path);
-  const std::string text = read_all(*source, kMaxFileBytes, path);
+  const std::string text = bytes_of_file(path);
   return decode_png_grey16(std::as_bytes(std::span(text.data(), text.size())), path, max_pixels);
+}
+
+bool is_png(const std::string& path) {
+  constexpr std::string_view kSignature = "\x89PNG";
+  std::string head(kSignature.size(), '\0');
+  return std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size())) &&
+         head == kSignature;
+}
+
+Grey8Image decode_png_grey8(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels) {
+  Codec codec(Direction::kRead);
+  Input input{data.data(), data.size()};
+  const Header header = header_of(codec, input, name);
+  if (header.interlace != PNG_INTERLACE_NONE) {
+    throw InputError({name, 0}, "is an interlaced PNG; save it without interlacing");
+  }
+  check_size(header, 1, data.size(), max_pixels, name);
+  Grey8Image image{header.width, header.height, 255, {}};
+  if (!read_rows_as_grey8(codec, image)) fail_as_damaged(codec, name);
+  return image;
+}
+
+Grey8Image read_png_grey8(const std::string& path, std::uint64_t max_pixels) {
+  const std::string text = bytes_of_file(path);
+  return decode_png_grey8(std::as_bytes(std::span(text.data(), text.size())), path, max_pixels);
 }
 
 }  // namespace gdtslam

@@ -1,5 +1,5 @@
-// PNG files by libpng: 8-bit RGBA out, 16-bit grey out and in. Rows from the top, without padding. Thread-safe;
-// O(pixels).
+// PNG files by libpng: 8-bit RGBA and grey and 16-bit grey out, 16-bit grey in, and whatever as 8-bit grey. Rows from
+// the top, without padding. Thread-safe; O(pixels).
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,8 @@
 #include <span>
 #include <string>
 #include <vector>
+
+#include "pgm.hpp"
 
 namespace gdtslam {
 
@@ -21,7 +23,7 @@ struct Grey16Image {
 /// A file that is written row by row, from the top; nothing is kept but what the compressor needs.
 class PngWriter {
  public:
-  enum class Pixels : std::uint8_t { kGrey16, kRgba8 };
+  enum class Pixels : std::uint8_t { kGrey16, kRgba8, kGrey8 };
   /// Takes the bytes of the file as they come; what it throws comes out of the writer.
   using Sink = std::function<void(std::span<const std::byte>)>;
 
@@ -33,7 +35,7 @@ class PngWriter {
   PngWriter& operator=(const PngWriter&) = delete;
   ~PngWriter();
 
-  /// The next row: 2 or 4 bytes a pixel, values of the host.
+  /// The next row: 2, 4 or 1 bytes a pixel, values of the host.
   void add_row(std::span<const std::byte> row);
   /// After the last row; nothing may follow.
   void finish();
@@ -52,6 +54,13 @@ std::string encode_png(std::uint32_t width, std::uint32_t height, std::span<cons
 /// Grey of 16 bits (8-bit and colour images are refused). Throws InputError for what is damaged or has more than
 /// `max_pixels` pixels, which is known before memory is taken.
 Grey16Image decode_png_grey16(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels);
+/// Whether a file that can be read begins as a PNG does.
+bool is_png(const std::string& path);
+/// Any PNG without interlacing, of more bits by their highest eight, of colours by their mean, without transparency.
+/// Throws as decode_png_grey16().
+Grey8Image decode_png_grey8(std::span<const std::byte> data, const std::string& name, std::uint64_t max_pixels);
+Grey8Image read_png_grey8(const std::string& path, std::uint64_t max_pixels = std::uint64_t{1} << 30U);
+
 Grey16Image read_png_grey16(const std::string& path, std::uint64_t max_pixels = std::uint64_t{1} << 29U);
 
 }  // namespace gdtslam

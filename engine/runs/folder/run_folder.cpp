@@ -70,6 +70,12 @@ bool is_of_a_commit(const fs::path& leftover) {
   return fs::exists(kept_in(leftover), ignored);
 }
 
+// Whether a folder is one that a run makes, by what it holds.
+bool is_of_a_run(const fs::path& folder) {
+  std::error_code ignored;
+  return folder.filename() == "tiles" && fs::exists(folder / "index.json", ignored);
+}
+
 // "intel" from "../data/intel.clf.gz".
 std::string stem_of(const std::string& log) {
   if (log == "-") return "stdin";
@@ -121,6 +127,12 @@ std::string RunFolder::staged(std::string_view name) {
   return (staging_ / name).string();
 }
 
+std::string RunFolder::staged_folder(std::string_view name) {
+  std::string folder = staged(name);
+  make_folder(folder);
+  return folder;
+}
+
 void RunFolder::move(const fs::path& from, const fs::path& to, const std::string& name) const {
   std::error_code failed;
   fs::rename(from / name, to / name, failed);
@@ -131,7 +143,8 @@ void RunFolder::replace(const std::vector<std::string>& old_names) {
   for (auto name = old_names.rbegin(); name != old_names.rend(); ++name) {
     std::error_code ignored;  // what cannot be asked about cannot be replaced either
     const fs::file_status status = fs::symlink_status(folder_ / *name, ignored);
-    if (fs::is_directory(status)) throw FileError(file(*name), "cannot be replaced: " + errno_text(EISDIR));
+    if (fs::is_directory(status) && !is_of_a_run(folder_ / *name))
+      throw FileError(file(*name), "cannot be replaced: " + errno_text(EISDIR));
     if (fs::exists(status)) move(folder_, kept_in(staging_), *name);
   }
   sync_folder(folder_.string());  // no new file on the disk before the old ones are gone from it
@@ -144,7 +157,7 @@ std::string RunFolder::put_back(const std::vector<std::string>& old_names) const
   std::string problems;
   std::error_code failed;
   for (std::size_t k = 0; k < given_; ++k) {
-    fs::remove(folder_ / names_[k], failed);
+    fs::remove_all(folder_ / names_[k], failed);
     if (failed) problems += "; nor can " + file(names_[k]) + " be removed again: " + failed.message();
   }
   for (const std::string& name : old_names) {

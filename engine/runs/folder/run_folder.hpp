@@ -28,6 +28,8 @@ class RunFolder {
 
   /// Where to write the file of that name until commit().
   std::string staged(std::string_view name);
+  /// Where to write the files of a folder of that name, which is made.
+  std::string staged_folder(std::string_view name);
   /// Where that file is until then, without that it becomes one of the run.
   [[nodiscard]] std::string staged_path(std::string_view name) const { return (staging_ / name).string(); }
   /// This run makes no such file: one that an earlier run left goes with commit().

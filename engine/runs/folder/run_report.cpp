@@ -15,6 +15,7 @@
 #include "engine/runs/folder/loops_report.hpp"
 #include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
+#include "engine/runs/tiles/tile_folder.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "gdtslam/io/distance_field_file.hpp"
@@ -156,14 +157,8 @@ void write_path_facts(RunFolder& folder, const MapOutcome& outcome) {
   write_file_atomically(folder.staged("graph.g2o"), graph_text(*outcome.closed));
 }
 
-// Writes the scans that the map was merged from, where they are ranges of one plane; returns their hash. A nodding
-// laser's are points.
-std::string write_merged_scans(RunFolder& folder, const std::string& config, const MapJob& job,
-                               const MapOutcome& outcome) {
-  if (outcome.keyframe_scans.size() != outcome.keyframes.size()) {
-    folder.without(kKeyframeFile);
-    return {};
-  }
+// The scans that the map was merged from.
+RunKeyframes kept_keyframes(const std::string& config, const MapJob& job, const MapOutcome& outcome) {
   RunKeyframes run{
       .config_sha256 = Sha256().update(config).hex(), .in_single_precision = job.with_loops, .keyframes = {}};
   run.keyframes.reserve(outcome.keyframes.size());
@@ -178,7 +173,17 @@ std::string write_merged_scans(RunFolder& folder, const std::string& config, con
     }
     run.keyframes.push_back(std::move(keyframe));
   }
-  return write_keyframes(folder.staged(kKeyframeFile), run);
+  return run;
+}
+
+// Writes them, where they are ranges of one plane; returns their hash. A nodding laser's are points.
+std::string write_merged_scans(RunFolder& folder, const std::string& config, const MapJob& job,
+                               const MapOutcome& outcome) {
+  if (outcome.keyframe_scans.size() != outcome.keyframes.size()) {
+    folder.without(kKeyframeFile);
+    return {};
+  }
+  return write_keyframes(folder.staged(kKeyframeFile), kept_keyframes(config, job, outcome));
 }
 
 /// Of what a run wrote.
@@ -223,6 +228,7 @@ Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenH
   report["trajectory_sha256"] = hashes.trajectory;
   if (!hashes.keyframes.empty()) report["keyframes_sha256"] = hashes.keyframes;
   report["gdt"] = geometry_json(facts.field.geometry);
+  if (facts.field.tiles > 0) report["tiles"] = facts.field.tiles;
   if (facts.job.with_occupancy) report["map"] = geometry_json(outcome.occupancy.geometry);
   report["cloud_points"] = outcome.nodding ? outcome.nodding->cloud.written : 0;
   if (facts.nodding != nullptr) report["nodding"] = nodding_json(*facts.nodding, *outcome.nodding);
@@ -249,9 +255,27 @@ WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalF
   folder.staged("gdt.png");
   write_distance_field(folder.staged("gdt.yaml"), rows_of(field));
   times.add("write_field");
-  WrittenField written{field.geometry(), sha256_of(rows_of(field))};
+  folder.without(kTileFolder);
+  WrittenField written{.geometry = field.geometry(), .sha256 = sha256_of(rows_of(field))};
   times.add("hash");
   return written;
+}
+
+// From the keyframes as their file has them, so that they are the same when they are made again.
+WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
+                             MapOutcome& outcome) {
+  for (const char* name : {"gdt.png", "gdt.yaml"}) folder.without(name);
+  const RunKeyframes kept = kept_keyframes(config_text(option_table(settings)), job, outcome);
+  const std::string bytes = keyframe_bytes(kept);
+  const RunKeyframes run = parse_keyframes(bytes, kKeyframeFile);
+  const TileMaker maker(run, job.mapper, job.occupancy);
+  MadeTiles made = write_tiles(folder.staged_folder(kTileFolder), maker, Sha256().update(bytes).hex(),
+                               job.mapper.map.resolution_m, [&job](double share) {
+                                 if (job.finishing) job.finishing(fmt::format("tiles, {:.0f} %", 100.0 * share));
+                               });
+  outcome.occupancy = std::move(made.overview);
+  times.add("write_tiles");
+  return {.geometry = geometry_of(made.index), .sha256 = sha256_of(made.index), .tiles = made.index.tiles.size()};
 }
 
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {

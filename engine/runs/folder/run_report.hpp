@@ -22,9 +22,15 @@ inline constexpr int kReportVersion = 1;
 struct WrittenField {
   GridGeometry geometry;
   std::string sha256;
+  std::size_t tiles = 0;  ///< that it was written in; 0: in one piece
 };
 /// Writes gdt.png and gdt.yaml. Throws FileError.
 WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalField& field, RunTimes& times);
+
+/// Likewise of a map in tiles, which are in the run's folder `tiles` then; an outcome's small map of them comes with
+/// it. Throws what making tiles throws.
+WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
+                             MapOutcome& outcome);
 
 /// What a run was asked for and made, besides its outcome.
 struct RunFacts {

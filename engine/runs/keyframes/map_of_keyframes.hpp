@@ -2,7 +2,9 @@
 // keyframe.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 
 #include "engine/mapping/map/separate_map.hpp"
 #include "engine/runs/keyframes/keyframe_file.hpp"
@@ -16,5 +18,8 @@ namespace gdtslam {
 /// millimetre of scan.min_range or scan.max_range may count where it did not, or not where it did. Throws InputError
 /// where the map would be beyond map.max_megacells.
 std::unique_ptr<SeparateMap> map_of_keyframes(const RunKeyframes& run, const MapperConfig& config);
+/// Of some of them alone, by their places in the run, ascending.
+std::unique_ptr<SeparateMap> map_of_keyframes(const RunKeyframes& run, std::span<const std::size_t> which,
+                                              const MapperConfig& config);
 
 }  // namespace gdtslam

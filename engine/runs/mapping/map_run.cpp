@@ -101,7 +101,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
                std::unique_ptr<CloudOutput> cloud)
     : job_(job),
       scans_(std::move(scans)),
-      occupancy_(job.occupancy, occupancy_limits(job.mapper)),
+      extent_(job.mapper),
       has_threads_(threads_meant(job.on_failure.cpu.threads) > 1),
       first_s_(kNever),
       last_s_(-kNever) {
@@ -111,6 +111,7 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
   } else {
     mapper_ = std::make_unique<Mapper>(config, backend, job.on_failure);
   }
+  if (job.with_occupancy) occupancy_.emplace(job.occupancy, occupancy_limits(job.mapper));
   if (nodding != nullptr) nodding_ = std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this);
 }
 
@@ -153,13 +154,25 @@ void MapRun::take_match(const MatchResult& result, const Pose2& T_map_base, cons
   outcome_.trajectory.push_back({result.stamp_s, T_map_base});
 }
 
+// A map that becomes too large for one piece is made in tiles, once it is known where all keyframes are. That of a
+// laser that nods has no keyframes to make it from.
+void MapRun::count_in(const Pose2& T_map_base) {
+  extent_.add(T_map_base.translation());
+  if (!occupancy_ || nodding_ || extent_.is_one_piece()) return;
+  if (casting_) casting_->finish();
+  occupancy_.reset();
+  outcome_.is_in_tiles = true;
+}
+
 void MapRun::cast(const LaserScan& scan, const Pose2& T_map_base) {
+  count_in(T_map_base);
+  if (!occupancy_) return;
   if (!has_threads_) {
-    occupancy_.add(scan, T_map_base);
+    occupancy_->add(scan, T_map_base);
     return;
   }
   if (!casting_) casting_.emplace(true, kMostUncast);
-  casting_->give([this, scan, T_map_base] { occupancy_.add(scan, T_map_base); });
+  casting_->give([this, scan, T_map_base] { occupancy_->add(scan, T_map_base); });
 }
 
 // What the thread spent has been counted to what went on meanwhile.
@@ -218,7 +231,10 @@ void MapRun::close_loops() {
   if (job_.with_occupancy) tell("the occupancy map");
   for (std::size_t i = 0; i < path.T_map_base.size(); ++i) {
     outcome_.trajectory[i].T_map_base = path.T_map_base[i];
-    if (!scans_kept_[i].ranges_m.empty()) occupancy_.add(scans_kept_[i], path.T_map_base[i]);
+    if (!scans_kept_[i].ranges_m.empty()) count_in(path.T_map_base[i]);
+  }
+  for (std::size_t i = 0; i < path.T_map_base.size() && occupancy_; ++i) {
+    if (!scans_kept_[i].ranges_m.empty()) occupancy_->add(scans_kept_[i], path.T_map_base[i]);
   }
   scans_kept_ = {};
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
@@ -327,7 +343,7 @@ void MapRun::finish() {
   outcome_.device_loss = front_end().device_loss();
   require_a_map();
   finish_casting();
-  if (job_.with_occupancy) outcome_.occupancy = occupancy_.build();
+  if (occupancy_) outcome_.occupancy = occupancy_->build();
   watch_.add_cpu_to(outcome_.occupancy_cpu_s);
   take_keyframe_scans();
   outcome_.log_duration_s = last_s_ - first_s_;

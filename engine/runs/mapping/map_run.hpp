@@ -26,6 +26,7 @@
 #include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
 #include "gdtslam/runs/outcome.hpp"
+#include "map_extent.hpp"
 #include "stopwatch.hpp"
 #include "sweep_check.hpp"
 
@@ -99,6 +100,7 @@ class MapRun {
   void map_nodding(const Progress& progress);
   void take(const NoddingPose& pose, const NoddingScan& scan);
   void take_match(const MatchResult& result, const Pose2& T_map_base, const LaserScan& scan);
+  void count_in(const Pose2& T_map_base);
   void cast(const LaserScan& scan, const Pose2& T_map_base);
   void finish_casting();
   void note_stamp(double stamp_s);
@@ -119,7 +121,8 @@ class MapRun {
   MapSpeed speed_;
   std::vector<LaserScan> scans_kept_;  ///< of a flat laser, for the occupancy of a path that will still change
   std::vector<MergedScan> merged_;     ///< of a flat laser
-  OccupancyBuilder occupancy_;
+  MapExtent extent_;
+  std::optional<OccupancyBuilder> occupancy_;  ///< nothing once the map is too large for one piece
   bool has_threads_;
   std::optional<SideThread> casting_;  ///< into occupancy_, once there is something to cast
   std::unique_ptr<Nodding> nodding_;   ///< null: the laser does not nod

@@ -100,6 +100,9 @@ struct MapOutcome {
   /// Of each match that was taken: the mean distance of its points to the obstacles of the map as it was then.
   std::vector<double> match_distances_m;
   OccupancyMap occupancy;  ///< empty where none was asked for
+  /// The map is too large for one piece: it is kept in tiles, made of the keyframes, and `occupancy` becomes the small
+  /// one of all of them.
+  bool is_in_tiles = false;
   MapperStatistics statistics;
   std::vector<LogReader::Warning> warnings;
   std::string device_loss;      ///< the error of the device that failed; empty when none did

@@ -1,0 +1,160 @@
+#include "tile_folder.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "engine/io/json_file.hpp"
+#include "engine/io/sha256.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "tile_overview.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kTilesVersion = 1;
+constexpr std::size_t kMostIndexBytes = std::size_t{64} << 20U;
+constexpr const char* kTilesAgain = "; make the tiles again: gdtslam tiles RUN";
+constexpr std::int32_t kFurthestTile = 1 << 19;
+
+std::string file_of(const std::string& folder, const char* what, CellIndex place) {
+  return fmt::format("{}/{}_{}.yaml", folder, what, name_of_tile(place));
+}
+
+/// The index as somebody may have edited it.
+class IndexReader {
+ public:
+  IndexReader(std::string file, const nlohmann::ordered_json& json) : file_(std::move(file)), json_(&json) {}
+
+  [[nodiscard]] std::int64_t whole(const char* key, std::int64_t least, std::int64_t most) const {
+    const auto found = json_->find(key);
+    if (found == json_->end() || !found->is_number_integer()) fail(key);
+    const auto value = found->get<std::int64_t>();
+    if (value < least || value > most) fail(key);
+    return value;
+  }
+  [[nodiscard]] double positive(const char* key) const {
+    const auto found = json_->find(key);
+    if (found == json_->end() || !found->is_number() || !(found->get<double>() > 0.0)) fail(key);
+    return found->get<double>();
+  }
+  [[nodiscard]] std::string hash(const char* key) const {
+    const auto found = json_->find(key);
+    if (found == json_->end() || !found->is_string()) fail(key);
+    return found->get<std::string>();
+  }
+  [[noreturn]] void fail(const char* key) const {
+    throw InputError({file_, 0}, fmt::format("has no '{}' that is one{}", key, kTilesAgain));
+  }
+
+ private:
+  std::string file_;
+  const nlohmann::ordered_json* json_;
+};
+
+}  // namespace
+
+std::string name_of_tile(CellIndex place) { return fmt::format("{}_{}", place.x, place.y); }
+
+TileRecord write_tile(const std::string& folder, const MapTile& tile) {
+  const DistanceFieldRows rows =
+      rows_of(DistanceFieldView{tile.occupancy.geometry, std::size_t{kMapTileSide}, tile.distances, tile.cap});
+  write_distance_field(file_of(folder, "gdt", tile.place), rows);
+  write_occupancy_map(file_of(folder, "map", tile.place), tile.occupancy, MapImage::kPng);
+  return {tile.place, tile.keyframes, sha256_of(rows)};
+}
+
+void write_tile_index(const std::string& folder, const TileIndex& index) {
+  nlohmann::ordered_json json;
+  json["format"] = kTilesVersion;
+  json["version"] = GDTSLAM_VERSION;
+  json["keyframes_sha256"] = index.keyframes_sha256;
+  json["resolution_m"] = index.resolution_m;
+  json["tile_cells"] = kMapTileSide;
+  json["tiles"] = nlohmann::ordered_json::array();
+  for (const TileRecord& tile : index.tiles) {
+    json["tiles"].push_back(
+        {{"x", tile.place.x}, {"y", tile.place.y}, {"keyframes", tile.keyframes}, {"gdt_sha256", tile.sha256}});
+  }
+  write_json(folder + "/" + kTileIndex, json);
+}
+
+TileIndex read_tile_index(const std::string& folder) {
+  const std::string file = folder + "/" + kTileIndex;
+  const nlohmann::ordered_json json = read_json(file, kMostIndexBytes, kTilesAgain);
+  if (!json.is_object()) throw InputError({file, 0}, std::string("is no index of tiles") + kTilesAgain);
+  const IndexReader reader(file, json);
+  if (reader.whole("format", 0, std::numeric_limits<std::int32_t>::max()) != kTilesVersion ||
+      reader.whole("tile_cells", 1, std::numeric_limits<std::int32_t>::max()) != kMapTileSide) {
+    throw InputError({file, 0}, std::string("is of another version") + kTilesAgain);
+  }
+  TileIndex index{reader.hash("keyframes_sha256"), reader.positive("resolution_m"), {}};
+  const auto tiles = json.find("tiles");
+  if (tiles == json.end() || !tiles->is_array()) reader.fail("tiles");
+  for (const nlohmann::ordered_json& entry : *tiles) {
+    if (!entry.is_object()) reader.fail("tiles");
+    const IndexReader tile(file, entry);
+    const CellIndex place{static_cast<std::int32_t>(tile.whole("x", -kFurthestTile, kFurthestTile)),
+                          static_cast<std::int32_t>(tile.whole("y", -kFurthestTile, kFurthestTile))};
+    index.tiles.push_back(
+        {place, static_cast<std::size_t>(tile.whole("keyframes", 0, std::int64_t{1} << 40U)), tile.hash("gdt_sha256")});
+    for (const char* what : {"gdt", "map"}) {
+      const std::string part = file_of(folder, what, place);
+      std::error_code ignored;  // what cannot be asked about is missing
+      if (!std::filesystem::exists(part, ignored)) {
+        throw InputError({part, 0}, std::string("is missing, and index.json names it") + kTilesAgain);
+      }
+    }
+  }
+  return index;
+}
+
+std::string sha256_of(const TileIndex& index) {
+  Sha256 hash;
+  for (const TileRecord& tile : index.tiles) hash.update(tile.place.x).update(tile.place.y).update(tile.sha256);
+  return hash.hex();
+}
+
+GridGeometry geometry_of(const TileIndex& index) {
+  CellBox tiles{};
+  for (const TileRecord& tile : index.tiles) {
+    const CellBox one{tile.place, tile.place + CellOffset{1, 1}};
+    tiles = tiles.empty() ? one
+                          : CellBox{{std::min(tiles.min.x, one.min.x), std::min(tiles.min.y, one.min.y)},
+                                    {std::max(tiles.end.x, one.end.x), std::max(tiles.end.y, one.end.y)}};
+  }
+  return {.resolution_m = index.resolution_m,
+          .origin_x_m = std::int64_t{tiles.min.x} * kMapTileSide * index.resolution_m,
+          .origin_y_m = std::int64_t{tiles.min.y} * kMapTileSide * index.resolution_m,
+          .width = tiles.width() * kMapTileSide,
+          .height = tiles.height() * kMapTileSide};
+}
+
+MadeTiles write_tiles(const std::string& folder, const TileMaker& maker, const std::string& keyframes_sha256,
+                      double resolution_m, const std::function<void(double)>& progress) {
+  MadeTiles made{{keyframes_sha256, resolution_m, {}}, {}};
+  if (maker.places().empty()) throw InputError("no keyframe sees anything, so there is no tile to make");
+  TileOverview overview(maker.places(), resolution_m);
+  maker.make(
+      maker.places(),
+      [&](MapTile&& tile) {
+        made.index.tiles.push_back(write_tile(folder, tile));
+        overview.add(tile);
+      },
+      progress);
+  std::sort(made.index.tiles.begin(), made.index.tiles.end(), [](const TileRecord& a, const TileRecord& b) {
+    return std::pair(a.place.y, a.place.x) < std::pair(b.place.y, b.place.x);
+  });
+  write_tile_index(folder, made.index);
+  made.overview = overview.take();
+  return made;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,56 @@
+// A map in tiles, for sites that are too large for one piece: squares of 2048 cells, 51.2 m of 25 mm, each with its
+// part of the distance field and of the occupancy map. A tile is made from the keyframes that touch it alone, merged in
+// their order, for the merge depends on it; so it has the same cells whether it is made by itself or with all others.
+// Frame: map; the corner of tile (0, 0) is the map's origin. Thread-safe; a keyframe costs about a millisecond for each
+// piece of 8 x 8 tiles that it touches, and memory is that of one such piece.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/runs/keyframes/keyframe_file.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/mapping/config.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+inline constexpr std::int32_t kMapTileSide = 2048;  ///< cells
+
+struct MapTile {
+  CellIndex place;                       ///< its column and row
+  std::size_t keyframes = 0;             ///< that may touch it
+  std::vector<std::uint16_t> distances;  ///< 1/256 cell, row by row from the lower left cell; the cap where unknown
+  std::uint16_t cap = 0;
+  OccupancyMap occupancy;  ///< likewise
+};
+
+class TileMaker {
+ public:
+  /// Keyframes must outlive it; configurations are those of their run.
+  TileMaker(const RunKeyframes& run, const MapperConfig& mapper, const OccupancyConfig& occupancy);
+
+  /// Those that a keyframe may touch, row by row from the lowest.
+  [[nodiscard]] const std::vector<CellIndex>& places() const { return places_; }
+  /// Makes the tiles of those places that anything is known of. Throws InputError where a piece of the map would be
+  /// beyond map.max_megacells; what take() and progress() throw, the latter with the share that is done.
+  void make(std::span<const CellIndex> places, const std::function<void(MapTile&&)>& take,
+            const std::function<void(double)>& progress) const;
+
+ private:
+  [[nodiscard]] std::vector<std::size_t> keyframes_that_touch(const CellBox& tiles) const;
+  void make_piece(const CellBox& tiles, std::span<const CellIndex> places,
+                  const std::function<void(MapTile&&)>& take) const;
+
+  const RunKeyframes* run_;
+  MapperConfig mapper_;
+  OccupancyConfig occupancy_;
+  std::vector<CellBox> reach_;  // of each keyframe, in tiles
+  std::vector<CellIndex> places_;
+};
+
+}  // namespace gdtslam
