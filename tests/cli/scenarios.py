@@ -34,6 +34,7 @@ import scenario_results
 import scenario_same_bytes
 import scenario_signals
 import scenario_tilt3d
+import scenario_tiles
 import scenario_tracking
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
@@ -43,7 +44,7 @@ MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
            scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,
-           scenario_tilt3d, scenario_tracking)
+           scenario_tilt3d, scenario_tiles, scenario_tracking)
 
 
 def main():

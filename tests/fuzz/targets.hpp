@@ -224,6 +224,13 @@ inline void read_distance_image(std::span<const std::byte> data) {
   } catch (const InputError& error) {
     detail::require(detail::is_one_line(error.what()));
   }
+  try {
+    constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 22U;
+    const Grey8Image image = decode_png_grey8(data, "fuzz", kMaxPixels);
+    detail::require(image.pixels.size() == std::size_t{image.width} * image.height);
+  } catch (const InputError& error) {
+    detail::require(detail::is_one_line(error.what()));
+  }
 }
 
 /// PLY and PCD: which it is stands in the first line, so each has its corpus.

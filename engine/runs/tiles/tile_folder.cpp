@@ -88,6 +88,10 @@ void write_tile_index(const std::string& folder, const TileIndex& index) {
 
 TileIndex read_tile_index(const std::string& folder) {
   const std::string file = folder + "/" + kTileIndex;
+  std::error_code ignored;  // what cannot be asked about cannot be read either
+  if (!std::filesystem::exists(file, ignored)) {
+    throw InputError({folder, 0}, std::string("holds no tiles, for it has no index.json") + kTilesAgain);
+  }
   const nlohmann::ordered_json json = read_json(file, kMostIndexBytes, kTilesAgain);
   if (!json.is_object()) throw InputError({file, 0}, std::string("is no index of tiles") + kTilesAgain);
   const IndexReader reader(file, json);
@@ -107,7 +111,6 @@ TileIndex read_tile_index(const std::string& folder) {
         {place, static_cast<std::size_t>(tile.whole("keyframes", 0, std::int64_t{1} << 40U)), tile.hash("gdt_sha256")});
     for (const char* what : {"gdt", "map"}) {
       const std::string part = file_of(folder, what, place);
-      std::error_code ignored;  // what cannot be asked about is missing
       if (!std::filesystem::exists(part, ignored)) {
         throw InputError({part, 0}, std::string("is missing, and index.json names it") + kTilesAgain);
       }

@@ -33,11 +33,13 @@ CellBox tiles_around(const RunKeyframe& keyframe, const MapperConfig& mapper, do
   for (const float range : keyframe.laser.ranges_m) {
     if (static_cast<double>(range) < mapper.scan.max_range_m) range_m = std::max(range_m, static_cast<double>(range));
   }
-  // The laser may move while it measures.
   const LaserScan& scan = keyframe.laser;
-  const std::size_t last = scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1;
-  const Point2 first_m = (keyframe.T_map_base * laser_at_beam(scan, 0)).translation();
-  const Point2 last_m = (keyframe.T_map_base * laser_at_beam(scan, last)).translation();
+  const auto laser_m = [&](std::size_t beam) {
+    const Pose2 T_base_laser = is_skewed(scan) ? laser_at_beam(scan, beam) : scan.T_base_laser;
+    return (keyframe.T_map_base * T_base_laser).translation();
+  };
+  const Point2 first_m = laser_m(0);
+  const Point2 last_m = laser_m(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
   const double reach_m = range_m + (last_m - first_m).norm() + mapper.map.truncation_m + kSlack_m;
   const Point2 around(reach_m, reach_m);
   const CellIndex low = map_cell_of(first_m - around, mapper.map.resolution_m);

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "engine/io/maps/pgm.hpp"
 #include "gdtslam/core/error.hpp"
 #include "io_test_support.hpp"
@@ -142,6 +144,17 @@ TEST(OccupancyMapFileRealData, WillowGarageLoads) {
   EXPECT_EQ(counts[static_cast<std::size_t>(kOccupied)], 544U);
   EXPECT_EQ(counts[static_cast<std::size_t>(kFree)], 109207U);
   EXPECT_EQ(counts[static_cast<std::size_t>(kUnknown)], 234377U);
+}
+
+TEST(OccupancyMapFile, PngHasTheSameMap) {
+  const TemporaryFolder folder;
+  OccupancyMap map{{.resolution_m = 0.05, .origin_x_m = -1.5, .origin_y_m = 2.0, .width = 3, .height = 2}, {}};
+  map.cells = CellStates(std::vector<CellState>{kFree, kOccupied, kUnknown, kUnknown, kFree, kOccupied});
+  write_occupancy_map(folder / "m.yaml", map, MapImage::kPng);
+  EXPECT_TRUE(std::filesystem::exists(folder / "m.png"));
+  const OccupancyMap read = read_occupancy_map(folder / "m.yaml");
+  EXPECT_EQ(read.geometry, map.geometry);
+  EXPECT_EQ(read.cells, map.cells);
 }
 
 }  // namespace

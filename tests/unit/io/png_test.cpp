@@ -42,6 +42,51 @@ TEST(Png, OtherDecodersReadTheSamePixels) {
   EXPECT_EQ(image.height, 5U);
 }
 
+/// A file by libpng's simplified interface.
+std::string encode_8_bit(png_uint_32 format, std::uint32_t width, std::uint32_t height,
+                         const std::vector<std::uint8_t>& pixels) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = width;
+  image.height = height;
+  image.format = format;
+  png_alloc_size_t size = 0;
+  EXPECT_NE(png_image_write_to_memory(&image, nullptr, &size, 0, pixels.data(), 0, nullptr), 0);
+  std::string file(size, '\0');
+  EXPECT_NE(png_image_write_to_memory(&image, file.data(), &size, 0, pixels.data(), 0, nullptr), 0);
+  file.resize(size);
+  return file;
+}
+
+TEST(Png, AnyPictureIsReadAsGrey) {
+  const std::vector<std::uint8_t> grey = {0, 254, 205, 7};
+  EXPECT_EQ(decode_png_grey8(bytes_of(encode_8_bit(PNG_FORMAT_GRAY, 2, 2, grey)), "t.png", 100).pixels, grey);
+  // The mean of the colours; what is transparent counts as what is not.
+  const std::vector<std::uint8_t> rgba = {30, 60, 90, 0, 255, 255, 255, 128, 0, 0, 0, 255, 205, 205, 205, 9};
+  const Grey8Image image = decode_png_grey8(bytes_of(encode_png(2, 2, rgba)), "t.png", 100);
+  EXPECT_THAT(image.pixels, ElementsAre(60, 255, 0, 205));
+  EXPECT_EQ(image.max_value, 255U);
+  EXPECT_THAT(decode_png_grey8(bytes_of(encode_png({2, 1, {0xff00, 0x1200}})), "t.png", 100).pixels,
+              ElementsAre(0xff, 0x12));
+  EXPECT_THROW(decode_png_grey8(bytes_of(encode_png(2, 2, rgba)), "t.png", 3), InputError);
+  const std::string whole = encode_png(2, 2, rgba);
+  for (std::size_t size = 0; size + 12 < whole.size(); ++size) {
+    EXPECT_THROW(decode_png_grey8(bytes_of(whole.substr(0, size)), "t.png", 100), InputError) << size;
+  }
+}
+
+TEST(Png, GreyIsWrittenAsOtherDecodersReadIt) {
+  std::string file;
+  PngWriter writer(3, 2, PngWriter::Pixels::kGrey8, [&file](std::span<const std::byte> part) {
+    file.append(reinterpret_cast<const char*>(part.data()), part.size());
+  });
+  const std::vector<std::uint8_t> pixels = {0, 254, 205, 1, 2, 3};
+  for (std::size_t row = 0; row < 2; ++row) writer.add_row(std::as_bytes(std::span(pixels).subspan(3 * row, 3)));
+  writer.finish();
+  png_image image;
+  EXPECT_EQ(decode_8_bit(file, PNG_FORMAT_GRAY, image), pixels);
+}
+
 TEST(Png, SixteenBitsStandInTheFileWithTheHighByteFirst) {
   // The only pixel has no neighbours, so whatever the row's filter, its bytes are the pixel's own.
   const std::string file = encode_png({1, 1, {0x1234}});

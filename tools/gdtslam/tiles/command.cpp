@@ -84,7 +84,7 @@ void add_tiles_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam tiles out\n"
       "  gdtslam tiles out --only 0,0 --only 3,-1\n"
-      "  gdtslam localize out/tiles/gdt_0_0.yaml log.gz --scan 12");
+      "  gdtslam localize out/tiles/map_0_0.yaml log.gz --scan 12");
   command->callback([options, &context] {
     context.run = [options] { return make(*options); };
     context.when_out_of_memory = kSmallerMap;

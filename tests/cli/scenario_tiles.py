@@ -1,0 +1,123 @@
+"""The map of a run in tiles."""
+
+import json
+import re
+import shutil
+
+import cli_support as cli
+from cli_support import LOG, RUN, command, expect, expect_exit, fresh_folder, mapped, one_error_line
+
+
+def levels_of(yaml):
+    """A map of ours as its origin in cells and rows of grey levels from the top."""
+    import zlib
+
+    words = dict(line.split(": ", 1) for line in yaml.read_text().splitlines())
+    resolution = float(words["resolution"])
+    origin = [round(float(word) / resolution) for word in words["origin"].strip("[]").split(",")[:2]]
+    data = (yaml.parent / words["image"]).read_bytes()
+    if data.startswith(b"P5"):
+        width, height = (int(word) for word in data.split(maxsplit=3)[1:3])
+        pixels = data[-width * height:]
+        return origin, [pixels[row * width:(row + 1) * width] for row in range(height)]
+    width, height = int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+    expect(data[24:29] == bytes([8, 0, 0, 0, 0]), "no 8-bit grey PNG")
+    packed, at = b"", 8
+    while at < len(data):
+        size = int.from_bytes(data[at:at + 4], "big")
+        packed += data[at + 8:at + 8 + size] if data[at + 4:at + 8] == b"IDAT" else b""
+        at += size + 12
+    rows = zlib.decompress(packed)
+    expect(all(rows[row * (width + 1)] == 0 for row in range(height)), "rows with a filter, which this does not undo")
+    return origin, [rows[row * (width + 1) + 1:(row + 1) * (width + 1)] for row in range(height)]
+
+
+def walls_of(origin, rows):
+    """Map cells of the level of walls."""
+    return {(origin[0] + match.start(), origin[1] + len(rows) - 1 - y) for y, row in enumerate(rows) for match in re.finditer(b"\0", row)}
+
+
+def tiles_of_a_run():
+    """Every tile is made, again alone with the same bytes; maps of all of them are read; foreign folders stay."""
+    folder = fresh_folder("tiles")
+    run = folder / "run"
+    shutil.copytree(RUN, run)
+    process = command("tiles", run)
+    expect_exit(process, 0)
+    tiles = run / "tiles"
+    index = json.loads((tiles / "index.json").read_text())
+    expect(len(index["tiles"]) >= 1 and index["tile_cells"] == 2048, process.stdout)
+    expect(f"{len(index['tiles'])} tile" in process.stdout, process.stdout)
+    files = {path.name: path.read_bytes() for path in tiles.iterdir()}
+    expect(len(files) == 4 * len(index["tiles"]) + 1, f"{sorted(files)}")
+    first = index["tiles"][0]
+    (tiles / f"map_{first['x']}_{first['y']}.png").write_bytes(b"damaged")
+    expect_exit(command("tiles", run, "--only", f"{first['x']},{first['y']}", "-q"), 0)
+    expect({path.name: path.read_bytes() for path in tiles.iterdir()} == files, "another tile when made alone")
+    expect_exit(command("tiles", run, "-q"), 0)
+    expect({path.name: path.read_bytes() for path in tiles.iterdir()} == files, "other tiles when made again")
+    # A map of the keyframes has walls where that of all scans has them.
+    origin, whole = levels_of(run / "map.yaml")
+    walls = walls_of(origin, whole)
+    found = set()
+    for tile in index["tiles"]:
+        origin, rows = levels_of(tiles / f"map_{tile['x']}_{tile['y']}.yaml")
+        expect(origin == [2048 * tile["x"], 2048 * tile["y"]] and len(rows) == 2048, f"{origin}")
+        found |= walls_of(origin, rows)
+    near = sum(any((x + dx, y + dy) in walls for dx in (-1, 0, 1) for dy in (-1, 0, 1)) for x, y in found)
+    expect(len(found) > 1000 and near > 0.95 * len(found), f"{near} of {len(found)} walls are those of the map")
+    process = command("localize", tiles / f"map_{first['x']}_{first['y']}.yaml", LOG, "--scan", 3)
+    expect(process.returncode in (0, 1), process.stderr)
+
+
+def tiles_refuses_what_it_cannot_make():
+    """One line each; nothing is written."""
+    folder = fresh_folder("tiles_refusals")
+    run = folder / "run"
+    shutil.copytree(RUN, run)
+    for words, text in (((run, "--only", "0,0"), "index.json"), ((run, "--only", "a"), "is no tile"), ((folder,), "")):
+        process = command("tiles", *words)
+        expect(process.returncode in (2, 65, 66), f"{process.returncode} {process.stderr}")
+        one_error_line(process.stderr)
+        expect(text in process.stderr, process.stderr)
+    expect(not (run / "tiles").exists(), "tiles were left")
+    (run / "tiles").mkdir()
+    (run / "tiles/mine.txt").write_text("mine")
+    process = command("tiles", run)
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    expect("holds no tiles" in process.stderr, process.stderr)
+    expect((run / "tiles/mine.txt").read_text() == "mine", "a foreign file is gone")
+    shutil.rmtree(run / "tiles")
+    expect_exit(command("tiles", run, "-q"), 0)
+    index = json.loads((run / "tiles/index.json").read_text())
+    process = command("tiles", run, "--only", "99,99")
+    expect_exit(process, 2)
+    one_error_line(process.stderr)
+    expect("no tile 99,99" in process.stderr, process.stderr)
+    index["keyframes_sha256"] = "0" * 64
+    (run / "tiles/index.json").write_text(json.dumps(index))
+    process = command("tiles", run, "--only", f"{index['tiles'][0]['x']},{index['tiles'][0]['y']}")
+    expect_exit(process, 65)
+    one_error_line(process.stderr)
+    expect("other keyframes" in process.stderr, process.stderr)
+    (run / "tiles/index.json").write_text("{")
+    expect_exit(command("tiles", run, "--only", "0,0"), 65)
+
+
+def map_writes_tiles_where_one_piece_is_too_large():
+    """Cells of 5 mm make an office too large for one piece: tiles and a small map; mapped again in one piece they go."""
+    folder = fresh_folder("map_in_tiles")
+    small = ("--first", 40, "--no-loops")
+    mapped(folder / "run", *small, "--set", "map.resolution=5 mm", "--set", "map.truncation=40 cm", "--set", "scan.max_range=65 m")
+    report = json.loads((folder / "run/report.json").read_text())
+    cli.validate((folder / "run/report.json").read_text(), "report")
+    expect(report["tiles"] > 4, f"{report['tiles']} tiles")
+    expect(not (folder / "run/gdt.png").exists(), "a distance field in one piece too")
+    index = json.loads((folder / "run/tiles/index.json").read_text())
+    expect(len(index["tiles"]) == report["tiles"] and index["keyframes_sha256"] == report["keyframes_sha256"], f"{index}")
+    origin, rows = levels_of(folder / "run/map.yaml")
+    expect(len(rows) <= 8192 and any(0 in row for row in rows), "no wall in the small map")
+    mapped(folder / "run", *small)
+    expect(not (folder / "run/tiles").exists(), "tiles of an earlier run stay")
+    expect((folder / "run/gdt.png").exists(), "no distance field")
