@@ -15,7 +15,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFarthest_m =
+constexpr double kFarthestFromOrigin_m =
     10'000.0;  // from the origin: beyond that, cells in single precision lose their fractions
 
 std::vector<EditStep> steps_of(const std::string& file, const SourceRun& run) {
@@ -71,11 +71,11 @@ std::optional<FrameEdit> frame_edit(const EditRequest& request, const SourceRun&
 void check_distance(const SourceRun& run, const EditPlan& plan) {
   for (const StampedPose& pose : run.outcome.trajectory) {
     const Pose2 T = plan.T_edited_run * pose.T_map_base;
-    if (std::fabs(T.x_m) <= kFarthest_m && std::fabs(T.y_m) <= kFarthest_m) continue;
+    if (std::fabs(T.x_m) <= kFarthestFromOrigin_m && std::fabs(T.y_m) <= kFarthestFromOrigin_m) continue;
     throw UsageError(
         fmt::format("--origin: puts the map {:.0f} m from its origin, and {:.0f} m is the most; coordinates "
                     "of a country go into --georeference and --world-file",
-                    std::fmax(std::fabs(T.x_m), std::fabs(T.y_m)), kFarthest_m));
+                    std::fmax(std::fabs(T.x_m), std::fabs(T.y_m)), kFarthestFromOrigin_m));
   }
 }
 
