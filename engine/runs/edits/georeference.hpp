@@ -1,7 +1,7 @@
 // Where a map lies in the grid of a country or a site, from points that are known in both: the rigid motion that is
-// best in least squares, and the world file that tells a GIS [Horn1987 in the plane, in closed form]. Frames: map, and
-// world (easting, northing), metres; doubles throughout, as eastings have seven digits before the point. Thread-safe;
-// linear in the points.
+// best in least squares, and the world file that tells a GIS in closed form for the plane [Umeyama1991]. Frames: map,
+// and world (easting, northing), metres; doubles throughout, as eastings have seven digits before the point.
+// Thread-safe; linear in the points.
 #pragma once
 
 #include <string>

@@ -108,14 +108,14 @@ void read_graph_line(std::string_view text, const FilePosition& position, GraphL
 }  // namespace
 
 std::string graph_text(const ClosedPath& closed) {
-  std::string text = graph_text({closed.places, closed.path});
+  std::string text = graph_lines_text({closed.places, closed.path});
   for (const ClosedLoop& loop : closed.loops) {
     append_edge(text, loop.from, loop.to, loop.T_from_to, loop.information, loop.weight);
   }
   return text;
 }
 
-std::string graph_text(const GraphLines& graph) {
+std::string graph_lines_text(const GraphLines& graph) {
   std::string text;
   for (const GraphPlace& place : graph.places) {
     const Pose2& T = place.T_map_base;

@@ -148,7 +148,7 @@ void write_path_facts(RunFolder& folder, const MapOutcome& outcome, const GraphL
   write_file_atomically(folder.staged("covariance.csv"),
                         covariance_text(outcome.trajectory, outcome.closed->covariances));
   write_file_atomically(folder.staged("graph.g2o"),
-                        graph != nullptr ? graph_text(*graph) : graph_text(*outcome.closed));
+                        graph != nullptr ? graph_lines_text(*graph) : graph_text(*outcome.closed));
 }
 
 // Writes the scans that the map was merged from, where they are ranges of one plane; returns their hash. A nodding
