@@ -234,6 +234,11 @@ def edit_of_a_site():
     whole = poses_in(folder / "turned/trajectory.tum")
     expect(paths[0] + paths[1] == whole, "the sessions are not the trajectory")
     edited(folder / "early", folder / "early_turned", "--origin", "1,-2,33")
+    # Some of its keyframes see nothing of what is left.
+    edited(folder / "early", folder / "early_part", "--crop", "1,-2,2.5,8")
+    empty = sum(not any(ranges) for *_, ranges in read_keyframes(folder / "early_part/keyframes.bin.gz")[2])
+    expect(empty > 0, "every keyframe sees the part that is left")
+    expect_exit(command("merge", folder / "early_part", folder / "late", "-o", folder / "parts", "-q"), 0)
     expect_exit(command("merge", folder / "early_turned", folder / "late", "-o", folder / "joined", "-q"), 0)
     joined = json.loads((folder / "joined/merge.json").read_text())
     expect(len(joined["sites"]) == 1, "an edited run is not joined")
@@ -312,6 +317,8 @@ def edit_mistakes():
             ("few", ("--origin", "1,2,three"), 2, "X,Y or X,Y,THETA"), ("few", ("--origin", "nan,2"), 2, "--origin"),
             ("few", ("--origin", "50000,0"), 2, "from its origin"), ("few", ("--crop", "1,1,1,4"), 2, "no area"),
             ("few", ("--crop", "900,900,901,901"), 65, "leaves nothing of the map"),
+            ("few", ("--crop", "0.2,0.2,0.5,0.5"), 65, "leave nothing that was seen"),
+            ("few", ("--erase", "-99,-99 99,-99 99,99 -99,99"), 65, "leave nothing that was seen"),
             ("few", ("--erase", "1,1 2,2"), 2, "three corners"), ("few", ("--erase", folder / "corners.txt"), 65, 'corners.txt:3: has "three"'),
             ("few", ("--rotate-to-walls", "--origin", "0,0,3"), 2, "leave one of them out"),
             ("few", ("--rotate-to-walls", "--north-up"), 2, "give one of them"),

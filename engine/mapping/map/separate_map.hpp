@@ -12,7 +12,8 @@ namespace gdtslam {
 class SeparateMap {
  public:
   explicit SeparateMap(const MapperConfig& config);
-  /// Paper equations (1) and (9) to (11). Throws InputError where the map would be beyond map.max_megacells.
+  /// Paper equations (1) and (9) to (11); nothing where there are no points. Throws InputError where the map would be
+  /// beyond map.max_megacells.
   void merge(const std::vector<Point2>& points_base_m, const Pose2& T_map_base);
   [[nodiscard]] const GlobalField& field() const { return map_.field; }
 

@@ -23,6 +23,7 @@
 #include "engine/runs/keyframes/map_of_keyframes.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
 namespace {
@@ -134,11 +135,16 @@ std::string recorded_edits(const EditRequest& request, const SourceRun& run, con
 }
 
 void take_out_of_keyframes(SourceRun& run, EditOutcome& outcome) {
+  const ScanConfig& valid = run.settings.mapper.scan;
+  ScanPoints points(valid);
+  bool is_left = false;
   for (RunKeyframe& keyframe : run.kept.keyframes) {
-    outcome.readings += take_out_readings({outcome.plan.erased, outcome.plan.kept}, run.settings.mapper.scan,
-                                          keyframe.T_map_base, keyframe.laser);
+    outcome.readings +=
+        take_out_readings({outcome.plan.erased, outcome.plan.kept}, valid, keyframe.T_map_base, keyframe.laser);
+    is_left = is_left || !points.of(keyframe.laser).empty();
     run.outcome.keyframe_scans.push_back(keyframe.laser);
   }
+  if (!is_left) throw InputError("--crop and --erase leave nothing that was seen: no map can be made of it");
 }
 
 void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outcome) {
