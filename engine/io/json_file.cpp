@@ -83,20 +83,23 @@ void write_json(const std::string& path, const nlohmann::ordered_json& value) {
   write_file_atomically(path, json_text(value));
 }
 
-nlohmann::ordered_json read_json(const std::string& path, std::size_t most_bytes, const std::string& advice) {
-  const std::unique_ptr<ByteSource> source = open_file_source(path);
-  const std::string text = read_all(*source, most_bytes, path, advice);
+nlohmann::ordered_json parse_json(std::string_view text, const std::string& name, const std::string& advice) {
   const std::string excess = excess_of(text);
-  if (!excess.empty()) throw InputError({path, 0}, excess + advice);
+  if (!excess.empty()) throw InputError({name, 0}, excess + advice);
   try {
     return nlohmann::ordered_json::parse(text);
   } catch (const nlohmann::ordered_json::parse_error& error) {
-    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-    const auto line = static_cast<std::uint64_t>(std::count(text.begin(), end, '\n')) + 1;
-    throw InputError({path, line}, "is no JSON text" + advice);
+    const auto* const end = text.data() + std::min(error.byte, text.size());
+    const auto line = static_cast<std::uint64_t>(std::count(text.data(), end, '\n')) + 1;
+    throw InputError({name, line}, "is no JSON text" + advice);
   } catch (const nlohmann::ordered_json::exception&) {
-    throw InputError({path, 0}, "holds a number that no double can hold" + advice);
+    throw InputError({name, 0}, "holds a number that no double can hold" + advice);
   }
+}
+
+nlohmann::ordered_json read_json(const std::string& path, std::size_t most_bytes, const std::string& advice) {
+  const std::unique_ptr<ByteSource> source = open_file_source(path);
+  return parse_json(read_all(*source, most_bytes, path, advice), path, advice);
 }
 
 }  // namespace gdtslam

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 
 namespace gdtslam {
 
@@ -18,5 +19,8 @@ void write_json(const std::string& path, const nlohmann::ordered_json& value);
 /// value is made. Throws FileError where it cannot be read, else InputError with the line of what is no JSON; `advice`
 /// says what to do and ends the message.
 nlohmann::ordered_json read_json(const std::string& path, std::size_t most_bytes, const std::string& advice = "");
+
+/// The same for a text in memory; `name` stands in messages.
+nlohmann::ordered_json parse_json(std::string_view text, const std::string& name, const std::string& advice = "");
 
 }  // namespace gdtslam

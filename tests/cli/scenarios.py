@@ -12,6 +12,7 @@ import scenario_continue
 import scenario_convert
 import scenario_devices
 import scenario_doctor
+import scenario_edit
 import scenario_files
 import scenario_hostile_files
 import scenario_keyframes
@@ -38,7 +39,7 @@ import scenario_tiles
 import scenario_tracking
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
-           scenario_doctor, scenario_files,
+           scenario_doctor, scenario_edit, scenario_files,
             scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,

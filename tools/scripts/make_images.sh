@@ -40,5 +40,9 @@ if [[ -n ${GDTSLAM_DATA:-} ]]; then
   gdtslam compare "$GDTSLAM_DATA/slam2d/intel.clf.gz" --picture "$images/matchers-intel.svg" -q
   gdtslam map "$GDTSLAM_DATA/slam2d/intel.clf.gz" -o intel
   gdtslam render intel --view loops -o "$images/loops-intel.png" --size 740x410
+  gdtslam edit intel --rotate-to-walls --crop -21,-23.3,8.4,6.3 --erase '0.5,-2 1.4,-2 1.4,-1.1 0.5,-1.1' \
+    --erase '1.6,5.3 6.9,-0.1 8.1,-1.4 60,-1.4 60,60 1.6,60' -o clean
+  gdtslam render intel -o "$images/intel-before.png" --size 620x540
+  gdtslam render clean -o "$images/intel-edited.png" --size 620x540
 fi
 ls -l "$images"

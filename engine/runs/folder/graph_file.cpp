@@ -108,16 +108,21 @@ void read_graph_line(std::string_view text, const FilePosition& position, GraphL
 }  // namespace
 
 std::string graph_text(const ClosedPath& closed) {
+  std::string text = graph_lines_text({closed.places, closed.path});
+  for (const ClosedLoop& loop : closed.loops) {
+    append_edge(text, loop.from, loop.to, loop.T_from_to, loop.information, loop.weight);
+  }
+  return text;
+}
+
+std::string graph_lines_text(const GraphLines& graph) {
   std::string text;
-  for (const GraphPlace& place : closed.places) {
+  for (const GraphPlace& place : graph.places) {
     const Pose2& T = place.T_map_base;
     fmt::format_to(std::back_inserter(text), "VERTEX_SE2 {} {} {} {}\n", place.scan, T.x_m, T.y_m, T.theta_rad);
   }
-  for (const PathRelation& step : closed.path) {
-    append_edge(text, step.from, step.to, step.T_from_to, step.information, 1.0);
-  }
-  for (const ClosedLoop& loop : closed.loops) {
-    append_edge(text, loop.from, loop.to, loop.T_from_to, loop.information, loop.weight);
+  for (const PathRelation& relation : graph.relations) {
+    append_edge(text, relation.from, relation.to, relation.T_from_to, relation.information, 1.0);
   }
   return text;
 }

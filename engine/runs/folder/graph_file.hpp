@@ -21,6 +21,9 @@ struct GraphLines {
   std::vector<PathRelation> relations;  ///< path and loops, which look alike; who measured them is not said
 };
 
+/// The same lines as text: places, then relations, as they are.
+std::string graph_lines_text(const GraphLines& graph);
+
 /// Throws InputError with file and line where a line is neither of the two, has a number that is not finite or goes on
 /// after its last; FileError. Vertices and edges in any order, blank lines are skipped.
 GraphLines read_graph(const std::string& path);

@@ -25,7 +25,7 @@ constexpr std::string_view kStagingPrefix = ".gdtslam-staging-";
 constexpr std::array kRunFiles{"trajectory.tum",   "covariance.csv", "graph.g2o",   "map.yaml",     "map.pgm",
                                "keyframes.bin.gz", "gdt.yaml",       "gdt.png",     "overview.png", "overview.svg",
                                "graph.png",        "graph.svg",      "config.yaml", "linkage.yaml", "cloud.ply",
-                               "cloud.png",        "continue.json",  "log-1.copy",  "report.json"};
+                               "cloud.png",        "continue.json",  "log-1.copy",  "edits.json",   "report.json"};
 
 // Where the old files are while a commit lasts.
 fs::path kept_in(const fs::path& staging) { return staging / "old"; }
@@ -219,6 +219,22 @@ void require_no_foreign_files(const std::string& folder) {
     throw UsageError(fmt::format(
         "--output: '{}' holds a {} that no run wrote; give another folder, or --force to replace it", folder, name));
   }
+}
+
+bool is_file_of_a_run(std::string_view name) {
+  const auto is_numbered = [name](std::string_view begin, std::string_view end) {
+    return name.size() > begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end) &&
+           name.substr(begin.size(), name.size() - begin.size() - end.size()).find_first_not_of("0123456789") ==
+               std::string_view::npos;
+  };
+  return std::find(kRunFiles.begin(), kRunFiles.end(), name) != kRunFiles.end() || is_numbered("log-", ".copy") ||
+         is_numbered("session-", ".tum") || name.starts_with(kStagingPrefix);
+}
+
+void leave_out_edits(RunFolder& folder) {
+  std::error_code ignored;
+  if (!fs::exists(folder.file("edits.json"), ignored)) return;
+  for (const char* name : {"edits.json", "map.png", "map.pgw"}) folder.without(name);
 }
 
 std::string default_run_folder(const std::string& log) {

@@ -68,6 +68,12 @@ UnfinishedRun unfinished_run_in(const std::string& folder, const char* file);
 /// them. Throws UsageError else, so that nobody loses a map.yaml or a linkage.yaml of another origin; FileError.
 void require_no_foreign_files(const std::string& folder);
 
+/// Whether a run, a merge or an edit writes files of that name.
+bool is_file_of_a_run(std::string_view name);
+
+/// A run without edits takes away those of an earlier one: edits.json, and the map for a GIS that came with it.
+void leave_out_edits(RunFolder& folder);
+
 /// runs/<name of the log>-<UTC time>, made unique with a number where it exists.
 std::string default_run_folder(const std::string& log);
 

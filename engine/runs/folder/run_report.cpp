@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "engine/core/quantile.hpp"
 #include "engine/io/atomic_file.hpp"
@@ -52,13 +53,6 @@ Json stages_json(const MapOutcome& outcome, const std::vector<StageTime>& others
   }
   json["other"] = std::max(left_s, 0.0);
   return json;
-}
-
-Json geometry_json(const GridGeometry& geometry) {
-  return {{"resolution_m", geometry.resolution_m},
-          {"origin_m", {geometry.origin_x_m, geometry.origin_y_m}},
-          {"width", geometry.width},
-          {"height", geometry.height}};
 }
 
 Json warnings_json(const std::vector<LogReader::Warning>& warnings) {
@@ -147,14 +141,15 @@ void add_match_distances(Json& report, std::vector<double> distances_m) {
 }
 
 // What is known of the path besides its poses; nothing where its loops were not closed.
-void write_path_facts(RunFolder& folder, const MapOutcome& outcome) {
+void write_path_facts(RunFolder& folder, const MapOutcome& outcome, const GraphLines* graph) {
   if (!outcome.closed) {
     for (const char* name : {"covariance.csv", "graph.g2o"}) folder.without(name);
     return;
   }
   write_file_atomically(folder.staged("covariance.csv"),
                         covariance_text(outcome.trajectory, outcome.closed->covariances));
-  write_file_atomically(folder.staged("graph.g2o"), graph_text(*outcome.closed));
+  write_file_atomically(folder.staged("graph.g2o"),
+                        graph != nullptr ? graph_lines_text(*graph) : graph_text(*outcome.closed));
 }
 
 // The scans that the map was merged from.
@@ -185,12 +180,6 @@ std::string write_merged_scans(RunFolder& folder, const std::string& config, con
   }
   return write_keyframes(folder.staged(kKeyframeFile), kept_keyframes(config, job, outcome));
 }
-
-/// Of what a run wrote.
-struct WrittenHashes {
-  std::string trajectory;
-  std::string keyframes;  ///< empty where there is no such file
-};
 
 Json run_report(const RunFacts& facts, const MapOutcome& outcome, const WrittenHashes& hashes,
                 const std::vector<StageTime>& others) {
@@ -278,40 +267,50 @@ WrittenField write_run_tiles(RunFolder& folder, const MapJob& job, Settings sett
   return {.geometry = geometry_of(made.index), .sha256 = sha256_of(made.index), .tiles = made.index.tiles.size()};
 }
 
-std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {
-  const auto tell = [&facts](const char* what) {
-    if (facts.job.finishing) facts.job.finishing(what);
+WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
+                              MapOutcome& outcome, const GraphLines* graph) {
+  const auto tell = [&job](const char* what) {
+    if (job.finishing) job.finishing(what);
   };
   // Files take their names in this order: what others refer to before the YAML that refers to it, and last the report,
   // without which a folder is no run.
-  const bool has_map = facts.job.with_occupancy;
   tell("trajectory.tum");
   write_tum(folder.staged("trajectory.tum"), outcome.trajectory);
-  write_path_facts(folder, outcome);
+  write_path_facts(folder, outcome, graph);
   times.add("write_path");
-  write_run_pictures(folder, facts.job, outcome);
+  write_run_pictures(folder, job, outcome);
   times.add("write_pictures");
-  const std::string config = config_text(option_table(facts.settings));
+  const std::string config = config_text(option_table(settings));
   write_file_atomically(folder.staged("config.yaml"), config);
   tell(kKeyframeFile);
-  WrittenHashes hashes{sha256_of(outcome.trajectory), write_merged_scans(folder, config, facts.job, outcome)};
+  WrittenHashes hashes{sha256_of(outcome.trajectory), write_merged_scans(folder, config, job, outcome)};
   times.add("write_keyframes");
-  if (has_map) folder.staged("map.pgm");
-  for (const char* name : {"map.pgm", "map.yaml"}) {
-    if (!has_map) folder.without(name);
+  if (!job.with_occupancy) {
+    for (const char* name : {"map.pgm", "map.yaml"}) folder.without(name);
+    return hashes;
   }
-  const std::string map = has_map ? folder.staged("map.yaml") : "";
-  const std::string report_file = folder.staged("report.json");
-  if (has_map) {
-    tell("map.pgm");
-    write_occupancy_map(map, outcome.occupancy);
-    times.add("write_map");
-  }
+  tell("map.pgm");
+  folder.staged("map.pgm");
+  write_occupancy_map(folder.staged("map.yaml"), outcome.occupancy);
+  times.add("write_map");
+  return hashes;
+}
+
+std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome) {
+  leave_out_edits(folder);
+  const WrittenHashes hashes = write_run_files(folder, facts.job, std::move(facts.settings), times, outcome);
   times.read_whole(outcome.wall_s, outcome.cpu_s);
   std::string report = json_text(run_report(facts, outcome, hashes, times.stages()));
-  write_file_atomically(report_file, report);
+  write_file_atomically(folder.staged("report.json"), report);
   folder.commit();
   return report;
+}
+
+nlohmann::ordered_json geometry_json(const GridGeometry& geometry) {
+  return {{"resolution_m", geometry.resolution_m},
+          {"origin_m", {geometry.origin_x_m, geometry.origin_y_m}},
+          {"width", geometry.width},
+          {"height", geometry.height}};
 }
 
 }  // namespace gdtslam

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/runs/folder/graph_file.hpp"
 #include "engine/runs/mapping/map_run.hpp"
 #include "gdtslam/compute/backend.hpp"
 #include "gdtslam/runs/settings.hpp"
@@ -41,10 +42,24 @@ struct RunFacts {
   Settings settings;
 };
 
+/// Of what a run wrote.
+struct WrittenHashes {
+  std::string trajectory;
+  std::string keyframes;  ///< empty where there is no such file
+};
+/// Writes map, trajectory, graph, pictures, configuration and keyframes of a run, whose names they get when the caller
+/// has written the report too. `graph`: as the run's file shall have it, in place of the outcome's; null: that one.
+/// Throws FileError. A picture that fails is added to the outcome's warnings.
+WrittenHashes write_run_files(RunFolder& folder, const MapJob& job, Settings settings, RunTimes& times,
+                              MapOutcome& outcome, const GraphLines* graph = nullptr);
+
 /// Writes the rest of what a run made into its folder: map, trajectory, graph, pictures, configuration and report, all
 /// or nothing; returns the text of report.json. Throws FileError. A picture that fails is added to the outcome's
 /// warnings, and its times are those of all that `times` covers, writing included.
 std::string write_run(RunFolder& folder, RunFacts facts, RunTimes& times, MapOutcome& outcome);
+
+/// What a report says of a grid.
+nlohmann::ordered_json geometry_json(const GridGeometry& geometry);
 
 /// What a report says of the device that did the work.
 inline nlohmann::ordered_json device_json(const DeviceInfo& device) {

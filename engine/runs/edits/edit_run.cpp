@@ -1,0 +1,192 @@
+#include "edit_run.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/json_file.hpp"
+#include "engine/runs/continuing/log_copies.hpp"
+#include "engine/runs/edits/edits_file.hpp"
+#include "engine/runs/edits/map_picture_file.hpp"
+#include "engine/runs/edits/other_files.hpp"
+#include "engine/runs/edits/resolve_steps.hpp"
+#include "engine/runs/edits/run_scans.hpp"
+#include "engine/runs/edits/source_run.hpp"
+#include "engine/runs/edits/taken_out.hpp"
+#include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_report.hpp"
+#include "engine/runs/keyframes/map_of_keyframes.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "gdtslam/mapping/scan_points.hpp"
+
+namespace gdtslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void tell_step(const EditRequest& request, std::string_view step, double share) {
+  if (request.progress) request.progress(step, share);
+  if (request.stop && request.stop()) throw Error(ExitCode::kInterrupted, "interrupted; nothing was written");
+}
+
+MapJob job_of_edit(const EditRequest& request, const SourceRun& run) {
+  MapJob job;
+  job.logs = run.reader.summary().logs;
+  job.mapper = run.settings.mapper;
+  job.occupancy = run.settings.occupancy;
+  job.with_occupancy = run.reader.summary().map.has_value();
+  job.with_pictures = request.with_pictures;
+  job.with_loops = run.kept.in_single_precision;
+  job.finishing = [&request](std::string_view what) { tell_step(request, what, 1.0); };
+  return job;
+}
+
+// Cells of the run where nothing but a part of them is wanted; else its scans cast anew. What lies outside a crop is
+// cast too, as beams that end there tell of free space inside.
+OccupancyMap edited_map(const EditRequest& request, const SourceRun& run, EditOutcome& outcome) {
+  const EditPlan& plan = outcome.plan;
+  if (!plan.has_other_frame && plan.erased.empty()) return cropped(run.reader.map(), plan.kept);
+  const MapperConfig& config = run.settings.mapper;
+  OccupancyBuilder builder(run.settings.occupancy, occupancy_limits(config));
+  const std::vector<MapRegion> nowhere;
+  const RunScans scans{run.reader.folder(), run.outcome.trajectory, run.kept.keyframes, run.refused};
+  outcome.is_of_keyframes = !has_log_copies(scans.folder);
+  const double all =
+      static_cast<double>(outcome.is_of_keyframes ? run.kept.keyframes.size() : run.reader.summary().scans);
+  outcome.scans = for_each_cast_scan(scans, [&, count = std::size_t{0}](LaserScan& scan, const Pose2& T) mutable {
+    take_out_readings({plan.erased, nowhere}, config.scan, T, scan);
+    builder.add(scan, T);
+    if (++count % 64 == 0) tell_step(request, "the occupancy map", static_cast<double>(count) / all);
+  });
+  return cropped(builder.build(), plan.kept);
+}
+
+// The run's report, with what the edit made in place of what it replaced.
+std::string edited_report(const EditRequest& request, const SourceRun& run, const EditPlan& plan,
+                          const WrittenField& field, const WrittenHashes& hashes) {
+  Json report = run.report;
+  report["version"] = GDTSLAM_VERSION;
+  report["map_sha256"] = field.sha256;
+  report["trajectory_sha256"] = hashes.trajectory;
+  report["keyframes_sha256"] = hashes.keyframes;
+  report["gdt"] = geometry_json(field.geometry);
+  if (report.contains("map")) report["map"] = geometry_json(run.outcome.occupancy.geometry);
+  const Pose2& T = plan.T_edited_run;
+  Json edited{{"run", request.run}, {"T_edited_run", {T.x_m, T.y_m, T.theta_rad}}};
+  if (const auto& world = plan.T_world_edited) edited["T_world_edited"] = {world->x_m, world->y_m, world->theta_rad};
+  report["edited"] = std::move(edited);
+  return json_text(report);
+}
+
+void write_sessions(const SourceRun& run, RunFolder& folder) {
+  const std::vector<std::size_t>& drives = run.outcome.drives;
+  const Trajectory& path = run.outcome.trajectory;
+  for (std::size_t k = 0; k < run.sessions; ++k) {
+    const auto begin = static_cast<std::ptrdiff_t>(k == 0 ? 0 : drives[k - 1]);
+    const auto end = static_cast<std::ptrdiff_t>(k == drives.size() ? path.size() : drives[k]);
+    write_tum(folder.staged(session_file_name(k)), {path.begin() + begin, path.begin() + end});
+  }
+  std::error_code ignored;
+  for (std::size_t k = run.sessions; std::filesystem::exists(folder.file(session_file_name(k)), ignored); ++k) {
+    folder.without(session_file_name(k));
+  }
+}
+
+// Another program's picture of that name is not taken away without being told so.
+void require_no_foreign_picture(const std::string& folder) {
+  std::error_code ignored;
+  const std::filesystem::path path(folder);
+  if (std::filesystem::exists(path / kEditsFile, ignored)) return;
+  for (const char* name : {kMapPicture, kWorldFile}) {
+    if (!std::filesystem::exists(path / name, ignored)) continue;
+    throw UsageError("--output: '" + folder + "' holds a " + name +
+                     " that no edit wrote; give another folder, or --force to replace it");
+  }
+}
+
+void write_map_for_gis(const EditPlan& plan, const OccupancyMap& map, RunFolder& folder) {
+  write_map_picture(folder.staged(kMapPicture), map);
+  write_file_atomically(folder.staged(kWorldFile),
+                        world_file_text(map.geometry, plan.T_world_edited.value_or(Pose2{})));
+}
+
+void handle_other_files(const SourceRun& run, RunFolder& folder, EditOutcome& outcome) {
+  std::vector<std::string> wanted;
+  for (std::string& name : other_files_in(run.reader.folder(), run.earlier.has_value())) {
+    const bool is_replaced = outcome.plan.with_world_file && is_map_for_gis(name);
+    (is_replaced || outcome.plan.has_other_frame ? outcome.left_out : wanted).push_back(std::move(name));
+  }
+  outcome.copied = copy_other_files(run.reader.folder(), wanted, folder);
+  std::set_difference(wanted.begin(), wanted.end(), outcome.copied.begin(), outcome.copied.end(),
+                      std::back_inserter(outcome.left_out));
+}
+
+std::string recorded_edits(const EditRequest& request, const SourceRun& run, const EditOutcome& outcome) {
+  RecordedEdits edits{.run = request.run, .begins_at_s = run.outcome.trajectory.front().stamp_s, .steps = {}};
+  if (run.earlier) edits.steps = run.earlier->steps;
+  edits.steps.insert(edits.steps.end(), outcome.steps.begin(), outcome.steps.end());
+  return edits_text(edits, outcome.readings);
+}
+
+void take_out_of_keyframes(SourceRun& run, EditOutcome& outcome) {
+  const ScanConfig& valid = run.settings.mapper.scan;
+  ScanPoints points(valid);
+  bool is_left = false;
+  for (RunKeyframe& keyframe : run.kept.keyframes) {
+    outcome.readings +=
+        take_out_readings({outcome.plan.erased, outcome.plan.kept}, valid, keyframe.T_map_base, keyframe.laser);
+    is_left = is_left || !points.of(keyframe.laser).empty();
+    run.outcome.keyframe_scans.push_back(keyframe.laser);
+  }
+  if (!is_left) throw InputError("--crop and --erase leave nothing that was seen: no map can be made of it");
+}
+
+void write_edited(const EditRequest& request, SourceRun& run, EditOutcome& outcome) {
+  RunTimes times;
+  RunFolder folder(request.folder);
+  const MapJob job = job_of_edit(request, run);
+  leave_out_edits(folder);
+  handle_other_files(run, folder, outcome);
+  if (job.with_occupancy) run.outcome.occupancy = edited_map(request, run, outcome);
+  take_out_of_keyframes(run, outcome);
+  tell_step(request, "the distance field", 0.0);
+  const std::unique_ptr<SeparateMap> map = map_of_keyframes(run.kept, run.settings.mapper);
+  const WrittenField field = write_run_field(folder, job, map->field(), times);
+  for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
+  LogCopies::leave_out(folder);
+  write_sessions(run, folder);
+  if (outcome.plan.with_world_file) write_map_for_gis(outcome.plan, run.outcome.occupancy, folder);
+  const WrittenHashes hashes = write_run_files(folder, job, run.settings, times, run.outcome, &run.graph);
+  outcome.edits = recorded_edits(request, run, outcome);
+  write_file_atomically(folder.staged(kEditsFile), outcome.edits);
+  write_file_atomically(folder.staged("report.json"), edited_report(request, run, outcome.plan, field, hashes));
+  tell_step(request, "report.json", 1.0);
+  folder.commit();
+}
+
+}  // namespace
+
+EditOutcome edit_run(const EditRequest& request) {
+  check_request(request);
+  if (!request.replace_foreign_files) require_no_foreign_files(request.folder);
+  tell_step(request, "reading the run", 0.0);
+  SourceRun run = read_source_run(request.run);
+  EditOutcome outcome;
+  outcome.steps = resolved_steps(request, run);
+  outcome.plan = plan_of(outcome.steps, run.earlier ? plan_of(run.earlier->steps) : EditPlan{});
+  if (outcome.plan.with_world_file && !request.replace_foreign_files) require_no_foreign_picture(request.folder);
+  if (outcome.plan.with_world_file && !run.reader.summary().map) {
+    throw InputError({request.run, 0}, "has no occupancy map, as it was mapped with --no-map: --world-file needs one");
+  }
+  if (outcome.plan.has_other_frame) move_to_frame(outcome.plan.T_edited_run, run);
+  write_edited(request, run, outcome);
+  return outcome;
+}
+
+}  // namespace gdtslam

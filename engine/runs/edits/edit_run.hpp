@@ -1,0 +1,57 @@
+// A run whose map is turned, cropped, cleaned and georeferenced: what `gdtslam edit` does. The run itself is left
+// alone; its keyframes are moved and all outputs made anew from them, so that nothing is blurred by turning pictures.
+// The same bytes on every run. One call belongs to one thread. Cost: as reading the copies of the logs and casting
+// their scans, then some 0.5 ms a keyframe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/runs/edits/edit_arguments.hpp"
+#include "engine/runs/edits/edit_steps.hpp"
+
+namespace gdtslam {
+
+struct EditRequest {
+  std::string run{};     ///< folder of `map` or `merge`, or one that was edited
+  std::string folder{};  ///< of the results; made if need be
+  std::string again{};   ///< edits.json whose steps are done first; empty: none
+  // In the frame of the run, with the steps of `again` done:
+  std::vector<PointPair> points{};  ///< known in the world
+  std::optional<StatedOrigin> origin{};
+  bool along_walls = false;  ///< the x axis
+  bool north_up = false;     ///< the y axis
+  // In the new frame:
+  std::vector<MapRegion> erased{};
+  std::optional<RegionBounds> crop{};
+  bool with_world_file = false;
+
+  bool with_pictures = true;
+  bool replace_foreign_files = false;  ///< files of a run's names in the folder that no run wrote
+
+  std::function<void(std::string_view step, double share)>
+      progress{};  ///< the step at work, and its share that is done
+  std::function<bool()> stop{};
+  std::function<void(const std::string&)> warn{};  ///< one line at a time
+};
+
+struct EditOutcome {
+  std::vector<EditStep> steps;        ///< of this edit, those of `again` among them
+  EditPlan plan;                      ///< what they come to
+  std::uint64_t readings = 0;         ///< taken out of keyframes
+  std::uint64_t scans = 0;            ///< that the occupancy map was cast from; 0: its cells are those of the run
+  bool is_of_keyframes = false;       ///< the run had no copies of its logs to cast them from
+  std::vector<std::string> copied;    ///< files that no run wrote, as they were
+  std::vector<std::string> left_out;  ///< likewise, which are in the old frame or have their name taken
+  std::string edits;                  ///< the text of edits.json
+};
+
+/// Throws UsageError where the steps make no sense together, InputError where the run cannot be edited, FileError, and
+/// Error(kInterrupted) where stop() became true: then nothing is written.
+EditOutcome edit_run(const EditRequest& request);
+
+}  // namespace gdtslam

@@ -1,0 +1,39 @@
+#include "map_region.hpp"
+
+#include <cstddef>
+
+namespace gdtslam {
+
+bool MapRegion::contains(const Point2& point_m) const {
+  bool is_inside = false;
+  for (std::size_t k = 0, last = corners_m.size() - 1; k < corners_m.size(); last = k++) {
+    const Point2& a = corners_m[k];
+    const Point2& b = corners_m[last];
+    if ((a.y() > point_m.y()) == (b.y() > point_m.y())) continue;
+    const double x = a.x() + (b.x() - a.x()) * ((point_m.y() - a.y()) / (b.y() - a.y()));
+    if (point_m.x() < x) is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+MapRegion rectangle_between(const Point2& low_m, const Point2& high_m) {
+  return {{low_m, {high_m.x(), low_m.y()}, high_m, {low_m.x(), high_m.y()}}};
+}
+
+MapRegion in_frame(const Pose2& T_a_b, const MapRegion& region_b) {
+  MapRegion region_a;
+  region_a.corners_m.reserve(region_b.corners_m.size());
+  for (const Point2& corner : region_b.corners_m) region_a.corners_m.push_back(T_a_b * corner);
+  return region_a;
+}
+
+RegionBounds bounds_of(const MapRegion& region) {
+  RegionBounds bounds{region.corners_m.front(), region.corners_m.front()};
+  for (const Point2& corner : region.corners_m) {
+    bounds.low_m = bounds.low_m.cwiseMin(corner);
+    bounds.high_m = bounds.high_m.cwiseMax(corner);
+  }
+  return bounds;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,44 @@
+#include "other_files.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include "engine/runs/edits/map_picture_file.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> other_files_in(const std::string& run, bool with_map_picture) {
+  std::vector<std::string> names;
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(run, failed)) {
+    std::string name = entry.path().filename().string();
+    if (is_file_of_a_run(name) || name.starts_with('.')) continue;
+    if (with_map_picture && is_map_for_gis(name)) continue;
+    names.push_back(std::move(name));
+  }
+  if (failed) throw FileError(run, "cannot be listed: " + failed.message());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> copy_other_files(const std::string& run, const std::vector<std::string>& names,
+                                          RunFolder& folder) {
+  std::vector<std::string> copied;
+  for (const std::string& name : names) {
+    const fs::path from = fs::path(run) / name;
+    std::error_code ignored;
+    if (!fs::is_regular_file(from, ignored) || fs::exists(fs::symlink_status(folder.file(name), ignored))) continue;
+    const std::string to = folder.staged(name);
+    std::error_code failed;
+    fs::copy_file(from, to, failed);
+    if (failed) throw FileError(folder.file(name), "cannot be written: " + failed.message());
+    copied.push_back(name);
+  }
+  return copied;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,126 @@
+#include "source_run.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "engine/core/elementary.hpp"
+#include "engine/io/json_file.hpp"
+#include "engine/runs/folder/report_reader.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+bool is_file_in(const std::string& folder, const std::string& name) {
+  std::error_code ignored;
+  return std::filesystem::exists(std::filesystem::path(folder) / name, ignored);
+}
+
+std::string path_in(const std::string& folder, const std::string& name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
+RunKeyframes keyframes_of(const RunReader& reader) {
+  if (reader.summary().nods) {
+    throw InputError({reader.folder(), 0},
+                     "is a run of a laser that nods, whose scans are not kept; only flat lasers' runs can be edited");
+  }
+  std::optional<RunKeyframes> kept = reader.keyframes();
+  if (!kept || kept->keyframes.empty()) {
+    throw InputError({reader.folder(), 0},
+                     "has no keyframes.bin.gz, which older versions did not write: map its log again");
+  }
+  return *std::move(kept);
+}
+
+std::vector<std::size_t> refused_scans(const RunReader& reader) {
+  const ReportReader report = read_report(path_in(reader.folder(), "report.json"), reader.folder());
+  std::vector<std::size_t> refused;
+  for (const ReportReader& scan : report.entries("doubtful_scans")) {
+    if (!scan.truth("accepted")) refused.push_back(scan.index("index", reader.summary().scans));
+  }
+  std::sort(refused.begin(), refused.end());
+  return refused;
+}
+
+// What pictures and files of the run need.
+MapOutcome outcome_of(const RunReader& reader, const RunKeyframes& kept) {
+  const RunSummary& summary = reader.summary();
+  MapOutcome outcome;
+  outcome.trajectory = reader.trajectory();
+  for (const RunKeyframe& keyframe : kept.keyframes) {
+    outcome.keyframes.push_back(keyframe.scan);
+    outcome.trajectory[keyframe.scan].T_map_base = keyframe.T_map_base;
+  }
+  outcome.drives = summary.drives;
+  for (const std::size_t scan : summary.doubtful) {
+    DoubtfulScan doubtful;
+    doubtful.index = scan;
+    outcome.doubtful.push_back(doubtful);
+  }
+  outcome.statistics.scans = summary.scans;
+  outcome.statistics.matched = summary.matched;
+  outcome.statistics.doubtful = summary.doubtful.size();
+  outcome.statistics.keyframes = summary.keyframe_count;
+  outcome.statistics.path_m = summary.path_m;
+  if (!summary.has_loops) return outcome;
+  ClosedPath closed;
+  closed.is_closed = true;
+  std::optional<std::vector<PoseCovariance>> covariances = reader.covariances();
+  if (!covariances) throw InputError({path_in(reader.folder(), "covariance.csv"), 0}, "is missing in this run");
+  closed.covariances = *std::move(covariances);
+  closed.keyframes = outcome.keyframes;
+  if (std::optional<LoopFindings> findings = reader.doubts().loops) closed.loops = std::move(findings->loops);
+  outcome.closed = std::move(closed);
+  return outcome;
+}
+
+void turn(const SinCos<double>& by, PoseCovariance& c) {
+  const auto [s, k] = by;
+  const PoseCovariance was = c;
+  c.xx = k * k * was.xx - 2.0 * k * s * was.xy + s * s * was.yy;
+  c.xy = k * s * (was.xx - was.yy) + (k * k - s * s) * was.xy;
+  c.yy = s * s * was.xx + 2.0 * k * s * was.xy + k * k * was.yy;
+  c.xt = k * was.xt - s * was.yt;
+  c.yt = s * was.xt + k * was.yt;
+}
+
+}  // namespace
+
+std::string session_file_name(std::size_t session) { return "session-" + std::to_string(session + 1) + ".tum"; }
+
+SourceRun read_source_run(const std::string& folder) {
+  RunReader reader(folder);
+  RunKeyframes kept = keyframes_of(reader);
+  MapOutcome outcome = outcome_of(reader, kept);
+  SourceRun run{.reader = reader,
+                .report = read_json(path_in(folder, "report.json"), kMostReportBytes),
+                .settings = reader.settings(),
+                .kept = std::move(kept),
+                .refused = refused_scans(reader),
+                .outcome = std::move(outcome),
+                .graph = {},
+                .sessions = 0,
+                .earlier = {}};
+  if (run.outcome.closed) run.graph = read_graph(path_in(folder, "graph.g2o"));
+  if (is_file_in(folder, session_file_name(0))) run.sessions = reader.summary().drives.size() + 1;
+  if (is_file_in(folder, kEditsFile)) run.earlier = read_edits(path_in(folder, kEditsFile));
+  return run;
+}
+
+void move_to_frame(const Pose2& T_edited_run, SourceRun& run) {
+  for (StampedPose& pose : run.outcome.trajectory) pose.T_map_base = T_edited_run * pose.T_map_base;
+  for (GraphPlace& place : run.graph.places) place.T_map_base = T_edited_run * place.T_map_base;
+  const auto by = sin_cos(T_edited_run.theta_rad);
+  if (run.outcome.closed) {
+    for (PoseCovariance& covariance : run.outcome.closed->covariances) turn(by, covariance);
+  }
+  for (RunKeyframe& keyframe : run.kept.keyframes) {
+    keyframe.T_map_base = run.outcome.trajectory[keyframe.scan].T_map_base;
+    if (keyframe.covariance) turn(by, *keyframe.covariance);
+  }
+}
+
+}  // namespace gdtslam
