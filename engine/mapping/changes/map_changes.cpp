@@ -1,0 +1,133 @@
+#include "map_changes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gdtslam {
+namespace {
+
+// The cells whose centres lie within the tolerance of a cell's own.
+std::vector<CellOffset> disc_of(double tolerance_m, double resolution_m) {
+  const double radius = tolerance_m / resolution_m;
+  const auto reach = static_cast<std::int32_t>(std::floor(radius));
+  std::vector<CellOffset> disc;
+  for (std::int32_t dy = -reach; dy <= reach; ++dy) {
+    for (std::int32_t dx = -reach; dx <= reach; ++dx) {
+      if (dx * dx + dy * dy <= radius * radius) disc.push_back({dx, dy});
+    }
+  }
+  return disc;
+}
+
+double share_ended(const CellViews& views) {
+  const double seen = static_cast<double>(views.ends) + static_cast<double>(views.passes);
+  return seen > 0.0 ? static_cast<double>(views.ends) / seen : 0.0;
+}
+
+bool has_wall_within(const OccupancyMap& map, CellIndex cell, const std::vector<CellOffset>& disc) {
+  return std::any_of(disc.begin(), disc.end(), [&](CellOffset offset) {
+    const CellIndex at = cell + offset;
+    return map.geometry.contains(at) && map.at(at) == CellState::kOccupied;
+  });
+}
+
+bool is_free_around(const ViewCounts& views, CellIndex cell, const std::vector<CellOffset>& disc,
+                    const ChangeLimits& limits) {
+  if (views.at(cell).passes < limits.least_views) return false;
+  return std::all_of(disc.begin(), disc.end(), [&](CellOffset offset) {
+    const CellViews seen = views.at(cell + offset);
+    return seen.passes > 0 && share_ended(seen) <= limits.most_contradicted;
+  });
+}
+
+bool is_before(CellIndex a, CellIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
+
+/// Finds the patches of cells that are sorted.
+class Patches {
+ public:
+  Patches(std::vector<ChangedCell>& cells, std::int32_t reach) : cells_(cells), reach_(reach), seen_(cells.size()) {}
+
+  /// Numbers them and leaves out cells of those that extend over less than so many cells.
+  void number(std::int32_t least_extent) {
+    std::uint32_t patches = 0;
+    for (std::size_t first = 0; first < cells_.size(); ++first) {
+      if (seen_[first]) continue;
+      const std::vector<std::size_t> patch = reached_from(first);
+      CellBox box{cells_[first].cell, cells_[first].cell};
+      for (const std::size_t k : patch) {
+        const CellIndex at = cells_[k].cell;
+        box.min = {std::min(box.min.x, at.x), std::min(box.min.y, at.y)};
+        box.end = {std::max(box.end.x, at.x), std::max(box.end.y, at.y)};
+      }
+      const bool is_large = std::max(box.width(), box.height()) + 1 >= least_extent;
+      for (const std::size_t k : patch) cells_[k].patch = is_large ? patches : kNoPatch;
+      patches += is_large ? 1 : 0;
+    }
+    std::erase_if(cells_, [](const ChangedCell& cell) { return cell.patch == kNoPatch; });
+  }
+
+ private:
+  static constexpr std::uint32_t kNoPatch = ~std::uint32_t{0};
+
+  std::vector<std::size_t> reached_from(std::size_t first) {
+    std::vector<std::size_t> patch{first};
+    seen_[first] = true;
+    for (std::size_t next = 0; next < patch.size(); ++next) {
+      const CellIndex from = cells_[patch[next]].cell;
+      for (std::int32_t y = from.y - reach_; y <= from.y + reach_; ++y) {
+        auto cell = std::lower_bound(cells_.begin(), cells_.end(), CellIndex{from.x - reach_, y},
+                                     [](const ChangedCell& a, CellIndex b) { return is_before(a.cell, b); });
+        for (; cell != cells_.end() && cell->cell.y == y && cell->cell.x <= from.x + reach_; ++cell) {
+          const auto k = static_cast<std::size_t>(cell - cells_.begin());
+          if (seen_[k]) continue;
+          seen_[k] = true;
+          patch.push_back(k);
+        }
+      }
+    }
+    return patch;
+  }
+
+  std::vector<ChangedCell>& cells_;
+  std::int32_t reach_;
+  std::vector<bool> seen_;
+};
+
+void keep_patches(std::vector<ChangedCell>& cells, double tolerance_m, double resolution_m) {
+  std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return is_before(a.cell, b.cell); });
+  const auto reach = std::max(1, static_cast<std::int32_t>(std::floor(tolerance_m / resolution_m)));
+  Patches(cells, reach).number(reach);
+}
+
+}  // namespace
+
+std::size_t patches_of(std::span<const ChangedCell> cells) {
+  std::uint32_t patches = 0;
+  for (const ChangedCell& cell : cells) patches = std::max(patches, cell.patch + 1);
+  return patches;
+}
+
+bool is_seen_free(const ViewCounts& views, CellIndex cell, double resolution_m, const ChangeLimits& limits) {
+  return is_free_around(views, cell, disc_of(limits.tolerance_m, resolution_m), limits);
+}
+
+MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits) {
+  const double r = map.geometry.resolution_m;
+  const std::vector<CellOffset> disc = disc_of(limits.tolerance_m, r);
+  MapChanges changes;
+  for (const CellIndex cell : views.ended()) {
+    if (!map.geometry.contains(cell) || map.at(cell) != CellState::kFree) continue;
+    const CellViews seen = views.at(cell);
+    if (seen.ends < limits.least_views || share_ended(seen) < limits.least_share) continue;
+    if (!has_wall_within(map, cell, disc)) changes.appeared.push_back({.cell = cell, .views = seen});
+  }
+  for (const CellIndex cell : views.passed()) {
+    if (!map.geometry.contains(cell) || map.at(cell) != CellState::kOccupied) continue;
+    if (is_free_around(views, cell, disc, limits)) changes.gone.push_back({.cell = cell, .views = views.at(cell)});
+  }
+  keep_patches(changes.appeared, limits.tolerance_m, r);
+  keep_patches(changes.gone, limits.tolerance_m, r);
+  return changes;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,51 @@
+// What is new and what is gone in a map, by views that were counted since it was made. New is where views end again and
+// again though the map has the cell as free, away from its walls; gone is what the map has as a wall and views pass
+// through, again and again, and through everything around. The evidence is that of an occupancy grid, hits against
+// misses [Moravec1985], with a least number of views on top: a lone return, glass that now and then reflects and whoever
+// walks by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the tolerance).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/mapping/changes/view_counts.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+/// How much has to speak for a change.
+struct ChangeLimits {
+  double tolerance_m = 0.1;         ///< nearer to a wall a return may be the wall; smaller things are not told
+  double spacing_m = 0.2;           ///< between two views, which count as independent
+  std::uint32_t least_views = 5;    ///< that ended in a new cell, or passed through one that is gone
+  double least_share = 0.6;         ///< of the views that saw a new cell: those that ended in it
+  double most_contradicted = 0.15;  ///< of the views that saw what is gone, or cells around it: those that ended there
+};
+
+/// A cell that changed, with the views that say so. Cells that lie within the tolerance of each other are a patch.
+struct ChangedCell {
+  CellIndex cell;
+  CellViews views;
+  std::uint32_t patch = 0;  ///< from 0, by their first cells
+};
+
+/// Both sorted by rows, then columns.
+struct MapChanges {
+  std::vector<ChangedCell> appeared;
+  std::vector<ChangedCell> gone;
+  [[nodiscard]] bool empty() const { return appeared.empty() && gone.empty(); }
+};
+
+/// How many patches there are.
+std::size_t patches_of(std::span<const ChangedCell> cells);
+
+/// `views` were counted in the map's grid.
+MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits);
+
+/// Whether the views saw the cell and all of its surroundings, up to the tolerance, as free.
+bool is_seen_free(const ViewCounts& views, CellIndex cell, double resolution_m, const ChangeLimits& limits);
+
+}  // namespace gdtslam
