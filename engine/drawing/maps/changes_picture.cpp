@@ -63,6 +63,17 @@ void draw_drives(Canvas& canvas, const MapFrame& frame, const ChangesOverlay& ov
   }
 }
 
+LegendItem drive_item(const LegendLook& look) {
+  const double length = 1.6 * look.sizes.body_px;
+  const double indent = length + 0.5 * look.sizes.body_px;
+  const std::string words = "seen from here";
+  return {indent + text_width(words, look.sizes.body_px), look.sizes.body_px, [=](Canvas& canvas, const Point2& left) {
+            canvas.line(left, left + Point2(length, 0.0), {.colour = kDrive, .width = 1.2 * look.sizes.line_px});
+            canvas.text(left + Point2(indent, 0.36 * look.sizes.body_px), words,
+                        {.size = look.sizes.body_px, .colour = look.theme.text});
+          }};
+}
+
 std::string counted(const char* what, std::uint32_t places) {
   if (places == 0) return std::string("nothing ") + what;
   return std::string(what) + ": " + std::to_string(places) + (places == 1 ? " place" : " places");
@@ -82,7 +93,7 @@ Canvas changes_picture(const OccupancyMap& map, const ChangesOverlay& overlay, c
     items.push_back(swatch_item(counted("new", overlay.appeared.patches), kAppeared, legend));
     items.push_back(swatch_item(counted("gone", overlay.gone.patches), kGone, legend));
     items.push_back(swatch_item("wall", kChangesMap.wall, legend));
-    if (!overlay.drives.empty()) items.push_back(swatch_item("where it was seen from", kDrive, legend));
+    if (!overlay.drives.empty()) items.push_back(drive_item(legend));
     return items;
   });
   Canvas canvas(size.width, size.height, look.title.empty() ? "Changes" : look.title);

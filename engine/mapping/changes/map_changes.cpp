@@ -31,15 +31,6 @@ bool has_wall_within(const OccupancyMap& map, CellIndex cell, const std::vector<
   });
 }
 
-bool is_free_around(const ViewCounts& views, CellIndex cell, const std::vector<CellOffset>& disc,
-                    const ChangeLimits& limits) {
-  if (views.at(cell).passes < limits.least_views) return false;
-  return std::all_of(disc.begin(), disc.end(), [&](CellOffset offset) {
-    const CellViews seen = views.at(cell + offset);
-    return seen.passes > 0 && share_ended(seen) <= limits.most_contradicted;
-  });
-}
-
 bool is_before(CellIndex a, CellIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
 
 /// Finds the patches of cells that are sorted.
@@ -47,7 +38,7 @@ class Patches {
  public:
   Patches(std::vector<ChangedCell>& cells, std::int32_t reach) : cells_(cells), reach_(reach), seen_(cells.size()) {}
 
-  /// Numbers them and leaves out cells of those that extend over less than so many cells.
+  /// Numbers them, and leaves out cells of those that extend over less than so many cells.
   void number(std::int32_t least_extent) {
     std::uint32_t patches = 0;
     for (std::size_t first = 0; first < cells_.size(); ++first) {
@@ -93,10 +84,23 @@ class Patches {
   std::vector<bool> seen_;
 };
 
-void keep_patches(std::vector<ChangedCell>& cells, double tolerance_m, double resolution_m) {
-  std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return is_before(a.cell, b.cell); });
-  const auto reach = std::max(1, static_cast<std::int32_t>(std::floor(tolerance_m / resolution_m)));
-  Patches(cells, reach).number(reach);
+// Where views end on free cells away from walls: cells with enough of them, and what belongs to these.
+std::vector<ChangedCell> appeared_cells(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits,
+                                        const ViewJudge& judge) {
+  const std::vector<CellOffset>& disc = judge.surroundings();
+  std::vector<ChangedCell> ended;
+  for (const CellIndex cell : views.ended()) {
+    if (!map.geometry.contains(cell) || map.at(cell) != CellState::kFree) continue;
+    const CellViews seen = views.at(cell);
+    if (!judge.is_wall(seen, limits.beside_views) || has_wall_within(map, cell, disc)) continue;
+    ended.push_back({.cell = cell, .views = seen});
+  }
+  std::erase_if(ended, [&](const ChangedCell& changed) {
+    return std::none_of(disc.begin(), disc.end(), [&](CellOffset offset) {
+      return judge.is_wall(views.at(changed.cell + offset), limits.least_views);
+    });
+  });
+  return ended;
 }
 
 }  // namespace
@@ -107,26 +111,40 @@ std::size_t patches_of(std::span<const ChangedCell> cells) {
   return patches;
 }
 
-bool is_seen_free(const ViewCounts& views, CellIndex cell, double resolution_m, const ChangeLimits& limits) {
-  return is_free_around(views, cell, disc_of(limits.tolerance_m, resolution_m), limits);
+void keep_patches(std::vector<ChangedCell>& cells, double resolution_m, const ChangeLimits& limits) {
+  std::sort(cells.begin(), cells.end(), [](const auto& a, const auto& b) { return is_before(a.cell, b.cell); });
+  const auto in_cells = [resolution_m](double length_m) {
+    return std::max(1, static_cast<std::int32_t>(std::floor(length_m / resolution_m)));
+  };
+  Patches(cells, in_cells(limits.patch_gap_m)).number(in_cells(limits.tolerance_m));
+}
+
+ViewJudge::ViewJudge(double resolution_m, const ChangeLimits& limits)
+    : limits_(limits), disc_(disc_of(limits.tolerance_m, resolution_m)) {}
+
+bool ViewJudge::is_free(const ViewCounts& views, CellIndex cell) const {
+  if (views.at(cell).passes < limits_.least_views) return false;
+  return std::all_of(disc_.begin(), disc_.end(), [&](CellOffset offset) {
+    const CellViews seen = views.at(cell + offset);
+    return seen.passes > 0 && share_ended(seen) <= limits_.most_contradicted;
+  });
+}
+
+bool ViewJudge::is_wall(const CellViews& views, std::uint32_t least_views) const {
+  return views.ends >= least_views && share_ended(views) >= limits_.least_share;
 }
 
 MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits) {
   const double r = map.geometry.resolution_m;
-  const std::vector<CellOffset> disc = disc_of(limits.tolerance_m, r);
+  const ViewJudge judge(r, limits);
   MapChanges changes;
-  for (const CellIndex cell : views.ended()) {
-    if (!map.geometry.contains(cell) || map.at(cell) != CellState::kFree) continue;
-    const CellViews seen = views.at(cell);
-    if (seen.ends < limits.least_views || share_ended(seen) < limits.least_share) continue;
-    if (!has_wall_within(map, cell, disc)) changes.appeared.push_back({.cell = cell, .views = seen});
-  }
+  changes.appeared = appeared_cells(map, views, limits, judge);
   for (const CellIndex cell : views.passed()) {
     if (!map.geometry.contains(cell) || map.at(cell) != CellState::kOccupied) continue;
-    if (is_free_around(views, cell, disc, limits)) changes.gone.push_back({.cell = cell, .views = views.at(cell)});
+    if (judge.is_free(views, cell)) changes.gone.push_back({.cell = cell, .views = views.at(cell)});
   }
-  keep_patches(changes.appeared, limits.tolerance_m, r);
-  keep_patches(changes.gone, limits.tolerance_m, r);
+  keep_patches(changes.appeared, r, limits);
+  keep_patches(changes.gone, r, limits);
   return changes;
 }
 

@@ -21,18 +21,20 @@ struct ChangeLimits {
   double tolerance_m = 0.1;         ///< nearer to a wall a return may be the wall; smaller things are not told
   double spacing_m = 0.2;           ///< between two views, which count as independent
   std::uint32_t least_views = 5;    ///< that ended in a new cell, or passed through one that is gone
+  std::uint32_t beside_views = 2;   ///< that ended in a cell within the tolerance of a new one: it belongs to it
   double least_share = 0.6;         ///< of the views that saw a new cell: those that ended in it
   double most_contradicted = 0.15;  ///< of the views that saw what is gone, or cells around it: those that ended there
+  double patch_gap_m = 0.3;         ///< cells that lie nearer to each other are one patch
 };
 
-/// A cell that changed, with the views that say so. Cells that lie within the tolerance of each other are a patch.
+/// A cell that changed, with the views that say so.
 struct ChangedCell {
   CellIndex cell;
   CellViews views;
   std::uint32_t patch = 0;  ///< from 0, by their first cells
 };
 
-/// Both sorted by rows, then columns.
+/// Both sorted by rows, then columns; patches reach over the tolerance at least.
 struct MapChanges {
   std::vector<ChangedCell> appeared;
   std::vector<ChangedCell> gone;
@@ -45,7 +47,23 @@ std::size_t patches_of(std::span<const ChangedCell> cells);
 /// `views` were counted in the map's grid.
 MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits);
 
-/// Whether the views saw the cell and all of its surroundings, up to the tolerance, as free.
-bool is_seen_free(const ViewCounts& views, CellIndex cell, double resolution_m, const ChangeLimits& limits);
+/// What views say of a cell by itself.
+class ViewJudge {
+ public:
+  ViewJudge(double resolution_m, const ChangeLimits& limits);
+  /// Enough of them passed through it, and they saw all of its surroundings, up to the tolerance, as free.
+  [[nodiscard]] bool is_free(const ViewCounts& views, CellIndex cell) const;
+  /// So many at least ended in it, and most of those that saw it.
+  [[nodiscard]] bool is_wall(const CellViews& views, std::uint32_t least_views) const;
+  /// The cells within the tolerance of one, that one among them.
+  [[nodiscard]] const std::vector<CellOffset>& surroundings() const { return disc_; }
+
+ private:
+  ChangeLimits limits_;
+  std::vector<CellOffset> disc_;
+};
+
+/// Sorts the cells, numbers the patches and leaves out those that are too small.
+void keep_patches(std::vector<ChangedCell>& cells, double resolution_m, const ChangeLimits& limits);
 
 }  // namespace gdtslam

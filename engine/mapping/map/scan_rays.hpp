@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct ScanRay {
   SubCell end;       ///< the return, or where what is known ends
   SubCell free_end;  ///< up to where the beam counts as having passed; the end unless rays are cut short
   bool is_return = false;
+  std::uint32_t beam = 0;  ///< its number in the scan
 };
 
 struct RayLimits {
@@ -98,6 +100,7 @@ CellBox collect_rays(const LaserScan& scan, const Pose2& T_grid_base, std::span<
     ray.start = start;
     ray.end = ray.free_end = sub_cell_of(end_m, limits.resolution_m);
     ray.is_return = is_return;
+    ray.beam = static_cast<std::uint32_t>(k);
     if (limits.short_of_end_m > 0.0) {
       const Point2 free_end_m = laser.in_grid(directions[k] * std::max(0.0, length_m - limits.short_of_end_m));
       ray.free_end = sub_cell_of(free_end_m, limits.resolution_m);
