@@ -24,11 +24,20 @@ double share_ended(const CellViews& views) {
   return seen > 0.0 ? static_cast<double>(views.ends) / seen : 0.0;
 }
 
-bool has_wall_within(const OccupancyMap& map, CellIndex cell, const std::vector<CellOffset>& disc) {
-  return std::any_of(disc.begin(), disc.end(), [&](CellOffset offset) {
+// At the border of what the map knows, in the shadow of something, free cells are those that a beam grazed.
+constexpr double kLeastFreeAround = 0.8;
+
+// The map has the cell as free, no wall around it, and knows its surroundings.
+bool is_open(const OccupancyMap& map, CellIndex cell, const std::vector<CellOffset>& disc) {
+  if (!map.geometry.contains(cell) || map.at(cell) != CellState::kFree) return false;
+  std::size_t free = 0;
+  for (const CellOffset offset : disc) {
     const CellIndex at = cell + offset;
-    return map.geometry.contains(at) && map.at(at) == CellState::kOccupied;
-  });
+    const CellState state = map.geometry.contains(at) ? map.at(at) : CellState::kUnknown;
+    if (state == CellState::kOccupied) return false;
+    free += state == CellState::kFree ? 1 : 0;
+  }
+  return static_cast<double>(free) >= kLeastFreeAround * static_cast<double>(disc.size());
 }
 
 bool is_before(CellIndex a, CellIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
@@ -90,9 +99,8 @@ std::vector<ChangedCell> appeared_cells(const OccupancyMap& map, const ViewCount
   const std::vector<CellOffset>& disc = judge.surroundings();
   std::vector<ChangedCell> ended;
   for (const CellIndex cell : views.ended()) {
-    if (!map.geometry.contains(cell) || map.at(cell) != CellState::kFree) continue;
     const CellViews seen = views.at(cell);
-    if (!judge.is_wall(seen, limits.beside_views) || has_wall_within(map, cell, disc)) continue;
+    if (!judge.is_wall(seen, limits.beside_views) || !is_open(map, cell, disc)) continue;
     ended.push_back({.cell = cell, .views = seen});
   }
   std::erase_if(ended, [&](const ChangedCell& changed) {

@@ -45,8 +45,9 @@ void RobotTracker::follow_in(Place& place, const Scan& scan) const {
   const double step_m = step.translation().norm();
   place.path += step_m + std::fabs(step.theta_rad) / kQuarterTurn_rad;
   place.is_outside = known.share < limits_.least_known;
-  place.is_good =
-      place.match.accepted && !place.is_outside && known.mean_distance_m <= localizer_.good_fit().distance_m;
+  const bool fits = known.mean_distance_m <= localizer_.good_fit().distance_m ||
+                    localizer_.may_be_changed(known.explained, known.explained_distance_m);
+  place.is_good = place.match.accepted && !place.is_outside && fits;
   place.faults = place.is_good ? 0 : place.faults + 1;
   if (place.is_good) {
     place.unmatched_m = 0.0;
@@ -81,9 +82,9 @@ TrackedPose RobotTracker::follow(const LaserScan& scan, const std::optional<Pose
 void RobotTracker::try_place(const Scan& scan) {
   follow_in(*trial_, scan);
   const bool is_refuted = trial_->faults >= limits_.trial_faults ||
-                          (trial_->faults > 0 && trial_->match.mean_cost_m > 2.0 * localizer_.good_fit().distance_m);
+                          (trial_->faults > 0 && !trial_->is_changed && trial_->match.mean_cost_m > 2.0 * localizer_.good_fit().distance_m);
   if (is_refuted) return trial_.reset();
-  if (trial_->path < limits_.trial_m) return;
+  if (trial_->path < (trial_->is_changed ? limits_.changed_trial_m : limits_.trial_m)) return;
   if (!here_ || is_trial_better()) here_ = std::move(trial_);
   trial_.reset();
 }
@@ -122,7 +123,8 @@ bool RobotTracker::is_here(const Pose2& T_map_base) const {
 void RobotTracker::look_for(const Scan& scan) {
   ++searches_;
   unasked_m_ = 0.0;
-  const LocalizedScan found = localizer_.find(scan.scan, scan.index);
+  const bool with_changes = !here_ && failed_searches_ > limits_.plain_searches;
+  const LocalizedScan found = localizer_.find(scan.scan, scan.index, with_changes);
   if (found.verdict != Verdict::kFound && found.verdict != Verdict::kAmbiguous) return;
   const bool is_same = here_ && is_here(found.best->T_map_base);
   if (here_ && here_->is_good && found.verdict == Verdict::kAmbiguous && !is_same) return;
@@ -143,7 +145,8 @@ void RobotTracker::look_for(const Scan& scan) {
 RobotTracker::Place RobotTracker::place_at(const LocalizedScan& found, const Scan& scan) const {
   const Point2& origin_m = localizer_.field().kernel_origin_m;
   const Pose2& T = found.best->T_map_base;
-  Place place{.tracker = origin_.another(), .match = {}, .is_ambiguous = found.verdict == Verdict::kAmbiguous};
+  Place place{.tracker = origin_.another(), .match = {}, .is_ambiguous = found.verdict == Verdict::kAmbiguous,
+              .is_changed = found.is_changed};
   place.match.T_map_base = {T.x_m - origin_m.x(), T.y_m - origin_m.y(), T.theta_rad};
   place.tracker.start_at(place.match.T_map_base);
   follow_in(place, scan);  // the next step is told from these wheels
