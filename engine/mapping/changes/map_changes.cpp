@@ -130,11 +130,16 @@ void keep_patches(std::vector<ChangedCell>& cells, double resolution_m, const Ch
 ViewJudge::ViewJudge(double resolution_m, const ChangeLimits& limits)
     : limits_(limits), disc_(disc_of(limits.tolerance_m, resolution_m)) {}
 
+// Noise spreads what glass or a wall returns over some cells, so the ends around count together.
 bool ViewJudge::is_free(const ViewCounts& views, CellIndex cell) const {
-  if (views.at(cell).passes < limits_.least_views) return false;
+  const std::uint32_t passes = views.at(cell).passes;
+  if (passes < limits_.least_views) return false;
+  const auto most_ends = static_cast<std::uint32_t>(limits_.most_contradicted * static_cast<double>(passes));
+  std::uint32_t ends = 0;
   return std::all_of(disc_.begin(), disc_.end(), [&](CellOffset offset) {
     const CellViews seen = views.at(cell + offset);
-    return seen.passes > 0 && share_ended(seen) <= limits_.most_contradicted;
+    ends += seen.ends;
+    return seen.passes > 0 && ends <= most_ends;
   });
 }
 

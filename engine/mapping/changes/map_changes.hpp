@@ -23,7 +23,7 @@ struct ChangeLimits {
   std::uint32_t least_views = 5;    ///< that ended in a new cell, or passed through one that is gone
   std::uint32_t beside_views = 2;   ///< that ended in a cell within the tolerance of a new one: it belongs to it
   double least_share = 0.6;         ///< of the views that saw a new cell: those that ended in it
-  double most_contradicted = 0.15;  ///< of the views that saw what is gone, or cells around it: those that ended there
+  double most_contradicted = 0.15;  ///< ends within the tolerance for each view that passed through what is gone
   double patch_gap_m = 0.3;         ///< cells that lie nearer to each other are one patch
 };
 
