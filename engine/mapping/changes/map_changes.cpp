@@ -147,7 +147,8 @@ bool ViewJudge::is_wall(const CellViews& views, std::uint32_t least_views) const
   return views.ends >= least_views && share_ended(views) >= limits_.least_share;
 }
 
-MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits) {
+MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ViewCounts* before,
+                        const ChangeLimits& limits) {
   const double r = map.geometry.resolution_m;
   const ViewJudge judge(r, limits);
   MapChanges changes;
@@ -155,6 +156,12 @@ MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const 
   for (const CellIndex cell : views.passed()) {
     if (!map.geometry.contains(cell) || map.at(cell) != CellState::kOccupied) continue;
     if (judge.is_free(views, cell)) changes.gone.push_back({.cell = cell, .views = views.at(cell)});
+  }
+  if (before != nullptr) {
+    std::erase_if(changes.appeared, [&](const ChangedCell& changed) { return !judge.is_free(*before, changed.cell); });
+    std::erase_if(changes.gone, [&](const ChangedCell& changed) {
+      return !judge.is_wall(before->at(changed.cell), limits.beside_views);
+    });
   }
   keep_patches(changes.appeared, r, limits);
   keep_patches(changes.gone, r, limits);

@@ -44,8 +44,11 @@ struct MapChanges {
 /// How many patches there are.
 std::size_t patches_of(std::span<const ChangedCell> cells);
 
-/// `views` were counted in the map's grid.
-MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ChangeLimits& limits);
+/// `views` were counted in the map's grid, as were those `before` that the map was made from, if they are known: then
+/// they must have seen what is new as free, all around, and what is gone as a wall, which cells that a beam grazed and
+/// glass were not.
+MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ViewCounts* before,
+                        const ChangeLimits& limits);
 
 /// What views say of a cell by itself.
 class ViewJudge {

@@ -3,6 +3,7 @@
 // engine/mapping/changes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,11 @@
 
 namespace gdtslam {
 
-/// Which cells of the map that the field belongs to are free and occupied. Throws InputError where it is a run's that
-/// has no map.pgm, FileError.
-OccupancyMap cells_of_map(const MapField& field);
-
 class DriveChanges {
  public:
-  DriveChanges(OccupancyMap map, const ScanConfig& scan, const ChangeLimits& limits, std::uint64_t max_cells);
+  /// In the map that the field belongs to; where that is a run's, the scans that it was made from count, too. Throws
+  /// InputError where it is a run's that has no map.pgm, FileError.
+  DriveChanges(const MapField& field, const MapperConfig& config, const ChangeLimits& limits);
 
   /// The next scan of the drive. Throws InputError.
   void see(const LaserScan& scan, const TrackedPose& pose);
@@ -32,12 +31,18 @@ class DriveChanges {
   [[nodiscard]] std::size_t views() const { return views_.views(); }
   /// Where they were taken, in stretches without a gap.
   [[nodiscard]] const std::vector<Trajectory>& stretches() const { return stretches_; }
-  [[nodiscard]] MapChanges found() const { return find_changes(map_, views_, limits_); }
+  [[nodiscard]] MapChanges found() const {
+    return find_changes(map_, views_, before_ ? &*before_ : nullptr, limits_);
+  }
 
  private:
+  void see_what_was_before(const MapField& field, const MapperConfig& config);
+  [[nodiscard]] Pose2 in_grid(const Pose2& T_map_base) const;
+
   OccupancyMap map_;
   ChangeLimits limits_;
   ViewCounts views_;
+  std::optional<ViewCounts> before_;
   std::vector<Trajectory> stretches_;
   bool is_seeing_ = false;
 };

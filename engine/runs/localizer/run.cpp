@@ -142,7 +142,7 @@ LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool w
     constexpr double kMostUnits = 4.0e9;
     const double units = good_m / resolution_m() * kFieldOne * static_cast<double>(points.size());
     CertifiedOptions options = options_with(limits_.gap_m);
-    options.max_boxes = LocalizeLimits::kWaitingBoxes;
+    options.max_boxes = with_changes ? LocalizeLimits::kChangedBoxes : LocalizeLimits::kWaitingBoxes;
     options.wanted_bound = static_cast<std::uint32_t>(std::min(units, kMostUnits)) + 1;
     found.best = if_any(search(points, window_, options));
   }

@@ -123,8 +123,10 @@ bool RobotTracker::is_here(const Pose2& T_map_base) const {
 void RobotTracker::look_for(const Scan& scan) {
   ++searches_;
   unasked_m_ = 0.0;
-  const bool with_changes = !here_ && failed_searches_ > limits_.plain_searches;
-  const LocalizedScan found = localizer_.find(scan.scan, scan.index, with_changes);
+  LocalizedScan found = localizer_.find(scan.scan, scan.index);
+  if (found.verdict == Verdict::kPoorFit && !here_ && failed_searches_ > limits_.plain_searches) {
+    found = localizer_.find(scan.scan, scan.index, true);
+  }
   if (found.verdict != Verdict::kFound && found.verdict != Verdict::kAmbiguous) return;
   const bool is_same = here_ && is_here(found.best->T_map_base);
   if (here_ && here_->is_good && found.verdict == Verdict::kAmbiguous && !is_same) return;

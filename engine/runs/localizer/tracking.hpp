@@ -56,7 +56,7 @@ struct TrackLimits {
   double trial_m =
       1.0;  ///< a place is believed after so much path with good matches; a turn by 90 degrees counts as a metre
   double changed_trial_m = 3.0;    ///< likewise where it was found though much has changed there
-  std::uint32_t plain_searches = 2;  ///< that must fail before a place may be one that has changed
+  std::uint32_t plain_searches = 1;  ///< that must fail before a place may be one that has changed
   std::uint32_t trial_faults = 3;  ///< so many scans in a row that are none refute it
   double better =
       0.7;  ///< a place that was found takes the robot from where it was followed if distances there are so much less

@@ -103,7 +103,7 @@ MapChanges changes_in(const OccupancyMap& map, const World& world) {
     pose.y_m -= map.geometry.origin_y_m;
     views.add(scan, pose);
   });
-  return find_changes(map, views, {});
+  return find_changes(map, views, nullptr, {});
 }
 
 double distance_m(const Segment& segment, const Point2& point) {

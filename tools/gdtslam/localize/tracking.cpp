@@ -29,11 +29,6 @@ struct TrackWork {
   MapChanges found;
 };
 
-std::unique_ptr<DriveChanges> changes_in(const Localizer& localizer, const MapperConfig& config) {
-  const std::uint64_t max_cells = static_cast<std::uint64_t>(config.map.max_megacells) << 20U;
-  return std::make_unique<DriveChanges>(cells_of_map(localizer.field()), config.scan, ChangeLimits{}, max_cells);
-}
-
 // One scan comes after the other, so threads are left for nothing but the kernels, which are too short for them.
 TrackWork track_with(const LocalizeOptions& options, const Settings& settings, const LocalizeJob& job,
                      DeviceOptions device) {
@@ -43,7 +38,9 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   device.device = "cpu";
   work.cpu = make_backend(device);
   work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
-  if (!options.changes.empty()) work.changes = changes_in(*work.localizer, settings.mapper);
+  if (!options.changes.empty()) {
+    work.changes = std::make_unique<DriveChanges>(work.localizer->field(), settings.mapper, ChangeLimits{});
+  }
   ProgressLine progress("scans", options.quiet);
   work.drive = track_drive(
       job, *work.localizer, settings.mapper, *work.cpu,
