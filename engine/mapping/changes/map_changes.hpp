@@ -1,8 +1,9 @@
 // What is new and what is gone in a map, by views that were counted since it was made. New is where views end again and
 // again though the map has the cell as free, away from its walls; gone is what the map has as a wall and views pass
 // through, again and again, and through everything around. The evidence is that of an occupancy grid, hits against
-// misses [Moravec1985], with a least number of views on top: a lone return, glass that now and then reflects and whoever
-// walks by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the tolerance).
+// misses [Moravec1985], with a least number of views on top: a lone return, glass that now and then reflects and
+// whoever walks by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the
+// tolerance).
 #pragma once
 
 #include <cstddef>

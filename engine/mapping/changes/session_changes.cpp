@@ -73,9 +73,8 @@ std::vector<std::size_t> SessionChanges::last_words_of(const std::vector<Word>& 
 bool SessionChanges::is_strong(std::size_t drive, CellIndex cell) const {
   const ViewCounts& views = (*drives_)[drive].views;
   const std::vector<CellOffset>& disc = judge_.surroundings();
-  return std::any_of(disc.begin(), disc.end(), [&](CellOffset offset) {
-    return judge_.is_wall(views.at(cell + offset), limits_.least_views);
-  });
+  return std::any_of(disc.begin(), disc.end(),
+                     [&](CellOffset offset) { return judge_.is_wall(views.at(cell + offset), limits_.least_views); });
 }
 
 void SessionChanges::judge(CellIndex cell) {

@@ -1,7 +1,7 @@
-// What changed between drives that lie in one frame: a drive overrules what others saw before it, cell by cell, where it
-// has enough to say. Two drives of which neither ended before the other began have no order: where they contradict each
-// other there is no wall, whoever saw it. Frame: the cells of one grid, cell (0, 0) with its lower left corner at the
-// frame's origin. Thread-safe once made; O(cells seen x drives).
+// What changed between drives that lie in one frame: a drive overrules what others saw before it, cell by cell, where
+// it has enough to say. Two drives of which neither ended before the other began have no order: where they contradict
+// each other there is no wall, whoever saw it. Frame: the cells of one grid, cell (0, 0) with its lower left corner at
+// the frame's origin. Thread-safe once made; O(cells seen x drives).
 #pragma once
 
 #include <cstddef>

@@ -9,7 +9,7 @@
 namespace gdtslam {
 namespace {
 
-constexpr std::uint64_t kCellsOfTile = std::uint64_t{kTileSide} * kTileSide;
+constexpr std::uint64_t kCountedOfTile = std::uint64_t{kTileSide} * kTileSide;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ bool ViewCounts::add(const LaserScan& scan, const Pose2& T_grid_base) {
   for (const ScanRay& ray : rays_) {
     marks_.add_ray(ray.start, ray.free_end);
     if (ray.is_return) marks_.add_end(ray.end.cell());
-    if ((tiles_.size() + marks_.size()) * kCellsOfTile > limits_.max_cells) {
+    if ((tiles_.size() + marks_.size()) * kCountedOfTile > limits_.max_cells) {
       throw InputError("the cells that changed cannot be told: more than " + std::to_string(limits_.max_cells) +
                        " would be counted; check the log with 'gdtslam doctor' or raise map.max_megacells");
     }

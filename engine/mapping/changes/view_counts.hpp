@@ -1,9 +1,9 @@
 // How many views of a drive ended in each cell of a grid, and how many passed through it. A view is a scan from a place
 // that lies some way from that of the view before: a robot that stands counts once, however long it stands. A beam that
-// ends near a cell says nothing of it but there, so that noise and errors of poses wear no wall away: it counts as having
-// passed up to a tolerance before its end only. Frame: the grid's, whose cell (0, 0) has its lower left corner at the
-// origin; metres and radians. Cost and memory: those of OccupancyBuilder. One object belongs to one thread, a constant
-// one to all.
+// ends near a cell says nothing of it but there, so that noise and errors of poses wear no wall away: it counts as
+// having passed up to a tolerance before its end only. Frame: the grid's, whose cell (0, 0) has its lower left corner
+// at the origin; metres and radians. Cost and memory: those of OccupancyBuilder. One object belongs to one thread, a
+// constant one to all.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,8 @@ using CellViews = TileCounts::Cell;
 class ViewCounts {
  public:
   struct Limits {
-    RayLimits rays;            ///< `short_of_end_m` is the tolerance
-    double spacing_m = 0.2;    ///< of two views
+    RayLimits rays;          ///< `short_of_end_m` is the tolerance
+    double spacing_m = 0.2;  ///< of two views
     std::uint64_t max_cells = std::uint64_t{2048} << 20U;
   };
   explicit ViewCounts(const Limits& limits) : limits_(limits) {}

@@ -31,8 +31,8 @@ struct ScanRay {
 
 struct RayLimits {
   double resolution_m = 0.05;
-  double min_range_m = 0.0;      ///< shorter ranges are dropped
-  double max_range_m = 0.0;      ///< at or above it, or the sensor's own limit, a range is no return
+  double min_range_m = 0.0;       ///< shorter ranges are dropped
+  double max_range_m = 0.0;       ///< at or above it, or the sensor's own limit, a range is no return
   double no_return_free_m = 0.0;  ///< length of a beam without return; 0: there is none
   double short_of_end_m = 0.0;    ///< before its end a beam no longer counts as having passed
 };
@@ -70,8 +70,8 @@ struct TurnedLaser {
   SinCos<double> heading;
 };
 
-/// Replaces `rays` by those of the scan, whose beams point along `directions`; returns the cells that they touch. Ranges
-/// that are not finite are no returns. Throws InputError where the laser's pose is not finite.
+/// Replaces `rays` by those of the scan, whose beams point along `directions`; returns the cells that they touch.
+/// Ranges that are not finite are no returns. Throws InputError where the laser's pose is not finite.
 template <class Ray>
 CellBox collect_rays(const LaserScan& scan, const Pose2& T_grid_base, std::span<const Point2> directions,
                      const RayLimits& limits, std::vector<Ray>& rays) {

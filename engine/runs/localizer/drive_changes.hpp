@@ -1,6 +1,6 @@
 // What a drive that was followed in a map tells of changes there. Only scans count that were matched well where the
-// robot was followed, in no doubt about where that is. Frame: the map's, metres. One object belongs to one thread. Cost:
-// engine/mapping/changes.
+// robot was followed, in no doubt about where that is. Frame: the map's, metres. One object belongs to one thread.
+// Cost: engine/mapping/changes.
 #pragma once
 
 #include <optional>
@@ -31,9 +31,7 @@ class DriveChanges {
   [[nodiscard]] std::size_t views() const { return views_.views(); }
   /// Where they were taken, in stretches without a gap.
   [[nodiscard]] const std::vector<Trajectory>& stretches() const { return stretches_; }
-  [[nodiscard]] MapChanges found() const {
-    return find_changes(map_, views_, before_ ? &*before_ : nullptr, limits_);
-  }
+  [[nodiscard]] MapChanges found() const { return find_changes(map_, views_, before_ ? &*before_ : nullptr, limits_); }
 
  private:
   void see_what_was_before(const MapField& field, const MapperConfig& config);

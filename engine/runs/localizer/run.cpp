@@ -230,7 +230,8 @@ double Localizer::least_known_share() const {
 double Localizer::known_share(std::span<const PointCells> points, const Pose2& T_map_base) const {
   const DistanceFieldView field = field_.file.view();
   std::size_t known = 0;
-  for_each_distance(field, points, T_map_base, [&](std::uint16_t distance) { known += distance < field.cap ? 1U : 0U; });
+  for_each_distance(field, points, T_map_base,
+                    [&](std::uint16_t distance) { known += distance < field.cap ? 1U : 0U; });
   return points.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(points.size());
 }
 

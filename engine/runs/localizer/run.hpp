@@ -33,8 +33,8 @@ struct LocalizeLimits {
   static constexpr double kElsewhereGaps = 8.0;
   static constexpr std::uint64_t kRunnerUpBoxes = 50000;  ///< for a pose there
   static constexpr std::uint64_t kElsewhereBoxes = 6000000;
-  static constexpr std::uint64_t kWaitingBoxes = 400000;       ///< of either search where a robot waits
-  static constexpr std::uint64_t kChangedBoxes = 100000;       ///< likewise where much may have changed
+  static constexpr std::uint64_t kWaitingBoxes = 400000;  ///< of either search where a robot waits
+  static constexpr std::uint64_t kChangedBoxes = 100000;  ///< likewise where much may have changed
   /// Share of a scan that the map explains, with which the rest may be what has changed since the map was made.
   static constexpr double kLeastExplained = 0.7;
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away

@@ -1,7 +1,7 @@
 // Runs of several drives joined to sites: what `gdtslam merge` does. The folder that it writes has a run folder for
 // each site, numbered from 1, with the path of each run in it, and merge.json, which tells what was joined with what,
-// why, and what changed meanwhile (docs/formats.md). The same bytes in whatever order the runs are named. One call belongs to one thread; it
-// may use more. Cost: docs/howto/merge.md.
+// why, and what changed meanwhile (docs/formats.md). The same bytes in whatever order the runs are named. One call
+// belongs to one thread; it may use more. Cost: docs/howto/merge.md.
 #pragma once
 
 #include <functional>

@@ -20,8 +20,8 @@ struct RunSession {
   Settings settings;             ///< that it was mapped with
   Trajectory trajectory;
   std::vector<std::size_t> drives;  ///< scans at which another drive begins
-  RunKeyframes kept;  ///< the keyframes; their scans as ranges
-  Session session;    ///< and as points
+  RunKeyframes kept;                ///< the keyframes; their scans as ranges
+  Session session;                  ///< and as points
 };
 
 /// Throws InputError, with what to do, where the folder is no run, its laser nods, it was mapped with --no-loops or by

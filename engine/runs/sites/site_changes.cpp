@@ -143,8 +143,7 @@ Canvas changes_picture_of(const SiteChanges& changes, const OccupancyMap& map, c
   }
   MapLook look;
   look.title = "What changed between the drives";
-  look.subtitle = fmt::format("{} drives; what is gone is not in the map, and what is new is",
-                              changes.drives.size());
+  look.subtitle = fmt::format("{} drives; what is gone is not in the map, and what is new is", changes.drives.size());
   return changes_picture(map, overlay, look, size_for_content(map.geometry.width, map.geometry.height));
 }
 

@@ -174,9 +174,7 @@ TEST(MapChanges, WhoeverWalksByIsNotTold) {
 
 TEST(MapChanges, LoneReturnsAreNotTold) {
   const OccupancyMap map = map_of(room_with({}));
-  const World flickering = [](std::size_t k) {
-    return k % 40 == 7 ? room_with(kNewBox) : room_with({});
-  };
+  const World flickering = [](std::size_t k) { return k % 40 == 7 ? room_with(kNewBox) : room_with({}); };
   EXPECT_TRUE(changes_in(map, flickering).empty());
 }
 
@@ -195,8 +193,7 @@ TEST(MapChanges, ARobotThatStandsHasOneView) {
 
 DriveViews drive_of(const Walls& walls, std::uint64_t seed, double first_s, double last_s) {
   DriveViews drive{counts(), first_s, last_s};
-  drive_through(standing(walls), seed,
-                [&](const LaserScan& scan, const Pose2& pose) { drive.views.add(scan, pose); });
+  drive_through(standing(walls), seed, [&](const LaserScan& scan, const Pose2& pose) { drive.views.add(scan, pose); });
   return drive;
 }
 

@@ -29,9 +29,7 @@ nlohmann::ordered_json cells_json(const DriveChanges& seen, const std::vector<Ch
   return {{"places", patches_of(cells)}, {"cells", cells.size()}, {"area_m2", area_m2(seen, cells)}};
 }
 
-PictureSize size_of(const OccupancyMap& map) {
-  return size_for_content(map.geometry.width, map.geometry.height);
-}
+PictureSize size_of(const OccupancyMap& map) { return size_for_content(map.geometry.width, map.geometry.height); }
 
 }  // namespace
 

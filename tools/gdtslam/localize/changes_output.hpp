@@ -1,5 +1,5 @@
-// What `gdtslam localize --track --changes` tells of changes in the map: a picture, a table beside it, a line for people
-// and JSON for programs. Everything depends on the input alone. Thread-safe; O(cells + pixels).
+// What `gdtslam localize --track --changes` tells of changes in the map: a picture, a table beside it, a line for
+// people and JSON for programs. Everything depends on the input alone. Thread-safe; O(cells + pixels).
 #pragma once
 
 #include <nlohmann/json.hpp>
