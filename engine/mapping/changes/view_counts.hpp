@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/mapping/map/scan_beams.hpp"
 #include "engine/mapping/map/scan_marks.hpp"
-#include "engine/mapping/map/scan_rays.hpp"
 #include "engine/mapping/map/tile_counts.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"

@@ -7,8 +7,8 @@
 
 #include "gdtslam/core/error.hpp"
 #include "growth.hpp"
+#include "scan_beams.hpp"
 #include "scan_marks.hpp"
-#include "scan_rays.hpp"
 #include "tile_counts.hpp"
 
 namespace gdtslam {

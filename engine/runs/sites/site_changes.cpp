@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "engine/mapping/changes/session_changes.hpp"
-#include "engine/mapping/map/scan_rays.hpp"
+#include "engine/mapping/map/scan_beams.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
 
 namespace gdtslam {
