@@ -7,6 +7,7 @@ import scenario_bad_input
 import scenario_bags
 import scenario_bench
 import scenario_calibrate
+import scenario_changes
 import scenario_compare
 import scenario_continue
 import scenario_convert
@@ -38,7 +39,7 @@ import scenario_tilt3d
 import scenario_tiles
 import scenario_tracking
 
-MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
+MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
            scenario_doctor, scenario_edit, scenario_files,
             scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,

@@ -34,6 +34,13 @@ gdtslam doctor office-loop.log --picture "$images/office-loop-log.svg"
 gdtslam map office-loop.log -o coarse --set map.resolution=5cm --set merge.threshold=5cm --set map.truncation=1m
 gdtslam localize coarse/map.yaml office-loop.log --random 60 --reference coarse/trajectory.tum \
   --picture "$images/office-loop-found.png"
+# What changed: a partition is gone, the copier was moved, a box is new (docs/howto/localize.md).
+sed -e '/points: \[\[22, 20\], \[22, 25\]\]/d' -e 's/copier, at: \[32.9, 5.38\]/copier, at: [21.6, 5.38]/' \
+  -e 's/^boxes:/&\n  - {centre: [28.4, 23.6], size: [1.2, 0.8], height: 1.5 m}/' \
+  "$root/assets/scenes/office-loop.yaml" >office-now.yaml
+gdtslam simulate office-now.yaml -o today.log --seed 5
+gdtslam localize office-loop today.log --track --changes "$images/office-loop-changes.png"
+rm "$images/office-loop-changes.csv"
 gdtslam calibrate wall.log -o "$work/wall.yaml" --picture "$images/calibration.png"
 # Of a real log, where there is one: GDTSLAM_DATA names the folder of slam2d/intel.clf.gz.
 if [[ -n ${GDTSLAM_DATA:-} ]]; then

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "engine/core/elementary.hpp"
 #include "gdtslam/core/error.hpp"
 #include "scan_beams.hpp"
 #include "scan_marks.hpp"
@@ -15,36 +14,13 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kEvenSteps = 256.0;
 constexpr std::uint64_t kTileCells = std::uint64_t{kTileSide} * kTileSide;
 /// Cells of the rectangle for each one that is kept: of what buildings and streets span, 6 to 22 % are seen.
 constexpr std::uint64_t kRectangleShare = 4;
 
-/// A pose whose sine and cosine are wanted for each beam.
-struct Laser {
-  explicit Laser(const Pose2& T) : T_map_laser(T), heading(sin_cos(T.theta_rad)) {}
-  [[nodiscard]] Point2 in_map(const Point2& d) const {
-    return {T_map_laser.x_m + heading.cos * d.x() - heading.sin * d.y(),
-            T_map_laser.y_m + heading.sin * d.x() + heading.cos * d.y()};
-  }
-  Pose2 T_map_laser;
-  SinCos<double> heading;
-};
-
-CellBox box_of(CellIndex cell) { return {cell, cell + CellOffset{1, 1}}; }
-
 std::uint64_t cells_of(const CellBox& box) {
   return static_cast<std::uint64_t>(std::int64_t{box.end.x} - box.min.x) *
          static_cast<std::uint64_t>(std::int64_t{box.end.y} - box.min.y);
-}
-
-SubCell sub_cell_of(const Point2& point_m, double resolution_m) {
-  const auto odd = [resolution_m](double coordinate_m) {
-    const double steps = std::floor(coordinate_m / resolution_m * kEvenSteps);
-    constexpr double kFurthest = static_cast<double>(kFurthestCell) * kEvenSteps;
-    return 2 * static_cast<std::int64_t>(std::clamp(steps, -kFurthest, kFurthest)) + 1;
-  };
-  return {odd(point_m.x()), odd(point_m.y())};
 }
 
 [[noreturn]] void refuse(const std::string& needed, std::uint64_t allowed) {
@@ -122,11 +98,7 @@ std::vector<Option> option_table(OccupancyConfig& config) {
   };
 }
 
-struct OccupancyBuilder::Ray {
-  SubCell start;
-  SubCell end;
-  bool is_return = false;
-};
+struct OccupancyBuilder::Ray : ScanRay {};
 
 struct OccupancyBuilder::Tiles {
   ScanMarks marks;  ///< of the scan in hand
@@ -143,39 +115,16 @@ void OccupancyBuilder::update_bearings(const LaserScan& scan) {
       bearings_.step_rad == scan.bearing_step_rad) {
     return;
   }
-  bearings_ = {scan.first_bearing_rad, scan.bearing_step_rad, {}};
-  bearings_.directions.reserve(scan.ranges_m.size());
-  for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
-    const auto [sine, cosine] = beam_direction(scan, k);
-    bearings_.directions.emplace_back(cosine, sine);
-  }
+  bearings_ = {scan.first_bearing_rad, scan.bearing_step_rad, beam_directions(scan)};
 }
 
 CellBox OccupancyBuilder::collect_rays(const LaserScan& scan, const Pose2& T_map_base) {
-  const double limit_m = range_limit_m(scan, limits_.max_range_m);
-  const bool moved = is_skewed(scan);
-  Laser laser(T_map_base * scan.T_base_laser);
-  if (!laser.T_map_laser.is_finite()) throw InputError("a scan of the occupancy map has a pose that is not finite");
-  SubCell start = sub_cell_of(laser.T_map_laser.translation(), limits_.resolution_m);
-  CellBox touched;
-  rays_.clear();
-  for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
-    const auto range_m = static_cast<double>(scan.ranges_m[k]);
-    if (range_m < limits_.min_range_m) continue;
-    const bool is_return = range_m < limit_m;  // false for NaN and infinity
-    const double length_m = is_return ? range_m : std::min(config_.no_return_free_m, limit_m);
-    if (!(length_m > 0.0)) continue;
-    if (moved) {
-      laser = Laser(T_map_base * laser_at_beam(scan, k));
-      start = sub_cell_of(laser.T_map_laser.translation(), limits_.resolution_m);
-    }
-    const Point2 end_m = laser.in_map(bearings_.directions[k] * length_m);
-    if (!end_m.allFinite()) continue;
-    if (moved || rays_.empty()) touched = hull_of(touched, box_of(start.cell()));
-    rays_.push_back({start, sub_cell_of(end_m, limits_.resolution_m), is_return});
-    touched = hull_of(touched, box_of(rays_.back().end.cell()));
-  }
-  return touched;
+  return gdtslam::collect_rays(scan, T_map_base, bearings_.directions,
+                               {.resolution_m = limits_.resolution_m,
+                                .min_range_m = limits_.min_range_m,
+                                .max_range_m = limits_.max_range_m,
+                                .no_return_free_m = config_.no_return_free_m},
+                               rays_);
 }
 
 void OccupancyBuilder::require_room(const CellBox& content) const {

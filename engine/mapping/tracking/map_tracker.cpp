@@ -42,23 +42,42 @@ MapperConfig config_for(MapperConfig config, const FieldView& map) {
   throw ConfigError(text);
 }
 
-KnownFit known_fit_of(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base) {
-  const double r = map.geometry().resolution_m;
-  const SinCos<double> turn = sin_cos(T_map_base.theta_rad);
+/// Points and what their distances add up to, 1/256 cell.
+struct DistanceSum {
+  std::size_t points = 0;
   std::uint64_t sum = 0;
-  std::size_t known = 0;
+  void add(std::uint16_t distance) {
+    ++points;
+    sum += distance;
+  }
+  [[nodiscard]] double share_of(std::size_t all) const {
+    return points == 0 ? 0.0 : static_cast<double>(points) / static_cast<double>(all);
+  }
+  [[nodiscard]] double mean_m(double resolution_m) const {
+    return points == 0 ? 0.0 : resolution_m * static_cast<double>(sum) / (kFieldOne * static_cast<double>(points));
+  }
+};
+
+KnownFit known_fit_of(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base,
+                      double gate_m) {
+  const double r = map.geometry().resolution_m;
+  const double gate = gate_m / r * kFieldOne;
+  const SinCos<double> turn = sin_cos(T_map_base.theta_rad);
+  DistanceSum known;
+  DistanceSum explained;
   for (const PointCells& point : points) {
     const double x = r * static_cast<double>(point.x);
     const double y = r * static_cast<double>(point.y);
     const std::uint16_t distance = map.at(
         map_cell_of({turn.cos * x - turn.sin * y + T_map_base.x_m, turn.sin * x + turn.cos * y + T_map_base.y_m}, r));
     if (distance >= map.cap()) continue;
-    ++known;
-    sum += distance;
+    known.add(distance);
+    if (static_cast<double>(distance) <= gate) explained.add(distance);
   }
-  if (known == 0) return {};
-  return {.share = static_cast<double>(known) / static_cast<double>(points.size()),
-          .mean_distance_m = r * static_cast<double>(sum) / (kFieldOne * static_cast<double>(known))};
+  return {.share = known.share_of(points.size()),
+          .mean_distance_m = known.mean_m(r),
+          .explained = explained.share_of(points.size()),
+          .explained_distance_m = explained.mean_m(r)};
 }
 
 // One for all trackers of a map.
@@ -114,7 +133,7 @@ void MapTracker::State::carry(const Prediction& prediction, const MatchResult& r
 // At the border of a map a scan slides into it, for what lies outside of it costs most: a match must explain what it
 // puts into the map, and that must be enough.
 void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> points) const {
-  const double share = known_fit_of(map->field, points, result.T_map_base).share;
+  const double share = known_fit_of(map->field, points, result.T_map_base, config.gate.final_m).share;
   if (share >= kLeastKnown && result.overlap >= kLeastExplained * share) return;
   result.accepted = false;
   result.doubt = Doubt::kLowOverlap;
@@ -122,7 +141,7 @@ void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> p
 }
 
 void MapTracker::State::weigh(const MatchResult& result, std::span<const PointCells> points) {
-  known = known_fit_of(map->field, points, result.T_map_base);
+  known = known_fit_of(map->field, points, result.T_map_base, config.gate.final_m);
   if (!result.accepted) return;
   const std::optional<Matrix3> by_scan = covariance_by_scan(map->field, points, result.T_map_base, config.gate.final_m);
   if (by_scan) covariance = intersection_of(*by_scan, covariance);

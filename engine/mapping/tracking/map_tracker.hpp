@@ -21,6 +21,10 @@ namespace gdtslam {
 struct KnownFit {
   double share = 0.0;            ///< of its points: those nearer to an obstacle of the map than distances are kept
   double mean_distance_m = 0.0;  ///< of those points
+  /// Share of its points that the map explains: they lie within the last gate of a match. The others may have come or
+  /// gone since the map was made.
+  double explained = 0.0;
+  double explained_distance_m = 0.0;  ///< mean of those points
 };
 
 class MapTracker {

@@ -25,7 +25,7 @@ TrackReference beside_reference(const Localizer& localizer, const LaserScan& sca
   return reference;
 }
 
-TrackedScan followed(RobotTracker& tracker, const ScanRecord& record) {
+TrackedScan follow(RobotTracker& tracker, const ScanRecord& record) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   const std::uint64_t searches = tracker.searches();
@@ -50,7 +50,8 @@ std::optional<ScanRecord> next_unless_stopped(ScanStream& stream, const std::fun
 }  // namespace
 
 TrackedDrive track_drive(const LocalizeJob& job, const Localizer& localizer, const MapperConfig& config, Backend& cpu,
-                         const LocalizeProgress& progress, const std::function<bool()>& stop) {
+                         const LocalizeProgress& progress, const std::function<bool()>& stop,
+                         const ScanFollowed& followed) {
   TrackedDrive drive;
   RobotTracker tracker(localizer, config, cpu);
   ScanStream stream({job.log}, job.read,
@@ -59,7 +60,8 @@ TrackedDrive track_drive(const LocalizeJob& job, const Localizer& localizer, con
   while (!stop()) {
     const std::optional<ScanRecord> record = next_unless_stopped(stream, stop);
     if (!record) break;
-    TrackedScan scan = followed(tracker, *record);
+    TrackedScan scan = follow(tracker, *record);
+    if (followed) followed(record->scan, scan.pose);
     scan.index = job.choice.first + drive.scans.size();
     const std::optional<Pose2> reference =
         job.reference ? job.reference->find(record->scan.stamp_s) : std::optional<Pose2>();

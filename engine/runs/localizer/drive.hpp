@@ -45,9 +45,13 @@ struct TrackedDrive {
   bool interrupted = false;
 };
 
+/// Called with each scan, its ranges and what was found of it.
+using ScanFollowed = std::function<void(const LaserScan&, const TrackedPose&)>;
+
 /// Follows the log from scan `job.choice.first` on; the rest of the choice does not count. `cpu` must be the CPU. Ends
 /// early when stop() is true. Throws InputError, also where no scan is left; FileError, DeviceError, ConfigError.
 TrackedDrive track_drive(const LocalizeJob& job, const Localizer& localizer, const MapperConfig& config, Backend& cpu,
-                         const LocalizeProgress& progress, const std::function<bool()>& stop);
+                         const LocalizeProgress& progress, const std::function<bool()>& stop,
+                         const ScanFollowed& followed = {});
 
 }  // namespace gdtslam

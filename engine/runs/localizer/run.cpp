@@ -38,6 +38,21 @@ FitLimit good_fit_in(const MapField& field, const LocalizeLimits& limits) {
   return fit_limit_of(field.path, resolution_m);
 }
 
+// Calls take() with the distance of each point at that pose from the nearest obstacle; the cap outside of the field.
+template <class Take>
+void for_each_distance(const DistanceFieldView& field, std::span<const PointCells> points, const Pose2& T_map_base,
+                       Take take) {
+  const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
+  const double r = field.geometry.resolution_m;
+  for (const PointCells& point : points) {
+    const auto x = static_cast<double>(point.x) * r;
+    const auto y = static_cast<double>(point.y) * r;
+    const CellIndex cell =
+        field.geometry.cell_of({cos * x - sin * y + T_map_base.x_m, sin * x + cos * y + T_map_base.y_m});
+    take(field.geometry.contains(cell) ? field.at(cell) : field.cap);
+  }
+}
+
 // A search that is cut short at once has tried no pose.
 std::optional<CertifiedResult> if_any(const CertifiedResult& found) {
   return std::isfinite(found.mean_cost_m) ? std::optional(found) : std::nullopt;
@@ -110,24 +125,39 @@ LocalizedScan Localizer::begun(const LaserScan& scan, std::uint64_t index, std::
   return found;
 }
 
-// Where no pose is a good fit the search ends as soon as that is proven.
-LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index) const {
+// What the map does not explain lies at most as far from it as distances are kept.
+double Localizer::worst_of_changed_m() const {
+  const double truncation_m = resolution_m() * static_cast<double>(field_.file.cap) / kFieldOne;
+  const double share = LocalizeLimits::kLeastExplained;
+  return share * good_fit_.distance_m + (1.0 - share) * truncation_m;
+}
+
+// Where no pose is good enough the search ends as soon as that is proven.
+LocalizedScan Localizer::find(const LaserScan& scan, std::uint64_t index, bool with_changes) const {
   const double begin_s = thread_cpu_s();
   const std::vector<PointCells> points = points_to_match(scan, config_, resolution_m());
   LocalizedScan found = begun(scan, index, points);
+  const double good_m = with_changes ? std::max(worst_of_changed_m(), good_fit_.distance_m) : good_fit_.distance_m;
   if (found.has_returns) {
     constexpr double kMostUnits = 4.0e9;
-    const double units = good_fit_.distance_m / resolution_m() * kFieldOne * static_cast<double>(points.size());
+    const double units = good_m / resolution_m() * kFieldOne * static_cast<double>(points.size());
     CertifiedOptions options = options_with(limits_.gap_m);
-    options.max_boxes = LocalizeLimits::kWaitingBoxes;
+    options.max_boxes = with_changes ? LocalizeLimits::kChangedBoxes : LocalizeLimits::kWaitingBoxes;
     options.wanted_bound = static_cast<std::uint32_t>(std::min(units, kMostUnits)) + 1;
     found.best = if_any(search(points, window_, options));
   }
-  if (verdict_of(found, good_fit_.distance_m) == Verdict::kFound) {
+  const bool is_poor = verdict_of(found, good_fit_.distance_m) == Verdict::kPoorFit;
+  found.is_changed = with_changes && is_poor && may_be_changed(points, found.best->T_map_base);
+  const double accepted_m = found.is_changed ? good_m : good_fit_.distance_m;
+  if (verdict_of(found, accepted_m) == Verdict::kFound) {
     found.runner_up =
         elsewhere(points, found.best->T_map_base, found.best->cost + found.as_good, LocalizeLimits::kWaitingBoxes);
   }
-  found.verdict = verdict_of(found, good_fit_.distance_m);
+  found.verdict = verdict_of(found, accepted_m);
+  if (found.is_changed && found.verdict != Verdict::kFound) {
+    found.verdict = Verdict::kPoorFit;  // what fits elsewhere as well has not changed here
+    found.is_changed = false;
+  }
   found.cpu_s = thread_cpu_s() - begin_s;
   return found;
 }
@@ -198,18 +228,25 @@ double Localizer::least_known_share() const {
 }
 
 double Localizer::known_share(std::span<const PointCells> points, const Pose2& T_map_base) const {
-  const auto [sin, cos] = sin_cos(T_map_base.theta_rad);
   const DistanceFieldView field = field_.file.view();
-  const double r = field.geometry.resolution_m;
   std::size_t known = 0;
-  for (const PointCells& point : points) {
-    const auto x = static_cast<double>(point.x) * r;
-    const auto y = static_cast<double>(point.y) * r;
-    const CellIndex cell =
-        field.geometry.cell_of({cos * x - sin * y + T_map_base.x_m, sin * x + cos * y + T_map_base.y_m});
-    known += field.geometry.contains(cell) && field.at(cell) < field.cap ? 1U : 0U;
-  }
+  for_each_distance(field, points, T_map_base,
+                    [&](std::uint16_t distance) { known += distance < field.cap ? 1U : 0U; });
   return points.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(points.size());
+}
+
+bool Localizer::may_be_changed(std::span<const PointCells> points, const Pose2& T_map_base) const {
+  const double gate = config_.gate.final_m / resolution_m() * kFieldOne;
+  std::size_t explained = 0;
+  std::uint64_t sum = 0;
+  for_each_distance(field_.file.view(), points, T_map_base, [&](std::uint16_t distance) {
+    if (static_cast<double>(distance) > gate) return;
+    ++explained;
+    sum += distance;
+  });
+  if (explained == 0) return false;
+  return may_be_changed(static_cast<double>(explained) / static_cast<double>(points.size()),
+                        resolution_m() * static_cast<double>(sum) / (kFieldOne * static_cast<double>(explained)));
 }
 
 }  // namespace gdtslam

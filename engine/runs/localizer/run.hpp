@@ -33,7 +33,10 @@ struct LocalizeLimits {
   static constexpr double kElsewhereGaps = 8.0;
   static constexpr std::uint64_t kRunnerUpBoxes = 50000;  ///< for a pose there
   static constexpr std::uint64_t kElsewhereBoxes = 6000000;
-  static constexpr std::uint64_t kWaitingBoxes = 400000;       ///< of either search where a robot waits
+  static constexpr std::uint64_t kWaitingBoxes = 400000;  ///< of either search where a robot waits
+  static constexpr std::uint64_t kChangedBoxes = 100000;  ///< likewise where much may have changed
+  /// Share of a scan that the map explains, with which the rest may be what has changed since the map was made.
+  static constexpr double kLeastExplained = 0.7;
   static constexpr double kElsewhereM = 1.0;                   ///< elsewhere is this far away
   static constexpr double kElsewhereRad = rad_from_deg(20.0);  ///< or turned this far
   static constexpr double kNearbyGaps = 0.1;                   ///< of the search around the reference
@@ -75,6 +78,8 @@ struct LocalizedScan {
   std::optional<ReferencePose> reference;
   std::uint32_t as_good = 0;  ///< poses are, whose costs differ by no more: the gap in cost units
   Verdict verdict = Verdict::kNoPose;
+  /// It was found though it is no good fit: the map explains enough of it, and the rest has changed.
+  bool is_changed = false;
   /// Whether a pose elsewhere may be as good, as far as the proof tells.
   [[nodiscard]] bool is_ambiguous() const;
 };
@@ -92,8 +97,13 @@ class Localizer {
   [[nodiscard]] LocalizedScan localize(const LaserScan& scan, std::uint64_t index,
                                        const std::optional<Pose2>& T_map_base_reference) const;
   /// The same for a robot that is waiting, which will find out: no pose is proven where none is a good fit or it takes
-  /// too long, and one elsewhere counts as being as good where it takes too long to tell. No reference.
-  [[nodiscard]] LocalizedScan find(const LaserScan& scan, std::uint64_t index) const;
+  /// too long, and one elsewhere counts as being as good where it takes too long to tell. No reference. With changes a
+  /// pose is found, too, at which the map explains enough of the scan, and that well, and that fits nowhere else.
+  [[nodiscard]] LocalizedScan find(const LaserScan& scan, std::uint64_t index, bool with_changes = false) const;
+  /// Whether a scan of which the map explains that share, with that mean distance, may be one of a place that changed.
+  [[nodiscard]] bool may_be_changed(double explained, double mean_distance_m) const {
+    return explained >= LocalizeLimits::kLeastExplained && mean_distance_m <= good_fit_.distance_m;
+  }
   /// Share of the scan's points that a pose puts near an obstacle of the map.
   [[nodiscard]] double known_share(const LaserScan& scan, const Pose2& T_map_base) const;
   /// The least of it with which a scan can be a good fit: points that the map does not have lie at least as far from
@@ -119,6 +129,8 @@ class Localizer {
   [[nodiscard]] ReferencePose beside(std::span<const PointCells> points, const Pose2& T_map_base,
                                      const std::optional<CertifiedResult>& best) const;
   [[nodiscard]] double known_share(std::span<const PointCells> points, const Pose2& T_map_base) const;
+  [[nodiscard]] bool may_be_changed(std::span<const PointCells> points, const Pose2& T_map_base) const;
+  [[nodiscard]] double worst_of_changed_m() const;
 
   MapperConfig config_;
   LocalizeLimits limits_;

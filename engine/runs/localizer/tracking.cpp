@@ -45,9 +45,11 @@ void RobotTracker::follow_in(Place& place, const Scan& scan) const {
   const double step_m = step.translation().norm();
   place.path += step_m + std::fabs(step.theta_rad) / kQuarterTurn_rad;
   place.is_outside = known.share < limits_.least_known;
+  const bool is_matched = place.match.accepted && !place.is_outside;
+  place.is_whole = is_matched && known.mean_distance_m <= localizer_.good_fit().distance_m;
   place.is_good =
-      place.match.accepted && !place.is_outside && known.mean_distance_m <= localizer_.good_fit().distance_m;
-  place.faults = place.is_good ? 0 : place.faults + 1;
+      place.is_whole || (is_matched && localizer_.may_be_changed(known.explained, known.explained_distance_m));
+  place.faults = place.is_whole || (place.is_good && place.is_changed) ? 0 : place.faults + 1;
   if (place.is_good) {
     place.unmatched_m = 0.0;
   } else if (!place.is_outside) {
@@ -66,7 +68,7 @@ TrackedPose RobotTracker::follow(const LaserScan& scan, const std::optional<Pose
     const Pose2 before = here_->match.T_map_base;
     follow_in(*here_, now);
     unasked_m_ += (here_->match.T_map_base.translation() - before.translation()).norm();
-    if (here_->is_good) failed_searches_ = 0;
+    if (here_->is_whole) failed_searches_ = 0;
     if (is_lost(*here_)) here_.reset();
   }
   if (trial_) try_place(now);
@@ -80,10 +82,12 @@ TrackedPose RobotTracker::follow(const LaserScan& scan, const std::optional<Pose
 // A place that was found is believed after some path; where the robot is followed elsewhere, if scans fit it better.
 void RobotTracker::try_place(const Scan& scan) {
   follow_in(*trial_, scan);
-  const bool is_refuted = trial_->faults >= limits_.trial_faults ||
-                          (trial_->faults > 0 && trial_->match.mean_cost_m > 2.0 * localizer_.good_fit().distance_m);
+  const bool is_refuted =
+      trial_->faults >= limits_.trial_faults ||
+      (trial_->faults > 0 && !trial_->is_changed && trial_->match.mean_cost_m > 2.0 * localizer_.good_fit().distance_m);
   if (is_refuted) return trial_.reset();
-  if (trial_->path < limits_.trial_m) return;
+  if (trial_->path < (trial_->is_changed ? limits_.changed_trial_m : limits_.trial_m)) return;
+  trial_->is_changed = false;  // from now on it is asked like any other
   if (!here_ || is_trial_better()) here_ = std::move(trial_);
   trial_.reset();
 }
@@ -94,7 +98,7 @@ bool RobotTracker::is_trial_better() const {
 
 // From the same place the same would be found.
 bool RobotTracker::is_search_due(const std::optional<Pose2>& T_odom_base) {
-  if (here_ && here_->is_good) return here_->is_ambiguous && unasked_m_ >= limits_.ask_again_m;
+  if (here_ && here_->is_whole) return here_->is_ambiguous && unasked_m_ >= limits_.ask_again_m;
   if (here_ && here_->faults < limits_.doubt_scans) return false;
   if (failed_searches_ > 0) {
     const auto rarer = static_cast<double>(std::min(failed_searches_, limits_.most_rare));
@@ -122,11 +126,14 @@ bool RobotTracker::is_here(const Pose2& T_map_base) const {
 void RobotTracker::look_for(const Scan& scan) {
   ++searches_;
   unasked_m_ = 0.0;
-  const LocalizedScan found = localizer_.find(scan.scan, scan.index);
+  LocalizedScan found = localizer_.find(scan.scan, scan.index);
+  if (found.verdict == Verdict::kPoorFit && !here_ && failed_searches_ > limits_.plain_searches) {
+    found = localizer_.find(scan.scan, scan.index, true);
+  }
   if (found.verdict != Verdict::kFound && found.verdict != Verdict::kAmbiguous) return;
   const bool is_same = here_ && is_here(found.best->T_map_base);
-  if (here_ && here_->is_good && found.verdict == Verdict::kAmbiguous && !is_same) return;
-  if (is_same && here_->is_good) {
+  if (here_ && here_->is_whole && found.verdict == Verdict::kAmbiguous && !is_same) return;
+  if (is_same && here_->is_whole) {
     here_->is_ambiguous = found.verdict == Verdict::kAmbiguous;
     return;
   }
@@ -143,7 +150,10 @@ void RobotTracker::look_for(const Scan& scan) {
 RobotTracker::Place RobotTracker::place_at(const LocalizedScan& found, const Scan& scan) const {
   const Point2& origin_m = localizer_.field().kernel_origin_m;
   const Pose2& T = found.best->T_map_base;
-  Place place{.tracker = origin_.another(), .match = {}, .is_ambiguous = found.verdict == Verdict::kAmbiguous};
+  Place place{.tracker = origin_.another(),
+              .match = {},
+              .is_ambiguous = found.verdict == Verdict::kAmbiguous,
+              .is_changed = found.is_changed};
   place.match.T_map_base = {T.x_m - origin_m.x(), T.y_m - origin_m.y(), T.theta_rad};
   place.tracker.start_at(place.match.T_map_base);
   follow_in(place, scan);  // the next step is told from these wheels

@@ -22,7 +22,7 @@ namespace gdtslam {
 enum class Whereabouts : std::uint8_t {
   kUnknown,    ///< not at all: not found yet, or lost
   kFound,      ///< by a search of the whole map; the drive since then is too short to tell whether it is right
-  kTracked,    ///< by a match near where it should be that is a good fit, as the localizer has it
+  kTracked,    ///< by a match near where it should be that is a good fit, as the localizer has it, of most of the scan
   kPredicted,  ///< by the wheels and by matches that are poor or none, since the last one that was good
 };
 inline constexpr std::array kWhereabouts{Whereabouts::kUnknown, Whereabouts::kFound, Whereabouts::kTracked,
@@ -55,7 +55,9 @@ struct TrackLimits {
   double ask_again_m = 0.5;  ///< while it may be elsewhere, one scan after so much path is searched
   double trial_m =
       1.0;  ///< a place is believed after so much path with good matches; a turn by 90 degrees counts as a metre
-  std::uint32_t trial_faults = 3;  ///< so many scans in a row that are none refute it
+  double changed_trial_m = 3.0;      ///< likewise where it was found though much has changed there
+  std::uint32_t plain_searches = 1;  ///< that must fail before a place may be one that has changed
+  std::uint32_t trial_faults = 3;    ///< so many scans in a row that are none refute it
   double better =
       0.7;  ///< a place that was found takes the robot from where it was followed if distances there are so much less
 };
@@ -76,12 +78,14 @@ class RobotTracker {
   struct Place {
     MapTracker tracker;
     MatchResult match;        // of the last scan; poses from the kernels' origin
-    bool is_good = false;     // of the last scan, as is the next
+    bool is_good = false;     // of the last scan, as are the next two
+    bool is_whole = false;    // good without anything that has changed
     bool is_outside = false;  // too little of the scan lies in the map to say anything
     bool is_ambiguous = false;
+    bool is_changed = false;      // it was found though much has changed
     double path = 0.0;            // metres and quarter turns since it was found
     double unmatched_m = 0.0;     // path in the map since a good match
-    std::uint32_t faults = 0;     // scans in a row without a good match
+    std::uint32_t faults = 0;     // scans in a row without a good match, whole unless it was found as changed
     double distance_sum_m = 0.0;  // of the scans since the trial began, as the next
   };
   struct Scan {

@@ -11,6 +11,7 @@
 #include "engine/mapping/map/separate_map.hpp"
 #include "engine/runs/continuing/log_copies.hpp"
 #include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/folder/run_report.hpp"
 #include "engine/runs/sites/site_outcome.hpp"
 #include "gdtslam/core/error.hpp"
@@ -90,8 +91,19 @@ void leave_out_old(RunFolder& folder, std::size_t sessions) {
   }
 }
 
-JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const std::vector<const RunSession*>& runs,
+void draw_changes(const MergeRequest& request, const JoinedSite& joined, const MergedSite& site,
+                  const std::vector<const RunSession*>& runs, RunFolder& folder, MapOutcome& outcome) {
+  if (request.with_map && request.with_pictures && !joined.changes.last.empty()) {
+    write_picture(folder, "changes", changes_picture_of(joined.changes, outcome.occupancy, site, runs),
+                  outcome.warnings);
+    return;
+  }
+  for (const char* name : {"changes.png", "changes.svg"}) folder.without(name);  // an earlier merge may have had some
+}
+
+JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const std::vector<RunSession*>& joined_runs,
                       std::size_t number) {
+  const std::vector<const RunSession*> runs(joined_runs.begin(), joined_runs.end());
   JoinedSite joined;
   joined.folder = request.folder + "/" + std::to_string(number);
   if (!request.replace_foreign_files) require_no_foreign_files(joined.folder);
@@ -105,6 +117,7 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
         {runs[k]->folder, runs[k]->name, std::to_string(number) + "/" + session_file(k), paths.back().size()});
   }
   leave_out_old(folder, runs.size());
+  joined.changes = take_out_changes(site, joined_runs);
   MapOutcome outcome = site_outcome(site, runs, paths);
   const MapJob job = job_of(request, runs);
   times.add("prepare");
@@ -112,7 +125,11 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   const std::unique_ptr<SeparateMap> map = map_of(runs, site);
   outcome.match_distances_m = distances_from(map->field(), runs, site.poses);
   const WrittenField field = write_run_field(folder, job, map->field(), times);
-  if (job.with_occupancy) outcome.occupancy = occupancy_of(runs, site);
+  if (job.with_occupancy) {
+    outcome.occupancy = occupancy_of(runs, site);
+    mark_changes(joined.changes, outcome.occupancy);
+  }
+  draw_changes(request, joined, site, runs, folder, outcome);
   for (const char* name : {"cloud.ply", "cloud.png", "linkage.yaml"}) folder.without(name);
   LogCopies::leave_out(folder);  // of a run that lay there
   times.skip();
@@ -159,7 +176,8 @@ std::string report_of(const MergeOutcome& outcome) {
                                {"keyframes", site.keyframes},
                                {"loops_between", site.loops_between},
                                {"loops_switched_off", site.loops_off},
-                               {"map_sha256", site.map_sha256}});
+                               {"map_sha256", site.map_sha256},
+                               {"changes", changes_json(site.changes)}});
   }
   report["pairs"] = nlohmann::ordered_json::array();
   for (const RunPair& pair : outcome.pairs) report["pairs"].push_back(pair_json(pair));
@@ -169,7 +187,7 @@ std::string report_of(const MergeOutcome& outcome) {
 }  // namespace
 
 MergeOutcome merge_runs(const MergeRequest& request) {
-  const std::vector<RunSession> runs = read_runs(request);
+  std::vector<RunSession> runs = read_runs(request);
   std::vector<Session> sessions;
   sessions.reserve(runs.size());
   for (const RunSession& run : runs) sessions.push_back(run.session);
@@ -184,7 +202,7 @@ MergeOutcome merge_runs(const MergeRequest& request) {
     outcome.pairs.push_back(std::move(pair));
   }
   for (const MergedSite& site : merged.sites) {
-    std::vector<const RunSession*> of_site;
+    std::vector<RunSession*> of_site;
     of_site.reserve(site.sessions.size());
     for (const std::size_t k : site.sessions) of_site.push_back(&runs[k]);
     outcome.sites.push_back(write_site(request, site, of_site, outcome.sites.size() + 1));

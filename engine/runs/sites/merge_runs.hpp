@@ -1,7 +1,7 @@
 // Runs of several drives joined to sites: what `gdtslam merge` does. The folder that it writes has a run folder for
-// each site, numbered from 1, with the path of each run in it, and merge.json, which tells what was joined with what
-// and why (docs/formats.md). The same bytes in whatever order the runs are named. One call belongs to one thread; it
-// may use more. Cost: docs/howto/merge.md.
+// each site, numbered from 1, with the path of each run in it, and merge.json, which tells what was joined with what,
+// why, and what changed meanwhile (docs/formats.md). The same bytes in whatever order the runs are named. One call
+// belongs to one thread; it may use more. Cost: docs/howto/merge.md.
 #pragma once
 
 #include <functional>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/mapping/sessions/session_merge.hpp"
+#include "engine/runs/sites/site_changes.hpp"
 
 namespace gdtslam {
 
@@ -44,6 +45,7 @@ struct JoinedSite {
   std::size_t loops_between = 0;
   std::size_t loops_off = 0;
   std::string map_sha256;
+  SiteChanges changes;
 };
 
 /// Two runs of which one was searched in the other.

@@ -85,9 +85,10 @@ RunSession read_run_session(const std::string& folder) {
                  .keyframes_sha256 = *reader.summary().keyframes_sha256,
                  .settings = reader.settings(),
                  .trajectory = reader.trajectory(),
+                 .drives = reader.summary().drives,
                  .kept = std::move(*kept),
                  .session = {}};
-  take_keyframes(run.kept, run.settings.mapper, reader.summary().drives, run.session);
+  take_keyframes(run.kept, run.settings.mapper, run.drives, run.session);
   take_graph(folder, run.kept, run.session);
   return run;
 }

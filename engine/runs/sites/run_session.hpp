@@ -2,6 +2,7 @@
 // were closed. Frame: the run's map. Thread-safe; linear in the keyframes.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,9 @@ struct RunSession {
   std::string keyframes_sha256;  ///< tells it from others
   Settings settings;             ///< that it was mapped with
   Trajectory trajectory;
-  RunKeyframes kept;  ///< the keyframes; their scans as ranges
-  Session session;    ///< and as points
+  std::vector<std::size_t> drives;  ///< scans at which another drive begins
+  RunKeyframes kept;                ///< the keyframes; their scans as ranges
+  Session session;                  ///< and as points
 };
 
 /// Throws InputError, with what to do, where the folder is no run, its laser nods, it was mapped with --no-loops or by

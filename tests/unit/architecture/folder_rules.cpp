@@ -48,6 +48,7 @@ Arrows make_arrows() {
       {"engine/mapping/back_end",
        {"engine/mapping/adjust", "engine/mapping/loops", "engine/mapping/wheels", "engine/mapping/surface",
         "engine/mapping/graph"}},
+      {"engine/mapping/changes", {"engine/mapping/map"}},
       {"engine/mapping/tracking",
        {"engine/mapping/match", "engine/mapping/cost", "engine/mapping/wheels", "engine/mapping/graph",
         "engine/mapping/map", "engine/mapping/map/store"}},

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "changes_output.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
@@ -79,6 +80,10 @@ void check(const LocalizeOptions& options) {
   check_written_file("--output", options.trajectory, inputs);
   check_written_file("--picture", options.picture, inputs);
   check_written_file("--table", options.table, inputs);
+  if (options.changes.empty()) return;
+  check_drawing_file("--changes", options.changes);
+  check_written_file("--changes", options.changes, inputs);
+  check_written_file("--changes", changes_table_file(options.changes), inputs);
 }
 
 void write_files(const LocalizeOptions& options, const LocalizeJob& job, const Localizer& localizer,
@@ -206,6 +211,12 @@ void add_tracking_options(CLI::App& command, LocalizeOptions& chosen) {
   command.add_option("--table", chosen.table, "Write a line for every scan followed, CSV")
       ->type_name("FILE")
       ->needs(track);
+  command
+      .add_option("--changes", chosen.changes,
+                  "Draw what is new and what is gone in the map: .svg, .png or .pdf, with a table of its cells, .csv,\n"
+                  "beside it")
+      ->type_name("FILE")
+      ->needs(track);
 }
 
 void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
@@ -286,7 +297,8 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       "errors (against the reference: within, distance_m, angle_deg, faults), scans (scan, stamp_s, points, verdict,\n"
       "best, runner_up, ambiguous, reference), warnings, times. docs/howto/localize.md explains them.\n"
       "\n"
-      "--track: JSON has whereabouts (counts), ambiguous, searches, unknown (stretches), errors, warnings, times.\n"
+      "--track: JSON has whereabouts (counts), ambiguous, searches, unknown (stretches), errors, warnings, times, and\n"
+      "with --changes changes (views, new, gone).\n"
       "\n"
       "Examples:\n"
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"
@@ -294,6 +306,7 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       "  gdtslam localize warehouse/map.yaml today.bag --every 50 --picture poses.png\n"
       "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel/trajectory.tum\n"
       "  gdtslam localize intel today.clf.gz --track -o track.tum --table track.csv --picture track.png\n"
+      "  gdtslam localize intel today.clf.gz --track --changes changes.png\n"
       "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");
   command->callback([&context, options] { context.run = [options] { return localize(*options); }; });
 }

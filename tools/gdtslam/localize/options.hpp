@@ -35,6 +35,7 @@ struct LocalizeOptions {
   bool quiet = false;
   bool track = false;
   std::string table;       ///< of --track, to be written; empty: none
+  std::string changes;     ///< likewise, the picture
   std::string trajectory;  ///< to be written; empty: none
   std::string picture;
   SettingsOptions settings;

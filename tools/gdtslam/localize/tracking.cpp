@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <memory>
 
+#include "changes_output.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/localizer/drive.hpp"
+#include "engine/runs/localizer/drive_changes.hpp"
 #include "engine/runs/localizer/drive_figures.hpp"
 #include "engine/runs/mapping/stopwatch.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -23,6 +25,8 @@ struct TrackWork {
   std::unique_ptr<Backend> cpu;  // follows, whatever searches
   std::unique_ptr<Localizer> localizer;
   TrackedDrive drive;
+  std::unique_ptr<DriveChanges> changes;  // where they are asked for
+  MapChanges found;
 };
 
 // One scan comes after the other, so threads are left for nothing but the kernels, which are too short for them.
@@ -34,10 +38,17 @@ TrackWork track_with(const LocalizeOptions& options, const Settings& settings, c
   device.device = "cpu";
   work.cpu = make_backend(device);
   work.localizer = std::make_unique<Localizer>(options.map, settings.mapper, limits_of(options), *work.backend);
+  if (!options.changes.empty()) {
+    work.changes = std::make_unique<DriveChanges>(work.localizer->field(), settings.mapper, ChangeLimits{});
+  }
   ProgressLine progress("scans", options.quiet);
   work.drive = track_drive(
       job, *work.localizer, settings.mapper, *work.cpu,
-      [&progress](std::uint64_t scans, double share) { progress.update(scans, share); }, [] { return interrupted(); });
+      [&progress](std::uint64_t scans, double share) { progress.update(scans, share); }, [] { return interrupted(); },
+      [&work](const LaserScan& scan, const TrackedPose& pose) {
+        if (work.changes) work.changes->see(scan, pose);
+      });
+  if (work.changes) work.found = work.changes->found();
   return work;
 }
 
@@ -101,12 +112,16 @@ int track(const LocalizeOptions& options, const Settings& settings, const Locali
   require_compared(job, drive);
   watch.add_to(times.wall_s, times.cpu_s);
   write_track_files(options, job, *work.localizer, drive);
+  if (work.changes) write_changes(options.changes, job, *work.changes, work.found);
   print_track_remarks(drive);
   if (options.json) {
     times.device = work.backend->device().name;
-    print_result(json_text(as_json(job, *work.localizer, drive, times)));
+    nlohmann::ordered_json report = as_json(job, *work.localizer, drive, times);
+    if (work.changes) report["changes"] = as_json(*work.changes, work.found);
+    print_result(json_text(report));
   } else if (!options.quiet) {
-    print_result(as_text(job, *work.localizer, drive));
+    const std::string changes = work.changes ? as_text(*work.changes, work.found) : std::string();
+    print_result(as_text(job, *work.localizer, drive) + changes);
   }
   if (drive.interrupted) return static_cast<int>(ExitCode::kInterrupted);
   const DriveFigures figures = figures_of(drive);

@@ -41,6 +41,11 @@ std::string text_of(const JoinedSite& site) {
   for (const JoinedRun& run : site.runs) {
     text += fmt::format("  {}  {} scans\n", printable(run.folder), run.scans);
   }
+  const MapChanges& changes = site.changes.last;
+  if (!changes.empty()) {
+    text += fmt::format("  changed between the drives: new in {}, gone in {}\n",
+                        count_of(patches_of(changes.appeared), "place"), count_of(patches_of(changes.gone), "place"));
+  }
   return text;
 }
 
@@ -110,6 +115,9 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
       "their own. Then loops between the runs are closed and all keyframes adjusted together.\n"
       "A site is a run folder as 'gdtslam map' writes it, in the frame of its first drive, with session-1.tum,\n"
       "session-2.tum and so on, the path of each run in it. Runs are those of flat lasers that closed their loops.\n"
+      "Where a later drive saw through what was a wall earlier, the wall is not in the site; changes.png shows what "
+      "is\n"
+      "new and gone.\n"
       "\n"
       "Examples:\n"
       "  gdtslam merge monday tuesday wednesday -o site\n"

@@ -1,0 +1,73 @@
+// What is new and what is gone in a map, by views that were counted since it was made. New is where views end again and
+// again though the map has the cell as free, away from its walls; gone is what the map has as a wall and views pass
+// through, again and again, and through everything around. The evidence is that of an occupancy grid, hits against
+// misses [Moravec1985], with a least number of views on top: a lone return, glass that now and then reflects and
+// whoever walks by make no change. Frame: the cells of the map's grid. Thread-safe; O(cells seen x cells within the
+// tolerance).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/mapping/changes/view_counts.hpp"
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+/// How much has to speak for a change.
+struct ChangeLimits {
+  double tolerance_m = 0.1;         ///< nearer to a wall a return may be the wall; smaller things are not told
+  double spacing_m = 0.2;           ///< between two views, which count as independent
+  std::uint32_t least_views = 5;    ///< that ended in a new cell, or passed through one that is gone
+  std::uint32_t beside_views = 2;   ///< that ended in a cell within the tolerance of a new one: it belongs to it
+  double least_share = 0.6;         ///< of the views that saw a new cell: those that ended in it
+  double most_contradicted = 0.15;  ///< ends within the tolerance for each view that passed through what is gone
+  double patch_gap_m = 0.3;         ///< cells that lie nearer to each other are one patch
+};
+
+/// A cell that changed, with the views that say so.
+struct ChangedCell {
+  CellIndex cell;
+  CellViews views;
+  std::uint32_t patch = 0;  ///< from 0, by their first cells
+};
+
+/// Both sorted by rows, then columns; patches reach over the tolerance at least.
+struct MapChanges {
+  std::vector<ChangedCell> appeared;
+  std::vector<ChangedCell> gone;
+  [[nodiscard]] bool empty() const { return appeared.empty() && gone.empty(); }
+};
+
+/// How many patches there are.
+std::size_t patches_of(std::span<const ChangedCell> cells);
+
+/// `views` were counted in the map's grid, as were those `before` that the map was made from, if they are known: then
+/// they must have seen what is new as free, all around, and what is gone as a wall, which cells that a beam grazed and
+/// glass were not.
+MapChanges find_changes(const OccupancyMap& map, const ViewCounts& views, const ViewCounts* before,
+                        const ChangeLimits& limits);
+
+/// What views say of a cell by itself.
+class ViewJudge {
+ public:
+  ViewJudge(double resolution_m, const ChangeLimits& limits);
+  /// Enough of them passed through it, and they saw all of its surroundings, up to the tolerance, as free.
+  [[nodiscard]] bool is_free(const ViewCounts& views, CellIndex cell) const;
+  /// So many at least ended in it, and most of those that saw it.
+  [[nodiscard]] bool is_wall(const CellViews& views, std::uint32_t least_views) const;
+  /// The cells within the tolerance of one, that one among them.
+  [[nodiscard]] const std::vector<CellOffset>& surroundings() const { return disc_; }
+
+ private:
+  ChangeLimits limits_;
+  std::vector<CellOffset> disc_;
+};
+
+/// Sorts the cells, numbers the patches and leaves out those that are too small.
+void keep_patches(std::vector<ChangedCell>& cells, double resolution_m, const ChangeLimits& limits);
+
+}  // namespace gdtslam

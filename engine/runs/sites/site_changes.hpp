@@ -1,0 +1,51 @@
+// What changed in a site between its drives, kept out of its walls: readings of what a later drive saw to be gone are
+// taken out of the scans that the map is made from, so that every map of the site is without it. Frame: the site's.
+// Thread-safe; linear in the beams of all keyframes.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "engine/drawing/maps/changes_picture.hpp"
+#include "engine/mapping/changes/map_changes.hpp"
+#include "engine/mapping/sessions/session_merge.hpp"
+#include "engine/runs/sites/run_session.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+/// A drive of a site's runs: a site that is merged again has several.
+struct SiteDrive {
+  std::size_t run = 0;  ///< of the site
+  std::string folder;   ///< of that run
+  std::size_t first_keyframe = 0;
+  std::size_t end_keyframe = 0;
+  double first_s = 0.0;  ///< stamps of its scans
+  double last_s = 0.0;
+};
+
+struct SiteChanges {
+  double resolution_m = 0.0;
+  std::vector<SiteDrive> drives;
+  std::vector<MapChanges> by_drive;  ///< cells count from the frame's origin
+  MapChanges last;                   ///< of all drives: what stands now, and what is gone
+  std::size_t readings = 0;          ///< taken out
+};
+
+/// Finds the changes, and takes the readings of what is gone out of the runs' keyframes.
+SiteChanges take_out_changes(const MergedSite& site, const std::vector<RunSession*>& runs);
+
+/// What a later drive saw as a wall and earlier ones saw through is one, and what is gone is free.
+void mark_changes(const SiteChanges& changes, OccupancyMap& map);
+
+/// For changes.png of the site.
+Canvas changes_picture_of(const SiteChanges& changes, const OccupancyMap& map, const MergedSite& site,
+                          const std::vector<const RunSession*>& runs);
+
+/// For merge.json: of each drive, in the order of the site's runs.
+nlohmann::ordered_json changes_json(const SiteChanges& changes);
+
+}  // namespace gdtslam
