@@ -15,7 +15,7 @@
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "growth.hpp"
+#include "store/growth.hpp"
 #include "scan_marks.hpp"
 
 namespace gdtslam {
