@@ -15,8 +15,8 @@
 #include "gdtslam/core/grid_geometry.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/core/stream.hpp"
-#include "store/growth.hpp"
 #include "scan_marks.hpp"
+#include "store/growth.hpp"
 
 namespace gdtslam {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -25,7 +24,7 @@ inline constexpr std::size_t kBlockCells = kTileOfStripCells * kBlockTiles;
 struct BlockIndex {
   std::int32_t x = 0;
   std::int32_t y = 0;
-  auto operator<=>(const BlockIndex&) const = default;
+  friend bool operator<(const BlockIndex& a, const BlockIndex& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; }
 };
 
 /// Which tiles of a block are known: a bit each, the lowest tile first.
