@@ -228,7 +228,7 @@ bool is_file_of_a_run(std::string_view name) {
                std::string_view::npos;
   };
   return std::find(kRunFiles.begin(), kRunFiles.end(), name) != kRunFiles.end() || is_numbered("log-", ".copy") ||
-         is_numbered("session-", ".tum") || name.starts_with(kStagingPrefix);
+         is_numbered("session-", ".tum") || name == "tiles" || name.starts_with(kStagingPrefix);
 }
 
 void leave_out_edits(RunFolder& folder) {

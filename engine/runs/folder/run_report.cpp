@@ -244,7 +244,8 @@ WrittenField write_run_field(RunFolder& folder, const MapJob& job, const GlobalF
   folder.staged("gdt.png");
   write_distance_field(folder.staged("gdt.yaml"), rows_of(field));
   times.add("write_field");
-  folder.without(kTileFolder);
+  std::error_code ignored;  // what cannot be asked about is not in the way
+  if (std::filesystem::exists(folder.file(kTileFolder) + "/" + kTileIndex, ignored)) folder.without(kTileFolder);
   WrittenField written{.geometry = field.geometry(), .sha256 = sha256_of(rows_of(field))};
   times.add("hash");
   return written;

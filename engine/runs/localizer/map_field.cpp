@@ -129,9 +129,26 @@ bool looks_like_map(const std::string& path) {
   return ending == ".yaml" || ending == ".yml" || fs::exists(fs::path(path) / "gdt.yaml", ignored);
 }
 
+namespace {
+
+// A site in tiles has no field as a whole.
+void require_one_piece(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code ignored;  // what cannot be asked about shows when it cannot be read
+  if (std::filesystem::exists(path, ignored) || !std::filesystem::exists(folder / "tiles" / "index.json", ignored))
+    return;
+  throw InputError(
+      {folder.string(), 0},
+      "has its map in tiles: name one of them, as tiles/map_0_0.yaml, or cut a piece out with 'gdtslam edit "
+      "RUN --crop X0,Y0,X1,Y1 -o DIR'");
+}
+
+}  // namespace
+
 MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa) {
   const std::string path = description_file_of(map);
   if (is_occupancy_map(path)) return field_of_occupied(path, config, isa);
+  require_one_piece(path);
   MapField field;
   field.path = path;
   field.file = read_distance_field(path);
