@@ -35,7 +35,8 @@ def merge_joins_what_overlaps():
     cli.validate(process.stdout, "merge")
     merged = json.loads(process.stdout)
     expect(process.stdout == (folder / "site/merge.json").read_text(), "another merge.json")
-    expect(len(merged["sites"]) == 1 and merged["pairs"][0]["is_joined"], process.stdout)
+    expect(len(merged["sites"]) == 1 and merged["searches"][0]["is_joined"], process.stdout)
+    expect(len(merged["edges"]) == 1, process.stdout)
     expect([run["run"] for run in merged["sites"][0]["runs"]] == [str(early), str(late)], "not in the order of time")
     site = folder / "site/1"
     report = scans_in(site)
@@ -70,7 +71,7 @@ def merge_leaves_apart_what_does_not_overlap():
     process = command("merge", folder / "other", folder / "office", "-o", folder / "sites")
     expect_exit(process, 0)
     merged = json.loads((folder / "sites/merge.json").read_text())
-    expect(len(merged["sites"]) == 2 and not merged["pairs"][0]["is_joined"], process.stdout)
+    expect(len(merged["sites"]) == 2 and not merged["searches"][0]["is_joined"] and not merged["edges"], process.stdout)
     for site in merged["sites"]:
         run, = site["runs"]
         here, there = (poses_of(path / "trajectory.tum") for path in (folder / "sites" / site["folder"], pathlib.Path(run["run"])))

@@ -166,7 +166,47 @@ def yard(rng):
     return world
 
 
-WORLDS = {"corridors": corridors, "doors": doors, "wings": wings, "yard": yard}
+def twins(rng):
+    """Two wings with the same rooms, furniture and all, at the ends of a hall that is like nothing else: 62 by 18 m."""
+    world = World(20.0)
+    world.rectangle(0, 0, 62, 18)
+    rooms, doors_m, wide_m = 4, 1.2, 6.0
+    hall = [world.corner(x, 9) for x in (25.2, 31, 36.8)]
+    sides = [world.corner(31, 3), world.corner(31, 15)]
+    for a, b in ((hall[0], hall[1]), (hall[1], hall[2]), (hall[1], sides[0]), (hall[1], sides[1])):
+        world.way(a, b)
+    for x0, ends in ((0.0, (None, hall[0])), (38.0, (hall[2], None))):
+        same = random.Random("furniture")
+        before = ends[0]
+        for k in range(rooms):
+            middle = x0 + wide_m * (k + 0.5)
+            here = world.corner(middle, 9)
+            if before is not None:
+                world.way(before, here)
+            before = here
+            for low, high, door_y in ((0.0, 8.0, 8.0), (10.0, 18.0, 10.0)):
+                room = world.corner(middle, 0.5 * (low + high))
+                world.way(here, room)
+                half = 0.5 * (wide_m - doors_m)
+                world.box(middle - 0.5 * (half + doors_m), door_y, half, 0.1)
+                world.box(middle + 0.5 * (half + doors_m), door_y, half, 0.1)
+                for side in (-1, 1):
+                    for depth_m in (2.0, 5.5):
+                        world.box(middle + side * same.uniform(1.6, 2.3), low + depth_m + same.uniform(-0.8, 0.8),
+                                  same.uniform(0.4, 1.2), same.uniform(0.4, 1.4), same.uniform(0, 90))
+        if ends[1] is not None:
+            world.way(before, ends[1])
+        for k in range(rooms + 1):
+            for y in (4.0, 14.0):
+                world.box(x0 + wide_m * k, y, 0.1, 8.0)
+    for x in (27.2, 34.8):
+        for y in (2.8, 6.0, 12.0, 15.2):
+            world.box(x + rng.uniform(-1.2, 1.2), y + rng.uniform(-1.0, 1.0), rng.uniform(0.3, 1.6), rng.uniform(0.3, 1.2),
+                      rng.uniform(0, 90))
+    return world
+
+
+WORLDS = {"corridors": corridors, "doors": doors, "wings": wings, "yard": yard, "twins": twins}
 
 
 def run(*command):

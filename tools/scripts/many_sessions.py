@@ -8,6 +8,7 @@ overlap where at least 10 m of one come within 2 m of the other; they are joined
 1 where an edge is wrong. FOLDER is removed unless it is given."""
 
 import argparse
+import itertools
 import json
 import math
 import pathlib
@@ -95,13 +96,13 @@ def figures(sessions, merged):
     by_folder = {str(session.folder): session for session in sessions}
     site_of = {entry["run"]: site["folder"] for site in report["sites"] for entry in site["runs"]}
     found = {"edges": 0, "wrong": 0, "overlap": 0, "joined": 0, "sites": len(report["sites"]), "ate": 0.0}
-    for pair in report["pairs"]:
-        reference, query = by_folder[pair["searched_in"]], by_folder[pair["searched"]]
-        found["edges"] += pair["is_joined"]
-        found["wrong"] += any(is_wrong(fix, reference, query) for fix in pair["fixes"])
-        if do_overlap(query, reference) or do_overlap(reference, query):
+    for edge in report["edges"]:
+        found["edges"] += 1
+        found["wrong"] += any(is_wrong(fix, by_folder[edge["in"]], by_folder[edge["run"]]) for fix in edge["fixes"])
+    for a, b in itertools.combinations(sessions, 2):
+        if do_overlap(a, b) or do_overlap(b, a):
             found["overlap"] += 1
-            found["joined"] += site_of[pair["searched_in"]] == site_of[pair["searched"]]
+            found["joined"] += site_of[str(a.folder)] == site_of[str(b.folder)]
     for site in report["sites"]:
         poses, truth = [], []
         for entry in site["runs"]:

@@ -19,17 +19,18 @@ namespace {
 constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
 constexpr double kPlaceSpacing_m = 0.1;     // and of a place
 constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
-constexpr double kDroveThere_m = 1.5;       // of a robot from where another was, to see the same
-constexpr double kFitsAtAll = 1.25;         // of the mean distance at which a place is found: much may have changed
-constexpr double kBesideHalf_m = 0.5;       // of the window around a pose that is asked about: drift of both
+constexpr double kWallSpacing_m = 0.5;
+constexpr double kDroveThere_m = 1.5;  // of a robot from where another was, to see the same
+constexpr double kFitsAtAll = 1.25;    // of the mean distance at which a place is found: much may have changed
+constexpr double kBesideHalf_m = 0.5;  // of the window around a pose that is asked about: drift of both
 constexpr double kBesideHalf_rad = 0.05;
 constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
 constexpr std::size_t kQueriesApart = 4;                // of which one is looked for before the others between
 
 KeyframePath path_of(const Session& session) { return {session.scans, session.poses, session.path_m}; }
 
-std::vector<Point2> points_of(const Session& session) {
-  PointThinner thinner(kSessionSpacing_m);
+std::vector<Point2> points_of(const Session& session, double spacing_m) {
+  PointThinner thinner(spacing_m);
   std::vector<Point2> points;
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
     for (const Point2& point : points_of(session.scans[i])) {
@@ -63,7 +64,7 @@ PoseWindow window_around(const std::vector<Pose2>& poses, double beyond_m) {
 struct SessionMap::State {
   State(const Session& session, const SessionSearchOptions& options)
       : backend(make_cpu_backend({})),
-        field(field_of(points_of(session), options.resolution_m, *backend, mutex)),
+        field(field_of(points_of(session, kSessionSpacing_m), options.resolution_m, *backend, mutex)),
         map(field.view(), best_isa()),
         window(window_around(session.poses, options.beyond_m)) {}
 
@@ -132,6 +133,19 @@ double SessionMap::mean_beside_m(const Session& query, std::size_t keyframe, con
   return find_pose(state_->map, points, beside, search).mean_cost_m;
 }
 
+bool SessionMap::fits_elsewhere(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
+  const ScanGroup group(path_of(query), fix.keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
+  const double unit = 256.0 / options_.resolution_m * static_cast<double>(points.size());
+  CertifiedOptions search;
+  search.gap_m = 0.0;
+  search.max_boxes = options_.most_boxes;
+  search.excluded = ExcludedPoses{T_map_keyframe};
+  search.wanted_bound = static_cast<std::uint32_t>((fix.mean_m + as_good_m(fix)) * unit) + 1;
+  const CertifiedResult elsewhere = find_pose(state_->map, points, state_->window, search);
+  return elsewhere.stop != CertifiedStop::kNothingAllowed && elsewhere.bound < search.wanted_bound;
+}
+
 bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
   return mean_beside_m(query, fix.keyframe, T_map_keyframe) <= fix.mean_m + as_good_m(fix);
 }
@@ -144,6 +158,8 @@ SessionMap::Test SessionMap::test(const Session& query, std::size_t keyframe, co
   return mean_beside_m(query, keyframe, T_map_keyframe) <= kFitsAtAll * options_.most_m ? Test::kFits
                                                                                         : Test::kDoesNotFit;
 }
+
+std::size_t walls_of(const Session& session) { return points_of(session, kWallSpacing_m).size(); }
 
 std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most) {
   const std::size_t count = std::min(most, query.places.size());

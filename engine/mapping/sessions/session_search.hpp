@@ -56,6 +56,8 @@ class SessionMap {
   [[nodiscard]] SessionFix find(const Session& query, std::size_t keyframe) const;
   /// Whether what was found fits as well there, or a little beside.
   [[nodiscard]] bool fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
+  /// Whether it fits as well, as it did when it was found, anywhere but there.
+  [[nodiscard]] bool fits_elsewhere(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
   /// Whether the keyframe, taken there or a little beside, would lie where this session drove, and whether what was
   /// seen around it fits then at all.
   enum class Test : std::uint8_t { kElsewhere, kFits, kDoesNotFit };
@@ -74,6 +76,8 @@ class SessionMap {
 /// Places of a session, as keyframes, evenly along its path, in the order in which they are worth to be looked for:
 /// first those that are far from each other.
 std::vector<std::size_t> places_to_look_for(const Session& query, std::size_t most);
+/// How much of walls a session saw, in squares of half a metre that hold a point.
+std::size_t walls_of(const Session& session);
 /// Keyframes beside one that was found, to both sides: sessions that overlap little have but a place or two in common.
 std::vector<std::size_t> keyframes_beside(const Session& query, std::size_t keyframe);
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <iterator>
 #include <span>
+#include <utility>
 
 #include "engine/mapping/graph/free_network.hpp"
 #include "engine/mapping/loops/carried_keyframes.hpp"
-#include "engine/mapping/sessions/session_merge.hpp"
+#include "engine/mapping/sessions/site_growth.hpp"
 
 namespace gdtslam {
 namespace {
@@ -46,9 +47,9 @@ PoseRelation turned_round(const PoseRelation& relation) {
 }  // namespace
 
 SiteGraph::SiteGraph(const std::vector<std::size_t>& group, const std::vector<Session>& sessions,
-                     const std::vector<SessionJoint>& joints) {
+                     const std::vector<SessionEdge>& edges) {
   for (const std::size_t number : group) add(sessions[number], number);
-  lay(sessions, joints);
+  lay(sessions, edges);
 }
 
 std::size_t SiteGraph::part_of(std::size_t session) const {
@@ -80,17 +81,15 @@ void SiteGraph::add(const Session& session, std::size_t number) {
 
 // From the first session on to those that overlap with one that lies already, each time by the pair that most fixes
 // hold; its best fix belongs to the path, all others are loops.
-void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<SessionJoint>& joints) {
+void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<SessionEdge>& edges) {
   std::vector<bool> is_laid(parts_.size());
   is_laid.front() = true;
-  const auto is_of_site = [&](const SessionJoint& joint) {
-    return !joint.held.empty() && part_of(joint.reference) < parts_.size();
-  };
+  const auto is_of_site = [&](const SessionEdge& edge) { return part_of(edge.reference) < parts_.size(); };
   for (std::size_t laid = 1; laid < parts_.size(); ++laid) {
-    const SessionJoint* next = nullptr;
-    for (const SessionJoint& joint : joints) {
-      if (!is_of_site(joint) || is_laid[part_of(joint.reference)] == is_laid[part_of(joint.query)]) continue;
-      if (next == nullptr || joint.held.size() > next->held.size()) next = &joint;
+    const SessionEdge* next = nullptr;
+    for (const SessionEdge& edge : edges) {
+      if (!is_of_site(edge) || is_laid[part_of(edge.reference)] == is_laid[part_of(edge.query)]) continue;
+      if (next == nullptr || edge.held.size() > next->held.size()) next = &edge;
     }
     const SessionFix& fix = best_of(next->held);
     const Session& query = sessions[next->query];
@@ -106,10 +105,10 @@ void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<Sess
       poses_[i] = T_site_added * shape_[i];
     }
     is_laid[added] = true;
-    add_joint(*next, sessions, true);
+    add_edge(*next, sessions, true);
   }
-  for (const SessionJoint& joint : joints) {
-    if (is_of_site(joint)) add_joint(joint, sessions, false);
+  for (const SessionEdge& edge : edges) {
+    if (is_of_site(edge)) add_edge(edge, sessions, false);
   }
   for (const std::size_t place : places_) graph_.poses.push_back(poses_[place]);
   if (parts_.size() == 1) return;
@@ -117,18 +116,18 @@ void SiteGraph::lay(const std::vector<Session>& sessions, const std::vector<Sess
   carry_keyframes();
 }
 
-// A joint that is trusted adds its best fix to the path, else all its fixes are loops.
-void SiteGraph::add_joint(const SessionJoint& joint, const std::vector<Session>& sessions, bool is_trusted) {
-  const Session& reference = sessions[joint.reference];
-  const Session& query = sessions[joint.query];
-  const SessionFix& best = best_of(joint.held);
-  for (const SessionFix& fix : joint.held) {
+// An edge that is trusted adds its best fix to the path, else all its fixes are loops.
+void SiteGraph::add_edge(const SessionEdge& edge, const std::vector<Session>& sessions, bool is_trusted) {
+  const Session& reference = sessions[edge.reference];
+  const Session& query = sessions[edge.query];
+  const SessionFix& best = best_of(edge.held);
+  for (const SessionFix& fix : edge.held) {
     if (is_trusted && &fix != &best) continue;
     const std::size_t place = place_before(query, fix.keyframe);
     const Pose2 T_map_place = fix.T_map_keyframe * between(query.poses[fix.keyframe], query.poses[query.places[place]]);
     const PoseRelation relation{
-        .from = parts_[part_of(joint.reference)].first_place + fix.reference_place,
-        .to = parts_[part_of(joint.query)].first_place + place,
+        .from = parts_[part_of(edge.reference)].first_place + fix.reference_place,
+        .to = parts_[part_of(edge.query)].first_place + place,
         .T_from_to = between(reference.poses[reference.places[fix.reference_place]], T_map_place),
         .information = loop_information(fix.evidence)};
     const PoseRelation onward = relation.from < relation.to ? relation : turned_round(relation);
@@ -195,6 +194,15 @@ void SiteGraph::return_to_frame() {
   const Pose2 back = shape_.front() * inverse(poses_.front());
   for (Pose2& pose : poses_) pose = back * pose;
   for (Pose2& pose : graph_.poses) pose = back * pose;
+}
+
+Session SiteGraph::as_one() && {
+  Session session;
+  session.scans = std::move(scans_);
+  session.poses = std::move(poses_);
+  session.path_m = std::move(path_m_);
+  session.places = std::move(places_);
+  return session;
 }
 
 std::vector<std::vector<Pose2>> SiteGraph::poses_of_sessions() const {

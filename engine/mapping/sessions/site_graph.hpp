@@ -13,13 +13,13 @@
 
 namespace gdtslam {
 
-struct SessionJoint;
+struct SessionEdge;
 
 class SiteGraph {
  public:
-  /// `group` has the numbers of the sessions, ascending, which the joints connect. A session alone stays as it is.
+  /// `group` has the numbers of the sessions, ascending, which the edges connect. A session alone stays as it is.
   SiteGraph(const std::vector<std::size_t>& group, const std::vector<Session>& sessions,
-            const std::vector<SessionJoint>& joints);
+            const std::vector<SessionEdge>& edges);
   SiteGraph(const SiteGraph&) = delete;
   SiteGraph& operator=(const SiteGraph&) = delete;
 
@@ -36,6 +36,8 @@ class SiteGraph {
   [[nodiscard]] std::size_t loops_between(bool is_on) const;
   /// Moves all into the frame of the first session's map: the adjustment moves the first pose too, by as little as any.
   void return_to_frame();
+  /// All as one session, without its graph; nothing is left here.
+  [[nodiscard]] Session as_one() &&;
   /// By session.
   [[nodiscard]] std::vector<std::vector<Pose2>> poses_of_sessions() const;
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
@@ -53,8 +55,8 @@ class SiteGraph {
     std::size_t places = 0;
   };
   void add(const Session& session, std::size_t number);
-  void lay(const std::vector<Session>& sessions, const std::vector<SessionJoint>& joints);
-  void add_joint(const SessionJoint& joint, const std::vector<Session>& sessions, bool is_trusted);
+  void lay(const std::vector<Session>& sessions, const std::vector<SessionEdge>& edges);
+  void add_edge(const SessionEdge& edge, const std::vector<Session>& sessions, bool is_trusted);
   void carry_keyframes();
   [[nodiscard]] std::size_t part_of(std::size_t session) const;
   [[nodiscard]] const Part& part_of_place(std::size_t place) const;

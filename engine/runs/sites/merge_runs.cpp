@@ -143,44 +143,60 @@ JoinedSite write_site(const MergeRequest& request, const MergedSite& site, const
   return joined;
 }
 
-nlohmann::ordered_json pair_json(const RunPair& pair) {
-  const SessionJoint& joint = pair.joint;
+nlohmann::ordered_json search_json(const RunSearch& search) {
+  const SessionOverlap& overlap = search.search.overlap;
+  std::size_t agree = 0;
+  for (const SessionEdge& edge : search.search.edges) agree += edge.held.size();
+  return {{"run", search.query},
+          {"searched_in", search.searched_in},
+          {"is_joined", !search.search.edges.empty()},
+          {"places", overlap.fixes.size()},
+          {"possible", overlap.possible},
+          {"unambiguous", overlap.alone},
+          {"explained", overlap.explained},
+          {"rival", overlap.rival},
+          {"met", overlap.met},
+          {"fitting", overlap.fitting},
+          {"agree", agree}};
+}
+
+nlohmann::ordered_json edge_json(const SessionEdge& edge, const std::vector<RunSession>& runs) {
   nlohmann::ordered_json fixes = nlohmann::ordered_json::array();
-  for (const SessionFix& fix : joint.held) {
-    fixes.push_back({{"stamp_s", pair.stamps_s.at(fix.keyframe)},
+  for (const SessionFix& fix : edge.held) {
+    fixes.push_back({{"stamp_s", runs[edge.query].kept.keyframes.at(fix.keyframe).laser.stamp_s},
                      {"pose", {fix.T_map_keyframe.x_m, fix.T_map_keyframe.y_m, fix.T_map_keyframe.theta_rad}},
                      {"mean_distance_m", fix.mean_m},
                      {"elsewhere_at_least_m", fix.elsewhere_m},
                      {"overlap", fix.evidence.overlap},
                      {"contradiction", fix.evidence.contradiction}});
   }
-  return {{"searched_in", pair.reference}, {"searched", pair.query},     {"is_joined", !joint.held.empty()},
-          {"places", joint.searched},      {"possible", joint.possible}, {"unambiguous", joint.alone},
-          {"explained", joint.explained},  {"rival", joint.rival},       {"met", joint.met},
-          {"fitting", joint.fitting},      {"agree", joint.held.size()}, {"fixes", std::move(fixes)}};
+  return {{"run", runs[edge.query].folder}, {"in", runs[edge.reference].folder}, {"fixes", std::move(fixes)}};
 }
 
-std::string report_of(const MergeOutcome& outcome) {
+std::string report_of(const MergeOutcome& outcome, const std::vector<SessionEdge>& edges,
+                      const std::vector<RunSession>& runs) {
   nlohmann::ordered_json report;
   report["format"] = kReportVersion;
   report["version"] = GDTSLAM_VERSION;
   report["sites"] = nlohmann::ordered_json::array();
   for (const JoinedSite& site : outcome.sites) {
-    nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+    nlohmann::ordered_json joined = nlohmann::ordered_json::array();
     for (const JoinedRun& run : site.runs) {
-      runs.push_back(
+      joined.push_back(
           {{"run", run.folder}, {"name", run.name}, {"trajectory", run.trajectory_file}, {"scans", run.scans}});
     }
     report["sites"].push_back({{"folder", std::filesystem::path(site.folder).filename().string()},
-                               {"runs", std::move(runs)},
+                               {"runs", std::move(joined)},
                                {"keyframes", site.keyframes},
                                {"loops_between", site.loops_between},
                                {"loops_switched_off", site.loops_off},
                                {"map_sha256", site.map_sha256},
                                {"changes", changes_json(site.changes)}});
   }
-  report["pairs"] = nlohmann::ordered_json::array();
-  for (const RunPair& pair : outcome.pairs) report["pairs"].push_back(pair_json(pair));
+  report["searches"] = nlohmann::ordered_json::array();
+  for (const RunSearch& search : outcome.searches) report["searches"].push_back(search_json(search));
+  report["edges"] = nlohmann::ordered_json::array();
+  for (const SessionEdge& edge : edges) report["edges"].push_back(edge_json(edge, runs));
   return json_text(report);
 }
 
@@ -195,11 +211,9 @@ MergeOutcome merge_runs(const MergeRequest& request) {
   const MergedSessions merged = merge_sessions(
       sessions, request.options, workers, [&](std::string_view step, double share) { tell(request, step, share); });
   MergeOutcome outcome;
-  for (const SessionJoint& joint : merged.joints) {
-    RunPair pair{runs[joint.reference].folder, runs[joint.query].folder, joint, {}};
-    for (const RunKeyframe& keyframe : runs[joint.query].kept.keyframes)
-      pair.stamps_s.push_back(keyframe.laser.stamp_s);
-    outcome.pairs.push_back(std::move(pair));
+  for (const SessionSearch& search : merged.searches) {
+    RunSearch& told = outcome.searches.emplace_back(RunSearch{runs[search.query].folder, {}, search});
+    for (const std::size_t k : search.searched_in) told.searched_in.push_back(runs[k].folder);
   }
   for (const MergedSite& site : merged.sites) {
     std::vector<RunSession*> of_site;
@@ -207,7 +221,7 @@ MergeOutcome merge_runs(const MergeRequest& request) {
     for (const std::size_t k : site.sessions) of_site.push_back(&runs[k]);
     outcome.sites.push_back(write_site(request, site, of_site, outcome.sites.size() + 1));
   }
-  outcome.report = report_of(outcome);
+  outcome.report = report_of(outcome, merged.edges, runs);
   write_file_atomically(request.folder + "/" + kMergeFile, outcome.report);
   return outcome;
 }

@@ -48,17 +48,16 @@ struct JoinedSite {
   SiteChanges changes;
 };
 
-/// Two runs of which one was searched in the other.
-struct RunPair {
-  std::string reference;  ///< folders
-  std::string query;
-  SessionJoint joint;
-  std::vector<double> stamps_s;  ///< of the query's keyframes
+/// A run that was searched in a site as it was by then.
+struct RunSearch {
+  std::string query;  ///< folders
+  std::vector<std::string> searched_in;
+  SessionSearch search;
 };
 
 struct MergeOutcome {
   std::vector<JoinedSite> sites;
-  std::vector<RunPair> pairs;
+  std::vector<RunSearch> searches;
   std::string report;  ///< the text of merge.json
 };
 

@@ -140,8 +140,8 @@ TEST(Sessions, OfDifferentBuildingsStayApart) {
   const std::vector<Session> sessions{two_drives()[0],
                                       session_of(test::furnished_room(), test::drive_through_room(), {})};
   const MergedSessions found = merged(sessions);
-  ASSERT_EQ(found.joints.size(), 1U);
-  EXPECT_TRUE(found.joints.front().held.empty());
+  ASSERT_EQ(found.searches.size(), 1U);
+  EXPECT_TRUE(found.edges.empty());
   ASSERT_EQ(found.sites.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_EQ(found.sites[k].sessions, std::vector<std::size_t>{k});
@@ -170,11 +170,57 @@ TEST(Sessions, OfABuildingThatRepeatsItselfAreNotJoined) {
   const std::vector<Segment> walls = corridor_that_repeats();
   const MergedSessions found =
       merged({session_of(walls, straight(-30.0, 10.0), {}), session_of(walls, straight(-10.0, 30.0), kSecondFrame)});
-  const SessionJoint& joint = found.joints.front();
-  EXPECT_GT(joint.possible, 5U) << "its places are found,";
-  EXPECT_LT(2 * joint.alone, joint.possible) << "and most of them in several spots";
-  EXPECT_TRUE(joint.held.empty());
+  const SessionOverlap& overlap = found.searches.front().overlap;
+  EXPECT_GT(overlap.possible, 5U) << "its places are found,";
+  EXPECT_LT(2 * overlap.alone, overlap.possible) << "and most of them in several spots";
+  EXPECT_TRUE(found.edges.empty());
   EXPECT_EQ(found.sites.size(), 2U);
+}
+
+/// The rooms around the block as a hall, and two wings with the same corridor, whose frames these are.
+const Pose2 kWing{60.0, 0.0, 0.3};
+const Pose2 kOtherWing{-60.0, 5.0, 1.9};
+
+std::vector<Segment> hall_with_alike_wings() {
+  std::vector<Segment> walls = rooms();
+  for (const Pose2& wing : {kWing, kOtherWing}) {
+    for (const Segment& wall : test::ring_corridor()) walls.push_back({wing * wall.from, wing * wall.to});
+  }
+  return walls;
+}
+
+std::vector<Pose2> drive_in(const Pose2& wing) {
+  std::vector<Pose2> poses = part_of(test::poses_around_ring(1), 0.0, 0.35);
+  for (Pose2& pose : poses) pose = wing * pose;
+  return poses;
+}
+
+std::vector<Pose2> one_after_the_other(std::vector<Pose2> poses, const std::vector<Pose2>& more) {
+  poses.insert(poses.end(), more.begin(), more.end());
+  return poses;
+}
+
+TEST(Sessions, InOneOfTwoAlikeWingsAreNotJoinedWhereBothAreKnown) {
+  const std::vector<Segment> walls = hall_with_alike_wings();
+  const std::vector<Pose2> once = test::poses_around_ring(1);
+  const Session with_one =
+      session_of(walls, one_after_the_other(part_of(once, 0.0, 0.9), drive_in(kWing)), kFirstFrame);
+  const Session with_other =
+      session_of(walls, one_after_the_other(part_of(once, 0.1, 1.0), drive_in(kOtherWing)), kSecondFrame);
+  const Session in_wing = session_of(walls, drive_in(kWing), {});
+  const MergedSessions found = merged({with_one, with_other, in_wing});
+  ASSERT_EQ(found.sites.size(), 2U);
+  EXPECT_EQ(found.sites[0].sessions, (std::vector<std::size_t>{0, 1})) << "by what they saw of the hall";
+  EXPECT_EQ(found.sites[1].sessions, std::vector<std::size_t>{2}) << "it fits in both wings, each of which one saw";
+  ASSERT_EQ(found.edges.size(), 1U);
+  for (const SessionFix& fix : found.edges.front().held) {
+    const bool is_of_second = found.edges.front().query == 1;
+    const Session& query = is_of_second ? with_other : with_one;
+    const Pose2 T_reference_query =
+        is_of_second ? kFirstFrame * inverse(kSecondFrame) : kSecondFrame * inverse(kFirstFrame);
+    EXPECT_LT(length_of(between(T_reference_query * query.poses[fix.keyframe], fix.T_map_keyframe)), 0.1);
+  }
+  EXPECT_EQ(merged({with_one, in_wing}).sites.size(), 1U) << "nobody saw the other wing";
 }
 
 /// A session that stands every half metre on a line, and where it is said to lie.

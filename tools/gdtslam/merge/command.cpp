@@ -50,11 +50,14 @@ std::string text_of(const JoinedSite& site) {
 }
 
 // One that nearly overlaps is worth a word: what was found there did not agree, or fits elsewhere as well.
-std::string text_of(const RunPair& pair) {
-  const SessionJoint& joint = pair.joint;
-  if (!joint.held.empty() || joint.possible == 0) return {};
-  return fmt::format("not joined: {} and {}, where {} of {} places were found, {} of them in one spot alone\n",
-                     printable(pair.query), printable(pair.reference), joint.possible, joint.searched, joint.alone);
+std::string text_of(const RunSearch& search) {
+  const SessionOverlap& overlap = search.search.overlap;
+  if (!search.search.edges.empty() || overlap.possible == 0) return {};
+  const std::size_t others = search.searched_in.size() - 1;
+  return fmt::format("not joined: {} and {}{}, where {} of {} places were found, {} of them in one spot alone\n",
+                     printable(search.query), printable(search.searched_in.front()),
+                     others == 0 ? "" : " with " + count_of(others, "run more"), overlap.possible, overlap.fixes.size(),
+                     overlap.alone);
 }
 
 int merge(const MergeCommand& command) {
@@ -76,7 +79,7 @@ int merge(const MergeCommand& command) {
   if (command.quiet) return static_cast<int>(ExitCode::kDone);
   std::string text;
   for (const JoinedSite& site : outcome.sites) text += text_of(site);
-  for (const RunPair& pair : outcome.pairs) text += text_of(pair);
+  for (const RunSearch& search : outcome.searches) text += text_of(search);
   print_result(text);
   return static_cast<int>(ExitCode::kDone);
 }

@@ -1,0 +1,144 @@
+#include "session_overlap.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace gdtslam {
+namespace {
+
+constexpr double kSameWay_m = 1.0;  // of two ways to lay a session on a site
+constexpr double kSameWay_rad = 0.35;
+constexpr double kSamePlace_m = 1.0;  // of path
+constexpr std::size_t kMostWays = 40;
+
+std::vector<SessionFix> look_for(const std::vector<std::size_t>& keyframes, const SessionMap& map, const Session& query,
+                                 WorkerPool& workers) {
+  std::vector<SessionFix> fixes(keyframes.size());
+  workers.run(fixes.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t k = begin; k < end; ++k) fixes[k] = map.find(query, keyframes[k]);
+  });
+  return fixes;
+}
+
+// Places all along the path, none left out: what speaks for another way to lay the session has to be seen. Where too
+// few agree, what lies beside those that were found.
+std::vector<SessionFix> find_places(const SessionMap& map, const Session& query, const OverlapOptions& options,
+                                    WorkerPool& workers) {
+  std::vector<SessionFix> fixes = look_for(places_to_look_for(query, options.search.most_places), map, query, workers);
+  if (!agreeing(query, fixes, options.agreement).empty()) return fixes;
+  std::vector<std::size_t> beside;
+  for (const SessionFix& fix : fixes) {
+    if (!fix.is_alone) continue;
+    for (const std::size_t keyframe : keyframes_beside(query, fix.keyframe)) beside.push_back(keyframe);
+  }
+  if (beside.size() > options.search.most_beside) beside.resize(options.search.most_beside);
+  const std::vector<SessionFix> more = look_for(beside, map, query, workers);
+  fixes.insert(fixes.end(), more.begin(), more.end());
+  return fixes;
+}
+
+// How many of the places that were found fit where this pose of the query's map has them.
+std::size_t explained_by(const Pose2& T_map_query, const SessionMap& map, const Session& query,
+                         const std::vector<SessionFix>& found, WorkerPool& workers) {
+  std::vector<char> fits(found.size());
+  workers.run(found.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t k = begin; k < end; ++k) {
+      fits[k] = map.fits(query, found[k], T_map_query * query.poses[found[k].keyframe]) ? 1 : 0;
+    }
+  });
+  return static_cast<std::size_t>(std::count(fits.begin(), fits.end(), 1));
+}
+
+// By the fix in the middle of those that agree.
+Pose2 T_map_query_of(const SessionOverlap& overlap, const Session& query) {
+  const SessionFix& middle = overlap.held[overlap.held.size() / 2];
+  return middle.T_map_keyframe * inverse(query.poses[middle.keyframe]);
+}
+
+// That pose first, then the ways to lay the query that any place found speaks for, those beside one that is there
+// already left out.
+std::vector<Pose2> ways_to_lay(const Session& query, const std::vector<SessionFix>& found, const Pose2& T_map_query) {
+  const ExcludedPoses same{{}, kSameWay_m, kSameWay_rad};
+  std::vector<Pose2> ways{T_map_query};
+  const auto take = [&](const SessionFix& fix, const Pose2& T_map_keyframe) {
+    const Pose2& at = query.poses[fix.keyframe];
+    const bool is_known = std::any_of(ways.begin(), ways.end(),
+                                      [&](const Pose2& way) { return same.hold(between(way * at, T_map_keyframe)); });
+    if (!is_known && ways.size() < kMostWays) ways.push_back(T_map_keyframe * inverse(at));
+  };
+  for (const SessionFix& fix : found) {
+    take(fix, fix.T_map_keyframe);
+    if (fix.T_map_elsewhere) take(fix, *fix.T_map_elsewhere);
+  }
+  return ways;
+}
+
+// A building that repeats itself can be laid on itself in several ways, each of which fits in places that the other
+// drives happen to have seen once: what is right explains far more than any other way.
+void weigh_rivals(const SessionMap& map, const Session& query, WorkerPool& workers, SessionOverlap& overlap) {
+  std::vector<SessionFix> found;
+  std::copy_if(overlap.fixes.begin(), overlap.fixes.end(), std::back_inserter(found),
+               [](const auto& fix) { return fix.is_possible; });
+  const std::vector<Pose2> ways = ways_to_lay(query, found, T_map_query_of(overlap, query));
+  overlap.explained = explained_by(ways.front(), map, query, found, workers);
+  for (std::size_t k = 1; k < ways.size(); ++k) {
+    overlap.rival = std::max(overlap.rival, explained_by(ways[k], map, query, found, workers));
+  }
+}
+
+// Where both drove both saw the same: laid wrongly a corner or two fit, and what lies between does not.
+void test_places(const SessionMap& map, const Session& query, WorkerPool& workers, SessionOverlap& overlap) {
+  const Pose2 T_map_query = T_map_query_of(overlap, query);
+  std::vector<SessionMap::Test> tests(query.places.size());
+  workers.run(tests.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t k = begin; k < end; ++k) {
+      const std::size_t keyframe = query.places[k];
+      tests[k] = map.test(query, keyframe, T_map_query * query.poses[keyframe]);
+    }
+  });
+  const auto count = [&tests](SessionMap::Test what) {
+    return static_cast<std::size_t>(std::count(tests.begin(), tests.end(), what));
+  };
+  overlap.fitting = count(SessionMap::Test::kFits);
+  overlap.met = overlap.fitting + count(SessionMap::Test::kDoesNotFit);
+}
+
+}  // namespace
+
+bool SessionOverlap::repeats(const Session& query, std::size_t keyframe) const {
+  return std::any_of(fixes.begin(), fixes.end(), [&](const SessionFix& fix) {
+    return fix.is_possible && !fix.is_alone &&
+           std::fabs(query.path_m[fix.keyframe] - query.path_m[keyframe]) <= kSamePlace_m;
+  });
+}
+
+SessionOverlap find_overlap(const SessionMap& map, const Session& query, const OverlapOptions& options,
+                            WorkerPool& workers) {
+  SessionOverlap overlap;
+  overlap.fixes = find_places(map, query, options, workers);
+  const auto count = [&overlap](bool SessionFix::*is) {
+    return static_cast<std::size_t>(
+        std::count_if(overlap.fixes.begin(), overlap.fixes.end(), [is](const auto& fix) { return fix.*is; }));
+  };
+  overlap.possible = count(&SessionFix::is_possible);
+  overlap.alone = count(&SessionFix::is_alone);
+  for (const std::size_t k : agreeing(query, overlap.fixes, options.agreement)) {
+    if (!overlap.repeats(query, overlap.fixes[k].keyframe)) overlap.held.push_back(overlap.fixes[k]);
+  }
+  if (overlap.held.size() < options.agreement.least) overlap.held.clear();
+  if (overlap.held.empty()) return overlap;
+  weigh_rivals(map, query, workers, overlap);
+  test_places(map, query, workers, overlap);
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
+  };
+  if (share(overlap.alone, overlap.possible) < options.least_alone ||
+      share(overlap.rival, overlap.explained) > options.most_rival ||
+      static_cast<double>(overlap.fitting) < options.least_fitting * static_cast<double>(overlap.met)) {
+    overlap.held.clear();
+  }
+  return overlap;
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,41 @@
+// Whether and where a session lies in a site that is there already: its places are searched in the whole of the site,
+// and what was found is weighed against every other way to lay the session on it. Cost: some tenths of a second for
+// each place of the session.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/core/worker_pool.hpp"
+#include "engine/mapping/sessions/session.hpp"
+#include "engine/mapping/sessions/session_search.hpp"
+
+namespace gdtslam {
+
+struct OverlapOptions {
+  SessionSearchOptions search;
+  AgreementLimits agreement;
+  double least_alone = 0.5;    ///< share of the places found that fit nowhere else: else the building repeats itself
+  double least_fitting = 0.6;  ///< share of the places that the overlap puts where both drove
+  double most_rival = 0.5;     ///< share of what an overlap explains that another way to lay it may explain
+};
+
+struct SessionOverlap {
+  std::vector<SessionFix> fixes;  ///< of all places that were looked for, and of keyframes beside them
+  std::size_t possible = 0;       ///< of these, found with nothing against it
+  std::size_t alone = 0;          ///< of these, that fit nowhere else as well
+  std::size_t explained = 0;      ///< of those found, that fit where the session is laid
+  std::size_t rival = 0;          ///< and where the second best way to lay it has them
+  std::size_t met = 0;            ///< of all places, that this puts where somebody of the site drove too
+  std::size_t fitting = 0;        ///< of these, that fit there
+  std::vector<SessionFix> held;   ///< those that agree; empty where the session does not belong there
+
+  /// Whether the keyframe is beside one that fits in several spots of the site.
+  [[nodiscard]] bool repeats(const Session& query, std::size_t keyframe) const;
+};
+
+/// `map` is that of the site. The same bits for any number of threads.
+SessionOverlap find_overlap(const SessionMap& map, const Session& query, const OverlapOptions& options,
+                            WorkerPool& workers);
+
+}  // namespace gdtslam

@@ -1,0 +1,279 @@
+#include "site_growth.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "engine/mapping/sessions/site_graph.hpp"
+
+namespace gdtslam {
+namespace {
+
+/// Sessions in one frame, as one that others are searched in.
+class GrowingSite {
+ public:
+  GrowingSite(std::vector<std::size_t> group, const std::vector<Session>& sessions, std::vector<SessionEdge> edges,
+              const SessionSearchOptions& options)
+      : group_(std::move(group)), sessions_(sessions), edges_(std::move(edges)), options_(options) {}
+
+  [[nodiscard]] const std::vector<std::size_t>& group() const { return group_; }
+  [[nodiscard]] bool holds(std::size_t session) const {
+    return std::binary_search(group_.begin(), group_.end(), session);
+  }
+  [[nodiscard]] const std::vector<SessionEdge>& edges() const { return edges_; }
+
+  /// Made when it is asked for first.
+  const SessionMap& map() {
+    if (!map_) map_ = std::make_unique<SessionMap>(whole(), options_);
+    return *map_;
+  }
+  const Session& whole() {
+    if (group_.size() == 1) return sessions_[group_.front()];
+    if (!whole_) whole_ = std::make_unique<Session>(SiteGraph(group_, sessions_, edges_).as_one());
+    return *whole_;
+  }
+  Pose2 T_site_keyframe(std::size_t session, std::size_t keyframe) {
+    std::size_t before = 0;
+    for (const std::size_t k : group_) {
+      if (k == session) break;
+      before += sessions_[k].scans.size();
+    }
+    return whole().poses[before + keyframe];
+  }
+  /// As seen from the place of a single session that it lies at.
+  SessionEdge edge_of(std::size_t query, SessionFix fix) {
+    std::size_t place = fix.reference_place;
+    auto session = group_.begin();
+    for (; place >= sessions_[*session].places.size(); ++session) place -= sessions_[*session].places.size();
+    const Session& reference = sessions_[*session];
+    const Pose2& T_site_place = whole().poses[whole().places[fix.reference_place]];
+    fix.T_map_keyframe = reference.poses[reference.places[place]] * between(T_site_place, fix.T_map_keyframe);
+    fix.T_map_elsewhere.reset();
+    fix.reference_place = place;
+    return {*session, query, {fix}};
+  }
+
+ private:
+  std::vector<std::size_t> group_;
+  const std::vector<Session>& sessions_;
+  std::vector<SessionEdge> edges_;
+  const SessionSearchOptions& options_;
+  std::unique_ptr<Session> whole_;
+  std::unique_ptr<SessionMap> map_;
+};
+
+using Sites = std::vector<std::unique_ptr<GrowingSite>>;
+
+void add_edges(std::vector<SessionEdge>& edges, const std::vector<SessionEdge>& more) {
+  for (const SessionEdge& edge : more) {
+    const auto same = std::find_if(edges.begin(), edges.end(), [&](const SessionEdge& e) {
+      return e.reference == edge.reference && e.query == edge.query;
+    });
+    if (same == edges.end()) {
+      edges.push_back(edge);
+    } else {
+      same->held.insert(same->held.end(), edge.held.begin(), edge.held.end());
+    }
+  }
+}
+
+// What was seen most of comes first, by the length of its walls.
+std::vector<std::size_t> widest_first(const std::vector<Session>& sessions) {
+  std::vector<std::size_t> seen;
+  seen.reserve(sessions.size());
+  for (const Session& session : sessions) seen.push_back(walls_of(session));
+  std::vector<std::size_t> order(sessions.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seen[a] > seen[b]; });
+  return order;
+}
+
+class SiteGrowth {
+ public:
+  SiteGrowth(const std::vector<Session>& sessions, const OverlapOptions& options, WorkerPool& workers,
+             const MergeProgress& progress)
+      : sessions_(sessions),
+        options_(options),
+        workers_(workers),
+        progress_(progress),
+        belongs_nowhere_(sessions.size()) {}
+
+  GrownSites run();
+
+ private:
+  void add(std::size_t session);
+  [[nodiscard]] bool is_everywhere(const SessionOverlap& overlap) const;
+  void leave_out_repeated(std::size_t session, std::vector<SessionOverlap>& overlaps) const;
+  void join(std::size_t session, const std::vector<std::vector<SessionEdge>>& edges_to);
+  void try_again();
+  void verify();
+  void verify(SessionSearch& search);
+  [[nodiscard]] bool is_repeated(const SessionFix& fix, std::size_t query) const;
+  void split();
+
+  const std::vector<Session>& sessions_;
+  const OverlapOptions& options_;
+  WorkerPool& workers_;
+  const MergeProgress& progress_;
+  std::vector<char> belongs_nowhere_;  // sessions that fit in several spots of a site
+  Sites sites_;
+  GrownSites grown_;
+};
+
+// Most of what was found there fits there several times.
+bool SiteGrowth::is_everywhere(const SessionOverlap& overlap) const {
+  return overlap.possible >= options_.agreement.least &&
+         static_cast<double>(overlap.alone) < options_.least_alone * static_cast<double>(overlap.possible);
+}
+
+// Two alike wings of which each was seen by itself are two sites; a place that fits twice in any site counts for none,
+// and a session of which most places do belongs nowhere.
+void SiteGrowth::leave_out_repeated(std::size_t session, std::vector<SessionOverlap>& overlaps) const {
+  for (SessionOverlap& overlap : overlaps) {
+    const bool belongs_nowhere = std::any_of(overlaps.begin(), overlaps.end(), [&](const SessionOverlap& other) {
+      return is_everywhere(other) && 2 * other.possible >= overlap.possible;
+    });
+    std::erase_if(overlap.held, [&](const SessionFix& fix) {
+      return belongs_nowhere || std::any_of(overlaps.begin(), overlaps.end(), [&](const SessionOverlap& other) {
+               return other.repeats(sessions_[session], fix.keyframe);
+             });
+    });
+    if (overlap.held.size() < options_.agreement.least) overlap.held.clear();
+  }
+}
+
+// All sites that it belongs to become one.
+void SiteGrowth::join(std::size_t session, const std::vector<std::vector<SessionEdge>>& edges_to) {
+  std::vector<std::size_t> group{session};
+  std::vector<SessionEdge> edges;
+  Sites others;
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    if (edges_to[k].empty()) {
+      others.push_back(std::move(sites_[k]));
+      continue;
+    }
+    group.insert(group.end(), sites_[k]->group().begin(), sites_[k]->group().end());
+    add_edges(edges, sites_[k]->edges());
+    add_edges(edges, edges_to[k]);
+  }
+  std::sort(group.begin(), group.end());
+  others.push_back(std::make_unique<GrowingSite>(std::move(group), sessions_, std::move(edges), options_.search));
+  sites_ = std::move(others);
+}
+
+void SiteGrowth::add(std::size_t session) {
+  std::vector<SessionOverlap> overlaps;
+  overlaps.reserve(sites_.size());
+  for (const auto& site : sites_) {
+    const bool is_nowhere = site->group().size() == 1 && belongs_nowhere_[site->group().front()] != 0;
+    overlaps.push_back(is_nowhere ? SessionOverlap{}
+                                  : find_overlap(site->map(), sessions_[session], options_, workers_));
+  }
+  belongs_nowhere_[session] = std::any_of(overlaps.begin(), overlaps.end(),
+                                          [&](const SessionOverlap& overlap) { return is_everywhere(overlap); });
+  leave_out_repeated(session, overlaps);
+  std::vector<std::vector<SessionEdge>> edges(sites_.size());
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    for (const SessionFix& fix : overlaps[k].held) add_edges(edges[k], {sites_[k]->edge_of(session, fix)});
+    if (overlaps[k].fixes.empty()) continue;
+    grown_.searches.push_back({session, sites_[k]->group(), std::move(overlaps[k]), edges[k]});
+  }
+  join(session, edges);
+}
+
+GrownSites SiteGrowth::run() {
+  std::size_t done = 0;
+  for (const std::size_t session : widest_first(sessions_)) {
+    progress_("looking where sessions overlap", static_cast<double>(done++) / static_cast<double>(sessions_.size()));
+    add(session);
+  }
+  try_again();
+  verify();
+  split();
+  return std::move(grown_);
+}
+
+// What came when too little was there yet; a session that is by itself once more, as all others are, stays so.
+void SiteGrowth::try_again() {
+  std::vector<std::size_t> alone;
+  for (const auto& site : sites_) {
+    if (site->group().size() == 1 && belongs_nowhere_[site->group().front()] == 0) {
+      alone.push_back(site->group().front());
+    }
+  }
+  const bool is_any_joined =
+      std::any_of(sites_.begin(), sites_.end(), [](const auto& site) { return site->group().size() > 1; });
+  if (!is_any_joined) return;
+  for (const std::size_t session : alone) {
+    progress_("looking once more where sessions overlap", 1.0);
+    std::erase_if(sites_, [&](const auto& site) { return site->group() == std::vector{session}; });
+    std::erase_if(grown_.searches, [&](const SessionSearch& search) { return search.query == session; });
+    add(session);
+  }
+}
+
+// In all that was seen in the end.
+bool SiteGrowth::is_repeated(const SessionFix& fix, std::size_t query) const {
+  return std::any_of(sites_.begin(), sites_.end(), [&](const auto& site) {
+    if (site->holds(query)) {
+      return site->map().fits_elsewhere(sessions_[query], fix, site->T_site_keyframe(query, fix.keyframe));
+    }
+    if (site->group().size() == 1) return false;  // it was held against these when it came, or they against it
+    const SessionFix there = site->map().find(sessions_[query], fix.keyframe);
+    return there.is_possible && !there.is_alone;
+  });
+}
+
+void SiteGrowth::verify(SessionSearch& search) {
+  std::size_t left = 0;
+  for (SessionEdge& edge : search.edges) {
+    std::vector<char> repeated(edge.held.size());
+    workers_.run(repeated.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t k = begin; k < end; ++k) repeated[k] = is_repeated(edge.held[k], search.query) ? 1 : 0;
+    });
+    std::size_t k = 0;
+    std::erase_if(edge.held, [&](const SessionFix&) { return repeated[k++] != 0; });
+    left += edge.held.size();
+  }
+  std::erase_if(search.edges, [](const SessionEdge& edge) { return edge.held.empty(); });
+  if (left < options_.agreement.least) search.edges.clear();
+}
+
+void SiteGrowth::verify() {
+  for (const auto& site : sites_) static_cast<void>(site->map());  // not by several threads at once
+  std::size_t done = 0;
+  for (SessionSearch& search : grown_.searches) {
+    progress_("looking whether places are there twice",
+              static_cast<double>(done++) / static_cast<double>(grown_.searches.size()));
+    if (!search.edges.empty()) verify(search);
+  }
+}
+
+// What no edge connects any more is a site of its own.
+void SiteGrowth::split() {
+  for (const SessionSearch& search : grown_.searches) add_edges(grown_.edges, search.edges);
+  std::vector<std::size_t> first(sessions_.size());
+  std::iota(first.begin(), first.end(), 0U);
+  for (const SessionEdge& edge : grown_.edges) {
+    const std::size_t from = std::max(first[edge.reference], first[edge.query]);
+    const std::size_t to = std::min(first[edge.reference], first[edge.query]);
+    std::replace(first.begin(), first.end(), from, to);
+  }
+  for (std::size_t i = 0; i < sessions_.size(); ++i) {
+    if (first[i] == i) grown_.groups.emplace_back();
+    const auto group = std::find_if(grown_.groups.begin(), grown_.groups.end(),
+                                    [&](const auto& g) { return (g.empty() ? i : g.front()) == first[i]; });
+    group->push_back(i);
+  }
+}
+
+}  // namespace
+
+GrownSites grow_sites(const std::vector<Session>& sessions, const OverlapOptions& options, WorkerPool& workers,
+                      const MergeProgress& progress) {
+  return SiteGrowth(sessions, options, workers, progress).run();
+}
+
+}  // namespace gdtslam
