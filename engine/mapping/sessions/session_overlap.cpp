@@ -1,7 +1,6 @@
 #include "session_overlap.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 namespace gdtslam {
@@ -9,7 +8,6 @@ namespace {
 
 constexpr double kSameWay_m = 1.0;  // of two ways to lay a session on a site
 constexpr double kSameWay_rad = 0.35;
-constexpr double kSamePlace_m = 1.0;  // of path
 constexpr std::size_t kMostWays = 40;
 
 std::vector<SessionFix> look_for(const std::vector<std::size_t>& keyframes, const SessionMap& map, const Session& query,
@@ -75,11 +73,11 @@ std::vector<Pose2> ways_to_lay(const Session& query, const std::vector<SessionFi
 }
 
 // A building that repeats itself can be laid on itself in several ways, each of which fits in places that the other
-// drives happen to have seen once: what is right explains far more than any other way.
+// drives happen to have seen once: what is right explains far more of them than any other way.
 void weigh_rivals(const SessionMap& map, const Session& query, WorkerPool& workers, SessionOverlap& overlap) {
   std::vector<SessionFix> found;
   std::copy_if(overlap.fixes.begin(), overlap.fixes.end(), std::back_inserter(found),
-               [](const auto& fix) { return fix.is_possible; });
+               [&](const auto& fix) { return fix.is_alone && !overlap.repeats(query, fix.keyframe); });
   const std::vector<Pose2> ways = ways_to_lay(query, found, T_map_query_of(overlap, query));
   overlap.explained = explained_by(ways.front(), map, query, found, workers);
   for (std::size_t k = 1; k < ways.size(); ++k) {
@@ -108,8 +106,7 @@ void test_places(const SessionMap& map, const Session& query, WorkerPool& worker
 
 bool SessionOverlap::repeats(const Session& query, std::size_t keyframe) const {
   return std::any_of(fixes.begin(), fixes.end(), [&](const SessionFix& fix) {
-    return fix.is_possible && !fix.is_alone &&
-           std::fabs(query.path_m[fix.keyframe] - query.path_m[keyframe]) <= kSamePlace_m;
+    return fix.is_possible && !fix.is_alone && are_at_one_place(query, fix.keyframe, keyframe);
   });
 }
 

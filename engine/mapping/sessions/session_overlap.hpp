@@ -17,14 +17,14 @@ struct OverlapOptions {
   AgreementLimits agreement;
   double least_alone = 0.5;    ///< share of the places found that fit nowhere else: else the building repeats itself
   double least_fitting = 0.6;  ///< share of the places that the overlap puts where both drove
-  double most_rival = 0.5;     ///< share of what an overlap explains that another way to lay it may explain
+  double most_rival = 0.2;     ///< share of what an overlap explains that another way to lay it may explain
 };
 
 struct SessionOverlap {
   std::vector<SessionFix> fixes;  ///< of all places that were looked for, and of keyframes beside them
   std::size_t possible = 0;       ///< of these, found with nothing against it
   std::size_t alone = 0;          ///< of these, that fit nowhere else as well
-  std::size_t explained = 0;      ///< of those found, that fit where the session is laid
+  std::size_t explained = 0;      ///< of those that fit in one spot alone, that fit where the session is laid
   std::size_t rival = 0;          ///< and where the second best way to lay it has them
   std::size_t met = 0;            ///< of all places, that this puts where somebody of the site drove too
   std::size_t fitting = 0;        ///< of these, that fit there

@@ -19,6 +19,7 @@ namespace {
 constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
 constexpr double kPlaceSpacing_m = 0.1;     // and of a place
 constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
+constexpr double kSamePlace_m = 1.0;  // of path
 constexpr double kWallSpacing_m = 0.5;
 constexpr double kDroveThere_m = 1.5;  // of a robot from where another was, to see the same
 constexpr double kFitsAtAll = 1.25;    // of the mean distance at which a place is found: much may have changed
@@ -181,6 +182,10 @@ std::vector<std::size_t> keyframes_beside(const Session& query, std::size_t keyf
     beside.push_back(static_cast<std::size_t>(at - query.path_m.begin()));
   }
   return beside;
+}
+
+bool are_at_one_place(const Session& session, std::size_t a, std::size_t b) {
+  return std::fabs(session.path_m[a] - session.path_m[b]) <= kSamePlace_m;
 }
 
 std::vector<std::size_t> agreeing(const Session& query, const std::vector<SessionFix>& fixes,

@@ -81,6 +81,9 @@ std::size_t walls_of(const Session& session);
 /// Keyframes beside one that was found, to both sides: sessions that overlap little have but a place or two in common.
 std::vector<std::size_t> keyframes_beside(const Session& query, std::size_t keyframe);
 
+/// Whether two keyframes of a session are at one place: within a metre of path.
+bool are_at_one_place(const Session& session, std::size_t a, std::size_t b);
+
 /// Of fixes that nothing speaks against and that fit nowhere else: the most that agree with each other, each with the
 /// one in their middle within `near_m` and `near_rad`, and a share of the path in between for what both drifted.
 struct AgreementLimits {

@@ -64,6 +64,8 @@ class GrowingSite {
   std::unique_ptr<SessionMap> map_;
 };
 
+constexpr std::size_t kMostRounds = 4;
+
 using Sites = std::vector<std::unique_ptr<GrowingSite>>;
 
 void add_edges(std::vector<SessionEdge>& edges, const std::vector<SessionEdge>& more) {
@@ -98,7 +100,8 @@ class SiteGrowth {
         options_(options),
         workers_(workers),
         progress_(progress),
-        belongs_nowhere_(sessions.size()) {}
+        belongs_nowhere_(sessions.size()),
+        refuted_(sessions.size()) {}
 
   GrownSites run();
 
@@ -107,9 +110,11 @@ class SiteGrowth {
   [[nodiscard]] bool is_everywhere(const SessionOverlap& overlap) const;
   void leave_out_repeated(std::size_t session, std::vector<SessionOverlap>& overlaps) const;
   void join(std::size_t session, const std::vector<std::vector<SessionEdge>>& edges_to);
+  void grow();
   void try_again();
   void verify();
   void verify(SessionSearch& search);
+  [[nodiscard]] bool is_refuted(std::size_t session, std::size_t keyframe) const;
   [[nodiscard]] bool is_repeated(const SessionFix& fix, std::size_t query) const;
   void split();
 
@@ -118,6 +123,8 @@ class SiteGrowth {
   WorkerPool& workers_;
   const MergeProgress& progress_;
   std::vector<char> belongs_nowhere_;  // sessions that fit in several spots of a site
+  std::vector<std::vector<std::size_t>> refuted_;  // keyframes that held a session, and are there twice
+  bool is_any_refuted_ = false;                    // in this round
   Sites sites_;
   GrownSites grown_;
 };
@@ -136,7 +143,7 @@ void SiteGrowth::leave_out_repeated(std::size_t session, std::vector<SessionOver
       return is_everywhere(other) && 2 * other.possible >= overlap.possible;
     });
     std::erase_if(overlap.held, [&](const SessionFix& fix) {
-      return belongs_nowhere || std::any_of(overlaps.begin(), overlaps.end(), [&](const SessionOverlap& other) {
+      return belongs_nowhere || is_refuted(session, fix.keyframe) || std::any_of(overlaps.begin(), overlaps.end(), [&](const SessionOverlap& other) {
                return other.repeats(sessions_[session], fix.keyframe);
              });
     });
@@ -183,16 +190,33 @@ void SiteGrowth::add(std::size_t session) {
   join(session, edges);
 }
 
-GrownSites SiteGrowth::run() {
+void SiteGrowth::grow() {
+  sites_.clear();
+  grown_ = {};
   std::size_t done = 0;
   for (const std::size_t session : widest_first(sessions_)) {
     progress_("looking where sessions overlap", static_cast<double>(done++) / static_cast<double>(sessions_.size()));
     add(session);
   }
   try_again();
-  verify();
+}
+
+// What was joined wrongly led astray what came after it, so they grow again without what held it.
+GrownSites SiteGrowth::run() {
+  for (std::size_t round = 0; round < kMostRounds; ++round) {
+    grow();
+    is_any_refuted_ = false;
+    verify();
+    if (!is_any_refuted_) break;
+  }
   split();
   return std::move(grown_);
+}
+
+bool SiteGrowth::is_refuted(std::size_t session, std::size_t keyframe) const {
+  return std::any_of(refuted_[session].begin(), refuted_[session].end(), [&](std::size_t refuted) {
+    return are_at_one_place(sessions_[session], refuted, keyframe);
+  });
 }
 
 // What came when too little was there yet; a session that is by itself once more, as all others are, stays so.
@@ -228,17 +252,26 @@ bool SiteGrowth::is_repeated(const SessionFix& fix, std::size_t query) const {
 
 void SiteGrowth::verify(SessionSearch& search) {
   std::size_t left = 0;
+  std::vector<std::size_t> repeating;
   for (SessionEdge& edge : search.edges) {
     std::vector<char> repeated(edge.held.size());
     workers_.run(repeated.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t k = begin; k < end; ++k) repeated[k] = is_repeated(edge.held[k], search.query) ? 1 : 0;
     });
-    std::size_t k = 0;
-    std::erase_if(edge.held, [&](const SessionFix&) { return repeated[k++] != 0; });
-    left += edge.held.size();
+    std::vector<SessionFix> held;
+    for (std::size_t k = 0; k < repeated.size(); ++k) {
+      if (repeated[k] == 0) held.push_back(edge.held[k]);
+      if (repeated[k] != 0) repeating.push_back(edge.held[k].keyframe);
+    }
+    left += held.size();
+    edge.held = std::move(held);
   }
   std::erase_if(search.edges, [](const SessionEdge& edge) { return edge.held.empty(); });
-  if (left < options_.agreement.least) search.edges.clear();
+  if (left >= options_.agreement.least) return;
+  search.edges.clear();
+  is_any_refuted_ = true;
+  std::vector<std::size_t>& refuted = refuted_[search.query];
+  refuted.insert(refuted.end(), repeating.begin(), repeating.end());
 }
 
 void SiteGrowth::verify() {

@@ -190,7 +190,7 @@ std::vector<Segment> hall_with_alike_wings() {
 }
 
 std::vector<Pose2> drive_in(const Pose2& wing) {
-  std::vector<Pose2> poses = part_of(test::poses_around_ring(1), 0.0, 0.35);
+  std::vector<Pose2> poses = part_of(test::poses_around_ring(1), 0.0, 0.15);
   for (Pose2& pose : poses) pose = wing * pose;
   return poses;
 }
