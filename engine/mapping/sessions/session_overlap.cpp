@@ -72,22 +72,16 @@ std::vector<Pose2> ways_to_lay(const Session& query, const std::vector<SessionFi
   return ways;
 }
 
-// A building that repeats itself can be laid on itself in several ways, each of which fits in places that the other
-// drives happen to have seen once: what is right explains far more of them than any other way.
-void weigh_rivals(const SessionMap& map, const Session& query, WorkerPool& workers, SessionOverlap& overlap) {
-  std::vector<SessionFix> found;
-  std::copy_if(overlap.fixes.begin(), overlap.fixes.end(), std::back_inserter(found),
-               [&](const auto& fix) { return fix.is_alone && !overlap.repeats(query, fix.keyframe); });
-  const std::vector<Pose2> ways = ways_to_lay(query, found, T_map_query_of(overlap, query));
-  overlap.explained = explained_by(ways.front(), map, query, found, workers);
-  for (std::size_t k = 1; k < ways.size(); ++k) {
-    overlap.rival = std::max(overlap.rival, explained_by(ways[k], map, query, found, workers));
-  }
-}
-
 // Where both drove both saw the same: laid wrongly a corner or two fit, and what lies between does not.
-void test_places(const SessionMap& map, const Session& query, WorkerPool& workers, SessionOverlap& overlap) {
-  const Pose2 T_map_query = T_map_query_of(overlap, query);
+struct Met {
+  std::size_t places = 0;
+  std::size_t fitting = 0;
+  [[nodiscard]] bool fit(double least) const {
+    return static_cast<double>(fitting) >= least * static_cast<double>(places);
+  }
+};
+
+Met places_met(const SessionMap& map, const Session& query, const Pose2& T_map_query, WorkerPool& workers) {
   std::vector<SessionMap::Test> tests(query.places.size());
   workers.run(tests.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t k = begin; k < end; ++k) {
@@ -98,11 +92,37 @@ void test_places(const SessionMap& map, const Session& query, WorkerPool& worker
   const auto count = [&tests](SessionMap::Test what) {
     return static_cast<std::size_t>(std::count(tests.begin(), tests.end(), what));
   };
-  overlap.fitting = count(SessionMap::Test::kFits);
-  overlap.met = overlap.fitting + count(SessionMap::Test::kDoesNotFit);
+  const std::size_t fitting = count(SessionMap::Test::kFits);
+  return {fitting + count(SessionMap::Test::kDoesNotFit), fitting};
+}
+
+// A building that repeats itself can be laid on itself in several ways, each of which fits in places that the other
+// drives happen to have seen once. What is wrong is told by what speaks against it, not by how much speaks for it: a
+// way counts for nothing where the robot would have driven through walls, or where both drove and saw something else.
+void weigh_rivals(const SessionMap& map, const Session& query, const OverlapOptions& options, WorkerPool& workers,
+                  SessionOverlap& overlap) {
+  std::vector<SessionFix> found;
+  std::copy_if(overlap.fixes.begin(), overlap.fixes.end(), std::back_inserter(found),
+               [](const auto& fix) { return fix.is_possible; });
+  const std::vector<Pose2> ways = ways_to_lay(query, found, T_map_query_of(overlap, query));
+  overlap.explained = explained_by(ways.front(), map, query, found, workers);
+  for (std::size_t k = 1; k < ways.size(); ++k) {
+    const std::size_t explained = explained_by(ways[k], map, query, found, workers);
+    if (explained < options.least_rival || explained <= overlap.rival || map.has_walls_in_the_way(query, ways[k]) ||
+        !places_met(map, query, ways[k], workers).fit(options.least_fitting)) {
+      continue;
+    }
+    overlap.rival = explained;
+  }
 }
 
 }  // namespace
+
+bool SessionOverlap::finds(const Session& query, std::size_t keyframe) const {
+  return std::any_of(fixes.begin(), fixes.end(), [&](const SessionFix& fix) {
+    return fix.is_possible && are_at_one_place(query, fix.keyframe, keyframe);
+  });
+}
 
 bool SessionOverlap::repeats(const Session& query, std::size_t keyframe) const {
   return std::any_of(fixes.begin(), fixes.end(), [&](const SessionFix& fix) {
@@ -125,15 +145,14 @@ SessionOverlap find_overlap(const SessionMap& map, const Session& query, const O
   }
   if (overlap.held.size() < options.agreement.least) overlap.held.clear();
   if (overlap.held.empty()) return overlap;
-  weigh_rivals(map, query, workers, overlap);
-  test_places(map, query, workers, overlap);
-  const auto share = [](std::size_t part, std::size_t whole) {
-    return static_cast<double>(part) / static_cast<double>(whole);
-  };
-  if (share(overlap.alone, overlap.possible) < options.least_alone ||
-      share(overlap.rival, overlap.explained) > options.most_rival ||
-      static_cast<double>(overlap.fitting) < options.least_fitting * static_cast<double>(overlap.met)) {
+  weigh_rivals(map, query, options, workers, overlap);
+  const Met met = places_met(map, query, T_map_query_of(overlap, query), workers);
+  overlap.met = met.places;
+  overlap.fitting = met.fitting;
+  if (static_cast<double>(overlap.alone) < options.least_alone * static_cast<double>(overlap.possible) ||
+      overlap.rival > 0 || !met.fit(options.least_fitting)) {
     overlap.held.clear();
+    overlap.is_undecided = true;
   }
   return overlap;
 }

@@ -15,22 +15,27 @@ namespace gdtslam {
 struct OverlapOptions {
   SessionSearchOptions search;
   AgreementLimits agreement;
-  double least_alone = 0.5;    ///< share of the places found that fit nowhere else: else the building repeats itself
-  double least_fitting = 0.6;  ///< share of the places that the overlap puts where both drove
-  double most_rival = 0.2;     ///< share of what an overlap explains that another way to lay it may explain
+  double least_alone = 0.8;     ///< share of the places found that fit nowhere else: else the building repeats itself
+  double alone_at_last = 0.5;   ///< and of sessions that are left when all that are surer are in
+  double alone_of_any = 0.5;    ///< with a smaller share a session fits everywhere
+  double least_fitting = 0.6;   ///< share of the places that the overlap puts where both drove
+  std::size_t least_rival = 2;  ///< places that another way to lay the session has to explain to count as one
 };
 
 struct SessionOverlap {
   std::vector<SessionFix> fixes;  ///< of all places that were looked for, and of keyframes beside them
   std::size_t possible = 0;       ///< of these, found with nothing against it
   std::size_t alone = 0;          ///< of these, that fit nowhere else as well
-  std::size_t explained = 0;      ///< of those that fit in one spot alone, that fit where the session is laid
-  std::size_t rival = 0;          ///< and where the second best way to lay it has them
+  std::size_t explained = 0;      ///< of those found, that fit where the session is laid
+  std::size_t rival = 0;          ///< and where another way to lay it has them that nothing speaks against
   std::size_t met = 0;            ///< of all places, that this puts where somebody of the site drove too
   std::size_t fitting = 0;        ///< of these, that fit there
   std::vector<SessionFix> held;   ///< those that agree; empty where the session does not belong there
+  bool is_undecided = false;      ///< some agree, and something speaks against it
 
-  /// Whether the keyframe is beside one that fits in several spots of the site.
+  /// Whether the keyframe is beside one that was found in the site.
+  [[nodiscard]] bool finds(const Session& query, std::size_t keyframe) const;
+  /// And in several spots of it.
   [[nodiscard]] bool repeats(const Session& query, std::size_t keyframe) const;
 };
 

@@ -19,11 +19,13 @@ namespace {
 constexpr double kSessionSpacing_m = 0.05;  // of the points of a session that others are searched in
 constexpr double kPlaceSpacing_m = 0.1;     // and of a place
 constexpr double kPlaceHeld_m = 0.03;       // and of what it is held against
-constexpr double kSamePlace_m = 1.0;  // of path
+constexpr double kSamePlace_m = 1.0;        // of path
 constexpr double kWallSpacing_m = 0.5;
-constexpr double kDroveThere_m = 1.5;  // of a robot from where another was, to see the same
-constexpr double kFitsAtAll = 1.25;    // of the mean distance at which a place is found: much may have changed
-constexpr double kBesideHalf_m = 0.5;  // of the window around a pose that is asked about: drift of both
+constexpr double kStep_m = 0.025;          // along a path that is held against walls
+constexpr std::uint16_t kWallUnits = 128;  // half a cell
+constexpr double kDroveThere_m = 1.5;      // of a robot from where another was, to see the same
+constexpr double kFitsAtAll = 1.25;        // of the mean distance at which a place is found: much may have changed
+constexpr double kBesideHalf_m = 0.5;      // of the window around a pose that is asked about: drift of both
 constexpr double kBesideHalf_rad = 0.05;
 constexpr double kBeside_m[] = {-3.0, -1.5, 1.5, 3.0};  // of path
 constexpr std::size_t kQueriesApart = 4;                // of which one is looked for before the others between
@@ -149,6 +151,26 @@ bool SessionMap::fits_elsewhere(const Session& query, const SessionFix& fix, con
 
 bool SessionMap::fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const {
   return mean_beside_m(query, fix.keyframe, T_map_keyframe) <= fix.mean_m + as_good_m(fix);
+}
+
+bool SessionMap::has_walls_in_the_way(const Session& query, const Pose2& T_map_query) const {
+  const FieldView field = state_->field.view();
+  const auto is_wall = [&](const Point2& point) {
+    const CellIndex cell = map_cell_of(point, options_.resolution_m);
+    const std::int64_t x = std::int64_t{cell.x} - field.first_cell.x;
+    const std::int64_t y = std::int64_t{cell.y} - field.first_cell.y;
+    if (x < 0 || y < 0 || x >= field.width || y >= field.height) return false;
+    return field.cells[static_cast<std::size_t>(y) * field.stride + static_cast<std::size_t>(x)] < kWallUnits;
+  };
+  for (std::size_t i = 1; i < query.poses.size(); ++i) {
+    const Point2 from = (T_map_query * query.poses[i - 1]).translation();
+    const Point2 way = (T_map_query * query.poses[i]).translation() - from;
+    const double steps = std::ceil(way.norm() / kStep_m);
+    for (double k = 0.0; k < steps; k += 1.0) {
+      if (is_wall(from + k / steps * way)) return true;
+    }
+  }
+  return false;
 }
 
 SessionMap::Test SessionMap::test(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {

@@ -58,6 +58,8 @@ class SessionMap {
   [[nodiscard]] bool fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
   /// Whether it fits as well, as it did when it was found, anywhere but there.
   [[nodiscard]] bool fits_elsewhere(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
+  /// Whether the query's path, laid so, leads through a wall.
+  [[nodiscard]] bool has_walls_in_the_way(const Session& query, const Pose2& T_map_query) const;
   /// Whether the keyframe, taken there or a little beside, would lie where this session drove, and whether what was
   /// seen around it fits then at all.
   enum class Test : std::uint8_t { kElsewhere, kFits, kDoesNotFit };

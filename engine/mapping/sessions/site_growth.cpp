@@ -101,6 +101,7 @@ class SiteGrowth {
         workers_(workers),
         progress_(progress),
         belongs_nowhere_(sessions.size()),
+        is_undecided_(sessions.size()),
         refuted_(sessions.size()) {}
 
   GrownSites run();
@@ -111,7 +112,7 @@ class SiteGrowth {
   void leave_out_repeated(std::size_t session, std::vector<SessionOverlap>& overlaps) const;
   void join(std::size_t session, const std::vector<std::vector<SessionEdge>>& edges_to);
   void grow();
-  void try_again();
+  bool try_again();
   void verify();
   void verify(SessionSearch& search);
   [[nodiscard]] bool is_refuted(std::size_t session, std::size_t keyframe) const;
@@ -119,10 +120,11 @@ class SiteGrowth {
   void split();
 
   const std::vector<Session>& sessions_;
-  const OverlapOptions& options_;
+  OverlapOptions options_;
   WorkerPool& workers_;
   const MergeProgress& progress_;
-  std::vector<char> belongs_nowhere_;  // sessions that fit in several spots of a site
+  std::vector<char> belongs_nowhere_;              // sessions that fit in several spots of a site
+  std::vector<char> is_undecided_;                 // and those that would lie in one if nothing spoke against it
   std::vector<std::vector<std::size_t>> refuted_;  // keyframes that held a session, and are there twice
   bool is_any_refuted_ = false;                    // in this round
   Sites sites_;
@@ -132,20 +134,33 @@ class SiteGrowth {
 // Most of what was found there fits there several times.
 bool SiteGrowth::is_everywhere(const SessionOverlap& overlap) const {
   return overlap.possible >= options_.agreement.least &&
-         static_cast<double>(overlap.alone) < options_.least_alone * static_cast<double>(overlap.possible);
+         static_cast<double>(overlap.alone) < options_.alone_of_any * static_cast<double>(overlap.possible);
 }
 
 // Two alike wings of which each was seen by itself are two sites; a place that fits twice in any site counts for none,
-// and a session of which most places do belongs nowhere.
+// one that fits in two sites for that alone which most speaks for, and a session of which most places fit twice belongs
+// nowhere.
 void SiteGrowth::leave_out_repeated(std::size_t session, std::vector<SessionOverlap>& overlaps) const {
-  for (SessionOverlap& overlap : overlaps) {
+  const Session& query = sessions_[session];
+  std::vector<SessionOverlap*> order;
+  for (SessionOverlap& overlap : overlaps) order.push_back(&overlap);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto* a, const auto* b) { return a->held.size() > b->held.size(); });
+  const auto is_single = [&](const SessionOverlap& overlap) {
+    return sites_[static_cast<std::size_t>(&overlap - overlaps.data())]->group().size() == 1;
+  };
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    SessionOverlap& overlap = *order[k];
     const bool belongs_nowhere = std::any_of(overlaps.begin(), overlaps.end(), [&](const SessionOverlap& other) {
       return is_everywhere(other) && 2 * other.possible >= overlap.possible;
     });
     std::erase_if(overlap.held, [&](const SessionFix& fix) {
-      return belongs_nowhere || is_refuted(session, fix.keyframe) || std::any_of(overlaps.begin(), overlaps.end(), [&](const SessionOverlap& other) {
-               return other.repeats(sessions_[session], fix.keyframe);
-             });
+      return belongs_nowhere || is_refuted(session, fix.keyframe) ||
+             std::any_of(order.begin(), order.end(),
+                         [&](const auto* other) { return other->repeats(query, fix.keyframe); }) ||
+             (is_single(overlap) &&
+              std::any_of(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(k),
+                          [&](const auto* stronger) { return stronger->finds(query, fix.keyframe); }));
     });
     if (overlap.held.size() < options_.agreement.least) overlap.held.clear();
   }
@@ -174,12 +189,15 @@ void SiteGrowth::add(std::size_t session) {
   std::vector<SessionOverlap> overlaps;
   overlaps.reserve(sites_.size());
   for (const auto& site : sites_) {
-    const bool is_nowhere = site->group().size() == 1 && belongs_nowhere_[site->group().front()] != 0;
+    const std::size_t first = site->group().front();
+    const bool is_nowhere = site->group().size() == 1 && (belongs_nowhere_[first] != 0 || is_undecided_[first] != 0);
     overlaps.push_back(is_nowhere ? SessionOverlap{}
                                   : find_overlap(site->map(), sessions_[session], options_, workers_));
   }
   belongs_nowhere_[session] = std::any_of(overlaps.begin(), overlaps.end(),
                                           [&](const SessionOverlap& overlap) { return is_everywhere(overlap); });
+  is_undecided_[session] =
+      std::any_of(overlaps.begin(), overlaps.end(), [](const SessionOverlap& overlap) { return overlap.is_undecided; });
   leave_out_repeated(session, overlaps);
   std::vector<std::vector<SessionEdge>> edges(sites_.size());
   for (std::size_t k = 0; k < sites_.size(); ++k) {
@@ -190,18 +208,23 @@ void SiteGrowth::add(std::size_t session) {
   join(session, edges);
 }
 
+// The surest first: the more is there, the better it tells what is there twice.
 void SiteGrowth::grow() {
   sites_.clear();
   grown_ = {};
+  const double least_alone = options_.least_alone;
   std::size_t done = 0;
   for (const std::size_t session : widest_first(sessions_)) {
     progress_("looking where sessions overlap", static_cast<double>(done++) / static_cast<double>(sessions_.size()));
     add(session);
   }
-  try_again();
+  for (std::size_t round = 0; round < kMostRounds && try_again(); ++round) continue;
+  options_.least_alone = options_.alone_at_last;
+  for (std::size_t round = 0; round < kMostRounds && try_again(); ++round) continue;
+  options_.least_alone = least_alone;
 }
 
-// What was joined wrongly led astray what came after it, so they grow again without what held it.
+// What was joined wrongly led astray what came after it, so they grow again without it.
 GrownSites SiteGrowth::run() {
   for (std::size_t round = 0; round < kMostRounds; ++round) {
     grow();
@@ -214,28 +237,30 @@ GrownSites SiteGrowth::run() {
 }
 
 bool SiteGrowth::is_refuted(std::size_t session, std::size_t keyframe) const {
-  return std::any_of(refuted_[session].begin(), refuted_[session].end(), [&](std::size_t refuted) {
-    return are_at_one_place(sessions_[session], refuted, keyframe);
-  });
+  return std::any_of(refuted_[session].begin(), refuted_[session].end(),
+                     [&](std::size_t refuted) { return are_at_one_place(sessions_[session], refuted, keyframe); });
 }
 
-// What came when too little was there yet; a session that is by itself once more, as all others are, stays so.
-void SiteGrowth::try_again() {
+// What came when too little was there yet; tells whether any was joined.
+bool SiteGrowth::try_again() {
+  const bool is_more_there = sites_.size() < sessions_.size();  // than each session by itself
   std::vector<std::size_t> alone;
   for (const auto& site : sites_) {
-    if (site->group().size() == 1 && belongs_nowhere_[site->group().front()] == 0) {
-      alone.push_back(site->group().front());
+    const std::size_t session = site->group().front();
+    if (site->group().size() == 1 && belongs_nowhere_[session] == 0 && (is_more_there || is_undecided_[session] != 0)) {
+      alone.push_back(session);
     }
   }
-  const bool is_any_joined =
-      std::any_of(sites_.begin(), sites_.end(), [](const auto& site) { return site->group().size() > 1; });
-  if (!is_any_joined) return;
+  std::size_t done = 0;
+  const std::size_t before = sites_.size();
   for (const std::size_t session : alone) {
-    progress_("looking once more where sessions overlap", 1.0);
+    progress_("looking once more where sessions overlap",
+              static_cast<double>(done++) / static_cast<double>(alone.size()));
     std::erase_if(sites_, [&](const auto& site) { return site->group() == std::vector{session}; });
     std::erase_if(grown_.searches, [&](const SessionSearch& search) { return search.query == session; });
     add(session);
   }
+  return sites_.size() < before;
 }
 
 // In all that was seen in the end.

@@ -177,9 +177,10 @@ TEST(Sessions, OfABuildingThatRepeatsItselfAreNotJoined) {
   EXPECT_EQ(found.sites.size(), 2U);
 }
 
-/// The rooms around the block as a hall, and two wings with the same corridor, whose frames these are.
+/// The rooms around the block as a hall, and two wings with the same corridor, whose frames these are: each is the
+/// other turned by half a turn around the hall's middle.
 const Pose2 kWing{60.0, 0.0, 0.3};
-const Pose2 kOtherWing{-60.0, 5.0, 1.9};
+const Pose2 kOtherWing = Pose2{0.0, 0.0, kPi} * kWing;
 
 std::vector<Segment> hall_with_alike_wings() {
   std::vector<Segment> walls = rooms();
