@@ -3,7 +3,7 @@
 
 For each of three lasers and four rates, a drive through the sample office is simulated and mapped by one thread, as
 `gdtslam fleet` maps it: CPU seconds, memory, and bytes read, written and kept, all for an hour of the robot. One drive of
---hours goes on for longer, to show what grows. Then what a year of --robots robots costs, from the row in the middle,
+--hours goes on for longer, to show what grows. Then what a year of --robots robots costs, from that drive,
 with the arithmetic. Tables as Markdown; --write puts them into docs/benchmarks.md. FOLDER keeps the figures, and what it
 has is not made again. Some six minutes of CPU time at first."""
 
