@@ -85,6 +85,7 @@ Arrows make_arrows() {
       {"engine/runs/measuring", {}},
       {"engine/runs/sites",
        {"engine/runs/continuing", "engine/runs/folder", "engine/runs/keyframes", "engine/runs/mapping"}},
+      {"engine/runs/fleet", {"engine/runs", "engine/runs/folder", "engine/runs/linkage", "engine/runs/mapping"}},
       {"engine/runs/edits",
        {"engine/runs/continuing", "engine/runs/folder", "engine/runs/keyframes", "engine/runs/mapping",
         "engine/runs/streams"}},

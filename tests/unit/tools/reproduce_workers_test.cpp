@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "gdtslam/core/error.hpp"
+#include "tools/gdtslam/shell/workers.hpp"
 #include "tools/lab/reproduce/paper.hpp"
 #include "tools/lab/reproduce/run.hpp"
-#include "tools/lab/reproduce/workers.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

@@ -19,7 +19,7 @@
 #ifdef GDTSLAM_HAS_MODULES
 #include "tools/gdtslam/shell/modules.hpp"
 #endif
-#include "workers.hpp"
+#include "tools/gdtslam/shell/workers.hpp"
 
 namespace gdtslam::reproduce {
 namespace {

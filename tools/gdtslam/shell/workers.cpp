@@ -18,18 +18,18 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "console.hpp"
 #include "engine/core/memory/out_of_memory.hpp"
 #include "gdtslam/core/error.hpp"
-#include "tools/gdtslam/shell/console.hpp"
 
-namespace gdtslam::reproduce {
+namespace gdtslam {
 namespace {
 
-using Json = nlohmann::json;
+using WorkJson = nlohmann::json;
 
 // One line of JSON each. Nobody is left to hear of a line that cannot be written: the end of the process tells.
-void send(int pipe, const Json& message) {
-  const std::string line = message.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+void send(int pipe, const WorkJson& message) {
+  const std::string line = message.dump(-1, ' ', false, WorkJson::error_handler_t::replace) + "\n";
   std::size_t sent = 0;
   while (sent < line.size()) {
     const ssize_t count = ::write(pipe, line.data() + sent, line.size() - sent);
@@ -49,17 +49,17 @@ Workers::Tell teller(int pipe) {
   };
 }
 
-constexpr const char* kFewerParts = "; fewer parts at a time need less (--threads 1)";
+constexpr const char* kFewerAtATime = "; fewer at a time need less";
 
-Json outcome_of(const Workers::Work& work, int pipe) {
+WorkJson outcome_of(const Workers::Work& work, int pipe) {
   try {
     return {{"result", work(teller(pipe))}};
   } catch (const OutOfMemory& error) {
-    return {{"error", std::string(error.what()) + kFewerParts}, {"code", static_cast<int>(error.code())}};
+    return {{"error", std::string(error.what()) + kFewerAtATime}, {"code", static_cast<int>(error.code())}};
   } catch (const Error& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(error.code())}};
   } catch (const std::bad_alloc&) {
-    return {{"error", std::string("out of memory") + kFewerParts}, {"code", static_cast<int>(ExitCode::kFailed)}};
+    return {{"error", std::string("out of memory") + kFewerAtATime}, {"code", static_cast<int>(ExitCode::kFailed)}};
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"code", static_cast<int>(ExitCode::kFailed)}};
   }
@@ -77,7 +77,8 @@ double seconds_of(const timeval& time) {
 }
 
 Error system_error(const char* call) {
-  return {ExitCode::kFailed, fmt::format("a process for a part cannot be started: {}: {}", call, std::strerror(errno))};
+  return {ExitCode::kFailed,
+          fmt::format("a process for the work cannot be started: {}: {}", call, std::strerror(errno))};
 }
 
 constexpr int kLook_ms = 200;  // a signal may come between the look at its flag and the wait
@@ -112,7 +113,7 @@ void Workers::take_lines(Process& process) {
   for (std::size_t end = 0; (end = process.text.find('\n')) != std::string::npos;) {
     const std::string line = process.text.substr(0, end);
     process.text.erase(0, end + 1);
-    const Json message = Json::parse(line);
+    const WorkJson message = WorkJson::parse(line);
     if (message.contains("share")) {
       process.share = message.at("share").get<double>();
     } else {
@@ -122,17 +123,23 @@ void Workers::take_lines(Process& process) {
 }
 
 Workers::Event Workers::event_of(const Process& process, double cpu_s, int status) {
+  Event event{.id = process.id, .share = 1.0, .cpu_s = cpu_s, .result = {}};
   if (process.outcome.empty()) {
     const std::string how =
         WIFSIGNALED(status) ? fmt::format(" by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status))) : "";
-    throw Error(ExitCode::kFailed,
-                fmt::format("the process that worked on it was ended{}; the same command goes on", how));
+    event.failure = {.code = ExitCode::kFailed,
+                     .message = "the process that worked on it was ended" + how + "; the same command goes on",
+                     .by_signal = true};
+    return event;
   }
-  const Json outcome = Json::parse(process.outcome);
+  const WorkJson outcome = WorkJson::parse(process.outcome);
   if (outcome.contains("error")) {
-    throw Error(static_cast<ExitCode>(outcome.at("code").get<int>()), outcome.at("error").get<std::string>());
+    event.failure = {.code = static_cast<ExitCode>(outcome.at("code").get<int>()),
+                     .message = outcome.at("error").get<std::string>()};
+  } else {
+    event.result = outcome.at("result").get<std::string>();
   }
-  return {.id = process.id, .share = 1.0, .cpu_s = cpu_s, .result = outcome.at("result").get<std::string>()};
+  return event;
 }
 
 // The outcome waits for the end of the process, which tells its time.
@@ -148,6 +155,12 @@ Workers::Event Workers::ended(std::size_t place) {
 }
 
 Workers::Event Workers::wait() {
+  Event event = wait_for_any();
+  if (event.failure) throw Error(event.failure->code, event.failure->message);
+  return event;
+}
+
+Workers::Event Workers::wait_for_any() {
   for (;;) {
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted");
     std::vector<pollfd> pipes;
@@ -168,4 +181,4 @@ Workers::Event Workers::wait() {
   }
 }
 
-}  // namespace gdtslam::reproduce
+}  // namespace gdtslam

@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
-namespace gdtslam::reproduce {
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
 
 class Workers {
  public:
@@ -19,11 +21,18 @@ class Workers {
   using Tell = std::function<void(double)>;
   /// What runs in the process; what it returns comes back as Event::result, what it throws is thrown by wait().
   using Work = std::function<std::string(const Tell&)>;
+  /// Why work ended without a result.
+  struct Failure {
+    ExitCode code = ExitCode::kFailed;
+    std::string message;
+    bool by_signal = false;  ///< the process was ended from without, or broke
+  };
   struct Event {
     std::size_t id = 0;
     double share = 0.0;
     double cpu_s = 0.0;                 ///< of the process, where it ended
-    std::optional<std::string> result;  ///< nothing: it goes on
+    std::optional<std::string> result;  ///< nothing: it goes on, or has failed
+    std::optional<Failure> failure{};   ///< of wait_for_any() alone
   };
 
   explicit Workers(unsigned most) : most_(most) {}
@@ -39,6 +48,8 @@ class Workers {
   /// The next event of any; only where not idle. Throws Error with the code that the work threw, and
   /// Error(kInterrupted) when the program is interrupted.
   Event wait();
+  /// The same, but that work which failed is an event. Throws Error(kInterrupted).
+  Event wait_for_any();
 
  private:
   struct Process {
@@ -57,4 +68,4 @@ class Workers {
   std::vector<Process> running_;
 };
 
-}  // namespace gdtslam::reproduce
+}  // namespace gdtslam

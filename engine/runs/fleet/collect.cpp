@@ -1,0 +1,160 @@
+#include "collect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/log.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool drop_ending(std::string_view& name, std::span<const std::string_view> endings) {
+  for (const std::string_view ending : endings) {
+    if (!name.ends_with(ending) || name.size() == ending.size()) continue;
+    name.remove_suffix(ending.size());
+    return true;
+  }
+  return false;
+}
+
+bool is_ros2_bag(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_regular_file(folder / "metadata.yaml", ignored);
+}
+
+// Where results are, there are tables that are no logs.
+bool holds_results(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / "report.json", ignored) || fs::exists(folder / kPlanFile, ignored);
+}
+
+std::uint64_t bytes_in(const fs::path& path) {
+  std::error_code failed;
+  std::uint64_t bytes = 0;
+  if (fs::is_directory(path, failed)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, failed)) {
+      if (entry.is_regular_file(failed)) bytes += entry.file_size(failed);
+    }
+  } else {
+    bytes = fs::file_size(path, failed);
+  }
+  if (failed) throw FileError(path.string(), "cannot be read: " + failed.message());
+  return bytes;
+}
+
+std::string absolute_path(const fs::path& path) {
+  fs::path whole = fs::absolute(path).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();  // "bag/"
+  return whole.string();
+}
+
+bool is_utf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+void search(const fs::path& folder, std::vector<fs::path>& logs) {
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
+    std::error_code ignored;  // what cannot be asked about is neither
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') || entry.is_symlink(ignored)) continue;
+    if (entry.is_directory(ignored)) {
+      if (is_ros2_bag(entry.path())) {
+        logs.push_back(entry.path());
+      } else if (!holds_results(entry.path())) {
+        search(entry.path(), logs);
+      }
+    } else if (entry.is_regular_file(ignored) && has_name_of_a_log(name)) {
+      logs.push_back(entry.path());
+    }
+  }
+  if (failed) throw FileError(folder.string(), "cannot be read: " + failed.message());
+}
+
+std::uint64_t bytes_from(std::string_view text) {
+  std::uint64_t bytes = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), bytes);
+  if (code != std::errc{} || end != text.data() + text.size())
+    throw InputError(in_quotes(text) + " is no number of bytes; a line is an URI, or an URI, a tab and its bytes");
+  return bytes;
+}
+
+}  // namespace
+
+bool has_name_of_a_log(std::string_view file) {
+  static constexpr std::array<std::string_view, 4> kPacked{".gz", ".bz2", ".xz", ".zst"};
+  static constexpr std::array<std::string_view, 7> kLogs{".log", ".clf", ".csv", ".jsonl", ".bag", ".mcap", ".db3"};
+  drop_ending(file, kPacked);
+  return drop_ending(file, kLogs);
+}
+
+void UnitCollector::add_unit(std::string uri, std::uint64_t bytes) {
+  if (!is_utf8(uri)) throw InputError({uri, 0}, "is a name in no UTF-8, which a plan cannot hold; rename it");
+  units_.push_back({std::move(uri), bytes});
+}
+
+void UnitCollector::add(const std::string& log) {
+  if (has_scheme(log)) return add_unit(log, 0);
+  std::error_code failed;
+  const fs::file_status status = fs::status(log, failed);
+  if (!fs::exists(status)) throw FileError(log, "cannot be read: " + errno_text(failed ? failed.value() : ENOENT));
+  if (!fs::is_directory(status) || is_ros2_bag(log)) return add_unit(absolute_path(log), bytes_in(log));
+  std::vector<fs::path> logs;
+  search(log, logs);
+  if (logs.empty())
+    throw InputError({log, 0}, fmt::format("holds no file that is named as a log; supported are {} logs", kLogFormats));
+  for (const fs::path& found : logs) add_unit(absolute_path(found), bytes_in(found));
+}
+
+void UnitCollector::add_list(std::string_view text, const std::string& name) {
+  std::uint64_t number = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    ++number;
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.empty() || line.starts_with('#')) continue;
+    const std::size_t tab = line.rfind('\t');
+    try {
+      if (tab == std::string_view::npos) {
+        add(std::string(line));
+      } else {
+        const std::string uri(line.substr(0, tab));
+        add_unit(has_scheme(uri) ? uri : absolute_path(uri), bytes_from(line.substr(tab + 1)));
+      }
+    } catch (const InputError& error) {
+      throw InputError({name, number}, error.what());
+    } catch (const FileError& error) {
+      throw FileError(fmt::format("{}:{}", name, number), error.what());
+    }
+  }
+}
+
+CollectedUnits UnitCollector::take() {
+  std::vector<FleetUnit> units = std::move(units_);
+  std::sort(units.begin(), units.end(),
+            [](const FleetUnit& a, const FleetUnit& b) { return a.uri != b.uri ? a.uri < b.uri : a.bytes > b.bytes; });
+  const std::size_t all = units.size();
+  units.erase(
+      std::unique(units.begin(), units.end(), [](const FleetUnit& a, const FleetUnit& b) { return a.uri == b.uri; }),
+      units.end());
+  const std::size_t twice = all - units.size();
+  return {std::move(units), twice};
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,208 @@
+#include "input.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/byte_source.hpp"
+#include "engine/io/message_text.hpp"
+#include "engine/io/sha256.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
+#include "gdtslam/core/error.hpp"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX leaves it to the program
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kPieceBytes = std::size_t{1} << 18U;
+
+HashedBytes hash_of(ByteSource& source) {
+  Sha256 hash;
+  HashedBytes hashed;
+  std::vector<char> piece(kPieceBytes);
+  for (std::size_t count = 0; (count = source.read(piece)) > 0;) {
+    hash.update(std::string_view(piece.data(), count));
+    hashed.bytes += count;
+  }
+  hashed.sha256 = hash.hex();
+  return hashed;
+}
+
+// A ROS 2 bag: its files by name.
+HashedBytes hash_of_folder(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (entry->is_regular_file()) files.push_back(entry->path().filename().string());
+  }
+  if (failed) throw FileError(folder, "cannot be read: " + failed.message());
+  std::sort(files.begin(), files.end());
+  Sha256 hash;
+  HashedBytes hashed;
+  for (const std::string& file : files) {
+    const HashedBytes part = sha256_of_file(folder + "/" + file);
+    hash.update(fmt::format("{} {}\n", part.sha256, file));
+    hashed.bytes += part.bytes;
+  }
+  hashed.sha256 = hash.hex();
+  return hashed;
+}
+
+// The last part of an URI as a file's name, so that messages and pictures name the log.
+std::string file_name_of_uri(const std::string& uri) {
+  constexpr std::size_t kLongest = 100;
+  std::string name = uri.substr(0, uri.find_first_of("?#"));
+  name = name.substr(name.find_last_of('/') + 1);
+  if (name.size() > kLongest) name = name.substr(name.size() - kLongest);
+  for (char& c : name) {
+    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (!is_plain && c != '.' && c != '-' && c != '_') c = '_';
+  }
+  return name.empty() || name.front() == '.' ? "log" + name : name;
+}
+
+/// A shell command whose standard output is read.
+class OutputOfCommand {
+ public:
+  explicit OutputOfCommand(const std::string& command) : command_(command) {
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw FileError(command, "cannot be started: " + errno_text(errno));
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    std::array<std::string, 3> words{"sh", "-c", command};
+    std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
+    const int code = ::posix_spawn(&process_, "/bin/sh", &actions, nullptr, arguments.data(), environ);
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    pipe_ = ends[0];
+    if (code != 0) {
+      ::close(pipe_);
+      throw FileError(command, "cannot be started: " + errno_text(code));
+    }
+  }
+  OutputOfCommand(const OutputOfCommand&) = delete;
+  OutputOfCommand& operator=(const OutputOfCommand&) = delete;
+  ~OutputOfCommand() {
+    if (process_ <= 0) return;
+    ::kill(process_, SIGTERM);
+    end();
+  }
+  /// 0 at its end, below 0 where a signal came.
+  ssize_t read(std::vector<char>& piece) const {
+    const ssize_t count = ::read(pipe_, piece.data(), piece.size());
+    if (count < 0 && errno != EINTR) throw FileError(command_, "cannot be read: " + errno_text(errno));
+    return count;
+  }
+  /// Waits for its end. Throws FileError unless it ended with 0.
+  void require_done() {
+    const int status = end();
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+    throw FileError(command_, WIFSIGNALED(status) ? fmt::format("was ended by signal {}", WTERMSIG(status))
+                                                  : fmt::format("ended with code {}", WEXITSTATUS(status)));
+  }
+
+ private:
+  int end() {
+    ::close(pipe_);
+    int status = 0;
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    process_ = 0;
+    return status;
+  }
+  std::string command_;
+  pid_t process_ = 0;
+  int pipe_ = -1;
+};
+
+HashedBytes fetch(const std::string& command, const std::string& file, const std::function<bool()>& stop) {
+  OutputOfCommand output(command);
+  AtomicFile written(file);
+  Sha256 hash;
+  HashedBytes hashed;
+  std::vector<char> piece(kPieceBytes);
+  for (ssize_t count = 1; count != 0;) {
+    if (stop && stop()) throw Error(ExitCode::kInterrupted, "interrupted");
+    count = output.read(piece);
+    if (count <= 0) continue;
+    const std::string_view text(piece.data(), static_cast<std::size_t>(count));
+    hash.update(text);
+    written.write(text);
+    hashed.bytes += text.size();
+  }
+  output.require_done();
+  written.commit();
+  hashed.sha256 = hash.hex();
+  return hashed;
+}
+
+}  // namespace
+
+HashedBytes sha256_of_file(const std::string& path) { return hash_of(*open_file_source(path)); }
+
+UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
+                     const std::function<bool()>& stop) {
+  UnitInput input{.path = unit.uri, .bytes = 0, .sha256 = {}, .linkage_sha256 = {}};
+  HashedBytes hashed;
+  std::error_code ignored;  // what cannot be asked about cannot be read either
+  if (has_scheme(unit.uri)) {
+    input.path = folder + "/" + file_name_of_uri(unit.uri);
+    hashed = fetch(get_command(plan.get, unit.uri), input.path, stop);
+  } else {
+    hashed = fs::is_directory(unit.uri, ignored) ? hash_of_folder(unit.uri) : sha256_of_file(unit.uri);
+    const std::string linkage = plan.linkage.empty() ? linkage_sidecar(unit.uri) : std::string();
+    if (!linkage.empty()) input.linkage_sha256 = sha256_of_file(linkage).sha256;
+  }
+  input.bytes = hashed.bytes;
+  input.sha256 = std::move(hashed.sha256);
+  return input;
+}
+
+std::string unit_name(const FleetPlan& plan, const UnitInput& input) {
+  Sha256 hash;
+  const auto add = [&hash](std::string_view text) { hash.update(fmt::format("{}:", text.size())).update(text); };
+  add("gdtslam unit");
+  add(plan.program.version);
+  add(plan.program.sample_map_sha256);
+  add(plan.program.sample_trajectory_sha256);
+  add(plan.config);
+  for (const auto* list : {&plan.reading.topics, &plan.reading.mounts}) {
+    add(fmt::format("{}", list->size()));
+    for (const std::string& text : *list) add(text);
+  }
+  add(plan.reading.odometry);
+  add(plan.reading.crank);
+  add(plan.reading.lenient ? "lenient" : "strict");
+  add(plan.linkage);
+  add(input.linkage_sha256);
+  add(input.sha256);
+  return hash.hex().substr(0, 16);
+}
+
+std::string get_command(const std::string& get, const std::string& uri) {
+  const std::size_t place = get.find("{}");
+  if (place == std::string::npos)
+    throw UsageError(
+        fmt::format("--get: {} needs a command with {{}} in the place of the URI, for example --get 'aws s3 cp {{}} -'",
+                    in_quotes(uri)));
+  std::string quoted = "'";
+  for (const char c : uri) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return get.substr(0, place) + quoted + "'" + get.substr(place + 2);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,39 @@
+// The bytes of a unit's log: hashed where they lie, or fetched by a command and hashed as they come. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "plan.hpp"
+
+namespace gdtslam {
+
+struct HashedBytes {
+  std::string sha256;
+  std::uint64_t bytes = 0;
+};
+/// Throws FileError.
+HashedBytes sha256_of_file(const std::string& path);
+
+/// Where a unit's log is now, and what it is.
+struct UnitInput {
+  std::string path;
+  std::uint64_t bytes = 0;
+  std::string sha256;          ///< of the file; of a folder, of its files' names and hashes
+  std::string linkage_sha256;  ///< of the linkage that lies beside it; empty: none, or the plan has one
+};
+
+/// Looks at the log, or fetches it into `folder` by FleetPlan::get. Throws FileError where it cannot be had, which is
+/// the machine's fault, and Error(kInterrupted).
+UnitInput unit_input(const FleetPlan& plan, const FleetUnit& unit, const std::string& folder,
+                     const std::function<bool()>& stop);
+
+/// First 16 hexadecimal digits of the SHA-256 of the program, what is asked of it, and the log's bytes.
+std::string unit_name(const FleetPlan& plan, const UnitInput& input);
+
+/// The command that gets an URI: {} in `get` becomes the URI, quoted for a shell. Throws UsageError where there is
+/// none.
+std::string get_command(const std::string& get, const std::string& uri);
+
+}  // namespace gdtslam

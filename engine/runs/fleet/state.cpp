@@ -1,0 +1,105 @@
+#include "state.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/yaml/yaml_text.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostTableBytes = std::size_t{1} << 30U;
+
+std::optional<std::size_t> unit_of_file(const std::string& name) {
+  constexpr std::string_view kEnding = ".json";
+  if (!name.ends_with(kEnding)) return std::nullopt;
+  std::size_t unit = 0;
+  const char* const end = name.data() + name.size() - kEnding.size();
+  const auto [stop, code] = std::from_chars(name.data(), end, unit);
+  if (code != std::errc{} || stop != end) return std::nullopt;
+  return unit;
+}
+
+template <class Visit>
+void for_each_entry(const fs::path& folder, const Visit& visit) {
+  std::error_code failed;
+  if (!fs::exists(folder, failed)) return;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    visit(*entry);
+  if (failed) throw FileError(folder.string(), "cannot be read: " + failed.message());
+}
+
+void read_tables(const std::string& atlas, const StoredPlan& stored, const std::vector<bool>& is_there,
+                 AtlasState& state) {
+  for_each_entry(fs::path(atlas) / "shards", [&](const fs::directory_entry& entry) {
+    if (entry.path().extension() != ".tsv") return;
+    std::optional<std::vector<UnitRecord>> records;
+    try {
+      records = parse_records_table(read_text<InputError>(entry.path().string(), kMostTableBytes), stored.id);
+    } catch (const Error&) {  // it only spares opening the records
+    }
+    if (!records) return;
+    for (UnitRecord& record : *records) {
+      if (record.unit < is_there.size() && is_there[record.unit]) state.records[record.unit] = std::move(record);
+    }
+  });
+}
+
+}  // namespace
+
+std::vector<bool> units_with_record(const std::string& atlas, std::size_t units) {
+  std::vector<bool> is_there(units);
+  for_each_entry(fs::path(atlas) / "units", [&](const fs::directory_entry& folder) {
+    for_each_entry(folder.path(), [&](const fs::directory_entry& entry) {
+      const std::optional<std::size_t> unit = unit_of_file(entry.path().filename().string());
+      if (unit && *unit < units) is_there[*unit] = true;
+    });
+  });
+  return is_there;
+}
+
+AtlasState read_state(const std::string& atlas, const StoredPlan& stored) {
+  const std::vector<FleetUnit>& units = stored.plan.units;
+  AtlasState state;
+  state.records.resize(units.size());
+  const std::vector<bool> is_there = units_with_record(atlas, units.size());
+  read_tables(atlas, stored, is_there, state);
+  for (std::size_t k = 0; k < units.size(); ++k) {
+    if (!is_there[k] || state.records[k]) continue;
+    try {
+      UnitRecord record = read_record(atlas, k);
+      if (record.plan != stored.id)
+        throw InputError({atlas + "/" + record_path(k), 0}, "is of another plan; running its shard again does it anew");
+      state.records[k] = std::move(record);
+    } catch (const InputError& error) {
+      state.damaged.emplace_back(error.what());
+    }
+  }
+  return state;
+}
+
+std::string table_path(std::size_t shard) { return fmt::format("shards/{:04}.tsv", shard + 1); }
+
+void write_shard_table(const std::string& atlas, const StoredPlan& stored, std::size_t shard, const AtlasState& state) {
+  std::vector<UnitRecord> records;
+  for (const std::uint32_t unit : stored.plan.shards.at(shard)) {
+    if (state.records[unit]) records.push_back(*state.records[unit]);
+  }
+  if (records.empty()) return;
+  const std::string text = records_table(stored.id, records);
+  const std::string file = atlas + "/" + table_path(shard);
+  std::error_code ignored;
+  if (fs::exists(file, ignored) && read_text<InputError>(file, kMostTableBytes) == text) return;
+  make_folder(atlas + "/shards");
+  write_file_atomically(file, text);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,149 @@
+#include "work_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/byte_source.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+#include "record.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kWorkPrefix = "gdtslam-fleet-";
+constexpr const char* kWorkMark = "/.gdtslam-fleet";
+constexpr const char* kMarkText = "gdtslam fleet made this folder and removes it again.\n";
+
+// A mark that can be locked has no owner any more. Where a file system knows no locks, none can be locked.
+void remove_if_left(const fs::path& folder) {
+  const int mark = ::open((folder.string() + kWorkMark).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  if (mark < 0) return;
+  std::error_code ignored;  // what cannot be removed is in nobody's way
+  if (::flock(mark, LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, ignored);
+  ::close(mark);
+}
+
+void remove_leftovers(const std::string& parent) {
+  std::error_code failed;
+  for (fs::directory_iterator entry(parent, failed), end; !failed && entry != end; entry.increment(failed)) {
+    std::error_code ignored;
+    const bool is_ours = entry->path().filename().string().starts_with(kWorkPrefix);
+    if (is_ours && entry->is_directory(ignored) && !entry->is_symlink(ignored)) remove_if_left(entry->path());
+  }
+}
+
+// The mark is locked before it has its name, so that nobody takes the folder for one that was left.
+int locked_mark(const std::string& folder) {
+  const std::string file = folder + kWorkMark;
+  const std::string unnamed = file + ".new";
+  const int mark = ::open(unnamed.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (mark < 0) throw FileError(file, "cannot be created: " + errno_text(errno));
+  (void)::flock(mark, LOCK_EX | LOCK_NB);
+  const std::string_view text = kMarkText;
+  if (::write(mark, text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
+      std::rename(unnamed.c_str(), file.c_str()) != 0) {
+    const int code = errno;
+    ::close(mark);
+    throw FileError(file, "cannot be written: " + errno_text(code));
+  }
+  return mark;
+}
+
+void copy_synced(const std::string& from, const std::string& to) {
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 20U;
+  const std::unique_ptr<ByteSource> source = open_file_source(from);
+  AtomicFile copy(to);
+  std::vector<char> piece(kPieceBytes);
+  for (std::size_t count = 0; (count = source->read(piece)) > 0;) copy.write(std::string_view(piece.data(), count));
+  copy.commit();
+}
+
+void copy_folder(const fs::path& from, const fs::path& to) {
+  make_folder(to.string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
+    const fs::path name = entry.path().filename();
+    if (entry.is_directory()) {
+      copy_folder(entry.path(), to / name);
+    } else {
+      copy_synced(entry.path().string(), (to / name).string());
+    }
+  }
+  sync_folder(to.string());
+}
+
+enum class Renamed { kDone, kIsThere, kOtherDisk };
+
+Renamed rename_folder(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) == 0) return Renamed::kDone;
+  if (errno == EEXIST || errno == ENOTEMPTY) return Renamed::kIsThere;
+  if (errno == EXDEV) return Renamed::kOtherDisk;
+  throw FileError(to, "cannot be written: " + errno_text(errno));
+}
+
+}  // namespace
+
+WorkFolder::WorkFolder(const std::string& parent) {
+  make_folder(parent);
+  remove_leftovers(parent);
+  std::string path = fmt::format("{}/{}{}-XXXXXX", parent, kWorkPrefix, ::getpid());
+  if (::mkdtemp(path.data()) == nullptr) throw FileError(path, "cannot be created: " + errno_text(errno));
+  try {
+    mark_ = locked_mark(path);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+    throw;
+  }
+  path_ = std::move(path);
+}
+
+WorkFolder::~WorkFolder() {
+  std::error_code ignored;  // a later process removes the rest
+  fs::remove_all(path_, ignored);
+  ::close(mark_);
+}
+
+std::string local_work_parent() {
+  for (const char* name : {"SLURM_TMPDIR", "TMPDIR"}) {
+    const char* const folder = std::getenv(name);
+    if (folder != nullptr && *folder != '\0') return folder;
+  }
+  return "/tmp";
+}
+
+void move_into_atlas(const std::string& run_folder, const std::string& atlas, const std::string& run,
+                     const std::string& staging) {
+  const std::string to = atlas + "/" + run_path(run);
+  const std::string parent = fs::path(to).parent_path().string();
+  make_folder(parent);
+  Renamed renamed = rename_folder(run_folder, to);
+  if (renamed == Renamed::kOtherDisk) {
+    const std::string copy = fmt::format("{}/{}-{}", staging, run, ::getpid());
+    try {
+      copy_folder(run_folder, copy);
+    } catch (const fs::filesystem_error& error) {
+      throw FileError(run_folder, "cannot be copied: " + error.code().message());
+    }
+    renamed = rename_folder(copy, to);
+    std::error_code ignored;
+    if (renamed == Renamed::kIsThere) fs::remove_all(copy, ignored);
+  }
+  if (renamed == Renamed::kOtherDisk) throw FileError(to, "cannot be written: " + errno_text(EXDEV));
+  sync_folder(parent);
+}
+
+}  // namespace gdtslam

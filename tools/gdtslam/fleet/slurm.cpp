@@ -1,0 +1,174 @@
+#include "slurm.hpp"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX leaves it to the program
+
+namespace gdtslam {
+namespace {
+
+constexpr const char* kArrayScript = "/slurm/run.sh";
+constexpr const char* kFinishScript = "/slurm/finish.sh";
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += ' ' + shell_quoted(word);
+  return text;
+}
+
+// What both jobs ask of the cluster.
+void add_common(const SlurmJobs& jobs, std::vector<std::string>& arguments) {
+  if (!jobs.partition.empty()) arguments.push_back("--partition=" + jobs.partition);
+  if (!jobs.memory.empty()) arguments.push_back("--mem=" + jobs.memory);
+  if (!jobs.time.empty()) arguments.push_back("--time=" + jobs.time);
+}
+
+bool is_in_path(const std::string& program) {
+  const char* const path = std::getenv("PATH");
+  std::string rest = path == nullptr ? "" : path;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    if (::access((rest.substr(0, end) + "/" + program).c_str(), X_OK) == 0) return true;
+    rest.erase(0, end + 1);
+  }
+  return false;
+}
+
+// Its standard output without the last line end.
+std::string output_of(const std::vector<std::string>& words) {
+  std::array<int, 2> ends{};
+  if (::pipe(ends.data()) != 0) throw Error(ExitCode::kFailed, words.front() + ": " + errno_text(errno));
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  ::posix_spawn_file_actions_addclose(&actions, ends[0]);
+  std::vector<std::string> copies = words;
+  std::vector<char*> arguments;
+  for (std::string& word : copies) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t process = 0;
+  const int code = ::posix_spawnp(&process, words.front().c_str(), &actions, nullptr, arguments.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::close(ends[1]);
+  std::string text;
+  std::array<char, 4096> piece{};
+  for (ssize_t count = 1; code == 0 && count != 0;) {
+    count = ::read(ends[0], piece.data(), piece.size());
+    if (count > 0) text.append(piece.data(), static_cast<std::size_t>(count));
+    if (count < 0 && errno != EINTR) break;
+  }
+  ::close(ends[0]);
+  if (code != 0) throw Error(ExitCode::kFailed, words.front() + " cannot be started: " + errno_text(code));
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw Error(ExitCode::kFailed,
+                words.front() + " failed; what it says stands above; the scripts are kept in the atlas");
+  while (text.ends_with('\n')) text.pop_back();
+  return text;
+}
+
+// "123" of "123;cluster".
+std::string job_of(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "sbatch");
+  const std::string said = output_of(arguments);
+  std::string job = said.substr(0, said.find(';'));
+  if (job.empty() || job.find_first_not_of("0123456789") != std::string::npos)
+    throw Error(ExitCode::kFailed, "sbatch named no job, but " + in_quotes(said));
+  return job;
+}
+
+}  // namespace
+
+std::string shell_quoted(const std::string& text) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=%:,+@";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+// A node that fails gives its task back by itself (--requeue); a task that ends with 1, 74 or a signal does so here.
+std::string array_script(const SlurmJobs& jobs) {
+  return fmt::format(
+      "#!/bin/sh\n"
+      "# A task of a job array of Slurm: one portion of {0}.\n"
+      "{1} fleet run {0} --shard auto{2}\n"
+      "code=$?\n"
+      "case $code in 0|2|65|69|70|78) exit $code ;; esac\n"
+      "# The machine is to blame: once more, perhaps on another one.\n"
+      "if [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {3} ]; then\n"
+      "  scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\" && sleep 60\n"
+      "fi\n"
+      "exit $code\n",
+      shell_quoted(jobs.atlas), shell_quoted(jobs.program), joined(jobs.arguments), jobs.retries);
+}
+
+std::string finish_script(const SlurmJobs& jobs) {
+  return fmt::format(
+      "#!/bin/sh\n"
+      "# Once all portions are done.\n"
+      "exec {} fleet finish {}\n",
+      shell_quoted(jobs.program), shell_quoted(jobs.atlas));
+}
+
+std::vector<std::string> array_arguments(const SlurmJobs& jobs) {
+  std::vector<std::string> arguments{"--parsable",
+                                     "--job-name=gdtslam-fleet",
+                                     "--requeue",
+                                     "--open-mode=append",
+                                     fmt::format("--array=0-{}%{}", jobs.shards - 1, jobs.at_most),
+                                     fmt::format("--cpus-per-task={}", jobs.processors),
+                                     fmt::format("--output={}/slurm/%A_%a.txt", jobs.atlas)};
+  add_common(jobs, arguments);
+  arguments.push_back(jobs.atlas + kArrayScript);
+  return arguments;
+}
+
+std::vector<std::string> finish_arguments(const SlurmJobs& jobs, const std::string& array) {
+  std::vector<std::string> arguments{"--parsable", "--job-name=gdtslam-finish", "--dependency=afterok:" + array,
+                                     "--kill-on-invalid-dep=yes",
+                                     fmt::format("--output={}/slurm/finish.txt", jobs.atlas)};
+  add_common(jobs, arguments);
+  arguments.push_back(jobs.atlas + kFinishScript);
+  return arguments;
+}
+
+std::string printed_script(const SlurmJobs& jobs) {
+  const auto here = [](const std::string& file, const std::string& text) {
+    return fmt::format("cat > {} <<'SCRIPT'\n{}SCRIPT\n", shell_quoted(file), text);
+  };
+  const std::vector<std::string> finish = finish_arguments(jobs, "");
+  std::string after = joined(finish);
+  const std::string place = "--dependency=afterok:";
+  after.replace(after.find(place), place.size(), place + "\"$array\"");
+  return fmt::format("#!/bin/sh\nset -e\nmkdir -p {}\n", shell_quoted(jobs.atlas + "/slurm")) +
+         here(jobs.atlas + kArrayScript, array_script(jobs)) + here(jobs.atlas + kFinishScript, finish_script(jobs)) +
+         fmt::format("array=$(sbatch{})\nsbatch{}\n", joined(array_arguments(jobs)), after);
+}
+
+std::vector<std::string> submit_slurm(const SlurmJobs& jobs) {
+  if (!is_in_path("sbatch"))
+    throw UnavailableError(
+        "--engine slurm: there is no sbatch here; submit from a machine of the cluster, or --engine print");
+  make_folder(jobs.atlas + "/slurm");
+  write_file_atomically(jobs.atlas + kArrayScript, array_script(jobs));
+  write_file_atomically(jobs.atlas + kFinishScript, finish_script(jobs));
+  const std::string array = job_of(array_arguments(jobs));
+  return {array, job_of(finish_arguments(jobs, array))};
+}
+
+}  // namespace gdtslam
