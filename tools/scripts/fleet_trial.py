@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """`gdtslam fleet` over 200 logs on a Slurm of two nodes, held against one machine: `fleet_trial.py PROGRAM -o FOLDER
-[--logs N] [--scans N] [--data DIR] [--cases NAME,...]`.
+[--logs N] [--scans N] [--data DIR] [--cases NAME,...] [--set PATH=VALUE]`.
 
 The logs are pieces of simulated drives of two scenes, three lasers and several seeds, and the public logs that DIR has. They
 are mapped by a shell loop of `gdtslam map`, by `fleet submit --engine local`, by one node, on Slurm in other numbers of
@@ -48,13 +48,13 @@ def make_logs(program, folder, number, scans):
                 if count < scans:
                     continue
                 if len(list(folder.glob("piece-*.log"))) < number:
-                    (folder / f"piece-{seed}-{hash_free(folder, seed)}.log").write_text("".join(head + piece))
+                    (folder / f"piece-{seed}-{pieces_of(folder, seed)}.log").write_text("".join(head + piece))
                 piece, count = [], 0
     for path in folder.glob("drive.*"):
         path.unlink()
 
 
-def hash_free(folder, seed):
+def pieces_of(folder, seed):
     return len(list(folder.glob(f"piece-{seed}-*.log")))
 
 
@@ -64,8 +64,8 @@ def cpu_s():
 
 
 class Trial:
-    def __init__(self, program, folder, logs):
-        self.program, self.folder, self.logs = program, folder, logs
+    def __init__(self, program, folder, logs, settings):
+        self.program, self.folder, self.logs, self.settings = program, folder, logs, settings
         self.rows, self.expected = [], None
 
     def atlas(self, name, *arguments, order=None):
@@ -75,7 +75,8 @@ class Trial:
         if order is not None:
             random.Random(order).shuffle(listed)
         (self.folder / "list.txt").write_text("".join(f"{log}\n" for log in listed))
-        run(self.program, "fleet", "plan", "--list", self.folder / "list.txt", "-o", folder, "--quiet", *arguments)
+        run(self.program, "fleet", "plan", "--list", self.folder / "list.txt", "-o", folder, "--quiet", *arguments,
+            *self.settings)
         return folder
 
     def case(self, what, work):
@@ -107,7 +108,7 @@ def hosts_of(atlas):
 def shell_loop(trial):
     for log in trial.logs:
         out = trial.folder / "loop"
-        run(trial.program, "map", log, "-o", out, "--no-copy", "--quiet")
+        run(trial.program, "map", log, "-o", out, "--no-copy", "--quiet", *trial.settings)
         shutil.rmtree(out)
 
 
@@ -176,6 +177,7 @@ def main():
     parser.add_argument("--shards", type=int, default=20)
     parser.add_argument("--data", type=pathlib.Path, help="folder of the public logs")
     parser.add_argument("--cases", help="names with commas: " + ", ".join(cases_of(20)))
+    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="of every map")
     options = parser.parse_args()
     program, folder = options.program.resolve(), options.output.resolve()
     public = [options.data.resolve() / f"{name}.clf.gz" for name in PUBLIC] if options.data else []
@@ -183,7 +185,8 @@ def main():
     # The cluster is that of the tests, which find the program by variables.
     os.environ.update(GDTSLAM=str(program), GDTSLAM_SOURCE=str(ROOT), GDTSLAM_CLI_WORK=str(folder), GDTSLAM_CLI_LOG=str(folder))
     sys.path.insert(0, str(ROOT / "tests/cli"))
-    trial = Trial(program, folder, [*sorted((folder / "logs").glob("piece-*.log"))[:options.logs - len(public)], *public])
+    trial = Trial(program, folder, [*sorted((folder / "logs").glob("piece-*.log"))[:options.logs - len(public)], *public],
+                  [word for one in options.set for word in ("--set", one)])
     print("| | atlas | logs | by | time | CPU time | busy |\n|---|---|---|---|---|---|---|", flush=True)
     cases = cases_of(options.shards)
     for name in options.cases.split(",") if options.cases else cases:

@@ -10,6 +10,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "input.hpp"
+#include "thumbnail.hpp"
 #include "work_folder.hpp"
 
 namespace gdtslam {
@@ -70,7 +71,7 @@ std::string reason_of(std::string message, const std::string& path) {
 // The run folder below the work folder; nothing and a reason in the record where the log is refused.
 bool map_unit(const UnitWork& work, const UnitInput& input, const std::string& folder, UnitRecord& record) {
   try {
-    work.map(request_of(work, input, folder));
+    write_thumbnail(folder, work.map(request_of(work, input, folder)).outcome);
     return true;
   } catch (const Error& error) {
     if (!is_fault_of_the_log(error.code())) throw;

@@ -10,6 +10,7 @@
 #include "engine/runs/fleet/summary.hpp"
 #include "fleet.hpp"
 #include "gdtslam/core/error.hpp"
+#include "page.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
@@ -34,7 +35,7 @@ void require_whole(const StoredPlan& stored, const AtlasState& state, const Atla
 }
 
 int finish(const FinishOptions& options) {
-  const std::string text = finish_atlas(options.atlas, options.is_partial, options.quiet);
+  const std::string text = finish_atlas(options.atlas, options.is_partial);
   if (options.json) {
     print_result(text);
   } else if (!options.quiet) {
@@ -56,15 +57,18 @@ std::string finish_text(const std::string& atlas_json, const std::string& atlas)
                      printable(atlas));
 }
 
-std::string finish_atlas(const std::string& atlas, bool is_partial, bool is_quiet) {
-  (void)is_quiet;
+std::string finish_atlas(const std::string& atlas, bool is_partial) {
   const StoredPlan stored = read_plan(atlas);
   const AtlasState state = read_state(atlas, stored);
   const AtlasSummary summary = summary_of(stored, state);
   for (const std::string& damage : state.damaged) print_remark(damage);
   if (!is_partial) require_whole(stored, state, summary, atlas);
-  std::string text = json_text(atlas_json(stored, state, summary));
+  const nlohmann::ordered_json json = atlas_json(stored, state, summary);
+  const auto& hash = json.at("atlas_sha256");
+  std::string text = json_text(json);
   AtomicFileSet files;
+  files.add(atlas + "/index.html")
+      .write(atlas_page(atlas, stored, state, summary, hash.is_null() ? std::string() : hash.get<std::string>()));
   files.add(atlas + "/summary.csv").write(summary_csv(stored, state));
   files.add(atlas + "/atlas.json").write(text);
   files.commit();

@@ -33,9 +33,9 @@ void add_most_refused(CLI::App& command, ComputeOptions& options);
 /// Exit code of what became of shards, with one line that says why where it is not 0.
 int judged(const RunnerOutcome& outcome, const MostRefused& most, const std::string& atlas);
 
-/// Writes atlas.json, summary.csv, the thumbnails and index.html; returns the text of atlas.json. Throws InputError
+/// Writes atlas.json, summary.csv and index.html; returns the text of atlas.json. Throws InputError
 /// where units are missing and `is_partial` is not set; FileError.
-std::string finish_atlas(const std::string& atlas, bool is_partial, bool is_quiet);
+std::string finish_atlas(const std::string& atlas, bool is_partial);
 /// The hash and the page of a finished atlas, a line each.
 std::string finish_text(const std::string& atlas_json, const std::string& atlas);
 

@@ -29,7 +29,7 @@ int run_here(const SubmitOptions& options, const StoredPlan& stored) {
   std::iota(shards.begin(), shards.end(), std::size_t{0});
   const RunnerOutcome outcome = run_shards(stored, shards, runner);
   const int code = judged(outcome, most, runner.atlas);
-  const std::string text = finish_atlas(runner.atlas, false, runner.quiet);
+  const std::string text = finish_atlas(runner.atlas, false);
   if (!runner.quiet) {
     print_result(fmt::format("{} logs: {} mapped, {} refused{}\n{}", outcome.units, outcome.mapped, outcome.refused,
                              outcome.were_done > 0 ? fmt::format("; {} were done already", outcome.were_done) : "",
