@@ -108,7 +108,7 @@ def slurm_gives_the_same_atlas():
             expect(os.environ.get("GDTSLAM_REQUIRE_VULKAN") != "1", "there is no Vulkan device, and GDTSLAM_REQUIRE_VULKAN=1")
             return
         atlas = planned(folder / "vulkan", logs, "--shards", 2)
-        slurm.set_variables("n2", NODE_OPTIONS=f"--device vulkan:{devices[0]['index']}")
+        slurm.set_variables("n2", NODE_OPTIONS=f"--device {devices[0]['device']}")
         submitted_by_nodes(slurm, atlas)
         slurm.wait_for_jobs(90)
         expect(finished(atlas) == expected, "another atlas with a node on Vulkan")
