@@ -27,9 +27,12 @@ def drives(folder):
     return folder
 
 
-def planned(atlas, *arguments):
-    # To measure the delay of the odometry takes longer than all the rest of a short drive.
-    expect_exit(command("fleet", "plan", *arguments, "-o", atlas, "--set", "log.odometry_stamps=log"), 0)
+# To measure the delay of the odometry takes longer than all the rest of a short drive.
+SETTINGS = ("--set", "log.odometry_stamps=log")
+
+
+def planned(atlas, *arguments, settings=SETTINGS):
+    expect_exit(command("fleet", "plan", *arguments, "-o", atlas, *settings), 0)
     return atlas
 
 
@@ -50,10 +53,10 @@ def records(atlas):
     return [json.loads(path.read_text()) for path in sorted(atlas.glob("units/*/*.json"))]
 
 
-def local_atlas(folder):
+def local_atlas(folder, settings=SETTINGS):
     """Drives and the hash of their atlas, made on this machine."""
     logs = drives(folder / "logs")
-    atlas = planned(folder / "local", logs)
+    atlas = planned(folder / "local", logs, settings=settings)
     expect_exit(command("fleet", "submit", atlas, "--engine", "local"), 0)
     return logs, finished(atlas)
 

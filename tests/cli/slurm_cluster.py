@@ -109,11 +109,13 @@ def end_process(process, how=signal.SIGKILL):
         os.kill(process, how)
 
 
-def reap():
-    """Takes note of every child that has ended and is of nobody else here."""
-    with contextlib.suppress(ChildProcessError):
-        while os.waitpid(-1, os.WNOHANG)[0]:
-            pass
+def reap(others=()):
+    """Lets go of the children that have ended, but for `others`: to Slurm, a job of which one is left has not ended."""
+    mine = os.getpid()
+    for process, parent in parents().items():
+        if parent == mine and process not in others:
+            with contextlib.suppress(ChildProcessError):
+                os.waitpid(process, os.WNOHANG)
 
 
 def variable_of(process, name):
@@ -265,6 +267,7 @@ class SlurmCluster:
             if time.monotonic() > end:
                 self.print_logs()
                 expect(False, f"not within {SLOWNESS * seconds} s: {what}; nodes {self.states()}, jobs {self.jobs()}")
+            reap(self.foreign | {daemon.pid for daemon in self.daemons.values()})
             time.sleep(0.05)
 
     def wait_for_jobs(self, seconds=60):
@@ -274,14 +277,14 @@ class SlurmCluster:
     def print_logs(self):
         for path in sorted(self.folder.glob("*.log")):
             lines = path.read_text(errors="replace").splitlines()
-            serious = [line for line in lines if re.search(r"error|fatal|requeue|DOWN|fail", line) and "Could not open" not in line]
+            serious = [line for line in lines if re.search(r"error|fatal|requeue|DOWN|fail", line) and not re.search("Could not open|NOTE: Trying", line)]
             print(f"--- {path.name}: {len(lines)} lines", *serious[-25:], sep="\n")
 
     def close(self):
         """Ends every process that came from here and removes the folder."""
         end = time.monotonic() + 20
         while True:
-            reap()
+            reap(self.foreign)
             left = [process for process in descendants(os.getpid()) if process not in self.foreign]
             if not left or time.monotonic() > end:
                 break
