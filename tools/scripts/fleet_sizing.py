@@ -3,7 +3,7 @@
 
 For each of three lasers and four rates, a drive through the sample office is simulated and mapped by one thread, as
 `gdtslam fleet` maps it: CPU seconds, memory, and bytes read, written and kept, all for an hour of the robot. One drive of
---hours goes on for longer, to show what grows. Then what a year of --robots robots costs, from that drive,
+one laser at 10 Hz goes on for --long-laps, to show what grows. Then what a year of --robots robots costs, from those two,
 with the arithmetic. Tables as Markdown; --write puts them into docs/benchmarks.md. FOLDER keeps the figures, and what it
 has is not made again. Some six minutes of CPU time at first."""
 
@@ -89,22 +89,28 @@ def sizing_table(rows):
                       "written | of that kept |", "|---|---|---|---|---|---|---|---|---|---|", *rows])
 
 
-def year_table(robots, figures):
-    """What robots * a year take, line by line with its arithmetic."""
-    f = hourly(figures)
+def year_table(robots, drives):
+    """What robots * a year take, line by line with its arithmetic: a column for each kind of drive."""
     hours = robots * HOURS_A_DAY * DAYS_A_YEAR
-    core_hours = hours * f["cpu_s"] / 3600.0
-    day_core_s = robots * HOURS_A_DAY * f["cpu_s"]
-    rows = [("robot-hours", f"{robots} robots × {HOURS_A_DAY} h × {DAYS_A_YEAR} days", f"{hours:,} h"),
-            ("computing", f"{hours:,} h × {f['cpu_s']:.0f} s / 3,600", f"{core_hours:,.0f} core-hours"),
-            ("on one machine of 16 cores", f"{core_hours:,.0f} / 16 / 24", f"{core_hours / 16 / 24:.1f} days"),
-            ("on 10 of them", f"{core_hours:,.0f} / 160", f"{core_hours / 160:.1f} hours")]
+    hourlies = [hourly(figures) for figures in drives]
+    heads = " | ".join(f"in drives of {60 * figures['hours']:.0f} min" for figures in drives)
+    lines = [f"| | | {heads} |", "|---|---" + "|---" * len(drives) + "|"]
+
+    def add(what, sum_, value_of):
+        lines.append(f"| {what} | {sum_} | " + " | ".join(value_of(f) for f in hourlies) + " |")
+
+    core_hours = lambda f: hours * f["cpu_s"] / 3600.0
+    add("robot-hours H", f"{robots} robots × {HOURS_A_DAY} h × {DAYS_A_YEAR} days", lambda f: f"{hours:,} h")
+    add("CPU time an hour C", "from the table above", lambda f: f"{f['cpu_s']:.0f} s")
+    add("computing", "H × C / 3,600", lambda f: f"{core_hours(f):,.0f} core-hours")
+    add("on one machine of 16 cores", "H × C / 3,600 / 16 / 24", lambda f: f"{core_hours(f) / 16 / 24:.1f} days")
+    add("on ten of them", "H × C / 3,600 / 160", lambda f: f"{core_hours(f) / 160:.0f} hours")
     for what, name in (("read, as recorded", "plain_bytes"), ("read, packed", "packed_bytes"), ("written", "written_bytes"),
                        ("of that kept", "kept_bytes")):
-        rows.append((what, f"{hours:,} h × {f[name] / 1e6:.1f} MB", f"{hours * f[name] / 1e12:.2f} TB"))
-    rows.append(("one day of the fleet on one machine of 16 cores", f"{robots} × {HOURS_A_DAY} h × {f['cpu_s']:.0f} s / 16",
-                 f"{day_core_s / 16 / 60:.1f} minutes"))
-    return "\n".join(["| | | |", "|---|---|---|", *(f"| {what} | {sum_} | {value} |" for what, sum_, value in rows)])
+        add(what, "H × MB an hour", lambda f, name=name: f"{hours:,} × {f[name] / 1e6:.1f} MB = {hours * f[name] / 1e12:.1f} TB")
+    add("one day of them on one machine of 16 cores", f"{robots} × {HOURS_A_DAY} × C / 16",
+        lambda f: f"{robots * HOURS_A_DAY * f['cpu_s'] / 16 / 60:.0f} min")
+    return "\n".join(lines)
 
 
 def machine():
@@ -123,18 +129,18 @@ def main():
     parser.add_argument("--write", action="store_true", help="write the tables of docs/benchmarks.md")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
-    rows, middle = [], None
+    rows, drives = [], []
     for laser, beams in LASERS:
         for rate_hz in RATES_HZ:
             figures = measured(options.program, options.output, laser, rate_hz, options.laps)
             rows.append(row(beams, rate_hz, figures))
             if (laser, rate_hz) != MIDDLE:
                 continue
-            middle = measured(options.program, options.output, laser, rate_hz, options.long_laps)
-            rows.append(row(beams, rate_hz, middle))
+            drives = [figures, measured(options.program, options.output, laser, rate_hz, options.long_laps)]
+            rows.append(row(beams, rate_hz, drives[1]))
     version = subprocess.run([options.program, "--version"], check=True, capture_output=True, text=True).stdout.strip()
     made = f"\n\nMade by `tools/scripts/fleet_sizing.py`: {version.splitlines()[0]}, {machine()}."
-    tables = {"fleet": sizing_table(rows) + made, "fleet-year": year_table(options.robots, middle) + made}
+    tables = {"fleet": sizing_table(rows) + made, "fleet-year": year_table(options.robots, drives) + made}
     page = ROOT / "docs/benchmarks.md"
     for name, text in tables.items():
         if options.write:
