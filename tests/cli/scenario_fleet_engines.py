@@ -11,7 +11,7 @@ import types
 import yaml
 
 import cli_support as cli
-from cli_support import PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, skip
+from cli_support import SOURCE, command, expect, expect_exit, fresh_folder, skip
 from scenario_slurm import finished, local_atlas, planned
 
 SHARDS = 3
@@ -109,20 +109,3 @@ def fleet_by_containers():
             expect_exit(command(*mine, env=cli.environment(**{variable: str(index)})), 0)
         expect_exit(command("fleet", "finish", atlas), 0)
         expect(finished(atlas) == expected, f"another atlas by {variable}")
-
-
-def fleet_print_is_a_sound_script():
-    """Names of folders with blanks and quotes, too."""
-    folder = fresh_folder("fleet_print")
-    (folder / "logs").mkdir()
-    (folder / "logs/a.log").write_text("")
-    for name in ("plain", "with blanks", "it's $HOME"):
-        atlas = planned(folder / name, folder / "logs")
-        process = command("fleet", "submit", atlas, "--engine", "print", "--partition", "p", "--mem", "4G")
-        expect_exit(process, 0)
-        expect(PROGRAM in process.stdout, "the program is not named by its path")
-        (folder / "script.sh").write_text(process.stdout)
-        subprocess.run(["sh", "-n", folder / "script.sh"], check=True)
-        if shutil.which("shellcheck"):
-            done = subprocess.run(["shellcheck", "--severity=warning", folder / "script.sh"], capture_output=True, text=True, check=False)
-            expect(done.returncode == 0, done.stdout)

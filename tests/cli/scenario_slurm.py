@@ -11,7 +11,7 @@ import cli_support as cli
 from cli_support import LOG, PROGRAM, SOURCE, command, expect, expect_exit, fresh_folder, vulkan_devices
 from slurm_cluster import SlurmCluster, require_slurm
 
-PIECES = 8
+PIECES = 6
 
 
 def drives(folder):
@@ -19,10 +19,11 @@ def drives(folder):
     lines = LOG.read_text().splitlines(keepends=True)
     head = [line for line in lines if line.startswith("PARAM")]
     rest = [line for line in lines if not line.startswith("PARAM")]
-    size = len(rest) // PIECES
+    size = len(rest) // (2 * PIECES)
     folder.mkdir(parents=True)
     for piece in range(PIECES):
-        (folder / f"{piece}.log").write_text("".join(head + rest[piece * size:(piece + 1) * size]))
+        begin = len(rest) // 3 + piece * size
+        (folder / f"{piece}.log").write_text("".join(head + rest[begin:begin + size]))
     (folder / "broken.log").write_text("".join(head) + "FLASER many 1.0 2.0\n")
     return folder
 
@@ -113,7 +114,7 @@ def slurm_gives_the_same_atlas():
         atlas = planned(folder / "vulkan", logs, "--shards", 2)
         slurm.set_variables("n2", NODE_OPTIONS=f"--device {devices[0]['device']}")
         submitted_by_nodes(slurm, atlas)
-        slurm.wait_for_jobs(90)
+        slurm.wait_for_jobs()
         expect(finished(atlas) == expected, "another atlas with a node on Vulkan")
         devices = {record["host"]: record["device"] for record in records(atlas) if record["exit_code"] == 0}
         expect(devices["n1"] == "cpu" and "llvmpipe" in devices["n2"], f"computed on {devices}")
@@ -136,7 +137,7 @@ def slurm_node_and_controller_die():
             (folder / node).mkdir()
             slurm.set_variables(node, TMPDIR=folder / node)
         submitted(slurm, atlas)
-        slurm.wait_until("n2 is in the middle of a log", lambda: is_in_a_unit(folder / "n2"), 30)
+        slurm.wait_until("n2 is in the middle of a log", lambda: is_in_a_unit(folder / "n2"), 120)
         slurm.kill_node("n2")
         expect(not (atlas / "atlas.json").exists(), "the atlas was finished before a node died")
         slurm.kill_controller()
@@ -144,7 +145,7 @@ def slurm_node_and_controller_die():
         slurm.wait_until("slurmctld answers", lambda: slurm.jobs() is not None, 30)
         # What its operators would say, or slurmctld itself after SlurmdTimeout and some rounds of asking.
         slurm.run("scontrol", "update", "NodeName=n2", "State=DOWN", "Reason=power")
-        slurm.wait_for_jobs(90)
+        slurm.wait_for_jobs()
         expect(finished(atlas) == expected, "another atlas after a node and the controller died")
         expect(slurm.states()["n2"].startswith("down"), f"{slurm.states()}")
 
@@ -180,11 +181,11 @@ def slurm_bad_nodes():
 
         if "FULL_DISK" not in os.environ:
             return  # a build with sanitizers, which want to be loaded first
-        full = f"env LD_PRELOAD={os.environ['FULL_DISK']} FULL_DISK_AT=60 {PROGRAM}"
+        full = f"env LD_PRELOAD={os.environ['FULL_DISK']} FULL_DISK_AT=35 {PROGRAM}"
         atlas = planned(folder / "full", logs, "--shards", 2)
         slurm.set_variables("n2", NODE_COMMAND=full)
         submitted_by_nodes(slurm, atlas, "--max-retries", 5)
-        slurm.wait_until("n2 has found the disk full", lambda: "No space left on device" in texts_of(atlas), 60)
+        slurm.wait_until("n2 has found the disk full", lambda: "No space left on device" in texts_of(atlas), 120)
         slurm.set_variables("n2")
-        slurm.wait_for_jobs(90)
+        slurm.wait_for_jobs()
         expect(finished(atlas) == expected, "another atlas after the disk was full")

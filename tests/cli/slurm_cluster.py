@@ -166,11 +166,11 @@ class SlurmCluster:
         self.start_daemon("munged", "munged", "--foreground", "--force", f"--key-file={self.folder}/munge.key",
                           f"--socket={self.folder}/munge.socket", f"--pid-file={self.folder}/munged.pid",
                           f"--seed-file={self.folder}/munge.seed", f"--log-file={self.folder}/munged.log", "--num-threads=2")
-        self.wait_until("munged answers", (self.folder / "munge.socket").exists, 10)
+        self.wait_until("munged answers", (self.folder / "munge.socket").exists, 60)
         self.start_controller()
         for node in NODES:
             self.start_node(node)
-        self.wait_until("both nodes are idle", lambda: self.states() == dict.fromkeys(NODES, "idle"), 30)
+        self.wait_until("both nodes are idle", lambda: self.states() == dict.fromkeys(NODES, "idle"), 60)
 
     def write_configuration(self):
         for name in ("state", *(f"spool.{node}" for node in NODES)):
@@ -220,7 +220,7 @@ class SlurmCluster:
         now = time.time()
         saved = self.folder / "state/job_state"
         self.run("scontrol", "update", "PartitionName=main", "MaxTime=UNLIMITED")
-        self.wait_until("slurmctld has saved its state", lambda: saved.exists() and saved.stat().st_mtime > now, 15)
+        self.wait_until("slurmctld has saved its state", lambda: saved.exists() and saved.stat().st_mtime > now, 60)
         self.daemons["slurmctld"].kill()
         self.daemons.pop("slurmctld").wait()
 
@@ -270,7 +270,7 @@ class SlurmCluster:
             reap(self.foreign | {daemon.pid for daemon in self.daemons.values()})
             time.sleep(0.05)
 
-    def wait_for_jobs(self, seconds=60):
+    def wait_for_jobs(self, seconds=180):
         """Waits until no job waits or runs."""
         self.wait_until("all jobs have ended", lambda: self.jobs() == [], seconds)
 
