@@ -196,6 +196,7 @@ void write_record(const std::string& atlas, const UnitRecord& record) {
   }
   make_folder(file.parent_path().string());
   write_file_atomically(file.string(), record_text(record));
+  sync_folder(atlas + "/units");
 }
 
 std::string table_text(std::string_view text) {
