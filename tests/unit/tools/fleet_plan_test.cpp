@@ -160,7 +160,7 @@ TEST(FleetShards, HoldEveryUnitOnceAndAreEven) {
 }
 
 TEST(FleetShards, AreTenMinutesEachAndAtMostAThousand) {
-  const std::vector<FleetUnit> hour(60, {"/x.log", 60'000'000});  // a minute each, at a megabyte a second
+  const std::vector<FleetUnit> hour(60, {"/x.log", 55'000'000});  // a minute each: 5 s, and a megabyte a second
   EXPECT_EQ(packed_shards(hour, 0).size(), 6U);
   EXPECT_EQ(packed_shards({{"/x.log", 1}}, 0).size(), 1U);
   EXPECT_EQ(packed_shards({{"/x.log", 1}, {"/y.log", 1}}, 5).size(), 2U);
