@@ -15,6 +15,8 @@ import scenario_devices
 import scenario_doctor
 import scenario_edit
 import scenario_files
+import scenario_fleet
+import scenario_fleet_engines
 import scenario_hostile_files
 import scenario_keyframes
 import scenario_linkage
@@ -35,17 +37,18 @@ import scenario_reproduce
 import scenario_results
 import scenario_same_bytes
 import scenario_signals
+import scenario_slurm
 import scenario_tilt3d
 import scenario_tiles
 import scenario_tracking
 
 MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
-           scenario_doctor, scenario_edit, scenario_files,
+           scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_fleet_engines,
             scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
-           scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals,
+           scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_signals, scenario_slurm,
            scenario_tilt3d, scenario_tiles, scenario_tracking)
 
 

@@ -28,12 +28,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kPieceBytes = std::size_t{1} << 18U;
+constexpr std::size_t kReadBytes = std::size_t{1} << 18U;
 
 HashedBytes hash_of(ByteSource& source) {
   Sha256 hash;
   HashedBytes hashed;
-  std::vector<char> piece(kPieceBytes);
+  std::vector<char> piece(kReadBytes);
   for (std::size_t count = 0; (count = source.read(piece)) > 0;) {
     hash.update(std::string_view(piece.data(), count));
     hashed.bytes += count;
@@ -135,7 +135,7 @@ HashedBytes fetch(const std::string& command, const std::string& file, const std
   AtomicFile written(file);
   Sha256 hash;
   HashedBytes hashed;
-  std::vector<char> piece(kPieceBytes);
+  std::vector<char> piece(kReadBytes);
   for (ssize_t count = 1; count != 0;) {
     if (stop && stop()) throw Error(ExitCode::kInterrupted, "interrupted");
     count = output.read(piece);

@@ -22,10 +22,10 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostRecordBytes = std::size_t{1} << 20U;
 constexpr std::size_t kUnitsPerFolder = 1000;
 constexpr const char* kDoAgain = "; running its shard again does it anew";
-constexpr std::string_view kHex = "0123456789abcdef";
+constexpr std::string_view kHexDigits = "0123456789abcdef";
 
 bool is_hash(const std::string& text, std::size_t digits) {
-  return text.size() == digits && text.find_first_not_of(kHex) == std::string::npos;
+  return text.size() == digits && text.find_first_not_of(kHexDigits) == std::string::npos;
 }
 
 // What names and hashes have to look like before they become part of a path or of a hash.
@@ -196,6 +196,7 @@ void write_record(const std::string& atlas, const UnitRecord& record) {
   }
   make_folder(file.parent_path().string());
   write_file_atomically(file.string(), record_text(record));
+  sync_folder(atlas + "/units");
 }
 
 std::string table_text(std::string_view text) {

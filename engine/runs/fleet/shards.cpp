@@ -21,7 +21,9 @@ constexpr double kShard_s = 600.0;
 constexpr double kUnknown_s = 60.0;
 // Of CARMEN text, which has 5 to 6 bytes a beam; measured 0.65 to 1.35 MB a core-second with loops and pictures.
 constexpr double kBytesPerSecond = 1.0e6;
-constexpr double kPackedRatio = 4.8;  // of its gzip, measured 4.6 to 5.2
+constexpr double kRecordedPerSecond = 4.0e6;  // of messages, which have 4 bytes a beam, and intensities
+constexpr double kPerLog_s = 5.0;             // whatever its size: above all, how late its odometry is stamped
+constexpr double kPackedRatio = 4.8;          // of its gzip, measured 4.6 to 5.2
 
 std::uint64_t number_from(const std::string& text, const char* what) {
   std::uint64_t number = 0;
@@ -68,10 +70,15 @@ ShardChoice automatic_choice(const Environment& environment) {
 
 double estimated_work_s(const FleetUnit& unit) {
   if (unit.bytes == 0) return kUnknown_s;
-  const std::string_view name = unit.uri;
-  const bool is_packed =
-      name.ends_with(".gz") || name.ends_with(".bz2") || name.ends_with(".xz") || name.ends_with(".zst");
-  return static_cast<double>(unit.bytes) * (is_packed ? kPackedRatio : 1.0) / kBytesPerSecond;
+  std::string_view name = unit.uri;
+  double bytes = static_cast<double>(unit.bytes);
+  for (const std::string_view ending : {".gz", ".bz2", ".xz", ".zst"}) {
+    if (!name.ends_with(ending)) continue;
+    bytes *= kPackedRatio;
+    name.remove_suffix(ending.size());
+  }
+  const bool is_recording = name.ends_with(".bag") || name.ends_with(".mcap") || name.ends_with(".db3");
+  return kPerLog_s + bytes / (is_recording ? kRecordedPerSecond : kBytesPerSecond);
 }
 
 std::vector<std::vector<std::uint32_t>> packed_shards(const std::vector<FleetUnit>& units, std::size_t count) {

@@ -144,6 +144,7 @@ void move_into_atlas(const std::string& run_folder, const std::string& atlas, co
   }
   if (renamed == Renamed::kOtherDisk) throw FileError(to, "cannot be written: " + errno_text(EXDEV));
   sync_folder(parent);
+  sync_folder(atlas + "/runs");
 }
 
 }  // namespace gdtslam

@@ -102,8 +102,9 @@ FleetProgram this_program() {
 
 std::string host_name() {
   std::array<char, 256> name{};
-  if (::gethostname(name.data(), name.size() - 1) != 0) return "unknown";
-  std::string host = name.data();
+  const char* const node = std::getenv("SLURMD_NODENAME");
+  if (node == nullptr && ::gethostname(name.data(), name.size() - 1) != 0) return "unknown";
+  std::string host = node != nullptr ? node : name.data();
   for (char& c : host) {
     const bool is_plain =
         (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';

@@ -13,7 +13,8 @@ namespace gdtslam {
 /// InputError.
 FleetProgram this_program();
 
-/// Name of this machine, in letters that a file's name may have.
+/// Name of this machine, in letters that a file's name may have; Slurm's name of it where it has one, for several of
+/// its nodes may be one machine.
 std::string host_name();
 
 /// Processors that this process may use: SLURM_CPUS_PER_TASK where a scheduler says so, else those of its affinity.

@@ -73,6 +73,14 @@ FleetPlan plan_of(const PlanOptions& options) {
   return plan;
 }
 
+std::string bytes_text(std::uint64_t bytes) {
+  const double number = static_cast<double>(bytes);
+  if (number < 1e9) return fmt::format("{:.1f} MB", 1e-6 * number);
+  return number < 1e12 ? fmt::format("{:.1f} GB", 1e-9 * number) : fmt::format("{:.1f} TB", 1e-12 * number);
+}
+
+const char* plural(std::size_t count) { return count == 1 ? "" : "s"; }
+
 int make_plan(const PlanOptions& options) {
   if (options.shards > kMostShards)
     throw UsageError(fmt::format("--shards: {} is more than {}", options.shards, kMostShards));
@@ -85,10 +93,10 @@ int make_plan(const PlanOptions& options) {
     work_s += estimated_work_s(unit);
     bytes += unit.bytes;
   }
-  print_result(fmt::format("{} logs, {:.1f} MB, in {} shards; some {} of a core\n{} {}/{}\n", plan.units.size(),
-                           1e-6 * static_cast<double>(bytes), plan.shards.size(), time_left_text(work_s),
-                           is_new ? "planned in" : "the same plan is there already:", printable(options.atlas),
-                           kPlanFile));
+  print_result(fmt::format(
+      "{} log{}, {}, in {} shard{}; some {} of a core\n{} {}/{}\n", plan.units.size(), plural(plan.units.size()),
+      bytes_text(bytes), plan.shards.size(), plural(plan.shards.size()), time_left_text(work_s),
+      is_new ? "planned in" : "the same plan is there already:", printable(options.atlas), kPlanFile));
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -72,7 +72,7 @@ class Runner {
   }
 
  private:
-  [[nodiscard]] double work_s(std::size_t unit) const { return estimated_work_s(stored_.plan.units[unit]) + 0.1; }
+  [[nodiscard]] double work_s(std::size_t unit) const { return estimated_work_s(stored_.plan.units[unit]); }
 
   [[nodiscard]] std::string folder_of(std::size_t unit) const { return fmt::format("{}/{}", local_.path(), unit); }
 

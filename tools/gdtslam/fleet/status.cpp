@@ -28,8 +28,11 @@ std::string reasons_text(const AtlasSummary& summary) {
   std::vector<std::pair<std::size_t, std::string>> reasons;
   for (const auto& [reason, count] : summary.reasons) reasons.emplace_back(count, reason);
   std::stable_sort(reasons.begin(), reasons.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  constexpr std::size_t kShown = 20;
   std::string text;
-  for (const auto& [count, reason] : reasons) text += fmt::format("  {:>6}  {}\n", count, printable(reason));
+  for (std::size_t k = 0; k < std::min(kShown, reasons.size()); ++k)
+    text += fmt::format("  {:>6}  {}\n", reasons[k].first, printable(reasons[k].second));
+  if (reasons.size() > kShown) text += fmt::format("  and {} more reasons\n", reasons.size() - kShown);
   return text.empty() ? text : "refused because the log\n" + text;
 }
 

@@ -51,6 +51,8 @@ function card([name, folder, run, picture, overview, scans, doubtful, path, log,
     image.alt = `Map of ${name}`;
     image.src = picture;
     view.append(image);
+  } else {
+    view.textContent = "no picture";
   }
   const title = element("h3", name);
   if (folder) title.prepend(element("span", folder, "folder"));
