@@ -142,8 +142,8 @@ bool SiteGrowth::is_everywhere(const SessionOverlap& overlap) const {
 // nowhere.
 void SiteGrowth::leave_out_repeated(std::size_t session, std::vector<SessionOverlap>& overlaps) const {
   const Session& query = sessions_[session];
-  std::vector<SessionOverlap*> order;
-  for (SessionOverlap& overlap : overlaps) order.push_back(&overlap);
+  std::vector<SessionOverlap*> order(overlaps.size());
+  std::transform(overlaps.begin(), overlaps.end(), order.begin(), [](SessionOverlap& overlap) { return &overlap; });
   std::stable_sort(order.begin(), order.end(),
                    [](const auto* a, const auto* b) { return a->held.size() > b->held.size(); });
   const auto is_single = [&](const SessionOverlap& overlap) {
