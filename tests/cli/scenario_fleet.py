@@ -339,3 +339,29 @@ def fleet_prints_jobs():
                           env=environment(SLURM_ARRAY_TASK_ID="2", SLURM_ARRAY_TASK_COUNT="3", SLURM_ARRAY_TASK_MIN="0"))
     expect_exit(task, 0)
     expect("shard 3 of 3" in task.stdout, task.stdout)
+
+
+def fleet_merge():
+    """Maps of an atlas that overlap are one site; what cannot be joined is told and left out; the page leads there."""
+    folder = fresh_folder("fleet_merge")
+    lines = LOG.read_text().splitlines(keepends=True)
+    (folder / "logs").mkdir()
+    part = 6 * len(lines) // 10
+    (folder / "logs/early.log").write_text("".join(lines[:part]))
+    (folder / "logs/late.log").write_text("".join(lines[-part:]))
+    (folder / "logs/bad.log").write_text("# no scan\n")
+    atlas = folder / "atlas"
+    planned(atlas, folder / "logs")
+    fleet("submit", atlas, "--engine", "local", "-q", "--max-failed", 1)
+    process = fleet("merge", atlas)
+    expect(process.stdout.startswith("2 runs, 1 site\n"), process.stdout)
+    merged = json.loads((atlas / "site/merge.json").read_text())
+    cli.validate((atlas / "site/merge.json").read_text(), "merge")
+    expect(len(merged["sites"]) == 1 and len(merged["sites"][0]["runs"]) == 2, json.dumps(merged["sites"]))
+    expect((atlas / "site/1/map.pgm").stat().st_size > 0, "no map")
+    fleet("finish", atlas, "-q")
+    expect("site/merge.json" in (atlas / "index.html").read_text(), "the page does not lead to the site")
+    run, = [path for path in atlas.glob("runs/*/*") if (path / "keyframes.bin.gz").exists()][:1]
+    (run / "keyframes.bin.gz").unlink()
+    process = fleet("merge", atlas, code=65)
+    expect("left out: " in process.stderr and "one of its runs can be joined" in process.stderr, process.stderr)

@@ -63,6 +63,7 @@ void add_fleet_command(CLI::App& app, CommandContext& context) {
   add_fleet_plan(*command, context);
   add_fleet_run(*command, context);
   add_fleet_status(*command, context);
+  add_fleet_merge(*command, context);
   add_fleet_finish(*command, context);
   add_fleet_verify(*command, context);
   add_fleet_submit(*command, context);
@@ -79,6 +80,7 @@ void add_fleet_command(CLI::App& app, CommandContext& context) {
       "  gdtslam fleet submit atlas --engine slurm --partition cpu\n"
       "  gdtslam fleet run atlas --shard 3/20       one portion, for any scheduler\n"
       "  gdtslam fleet status atlas\n"
+      "  gdtslam fleet merge atlas                  the maps that overlap, joined\n"
       "  gdtslam fleet finish atlas                 one page of all maps, and one hash");
 }
 

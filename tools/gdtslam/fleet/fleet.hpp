@@ -16,6 +16,7 @@ void add_fleet_status(CLI::App& fleet, CommandContext& context);
 void add_fleet_finish(CLI::App& fleet, CommandContext& context);
 void add_fleet_verify(CLI::App& fleet, CommandContext& context);
 void add_fleet_submit(CLI::App& fleet, CommandContext& context);
+void add_fleet_merge(CLI::App& fleet, CommandContext& context);
 
 /// The positional ATLAS.
 void add_atlas(CLI::App& command, std::string& atlas);
