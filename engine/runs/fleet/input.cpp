@@ -54,7 +54,7 @@ HashedBytes hash_of_folder(const std::string& folder) {
   Sha256 hash;
   HashedBytes hashed;
   for (const std::string& file : files) {
-    const HashedBytes part = sha256_of_file(folder + "/" + file);
+    const HashedBytes part = sha256_of_file(fmt::format("{}/{}", folder, file));
     hash.update(fmt::format("{} {}\n", part.sha256, file));
     hashed.bytes += part.bytes;
   }
