@@ -93,7 +93,7 @@ std::string data_of(const std::string& atlas, const StoredPlan& stored, const At
     const std::size_t slash = uri.find_last_of('/');
     const std::string run = run_path(record.run);
     std::error_code ignored;
-    const bool has_overview = fs::exists(atlas + "/" + run + "/overview.png", ignored);
+    const bool has_overview = fs::exists(fmt::format("{}/{}/overview.png", atlas, run), ignored);
     rows.push_back({uri.substr(slash == std::string::npos ? 0 : slash + 1),
                     slash == std::string::npos ? "" : uri.substr(0, slash), run, thumbnail_of(atlas, record.run),
                     has_overview ? run + "/overview.png" : "", f.scans, f.doubtful, f.path_m, f.log_duration_s,

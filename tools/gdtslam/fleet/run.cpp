@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 
@@ -29,14 +30,9 @@ int run_shard(const RunOptions& options) {
   const ShardChoice choice = shard_choice(options.shard, variable);
   const StoredPlan stored = read_plan(runner.atlas);
   const std::vector<std::size_t> shards = chosen_shards(choice, stored.plan.shards.size());
-  const std::string which = fmt::format("shard {}", fmt::join(
-                                                        [&shards] {
-                                                          std::vector<std::size_t> numbers;
-                                                          for (const std::size_t shard : shards)
-                                                            numbers.push_back(shard + 1);
-                                                          return numbers;
-                                                        }(),
-                                                        ", "));
+  std::vector<std::size_t> numbers(shards.size());
+  std::transform(shards.begin(), shards.end(), numbers.begin(), [](std::size_t shard) { return shard + 1; });
+  const std::string which = fmt::format("shard {}", fmt::join(numbers, ", "));
   if (!runner.quiet && !choice.said_by.empty())
     print_remark(
         fmt::format("{}: {} of {}", choice.said_by, shards.empty() ? "nothing" : which, stored.plan.shards.size()));

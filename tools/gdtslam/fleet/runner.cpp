@@ -254,6 +254,7 @@ std::vector<UnitRecord> compute_again(const StoredPlan& stored, const std::vecto
   });
   if (!failures.empty()) throw Error(failures.front().code, failures.front().message);
   std::vector<UnitRecord> list;
+  list.reserve(units.size());
   for (const std::size_t unit : units) list.push_back(records.at(unit));
   return list;
 }

@@ -56,6 +56,7 @@ std::string output_of(const std::vector<std::string>& words) {
   ::posix_spawn_file_actions_addclose(&actions, ends[0]);
   std::vector<std::string> copies = words;
   std::vector<char*> arguments;
+  arguments.reserve(copies.size() + 1);
   for (std::string& word : copies) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t process = 0;
