@@ -11,6 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "tools/scripts/benchmarks.py"
 sys.path.insert(0, str(SCRIPT.parent))
 import benchmarks  # noqa: E402  (its folder is no package)
+import fleet_sizing  # noqa: E402
 
 ROW = {"on": "cpu", "group": "viewer", "name": "cloud_frame", "variant": "10 points", "cpu_s": 0.01234, "wall_s": 2.5}
 ANSWER = {"version": "9", "devices": [{"name": "a CPU", "isa": "avx2"}], "rows": [ROW, {**ROW, "group": "limit"}]}
@@ -71,8 +72,9 @@ class Benchmarks(unittest.TestCase):
         for name in benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names():
             text = benchmarks.PAGES.get(name, benchmarks.PAGE).read_text()
             self.assertIn("| a |", benchmarks.with_table(text, name, "| a |"))
-        marks = benchmarks.re.findall(r"<!-- made: (\w+) -->", benchmarks.PAGE.read_text())
-        self.assertEqual(sorted(marks), sorted(set(benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names()) - {"results"}))
+        marks = benchmarks.re.findall(r"<!-- made: (\S+) -->", benchmarks.PAGE.read_text())
+        names = set(benchmarks.Benchmarks("", pathlib.Path(), pathlib.Path()).names()) - {"results"}
+        self.assertEqual(sorted(marks), sorted([*names, *fleet_sizing.TABLES]))
 
     def test_times_have_three_digits(self):
         self.assertEqual([benchmarks.time_text(s) for s in (12.34, 0.0123, 1.5e-6, 4e-8)], ["12.3 s", "12.3 ms", "1.5 µs", "40 ns"])

@@ -25,6 +25,7 @@ RATES_HZ = (5, 10, 20, 40)
 MIDDLE = ("sick-361", 10)
 # What a merge, tiles, localize and doctor need once the log has been mapped.
 KEPT = ("keyframes.bin.gz", "graph.g2o", "covariance.csv", "trajectory.tum", "config.yaml", "report.json")
+TABLES = ("fleet", "fleet-year")  # of docs/benchmarks.md
 WAY_BACK = ["  - [5.1, 6.1]"]  # from the end of a lap to its beginning
 HOURS_A_DAY = 8
 DAYS_A_YEAR = 365
@@ -140,9 +141,8 @@ def main():
             rows.append(row(beams, rate_hz, drives[1]))
     version = subprocess.run([options.program, "--version"], check=True, capture_output=True, text=True).stdout.strip()
     made = f"\n\nMade by `tools/scripts/fleet_sizing.py`: {version.splitlines()[0]}, {machine()}."
-    tables = {"fleet": sizing_table(rows) + made, "fleet-year": year_table(options.robots, drives) + made}
     page = ROOT / "docs/benchmarks.md"
-    for name, text in tables.items():
+    for name, text in zip(TABLES, (sizing_table(rows) + made, year_table(options.robots, drives) + made)):
         if options.write:
             page.write_text(with_table(page.read_text(), name, text))
         else:
