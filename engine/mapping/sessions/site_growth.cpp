@@ -256,7 +256,8 @@ bool SiteGrowth::try_again() {
   for (const std::size_t session : alone) {
     progress_("looking once more where sessions overlap",
               static_cast<double>(done++) / static_cast<double>(alone.size()));
-    std::erase_if(sites_, [&](const auto& site) { return site->group() == std::vector{session}; });
+    // One of those before may have been joined with it.
+    if (std::erase_if(sites_, [&](const auto& site) { return site->group() == std::vector{session}; }) == 0) continue;
     std::erase_if(grown_.searches, [&](const SessionSearch& search) { return search.query == session; });
     add(session);
   }

@@ -92,9 +92,9 @@ std::vector<Session> two_drives() {
           session_of(rooms(), part_of(once, 0.35, 1.0), kSecondFrame)};
 }
 
-MergedSessions merged(const std::vector<Session>& sessions, unsigned threads = 1) {
+MergedSessions merged(const std::vector<Session>& sessions, unsigned threads = 1, const MergeOptions& options = {}) {
   WorkerPool workers(threads);
-  return merge_sessions(sessions, {}, workers, [](std::string_view, double) {});
+  return merge_sessions(sessions, options, workers, [](std::string_view, double) {});
 }
 
 TEST(Sessions, APlaceIsFoundInTheOther) {
@@ -222,6 +222,33 @@ TEST(Sessions, InOneOfTwoAlikeWingsAreNotJoinedWhereBothAreKnown) {
     EXPECT_LT(length_of(between(T_reference_query * query.poses[fix.keyframe], fix.T_map_keyframe)), 0.1);
   }
   EXPECT_EQ(merged({with_one, in_wing}).sites.size(), 1U) << "nobody saw the other wing";
+}
+
+// With a place in four of the longer drive where the shorter one was, the longer is not found in the shorter, but the
+// shorter in the longer: when it is looked for once more, for others were joined by then.
+TEST(Sessions, ThatWereJoinedWhileOthersAreLookedForOnceMoreAreNotLookedForAgain) {
+  const std::vector<Pose2> once = test::poses_around_ring(1);
+  std::vector<Pose2> away = straight(200.0, 290.0);
+  for (Pose2& pose : away) pose.y_m = 300.0;
+  const std::vector<Session> sessions{
+      session_of(rooms(), part_of(once, 0.0, 0.4), {}), session_of(rooms(), part_of(once, 0.05, 0.35), kFirstFrame),
+      session_of(rooms(), part_of(once, 0.6, 0.85), {}),
+      session_of(rooms(), one_after_the_other(part_of(once, 0.6, 0.8), away), kSecondFrame)};
+  MergeOptions options;
+  options.overlap.search.most_places = 4;
+  options.overlap.search.most_beside = 0;
+  const MergedSessions found = merged(sessions, 1, options);
+  const auto found_in = [&](std::size_t query, std::size_t reference) {
+    return std::any_of(found.edges.begin(), found.edges.end(),
+                       [&](const SessionEdge& edge) { return edge.query == query && edge.reference == reference; });
+  };
+  EXPECT_TRUE(found_in(2, 3)) << "and not the other way around";
+  for (const SessionSearch& search : found.searches) {
+    EXPECT_EQ(std::count(search.searched_in.begin(), search.searched_in.end(), search.query), 0) << search.query;
+  }
+  ASSERT_EQ(found.sites.size(), 2U);
+  EXPECT_EQ(found.sites[0].sessions, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(found.sites[1].sessions, (std::vector<std::size_t>{2, 3}));
 }
 
 /// A session that stands every half metre on a line, and where it is said to lie.
