@@ -97,13 +97,8 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   if (!best.certified() || best.cost > search.wanted_bound) return fix;
   fix.T_map_keyframe = best.T_map_base;
   fix.mean_m = best.mean_cost_m;
-  const auto nearest = std::min_element(session_.places.begin(), session_.places.end(), [&](auto a, auto b) {
-    return squared_distance(session_.poses[a], fix.T_map_keyframe) <
-           squared_distance(session_.poses[b], fix.T_map_keyframe);
-  });
-  fix.reference_place = static_cast<std::size_t>(nearest - session_.places.begin());
-  const ScanGroup reference(path_of(session_), *nearest, options_.reference_half_m, kPlaceHeld_m);
-  fix.evidence = weigh_loop(reference, group, between(session_.poses[*nearest], fix.T_map_keyframe));
+  fix.reference_place = place_near(fix.T_map_keyframe);
+  fix.evidence = weigh(query, keyframe, session_.places[fix.reference_place], fix.T_map_keyframe);
   fix.is_possible = is_possible(fix.evidence, options_.limits);
   if (!fix.is_possible) return fix;
   search.gap_m = 0.0;
@@ -114,6 +109,38 @@ SessionFix SessionMap::find(const Session& query, std::size_t keyframe) const {
   fix.is_alone = elsewhere.stop == CertifiedStop::kNothingAllowed || elsewhere.bound >= search.wanted_bound;
   if (!fix.is_alone && elsewhere.cost < search.wanted_bound) fix.T_map_elsewhere = elsewhere.T_map_base;
   return fix;
+}
+
+std::size_t SessionMap::place_near(const Pose2& T_map_keyframe) const {
+  const auto nearest = std::min_element(session_.places.begin(), session_.places.end(), [&](auto a, auto b) {
+    return squared_distance(session_.poses[a], T_map_keyframe) < squared_distance(session_.poses[b], T_map_keyframe);
+  });
+  return static_cast<std::size_t>(nearest - session_.places.begin());
+}
+
+LoopEvidence SessionMap::weigh(const Session& query, std::size_t keyframe, std::size_t reference,
+                               const Pose2& T_map_keyframe) const {
+  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const ScanGroup there(path_of(session_), reference, options_.reference_half_m, kPlaceHeld_m);
+  return weigh_loop(there, group, between(session_.poses[reference], T_map_keyframe));
+}
+
+std::optional<Pose2> SessionMap::find_elsewhere(const Session& query, std::size_t keyframe,
+                                                const Pose2& T_map_keyframe) const {
+  const ScanGroup group(path_of(query), keyframe, options_.query_half_m, kPlaceSpacing_m);
+  const std::vector<PointCells> points = in_cells(every_nth(group.points(), options_.points), options_.resolution_m);
+  if (points.empty()) return std::nullopt;
+  CertifiedOptions search;
+  search.gap_m = options_.gap_m;
+  search.max_boxes = options_.most_boxes;
+  search.excluded = ExcludedPoses{T_map_keyframe};
+  search.wanted_bound =
+      static_cast<std::uint32_t>(options_.most_m * 256.0 / options_.resolution_m * static_cast<double>(points.size()));
+  const CertifiedResult best = find_pose(state_->map, points, state_->window, search);
+  if (best.cost > search.wanted_bound) return std::nullopt;
+  const std::size_t reference = session_.places[place_near(best.T_map_base)];
+  if (!is_possible(weigh(query, keyframe, reference, best.T_map_base), options_.limits)) return std::nullopt;
+  return best.T_map_base;
 }
 
 double SessionMap::as_good_m(const SessionFix& fix) const {
@@ -173,13 +200,24 @@ bool SessionMap::has_walls_in_the_way(const Session& query, const Pose2& T_map_q
   return false;
 }
 
-SessionMap::Test SessionMap::test(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {
-  const bool is_near = std::any_of(session_.poses.begin(), session_.poses.end(), [&](const Pose2& pose) {
+bool SessionMap::is_near(const Pose2& T_map_keyframe) const {
+  return std::any_of(session_.poses.begin(), session_.poses.end(), [&](const Pose2& pose) {
     return squared_distance(pose, T_map_keyframe) < kDroveThere_m * kDroveThere_m;
   });
-  if (!is_near) return Test::kElsewhere;
+}
+
+SessionMap::Test SessionMap::test(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {
+  if (!is_near(T_map_keyframe)) return Test::kElsewhere;
   return mean_beside_m(query, keyframe, T_map_keyframe) <= kFitsAtAll * options_.most_m ? Test::kFits
                                                                                         : Test::kDoesNotFit;
+}
+
+SessionMap::Test SessionMap::test_walls(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const {
+  if (!is_near(T_map_keyframe)) return Test::kElsewhere;
+  const std::size_t reference = session_.places[place_near(T_map_keyframe)];
+  const LoopEvidence evidence = weigh(query, keyframe, reference, T_map_keyframe);
+  if (is_possible(evidence)) return Test::kFits;
+  return evidence.contradiction > LoopLimits{}.most_contradiction ? Test::kDoesNotFit : Test::kElsewhere;
 }
 
 std::size_t walls_of(const Session& session) { return points_of(session, kWallSpacing_m).size(); }

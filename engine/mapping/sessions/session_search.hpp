@@ -54,6 +54,12 @@ class SessionMap {
   SessionMap& operator=(const SessionMap&) = delete;
 
   [[nodiscard]] SessionFix find(const Session& query, std::size_t keyframe) const;
+  /// Where it fits best but there, with nothing against it; none where it fits nowhere else.
+  [[nodiscard]] std::optional<Pose2> find_elsewhere(const Session& query, std::size_t keyframe,
+                                                    const Pose2& T_map_keyframe) const;
+  /// What speaks for the keyframe lying there, and against it, by what was seen around one of this session.
+  [[nodiscard]] LoopEvidence weigh(const Session& query, std::size_t keyframe, std::size_t reference,
+                                   const Pose2& T_map_keyframe) const;
   /// Whether what was found fits as well there, or a little beside.
   [[nodiscard]] bool fits(const Session& query, const SessionFix& fix, const Pose2& T_map_keyframe) const;
   /// Whether it fits as well, as it did when it was found, anywhere but there.
@@ -64,11 +70,15 @@ class SessionMap {
   /// seen around it fits then at all.
   enum class Test : std::uint8_t { kElsewhere, kFits, kDoesNotFit };
   [[nodiscard]] Test test(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
+  /// Likewise, by what the site saw around: where it saw little, what it did not see speaks neither for nor against.
+  [[nodiscard]] Test test_walls(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
 
  private:
   struct State;
   [[nodiscard]] double mean_beside_m(const Session& query, std::size_t keyframe, const Pose2& T_map_keyframe) const;
   [[nodiscard]] double as_good_m(const SessionFix& fix) const;
+  [[nodiscard]] std::size_t place_near(const Pose2& T_map_keyframe) const;
+  [[nodiscard]] bool is_near(const Pose2& T_map_keyframe) const;
 
   const Session& session_;
   SessionSearchOptions options_;

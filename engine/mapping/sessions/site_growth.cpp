@@ -4,9 +4,11 @@
 #include <iterator>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "engine/mapping/sessions/site_graph.hpp"
+#include "engine/mapping/sessions/site_repeats.hpp"
 
 namespace gdtslam {
 namespace {
@@ -33,6 +35,11 @@ class GrowingSite {
     if (group_.size() == 1) return sessions_[group_.front()];
     if (!whole_) whole_ = std::make_unique<Session>(SiteGraph(group_, sessions_, edges_).as_one());
     return *whole_;
+  }
+  /// Likewise.
+  const SiteRepeats& repeats(WorkerPool& workers) {
+    if (!repeats_) repeats_ = std::make_unique<SiteRepeats>(whole(), map(), workers);
+    return *repeats_;
   }
   Pose2 T_site_keyframe(std::size_t session, std::size_t keyframe) {
     std::size_t before = 0;
@@ -62,6 +69,7 @@ class GrowingSite {
   const SessionSearchOptions& options_;
   std::unique_ptr<Session> whole_;
   std::unique_ptr<SessionMap> map_;
+  std::unique_ptr<SiteRepeats> repeats_;
 };
 
 constexpr std::size_t kMostRounds = 4;
@@ -102,6 +110,7 @@ class SiteGrowth {
         progress_(progress),
         belongs_nowhere_(sessions.size()),
         is_undecided_(sessions.size()),
+        lies_anywhere_(sessions.size()),
         refuted_(sessions.size()) {}
 
   GrownSites run();
@@ -116,6 +125,7 @@ class SiteGrowth {
   void verify();
   void verify(SessionSearch& search);
   [[nodiscard]] bool is_refuted(std::size_t session, std::size_t keyframe) const;
+  [[nodiscard]] bool may_lie_elsewhere(const SessionSearch& search);
   [[nodiscard]] bool is_repeated(const SessionFix& fix, std::size_t query) const;
   void split();
 
@@ -123,8 +133,10 @@ class SiteGrowth {
   OverlapOptions options_;
   WorkerPool& workers_;
   const MergeProgress& progress_;
-  std::vector<char> belongs_nowhere_;              // sessions that fit in several spots of a site
-  std::vector<char> is_undecided_;                 // and those that would lie in one if nothing spoke against it
+  std::vector<char> belongs_nowhere_;  // sessions that fit in several spots of a site
+  std::vector<char> is_undecided_;     // and those that would lie in one if nothing spoke against it
+  // Those that were joined, and might as well lie elsewhere.
+  std::vector<std::optional<SessionSearch>> lies_anywhere_;
   std::vector<std::vector<std::size_t>> refuted_;  // keyframes that held a session, and are there twice
   bool is_any_refuted_ = false;                    // in this round
   Sites sites_;
@@ -186,6 +198,12 @@ void SiteGrowth::join(std::size_t session, const std::vector<std::vector<Session
 }
 
 void SiteGrowth::add(std::size_t session) {
+  if (lies_anywhere_[session]) {
+    belongs_nowhere_[session] = 1;
+    grown_.searches.push_back(*lies_anywhere_[session]);
+    join(session, std::vector<std::vector<SessionEdge>>(sites_.size()));
+    return;
+  }
   std::vector<SessionOverlap> overlaps;
   overlaps.reserve(sites_.size());
   for (const auto& site : sites_) {
@@ -276,6 +294,16 @@ bool SiteGrowth::is_repeated(const SessionFix& fix, std::size_t query) const {
   });
 }
 
+// As a whole, where all of its site lies.
+bool SiteGrowth::may_lie_elsewhere(const SessionSearch& search) {
+  const auto site =
+      std::find_if(sites_.begin(), sites_.end(), [&](const auto& each) { return each->holds(search.query); });
+  const Session& query = sessions_[search.query];
+  const std::size_t keyframe = search.edges.front().held.front().keyframe;
+  const Pose2 T_site_query = (*site)->T_site_keyframe(search.query, keyframe) * inverse(query.poses[keyframe]);
+  return (*site)->repeats(workers_).may_lie_elsewhere(query, T_site_query);
+}
+
 void SiteGrowth::verify(SessionSearch& search) {
   std::size_t left = 0;
   std::vector<std::size_t> repeating;
@@ -293,9 +321,11 @@ void SiteGrowth::verify(SessionSearch& search) {
     edge.held = std::move(held);
   }
   std::erase_if(search.edges, [](const SessionEdge& edge) { return edge.held.empty(); });
-  if (left >= options_.agreement.least) return;
+  search.may_lie_elsewhere = left >= options_.agreement.least && may_lie_elsewhere(search);
+  if (left >= options_.agreement.least && !search.may_lie_elsewhere) return;
   search.edges.clear();
   is_any_refuted_ = true;
+  if (search.may_lie_elsewhere) lies_anywhere_[search.query] = search;
   std::vector<std::size_t>& refuted = refuted_[search.query];
   refuted.insert(refuted.end(), repeating.begin(), repeating.end());
 }

@@ -31,6 +31,7 @@ struct SessionSearch {
   std::vector<std::size_t> searched_in;  ///< the sessions of the site by then, ascending
   SessionOverlap overlap;
   std::vector<SessionEdge> edges;  ///< to sessions of the site; none where it was not joined, or did not stay so
+  bool may_lie_elsewhere = false;  ///< where it was joined, as a whole, and did not stay so for that
 };
 
 struct GrownSites {

@@ -157,6 +157,7 @@ nlohmann::ordered_json search_json(const RunSearch& search) {
           {"rival", overlap.rival},
           {"met", overlap.met},
           {"fitting", overlap.fitting},
+          {"may_lie_elsewhere", search.search.may_lie_elsewhere},
           {"agree", agree}};
 }
 

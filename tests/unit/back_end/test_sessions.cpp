@@ -224,6 +224,25 @@ TEST(Sessions, InOneOfTwoAlikeWingsAreNotJoinedWhereBothAreKnown) {
   EXPECT_EQ(merged({with_one, in_wing}).sites.size(), 1U) << "nobody saw the other wing";
 }
 
+// A wing of which the site saw little holds a drive through it less well than its twin does, of which it saw all.
+TEST(Sessions, ThatFitBestInTheTwinOfAWingThatWasHardlySeenAreNotJoined) {
+  const std::vector<Segment> walls = hall_with_alike_wings();
+  const std::vector<Pose2> once = test::poses_around_ring(1);
+  const std::vector<Pose2> hardly_seen = part_of(drive_in(kOtherWing), 0.3, 0.75);
+  const std::vector<Session> sessions{
+      session_of(walls, one_after_the_other(part_of(once, 0.0, 0.9), drive_in(kWing)), kFirstFrame),
+      session_of(walls, one_after_the_other(part_of(once, 0.1, 1.0), hardly_seen), kSecondFrame),
+      session_of(walls, drive_in(kOtherWing), {})};
+  const MergedSessions found = merged(sessions);
+  ASSERT_EQ(found.sites.size(), 2U);
+  EXPECT_EQ(found.sites[0].sessions, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(found.sites[1].sessions, std::vector<std::size_t>{2});
+  const auto search = std::find_if(found.searches.begin(), found.searches.end(),
+                                   [](const SessionSearch& each) { return each.query == 2; });
+  ASSERT_NE(search, found.searches.end());
+  EXPECT_TRUE(search->may_lie_elsewhere);
+}
+
 // With a place in four of the longer drive where the shorter one was, the longer is not found in the shorter, but the
 // shorter in the longer: when it is looked for once more, for others were joined by then.
 TEST(Sessions, ThatWereJoinedWhileOthersAreLookedForOnceMoreAreNotLookedForAgain) {

@@ -54,10 +54,12 @@ std::string text_of(const RunSearch& search) {
   const SessionOverlap& overlap = search.search.overlap;
   if (!search.search.edges.empty() || overlap.possible == 0) return {};
   const std::size_t others = search.searched_in.size() - 1;
-  return fmt::format("not joined: {} and {}{}, where {} of {} places were found, {} of them in one spot alone\n",
-                     printable(search.query), printable(search.searched_in.front()),
-                     others == 0 ? "" : " with " + count_of(others, "run more"), overlap.possible, overlap.fixes.size(),
-                     overlap.alone);
+  const std::string pair =
+      fmt::format("not joined: {} and {}{}", printable(search.query), printable(search.searched_in.front()),
+                  others == 0 ? "" : " with " + count_of(others, "run more"));
+  if (search.search.may_lie_elsewhere) return pair + ", which has another part where it may lie as well\n";
+  return fmt::format("{}, where {} of {} places were found, {} of them in one spot alone\n", pair, overlap.possible,
+                     overlap.fixes.size(), overlap.alone);
 }
 
 int merge(const MergeCommand& command) {
