@@ -145,6 +145,7 @@ std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const 
 
 // How the laser nods, by the log.
 NodKind nod_kind_of_start(const MapRequest& request, ScanStream& scans) {
+  if (request.scan_mapped) return NodKind::kNone;
   // Where there is a linkage the mount's messages may be late in the log; else a live log is not kept waiting for them.
   const bool has_linkage = !request.linkage.empty() || !linkage_sidecar(request.logs.front()).empty();
   const NodKind kind = scans.nod_kind(has_linkage ? ScanStream::kMostAhead : ScanStream::kScansAhead);
@@ -230,6 +231,8 @@ MapJob job_of(const MapRequest& request) {
           .with_occupancy = request.with_map,
           .with_pictures = request.with_pictures,
           .with_loops = request.with_loops,
+          .scan_mapped = request.scan_mapped,
+          .stop_ends_log = request.stop_ends_log,
           .closing = request.closing,
           .finishing = request.finishing,
           .on_failure = request.on_failure};

@@ -52,7 +52,7 @@ def row_of(first, mode, f):
 
 def panel(x, title, name, unit, series, values_of, most):
     """One of two plots beside each other: `series` has points (x value, label, figures) of each mode."""
-    left, top, width, height = x + 58, 46, 300, 190
+    left, top, width, height = x + 66, 46, 292, 190
     points = next(iter(series.values()))
     far = points[-1][0]
     at = lambda value, figure: (left + width * value / far, top + height * (1.0 - figure / most))
@@ -78,10 +78,10 @@ def plot(lengths, areas):
     memory = lambda figures: figures["memory_mb"]
     time = lambda figures: figures["scan_ms"]
     of_length = {mode: [(km, f"{km} km", lengths[km, mode]) for km in LENGTHS_KM] for mode, _ in MODES}
-    of_area = {mode: [(side, f"{side} m", areas[side, mode]) for side, _ in SIDES] for mode, _ in MODES}
+    of_area = {mode: [(side, f"{side}", areas[side, mode]) for side, _ in SIDES] for mode, _ in MODES}
     lines = panel(0, "Memory", "driven in a city of 2 km a side", "MB", of_length, memory, 1600)
-    lines += panel(380, "CPU time a scan, all in", "driven", "ms", of_length, time, 4)
-    lines += panel(760, "Memory, 4.7 km driven", "side of the city", "MB", of_area, memory, 1600)
+    lines += panel(380, "CPU time a scan, all in", "driven", "ms", of_length, time, 8)
+    lines += panel(760, "Memory, 4.7 km driven", "side of the city, m", "MB", of_area, memory, 1600)
     legend = ""
     for k, (mode, _) in enumerate(MODES):
         legend += f'<circle cx="{62 + 130 * k}" cy="306" r="4" fill="{COLOURS[mode]}"/><text x="{72 + 130 * k}" y="310">{mode}</text>'

@@ -185,20 +185,36 @@ void MapRun::finish_casting() {
   outcome_.occupancy_cpu_s += casting_->cpu_s();
 }
 
-// The next scan is read while the device works on this one. What the reader has to complain of in it counts once this
-// one is done.
-MatchResult MapRun::map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next) {
-  loops_ ? loops_->start(scan.scan, scan.T_odom_base) : mapper_->start(scan.scan, scan.T_odom_base);
-  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+void MapRun::read_next(ScanAhead& ahead, NextScan& next) {
   try {
     next.scan = next_of(ahead);
   } catch (...) {
     next.problem = std::current_exception();
   }
   watch_.add_cpu_to(outcome_.read_cpu_s);
-  const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
+}
+
+// The next scan is read while the device works on this one, unless somebody waits for this one's pose. What the reader
+// has to complain of in it counts once this one is done.
+MatchResult MapRun::map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next) {
+  loops_ ? loops_->start(scan.scan, scan.T_odom_base) : mapper_->start(scan.scan, scan.T_odom_base);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+  if (!job_.scan_mapped) read_next(ahead, next);
+  const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
+  if (job_.scan_mapped) job_.scan_mapped(result, loops_ ? loops_->correction() : Pose2{});
+  watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
+  if (job_.scan_mapped) read_next(ahead, next);
   return result;
+}
+
+// A live log that breaks off has been mapped so far, which is not lost with its sender.
+void MapRun::end_with(const std::exception_ptr& problem) {
+  if (!job_.stop_ends_log) std::rethrow_exception(problem);
+  try {
+    std::rethrow_exception(problem);
+  } catch (const InputError& error) {
+    broken_off_ = error.what();
+  }
 }
 
 void MapRun::map_flat(const Progress& progress) {
@@ -215,8 +231,9 @@ void MapRun::map_flat(const Progress& progress) {
     note_stamp(result.stamp_s);
     progress(outcome_.trajectory.size(), ahead.progress());
     watch_.add_cpu_to(outcome_.occupancy_cpu_s);
-    if (next.problem && !stop_()) std::rethrow_exception(next.problem);
+    if (next.problem && !stop_()) end_with(next.problem);
   }
+  if (job_.stop_ends_log && !outcome_.trajectory.empty()) stop_ = [] { return false; };
   outcome_.interrupted = stop_();
   ahead.stop();
   outcome_.mapper_cpu_s -= ahead.cpu_s();  // where it was counted, going on meanwhile
@@ -332,6 +349,7 @@ void MapRun::require_a_map() const {
 
 void MapRun::finish() {
   outcome_.warnings = scans_.warnings();
+  if (!broken_off_.empty()) outcome_.warnings.push_back({std::string(kBrokenOff), 1, broken_off_});
   if (nodding_) {
     for (LogReader::Warning& warning : nodding_->stream.warnings()) outcome_.warnings.push_back(std::move(warning));
     for (const std::string& text : nodding_->mapper_warnings()) {

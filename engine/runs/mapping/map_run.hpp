@@ -25,6 +25,7 @@
 #include "gdtslam/mapping/mapper.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
 #include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/runs/map_log.hpp"
 #include "gdtslam/runs/outcome.hpp"
 #include "map_extent.hpp"
 #include "stopwatch.hpp"
@@ -43,6 +44,8 @@ struct MapJob {
   std::optional<OdometryDelay> odometry_delay{};           ///< that the scans' stream makes up for
   bool with_pictures = true;                               ///< the overview of the map
   bool with_loops = false;                                 ///< closed once the log has ended
+  ScanMapped scan_mapped{};                                ///< as soon as a scan is, before the next one is read
+  bool stop_ends_log = false;                              ///< what comes after the stop goes on as after a log's end
   LoopMapper::Progress closing{};                          ///< as that goes on; empty: nobody is told
   std::function<void(std::string_view what)> finishing{};  ///< before each of what is made after that, likewise
   MapperOptions on_failure;                                ///< of the device
@@ -95,6 +98,8 @@ class MapRun {
 
   template <class Stream>
   auto next_of(Stream& stream);
+  void end_with(const std::exception_ptr& problem);
+  void read_next(ScanAhead& ahead, NextScan& next);
   MatchResult map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next);
   void map_flat(const Progress& progress);
   void map_nodding(const Progress& progress);
@@ -127,6 +132,7 @@ class MapRun {
   std::optional<SideThread> casting_;  ///< into occupancy_, once there is something to cast
   std::unique_ptr<Nodding> nodding_;   ///< null: the laser does not nod
   std::function<bool()> stop_;
+  std::string broken_off_;  // what could not be read behind the last scan
   Stopwatch watch_;
   double first_s_;
   double last_s_;

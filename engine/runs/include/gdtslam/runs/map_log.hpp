@@ -22,6 +22,14 @@ namespace gdtslam {
 using CloudPicture = std::function<std::string(const std::string& cloud_file, const std::string& log,
                                                const Trajectory& trajectory, const calib::SweepModel* linkage)>;
 
+/// The match of a scan, in the front end's frame, and where that frame lies in the one with the loops closed that were
+/// found by then (LoopMapper::correction()).
+using ScanMapped = std::function<void(const MatchResult& match, const Pose2& T_closed_front)>;
+
+/// The warning of a run whose log broke off with something that cannot be read, where that is no error
+/// (MapRequest::stop_ends_log).
+inline constexpr std::string_view kBrokenOff = "the log broke off";
+
 /// What to map, and where the results go.
 struct MapRequest {
   std::vector<std::string> logs{};  ///< mapped one after the other as one; "-" is the standard input
@@ -48,7 +56,13 @@ struct MapRequest {
   std::function<void(std::string_view step, double share)> closing{};  ///< as loops are closed and the path is adjusted
   std::function<void(std::string_view what)> finishing{};  ///< before each of the rest: "overview.png", "gdt.png" ...
   std::function<bool()> stop{};                            ///< true ends the run; what there is gets written
-  std::function<void(const std::string&)> warn{};          ///< one line at a time, before the work begins
+  /// Whether a stop, or what cannot be read behind the first scan, is the end of the log: loops are closed then, and
+  /// the run counts as whole. Else the path stays as it was driven, and the run may be gone on with.
+  bool stop_ends_log = false;
+  /// For those who map live: as soon as a scan is mapped, before the next one is read. The laser is taken for one that
+  /// does not nod, and nothing is read ahead to see whether it does.
+  ScanMapped scan_mapped{};
+  std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
 };
 
 /// What a run made.
