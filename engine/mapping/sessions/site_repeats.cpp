@@ -16,6 +16,7 @@ constexpr double kApart_rad = 0.8;
 constexpr double kSpot_m = 2.0;                 // around where one fits as well
 constexpr std::size_t kLeastFitting = 2;        // places of a session at the other spot,
 constexpr std::size_t kFittingOverAgainst = 2;  // so many for each that does not fit there
+constexpr std::ptrdiff_t kLeastShared = 3;      // repeats that tell the same
 
 // One for each spot and direction.
 std::vector<std::size_t> places_apart(const Session& site) {
@@ -33,7 +34,7 @@ std::vector<std::size_t> places_apart(const Session& site) {
 
 }  // namespace
 
-SiteRepeats::SiteRepeats(const Session& site, const SessionMap& map, WorkerPool& workers) : site_(site), map_(map) {
+SiteRepeats::SiteRepeats(const Session& site, const SessionMap& map, WorkerPool& workers) : map_(map) {
   const std::vector<std::size_t> places = places_apart(site);
   std::vector<std::optional<Pose2>> found(places.size());
   workers.run(places.size(), 1, [&](std::uint64_t begin, std::uint64_t end) {
@@ -42,32 +43,49 @@ SiteRepeats::SiteRepeats(const Session& site, const SessionMap& map, WorkerPool&
     }
   });
   for (std::size_t k = 0; k < places.size(); ++k) {
-    if (found[k]) repeats_.push_back({places[k], *found[k]});
+    if (found[k]) repeats_.push_back({.T_site_spot = *found[k], .T_site_twin = site.poses[places[k]]});
   }
+  tell_shared_ones();
 }
 
-// Those that a spot of it speaks for which is there twice.
-std::vector<Pose2> SiteRepeats::other_ways(const Session& query, const Pose2& T_site_query) const {
-  std::vector<Pose2> ways;
-  for (const std::size_t place : query.places) {
-    const Pose2 here = T_site_query * query.poses[place];
-    for (const Repeat& repeat : repeats_) {
-      if (squared_distance(repeat.T_site_there, here) > kSpot_m * kSpot_m) continue;
-      const Pose2 way = site_.poses[repeat.keyframe] * between(repeat.T_site_there, T_site_query);
-      const bool is_known = std::any_of(ways.begin(), ways.end(), [&](const Pose2& known) {
-        return ExcludedPoses{known * query.poses[place]}.hold(way * query.poses[place]);
-      });
-      if (!is_known) ways.push_back(way);
-    }
+// These hold the other way round as well: the twin looks like the spot.
+void SiteRepeats::tell_shared_ones() {
+  std::vector<Repeat> turned_round;
+  for (Repeat& repeat : repeats_) {
+    const Pose2 T_twin_spot = repeat.T_site_twin * inverse(repeat.T_site_spot);
+    const auto alike = std::count_if(repeats_.begin(), repeats_.end(), [&](const Repeat& other) {
+      return ExcludedPoses{other.T_site_twin}.hold(T_twin_spot * other.T_site_spot);
+    });
+    repeat.is_shared = alike >= kLeastShared;
+    if (repeat.is_shared) turned_round.push_back({repeat.T_site_twin, repeat.T_site_spot, true});
+  }
+  repeats_.insert(repeats_.end(), turned_round.begin(), turned_round.end());
+}
+
+// Those that a spot of it speaks for which is there twice, and those by which the building repeats itself.
+std::vector<SiteRepeats::Way> SiteRepeats::other_ways(const Session& query, const Pose2& T_site_query) const {
+  std::vector<Way> ways;
+  for (const Repeat& repeat : repeats_) {
+    const auto is_there = [&](std::size_t place) {
+      return squared_distance(repeat.T_site_spot, T_site_query * query.poses[place]) < kSpot_m * kSpot_m;
+    };
+    const auto there = std::find_if(query.places.begin(), query.places.end(), is_there);
+    if (there == query.places.end() && !repeat.is_shared) continue;
+    const Pose2& seen = query.poses[there == query.places.end() ? query.places.front() : *there];
+    const Way way{repeat.T_site_twin * between(repeat.T_site_spot, T_site_query), repeat.is_shared};
+    const bool is_known = std::any_of(ways.begin(), ways.end(), [&](const Way& known) {
+      return known.is_shared == way.is_shared && ExcludedPoses{known.T_site_query * seen}.hold(way.T_site_query * seen);
+    });
+    if (!is_known) ways.push_back(way);
   }
   return ways;
 }
 
-bool SiteRepeats::is_way(const Session& query, const Pose2& T_site_query) const {
+bool SiteRepeats::is_possible(const Session& query, const Way& way) const {
   std::size_t fitting = 0;
   std::size_t against = 0;
   for (const std::size_t place : query.places) {
-    switch (map_.test_walls(query, place, T_site_query * query.poses[place])) {
+    switch (map_.test_walls(query, place, way.T_site_query * query.poses[place])) {
       case SessionMap::Test::kElsewhere:
         break;
       case SessionMap::Test::kFits:
@@ -78,13 +96,14 @@ bool SiteRepeats::is_way(const Session& query, const Pose2& T_site_query) const 
         break;
     }
   }
-  return fitting >= kLeastFitting && fitting >= kFittingOverAgainst * against &&
-         !map_.has_walls_in_the_way(query, T_site_query);
+  const bool is_there_too = fitting >= kLeastFitting && fitting >= kFittingOverAgainst * against;
+  const bool is_unseen = way.is_shared && against == 0;
+  return (is_there_too || is_unseen) && !map_.has_walls_in_the_way(query, way.T_site_query);
 }
 
 bool SiteRepeats::may_lie_elsewhere(const Session& query, const Pose2& T_site_query) const {
-  const std::vector<Pose2> ways = other_ways(query, T_site_query);
-  return std::any_of(ways.begin(), ways.end(), [&](const Pose2& way) { return is_way(query, way); });
+  const std::vector<Way> ways = other_ways(query, T_site_query);
+  return std::any_of(ways.begin(), ways.end(), [&](const Way& way) { return is_possible(query, way); });
 }
 
 }  // namespace gdtslam

@@ -190,8 +190,8 @@ std::vector<Segment> hall_with_alike_wings() {
   return walls;
 }
 
-std::vector<Pose2> drive_in(const Pose2& wing) {
-  std::vector<Pose2> poses = part_of(test::poses_around_ring(1), 0.0, 0.15);
+std::vector<Pose2> drive_in(const Pose2& wing, double from = 0.0, double to = 0.15) {
+  std::vector<Pose2> poses = part_of(test::poses_around_ring(1), from, to);
   for (Pose2& pose : poses) pose = wing * pose;
   return poses;
 }
@@ -241,6 +241,24 @@ TEST(Sessions, ThatFitBestInTheTwinOfAWingThatWasHardlySeenAreNotJoined) {
                                    [](const SessionSearch& each) { return each.query == 2; });
   ASSERT_NE(search, found.searches.end());
   EXPECT_TRUE(search->may_lie_elsewhere);
+}
+
+// What the site saw of both wings is alike, and the far end of one is all that it did not see: a drive there fits in
+// the twin alone, and nothing that was seen speaks against the end that nobody saw.
+TEST(Sessions, ThatFitInTheTwinOfWhatNobodySawAreNotJoined) {
+  const std::vector<Segment> walls = hall_with_alike_wings();
+  const std::vector<Pose2> once = test::poses_around_ring(1);
+  const Session with_one =
+      session_of(walls, one_after_the_other(part_of(once, 0.0, 0.9), drive_in(kWing, 0.0, 0.45)), kFirstFrame);
+  const Session near_end =
+      session_of(walls, one_after_the_other(part_of(once, 0.1, 1.0), drive_in(kOtherWing, 0.0, 0.2)), kSecondFrame);
+  const Session hall = session_of(walls, part_of(once, 0.1, 1.0), kSecondFrame);
+  const Session far_end = session_of(walls, drive_in(kOtherWing, 0.27, 0.43), {});
+  const MergedSessions found = merged({with_one, near_end, far_end});
+  ASSERT_EQ(found.sites.size(), 2U);
+  EXPECT_EQ(found.sites[0].sessions, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(found.sites[1].sessions, std::vector<std::size_t>{2});
+  EXPECT_EQ(merged({with_one, hall, far_end}).sites.size(), 1U) << "nobody saw that there is a twin";
 }
 
 // With a place in four of the longer drive where the shorter one was, the longer is not found in the shorter, but the
