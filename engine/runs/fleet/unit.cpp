@@ -64,7 +64,11 @@ void read_figures(const std::string& run_folder, UnitRecord& record) {
 // Without the name of the file, which may lie elsewhere on another node.
 std::string reason_of(std::string message, const std::string& path) {
   if (message.starts_with(path)) message.erase(0, path.size());
-  if (message.starts_with(": ")) message.erase(0, 2);
+  if (message.starts_with(": ")) {
+    message.erase(0, 2);
+  } else if (message.starts_with(':')) {
+    message.replace(0, 1, "line ");
+  }
   return table_text(message).substr(0, kLongestReason);
 }
 
