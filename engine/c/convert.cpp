@@ -10,6 +10,8 @@
 namespace gdtslam::c {
 namespace {
 
+constexpr std::size_t kMostBeams = std::size_t{1} << 30U;
+
 std::uint8_t pixel_of(CellState state) {
   switch (state) {
     case CellState::kFree:
@@ -38,6 +40,9 @@ std::vector<gdtslam_stamped_pose> to_c(const Trajectory& trajectory) {
 
 ScanRecord scan_of(const gdtslam_scan* scan, const char* what) {
   const gdtslam_scan given = read_struct(scan, GDTSLAM_SIZE_WITH(gdtslam_scan, range_count), what);
+  if (given.range_count > kMostBeams) {
+    throw InputError(std::string(what) + ": a scan of " + std::to_string(given.range_count) + " beams");
+  }
   if (given.range_count > 0) require(given.ranges_m, (std::string(what) + ": ranges_m").c_str());
   ScanRecord record;
   LaserScan& s = record.scan;
@@ -81,19 +86,20 @@ gdtslam_scan to_c(const ScanRecord& record) {
           .laser = record.laser};
 }
 
-gdtslam_grid grid_of(const DistanceFieldRows& field) {
+std::unique_ptr<gdtslam_grid> grid_of(const DistanceFieldRows& field) {
   const auto width = static_cast<std::size_t>(field.geometry.width);
   std::vector<std::uint16_t> cells(field.geometry.cell_count());
   for (std::int32_t y = 0; y < field.geometry.height; ++y) {
     field.read(y, std::span(cells).subspan(static_cast<std::size_t>(y) * width, width));
   }
-  gdtslam_grid grid{.geometry = field.geometry, .cells = std::move(cells), .cap = field.cap, .sha256 = {}};
-  const DistanceFieldView view{field.geometry, width, std::get<0>(grid.cells), field.cap};
-  grid.sha256 = sha256_of(rows_of(view));
+  auto grid = std::make_unique<gdtslam_grid>();
+  grid->geometry = field.geometry;
+  grid->cells = std::move(cells);
+  grid->cap = field.cap;
   return grid;
 }
 
-gdtslam_grid grid_of(const OccupancyMap& map) {
+std::unique_ptr<gdtslam_grid> grid_of(const OccupancyMap& map) {
   std::vector<std::uint8_t> cells;
   cells.reserve(map.geometry.cell_count());
   std::vector<CellState> row(static_cast<std::size_t>(map.geometry.width));
@@ -101,7 +107,10 @@ gdtslam_grid grid_of(const OccupancyMap& map) {
     map.read_row(y, row);
     for (const CellState state : row) cells.push_back(pixel_of(state));
   }
-  return {.geometry = map.geometry, .cells = std::move(cells), .cap = 0, .sha256 = {}};
+  auto grid = std::make_unique<gdtslam_grid>();
+  grid->geometry = map.geometry;
+  grid->cells = std::move(cells);
+  return grid;
 }
 
 }  // namespace gdtslam::c
@@ -127,6 +136,16 @@ gdtslam_status gdtslam_grid_look(const gdtslam_grid* grid, gdtslam_grid_view* vi
   });
 }
 
-const char* gdtslam_grid_sha256(const gdtslam_grid* grid) { return grid == nullptr ? "" : grid->sha256.c_str(); }
+const char* gdtslam_grid_sha256(const gdtslam_grid* grid) {
+  if (grid == nullptr || grid->cells.index() != 0) return "";
+  const gdtslam_status status = guarded(nullptr, [grid] {
+    std::call_once(grid->hashed, [grid] {
+      const gdtslam::DistanceFieldView view{grid->geometry, static_cast<std::size_t>(grid->geometry.width),
+                                            std::get<0>(grid->cells), static_cast<std::uint16_t>(grid->cap)};
+      grid->sha256 = gdtslam::sha256_of(gdtslam::rows_of(view));
+    });
+  });
+  return status == GDTSLAM_OK ? grid->sha256.c_str() : "";
+}
 
 void gdtslam_grid_free(gdtslam_grid* grid) { delete grid; }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <variant>
@@ -18,8 +20,11 @@
 struct gdtslam_grid {
   gdtslam::GridGeometry geometry;
   std::variant<std::vector<std::uint16_t>, std::vector<std::uint8_t>> cells;
-  std::uint32_t cap = 0;
-  std::string sha256;
+  std::uint32_t cap = 0;  ///< of a distance field
+
+  /// Of a distance field, once it was asked for; any thread may ask.
+  mutable std::once_flag hashed{};
+  mutable std::string sha256{};
 };
 
 namespace gdtslam::c {
@@ -36,7 +41,7 @@ ScanRecord scan_of(const gdtslam_scan* scan, const char* what);
 /// The ranges stay those of the record.
 gdtslam_scan to_c(const ScanRecord& record);
 
-gdtslam_grid grid_of(const DistanceFieldRows& field);
-gdtslam_grid grid_of(const OccupancyMap& map);
+std::unique_ptr<gdtslam_grid> grid_of(const DistanceFieldRows& field);
+std::unique_ptr<gdtslam_grid> grid_of(const OccupancyMap& map);
 
 }  // namespace gdtslam::c

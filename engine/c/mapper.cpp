@@ -1,4 +1,5 @@
 // One scan in, one pose out.
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -70,12 +71,14 @@ void close_loops(gdtslam_mapper& mapper, gdtslam_progress progress, void* user_d
   const ClosedPath path = mapper.loops->close(tell, [&ended] { return ended; });
   mapper.loops->finish_field();
   if (!path.is_closed) throw Error(ExitCode::kInterrupted, "interrupted; the path stays as it was driven");
-  for (std::size_t k = 0; k < path.T_map_base.size(); ++k) {
+  // A scan whose processing failed late may be in the path alone.
+  const std::size_t scans = std::min(path.T_map_base.size(), mapper.trajectory.size());
+  for (std::size_t k = 0; k < scans; ++k) {
     mapper.trajectory[k] = to_c(StampedPose{mapper.trajectory[k].stamp_s, path.T_map_base[k]});
   }
 }
 
-gdtslam_grid field_of(gdtslam_mapper& mapper) {
+std::unique_ptr<gdtslam_grid> field_of(gdtslam_mapper& mapper) {
   if (mapper.plain) return grid_of(rows_of(mapper.plain->field()));
   if (mapper.is_closed) return grid_of(rows_of(mapper.loops->field()));
   const FrozenMap frozen = mapper.loops->request_map().get();
@@ -154,6 +157,6 @@ gdtslam_status gdtslam_mapper_field(gdtslam_mapper* mapper, gdtslam_grid** field
   return guarded(error, [&] {
     require_result(field, "gdtslam_mapper_field: field");
     require(mapper, "gdtslam_mapper_field: mapper");
-    *field = std::make_unique<gdtslam_grid>(field_of(*mapper)).release();
+    *field = field_of(*mapper).release();
   });
 }

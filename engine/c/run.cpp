@@ -59,7 +59,7 @@ gdtslam_status gdtslam_run_map(const gdtslam_run* run, gdtslam_grid** map, gdtsl
   return guarded(error, [&] {
     require_result(map, "gdtslam_run_map: map");
     require(run, "gdtslam_run_map: run");
-    *map = std::make_unique<gdtslam_grid>(grid_of(run->reader.map())).release();
+    *map = grid_of(run->reader.map()).release();
   });
 }
 
@@ -68,6 +68,6 @@ gdtslam_status gdtslam_run_field(const gdtslam_run* run, gdtslam_grid** field, g
     require_result(field, "gdtslam_run_field: field");
     require(run, "gdtslam_run_field: run");
     const gdtslam::DistanceFieldFile file = run->reader.field();
-    *field = std::make_unique<gdtslam_grid>(grid_of(gdtslam::rows_of(file.view()))).release();
+    *field = grid_of(gdtslam::rows_of(file.view())).release();
   });
 }

@@ -47,7 +47,11 @@ class Grid(np.ndarray):
     resolution: "float | None" = None
     origin: "tuple[float, float] | None" = None
     cap: "int | None" = None
-    sha256: "str | None" = None
+    _handle: "Handle | None" = None
+
+    @property
+    def sha256(self) -> str:
+        return "" if self._handle is None else plain("grid_sha256", self._handle).decode()
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
@@ -70,5 +74,5 @@ def grid_of(handle: Handle) -> Grid:
     grid.resolution = view.resolution
     grid.origin = (view.origin_x, view.origin_y)
     grid.cap = view.cap
-    grid.sha256 = plain("grid_sha256", handle).decode()
+    grid._handle = handle
     return grid

@@ -190,7 +190,7 @@ enum { GDTSLAM_OCCUPIED = 0, GDTSLAM_UNKNOWN = 205, GDTSLAM_FREE = 254 };
 
 /* Valid until the grid is freed. */
 GDTSLAM_API gdtslam_status gdtslam_grid_look(const gdtslam_grid* grid, gdtslam_grid_view* view, gdtslam_error* error);
-/* Of a distance field: what report.json calls map_sha256. "" of a map. Valid until the grid is freed. */
+/* Of a distance field: what report.json calls map_sha256. "" of a map, and without memory. Valid until the grid is freed. */
 GDTSLAM_API const char* gdtslam_grid_sha256(const gdtslam_grid* grid);
 GDTSLAM_API void gdtslam_grid_free(gdtslam_grid* grid);
 
