@@ -46,11 +46,13 @@ def _version() -> str:
 
 def _built_library() -> pathlib.Path:
     build = PROJECT / "build" / "wheel"
+    generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     parts = [f"-DGDTSLAM_BUILD_{part}=OFF" for part in ("TESTS", "EXAMPLES", "LAB", "SIM", "CALIBRATION")]
     subprocess.run(
-        ["cmake", "-S", PROJECT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON", *parts], check=True
+        ["cmake", "-S", PROJECT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON", *generator, *parts],
+        check=True,
     )
-    subprocess.run(["cmake", "--build", build, "--target", "gdtslam_c", "--parallel"], check=True)
+    subprocess.run(["cmake", "--build", build, "--target", "gdtslam_c", "--parallel", str(os.cpu_count() or 1)], check=True)
     return next(build.glob("lib*/**/libgdtslam.so.0"))
 
 

@@ -24,6 +24,13 @@ extern "C" {
 #define GDTSLAM_API __attribute__((visibility("default")))
 
 /* gdtslam_scan scan; GDTSLAM_INIT(scan); scan.stamp_s = ...: all members 0, the size set. */
+#ifdef __cplusplus
+#define GDTSLAM_INIT(variable)          \
+  do {                                  \
+    (variable) = decltype(variable)();  \
+    (variable).size = sizeof(variable); \
+  } while (0)
+#else
 #define GDTSLAM_INIT(variable)                           \
   do {                                                   \
     size_t gdtslam_byte = sizeof(variable);              \
@@ -32,6 +39,7 @@ extern "C" {
     }                                                    \
     (variable).size = sizeof(variable);                  \
   } while (0)
+#endif
 
 /* ---- Status and errors --------------------------------------------------------------------------------------- */
 
@@ -190,7 +198,8 @@ enum { GDTSLAM_OCCUPIED = 0, GDTSLAM_UNKNOWN = 205, GDTSLAM_FREE = 254 };
 
 /* Valid until the grid is freed. */
 GDTSLAM_API gdtslam_status gdtslam_grid_look(const gdtslam_grid* grid, gdtslam_grid_view* view, gdtslam_error* error);
-/* Of a distance field: what report.json calls map_sha256. "" of a map, and without memory. Valid until the grid is freed. */
+/* Of a distance field: what report.json calls map_sha256. "" of a map, and without memory. Valid until the grid is
+ * freed. */
 GDTSLAM_API const char* gdtslam_grid_sha256(const gdtslam_grid* grid);
 GDTSLAM_API void gdtslam_grid_free(gdtslam_grid* grid);
 
