@@ -7,9 +7,11 @@ import functools
 import json
 import os
 import pathlib
+import shutil
 import tempfile
 import types
 import warnings
+import weakref
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
@@ -116,6 +118,14 @@ class Run:
         return f"<gdtslam.Run {str(self.folder)!r}: {report['scans']} scans, map {self.map_sha256[:12]}>"
 
 
+class TemporaryFolder:
+    """A folder that goes with the last reference to this."""
+
+    def __init__(self) -> None:
+        self.path = pathlib.Path(tempfile.mkdtemp(prefix="gdtslam-"))
+        weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+
+
 class CallerProblem:
     """Calls a function of the caller from the library, and keeps what it raises until the library has returned."""
 
@@ -201,8 +211,8 @@ def map(  # noqa: A001 - the word of the field, as gdtslam.map
             where it returns something true, which raises Interrupted.
         warn: called with each line that a user should see; Python's warnings where it is None.
     """
-    temporary = tempfile.TemporaryDirectory(prefix="gdtslam-") if out is None else None
-    folder = pathlib.Path(temporary.name, "run") if temporary else pathlib.Path(out)  # type: ignore[arg-type]
+    temporary = TemporaryFolder() if out is None else None
+    folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]
     paths = log_list(logs)
     options_handle = options_of(options, topics, odometry, crank, mount)
     if count is not None and count < 1:
