@@ -88,15 +88,15 @@ def _platform_of(libraries: "list[pathlib.Path]") -> str:
     return f"manylinux_{major}_{minor}_{machine}"
 
 
-def _library_files(settings: "dict[str, str] | None", folder: pathlib.Path) -> "list[pathlib.Path]":
-    """The library and what comes with it, without debug information, and each found from where it lies."""
+def _library_files(settings: "dict[str, str] | None", folder: pathlib.Path) -> "tuple[list[pathlib.Path], ...]":
+    """The library and what comes with it, without debug information, and each found from where it lies; and where those
+    that come with it were."""
     named = _setting(settings, "library")
     source = pathlib.Path(named) if named else _built_library()
     if not source.exists():
         raise SystemExit(f"gdtslam: there is no library {source}")
-    sources = {"libgdtslam.so.0": source}
-    if _setting(settings, "bundle") not in ("", "0"):
-        sources.update({library.name: library for library in _needed(source)})
+    others = _needed(source) if _setting(settings, "bundle") not in ("", "0") else []
+    sources = {"libgdtslam.so.0": source, **{library.name: library for library in others}}
     files = []
     for name, file in sources.items():
         target = folder / name
@@ -106,18 +106,15 @@ def _library_files(settings: "dict[str, str] | None", folder: pathlib.Path) -> "
         if len(sources) > 1:
             _output("patchelf", "--force-rpath", "--set-rpath", "$ORIGIN", target)
         files.append(target)
-    return files
+    return files, others
 
 
-def _licences(libraries: "list[pathlib.Path]", settings: "dict[str, str] | None") -> "dict[str, bytes]":
-    """The texts of what is in the wheel, of the Debian packages that it comes from."""
+def _licences(others: "list[pathlib.Path]") -> "dict[str, bytes]":
+    """Our text, and those of the Debian packages that other libraries in the wheel come from."""
     texts = {"LICENSE": (PROJECT / "LICENSE").read_bytes()}
-    named = _setting(settings, "library")
-    source = pathlib.Path(named) if named else None
-    if len(libraries) > 1:
-        for library in _needed(source or next((PROJECT / "build/wheel").glob("lib*/**/libgdtslam.so.0"))):
-            owner = _output("dpkg-query", "--search", library.resolve()).split(":")[0]
-            texts[f"licences/{owner}.txt"] = pathlib.Path("/usr/share/doc", owner, "copyright").read_bytes()
+    for library in others:  # known by /lib or by /usr/lib
+        owner = _output("dpkg-query", "--search", f"*/{library.resolve().name}").split(":")[0]
+        texts[f"licences/{owner}.txt"] = pathlib.Path("/usr/share/doc", owner, "copyright").read_bytes()
     return texts
 
 
@@ -143,13 +140,21 @@ def _write(archive: zipfile.ZipFile, rows: "list[str]", name: str, data: bytes, 
     rows.append(f"{name},sha256={digest},{len(data)}")
 
 
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """PEP 517; the library is not needed for it."""
+    folder = pathlib.Path(metadata_directory, f"gdtslam-{_version()}.dist-info")
+    folder.mkdir()
+    (folder / "METADATA").write_text(_metadata(_version()))
+    return folder.name
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """PEP 517."""
     version = _version()
     info = f"gdtslam-{version}.dist-info"
     rows: "list[str]" = []
     with tempfile.TemporaryDirectory() as scratch:
-        libraries = _library_files(config_settings, pathlib.Path(scratch))
+        libraries, others = _library_files(config_settings, pathlib.Path(scratch))
         tag = f"py3-none-{_platform_of(libraries)}"
         name = f"gdtslam-{version}-{tag}.whl"
         with zipfile.ZipFile(pathlib.Path(wheel_directory, name), "w") as archive:
@@ -158,7 +163,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
                     _write(archive, rows, f"gdtslam/{source.name}", source.read_bytes())
             for library in libraries:
                 _write(archive, rows, f"gdtslam/lib/{library.name}", library.read_bytes(), 0o755)
-            for licence, text in _licences(libraries, config_settings).items():
+            for licence, text in _licences(others).items():
                 _write(archive, rows, f"{info}/{licence}", text)
             _write(archive, rows, f"{info}/METADATA", _metadata(version).encode())
             wheel = f"Wheel-Version: 1.0\nGenerator: gdtslam\nRoot-Is-Purelib: false\nTag: {tag}\n"
@@ -172,4 +177,4 @@ def build_sdist(sdist_directory, config_settings=None):
     raise SystemExit("gdtslam: there is no source archive of the Python package alone; take that of the project")
 
 
-__all__ = ["build_sdist", "build_wheel"]
+__all__ = ["build_sdist", "build_wheel", "prepare_metadata_for_build_wheel"]
