@@ -30,7 +30,7 @@ class CPose(ctypes.Structure):
 
 
 class CError(Struct):
-    _fields_ = [("size", c_size_t), ("status", c_int32), ("text", ctypes.c_char * 4096)]
+    _fields_ = [("size", c_size_t), ("status", c_int32), ("text", ctypes.c_char * 4084)]
 
 
 class COption(Struct):

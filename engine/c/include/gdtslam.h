@@ -61,7 +61,7 @@ enum {
 typedef struct gdtslam_error {
   size_t size;
   gdtslam_status status;
-  char text[1024]; /* cut off where it is longer; a caller may have more room behind it, and say so in size */
+  char text[1012]; /* cut off where it is longer; a caller may have more room behind it, and say so in size */
 } gdtslam_error;
 
 /* "0.1.0", of the library that is loaded. */
