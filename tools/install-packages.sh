@@ -21,6 +21,7 @@ test_packages=(
   git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libgsl-dev libnlopt-cxx-dev libpagmo-dev libopencv-imgproc-dev
   clang libclang-rt-14-dev clang-tidy clang-format shellcheck doxygen
   sqlite3 zstd python3 python3-jsonschema python3-yaml chromium
+  python3-numpy python3-pip rustc abigail-tools patchelf
   munge slurmctld slurmd slurm-client parallel
   "${vulkan_packages[@]}" vulkan-validationlayers
 )

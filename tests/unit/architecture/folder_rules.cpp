@@ -89,6 +89,7 @@ Arrows make_arrows() {
       {"engine/runs/edits",
        {"engine/runs/continuing", "engine/runs/folder", "engine/runs/keyframes", "engine/runs/mapping",
         "engine/runs/streams"}},
+      {"engine/runs/views", {"engine/runs/folder"}},
       {"engine/runs/linkage", {}},
       {"engine/runs/streams", {}},
       {"engine/vulkan",

@@ -15,8 +15,8 @@ constexpr std::size_t kMaxLines = 400;
 
 /// Which parts of the project a part may include, itself apart; the table of docs/architecture.md.
 const std::map<std::string, SourceParts, std::less<>>& allowed_parts() {
-  static const SourceParts all{"core",  "compute", "vulkan",   "mapping", "io",   "sim",  "calib",
-                               "cloud", "drawing", "optimize", "viewer",  "runs", "tools"};
+  static const SourceParts all{"core",  "compute", "vulkan",   "mapping", "io",   "sim", "calib",
+                               "cloud", "drawing", "optimize", "viewer",  "runs", "c",   "tools"};
   static const std::map<std::string, SourceParts, std::less<>> table{
       {"core", {}},
       {"compute", {"core"}},
@@ -28,6 +28,7 @@ const std::map<std::string, SourceParts, std::less<>>& allowed_parts() {
       {"cloud", {"core"}},
       {"drawing", {"core", "compute", "mapping", "calib"}},
       {"runs", {"core", "compute", "mapping", "io", "cloud", "calib", "drawing"}},
+      {"c", {"core", "compute", "mapping", "io", "drawing", "runs"}},
       {"optimize", {"core"}},
       {"viewer", {"core", "mapping", "calib", "cloud", "drawing"}},
       {"tools", all},
@@ -46,7 +47,7 @@ struct Library {
 
 const std::vector<Library>& libraries() {
   static const SourceParts everybody{"core", "cloud", "drawing", "compute", "vulkan", "mapping", "optimize",
-                                     "io",   "sim",   "calib",   "viewer",  "runs",   "examples"};
+                                     "io",   "sim",   "calib",   "viewer",  "runs",   "c",       "examples"};
   static const std::vector<Library> table{
       {"Eigen/", everybody, true},
       {"yaml-cpp/", {"io", "runs"}},

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine/runs/views/run_views.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/mapping/evaluation.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
 namespace gdtslam {
@@ -60,21 +60,15 @@ std::string RenderStudio::subtitle(std::uint64_t points) const {
   std::string text = points > 0 ? points_text(points, whole_points_) : std::string();
   const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
   if (const RunReader* const run = sources_.front().run(); run != nullptr && points == 0) {
-    const RunSummary& summary = run->summary();
-    add(counted(summary.scans, "scan"));
-    if (!summary.keyframes.empty()) add(counted(summary.keyframes.size(), "keyframe"));
-    if (!summary.doubtful.empty()) add(with_commas(summary.doubtful.size()) + " doubtful");
+    add(counts_text(run->summary()));
   }
   if (const std::string path = path_text(); !path.empty()) add(path + " of path");
   return text;
 }
 
 std::string RenderStudio::path_text() const {
-  constexpr double kStands_m = 0.05;
   RenderSource& source = sources_.front();
-  if ((source.parts() & part::kTrajectory) == 0) return {};
-  const double length_m = length_m_of(source.trajectory());
-  return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
+  return (source.parts() & part::kTrajectory) == 0 ? std::string() : path_length_text(source.trajectory());
 }
 
 Cloud RenderStudio::whole_cloud() {

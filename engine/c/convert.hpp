@@ -1,0 +1,47 @@
+// Poses, scans and grids between gdtslam.h and the library.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gdtslam.h"
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/pose.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/io/distance_field_file.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+/// Cells in rows that nobody changes any more.
+struct gdtslam_grid {
+  gdtslam::GridGeometry geometry;
+  std::variant<std::vector<std::uint16_t>, std::vector<std::uint8_t>> cells;
+  std::uint32_t cap = 0;  ///< of a distance field
+
+  /// Of a distance field, once it was asked for; any thread may ask.
+  mutable std::once_flag hashed{};
+  mutable std::string sha256{};
+};
+
+namespace gdtslam::c {
+
+inline Pose2 pose_of(const gdtslam_pose& pose) { return {pose.x_m, pose.y_m, pose.theta_rad}; }
+inline gdtslam_pose to_c(const Pose2& pose) { return {pose.x_m, pose.y_m, pose.theta_rad}; }
+inline gdtslam_stamped_pose to_c(const StampedPose& pose) {
+  return {pose.stamp_s, pose.T_map_base.x_m, pose.T_map_base.y_m, pose.T_map_base.theta_rad};
+}
+std::vector<gdtslam_stamped_pose> to_c(const Trajectory& trajectory);
+
+/// Throws UsageError, and InputError for bearings or a mount that are not finite. `what` names the call.
+ScanRecord scan_of(const gdtslam_scan* scan, const char* what);
+/// The ranges stay those of the record.
+gdtslam_scan to_c(const ScanRecord& record);
+
+std::unique_ptr<gdtslam_grid> grid_of(const DistanceFieldRows& field);
+std::unique_ptr<gdtslam_grid> grid_of(const OccupancyMap& map);
+
+}  // namespace gdtslam::c

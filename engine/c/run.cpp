@@ -1,0 +1,73 @@
+#include "run.hpp"
+
+#include <memory>
+
+#include "convert.hpp"
+#include "engine/io/byte_source.hpp"
+#include "engine/runs/folder/report_reader.hpp"
+#include "guard.hpp"
+
+namespace {
+
+std::string report_file(const std::string& folder) { return folder + "/report.json"; }
+
+}  // namespace
+
+gdtslam_run::gdtslam_run(const std::string& folder)
+    : reader(folder),
+      report(gdtslam::read_all(*gdtslam::open_file_source(report_file(folder)), gdtslam::kMostReportBytes,
+                               report_file(folder))),
+      trajectory_sha256(gdtslam::read_report(report_file(folder), folder).text("trajectory_sha256")) {}
+
+using namespace gdtslam::c;
+
+gdtslam_status gdtslam_run_open(const char* folder, gdtslam_run** run, gdtslam_error* error) {
+  return guarded(error, [&] {
+    require_result(run, "gdtslam_run_open: run");
+    require(folder, "gdtslam_run_open: folder");
+    *run = std::make_unique<gdtslam_run>(folder).release();
+  });
+}
+
+void gdtslam_run_free(gdtslam_run* run) { delete run; }
+
+const char* gdtslam_run_folder(const gdtslam_run* run) { return run == nullptr ? "" : run->reader.folder().c_str(); }
+
+const char* gdtslam_run_map_sha256(const gdtslam_run* run) {
+  return run == nullptr ? "" : run->reader.summary().map_sha256.c_str();
+}
+
+const char* gdtslam_run_trajectory_sha256(const gdtslam_run* run) {
+  return run == nullptr ? "" : run->trajectory_sha256.c_str();
+}
+
+const char* gdtslam_run_report(const gdtslam_run* run) { return run == nullptr ? "" : run->report.c_str(); }
+
+gdtslam_status gdtslam_run_trajectory(gdtslam_run* run, const gdtslam_stamped_pose** poses, size_t* count,
+                                      gdtslam_error* error) {
+  return guarded(error, [&] {
+    require_result(poses, "gdtslam_run_trajectory: poses");
+    require(count, "gdtslam_run_trajectory: count");
+    require(run, "gdtslam_run_trajectory: run");
+    if (!run->trajectory) run->trajectory = to_c(run->reader.trajectory());
+    *poses = run->trajectory->data();
+    *count = run->trajectory->size();
+  });
+}
+
+gdtslam_status gdtslam_run_map(const gdtslam_run* run, gdtslam_grid** map, gdtslam_error* error) {
+  return guarded(error, [&] {
+    require_result(map, "gdtslam_run_map: map");
+    require(run, "gdtslam_run_map: run");
+    *map = grid_of(run->reader.map()).release();
+  });
+}
+
+gdtslam_status gdtslam_run_field(const gdtslam_run* run, gdtslam_grid** field, gdtslam_error* error) {
+  return guarded(error, [&] {
+    require_result(field, "gdtslam_run_field: field");
+    require(run, "gdtslam_run_field: run");
+    const gdtslam::DistanceFieldFile file = run->reader.field();
+    *field = grid_of(gdtslam::rows_of(file.view())).release();
+  });
+}

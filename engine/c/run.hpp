@@ -1,0 +1,18 @@
+// The folder of a run, read when it is asked for.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/runs/folder/run_reader.hpp"
+#include "gdtslam.h"
+
+struct gdtslam_run {
+  explicit gdtslam_run(const std::string& folder);
+
+  gdtslam::RunReader reader;
+  std::string report;
+  std::string trajectory_sha256;
+  std::optional<std::vector<gdtslam_stamped_pose>> trajectory;  ///< once it was asked for, or made
+};

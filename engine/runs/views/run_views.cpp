@@ -1,0 +1,129 @@
+#include "run_views.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "engine/drawing/maps/graph_picture.hpp"
+#include "engine/io/did_you_mean.hpp"
+#include "engine/io/maps/png.hpp"
+#include "engine/runs/folder/run_doubts.hpp"
+#include "engine/runs/folder/run_pictures.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/map_picture.hpp"
+#include "gdtslam/drawing/ticks.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
+#ifdef GDTSLAM_HAS_RASTER
+#include "gdtslam/drawing/raster.hpp"
+#endif
+
+namespace gdtslam {
+namespace {
+
+constexpr std::uint32_t kMostViewSide_px = 16384;
+
+PathOverlay path_overlay(const RunReader& run) {
+  if (!run.has_trajectory()) return {};
+  const RunSummary& summary = run.summary();
+  return {run.trajectory(), summary.keyframes, summary.doubtful, summary.drives};
+}
+
+MapLook look_of(const RunReader& run, const RunViewRequest& request, const Trajectory& path) {
+  MapLook look;
+  look.title = request.title.value_or(run.name());
+  look.subtitle = counts_text(run.summary());
+  const std::string length = path_length_text(path);
+  if (!length.empty()) look.subtitle += ", " + length + " of path";
+  look.colour_map = request.colour_map;
+  return look;
+}
+
+PictureSize size_of_view(const RunViewRequest& request, const GridGeometry& content) {
+  return request.size.value_or(size_for_content(content.width, content.height));
+}
+
+Canvas map_view(const RunReader& run, const RunViewRequest& request) {
+  const OccupancyMap map = run.map();
+  const PathOverlay overlay = path_overlay(run);
+  return map_picture(map, overlay, look_of(run, request, overlay.trajectory), size_of_view(request, map.geometry));
+}
+
+Canvas graph_view(const RunReader& run, const RunViewRequest& request) {
+  const std::optional<LoopFindings> found = run.doubts().loops;
+  if (!found) throw InputError({run.folder(), 0}, "closed no loops, so there is no graph to draw");
+  const OccupancyMap map = run.map();
+  const Trajectory trajectory = run.trajectory();
+  const RunSummary& summary = run.summary();
+  const std::vector<PoseCovariance> covariances = run.covariances().value_or(std::vector<PoseCovariance>());
+  MapLook look = look_of(run, request, trajectory);
+  look.subtitle = graph_subtitle(found->loops, found->uncertain, summary.scans);
+  return graph_picture(
+      map, graph_overlay(trajectory, summary.keyframes, found->loops, covariances, found->uncertain, summary.drives),
+      look, size_of_view(request, map.geometry));
+}
+
+Canvas field_view(const RunReader& run, const RunViewRequest& request, bool is_intensity) {
+  DistanceFieldFile file = run.field();
+  const FieldPicture field{file.geometry, std::move(file.cells), file.cap};
+  const PathOverlay overlay = path_overlay(run);
+  MapLook look = look_of(run, request, overlay.trajectory);
+  look.is_intensity = is_intensity;
+  return field_picture(field, overlay, look, size_of_view(request, field.geometry));
+}
+
+Canvas intensity_view(const RunReader& run, const RunViewRequest& request) { return field_view(run, request, true); }
+Canvas distance_view(const RunReader& run, const RunViewRequest& request) { return field_view(run, request, false); }
+
+using DrawView = Canvas (*)(const RunReader&, const RunViewRequest&);
+constexpr std::array<std::pair<std::string_view, DrawView>, 4> kRunViews{
+    {{"map", map_view}, {"graph", graph_view}, {"field", intensity_view}, {"distance", distance_view}}};
+
+std::string png_of_view(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
+
+}  // namespace
+
+std::string counts_text(const RunSummary& summary) {
+  std::string text = counted(summary.scans, "scan");
+  if (!summary.keyframes.empty()) text += ", " + counted(summary.keyframes.size(), "keyframe");
+  if (!summary.doubtful.empty()) text += ", " + with_commas(summary.doubtful.size()) + " doubtful";
+  return text;
+}
+
+std::string path_length_text(const Trajectory& trajectory) {
+  constexpr double kStands_m = 0.05;
+  const double length_m = length_m_of(trajectory);
+  return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
+}
+
+Canvas run_view(const RunReader& run, const RunViewRequest& request) {
+  if (request.size && (std::min(request.size->width, request.size->height) < 1 ||
+                       std::max(request.size->width, request.size->height) > kMostViewSide_px)) {
+    throw UsageError(fmt::format("a picture of {}x{}: each side has 1 to {} pixels", request.size->width,
+                                 request.size->height, kMostViewSide_px));
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, draw] : kRunViews) {
+    if (name == request.view) return draw(run, request);
+    names.emplace_back(name);
+  }
+  throw UsageError(fmt::format("there is no view '{}'{} ({})", request.view, did_you_mean(request.view, names),
+                               fmt::join(names, ", ")));
+}
+
+std::string picture_bytes(const Canvas& drawing, const std::string& format) {
+  if (format == "svg") return svg_of(drawing, png_of_view);
+  if (format != "png" && format != "pdf") {
+    throw UsageError(fmt::format("there is no format '{}' of pictures (png, svg, pdf)", format));
+  }
+#ifdef GDTSLAM_HAS_RASTER
+  return format == "png" ? png_of_view(raster_of(drawing)) : pdf_of(drawing);
+#else
+  throw UnavailableError(
+      fmt::format("{}: pictures of pixels and PDF need Cairo, which is not in this build; take svg", format));
+#endif
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,36 @@
+// The views of a run that need no OpenGL, as `gdtslam render` draws them. Frame: map, y up. Thread-safe; O(cells +
+// pixels + poses).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/runs/folder/run_reader.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/drawing/canvas.hpp"
+#include "gdtslam/drawing/image.hpp"
+
+namespace gdtslam {
+
+/// "1,803 scans, 301 keyframes, 4 doubtful".
+std::string counts_text(const RunSummary& summary);
+/// "103.5 m"; nothing for a robot that stood.
+std::string path_length_text(const Trajectory& trajectory);
+
+/// What is drawn of a run, and how.
+struct RunViewRequest {
+  std::string view = "map";            ///< map, graph, field or distance
+  std::optional<PictureSize> size{};   ///< what suits the content when empty
+  std::optional<std::string> title{};  ///< the log's name when empty
+  std::string colour_map{};            ///< of the field; the view's own when empty
+};
+
+/// Throws UsageError for a view that there is not or a size that cannot be; InputError where the run lacks what the
+/// view needs; ConfigError for a colour map that there is not; FileError.
+Canvas run_view(const RunReader& run, const RunViewRequest& request);
+
+/// The drawing as the bytes of a file: "svg", and where Cairo is in this build "png" and "pdf". Throws UsageError,
+/// UnavailableError.
+std::string picture_bytes(const Canvas& drawing, const std::string& format);
+
+}  // namespace gdtslam

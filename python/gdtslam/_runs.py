@@ -1,0 +1,261 @@
+"""Whole logs, and the folder that mapping one gives."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import json
+import os
+import pathlib
+import shutil
+import tempfile
+import types
+import warnings
+import weakref
+from typing import Any, Callable, Mapping, Sequence
+
+import numpy as np
+
+from . import _library
+from ._arrays import Grid, grid_of, poses_view
+from ._errors import BY_STATUS, Error, Interrupted, UsageError
+from ._library import CError, CMapRequest, CPictureRequest, Handle, call, encoded, library, make, plain
+from ._scans import Options, Path, log_list, options_of
+
+ProgressFunction = Callable[[str, int, "float | None"], Any]
+
+
+class Run:
+    """The folder of a run of `gdtslam map`. Each part is read when it is asked for, once."""
+
+    def __init__(self, folder: Path) -> None:
+        self._keep_folder: Any = None
+        self._handle = make("run", "run_open", encoded(folder))
+
+    @classmethod
+    def _of(cls, handle: Handle, keep_folder: Any) -> "Run":
+        run = cls.__new__(cls)
+        run._keep_folder = keep_folder  # a temporary one goes with the run
+        run._handle = handle
+        return run
+
+    @property
+    def folder(self) -> pathlib.Path:
+        return pathlib.Path(os.fsdecode(plain("run_folder", self._handle)))
+
+    @property
+    def map_sha256(self) -> str:
+        """Of the distance field: the same on every machine."""
+        return plain("run_map_sha256", self._handle).decode()
+
+    @property
+    def trajectory_sha256(self) -> str:
+        """Of the poses: the same on every machine."""
+        return plain("run_trajectory_sha256", self._handle).decode()
+
+    @functools.cached_property
+    def report(self) -> "dict[str, Any]":
+        """report.json."""
+        return json.loads(plain("run_report", self._handle))
+
+    @functools.cached_property
+    def trajectory(self) -> np.ndarray:
+        """The robot's poses, one a scan: shape (scans, 4), float64: stamp in s, x and y in m, theta in rad.
+
+        In full where the run was just made; of a run that was opened as trajectory.tum has them, nine decimals.
+        """
+        poses, count = ctypes.c_void_p(), ctypes.c_size_t()
+        call("run_trajectory", self._handle, ctypes.byref(poses), ctypes.byref(count))
+        return poses_view(self._handle, poses.value, count.value)
+
+    @functools.cached_property
+    def map(self) -> Grid:
+        """The occupancy map, shape (height, width), uint8: 0 occupied, 254 free, 205 unknown."""
+        return grid_of(make("grid", "run_map", self._handle))
+
+    @functools.cached_property
+    def field(self) -> Grid:
+        """The distance field, shape (height, width), uint16: 1/256 cell to the nearest obstacle."""
+        return grid_of(make("grid", "run_field", self._handle))
+
+    def render(
+        self,
+        view: str = "map",
+        *,
+        format: str = "png",
+        size: "tuple[int, int] | None" = None,
+        title: "str | None" = None,
+        colour_map: "str | None" = None,
+    ) -> bytes:
+        """A picture as the bytes of a file.
+
+        Args:
+            view: "map", "graph", "field" or "distance", as `gdtslam render --view` draws them.
+            format: "png", "svg" or "pdf".
+            size: width and height in pixels; what suits the map where it is None.
+            title: the log's name where it is None.
+            colour_map: of the field: "glow", "lagoon" and the others of `gdtslam render --help`.
+        """
+        width, height = size or (0, 0)
+        if size is not None and not (0 < width < 1 << 31 and 0 < height < 1 << 31):
+            raise UsageError(f"a picture of {width}x{height} pixels cannot be made")
+        request = CPictureRequest(
+            view=encoded(view),
+            format=encoded(format),
+            width=width,
+            height=height,
+            title=encoded(title),
+            colour_map=encoded(colour_map),
+        )
+        made = make("bytes", "run_render", self._handle, ctypes.byref(request))
+        return ctypes.string_at(plain("bytes_data", made), plain("bytes_count", made))
+
+    def _repr_svg_(self) -> str:
+        return self.render(format="svg").decode()
+
+    def __repr__(self) -> str:
+        report = self.report
+        return f"<gdtslam.Run {str(self.folder)!r}: {report['scans']} scans, map {self.map_sha256[:12]}>"
+
+
+class TemporaryFolder:
+    """A folder that goes with the last reference to this."""
+
+    def __init__(self) -> None:
+        self.path = pathlib.Path(tempfile.mkdtemp(prefix="gdtslam-"))
+        weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+
+
+class CallerProblem:
+    """Calls a function of the caller from the library, and keeps what it raises until the library has returned."""
+
+    def __init__(self, progress: "ProgressFunction | None") -> None:
+        self.problem: "BaseException | None" = None
+        self.traceback: "types.TracebackType | None" = None
+        self._progress = progress
+        self.function = _library.Progress(self._tell)
+
+    def _tell(self, _user: Any, step: bytes, scans: int, share: float) -> int:
+        try:
+            if self._progress is None:
+                return 0  # the interpreter has had its turn: Ctrl-C is raised here
+            return 1 if self._progress(step.decode(), scans, share if share >= 0.0 else None) else 0
+        except BaseException as problem:  # noqa: BLE001 - goes on in the caller's thread
+            self.problem, self.traceback = problem, problem.__traceback__
+            return 1
+
+    def raise_again(self) -> None:
+        if self.problem is not None:
+            raise self.problem.with_traceback(self.traceback)
+
+
+def _warn_of(warn: "Callable[[str], Any] | None") -> Any:
+    def tell(_user: Any, text: bytes) -> None:
+        words = text.decode("utf-8", "replace")
+        if warn is not None:
+            warn(words)
+        else:
+            warnings.warn(words, stacklevel=4)
+
+    return _library.Warn(tell)
+
+
+def thread_count(threads: "int | None") -> int:
+    """As the library counts them: 0 is its default, and the largest number one a processor."""
+    if threads is None:
+        return 0
+    return _library.ALL_PROCESSORS if threads == 0 else threads
+
+
+def _flags(**wanted: bool) -> int:
+    return sum(getattr(_library, name) for name, is_set in wanted.items() if is_set)
+
+
+def map(  # noqa: A001 - the word of the field, as gdtslam.map
+    logs: "Path | Sequence[Path]",
+    out: "Path | None" = None,
+    *,
+    options: Options = None,
+    topics: "Sequence[str] | str" = (),
+    odometry: "str | None" = None,
+    crank: "str | None" = None,
+    mount: "Mapping[str, Sequence[float]] | Sequence[float] | None" = None,
+    linkage: "Path | None" = None,
+    loops: bool = True,
+    occupancy: bool = True,
+    pictures: bool = True,
+    cloud: bool = True,
+    copies: bool = True,
+    lenient: bool = False,
+    replace_foreign: bool = False,
+    threads: "int | None" = None,
+    skip: int = 0,
+    count: "int | None" = None,
+    progress: "ProgressFunction | None" = None,
+    warn: "Callable[[str], Any] | None" = None,
+) -> Run:
+    """Maps a log: what `gdtslam map` does, with the same bytes in the folder.
+
+    Args:
+        logs: one file of any format that the command reads, or several, which are mapped as one.
+        out: folder of the results; a temporary one, which goes with the run that is returned, where it is None.
+        options: {"map.resolution": "5 cm"} or a configuration file; options() lists all.
+        topics, odometry, crank, mount: as scans(); the crank's topic of a nodding mount.
+        linkage: of a laser that nods: preset or file.
+        loops, occupancy, pictures, cloud, copies: False leaves the part out, as --no-loops and the like do.
+        lenient: count and skip what is malformed.
+        replace_foreign: replace files of a run's names in the folder that no run wrote.
+        threads: of the processor; 0 is one a processor. Results are the same.
+        skip, count: scans that are left out at the start, and that are mapped.
+        progress: called with the step at work, the scans so far and the share that is done, or None; ends the work
+            where it returns something true, which raises Interrupted.
+        warn: called with each line that a user should see; Python's warnings where it is None.
+    """
+    temporary = TemporaryFolder() if out is None else None
+    folder = temporary.path / "run" if temporary is not None else pathlib.Path(out)  # type: ignore[arg-type]
+    paths = log_list(logs)
+    options_handle = options_of(options, topics, odometry, crank, mount)
+    if count is not None and count < 1:
+        raise UsageError(f"count: {count} scans cannot be mapped")
+    caller = CallerProblem(progress)
+    request = CMapRequest(
+        logs=_library.text_list(paths),
+        log_count=len(paths),
+        folder=encoded(folder),
+        options=options_handle.pointer,
+        linkage=encoded(linkage),
+        flags=_flags(
+            LENIENT=lenient,
+            NO_LOOPS=not loops,
+            NO_MAP=not occupancy,
+            NO_PICTURES=not pictures,
+            NO_CLOUD=not cloud,
+            NO_COPIES=not copies,
+            REPLACE_FOREIGN=replace_foreign,
+        ),
+        threads=thread_count(threads),
+        skip=skip,
+        scan_count=count or 0,
+        progress=caller.function,
+        warn=_warn_of(warn),
+    )
+    error, pointer = CError(), ctypes.c_void_p()
+    status = library.gdtslam_map_logs(ctypes.byref(request), ctypes.byref(pointer), ctypes.byref(error))
+    made = Run._of(Handle("run", pointer), temporary) if pointer else None
+    caller.raise_again()
+    if status == 0 and made is not None:
+        return made
+    problem = BY_STATUS.get(status, Error)(error.text.decode("utf-8", "replace"))
+    if isinstance(problem, Interrupted):
+        problem.run = made  # type: ignore[assignment]
+    raise problem
+
+
+def render(run: "Run | Path", file: "Path | None" = None, view: str = "map", **how: Any) -> bytes:
+    """A picture of a run or of its folder, written to a file by its ending (.png, .svg, .pdf) where one is named."""
+    if file is not None and "format" not in how:
+        how["format"] = pathlib.Path(file).suffix.lstrip(".").lower()
+    picture = (run if isinstance(run, Run) else Run(run)).render(view, **how)
+    if file is not None:
+        pathlib.Path(file).write_bytes(picture)
+    return picture

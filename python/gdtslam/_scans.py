@@ -1,0 +1,244 @@
+"""Options, scans and logs."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import os
+import threading
+from typing import Any, Iterator, Mapping, NamedTuple, Sequence, Union
+
+import numpy as np
+
+from . import _library
+from ._errors import InputError, UsageError
+from ._library import CLogWarning, COption, CPose, CScan, Handle, call, encoded, make, plain
+
+Path = Union[str, "os.PathLike[str]"]
+Options = Union[Mapping[str, Any], Path, None]
+
+
+class Pose(NamedTuple):
+    """Metres and radians; x forward, y left, theta counter-clockwise."""
+
+    x: float
+    y: float
+    theta: float
+
+
+class Option(NamedTuple):
+    """An option of the configuration: its value as text with its unit, and what it means."""
+
+    value: str
+    doc: str
+
+
+def _pose_of(pose: CPose) -> Pose:
+    return Pose(pose.x, pose.y, pose.theta)
+
+
+def c_pose(pose: "Sequence[float]") -> CPose:
+    if len(pose) != 3:
+        raise UsageError(f"a pose is x, y, theta, not {len(pose)} numbers")
+    return CPose(*(float(value) for value in pose))
+
+
+def _value_text(value: Any) -> str:
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    return str(value)
+
+
+def options_of(
+    options: Options,
+    topics: "Sequence[str] | str" = (),
+    odometry: "str | None" = None,
+    crank: "str | None" = None,
+    mount: "Mapping[str, Sequence[float]] | Sequence[float] | None" = None,
+) -> Handle:
+    """The options as the library has them: of a dictionary {"map.resolution": "5 cm"} or a YAML file."""
+    handle = make("options", "options_new")
+    if isinstance(options, Mapping):
+        for path, value in options.items():
+            call("options_set", handle, encoded(path), encoded(_value_text(value)))
+    elif options is not None:
+        call("options_read", handle, encoded(options))
+    for topic in [topics] if isinstance(topics, str) else topics:
+        call("options_add_topic", handle, encoded(topic))
+    if odometry is not None:
+        call("options_set_odometry", handle, encoded(odometry))
+    if crank is not None:
+        call("options_set_crank", handle, encoded(crank))
+    if isinstance(mount, Mapping):
+        for topic, pose in mount.items():
+            call("options_add_mount", handle, encoded(topic), ctypes.byref(c_pose(pose)))
+    elif mount is not None:
+        call("options_add_mount", handle, None, ctypes.byref(c_pose(mount)))
+    return handle
+
+
+def options(changed: Options = None) -> dict[str, Option]:
+    """Every option, by its path, as it stands with these changes."""
+    handle = options_of(changed)
+    rows = {}
+    for index in range(plain("options_count", handle)):
+        row = COption()
+        call("options_at", handle, index, ctypes.byref(row))
+        rows[row.path.decode()] = Option(row.value.decode(), row.doc.decode())
+    return rows
+
+
+@dataclasses.dataclass
+class Scan:
+    """A sweep of the laser.
+
+    Attributes:
+        ranges: metres, float32, shape (beams,); what is not finite, 0 or at the limit is no return.
+        first: bearing of the first beam in the laser's frame, radians; 0 is ahead, positive is left.
+        step: bearing from beam to beam, radians.
+        stamp: seconds.
+        odometry: x, y, theta of the robot by its wheels in any frame that stays; None: not known.
+        max_range: the sensor's limit, metres; 0: not known.
+        mount: x, y, theta of the laser on the robot.
+        first_beam_after, beam_period: seconds; beam k was measured at stamp + first_beam_after + k * beam_period.
+        speed: x, y, theta a second of the robot meanwhile; None: not known.
+        laser: which of several, in the order of their first scans.
+    """
+
+    ranges: np.ndarray
+    first: float
+    step: float
+    stamp: float = 0.0
+    odometry: "Sequence[float] | None" = None
+    max_range: float = 0.0
+    mount: Sequence[float] = (0.0, 0.0, 0.0)
+    first_beam_after: float = 0.0
+    beam_period: float = 0.0
+    speed: "Sequence[float] | None" = None
+    laser: int = 0
+
+
+def c_scan(scan: Scan) -> "tuple[CScan, np.ndarray]":
+    """The scan for the library, and the ranges, which must live as long."""
+    ranges = np.ascontiguousarray(scan.ranges, dtype=np.float32)
+    if ranges.ndim != 1:
+        raise InputError(f"ranges have the shape {ranges.shape}, and not (beams,)")
+    given = CScan(
+        stamp=float(scan.stamp),
+        first=float(scan.first),
+        step=float(scan.step),
+        ranges=ranges.ctypes.data,
+        range_count=ranges.size,
+        max_range=float(scan.max_range),
+        mount=c_pose(scan.mount),
+        first_beam_after=float(scan.first_beam_after),
+        beam_period=float(scan.beam_period),
+        laser=int(scan.laser),
+    )
+    if scan.odometry is not None:
+        given.has_odometry, given.odometry = 1, c_pose(scan.odometry)
+    if scan.speed is not None:
+        given.has_speed, given.speed = 1, c_pose(scan.speed)
+    return given, ranges
+
+
+def scan_from(scan: Any, **described: Any) -> Scan:
+    """A scan as it is, or one of ranges and what describes them."""
+    if isinstance(scan, Scan):
+        given = [name for name, value in described.items() if value is not None]
+        if given:
+            raise UsageError(f"{', '.join(given)}: a Scan has them already")
+        return scan
+    described = {name: value for name, value in described.items() if value is not None}
+    for name in ("first", "step"):
+        if name not in described:
+            raise UsageError(f"{name} is missing: ranges need the bearing of their first beam and the step between two")
+    return Scan(ranges=np.asarray(scan), **described)
+
+
+class LogWarning(NamedTuple):
+    """What was skipped or mended in a log: of what kind, how often, and where and what the first one was."""
+
+    kind: str
+    count: int
+    first: str
+
+
+class Scans:
+    """The scans of logs, one after the other, each with the odometry that belongs to it; made by scans()."""
+
+    def __init__(self, logs: "list[bytes]", options: Handle, flags: int) -> None:
+        self._lock = threading.Lock()
+        self._handle = make("reader", "reader_open", _library.text_list(logs), len(logs), options, flags)
+
+    def __iter__(self) -> Iterator[Scan]:
+        return self
+
+    def __next__(self) -> Scan:
+        read, has_scan = CScan(), ctypes.c_int32()
+        with self._lock:
+            call("reader_next", self._handle, ctypes.byref(read), ctypes.byref(has_scan))
+            if not has_scan.value:
+                raise StopIteration
+            ranges = np.empty(read.range_count, dtype=np.float32)
+            ctypes.memmove(ranges.ctypes.data, read.ranges, ranges.nbytes)  # the library's change with the next scan
+        return Scan(
+            ranges=ranges,
+            first=read.first,
+            step=read.step,
+            stamp=read.stamp,
+            odometry=_pose_of(read.odometry) if read.has_odometry else None,
+            max_range=read.max_range,
+            mount=_pose_of(read.mount),
+            first_beam_after=read.first_beam_after,
+            beam_period=read.beam_period,
+            speed=_pose_of(read.speed) if read.has_speed else None,
+            laser=read.laser,
+        )
+
+    @property
+    def progress(self) -> "float | None":
+        """Share of the logs that was read, from 0 to 1; None where that is not known."""
+        share = plain("reader_progress", self._handle)
+        return share if share >= 0.0 else None
+
+    @property
+    def warnings(self) -> "list[LogWarning]":
+        """What was skipped or mended so far."""
+        found: "list[LogWarning]" = []
+        warning, has_warning = CLogWarning(), ctypes.c_int32()
+        with self._lock:
+            while True:
+                call("reader_warning", self._handle, len(found), ctypes.byref(warning), ctypes.byref(has_warning))
+                if not has_warning.value:
+                    return found
+                found.append(LogWarning(warning.kind.decode(), warning.count, warning.first.decode("utf-8", "replace")))
+
+
+def log_list(logs: "Path | Sequence[Path]") -> "list[bytes]":
+    """One log or several."""
+    paths = [logs] if isinstance(logs, (str, os.PathLike)) else list(logs)
+    return [encoded(path) for path in paths]  # type: ignore[misc]
+
+
+def scans(
+    logs: "Path | Sequence[Path]",
+    *,
+    options: Options = None,
+    topics: "Sequence[str] | str" = (),
+    odometry: "str | None" = None,
+    mount: "Mapping[str, Sequence[float]] | Sequence[float] | None" = None,
+    lenient: bool = False,
+) -> Scans:
+    """Reads a log of any format that the command reads, or several, one after the other.
+
+    Args:
+        logs: one file, or several that go on one after the other.
+        options: {"log.max_range": "30 m"} or a configuration file.
+        topics: of recordings (bags, MCAP), those whose scans are read; the only one where none is named.
+        odometry: the topic of the odometry, or "tf".
+        mount: x, y, theta of the laser on the robot, or of several {topic: (x, y, theta)}.
+        lenient: count and skip what is malformed.
+    """
+    handle = options_of(options, topics, odometry, None, mount)
+    return Scans(log_list(logs), handle, _library.LENIENT if lenient else 0)

@@ -1,0 +1,252 @@
+"""The Python package: the bytes of the library, arrays without copies, errors as exceptions."""
+import gc
+import hashlib
+import os
+import re
+import subprocess
+import sys
+import threading
+import unittest
+import warnings
+
+from bindings_support import SAMPLE, SKIPPED, SOURCE, folder, sample_hashes
+
+sys.path.insert(0, str(SOURCE / "python"))
+try:
+    import numpy as np
+except ImportError:
+    print("SKIPPED: no numpy for Python (package python3-numpy)")
+    sys.exit(1 if os.environ.get("GDTSLAM_REQUIRE_PROGRAMS") == "1" else SKIPPED)
+import gdtslam
+
+WORK = folder("python")
+
+
+def hash_of_poses(trajectory):
+    """What report.json calls trajectory_sha256: x, y, theta of each pose as doubles."""
+    return hashlib.sha256(np.ascontiguousarray(trajectory[:, 1:]).tobytes()).hexdigest()
+
+
+class WholeLog(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.steps = []
+        cls.made = gdtslam.map(SAMPLE, WORK / "run", progress=lambda step, scans, share: cls.steps.append((step, scans, share)))
+
+    def test_has_the_hashes_that_ship_with_the_log(self):
+        self.assertEqual((self.made.map_sha256, self.made.trajectory_sha256), sample_hashes())
+        self.assertEqual(hash_of_poses(self.made.trajectory), self.made.trajectory_sha256)
+        self.assertEqual(self.made.field.sha256, self.made.map_sha256)
+        self.assertEqual(self.made.report["scans"], 350)
+
+    def test_arrays_are_views_that_outlive_what_they_come_of(self):
+        run = gdtslam.Run(WORK / "run")
+        poses, cells, field = run.trajectory, run.map, run.field
+        for array, shape, kind in ((poses, (350, 4), np.float64), (cells, cells.shape, np.uint8), (field, field.shape, np.uint16)):
+            self.assertEqual((array.shape, array.dtype), (shape, kind))
+            self.assertFalse(array.flags.owndata)
+            with self.assertRaises(ValueError):
+                array[0, 0] = 1
+        before = [array.copy() for array in (poses, cells, field)]
+        del run
+        gc.collect()
+        junk = [np.zeros(size) for size in range(1, 2000)]
+        for array, copy in zip((poses, cells, field), before):
+            self.assertTrue(np.array_equal(array, copy), len(junk))
+
+    def test_the_map_is_that_of_the_file(self):
+        data = (WORK / "run/map.pgm").read_bytes()
+        height, width = self.made.map.shape
+        pixels = np.frombuffer(data[-width * height :], dtype=np.uint8).reshape(height, width)
+        self.assertTrue(np.array_equal(pixels[::-1], self.made.map))
+        self.assertLessEqual(set(np.unique(self.made.map)), {gdtslam.OCCUPIED, gdtslam.FREE, gdtslam.UNKNOWN})
+
+    def test_the_field_is_small_where_the_map_is_occupied(self):
+        cells, field = self.made.map, self.made.field
+        rows, columns = np.nonzero(cells == gdtslam.OCCUPIED)
+        offset = np.rint((np.array(cells.origin) - np.array(field.origin)) / field.resolution).astype(int)
+        metres = field.metres()[rows + offset[1], columns + offset[0]]
+        self.assertLess(np.nanmedian(metres), 0.03)
+        self.assertEqual(field.cap, 20 * 256)
+        left, right, bottom, top = cells.extent
+        self.assertAlmostEqual((right - left) / cells.resolution, cells.shape[1])
+        self.assertAlmostEqual((top - bottom) / cells.resolution, cells.shape[0])
+        self.assertIsNone(cells[3:].resolution, "a part of it lies elsewhere")
+
+    def test_progress_tells_scans_and_steps(self):
+        scans = [count for step, count, share in self.steps if step == "scans"]
+        self.assertEqual(scans, list(range(1, 351)))
+        self.assertIn("overview.png" if (WORK / "run/overview.png").exists() else "overview.svg", [s[0] for s in self.steps] + ["overview.svg"])
+
+    def test_pictures_are_drawn_and_written_by_their_ending(self):
+        self.assertTrue(self.made.render("graph", format="svg").startswith(b"<svg "))
+        self.assertTrue(self.made._repr_svg_().startswith("<svg "))
+        try:
+            picture = gdtslam.render(WORK / "run", WORK / "map.png", size=(640, 480), title="Office")
+        except gdtslam.UnavailableError as problem:
+            self.assertIn("Cairo", str(problem))
+            return
+        self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual((WORK / "map.png").read_bytes(), picture)
+        self.assertEqual([int.from_bytes(picture[k : k + 4], "big") for k in (16, 20)], [640, 480])
+
+    def test_pictures_are_those_of_the_command(self):
+        if "GDTSLAM" not in os.environ:
+            self.skipTest("no command in this build")
+        for view in ("map", "graph", "field", "distance"):
+            file = WORK / f"{view}.svg"
+            done = subprocess.run(
+                [os.environ["GDTSLAM"], "render", str(WORK / "run"), "--view", view, "-o", str(file)], capture_output=True, text=True
+            )
+            if done.returncode == 69:
+                self.skipTest(done.stderr)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(self.made.render(view, format="svg"), file.read_bytes(), view)
+
+    def test_without_fonts_a_picture_of_pixels_is_not_available(self):
+        (WORK / "no-fonts.conf").write_text("<fontconfig></fontconfig>")
+        code = f"import gdtslam\ntry:\n  gdtslam.Run({str(WORK / 'run')!r}).render()\nexcept gdtslam.UnavailableError as e:\n  print(e.status, e)"
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True,
+            env={**os.environ, "PYTHONPATH": str(SOURCE / "python"), "FONTCONFIG_FILE": str(WORK / "no-fonts.conf")},
+        )
+        self.assertTrue(done.stdout.startswith("69 "), done.stdout + done.stderr)
+
+    def test_scans_are_found_in_it(self):
+        scans = list(gdtslam.scans(SAMPLE))
+        found = gdtslam.localize(self.made, scans[100])
+        self.assertTrue(found.found)
+        self.assertLess(np.hypot(*(np.array(found.pose[:2]) - self.made.trajectory[100, 1:3])), 0.03)
+        again = gdtslam.localize(WORK / "run/gdt.yaml", scans[100].ranges, first=scans[100].first, step=scans[100].step,
+                                 max_range=scans[100].max_range, mount=scans[100].mount, runner_up=False)
+        self.assertEqual(found.pose, again.pose)
+        self.assertIsNone(again.runner_up)
+        self.assertEqual(gdtslam.localize(self.made, [], first=0.0, step=0.01).verdict, "no pose")
+        tracker = gdtslam.Localizer(self.made).tracker()
+        for scan in scans[:150]:
+            tracked = tracker.follow(scan)
+        self.assertEqual(tracked.whereabouts, "tracked")
+        self.assertLess(np.hypot(*(np.array(tracked.pose[:2]) - self.made.trajectory[149, 1:3])), 0.03)
+        self.assertTrue(np.all(np.linalg.eigvalsh(tracked.covariance) > 0.0))
+
+
+class Live(unittest.TestCase):
+    def test_scan_by_scan_gives_the_hashes_of_the_whole_log(self):
+        for loops in (False, True):
+            mapper = gdtslam.Mapper(loops=loops)
+            for scan in gdtslam.scans(SAMPLE):
+                match = mapper.process(scan)
+            self.assertTrue(match.accepted)
+            mapper.close()
+            self.assertEqual((mapper.field().sha256, hash_of_poses(mapper.trajectory)), sample_hashes(loops))
+
+    def test_ranges_do_as_well_as_a_scan(self):
+        one, other = gdtslam.Mapper(loops=False), gdtslam.Mapper(loops=False)
+        for scan in list(gdtslam.scans(SAMPLE))[:30]:
+            a = one.process(scan)
+            b = other.process(scan.ranges.astype(float).tolist(), stamp=scan.stamp, first=scan.first, step=scan.step,
+                              odometry=scan.odometry, max_range=scan.max_range, mount=scan.mount)
+            self.assertEqual(a, b)
+
+    def test_a_field_stays_as_it_was(self):
+        mapper = gdtslam.Mapper(loops=False)
+        scans = list(gdtslam.scans(SAMPLE))
+        mapper.process(scans[0])
+        field = mapper.field()
+        before = field.copy()
+        for scan in scans[1:60]:
+            mapper.process(scan)
+        later = mapper.field()
+        del mapper
+        gc.collect()
+        self.assertTrue(np.array_equal(field, before))
+        self.assertFalse(np.array_equal(later, field))
+        self.assertFalse(field.flags.owndata or field.flags.writeable)
+
+    def test_threads_may_share_a_mapper_one_after_the_other(self):
+        mapper, reader, problems = gdtslam.Mapper(loops=False), gdtslam.scans(SAMPLE), []
+
+        def work():
+            try:
+                for scan in reader:
+                    mapper.process(scan)
+            except gdtslam.Error as problem:
+                problems.append(problem)
+
+        threads = [threading.Thread(target=work) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual((problems, len(mapper.trajectory)), ([], 350))
+
+
+class Errors(unittest.TestCase):
+    def test_have_classes_of_their_own_and_those_of_python(self):
+        for kind, parent, provoke in (
+            (gdtslam.ConfigError, ValueError, lambda: gdtslam.Mapper({"map.resolution": "5"})),
+            (gdtslam.ConfigError, ValueError, lambda: gdtslam.Mapper({"map.resolutoin": "5 cm"})),
+            (gdtslam.FileError, OSError, lambda: gdtslam.map("no/such.log", WORK / "none")),
+            (gdtslam.FileError, OSError, lambda: gdtslam.scans("no/such.log")),
+            (gdtslam.InputError, ValueError, lambda: gdtslam.Run(WORK)),
+            (gdtslam.InputError, ValueError, lambda: gdtslam.Mapper().process(np.zeros((2, 2)), first=0.0, step=0.1)),
+            (gdtslam.InputError, ValueError, lambda: gdtslam.Mapper().process([1.0], first=0.0, step=float("nan"))),
+            (gdtslam.UsageError, ValueError, lambda: gdtslam.Mapper().process([1.0])),
+            (gdtslam.UsageError, ValueError, lambda: gdtslam.Mapper().process([1.0], first=0.0, step=0.1, odometry=(1, 2))),
+            (gdtslam.UsageError, ValueError, lambda: gdtslam.map([], WORK / "none")),
+            (gdtslam.UsageError, ValueError, lambda: gdtslam.map(SAMPLE, WORK / "none", count=0)),
+        ):
+            with self.assertRaises(kind) as caught:
+                provoke()
+            self.assertIsInstance(caught.exception, (gdtslam.Error, parent))
+            self.assertTrue(str(caught.exception))
+
+    def test_interruption_leaves_what_there_is(self):
+        with self.assertRaises(gdtslam.Interrupted) as caught:
+            gdtslam.map(SAMPLE, WORK / "interrupted", loops=False, progress=lambda step, scans, share: scans == 20)
+        self.assertEqual(len(caught.exception.run.trajectory), 20)
+
+    def test_what_the_callers_function_raises_comes_out(self):
+        def progress(step, scans, share):
+            raise KeyError("the caller's")
+
+        with self.assertRaises(KeyError):
+            gdtslam.map(SAMPLE, WORK / "raised", progress=progress)
+        mapper = gdtslam.Mapper()
+        for scan in gdtslam.scans(SAMPLE):
+            mapper.process(scan)
+        with self.assertRaises(KeyError):
+            mapper.close(progress)
+
+    def test_a_temporary_folder_goes_with_its_run(self):
+        run = gdtslam.map(SAMPLE, loops=False, pictures=False, count=20)
+        place = run.folder
+        self.assertTrue((place / "report.json").exists())
+        del run
+        gc.collect()
+        self.assertFalse(place.exists())
+
+    def test_warnings_are_those_of_python(self):
+        log = SOURCE / "assets/logs/nodding-start.log.gz"
+        copy = WORK / "tilted.log.gz"  # away from its linkage
+        copy.write_bytes(log.read_bytes())
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            gdtslam.map(copy, WORK / "tilted", loops=False, cloud=False, pictures=False, count=60)
+        self.assertIn("--linkage", str(caught[0].message))
+
+    def test_options_are_those_of_the_command(self):
+        self.assertEqual(gdtslam.options({"map.resolution": "5 cm"})["map.resolution"].value, "0.05 m")
+        if "GDTSLAM" in os.environ:
+            words = subprocess.run([os.environ["GDTSLAM"], "config", "show"], capture_output=True, text=True, check=True).stdout
+            shown = re.findall(r"^([a-z_.]+) += ", words, re.MULTILINE)
+            self.assertEqual(list(gdtslam.options()), shown)
+
+    def test_a_library_that_is_not_there_is_named(self):
+        env = {**os.environ, "PYTHONPATH": str(SOURCE / "python"), "GDTSLAM_LIBRARY": "/no/such.so"}
+        done = subprocess.run([sys.executable, "-c", "import gdtslam"], capture_output=True, text=True, env=env)
+        self.assertIn("ImportError: gdtslam: /no/such.so cannot be loaded", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
