@@ -51,7 +51,9 @@ class LiveTest(unittest.TestCase):
     def end(self):
         if self.drive.poll() is None:
             self.drive.kill()
-        self.drive.communicate()
+        self.drive.wait()
+        for stream in (self.drive.stdout, self.drive.stderr):
+            stream.close()
 
     def send(self, scans):
         """So many scans more, and their pose lines."""

@@ -95,8 +95,9 @@ std::string through_queue(std::vector<LogRecord> records, std::size_t most_scans
 
 TEST(ScanQueue, DropsNothingWhileThereIsRoom) {
   std::uint64_t dropped = 1;
-  EXPECT_EQ(through_queue({odometry_at(1), scan_at(2, false), odometry_at(3), odometry_at(4), scan_at(5, true)}, 2, &dropped),
-            "o1 s2 o3 o4 s5");
+  EXPECT_EQ(
+      through_queue({odometry_at(1), scan_at(2, false), odometry_at(3), odometry_at(4), scan_at(5, true)}, 2, &dropped),
+      "o1 s2 o3 o4 s5");
   EXPECT_EQ(dropped, 0U);
 }
 
@@ -130,7 +131,8 @@ TEST(ScanQueue, IsBoundedWhileOnlyOdometryComes) {
 TEST(ScanQueue, GivesWhatCameBeforeALineThatIsNone) {
   const auto may_end = std::make_shared<std::atomic<bool>>(true);
   ScanQueue queue(
-      std::make_unique<ListedLog>(std::vector<LogRecord>{scan_at(1, true)}, may_end, true), 5, [] { return false; }, [] {});
+      std::make_unique<ListedLog>(std::vector<LogRecord>{scan_at(1, true)}, may_end, true), 5, [] { return false; },
+      [] {});
   EXPECT_TRUE(queue.next().has_value());
   EXPECT_THROW(queue.next(), InputError);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "options.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
@@ -71,9 +72,10 @@ void add_output_options(CLI::App& command, LiveOptions& options) {
       ->type_name("SECONDS")
       ->check(CLI::Range(0.1, kMostSeconds).description(""));
   command
-      .add_option("--page", options.page,
-                  "Show map, path and scan in a browser while the robot drives, at http://127.0.0.1:PORT/, to this host\n"
-                  "alone; 0 is any free port. ADDRESS:PORT serves it there, to whoever can reach it")
+      .add_option(
+          "--page", options.page,
+          "Show map, path and scan in a browser while the robot drives, at http://127.0.0.1:PORT/, to this host\n"
+          "alone; 0 is any free port. ADDRESS:PORT serves it there, to whoever can reach it")
       ->type_name("[ADDRESS:]PORT");
   command.add_option("--format", options.format, "Of the lines on standard output: json or tum (default: json)")
       ->type_name("NAME")
@@ -110,7 +112,7 @@ LineOutput::Rule output_rule_of(const LiveOptions& options) {
 
 std::unique_ptr<LivePage> page_of(const LiveOptions& options) {
   if (options.page.empty()) return nullptr;
-  std::unique_ptr<LivePage> page = open_page(options.page, "gdtslam live: " + name_of_input(options));
+  std::unique_ptr<LivePage> page = open_page(options.page, "gdtslam live: " + log_name(name_of_input(options)));
   print_remark("the drive is shown at " + page->url());
   return page;
 }

@@ -80,7 +80,8 @@ int map_live(const LiveOptions& options) {
   LineOutput output(output_rule_of(options));
   DriveRecord record(request.settings.occupancy, occupancy_limits(request.settings.mapper));
   const std::unique_ptr<LivePage> page = page_of(options);
-  request.scan_mapped = [&, format = pose_format_of(options.format), drive = Drive()](const MappedScan& mapped) mutable {
+  request.scan_mapped = [&, format = pose_format_of(options.format),
+                         drive = Drive()](const MappedScan& mapped) mutable {
     output.write(pose_line(format, drive.counts.scans, mapped));
     record.take(mapped);
     drive.count(mapped);

@@ -1,7 +1,7 @@
-// The page that shows a drive in a browser while it lasts: map, path, scan, what speaks for the pose. It is served to this
-// host alone unless an address is given, and reads what it shows from a websocket; nobody can change anything by it. One
-// thread hands over scans, which costs it a copy where somebody watches; another one maps. The page's own thread does the
-// rest.
+// The page that shows a drive in a browser while it lasts: map, path, scan, what speaks for the pose. It is served to
+// this host alone unless an address is given, and reads what it shows from a websocket; nobody can change anything by
+// it. One thread hands over scans, which costs it a copy where somebody watches; another one maps. The page's own
+// thread does the rest.
 #pragma once
 
 #include <cstdint>
@@ -43,8 +43,8 @@ class LivePage {
   virtual void show(const OccupancyMap& map, const Trajectory& path) = 0;
 };
 
-/// `address` is PORT of this host alone, or ADDRESS:PORT; port 0 is any that is free. Throws UsageError where it is none,
-/// FileError where nothing can be served there, UnavailableError where this build has no page.
+/// `address` is PORT of this host alone, or ADDRESS:PORT; port 0 is any that is free. Throws UsageError where it is
+/// none, FileError where nothing can be served there, UnavailableError where this build has no page.
 std::unique_ptr<LivePage> open_page(const std::string& address, const std::string& title);
 
 }  // namespace gdtslam

@@ -15,8 +15,8 @@ void add_place(Figures& figures, const Pose2& T, const std::optional<PoseCovaria
   figures.emplace_back("place", fmt::format("{:.2f}, {:.2f} m", T.x_m, T.y_m));
   figures.emplace_back("heading", fmt::format("{:.1f}°", deg_from_rad(wrap_angle(T.theta_rad))));
   if (!covariance) return;
-  figures.emplace_back("standard deviation", fmt::format("{:.1f} cm, {:.2f}°", 100.0 * covariance->sigma_m(),
-                                                         deg_from_rad(std::sqrt(covariance->tt))));
+  figures.emplace_back("deviation", fmt::format("{:.1f} cm, {:.2f}°", 100.0 * covariance->sigma_m(),
+                                                deg_from_rad(std::sqrt(covariance->tt))));
 }
 
 Figures begun(const DriveCounts& counts, double stamp_s) {
@@ -29,6 +29,8 @@ Figures begun(const DriveCounts& counts, double stamp_s) {
 }  // namespace
 
 double RateMeter::count() {
+  if (!is_begun_) since_ = Clock::now();
+  is_begun_ = true;
   ++scans_;
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - since_).count();
   if (elapsed_s < 1.0) return rate_;

@@ -18,7 +18,8 @@ class RateMeter {
 
  private:
   using Clock = std::chrono::steady_clock;
-  Clock::time_point since_ = Clock::now();
+  bool is_begun_ = false;
+  Clock::time_point since_;
   std::uint64_t scans_ = 0;
   double rate_ = 0.0;
 };

@@ -15,7 +15,8 @@ constexpr int kMostPort = 65535;
 
 bool is_numeric(const std::string& host) {
   std::array<std::uint8_t, sizeof(in6_addr)> bytes{};
-  return ::inet_pton(AF_INET, host.c_str(), bytes.data()) == 1 || ::inet_pton(AF_INET6, host.c_str(), bytes.data()) == 1;
+  return ::inet_pton(AF_INET, host.c_str(), bytes.data()) == 1 ||
+         ::inet_pton(AF_INET6, host.c_str(), bytes.data()) == 1;
 }
 
 // "127.0.0.1:8080" without what follows the last colon that is none of an address.

@@ -15,8 +15,9 @@ struct PageAddress {
 /// PORT or ADDRESS:PORT, in brackets where the address has colons. Throws UsageError.
 PageAddress page_address_of(const std::string& text);
 
-/// Whether a request for that host (with its port), from a page of that origin (empty: of none), is one of ours. A page of
-/// another site that a browser of this host shows must not read what this one does, whatever name it gave to our address.
+/// Whether a request for that host (with its port), from a page of that origin (empty: of none), is one of ours. A page
+/// of another site that a browser of this host shows must not read what this one does, whatever name it gave to our
+/// address.
 bool may_ask(const PageAddress& address, std::string_view host, std::string_view origin);
 
 }  // namespace gdtslam

@@ -85,14 +85,14 @@ std::string points_text(const LaserScan& laser, const Pose2& T_map_base) {
   std::string points;
   for (std::size_t k = 0; k < laser.ranges_m.size(); ++k) {
     const double range_m = static_cast<double>(laser.ranges_m[k]);
-    const bool is_return = range_m > 0.0 && std::isfinite(range_m) &&
-                           (laser.max_range_m <= 0.0 || range_m < laser.max_range_m);
+    const bool is_return =
+        range_m > 0.0 && std::isfinite(range_m) && (laser.max_range_m <= 0.0 || range_m < laser.max_range_m);
     if (!is_return) continue;
     const double bearing =
         T_map_laser.theta_rad + laser.first_bearing_rad + static_cast<double>(k) * laser.bearing_step_rad;
-    points += fmt::format("{}{},{}", points.empty() ? "" : ",",
-                          centimetres(T_map_laser.x_m + range_m * std::cos(bearing)),
-                          centimetres(T_map_laser.y_m + range_m * std::sin(bearing)));
+    points +=
+        fmt::format("{}{},{}", points.empty() ? "" : ",", centimetres(T_map_laser.x_m + range_m * std::cos(bearing)),
+                    centimetres(T_map_laser.y_m + range_m * std::sin(bearing)));
   }
   return points;
 }

@@ -116,7 +116,8 @@ PageServer::PageServer(const std::string& address, const std::string& title) : a
   lws_vhost* const host = context_ != nullptr ? lws_get_vhost_by_name(context_, "default") : nullptr;
   if (host == nullptr || lws_get_vhost_listen_port(host) <= 0) {
     if (context_ != nullptr) lws_context_destroy(context_);
-    throw FileError("--page " + address, "cannot be served: another program may have this port, or it is no address here");
+    throw FileError("--page " + address,
+                    "cannot be served: another program may have this port, or it is no address here");
   }
   url_ = fmt::format("http://{}:{}/", has_colons ? "[" + address_.host + "]" : address_.host,
                      lws_get_vhost_listen_port(host));
@@ -186,8 +187,8 @@ int PageServer::answer_request(lws* connection, std::string_view path) {
                                        reinterpret_cast<const unsigned char*>(value.data()),
                                        static_cast<int>(value.size()), &at, end) != 0;
   };
-  if (lws_add_http_common_headers(connection, HTTP_STATUS_OK, "text/html; charset=utf-8",
-                                  page_.padded.size() - LWS_PRE, &at, end) != 0 ||
+  if (lws_add_http_common_headers(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", page_.padded.size() - LWS_PRE,
+                                  &at, end) != 0 ||
       add("content-security-policy:", kPolicy) || add("x-content-type-options:", "nosniff") ||
       add("referrer-policy:", "no-referrer") || add("cache-control:", "no-store") ||
       lws_finalize_write_http_header(connection, begin, &at, end) != 0) {
@@ -232,8 +233,7 @@ int PageServer::handle(lws* connection, lws_callback_reasons reason, Session* se
   }
 }
 
-int PageServer::on_event(lws* connection, lws_callback_reasons reason, void* session, void* data,
-                         std::size_t size) {
+int PageServer::on_event(lws* connection, lws_callback_reasons reason, void* session, void* data, std::size_t size) {
   switch (reason) {
     case LWS_CALLBACK_HTTP:
     case LWS_CALLBACK_HTTP_WRITEABLE:
