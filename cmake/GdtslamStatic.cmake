@@ -21,6 +21,7 @@ set(GDTSLAM_MODULES OFF) # one program, all in it
 set(GDTSLAM_BUILD_C OFF) # not all static libraries of Debian may go into a shared one
 set(GDTSLAM_BUILD_CALIBRATION OFF) # Ceres brings BLAS, LAPACK and SuiteSparse along
 set(GDTSLAM_BUILD_VIEWER OFF) # VTK, Mesa and X are the system's
+set(GDTSLAM_BUILD_LIVE_PAGE OFF) # libwebsockets brings OpenSSL's TLS along
 # What the program does not use goes, so that it does not ask for newer symbols of the C library than it needs.
 add_link_options(-static-libstdc++ -static-libgcc -Wl,--gc-sections)
 

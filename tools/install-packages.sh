@@ -9,7 +9,7 @@ build_packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev
   libpng-dev libssl-dev zlib1g-dev libbz2-dev liblz4-dev libzstd-dev liblzma-dev libsqlite3-dev
-  libembree-dev libceres-dev libnanoflann-dev
+  libembree-dev libceres-dev libnanoflann-dev libwebsockets-dev
   libvulkan-dev libglm-dev glslang-tools spirv-tools
   libvtk9-dev libegl-dev libglew-dev libcairo2-dev ffmpeg
 )

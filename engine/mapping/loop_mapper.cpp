@@ -137,6 +137,10 @@ std::shared_future<FrozenMap> LoopMapper::request_map() {
   return state_->back_end.loops().request_map(state_->mapper.config());
 }
 
+std::shared_future<ClosedKeyframes> LoopMapper::request_keyframes() {
+  return state_->back_end.loops().request_keyframes();
+}
+
 void LoopMapper::start(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
   start({scan.stamp_s, state_->points.of(scan)}, T_odom_base);
 }

@@ -10,6 +10,7 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/pose_certainty.hpp"
 #include "engine/mapping/match/thinned_points.hpp"
 #include "engine/mapping/surface/closed_surfaces.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -61,6 +62,12 @@ struct PlacedMap {
   std::optional<DeviceMap> device;
 };
 
+// The first pose is the map's origin: only as unsure as sums of it need to be.
+Matrix3 covariance_at_origin() {
+  constexpr double kSigma = 0.001;  // metres and radians
+  return Matrix3::diagonal(square(kSigma), square(kSigma), square(kSigma));
+}
+
 bool is_cpu(const Backend& backend) { return backend.device().kind == "cpu"; }
 
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
@@ -87,6 +94,7 @@ struct Mapper::State {
   [[nodiscard]] bool fits_as_well(const Pose2& pose, const Pose2& matched);
   [[nodiscard]] bool is_keyframe(const Pose2& pose) const;
   [[nodiscard]] bool wants_search(const Pose2& predicted) const;
+  void weigh(MatchResult& result);
   void update_map(MatchResult& result);
   void merge(const Pose2& pose);
   void merge_into(PlacedMap& placed, const KeyframeCells& keyframe);
@@ -107,7 +115,8 @@ struct Mapper::State {
   Backend* at_work = nullptr;  // the backend that the matcher works on
 
   MotionModel motion;
-  std::optional<MotionEstimate> estimate;  // where odometry and matches are weighed
+  std::optional<MotionEstimate> estimate;           // where odometry and matches are weighed
+  PoseCertainty certainty{covariance_at_origin()};  // where it is asked for
   MapperStatistics statistics;
   bool started = false;
   Pose2 last_keyframe;
@@ -258,6 +267,18 @@ bool Mapper::State::wants_search(const Pose2& predicted) const {
          (config.search.when == SearchWhen::kKeyframe && is_keyframe(predicted));
 }
 
+// Before the scan goes into the map, in which it would confirm itself.
+void Mapper::State::weigh(MatchResult& result) {
+  if (!options.with_covariance || map->device) return;
+  const MotionNoise unknown{prediction.travelled_m, prediction.turned_rad};
+  certainty.carry(motion.pose(), prediction,
+                  estimate ? MotionNoise{result.odometry_sigma_m, result.odometry_sigma_rad} : unknown);
+  if (is_matched && result.accepted) {
+    certainty.weigh(map->host.field, points, result.T_map_base, config.gate.final_m);
+  }
+  result.covariance = certainty.in_map(result.T_map_base.theta_rad);
+}
+
 // Equations (9) to (11) with the local field of (1), for keyframes; and where nothing matched for so long that the
 // robot must be somewhere new, a fresh start there, because the map could never grow to it otherwise.
 void Mapper::State::update_map(MatchResult& result) {
@@ -368,6 +389,7 @@ MatchResult Mapper::finish() {
     s.estimate->take(result, s.is_matched, s.points_m,
                      [&s](const Pose2& pose, const Pose2& matched) { return s.fits_as_well(pose, matched); });
   }
+  s.weigh(result);
   s.motion.correct(result.T_map_base, result.accepted);
   s.update_map(result);  // (1), (9), (10), (11)
   s.count(result);

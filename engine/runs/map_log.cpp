@@ -130,6 +130,7 @@ std::optional<OdometryDelay> odometry_delay_of(const MapRequest& request, const 
   const LogConfig& log = request.settings.log;
   if (log.odometry_stamps == OdometryStamps::kLog) return std::nullopt;
   if (log.odometry_stamps == OdometryStamps::kStated) return OdometryDelay{.delay_s = log.odometry_delay_s};
+  if (request.live_log) return std::nullopt;     // it cannot be read ahead
   if (!request.with_loops) return std::nullopt;  // what maps without loops are compared with was made without it
   std::optional<OdometryDelay> delay =
       measured_delay(log_file, job.read, job.range, job.mapper, [&request] { return stopped(request); });
@@ -198,15 +199,19 @@ MapResult map_opened(const MapRequest& request, const MapJob& job, const Backend
                      const Continuation* continued) {
   RunTimes times;
   KeptRequest kept = continued != nullptr ? continued->kept : kept_request_of(request);
-  LogCopies copies(job.logs, kept.paths, job.read);
+  LogCopies copies(job.logs, kept.paths, job.read, request.live_log);
   std::unique_ptr<RunFolder> folder;
   if (continued != nullptr) {
     folder = folder_to_continue(*continued, request.folder);
     copies.write_into(*folder);
   }
-  const auto open = [&copies](std::size_t log) { return copies.open(log); };
-  ScanStream scans(job.logs, job.read, job.range,
-                   request.with_copies ? ScanStream::OpenLog(open) : ScanStream::OpenLog());
+  ScanStream::OpenLog open;
+  if (request.with_copies) {
+    open = [&copies](std::size_t log) { return copies.open(log); };
+  } else if (request.live_log) {
+    open = [&request, &job](std::size_t) { return request.live_log(job.read); };
+  }
+  ScanStream scans(job.logs, job.read, job.range, open);
   const NodKind kind = kept.prepared ? kept.prepared->nods : nod_kind_of_start(request, scans);
   Backend& backend =
       backend_of(kind != NodKind::kNone || matcher_info(job.mapper.match.matcher).place == MatcherPlace::kDevice);

@@ -9,7 +9,7 @@ import cli_support as cli
 from cli_support import PROGRAM, expect, expect_exit
 from scenario_continue import expect_same_run, lines_of_drive
 
-FIELDS = ["scan", "stamp_s", "pose", "correction", "accepted", "keyframe", "doubt", "mean_distance_m", "overlap",
+FIELDS = ["scan", "stamp_s", "pose", "covariance", "correction", "accepted", "keyframe", "doubt", "mean_distance_m", "overlap",
           "contradiction"]
 
 

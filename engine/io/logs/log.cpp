@@ -108,18 +108,28 @@ void refuse_topics(const TopicChoice& chosen, const std::string& name, std::stri
   if (!chosen.mounts.empty()) refuse("the name in --mount NAME=x,y,yaw");
 }
 
-}  // namespace
+/// Bytes of the caller.
+class LentSource final : public ByteSource {
+ public:
+  explicit LentSource(ReadBytes read) : read_(std::move(read)) {}
+  std::size_t read(std::span<char> target) override {
+    const std::size_t count = read_(target);
+    bytes_ += count;
+    return count;
+  }
+  [[nodiscard]] double progress() const override { return -1.0; }
+  [[nodiscard]] std::uint64_t bytes_from_file() const override { return bytes_; }
 
-std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options) {
-  return open_described_log(path, options);
-}
+ private:
+  ReadBytes read_;
+  std::uint64_t bytes_ = 0;
+};
 
-std::unique_ptr<DescribedLog> open_described_log(const std::string& path, const ReadOptions& options) {
-  std::error_code ignored;
-  if (path != "-" && std::filesystem::is_directory(path, ignored)) return open_ros2_bag(path, options);
-  const std::string name = path == "-" ? "standard input" : path;
+// `path` is empty where the bytes have none.
+std::unique_ptr<DescribedLog> open_source(std::unique_ptr<ByteSource> packed, const std::string& name,
+                                          const std::string& path, const ReadOptions& options) {
   std::string head;
-  std::unique_ptr<ByteSource> source = unpacked(open_file_source(path), name, head);
+  std::unique_ptr<ByteSource> source = unpacked(std::move(packed), name, head);
   const std::optional<TableKind> table = table_kind_of(*source, head);
   source = with_head(head, std::move(source));
   if (table) {
@@ -128,12 +138,29 @@ std::unique_ptr<DescribedLog> open_described_log(const std::string& path, const 
   }
   for (const Magic& magic : kMagics) {
     if (!head.starts_with(magic.bytes)) continue;
-    if (magic.bytes == kSqliteHead && path != "-") return open_ros2_bag(path, options);
+    if (magic.bytes == kSqliteHead && !path.empty()) return open_ros2_bag(path, options);
     if (magic.open != nullptr) return magic.open(std::move(source), name, options);
     throw InputError({name, 0}, fmt::format("is {}; {}", magic.kind, supported()));
   }
   refuse_topics(options.topics, name, "a CARMEN log");
   return open_carmen(std::move(source), name, options);
+}
+
+}  // namespace
+
+std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options) {
+  return open_described_log(path, options);
+}
+
+std::unique_ptr<LogReader> open_log_of_bytes(ReadBytes read, const std::string& name, const ReadOptions& options) {
+  return open_source(std::make_unique<LentSource>(std::move(read)), name, "", options);
+}
+
+std::unique_ptr<DescribedLog> open_described_log(const std::string& path, const ReadOptions& options) {
+  std::error_code ignored;
+  if (path == "-") return open_source(open_file_source(path), "standard input", "", options);
+  if (std::filesystem::is_directory(path, ignored)) return open_ros2_bag(path, options);
+  return open_source(open_file_source(path), path, path, options);
 }
 
 }  // namespace gdtslam

@@ -54,6 +54,13 @@ std::shared_future<FrozenMap> LiveLoops::request_map(const MapperConfig& config)
   return map;
 }
 
+std::shared_future<ClosedKeyframes> LiveLoops::request_keyframes() {
+  KeyframesRequest request;
+  std::shared_future<ClosedKeyframes> keyframes = request.get_future().share();
+  hand_over(std::move(request));
+  return keyframes;
+}
+
 // Without a thread the order is carried out here, unless one has failed: the others wait for abandon() then, too.
 void LiveLoops::hand_over(Order order) {
   start();
@@ -90,6 +97,10 @@ void LiveLoops::work() {
 void LiveLoops::carry_out(Order& order) {
   if (auto* const request = std::get_if<MapRequest>(&order)) {
     draw_map(*request);
+    return;
+  }
+  if (auto* const request = std::get_if<KeyframesRequest>(&order)) {
+    request->set_value({.T_map_base = closer_.carried_keyframes(), .T_closed_front = closer_.correction()});
     return;
   }
   try {

@@ -58,6 +58,8 @@ class LiveLoops {
   [[nodiscard]] LiveStatistics statistics() const;
   /// The distance field of the keyframes handed over so far, once the thread has come to it.
   std::shared_future<FrozenMap> request_map(const MapperConfig& config);
+  /// Likewise where they are.
+  std::shared_future<ClosedKeyframes> request_keyframes();
 
   /// Waits until the keyframes handed over are followed, with the share of them; the thread has ended then. Rethrows
   /// what it met. What progress() throws is passed on.
@@ -72,7 +74,8 @@ class LiveLoops {
     MapperConfig config;
     std::promise<FrozenMap> promise;
   };
-  using Order = std::variant<Keyframe, MapRequest>;
+  using KeyframesRequest = std::promise<ClosedKeyframes>;
+  using Order = std::variant<Keyframe, MapRequest, KeyframesRequest>;
 
   void start();
   void hand_over(Order order);

@@ -11,11 +11,11 @@
 #include "engine/mapping/match/matchers.hpp"
 #include "engine/mapping/match/motion_estimate.hpp"
 #include "engine/mapping/match/motion_model.hpp"
+#include "engine/mapping/match/pose_certainty.hpp"
 #include "engine/mapping/match/thinned_points.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/mapping/global_field.hpp"
 #include "gdtslam/mapping/scan_points.hpp"
-#include "pose_certainty.hpp"
 
 namespace gdtslam {
 namespace {
@@ -113,22 +113,12 @@ struct MapTracker::State {
   ScanPoints scan_points;
   std::unique_ptr<Matcher> matcher;
   MotionEstimate estimate;
-  Matrix3 covariance = covariance_at_start();  // of the tangent at the last pose
+  PoseCertainty certainty{covariance_at_start()};
   KnownFit known;
 
-  void carry(const Prediction& prediction, const MatchResult& result);
   void doubt(MatchResult& result, std::span<const PointCells> points) const;
   void weigh(const MatchResult& result, std::span<const PointCells> points);
 };
-
-// Along with the robot, with what the wheels may get wrong; a motion that only goes on may be wrong altogether.
-void MapTracker::State::carry(const Prediction& prediction, const MatchResult& result) {
-  const MotionNoise noise = prediction.by_odometry ? MotionNoise{result.odometry_sigma_m, result.odometry_sigma_rad}
-                                                   : MotionNoise{prediction.travelled_m, prediction.turned_rad};
-  const Matrix3 moved = adjoint_matrix(between(prediction.T_map_base, motion.pose()));
-  const double m = square(noise.sigma_m);
-  covariance = moved * times_transposed(covariance, moved) + Matrix3::diagonal(m, m, square(noise.sigma_rad));
-}
 
 // At the border of a map a scan slides into it, for what lies outside of it costs most: a match must explain what it
 // puts into the map, and that must be enough.
@@ -142,9 +132,7 @@ void MapTracker::State::doubt(MatchResult& result, std::span<const PointCells> p
 
 void MapTracker::State::weigh(const MatchResult& result, std::span<const PointCells> points) {
   known = known_fit_of(map->field, points, result.T_map_base, config.gate.final_m);
-  if (!result.accepted) return;
-  const std::optional<Matrix3> by_scan = covariance_by_scan(map->field, points, result.T_map_base, config.gate.final_m);
-  if (by_scan) covariance = intersection_of(*by_scan, covariance);
+  if (result.accepted) certainty.weigh(map->field, points, result.T_map_base, config.gate.final_m);
 }
 
 MapTracker::MapTracker(const MapperConfig& config, const FieldView& map, Backend& cpu)
@@ -159,7 +147,7 @@ MapTracker MapTracker::another() const { return MapTracker(std::make_unique<Stat
 void MapTracker::start_at(const Pose2& T_map_base) {
   state_->motion = MotionModel(state_->config.odometry, T_map_base);
   state_->estimate = MotionEstimate();
-  state_->covariance = covariance_at_start();
+  state_->certainty = PoseCertainty(covariance_at_start());
 }
 
 MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2>& T_odom_base) {
@@ -181,7 +169,7 @@ MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2
   s.estimate.take(result, is_matched, points_m, [&](const Pose2& pose, const Pose2& matched) {
     return fits_about_as_well(s.map->field, points, pose, matched);
   });
-  s.carry(prediction, result);
+  s.certainty.carry(s.motion.pose(), prediction, {result.odometry_sigma_m, result.odometry_sigma_rad});
   s.weigh(result, points);
   s.motion.correct(result.T_map_base, result.accepted);
   result.stamp_s = scan.stamp_s;
@@ -190,9 +178,6 @@ MatchResult MapTracker::process(const LaserScan& scan, const std::optional<Pose2
 
 const KnownFit& MapTracker::known_fit() const { return state_->known; }
 
-PoseCovariance MapTracker::covariance() const {
-  const Matrix3 c = in_map_axes(state_->covariance, state_->motion.pose().theta_rad);
-  return {.xx = c(0, 0), .xy = c(0, 1), .xt = c(0, 2), .yy = c(1, 1), .yt = c(1, 2), .tt = c(2, 2)};
-}
+PoseCovariance MapTracker::covariance() const { return state_->certainty.in_map(state_->motion.pose().theta_rad); }
 
 }  // namespace gdtslam

@@ -104,7 +104,7 @@ KeptRequest kept_request_of(const MapRequest& request) {
                                .with_pictures = request.with_pictures},
                    .paths = {}};
   kept.paths.reserve(request.logs.size());
-  for (const std::string& log : request.logs) kept.paths.push_back(absolute_path_of(log));
+  for (const std::string& log : request.logs) kept.paths.push_back(request.live_log ? "-" : absolute_path_of(log));
   return kept;
 }
 

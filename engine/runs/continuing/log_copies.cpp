@@ -99,8 +99,9 @@ void end_copy_of_stream(const std::string& file, const LogCopyExtent& extent) {
 
 }  // namespace
 
-LogCopies::LogCopies(std::vector<std::string> names, std::vector<std::string> paths, const ReadOptions& options)
-    : names_(std::move(names)), paths_(std::move(paths)), options_(options) {}
+LogCopies::LogCopies(std::vector<std::string> names, std::vector<std::string> paths, const ReadOptions& options,
+                     LiveLog live_log)
+    : names_(std::move(names)), paths_(std::move(paths)), options_(options), live_log_(std::move(live_log)) {}
 
 LogCopies::~LogCopies() = default;
 
@@ -114,6 +115,7 @@ void LogCopies::write_into(RunFolder& folder) {
 // By its name, which stands in messages, unless a run is gone on with from another folder than before; there too where
 // the log has moved with its folder.
 std::unique_ptr<LogReader> LogCopies::open_path(std::size_t log) const {
+  if (live_log_) return live_log_(options_);
   const bool is_by_name = absolute_path_of(names_[log]) == paths_[log] || !is_there(paths_[log]);
   return open_log(is_by_name ? names_[log] : paths_[log], options_);
 }

@@ -10,6 +10,7 @@
 
 #include "engine/runs/folder/run_folder.hpp"
 #include "gdtslam/io/log.hpp"
+#include "gdtslam/runs/map_log.hpp"
 
 namespace gdtslam {
 
@@ -22,7 +23,9 @@ class CopiedLog;
 class LogCopies {
  public:
   /// Of the logs by their names in messages, and where they are.
-  LogCopies(std::vector<std::string> names, std::vector<std::string> paths, const ReadOptions& options);
+  /// `live_log` opens the only one, unless it is empty.
+  LogCopies(std::vector<std::string> names, std::vector<std::string> paths, const ReadOptions& options,
+            LiveLog live_log = {});
   ~LogCopies();
   /// Copies are in that folder from now on; what was read already goes there. Throws FileError, as the others do.
   void write_into(RunFolder& folder);
@@ -45,6 +48,7 @@ class LogCopies {
   std::vector<std::string> names_;
   std::vector<std::string> paths_;
   ReadOptions options_;
+  LiveLog live_log_;
   RunFolder* folder_ = nullptr;
   std::size_t opened_ = 0;  ///< the log in hand, counted from 1
   std::shared_ptr<CopiedLog> in_hand_;

@@ -54,9 +54,11 @@ TrackedDrive track_drive(const LocalizeJob& job, const Localizer& localizer, con
                          const ScanFollowed& followed) {
   TrackedDrive drive;
   RobotTracker tracker(localizer, config, cpu);
-  ScanStream stream({job.log}, job.read,
-                    {.skip = job.choice.first, .count = std::numeric_limits<std::uint64_t>::max()});
-  drive.nods = stream.nod_kind() != NodKind::kNone;
+  ScanStream::OpenLog open;
+  if (job.live_log) open = [&job](std::size_t) { return job.live_log(job.read); };
+  ScanStream stream({job.log}, job.read, {.skip = job.choice.first, .count = std::numeric_limits<std::uint64_t>::max()},
+                    open);
+  drive.nods = !job.live_log && stream.nod_kind() != NodKind::kNone;
   while (!stop()) {
     const std::optional<ScanRecord> record = next_unless_stopped(stream, stop);
     if (!record) break;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gdtslam/io/log.hpp"
+#include "gdtslam/runs/map_log.hpp"
 #include "reference.hpp"
 #include "run.hpp"
 
@@ -24,6 +25,9 @@ struct ScanChoice {
 
 struct LocalizeJob {
   std::string log;
+  /// Of a drive that is followed while it goes on, in place of what lies under the log's name: nothing is read ahead to
+  /// see whether the laser nods.
+  LiveLog live_log{};
   ReadOptions read;
   ScanChoice choice;
   unsigned threads = 1;               ///< of the CPU; a device takes one scan after the other

@@ -106,10 +106,12 @@ MapRun::MapRun(const MapJob& job, Backend& backend, ScanStream scans, const Nodd
       first_s_(kNever),
       last_s_(-kNever) {
   const MapperConfig config = nodding != nullptr ? mapper_config_of(job.mapper, nodding->nodding) : job.mapper;
+  MapperOptions options = job.on_failure;
+  options.with_covariance = static_cast<bool>(job.scan_mapped);
   if (job.with_loops) {
-    loops_ = std::make_unique<LoopMapper>(config, backend, job.on_failure);
+    loops_ = std::make_unique<LoopMapper>(config, backend, options);
   } else {
-    mapper_ = std::make_unique<Mapper>(config, backend, job.on_failure);
+    mapper_ = std::make_unique<Mapper>(config, backend, options);
   }
   if (job.with_occupancy) occupancy_.emplace(job.occupancy, occupancy_limits(job.mapper));
   if (nodding != nullptr) nodding_ = std::make_unique<Nodding>(*nodding, std::move(cloud), backend, *this);
@@ -201,10 +203,18 @@ MatchResult MapRun::map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan&
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   if (!job_.scan_mapped) read_next(ahead, next);
   const MatchResult result = loops_ ? loops_->finish() : mapper_->finish();
-  if (job_.scan_mapped) job_.scan_mapped(result, loops_ ? loops_->correction() : Pose2{});
+  if (job_.scan_mapped) tell_of(scan.scan, result);
   watch_.add_to(outcome_.mapper_s, outcome_.mapper_cpu_s);
   if (job_.scan_mapped) read_next(ahead, next);
   return result;
+}
+
+void MapRun::tell_of(const LaserScan& scan, const MatchResult& match) {
+  MappedScan mapped{.scan = scan, .match = match, .T_closed_front = {}, .closed_keyframes = {}};
+  if (loops_) mapped.T_closed_front = loops_->correction();
+  if (!(mapped.T_closed_front == T_closed_front_)) mapped.closed_keyframes = loops_->request_keyframes();
+  T_closed_front_ = mapped.T_closed_front;
+  job_.scan_mapped(mapped);
 }
 
 // A live log that breaks off has been mapped so far, which is not lost with its sender.
@@ -218,7 +228,7 @@ void MapRun::end_with(const std::exception_ptr& problem) {
 }
 
 void MapRun::map_flat(const Progress& progress) {
-  ScanAhead ahead(scans_, has_threads_ && are_plain_files(job_.logs));
+  ScanAhead ahead(scans_, has_threads_ && !job_.scan_mapped && are_plain_files(job_.logs));
   NextScan next;
   if (!stop_()) next.scan = next_of(ahead);
   watch_.add_cpu_to(outcome_.read_cpu_s);

@@ -101,6 +101,7 @@ class MapRun {
   void end_with(const std::exception_ptr& problem);
   void read_next(ScanAhead& ahead, NextScan& next);
   MatchResult map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan& next);
+  void tell_of(const LaserScan& scan, const MatchResult& match);
   void map_flat(const Progress& progress);
   void map_nodding(const Progress& progress);
   void take(const NoddingPose& pose, const NoddingScan& scan);
@@ -131,6 +132,7 @@ class MapRun {
   bool has_threads_;
   std::optional<SideThread> casting_;  ///< into occupancy_, once there is something to cast
   std::unique_ptr<Nodding> nodding_;   ///< null: the laser does not nod
+  Pose2 T_closed_front_;               ///< as those who follow the run heard of it
   std::function<bool()> stop_;
   std::string broken_off_;  // what could not be read behind the last scan
   Stopwatch watch_;

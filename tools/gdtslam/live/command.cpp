@@ -1,93 +1,82 @@
 // gdtslam live: scans come in as lines, and a line goes out for each as soon as its pose is known.
-#include <fmt/format.h>
 #include <CLI/App.hpp>
 #include <CLI/Validators.hpp>
 
-#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 
-#include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/runs/map_log.hpp"
-#include "pose_lines.hpp"
+#include "options.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/options.hpp"
-#include "tools/gdtslam/shell/recording_options.hpp"
-#include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
 namespace {
 
-struct LiveOptions {
-  std::string log = "-";
-  std::string folder;  ///< empty: runs/<log>-<UTC time>
-  std::string format = std::string(kPoseLineFormats.front());
-  SettingsOptions settings;
-  DeviceOptions device;
-  RecordingOptions recording;
-  bool lenient = false;
-  bool force = false;
-  bool no_map = false;
-  bool no_pictures = false;
-  bool no_loops = false;
-  bool no_copy = false;
-  bool quiet = false;
-};
+constexpr double kMostSeconds = 3600.0;
 
-MapRequest request_of(const LiveOptions& options, const PoseLines& lines) {
-  Settings settings = load_settings(options.settings);
-  state_recording(options.recording, settings.log);
-  MapRequest request{.logs = {options.log},
-                     .folder = options.folder.empty() ? default_run_folder(options.log) : options.folder,
-                     .settings = std::move(settings),
-                     .lenient = options.lenient,
-                     .with_copies = !options.no_copy,
-                     .replace_foreign_files = options.force,
-                     .with_map = !options.no_map,
-                     .with_loops = !options.no_loops,
-                     .with_pictures = !options.no_pictures,
-                     .on_failure = on_failure_of(options.device)};
-  request.stop = [] { return interrupted(); };
-  request.stop_ends_log = true;
-  request.scan_mapped = [&lines, scan = std::uint64_t{0}](const MatchResult& match,
-                                                          const Pose2& T_closed_front) mutable {
-    lines.print(scan++, match, T_closed_front);
+void check(const LiveOptions& options, bool has_log) {
+  if (static_cast<int>(has_log) + static_cast<int>(!options.listen.empty()) +
+          static_cast<int>(!options.follow.empty()) >
+      1) {
+    throw UsageError("LOG, --listen and --follow are three ways to say where scans come from: give one");
+  }
+  if (options.map.empty()) return;
+  const auto refuse = [](const char* option) {
+    throw UsageError(std::string(option) + " is of the map that is made, and with --map none is");
   };
-  if (!options.quiet) request.warn = print_remark;
-  return request;
+  if (!options.folder.empty()) refuse("--output");
+  if (options.snapshot_s > 0.0) refuse("--snapshot");
+  if (options.no_map) refuse("--no-map");
+  if (options.no_loops) refuse("--no-loops");
+  if (options.no_copy) refuse("--no-copy");
+  if (options.no_pictures) refuse("--no-pictures");
 }
 
-// What there was by then is mapped and written.
-int exit_code_of(const MapOutcome& outcome) {
-  const bool broke_off = std::any_of(outcome.warnings.begin(), outcome.warnings.end(),
-                                     [](const auto& warning) { return warning.kind == kBrokenOff; });
-  return static_cast<int>(broke_off ? ExitCode::kBadInput : ExitCode::kDone);
-}
-
-int live(const LiveOptions& options) {
-  const PoseLines lines(options.format);
-  const MapRequest request = request_of(options, lines);
-  BackendWhenNeeded backend(options.device);
-  const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
-  if (options.folder.empty()) link_latest(request.folder);
-  if (options.quiet) return exit_code_of(result.outcome);
-  print_remarks(result.outcome);
-  const MapperStatistics& s = result.outcome.statistics;
-  print_remark(fmt::format("{} scans, {} matched, {} doubtful, {} merged; results in {}", scans_of(result.outcome),
-                           s.matched, s.doubtful, s.keyframes, printable(request.folder)));
-  return exit_code_of(result.outcome);
+void add_input_options(CLI::App& command, LiveOptions& options) {
+  command
+      .add_option("--listen", options.listen,
+                  "Listen at unix:PATH, tcp:PORT of this host alone, or tcp:ADDRESS:PORT: one sender at a time sends\n"
+                  "lines; when it has gone the next one goes on. Ends at SIGTERM or Ctrl-C")
+      ->type_name("ADDRESS");
+  command
+      .add_option("--follow", options.follow, "Read a file that grows, from its beginning on, until SIGTERM or Ctrl-C")
+      ->type_name("FILE");
+  add_count_option(command, "--queue", options.queue, 1,
+                   "Never let the sender wait: at most N scans wait to be mapped, and where one more comes the oldest\n"
+                   "of them is dropped (default: nothing is dropped, and the sender waits)")
+      ->type_name("N");
+  command.add_flag("--lenient", options.lenient, "Count and skip malformed lines instead of failing");
+  add_recording_options(command, options.recording);
 }
 
 void add_output_options(CLI::App& command, LiveOptions& options) {
+  command
+      .add_option("--map", options.map,
+                  "Make no map: find the robot in this one, of any robot, and follow it. Run folder of\n"
+                  "`gdtslam map`, its gdt.yaml, or the map.yaml of an occupancy map (ROS map_server, Nav2)")
+      ->type_name("MAP");
   command
       .add_option("-o,--output", options.folder,
                   "Folder of the results, written when the scans have ended\n"
                   "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
   command.add_flag("--force", options.force, "Replace files of a run's names in DIR that no run wrote");
+  command
+      .add_option("--snapshot", options.snapshot_s,
+                  "Every so many seconds map and path so far, in DIR/snapshot (default: when SIGUSR1 comes)")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.1, kMostSeconds).description(""));
+  command
+      .add_option(
+          "--page", options.page,
+          "Show map, path and scan in a browser while the robot drives, at http://127.0.0.1:PORT/, to this host\n"
+          "alone; 0 is any free port. ADDRESS:PORT serves it there, to whoever can reach it")
+      ->type_name("[ADDRESS:]PORT");
   command.add_option("--format", options.format, "Of the lines on standard output: json or tum (default: json)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"json", "tum"}).description(""));
@@ -100,32 +89,67 @@ void add_output_options(CLI::App& command, LiveOptions& options) {
 
 }  // namespace
 
+std::string name_of_input(const LiveOptions& options) {
+  if (!options.listen.empty()) return options.listen;
+  return options.follow.empty() ? options.log : options.follow;
+}
+
+std::shared_ptr<LiveInput> input_of(const LiveOptions& options) {
+  if (!options.listen.empty()) return listen_at(options.listen);
+  if (!options.follow.empty()) return follow_file(options.follow);
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(options.log, ignored);
+  if (options.queue > 0 && is_folder) throw UsageError("--queue: " + options.log + " is a folder, which is not live");
+  return options.queue > 0 ? open_stream(options.log) : nullptr;
+}
+
+// With a queue nobody waits for anybody; else a reader may be slow, but not hang.
+LineOutput::Rule output_rule_of(const LiveOptions& options) {
+  constexpr std::chrono::seconds kPatience{5};
+  if (options.queue > 0) return {.most_waiting = options.queue, .patience = {}};
+  return {.most_waiting = LineOutput::Rule{}.most_waiting, .patience = kPatience};
+}
+
+std::unique_ptr<LivePage> page_of(const LiveOptions& options) {
+  if (options.page.empty()) return nullptr;
+  std::unique_ptr<LivePage> page = open_page(options.page, "gdtslam live: " + log_name(name_of_input(options)));
+  print_remark("the drive is shown at " + page->url());
+  return page;
+}
+
 void add_live_command(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<LiveOptions>();
   CLI::App* command = add_command(app, "live", "Map while the robot drives: scans in as lines, a pose out for each");
-  command
-      ->add_option("log", options->log,
-                   "Where scans and odometry come from, in any format that can be read from its beginning to its\n"
-                   "end (CARMEN lines are the simplest): - is standard input, which is the default; a named pipe")
-      ->type_name("LOG");
-  command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
-  add_recording_options(*command, options->recording);
+  CLI::Option* log = command->add_option(
+      "log", options->log,
+      "Where scans and odometry come from, in any format that can be read from its beginning to its\n"
+      "end (CARMEN lines are the simplest): - is standard input, which is the default; a named pipe");
+  log->type_name("LOG");
+  add_input_options(*command, *options);
   add_output_options(*command, *options);
   add_settings_options(*command, options->settings);
   add_device_options(*command, options->device);
   command->footer(
       "A line goes out as soon as a scan is mapped, before the next one is read. json: 'pose' never leaps, and\n"
       "'correction' says where its frame lies in the map with the loops closed that were found by then (ROS:\n"
-      "odom -> base_link, map -> odom). tum: stamp x y z qx qy qz qw, with the correction.\n"
+      "odom -> base_link, map -> odom). tum: stamp x y z qx qy qz qw, with the correction. A reader that takes no "
+      "line\n"
+      "for 5 s (with --queue: at once) loses the oldest ones.\n"
       "When the scans end, at SIGTERM or Ctrl-C, or at a line that cannot be read (exit 65), loops are closed and the\n"
       "run folder is written, of the same bytes as that of 'gdtslam map' for the same input; a second signal ends at\n"
-      "once. Killed, it goes on with 'gdtslam map --continue DIR'.\n"
+      "once. Killed, it goes on with 'gdtslam map --continue DIR'. SIGUSR1 saves map and path so far.\n"
       "\n"
       "Examples:\n"
       "  gdtslam live /run/laser.fifo -o drive\n"
+      "  gdtslam live --listen unix:/run/laser.socket --snapshot 5 -o drive\n"
+      "  gdtslam simulate office-loop -o - --pace 1 | gdtslam live -o drive --page 8080\n"
+      "  gdtslam live --follow today.log --map warehouse/map.yaml\n"
       "  robot_logger | gdtslam live -o drive --format tum > poses.tum");
-  command->callback([options, &context] {
-    context.run = [options] { return live(*options); };
+  command->callback([options, log, &context] {
+    context.run = [options, has_log = log->count() > 0] {
+      check(*options, has_log);
+      return options->map.empty() ? map_live(*options) : follow_live(*options);
+    };
     context.when_out_of_memory = kSmallerMap;
   });
 }

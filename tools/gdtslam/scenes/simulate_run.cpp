@@ -310,7 +310,14 @@ UnsaidOfScans facts_of(const SceneFile& scene) {
 
 /// The files that a simulation writes; they appear together.
 struct Output {
-  Output(const SimulateOptions& options, const SceneFile& scene) : log(options.output, facts_of(scene), files) {
+  Output(const SimulateOptions& options, const SceneFile& scene) : send(options.send) {
+    if (send) {
+      if (scene.config.nodding || options.truth_hits) {
+        throw UsageError("a laser that nods and --truth-hits need files beside the log: give a file with --output");
+      }
+      return;
+    }
+    log.emplace(options.output, facts_of(scene), files);
     truth_file = &files.add(sidecar_path(options.output, ".truth.tum"));
     if (scene.config.nodding) {
       files.add(sidecar_path(options.output, ".linkage.yaml")).write(linkage_text(scene.config.nodding->truth));
@@ -319,8 +326,27 @@ struct Output {
     if (options.truth_hits) hits.emplace(files.add(sidecar_path(options.output, ".truth.ply")));
   }
 
+  void write(std::optional<double> stamp_s, std::string_view lines) {
+    sent_bytes += send ? lines.size() : 0;
+    if (send) {
+      send(stamp_s, lines);
+    } else {
+      log->write(lines);
+    }
+  }
+  // The files themselves are gone after this.
+  void finish() {
+    if (!log) return;
+    log->finish();
+    if (hits) hits->finish();
+    truth_file->write(tum_text(truth));
+    files.commit();
+  }
+
   AtomicFileSet files;
-  SimulatedLog log;
+  std::optional<SimulatedLog> log;
+  std::function<void(std::optional<double>, std::string_view)> send;
+  std::uint64_t sent_bytes = 0;
   AtomicFile* truth_file = nullptr;
   std::optional<ElevationRows> elevations;
   std::optional<HitCloud> hits;
@@ -331,12 +357,12 @@ sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& s
                               const sim::RayCaster& caster, Output& output) {
   CarmenWriter writer(range_decimals(scene.config.laser));
   const double limit_m = scene.config.laser.max_range_m;
-  output.log.write(header_of(scene, writer));
+  output.write(std::nullopt, header_of(scene, writer));
   sim::SimulationSink sink;
-  sink.odometry = [&](const Odometry& odometry) { output.log.write(writer.odometry(odometry)); };
-  sink.encoder = [&](const Encoder& encoder) { output.log.write(writer.encoder(encoder)); };
+  sink.odometry = [&](const Odometry& odometry) { output.write(odometry.stamp_s, writer.odometry(odometry)); };
+  sink.encoder = [&](const Encoder& encoder) { output.write(encoder.stamp_s, writer.encoder(encoder)); };
   sink.scan = [&](const sim::SimulatedScan& scan) {
-    output.log.write(writer.scan(scan.record));
+    output.write(scan.record.scan.stamp_s, writer.scan(scan.record));
     output.truth.push_back({scan.record.scan.stamp_s, scan.T_map_base});
     if (output.elevations) output.elevations->add(scan);
     if (output.hits) output.hits->add(scan, limit_m);
@@ -346,10 +372,7 @@ sim::SimulationSummary record(const SimulateOptions& options, const SceneFile& s
     return !options.stop || !options.stop();
   };
   sim::SimulationSummary summary = run_simulation(scene.config, plan, caster, sink);
-  output.log.finish();
-  if (output.hits) output.hits->finish();
-  output.truth_file->write(tum_text(output.truth));
-  output.files.commit();  // the files themselves are gone after this
+  output.finish();
   return summary;
 }
 
@@ -368,9 +391,9 @@ SimulateResult simulate(const SimulateOptions& options) {
   Output output(options, scene);
   SimulateResult result;
   static_cast<sim::SimulationSummary&>(result) = record(options, scene, plan, caster, output);
-  result.log_bytes = output.log.bytes();
-  result.left_out = output.log.left_out();
-  result.truth_file = sidecar_path(options.output, ".truth.tum");
+  result.log_bytes = output.log ? output.log->bytes() : output.sent_bytes;
+  if (output.log) result.left_out = output.log->left_out();
+  if (output.log) result.truth_file = sidecar_path(options.output, ".truth.tum");
   if (output.elevations) result.linkage_file = sidecar_path(options.output, ".linkage.yaml");
   if (output.elevations) result.elevation_file = sidecar_path(options.output, ".elevation.csv");
   if (output.hits) result.hits_file = sidecar_path(options.output, ".truth.ply");

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gdtslam/sim/simulation.hpp"
@@ -18,6 +19,9 @@ struct SimulateOptions {
   std::string scene;  ///< a file, or the name of a scene in one of the folders
   std::vector<std::string> scene_folders;
   std::string output;  ///< its ending tells the format, CARMEN where that is none; .gz compresses
+  /// Takes the lines of the log as they come, with the time at which they would be sent, instead of any file: CARMEN,
+  /// of a laser that does not nod. The first are of no time.
+  std::function<void(std::optional<double> stamp_s, std::string_view lines)> send{};
   std::uint64_t seed = 1;
   std::optional<std::string> laser{};    ///< a preset instead of the scene's laser; mount and height stay
   std::optional<double> scan_rate_hz{};  ///< instead of the scene's

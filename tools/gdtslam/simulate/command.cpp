@@ -1,11 +1,16 @@
 // gdtslam simulate: a log with ground truth from a scene.
 #include <fmt/format.h>
 #include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
 
+#include <algorithm>
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <thread>
 
 #include "engine/io/json_file.hpp"
 #include "engine/io/message_text.hpp"
@@ -27,6 +32,7 @@ struct SimulateCommand {
   std::string resolution;
   std::string speed;
   std::string turn_rate;
+  double pace = 0.0;
   bool json = false;
   bool quiet = false;
 };
@@ -92,8 +98,48 @@ std::optional<double> per_second_of(const std::string& option, const std::string
   return quantity_of(option, text.substr(0, text.size() - kPerSecond.size()), unit);
 }
 
+/// Prints lines when their time has come, as a robot would send them; its time goes `pace` times as fast, with 0 at
+/// once.
+class PacedLines {
+ public:
+  explicit PacedLines(double pace) : pace_(pace) {}
+  void print(std::optional<double> stamp_s, std::string_view lines) {
+    using Clock = std::chrono::steady_clock;
+    if (stamp_s && pace_ > 0.0) {
+      if (!first_s_) {
+        first_s_ = *stamp_s;
+        begin_ = Clock::now();
+      }
+      const std::chrono::duration<double> due((*stamp_s - *first_s_) / pace_);
+      constexpr std::chrono::milliseconds kSlice{100};  // after which a signal is looked for
+      for (auto left = due - (Clock::now() - begin_); left.count() > 0.0 && !interrupted();
+           left = due - (Clock::now() - begin_)) {
+        std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(left, kSlice));
+      }
+    }
+    print_result(lines);
+  }
+
+ private:
+  double pace_;
+  std::optional<double> first_s_;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+void check_standard_output(const SimulateCommand& command) {
+  const bool is_sent = command.options.output == "-";
+  if (is_sent && command.json) throw UsageError("--json: standard output is where the log goes; give a file with -o");
+  if (!is_sent && command.pace > 0.0) throw UsageError("--pace is of lines that are sent: -o -");
+}
+
 int run_simulate(const SimulateCommand& command) {
+  check_standard_output(command);
   SimulateOptions options = command.options;
+  PacedLines lines(command.pace);
+  const bool is_sent = options.output == "-";
+  if (is_sent) {
+    options.send = [&lines](std::optional<double> stamp_s, std::string_view text) { lines.print(stamp_s, text); };
+  }
   options.speed_m_per_s = per_second_of("--speed", command.speed, Unit::kMetre);
   options.turn_rate_rad_per_s = per_second_of("--turn-rate", command.turn_rate, Unit::kRadian);
   options.noise_m = length_of("--noise", command.noise);
@@ -110,13 +156,14 @@ int run_simulate(const SimulateCommand& command) {
   }
   if (command.json) {
     print_result(json_text(report_of(result, options.seed)));
-  } else if (!command.quiet) {
+  } else if (!command.quiet && !is_sent) {
     print_result(summary_of(result));
   }
   if (result.is_whole) {
     return static_cast<int>(ExitCode::kDone);
   }
-  print_remark(fmt::format("interrupted after {} scans, which are in {}", result.scans, result.log_file));
+  print_remark(fmt::format("interrupted after {} scans, which {} {}", result.scans, is_sent ? "were" : "are in",
+                           is_sent ? "sent" : result.log_file));
   return static_cast<int>(ExitCode::kInterrupted);
 }
 
@@ -176,7 +223,8 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "-o,--output", options.output,
           "The log to write: .log, .csv, .jsonl, .mcap, .bag, .db3 or NAME/ (a ROS 2 folder) tell the format, any "
-          "other name means CARMEN; .gz compresses it. The truth goes beside it: NAME.truth.tum and, for a laser that "
+          "other name means CARMEN; .gz compresses it. - sends CARMEN lines to standard output, without any file. The "
+          "truth goes beside it: NAME.truth.tum and, for a laser that "
           "nods, NAME.linkage.yaml and NAME.elevation.csv")
       ->required()
       ->type_name("LOG");
@@ -201,6 +249,12 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       ->type_name("SPEED");
   add_nodding_options(*command, *chosen);
   add_error_options(*command, *chosen);
+  command
+      ->add_option("--pace", chosen->pace,
+                   "With -o -: each line comes when the robot would send it, its time going FACTOR times as fast "
+                   "(default: all at once)")
+      ->type_name("FACTOR")
+      ->check(CLI::Range(1.0e-3, 1.0e6).description(""));
   command->add_flag("--json", chosen->json, "Print what was done as JSON");
   command->add_flag("-q,--quiet", chosen->quiet, "Print errors only");
   command->footer(
@@ -209,6 +263,7 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  gdtslam simulate office-loop -o office-loop.log\n"
       "  gdtslam simulate office-loop -o office-loop.mcap\n"
+      "  gdtslam simulate office-loop -o - --pace 1 | gdtslam live -o drive\n"
       "  gdtslam simulate corridor -o corridor.log.gz --seed 7 --laser hokuyo-961 --rate 20\n"
       "  gdtslam simulate office-loop -o slow.mcap --laser lidar-360 --mirror-rate 5 --rate 5 --speed 0.8m/s\n"
       "  gdtslam simulate office-7f -o office-7f.log.gz --nod stop-and-scan --truth-hits\n"

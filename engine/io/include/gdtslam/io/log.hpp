@@ -2,10 +2,13 @@
 // line (4 MiB) or message (16 MiB) allowed, whatever the log's length. One reader belongs to one thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -70,5 +73,10 @@ struct ScanRange {
 /// standard input. Throws InputError that names what is supported for anything else, FileError for what cannot be read,
 /// UsageError where topics are chosen of a log that has none.
 std::unique_ptr<LogReader> open_log(const std::string& path, const ReadOptions& options);
+
+/// Fills at most the target, and waits where there is nothing yet; 0 only at the end. May throw FileError, InputError.
+using ReadBytes = std::function<std::size_t(std::span<char> target)>;
+/// The same of bytes that come from anywhere; `name` stands in messages. A ROS 2 bag cannot be read that way.
+std::unique_ptr<LogReader> open_log_of_bytes(ReadBytes read, const std::string& name, const ReadOptions& options);
 
 }  // namespace gdtslam

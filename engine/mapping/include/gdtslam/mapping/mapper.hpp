@@ -59,6 +59,8 @@ struct MapperOptions {
   /// For the file without a name in which what is far from the robot waits once the map has become large, on the CPU;
   /// empty: that of TMPDIR, or /var/tmp.
   std::string scratch_folder{};
+  /// Each match says how sure it is (MatchResult::covariance), for some ten microseconds a scan.
+  bool with_covariance = false;
   /// Of LoopMapper: a thread of its own looks for loops while the caller maps; else the caller's does so at the same
   /// keyframes. The results are the same.
   bool loops_beside = true;
@@ -170,19 +172,6 @@ struct WheelReport {
   double variance_factor_of_matches = 1.0;  ///< likewise of its own poses
 };
 
-/// How sure a pose is within the map as a whole: covariance of (x, y, theta) along the map's axes, once the rigid
-/// motion of the whole map is taken out.
-struct PoseCovariance {
-  double xx = 0.0;  ///< m^2
-  double xy = 0.0;
-  double xt = 0.0;  ///< m rad
-  double yy = 0.0;
-  double yt = 0.0;
-  double tt = 0.0;  ///< rad^2
-  /// In the direction in which the position is least sure.
-  [[nodiscard]] double sigma_m() const;
-};
-
 /// What closing the loops came to.
 struct ClosedPath {
   bool is_closed = false;                   ///< not where it was stopped: then the poses are those of the front end
@@ -212,6 +201,12 @@ struct FrozenMap {
   std::shared_ptr<const GlobalField> field;  ///< distance field; nothing in it before the first keyframe
   std::size_t keyframes = 0;                 ///< that it holds
   Pose2 T_closed_front;                      ///< LoopMapper::correction() that belongs to it
+};
+
+/// The keyframes so far with the loops closed that were found by then.
+struct ClosedKeyframes {
+  std::vector<Pose2> T_map_base;  ///< in their order
+  Pose2 T_closed_front;           ///< that carries later poses of the front end after them
 };
 
 /// Maps with loops closed: a front end that matches each scan with a map of the last stretch of the path; beside it a
@@ -245,6 +240,9 @@ class LoopMapper {
   /// keyframe, during which loops wait. Holds what was thrown, as InputError where the map would be beyond
   /// map.max_megacells; std::future_error (broken promise) where the mapper ended before. Not after close().
   std::shared_future<FrozenMap> request_map();
+  /// Where the keyframes so far are, once the thread that looks for loops has come to them; it takes next to no time.
+  /// As request_map() it is broken where the mapper ends before, and not to be asked for after close().
+  std::shared_future<ClosedKeyframes> request_keyframes();
   [[nodiscard]] LiveStatistics live_statistics() const;
 
   /// To be called once, after the last scan. Where stop() is or becomes true, the path stays as it was driven.

@@ -24,6 +24,19 @@ std::string_view to_string(Doubt doubt);
 enum class StopReason : std::uint8_t { kNotRun, kConverged, kEvaluationLimit };
 std::string_view to_string(StopReason reason);
 
+/// How sure a pose is within a map: covariance of (x, y, theta) along the map's axes. Within a map as a whole, once the
+/// rigid motion of all of it is taken out.
+struct PoseCovariance {
+  double xx = 0.0;  ///< m^2
+  double xy = 0.0;
+  double xt = 0.0;  ///< m rad
+  double yy = 0.0;
+  double yt = 0.0;
+  double tt = 0.0;  ///< rad^2
+  /// In the direction in which the position is least sure.
+  [[nodiscard]] double sigma_m() const;
+};
+
 /// The pose of one scan and what speaks for it.
 struct MatchResult {
   double stamp_s = 0.0;
@@ -43,6 +56,10 @@ struct MatchResult {
   /// Of the last window that `certified` searched: no pose there has a mean distance smaller by more than this than the
   /// one that the final descent began from.
   std::optional<double> proven_gap_m{};
+  /// How sure the estimate is within the map that it was matched with: by what the scan shows of it, along what that
+  /// does not show by the way that led there, and by that alone where the match was refused. Where it is asked for
+  /// (MapperOptions::with_covariance) and the map lives on the CPU.
+  std::optional<PoseCovariance> covariance{};
   bool accepted = false;  ///< the estimate is the matcher's (or the first scan's), not the prediction
   bool merged = false;    ///< a keyframe: the scan went into the map
 };

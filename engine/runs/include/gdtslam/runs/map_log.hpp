@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <future>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,9 +24,19 @@ namespace gdtslam {
 using CloudPicture = std::function<std::string(const std::string& cloud_file, const std::string& log,
                                                const Trajectory& trajectory, const calib::SweepModel* linkage)>;
 
-/// The match of a scan, in the front end's frame, and where that frame lies in the one with the loops closed that were
-/// found by then (LoopMapper::correction()).
-using ScanMapped = std::function<void(const MatchResult& match, const Pose2& T_closed_front)>;
+/// A scan that was mapped, for those who follow a run while it goes on.
+struct MappedScan {
+  const LaserScan& scan;
+  const MatchResult& match;  ///< in the front end's frame
+  /// Where that frame lies in the one with the loops closed that were found by then (LoopMapper::correction()).
+  Pose2 T_closed_front;
+  /// Where that has changed with this scan (LoopMapper::request_keyframes()); else no future at all.
+  std::shared_future<ClosedKeyframes> closed_keyframes;
+};
+using ScanMapped = std::function<void(const MappedScan&)>;
+
+/// Opens a log another way than by its name, in the calling thread.
+using LiveLog = std::function<std::unique_ptr<LogReader>(const ReadOptions&)>;
 
 /// The warning of a run whose log broke off with something that cannot be read, where that is no error
 /// (MapRequest::stop_ends_log).
@@ -62,6 +74,9 @@ struct MapRequest {
   /// For those who map live: as soon as a scan is mapped, before the next one is read. The laser is taken for one that
   /// does not nod, and nothing is read ahead to see whether it does.
   ScanMapped scan_mapped{};
+  /// What is mapped in place of what lies under the name of the only log, which stands in messages. It comes once, so a
+  /// run that is gone on with has its copy alone.
+  LiveLog live_log{};
   std::function<void(const std::string&)> warn{};  ///< one line at a time, before the work begins
 };
 

@@ -143,10 +143,25 @@ Matrix3 intersection_of(const Matrix3& a, const Matrix3& b) {
   return inverse(best);
 }
 
-Matrix3 in_map_axes(const Matrix3& covariance, double theta_rad) {
+void PoseCertainty::carry(const Pose2& T_map_last, const Prediction& prediction, const MotionNoise& wheels) {
+  const MotionNoise noise =
+      prediction.by_odometry ? wheels : MotionNoise{prediction.travelled_m, prediction.turned_rad};
+  const Matrix3 moved = adjoint_matrix(between(prediction.T_map_base, T_map_last));
+  const double m = square(noise.sigma_m);
+  covariance_ = moved * times_transposed(covariance_, moved) + Matrix3::diagonal(m, m, square(noise.sigma_rad));
+}
+
+void PoseCertainty::weigh(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base,
+                          double gate_m) {
+  const std::optional<Matrix3> by_scan = covariance_by_scan(map, points, T_map_base, gate_m);
+  if (by_scan) covariance_ = intersection_of(*by_scan, covariance_);
+}
+
+PoseCovariance PoseCertainty::in_map(double theta_rad) const {
   const auto [sin, cos] = sin_cos(theta_rad);
   const Matrix3 turn{{cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0}};
-  return turn * times_transposed(covariance, turn);
+  const Matrix3 c = turn * times_transposed(covariance_, turn);
+  return {.xx = c(0, 0), .xy = c(0, 1), .xt = c(0, 2), .yy = c(1, 1), .yt = c(1, 2), .tt = c(2, 2)};
 }
 
 }  // namespace gdtslam

@@ -7,9 +7,11 @@
 #include <span>
 
 #include "engine/mapping/graph/matrix3.hpp"
+#include "engine/mapping/match/motion_model.hpp"
 #include "gdtslam/compute/kernel_options.hpp"
 #include "gdtslam/core/pose.hpp"
 #include "gdtslam/mapping/global_field.hpp"
+#include "gdtslam/mapping/match.hpp"
 
 namespace gdtslam {
 
@@ -25,7 +27,24 @@ std::optional<Matrix3> covariance_by_scan(const GlobalField& map, std::span<cons
 /// intersection [Julier1997], with the weights that leave the smallest determinant.
 Matrix3 intersection_of(const Matrix3& a, const Matrix3& b);
 
-/// Along the map's axes what is along the robot's.
-Matrix3 in_map_axes(const Matrix3& covariance, double theta_rad);
+/// How sure the robot's pose is within the map that its scans are matched with, from scan to scan: by what the scan
+/// shows where it was matched, along what it does not show by the way that led there, and by that alone where it was
+/// not. Belongs to one thread.
+class PoseCertainty {
+ public:
+  /// Of a pose that is known like that; tangent (x, y, theta).
+  explicit PoseCertainty(const Matrix3& covariance) : covariance_(covariance) {}
+  /// From the last pose to the one that was predicted, with what the wheels may get wrong, `wheels`; a motion that only
+  /// goes on may be wrong altogether.
+  void carry(const Pose2& T_map_last, const Prediction& prediction, const MotionNoise& wheels);
+  /// With what a scan shows that was matched at this pose.
+  void weigh(const GlobalField& map, std::span<const PointCells> points, const Pose2& T_map_base, double gate_m);
+  [[nodiscard]] const Matrix3& covariance() const { return covariance_; }
+  /// Along the map's axes.
+  [[nodiscard]] PoseCovariance in_map(double theta_rad) const;
+
+ private:
+  Matrix3 covariance_;  // of the tangent at the last pose
+};
 
 }  // namespace gdtslam

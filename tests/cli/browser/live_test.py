@@ -1,0 +1,186 @@
+# The page of `gdtslam live` in a real browser while a simulated robot drives: the map grows, the figures are those of the
+# pose lines, nothing is asked for elsewhere and nobody else may ask. Needs GDTSLAM and Chromium; without Chromium it skips
+# and says so.
+import http.client
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import chromium
+
+SKIPPED = 77
+PROGRAM = os.environ.get("GDTSLAM")
+FLAGS = ["--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"]
+BEYOND = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+# How many pixels of the view have the colour of that name.
+COUNT = """(name => {
+  const text = getComputedStyle(document.documentElement).getPropertyValue(name).trim().slice(1), size = text.length / 3;
+  const wanted = [0, 1, 2].map((k) => parseInt(text.slice(size * k, size * (k + 1)).repeat(3 - size), 16));
+  const copy = new OffscreenCanvas(canvas.width, canvas.height);
+  copy.getContext("2d", {willReadFrequently: true}).drawImage(canvas, 0, 0);
+  const {data} = copy.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    if (wanted.every((value, c) => Math.abs(data[k + c] - value) < 6)) ++count;
+  }
+  return count;
+})"""
+FIGURE = "[...document.querySelectorAll('#figures div')].find(row => row.firstChild.textContent === '%s').lastChild.textContent"
+
+
+class LiveTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="gdtslam-live-")
+        self.addCleanup(self.folder.cleanup)
+        log = os.path.join(self.folder.name, "drive.log")
+        subprocess.run([PROGRAM, "simulate", "office-loop", "-o", log, "-q"], check=True)
+        with open(log, encoding="ascii") as file:
+            self.lines = file.readlines()
+        self.drive = subprocess.Popen([PROGRAM, "live", "-", "-o", os.path.join(self.folder.name, "run"), "--page", "0"],
+                                      stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1)
+        self.addCleanup(self.end)
+        self.url = re.search(r"http://127\.0\.0\.1:(\d+)/", self.drive.stderr.readline())
+        self.port = int(self.url.group(1))
+        self.sent = 0
+        self.poses = []
+
+    def end(self):
+        if self.drive.poll() is None:
+            self.drive.kill()
+        self.drive.wait()
+        for stream in (self.drive.stdout, self.drive.stderr):
+            stream.close()
+
+    def send(self, scans):
+        """So many scans more, and their pose lines."""
+        while scans > 0:
+            line = self.lines[self.sent]
+            self.sent += 1
+            self.drive.stdin.write(line)
+            if line.startswith("FLASER"):
+                self.drive.stdin.flush()
+                self.poses.append(json.loads(self.drive.stdout.readline()))
+                scans -= 1
+
+    def open(self, width=1280, height=800, scheme="light"):
+        browser = chromium.Browser(width=width, height=height, flags=FLAGS)
+        self.addCleanup(browser.close)
+        browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        browser.call("Page.navigate", url=self.url.group(0))
+        browser.wait_for("window.gdtslamLive && document.getElementById('state').textContent === 'live'")
+        return browser
+
+    def wait_for_all(self, browser):
+        """Until the page has the last scan and a map with all of the path until then."""
+        browser.wait_for(f"gdtslamLive.scan && gdtslamLive.scan.scan >= {len(self.poses)}")
+        count = max(1, len(self.poses))
+        browser.wait_for(f"gdtslamLive.map && gdtslamLive.map.header.path.length >= {2 * count}")
+        browser.settle()
+
+    def picture(self, browser, name):
+        folder = os.environ.get("GDTSLAM_SCREENSHOTS")
+        if folder:
+            browser.screenshot(os.path.join(folder, name + ".png"))
+
+    def test_the_map_grows(self):
+        browser = self.open()
+        self.send(60)
+        self.wait_for_all(browser)
+        area = browser.value("gdtslamLive.map.header.width * gdtslamLive.map.header.height")
+        self.picture(browser, "live-begun")
+        self.send(900)
+        self.wait_for_all(browser)
+        self.assertGreater(browser.value("gdtslamLive.map.header.width * gdtslamLive.map.header.height"), 1.5 * area)
+        last, correction = self.poses[-1]["pose"], self.poses[-1]["correction"]
+        if correction == [0, 0, 0]:
+            shown = browser.value("gdtslamLive.scan.pose")
+            self.assertLess(max(abs(a - b) for a, b in zip(shown, last)), 1e-3)
+        self.assertEqual(browser.value(FIGURE % "scans"), "960")
+        self.assertEqual(browser.value(FIGURE % "overlap"), f"{100 * self.poses[-1]['overlap']:.0f} %")
+        self.assertEqual(browser.value(FIGURE % "keyframes"), str(sum(pose["keyframe"] for pose in self.poses)))
+        browser.value("document.getElementById('whole').click()")
+        browser.settle()
+        for name, least in (("--wall", 300), ("--free", 10000), ("--path", 200), ("--scan", 100)):
+            self.assertGreater(browser.value(f"{COUNT}('{name}')"), least, name)
+        self.picture(browser, "live-grown")
+        self.assertEqual(browser.errors, [])
+        self.assertEqual(browser.value("gdtslamLive.errors"), [])
+        self.assertEqual([url for url in browser.requests if f"127.0.0.1:{self.port}" not in url and not url.startswith("data:")], [])
+        self.drive.stdin.close()
+        browser.wait_for("document.getElementById('state').textContent === 'the drive has ended'", 120)
+        self.picture(browser, "live-ended")
+
+    def test_a_second_looker_on_and_a_phone(self):
+        self.send(30)
+        first = self.open()
+        self.send(120)
+        self.wait_for_all(first)
+        for width, height, scheme in ((390, 780, "light"), (390, 780, "dark"), (1280, 800, "dark")):
+            browser = self.open(width, height, scheme)
+            self.wait_for_all(browser)
+            self.assertLessEqual(browser.value(BEYOND), 0, f"{width} pixels")
+            self.assertGreater(browser.value(f"{COUNT}('--wall')"), 20)
+            self.assertGreater(browser.value(f"{COUNT}('--scan')"), 100)
+            self.picture(browser, f"live-{width}-{scheme}")
+            self.assertEqual(browser.errors, [])
+
+    def test_moving_about(self):
+        browser = self.open()
+        self.send(120)
+        self.wait_for_all(browser)
+        before = browser.value("[camera.x, camera.y, camera.scale]")
+        browser.drag((300, 300), (400, 350))
+        x, y, scale = browser.value("[camera.x, camera.y, camera.scale]")
+        self.assertAlmostEqual(x, before[0] - 100 / scale, places=6)
+        self.assertAlmostEqual(y, before[1] + 50 / scale, places=6)
+        self.assertEqual(browser.value("follow.getAttribute('aria-pressed')"), "false")
+        browser.wheel(400, 300, -400)
+        browser.wait_for(f"camera.scale > {1.2 * scale}")
+        browser.value("follow.click()")
+        browser.settle()
+        self.assertLess(browser.value("Math.hypot(camera.x - live.scan.pose[0], camera.y - live.scan.pose[1])"), 1e-9)
+
+    def test_nobody_else_may_ask(self):
+        """A page of another site, by whatever name it knows this host, gets neither the page nor the websocket."""
+        upgrade = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
+                   "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Protocol": "gdtslam-live"}
+        ours = f"127.0.0.1:{self.port}"
+
+        def status(path="/", **headers):
+            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+            try:
+                connection.putrequest("GET", path, skip_host=True, skip_accept_encoding=True)
+                for name, value in headers.items():
+                    connection.putheader(name.replace("_", "-"), value)
+                connection.endheaders()
+                return connection.getresponse().status
+            except (http.client.BadStatusLine, ConnectionError):
+                return None
+            finally:
+                connection.close()
+        upgrade = {name.replace("-", "_"): value for name, value in upgrade.items()}
+        self.assertEqual(status(Host=ours), 200)
+        self.assertEqual(status(Host=f"localhost:{self.port}"), 200)
+        self.assertEqual(status(Host=f"evil.example:{self.port}"), 403)
+        self.assertEqual(status("/etc/passwd", Host=ours), 404)
+        self.assertEqual(status(Host=ours, Origin=f"http://{ours}", **upgrade), 101)
+        self.assertNotEqual(status(Host=ours, Origin="http://evil.example", **upgrade), 101)
+        self.assertNotEqual(status(Host=f"evil.example:{self.port}", Origin=f"http://evil.example:{self.port}", **upgrade), 101)
+        self.send(5)  # and the drive goes on
+
+
+def main():
+    if chromium.find_program() is None:
+        reason = "chromium is not installed, so the page of `live` was NOT tested in a browser"
+        print(f"SKIPPED: {reason}; GDTSLAM_REQUIRE_BROWSER=1 makes this a failure", flush=True)
+        return 1 if os.environ.get("GDTSLAM_REQUIRE_BROWSER") == "1" else SKIPPED
+    suite = unittest.defaultTestLoader.loadTestsFromTestCase(LiveTest)
+    return 0 if unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,96 @@
+// A drive in a map that was made before and stays as it is.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+
+#include "engine/runs/localizer/drive.hpp"
+#include "gdtslam/core/error.hpp"
+#include "input/live_log.hpp"
+#include "options.hpp"
+#include "page/page_figures.hpp"
+#include "snapshot/snapshots.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+
+namespace gdtslam {
+namespace {
+
+LocalizeJob job_of(const LiveOptions& options, const Settings& settings) {
+  LogConfig log = settings.log;
+  state_recording(options.recording, log);
+  LocalizeJob job;
+  job.log = name_of_input(options);
+  job.read = read_options_of(log, options.lenient);
+  auto input = input_of(options);
+  if (!input) input = open_stream(options.log);
+  job.live_log = live_log_of(std::move(input), options.queue);
+  return job;
+}
+
+// Of distances to obstacles: where they are none there is one, and where they are not the largest the floor is free.
+OccupancyMap map_of(const DistanceFieldView& view) {
+  OccupancyMap map{.geometry = view.geometry, .cells = CellStates(view.geometry.cell_count())};
+  std::size_t cell = 0;
+  for (std::int32_t y = 0; y < view.geometry.height; ++y) {
+    for (std::int32_t x = 0; x < view.geometry.width; ++x, ++cell) {
+      const std::uint16_t distance = view.at({x, y});
+      if (distance >= view.cap) continue;
+      map.cells.set(cell, distance == 0 ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  return map;
+}
+
+std::string counts_text(const TrackedDrive& drive) {
+  std::array<std::uint64_t, kWhereabouts.size()> counts{};
+  for (const TrackedScan& scan : drive.scans) ++counts.at(static_cast<std::size_t>(scan.pose.whereabouts));
+  std::string text;
+  for (const Whereabouts whereabouts : kWhereabouts) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts.at(static_cast<std::size_t>(whereabouts)),
+                        to_string(whereabouts));
+  }
+  return text;
+}
+
+}  // namespace
+
+int follow_live(const LiveOptions& options) {
+  let_signal_save();  // of which there is nothing here, and which ends nothing
+  const Settings settings = load_settings(options.settings);
+  const LocalizeJob job = job_of(options, settings);
+  DeviceOptions device = options.device;
+  device.threads = 1;
+  const std::unique_ptr<Backend> backend = make_backend(device);
+  device.device = "cpu";
+  const std::unique_ptr<Backend> cpu = make_backend(device);
+  const Localizer localizer(options.map, settings.mapper, {}, *backend);
+  LineOutput output(output_rule_of(options));
+  const PoseFormat format = pose_format_of(options.format);
+  const std::unique_ptr<LivePage> page = page_of(options);
+  if (page) page->show(map_of(localizer.field().file.view()), {});
+  DriveCounts counts;
+  RateMeter meter;
+  std::optional<Pose2> T_map_last;
+  const TrackedDrive drive = track_drive(
+      job, localizer, settings.mapper, *cpu, [](std::uint64_t, double) {}, [] { return interrupted(); },
+      [&](const LaserScan& laser, const TrackedPose& pose) {
+        output.write(pose_line(format, counts.scans, laser.stamp_s, pose));
+        ++counts.scans;
+        counts.scans_per_s = meter.count();
+        const bool is_known = pose.whereabouts != Whereabouts::kUnknown;
+        if (is_known && T_map_last) counts.path_m += (pose.T_map_base.translation() - T_map_last->translation()).norm();
+        T_map_last = is_known ? std::optional(pose.T_map_base) : std::nullopt;
+        if (page && page->is_watched()) page->show(shown_scan(counts, laser, pose));
+      });
+  output.finish();
+  if (!options.quiet) {
+    print_warnings(drive.warnings);
+    print_remark(fmt::format("{} scans: {}", drive.scans.size(), counts_text(drive)));
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace gdtslam

@@ -1,0 +1,126 @@
+#include "listening_socket.hpp"
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kMostWaiting = 4;  // senders, while another one is connected
+
+// A host that was switched off never says that it is gone.
+void ask_whether_alive(int connection) {
+  const auto set = [connection](int level, int name, int value) {
+    ::setsockopt(connection, level, name, &value, sizeof(value));
+  };
+  set(SOL_SOCKET, SO_KEEPALIVE, 1);
+  set(IPPROTO_TCP, TCP_KEEPIDLE, 10);
+  set(IPPROTO_TCP, TCP_KEEPINTVL, 5);
+  set(IPPROTO_TCP, TCP_KEEPCNT, 3);
+}
+
+using AddressList = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
+
+AddressList numeric_address(const std::string& host, const std::string& port) {
+  addrinfo wanted{};
+  wanted.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(host.c_str(), port.c_str(), &wanted, &found) != 0) found = nullptr;
+  return {found, &::freeaddrinfo};
+}
+
+}  // namespace
+
+ListeningSocket::ListeningSocket(const std::string& address) : address_(address) {
+  constexpr std::string_view kUnix = "unix:";
+  constexpr std::string_view kTcp = "tcp:";
+  if (address.starts_with(kUnix) && address.size() > kUnix.size()) {
+    listen_at_path(address.substr(kUnix.size()));
+  } else if (address.starts_with(kTcp)) {
+    listen_at_port(address.substr(kTcp.size()));
+  } else {
+    throw UsageError(fmt::format("--listen: '{}' is none of unix:PATH, tcp:PORT and tcp:ADDRESS:PORT", address));
+  }
+}
+
+ListeningSocket::~ListeningSocket() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+void ListeningSocket::fail(const std::string& what) {
+  const std::string text = what + ": " + errno_text(errno);
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+  throw FileError(address_, text);
+}
+
+void ListeningSocket::listen_at_path(const std::string& path) {
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  if (path.size() >= sizeof(name.sun_path)) {
+    throw UsageError(fmt::format("--listen: the path of a socket has less than {} bytes", sizeof(name.sun_path)));
+  }
+  std::memcpy(name.sun_path, path.c_str(), path.size() + 1);
+  const auto* const generic = reinterpret_cast<const sockaddr*>(&name);
+  descriptor_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (descriptor_ < 0) fail("cannot be made");
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0) {
+    if (!S_ISSOCK(status.st_mode)) {
+      errno = EEXIST;
+      fail("cannot be listened at, a file has this name");
+    }
+    if (::connect(descriptor_, generic, sizeof(name)) == 0) {
+      errno = EADDRINUSE;
+      fail("cannot be listened at, a process does so");
+    }
+    ::unlink(path.c_str());
+    ::close(descriptor_);
+    descriptor_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (descriptor_ < 0) fail("cannot be made");
+  }
+  if (::bind(descriptor_, generic, sizeof(name)) != 0) fail("cannot be listened at");
+  path_ = path;
+  if (::listen(descriptor_, kMostWaiting) != 0) fail("cannot be listened at");
+}
+
+void ListeningSocket::listen_at_port(const std::string& host_and_port) {
+  const std::size_t colon = host_and_port.rfind(':');
+  std::string host = colon == std::string::npos ? "127.0.0.1" : host_and_port.substr(0, colon);
+  const std::string port = colon == std::string::npos ? host_and_port : host_and_port.substr(colon + 1);
+  if (host.size() > 2 && host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  const AddressList found = numeric_address(host, port);
+  if (port.empty() || host.empty() || !found) {
+    throw UsageError(
+        fmt::format("--listen: '{}' has no port from 0 to 65535, or an address that is no number", address_));
+  }
+  descriptor_ = ::socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (descriptor_ < 0) fail("cannot be made");
+  const int yes = 1;
+  ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  if (::bind(descriptor_, found->ai_addr, found->ai_addrlen) != 0) fail("cannot be listened at");
+  if (::listen(descriptor_, kMostWaiting) != 0) fail("cannot be listened at");
+}
+
+int ListeningSocket::accept() const {
+  const int connection = ::accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC);
+  if (connection >= 0 && path_.empty()) ask_whether_alive(connection);
+  return connection;
+}
+
+}  // namespace gdtslam

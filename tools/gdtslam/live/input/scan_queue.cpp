@@ -1,0 +1,110 @@
+#include "scan_queue.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+#include <variant>
+
+#include "engine/core/signals_blocked.hpp"
+#include "gdtslam/core/units.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr std::chrono::milliseconds kQueueSlice{100};  // after which a signal is looked for
+
+bool is_scan(const LogRecord& record) { return std::holds_alternative<ScanRecord>(record); }
+bool is_odometry(const LogRecord& record) { return std::holds_alternative<Odometry>(record); }
+
+}  // namespace
+
+ScanQueue::ScanQueue(std::unique_ptr<LogReader> log, std::size_t most_scans, std::function<bool()> stop,
+                     std::function<void()> close)
+    : log_(std::move(log)), most_scans_(most_scans), stop_(std::move(stop)), close_(std::move(close)) {
+  const SignalsBlocked blocked;
+  thread_ = std::thread([this] { work(); });
+}
+
+ScanQueue::~ScanQueue() {
+  close_();
+  thread_.join();
+}
+
+void ScanQueue::work() {
+  for (bool is_end = false; !is_end;) {
+    std::optional<LogRecord> record;
+    std::exception_ptr problem;
+    try {
+      record = log_->next();
+    } catch (...) {
+      problem = std::current_exception();
+    }
+    is_end = !record;
+    const std::lock_guard lock(mutex_);
+    if (record) take(std::move(*record));
+    warnings_ = log_->warnings();
+    problem_ = problem;
+    is_end_ = is_end;
+    changed_.notify_one();
+  }
+}
+
+// Between two scans the odometry behind the one and before the other is enough, where there is no time for more.
+void ScanQueue::take(LogRecord record) {
+  const bool is_full = scans_ >= most_scans_;
+  if (is_scan(record)) {
+    if (is_full) drop_oldest_scan();
+    ++scans_;
+  } else if (is_full && is_odometry(record) && records_.size() > 1 && is_odometry(records_.back()) &&
+             is_odometry(*std::prev(records_.end(), 2))) {
+    records_.pop_back();
+  }
+  records_.push_back(std::move(record));
+}
+
+void ScanQueue::drop_oldest_scan() {
+  const auto oldest = std::find_if(records_.begin(), records_.end(), is_scan);
+  const auto& scan = std::get<ScanRecord>(*oldest);
+  if (dropped_++ == 0) first_dropped_s_ = scan.scan.stamp_s;
+  --scans_;
+  if (scan.T_odom_base) {
+    *oldest = Odometry{scan.scan.stamp_s, *scan.T_odom_base};
+  } else {
+    records_.erase(oldest);
+  }
+  const auto next_scan = std::find_if(records_.begin(), records_.end(), is_scan);
+  const auto first = std::find_if(records_.begin(), next_scan, is_odometry);
+  if (first == next_scan) return;
+  const auto last = std::prev(
+      std::find_if(std::make_reverse_iterator(next_scan), std::make_reverse_iterator(first), is_odometry).base());
+  if (first == last) return;
+  records_.erase(std::remove_if(std::next(first), last, is_odometry), last);
+}
+
+std::optional<LogRecord> ScanQueue::next() {
+  std::unique_lock lock(mutex_);
+  while (records_.empty() && !is_end_) {
+    if (stop_()) return std::nullopt;
+    changed_.wait_for(lock, kQueueSlice);
+  }
+  if (records_.empty()) {
+    if (problem_) std::rethrow_exception(problem_);
+    return std::nullopt;
+  }
+  LogRecord record = std::move(records_.front());
+  records_.pop_front();
+  if (is_scan(record)) --scans_;
+  return record;
+}
+
+const std::vector<LogReader::Warning>& ScanQueue::warnings() const {
+  const std::lock_guard lock(mutex_);
+  given_warnings_ = warnings_;
+  if (dropped_ > 0) {
+    given_warnings_.push_back(
+        {"scan dropped, the queue was full", dropped_, "at " + format_quantity(first_dropped_s_, Unit::kSecond)});
+  }
+  return given_warnings_;
+}
+
+}  // namespace gdtslam

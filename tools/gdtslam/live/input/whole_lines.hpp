@@ -1,0 +1,48 @@
+// Bytes that come in pieces, given on as whole lines: what a sender leaves behind in the middle of one can be dropped
+// before anybody has read it. One object belongs to one thread. Cost: a copy of the bytes.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace gdtslam {
+
+class WholeLines {
+ public:
+  void add(std::string_view bytes) {
+    const std::size_t newline = bytes.rfind('\n');
+    if (newline != std::string_view::npos) whole_ = buffer_.size() + newline + 1;
+    buffer_ += bytes;
+    if (buffer_.size() - whole_ > kLongestLine) whole_ = buffer_.size();  // whoever reads lines complains of it
+  }
+  [[nodiscard]] bool is_empty() const { return given_ == whole_; }
+  /// Fills at most the target.
+  std::size_t take(std::span<char> target) {
+    const std::size_t count = std::min(target.size(), whole_ - given_);
+    std::copy_n(buffer_.data() + given_, count, target.data());
+    given_ += count;
+    if (given_ == whole_) {
+      buffer_.erase(0, given_);
+      given_ = whole_ = 0;
+    }
+    return count;
+  }
+  /// What there is of a line without its end is gone; false where there was nothing of one.
+  bool drop_rest() {
+    const bool is_there = buffer_.size() > whole_;
+    buffer_.resize(whole_);
+    return is_there;
+  }
+
+ private:
+  static constexpr std::size_t kLongestLine = std::size_t{8} << 20U;  // more than readers of lines take
+
+  std::string buffer_;
+  std::size_t given_ = 0;
+  std::size_t whole_ = 0;  // behind the last line end
+};
+
+}  // namespace gdtslam

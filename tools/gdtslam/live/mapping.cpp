@@ -1,0 +1,107 @@
+// A drive whose map is made while it lasts.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "engine/runs/folder/run_folder.hpp"
+#include "engine/runs/mapping/map_run.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/runs/map_log.hpp"
+#include "input/live_log.hpp"
+#include "options.hpp"
+#include "page/page_figures.hpp"
+#include "snapshot/snapshots.hpp"
+#include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+
+namespace gdtslam {
+namespace {
+
+MapRequest request_of(const LiveOptions& options) {
+  Settings settings = load_settings(options.settings);
+  state_recording(options.recording, settings.log);
+  const std::string log = name_of_input(options);
+  MapRequest request{.logs = {log},
+                     .folder = options.folder.empty() ? default_run_folder(log) : options.folder,
+                     .settings = std::move(settings),
+                     .lenient = options.lenient,
+                     .with_copies = !options.no_copy,
+                     .replace_foreign_files = options.force,
+                     .with_map = !options.no_map,
+                     .with_loops = !options.no_loops,
+                     .with_pictures = !options.no_pictures,
+                     .on_failure = on_failure_of(options.device)};
+  request.stop = [] { return interrupted(); };
+  request.stop_ends_log = true;
+  if (!options.quiet) request.warn = print_remark;
+  return request;
+}
+
+/// What the page counts.
+struct Drive {
+  DriveCounts counts;
+  RateMeter meter;
+  Pose2 T_front_last;
+
+  void count(const MappedScan& mapped) {
+    const Pose2& T = mapped.match.T_map_base;
+    if (counts.scans > 0) counts.path_m += (T.translation() - T_front_last.translation()).norm();
+    T_front_last = T;
+    ++counts.scans;
+    counts.keyframes += mapped.match.merged ? 1 : 0;
+    counts.scans_per_s = meter.count();
+  }
+};
+
+// What there was by then is mapped and written.
+int exit_code_of(const MapOutcome& outcome) {
+  const bool broke_off = std::any_of(outcome.warnings.begin(), outcome.warnings.end(),
+                                     [](const auto& warning) { return warning.kind == kBrokenOff; });
+  return static_cast<int>(broke_off ? ExitCode::kBadInput : ExitCode::kDone);
+}
+
+void print_summary(const MapRequest& request, const MapOutcome& outcome, std::uint64_t dropped_lines) {
+  print_remarks(outcome);
+  const MapperStatistics& s = outcome.statistics;
+  const std::string lines =
+      dropped_lines > 0 ? fmt::format(", {} lines not read by anybody", dropped_lines) : std::string();
+  print_remark(fmt::format("{} scans, {} matched, {} doubtful, {} merged{}; results in {}", scans_of(outcome),
+                           s.matched, s.doubtful, s.keyframes, lines, printable(request.folder)));
+}
+
+}  // namespace
+
+int map_live(const LiveOptions& options) {
+  let_signal_save();
+  MapRequest request = request_of(options);
+  if (auto input = input_of(options)) request.live_log = live_log_of(std::move(input), options.queue);
+  LineOutput output(output_rule_of(options));
+  DriveRecord record(request.settings.occupancy, occupancy_limits(request.settings.mapper));
+  const std::unique_ptr<LivePage> page = page_of(options);
+  request.scan_mapped = [&, format = pose_format_of(options.format),
+                         drive = Drive()](const MappedScan& mapped) mutable {
+    output.write(pose_line(format, drive.counts.scans, mapped));
+    record.take(mapped);
+    drive.count(mapped);
+    if (page && page->is_watched()) page->show(shown_scan(drive.counts, mapped));
+  };
+  Snapshots::Plan plan{.folder = request.folder, .every_s = options.snapshot_s, .is_quiet = options.quiet};
+  if (page) {
+    plan.is_watched = [&page] { return page->is_watched(); };
+    plan.show = [&page](const DriveState& state) { page->show(state.map, state.trajectory); };
+  }
+  Snapshots snapshots(record, std::move(plan));
+  request.closing = [&snapshots](std::string_view, double) { snapshots.stop(); };
+  BackendWhenNeeded backend(options.device);
+  const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
+  snapshots.stop();
+  snapshots.remove();
+  output.finish();
+  if (options.folder.empty()) link_latest(request.folder);
+  if (!options.quiet) print_summary(request, result.outcome, output.dropped());
+  return exit_code_of(result.outcome);
+}
+
+}  // namespace gdtslam

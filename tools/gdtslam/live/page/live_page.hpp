@@ -1,0 +1,50 @@
+// The page that shows a drive in a browser while it lasts: map, path, scan, what speaks for the pose. It is served to
+// this host alone unless an address is given, and reads what it shows from a websocket; nobody can change anything by
+// it. One thread hands over scans, which costs it a copy where somebody watches; another one maps. The page's own
+// thread does the rest.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gdtslam/core/grid_geometry.hpp"
+#include "gdtslam/core/stream.hpp"
+#include "gdtslam/mapping/occupancy.hpp"
+
+namespace gdtslam {
+
+/// A scan as the page shows it.
+struct ShownScan {
+  std::uint64_t scan = 0;
+  LaserScan laser;
+  std::optional<Pose2> T_map_base;  ///< in the frame of the map that is shown
+  bool is_in_doubt = false;
+  /// Names and values, as the page prints them; asked for by the page's thread.
+  std::function<std::vector<std::pair<std::string, std::string>>()> figures;
+};
+
+class LivePage {
+ public:
+  LivePage() = default;
+  LivePage(const LivePage&) = delete;
+  LivePage& operator=(const LivePage&) = delete;
+  virtual ~LivePage() = default;
+
+  [[nodiscard]] virtual std::string url() const = 0;
+  /// Whether a browser is connected; any thread.
+  [[nodiscard]] virtual bool is_watched() const = 0;
+  virtual void show(ShownScan scan) = 0;
+  /// The path in the map's frame.
+  virtual void show(const OccupancyMap& map, const Trajectory& path) = 0;
+};
+
+/// `address` is PORT of this host alone, or ADDRESS:PORT; port 0 is any that is free. Throws UsageError where it is
+/// none, FileError where nothing can be served there, UnavailableError where this build has no page.
+std::unique_ptr<LivePage> open_page(const std::string& address, const std::string& title);
+
+}  // namespace gdtslam

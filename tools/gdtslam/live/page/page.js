@@ -1,0 +1,249 @@
+"use strict";
+const canvas = document.getElementById("view");
+const context = canvas.getContext("2d");
+const state = document.getElementById("state");
+const figures = document.getElementById("figures");
+const follow = document.getElementById("follow");
+const kMostScale = 400;   // pixels a metre
+const kLeastScale = 0.5;
+const kFirstScale = 30;
+
+// What was heard last. Tests look at it.
+const live = {map: null, scan: null, maps: 0, scans: 0, errors: []};
+window.gdtslamLive = live;
+const camera = {x: 0, y: 0, scale: kFirstScale};
+let picture = null;       // the map in the colours of the page
+let trail = [];           // places since the map's path, metres
+let isDue = false;
+const kMostTrail = 20000;
+
+function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+// "#fdfcfa" or "#fff" as three numbers.
+function channels(name) {
+  const text = colour(name).slice(1);
+  const size = text.length / 3;
+  return [0, 1, 2].map((k) => parseInt(text.slice(size * k, size * (k + 1)).repeat(3 - size), 16));
+}
+
+// Black, grey and white of the map become the colours of walls, of what is unknown and of free floor.
+function paint() {
+  if (!live.map) return;
+  const {bitmap} = live.map;
+  picture = new OffscreenCanvas(bitmap.width, bitmap.height);
+  const target = picture.getContext("2d", {willReadFrequently: true});
+  target.drawImage(bitmap, 0, 0);
+  const image = target.getImageData(0, 0, bitmap.width, bitmap.height);
+  const wall = channels("--wall"), unknown = channels("--unknown"), free = channels("--free");
+  for (let k = 0; k < image.data.length; k += 4) {
+    const grey = image.data[k];
+    const [red, green, blue] = grey < 64 ? wall : grey < 192 ? unknown : free;
+    image.data[k] = red;
+    image.data[k + 1] = green;
+    image.data[k + 2] = blue;
+  }
+  target.putImageData(image, 0, 0);
+}
+
+function place(x, y) {
+  return [canvas.width / 2 + (x - camera.x) * camera.scale, canvas.height / 2 - (y - camera.y) * camera.scale];
+}
+
+function drawMap() {
+  if (!picture) return;
+  const {header} = live.map;
+  const [left, bottom] = place(...header.corner_m);
+  const width = header.width * header.pixel_m * camera.scale, height = header.height * header.pixel_m * camera.scale;
+  context.imageSmoothingEnabled = header.pixel_m * camera.scale < 1;
+  context.drawImage(picture, left, bottom - height, width, height);
+}
+
+function drawPath() {
+  const path = live.map ? live.map.header.path : [];
+  context.strokeStyle = colour("--path");
+  context.lineWidth = 2 * devicePixelRatio;
+  context.lineJoin = "round";
+  context.beginPath();
+  for (let k = 0; k + 1 < path.length; k += 2) context.lineTo(...place(path[k] / 100, path[k + 1] / 100));
+  for (const [x, y] of trail) context.lineTo(...place(x, y));
+  context.stroke();
+}
+
+function drawScan() {
+  if (!live.scan || !live.scan.pose) return;
+  const {pose, points} = live.scan, size = 3 * devicePixelRatio;
+  context.fillStyle = colour("--scan");
+  for (let k = 0; k + 1 < points.length; k += 2) {
+    const [x, y] = place(points[k] / 100, points[k + 1] / 100);
+    context.fillRect(x - size / 2, y - size / 2, size, size);
+  }
+  const [x, y] = place(pose[0], pose[1]), reach = 11 * devicePixelRatio;
+  context.save();
+  context.translate(x, y);
+  context.rotate(-pose[2]);
+  context.beginPath();
+  context.moveTo(reach, 0);
+  context.lineTo(-0.7 * reach, 0.7 * reach);
+  context.lineTo(-0.35 * reach, 0);
+  context.lineTo(-0.7 * reach, -0.7 * reach);
+  context.closePath();
+  context.fillStyle = colour("--robot");
+  context.fill();
+  context.lineWidth = 1.5 * devicePixelRatio;
+  context.strokeStyle = colour("--card");
+  context.stroke();
+  context.restore();
+}
+
+function draw() {
+  isDue = false;
+  const width = Math.round(canvas.clientWidth * devicePixelRatio), height = Math.round(canvas.clientHeight * devicePixelRatio);
+  if (canvas.width !== width || canvas.height !== height) {
+    canvas.width = width;
+    canvas.height = height;
+  }
+  if (isFollowing() && live.scan && live.scan.pose) [camera.x, camera.y] = live.scan.pose;
+  context.fillStyle = colour("--unknown");
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  drawMap();
+  drawPath();
+  drawScan();
+}
+
+function drawSoon() {
+  if (!isDue) requestAnimationFrame(draw);
+  isDue = true;
+}
+
+function showFigures() {
+  const rows = Object.entries(live.scan.figures).map(([name, value]) => {
+    const row = document.createElement("div");
+    if (name === "doubt" && live.scan.inDoubt) row.className = "doubt";
+    const term = document.createElement("dt"), text = document.createElement("dd");
+    term.textContent = name;
+    text.textContent = value;
+    row.append(term, text);
+    return row;
+  });
+  figures.replaceChildren(...rows);
+}
+
+async function takeMap(data) {
+  const size = new DataView(data).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, size)));
+  const bitmap = await createImageBitmap(new Blob([new Uint8Array(data, 4 + size)], {type: "image/png"}));
+  live.map = {header, bitmap};
+  ++live.maps;
+  if (header.path.length > 0) trail = [];
+  paint();
+  drawSoon();
+}
+
+function takeScan(text) {
+  live.scan = JSON.parse(text);
+  ++live.scans;
+  if (live.scan.pose && trail.push(live.scan.pose) > kMostTrail) trail = trail.filter((_, k) => k % 2 === 1);
+  showFigures();
+  drawSoon();
+}
+
+function say(text, kind) {
+  state.textContent = text;
+  state.className = kind;
+}
+
+// The drive may begin later, and a new one follows it: the page asks again.
+function connect() {
+  const socket = new WebSocket(`ws://${location.host}/`, "gdtslam-live");
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => say("live", "");
+  socket.onmessage = ({data}) => {
+    if (typeof data === "string") takeScan(data);
+    else takeMap(data).catch((error) => live.errors.push(String(error)));
+  };
+  socket.onclose = () => {
+    say(live.scan ? "the drive has ended" : "no drive here", "gone");
+    setTimeout(connect, 2000);
+  };
+}
+
+function isFollowing() {
+  return follow.getAttribute("aria-pressed") === "true";
+}
+
+function setFollowing(isOn) {
+  follow.setAttribute("aria-pressed", String(isOn));
+  drawSoon();
+}
+
+function zoom(factor, x = canvas.width / 2, y = canvas.height / 2) {
+  const scale = Math.min(kMostScale, Math.max(kLeastScale, camera.scale * factor));
+  if (!isFollowing()) {
+    camera.x += (x - canvas.width / 2) * (1 / camera.scale - 1 / scale);
+    camera.y -= (y - canvas.height / 2) * (1 / camera.scale - 1 / scale);
+  }
+  camera.scale = scale;
+  drawSoon();
+}
+
+function showWhole() {
+  setFollowing(false);
+  if (!live.map) return;
+  const {corner_m: [left, bottom], width, height, pixel_m} = live.map.header;
+  camera.x = left + 0.5 * width * pixel_m;
+  camera.y = bottom + 0.5 * height * pixel_m;
+  camera.scale = 0.94 * Math.min(canvas.width / (width * pixel_m), canvas.height / (height * pixel_m));
+  drawSoon();
+}
+
+const pointers = new Map();
+canvas.addEventListener("pointerdown", (event) => {
+  canvas.setPointerCapture(event.pointerId);
+  pointers.set(event.pointerId, event);
+});
+canvas.addEventListener("pointermove", (event) => {
+  const before = pointers.get(event.pointerId);
+  if (!before) return;
+  const other = [...pointers.values()].find((one) => one.pointerId !== event.pointerId);
+  if (other) {
+    const apart = (one) => Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY);
+    zoom(apart(event) / Math.max(1, apart(before)));
+  } else {
+    setFollowing(false);
+    camera.x -= (event.clientX - before.clientX) * devicePixelRatio / camera.scale;
+    camera.y += (event.clientY - before.clientY) * devicePixelRatio / camera.scale;
+  }
+  pointers.set(event.pointerId, event);
+  drawSoon();
+});
+for (const kind of ["pointerup", "pointercancel"]) {
+  canvas.addEventListener(kind, (event) => pointers.delete(event.pointerId));
+}
+canvas.addEventListener("wheel", (event) => {
+  event.preventDefault();
+  zoom(Math.exp(-0.0015 * event.deltaY), event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio);
+}, {passive: false});
+canvas.addEventListener("keydown", (event) => {
+  const kStep = 80 * devicePixelRatio / camera.scale;
+  const moves = {ArrowLeft: [-kStep, 0], ArrowRight: [kStep, 0], ArrowUp: [0, kStep], ArrowDown: [0, -kStep]};
+  if (event.key === "+" || event.key === "-") zoom(event.key === "+" ? 1.25 : 0.8);
+  const move = moves[event.key];
+  if (!move) return;
+  event.preventDefault();
+  setFollowing(false);
+  camera.x += move[0];
+  camera.y += move[1];
+  drawSoon();
+});
+follow.addEventListener("click", () => setFollowing(!isFollowing()));
+document.getElementById("whole").addEventListener("click", showWhole);
+new ResizeObserver(drawSoon).observe(canvas);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  paint();
+  drawSoon();
+});
+window.addEventListener("error", (event) => live.errors.push(event.message));
+connect();
+drawSoon();

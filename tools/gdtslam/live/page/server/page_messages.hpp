@@ -1,0 +1,18 @@
+// What the page's websocket carries: of a scan JSON, of the map a header in JSON, its length before it, and a picture.
+#pragma once
+
+#include <string>
+
+#include "tools/gdtslam/live/page/live_page.hpp"
+
+namespace gdtslam {
+
+/// Places in the map's frame, centimetres.
+std::string scan_message(const ShownScan& scan);
+/// Four bytes of the header's length (little-endian), the header, a PNG of at most some megapixels: black where
+/// something stands, white where nothing does, grey elsewhere, the top row that of the largest y.
+std::string map_message(const OccupancyMap& map, const Trajectory& path);
+/// The page itself.
+std::string live_page_text(const std::string& title);
+
+}  // namespace gdtslam

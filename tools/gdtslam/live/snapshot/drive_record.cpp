@@ -1,0 +1,82 @@
+#include "drive_record.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace gdtslam {
+
+// The path begins with a keyframe, whatever its scan.
+void DriveRecord::take(const MappedScan& mapped) {
+  const bool is_keyframe = mapped.match.merged || taken_ == 0;
+  Scan scan{
+      .stamp_s = mapped.match.stamp_s, .T_front_base = mapped.match.T_map_base, .is_keyframe = is_keyframe, .scan = {}};
+  if (is_keyframe && mapped.match.accepted) scan.scan = std::make_shared<const LaserScan>(mapped.scan);
+  const std::lock_guard lock(mutex_);
+  ++taken_;
+  news_.push_back(std::move(scan));
+  if (mapped.closed_keyframes.valid()) asked_ = mapped.closed_keyframes;
+}
+
+std::uint64_t DriveRecord::scans() const {
+  const std::lock_guard lock(mutex_);
+  return taken_;
+}
+
+// Where the loops are is taken over once it is known; a mapper that has ended tells no more.
+void DriveRecord::take_news() {
+  std::vector<Scan> news;
+  {
+    const std::lock_guard lock(mutex_);
+    news.swap(news_);
+    if (asked_.valid()) awaited_ = std::exchange(asked_, {});
+  }
+  for (Scan& scan : news) {
+    if (scan.is_keyframe) keyframes_.push_back(scans_.size());
+    scans_.push_back(std::move(scan));
+  }
+  if (!awaited_.valid() || awaited_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  try {
+    closed_ = std::exchange(awaited_, {}).get();
+    map_.reset();
+  } catch (const std::future_error&) {
+  }
+}
+
+std::vector<Pose2> DriveRecord::keyframe_poses() const {
+  std::vector<Pose2> poses = closed_.T_map_base;
+  poses.resize(std::min(poses.size(), keyframes_.size()));
+  for (std::size_t k = poses.size(); k < keyframes_.size(); ++k) {
+    poses.push_back(closed_.T_closed_front * scans_[keyframes_[k]].T_front_base);
+  }
+  return poses;
+}
+
+void DriveRecord::cast(const std::vector<Pose2>& poses) {
+  if (!map_) {
+    map_.emplace(config_, limits_);
+    cast_ = 0;
+  }
+  for (; cast_ < poses.size(); ++cast_) {
+    const Scan& keyframe = scans_[keyframes_[cast_]];
+    if (keyframe.scan) map_->add(*keyframe.scan, poses[cast_]);
+  }
+}
+
+DriveState DriveRecord::state() {
+  take_news();
+  const std::vector<Pose2> poses = keyframe_poses();
+  cast(poses);
+  DriveState state{.map = map_->build(), .trajectory = {}};
+  state.trajectory.reserve(scans_.size());
+  std::size_t next = 0;  // keyframe
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    if (next < keyframes_.size() && keyframes_[next] == i) ++next;
+    const Pose2& T_front_keyframe = scans_[keyframes_[next - 1]].T_front_base;
+    state.trajectory.push_back(
+        {scans_[i].stamp_s, poses[next - 1] * between(T_front_keyframe, scans_[i].T_front_base)});
+  }
+  return state;
+}
+
+}  // namespace gdtslam

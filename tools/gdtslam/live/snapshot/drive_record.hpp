@@ -1,0 +1,63 @@
+// What is known of a drive while it goes on: the occupancy map of its keyframes and the path, with the loops closed
+// that have been found. One thread maps and hands over each scan, which costs it a lock and of a keyframe a copy;
+// another one asks for the state. Cost of that: the keyframes since the last time, all of them where a loop has moved
+// them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "gdtslam/mapping/occupancy.hpp"
+#include "gdtslam/runs/map_log.hpp"
+
+namespace gdtslam {
+
+struct DriveState {
+  OccupancyMap map;
+  Trajectory trajectory;  ///< a pose for each scan
+};
+
+class DriveRecord {
+ public:
+  DriveRecord(const OccupancyConfig& config, const OccupancyBuilder::Limits& limits)
+      : config_(config), limits_(limits) {}
+
+  /// The next scan.
+  void take(const MappedScan& mapped);
+  [[nodiscard]] std::uint64_t scans() const;
+  /// As of the scans handed over by now, for one thread. Throws InputError where the map would be too large.
+  DriveState state();
+
+ private:
+  struct Scan {
+    double stamp_s = 0.0;
+    Pose2 T_front_base;
+    bool is_keyframe = false;
+    std::shared_ptr<const LaserScan> scan;  // of a keyframe that belongs into the map
+  };
+
+  void take_news();
+  [[nodiscard]] std::vector<Pose2> keyframe_poses() const;
+  void cast(const std::vector<Pose2>& poses);
+
+  OccupancyConfig config_;
+  OccupancyBuilder::Limits limits_;
+  // Of both, under the lock:
+  mutable std::mutex mutex_;
+  std::uint64_t taken_ = 0;
+  std::vector<Scan> news_;
+  std::shared_future<ClosedKeyframes> asked_;
+  // Of whoever asks:
+  std::vector<Scan> scans_;
+  std::vector<std::size_t> keyframes_;  // scans
+  std::shared_future<ClosedKeyframes> awaited_;
+  ClosedKeyframes closed_;
+  std::optional<OccupancyBuilder> map_;
+  std::size_t cast_ = 0;  // keyframes, from where `closed_` has them
+};
+
+}  // namespace gdtslam

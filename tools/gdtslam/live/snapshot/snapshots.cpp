@@ -1,0 +1,122 @@
+#include "snapshots.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "engine/core/signals_blocked.hpp"
+#include "engine/io/atomic_file.hpp"
+#include "engine/io/message_text.hpp"
+#include "gdtslam/core/error.hpp"
+#include "gdtslam/io/occupancy_map_file.hpp"
+#include "gdtslam/io/trajectory_file.hpp"
+#include "tools/gdtslam/shell/console.hpp"
+
+namespace gdtslam {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kSnapshotSlice{50};  // after which signals and clocks are looked at
+constexpr std::chrono::seconds kBetweenShown{1};
+constexpr int kLeastUrgent = 19;
+
+std::atomic<bool> g_is_save_wanted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+extern "C" void on_save_signal(int /*signal*/) { g_is_save_wanted = true; }
+
+// Both folders change places, so that there is one of that name at any time; where a file system cannot do that the old
+// one goes first.
+void give_name(const std::string& made, const std::string& name) {
+  if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), RENAME_EXCHANGE) == 0) return;
+  std::error_code failed;
+  fs::remove_all(name, failed);
+  if (::rename(made.c_str(), name.c_str()) != 0) throw FileError(name, "cannot be replaced: " + errno_text(errno));
+}
+
+}  // namespace
+
+void let_signal_save() {
+  struct sigaction action {};
+  action.sa_handler = on_save_signal;
+  action.sa_flags = SA_RESTART;
+  ::sigemptyset(&action.sa_mask);
+  ::sigaction(SIGUSR1, &action, nullptr);
+}
+
+Snapshots::Snapshots(DriveRecord& record, Plan plan) : record_(record), plan_(std::move(plan)) {
+  remove();  // of an earlier run
+  const SignalsBlocked blocked;
+  thread_ = std::thread([this] { work(); });
+}
+
+void Snapshots::stop() {
+  is_ending_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void Snapshots::remove() const {
+  std::error_code ignored;
+  fs::remove_all(plan_.folder + "/snapshot", ignored);
+  fs::remove_all(plan_.folder + "/snapshot.new", ignored);
+}
+
+// A pose is more urgent than a picture of the map.
+void Snapshots::work() {
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastUrgent);
+  Clock::time_point last_saved = Clock::now();
+  Clock::time_point last_shown = last_saved - kBetweenShown;
+  while (!is_ending_) {
+    std::this_thread::sleep_for(kSnapshotSlice);
+    const Clock::time_point now = Clock::now();
+    const bool is_due = plan_.every_s > 0.0 && now - last_saved >= std::chrono::duration<double>(plan_.every_s);
+    const bool is_asked = g_is_save_wanted.exchange(false);
+    const bool is_watched = plan_.is_watched && now - last_shown >= kBetweenShown && plan_.is_watched();
+    if (is_due) last_saved = now;
+    if (is_watched) last_shown = now;
+    if (is_due || is_asked || is_watched) make(is_due || is_asked, is_watched);
+  }
+}
+
+// Nothing new is no news; what cannot be made is said once, and the drive goes on.
+void Snapshots::make(bool is_to_be_saved, bool is_to_be_shown) {
+  const std::uint64_t scans = record_.scans();
+  is_to_be_saved = is_to_be_saved && scans > saved_;
+  is_to_be_shown = is_to_be_shown && scans > shown_;
+  if (!is_to_be_saved && !is_to_be_shown) return;
+  try {
+    const DriveState state = record_.state();
+    if (is_to_be_shown) plan_.show(state);
+    if (is_to_be_shown) shown_ = scans;
+    if (is_to_be_saved) save(state);
+  } catch (const Error& error) {
+    if (!plan_.is_quiet && error.what() != last_problem_) print_remark(std::string("no snapshot: ") + error.what());
+    last_problem_ = error.what();
+  }
+}
+
+void Snapshots::save(const DriveState& state) {
+  const std::string made = plan_.folder + "/snapshot.new";
+  const std::string name = plan_.folder + "/snapshot";
+  make_folder(made);
+  write_occupancy_map(made + "/map.yaml", state.map);
+  write_tum(made + "/trajectory.tum", state.trajectory);
+  give_name(made, name);
+  sync_folder(plan_.folder);
+  saved_ = state.trajectory.size();
+  std::error_code ignored;
+  fs::remove_all(made, ignored);
+}
+
+}  // namespace gdtslam
