@@ -14,6 +14,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
@@ -74,7 +75,7 @@ int live(const LiveOptions& options) {
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
   if (options.folder.empty()) link_latest(request.folder);
   if (options.quiet) return exit_code_of(result.outcome);
-  print_remarks(result.outcome);
+  print_remarks(result.outcome, request.folder);
   const MapperStatistics& s = result.outcome.statistics;
   print_remark(fmt::format("{} scans, {} matched, {} doubtful, {} merged; results in {}", scans_of(result.outcome),
                            s.matched, s.doubtful, s.keyframes, printable(request.folder)));
@@ -88,9 +89,12 @@ void add_output_options(CLI::App& command, LiveOptions& options) {
                   "(default: runs/<log>-<UTC time>, with a link runs/latest)")
       ->type_name("DIR");
   command.add_flag("--force", options.force, "Replace files of a run's names in DIR that no run wrote");
-  command.add_option("--format", options.format, "Of the lines on standard output: json or tum (default: json)")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"json", "tum"}).description(""));
+  CLI::Option* const format =
+      command
+          .add_option("--format", options.format, "Format of the lines on standard output: json or tum (default: json)")
+          ->type_name("NAME")
+          ->check(CLI::IsMember({"json", "tum"}).description(""));
+  offer_words(format, {"json", "tum"});
   command.add_flag("--no-map", options.no_map, "Do not cast the occupancy map, nor write the pictures of it");
   command.add_flag("--no-loops", options.no_loops, "Look for no loops");
   command.add_flag("--no-copy", options.no_copy, "Do not keep what is read: the run cannot be gone on with");
