@@ -296,13 +296,13 @@ class Zsh:
         return text
 
     def run(self, line):
-        os.write(self.terminal, f"{line}; print DO''NE\n".encode())
+        os.write(self.terminal, f"{line}; echo DO''NE\n".encode())
         return self.until("DONE")
 
     def offers(self, line):
         """The words that are listed behind the line."""
         os.write(self.terminal, line.encode() + b"\x14")  # lists, changes nothing
-        os.write(self.terminal, b"\x15print DO''NE\n")    # clears the line
+        os.write(self.terminal, b"\x15echo DO''NE\n")    # clears the line
         return set(re.sub(r"\x1b\[[?0-9;]*[A-Za-z]|[\x07\x08]", " ", self.until("DONE")).split())
 
     def close(self):
