@@ -13,3 +13,6 @@ add_custom_target(bundle
     "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}"
   DEPENDS gdtslam USES_TERMINAL VERBATIM
   COMMENT "Bundle ${GDTSLAM_BUNDLE_NAME}")
+if(TARGET gdtslam_shell_files)
+  add_dependencies(bundle gdtslam_shell_files)
+endif()

@@ -23,6 +23,7 @@ test_packages=(
   sqlite3 zstd python3 python3-jsonschema python3-yaml chromium
   python3-numpy python3-pip rustc abigail-tools patchelf
   munge slurmctld slurmd slurm-client parallel
+  zsh fish bash-completion man-db mandoc
   "${vulkan_packages[@]}" vulkan-validationlayers
 )
 

@@ -4,10 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <system_error>
 
 #include "gdtslam/core/angle.hpp"
 #include "one_line.hpp"
+#include "shown_quantity.hpp"
 #include "stated_quantity.hpp"
 
 namespace gdtslam {
@@ -236,6 +238,23 @@ std::string format_quantity(double value, Unit unit) {
   if (unit != Unit::kRadian) return text;
   std::string degrees = in_degrees(value);
   return !degrees.empty() && degrees.size() < text.size() ? degrees : text;
+}
+
+std::string show_quantity(double value, Unit unit) {
+  constexpr int kDigits = 6;
+  std::array<char, 64> buffer{};
+  if (unit == Unit::kRadian) {
+    const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), deg_from_rad(value),
+                                            std::chars_format::general, kDigits);
+    return std::string(buffer.data(), error == std::errc{} ? end : buffer.data()) + " deg";
+  }
+  constexpr double kMostInFull = 1e15;
+  if (value != std::floor(value) || std::fabs(value) > kMostInFull) return format_quantity(value, unit);
+  const auto [end, error] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<std::int64_t>(value));
+  const std::string_view symbol = unit_symbol(unit);
+  std::string text(buffer.data(), error == std::errc{} ? end : buffer.data());
+  return symbol.empty() ? text : text.append(1, ' ').append(symbol);
 }
 
 }  // namespace gdtslam

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engine/compute/kernels/pose_lattice/pose_lattice.hpp"
+#include "engine/core/shown_quantity.hpp"
 #include "engine/mapping/match/matchers.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/mapping/nodding_mapper.hpp"
@@ -25,33 +26,39 @@ constexpr std::array kSearchTimes{"never"sv, "suspect"sv, "keyframe"sv, "always"
 
 std::vector<Option> map_options(MapperConfig& c) {
   return {
-      {"map.resolution", "edge of a cell", Unit::kMetre, 0.005, 1.0, &c.map.resolution_m},
-      {"map.truncation", "distances are kept up to this radius R, at most 255 cells", Unit::kMetre, 0.01, 255.0,
-       &c.map.truncation_m},
-      {"map.transform", "distances of a keyframe: exact, or jump-flood, which errs now and then", Unit::kNone, 0, 0,
-       Choice(c.map.transform, kTransforms)},
-      {"map.max_megacells", "the map may take this many times 2^20 cells", Unit::kNone, 1, 16384, &c.map.max_megacells},
-      {"local.stretch", "path after which scans are matched with a younger map; 0: one map of all", Unit::kMetre, 0.0,
-       1000.0, &c.local.stretch_m},
-      {"scan.min_range", "shorter ranges are no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m},
-      {"scan.max_range", "ranges at or above are no return; the log's own limit counts too", Unit::kMetre, 0.1, 1000.0,
-       &c.scan.max_range_m},
-      {"scan.min_points", "a scan with fewer returns is not matched", Unit::kNone, 3, 100000, &c.scan.min_points},
-      {"merge.rule", "equations (9) to (11): working, or literal as printed", Unit::kNone, 0, 0,
-       Choice(c.merge.rule, kMergeRules)},
-      {"merge.threshold", "Threshold of (9): cells that agree within it are averaged", Unit::kMetre, 0.0, 10.0,
-       &c.merge.threshold_m},
-      {"merge.kappa", "share of the threshold that a new obstacle is entered with, (11)", Unit::kShare, 0.0, 1.0,
-       &c.merge.kappa},
-      {"keyframe.distance", "a scan is merged when the robot moved this far", Unit::kMetre, 0.0, 100.0,
-       &c.keyframe.distance_m},
-      {"keyframe.angle", "or turned this far", Unit::kRadian, 0.0, 3.2, &c.keyframe.angle_rad},
-      {"keyframe.every_scan", "merge every scan", Unit::kNone, 0, 1, &c.keyframe.every_scan},
+      {"map.resolution", "Edge of a cell of the map", Unit::kMetre, 0.005, 1.0, &c.map.resolution_m},
+      {"map.truncation", "Distances to obstacles are kept up to this radius, which may be 255 cells at most",
+       Unit::kMetre, 0.01, 255.0, &c.map.truncation_m},
+      {"map.transform",
+       "How the distances of a keyframe are computed: exact, or by jump flooding, which errs now and then", Unit::kNone,
+       0, 0, Choice(c.map.transform, kTransforms)},
+      {"map.max_megacells", "Most cells that the map may have, in units of 2^20", Unit::kNone, 1, 16384,
+       &c.map.max_megacells},
+      {"local.stretch", "Path after which scans are matched with a younger map; 0 keeps one map of all", Unit::kMetre,
+       0.0, 1000.0, &c.local.stretch_m},
+      {"scan.min_range", "Shorter ranges count as no return", Unit::kMetre, 0.0, 100.0, &c.scan.min_range_m},
+      {"scan.max_range", "Ranges at or above this count as no return; the log's own limit counts too", Unit::kMetre,
+       0.1, 1000.0, &c.scan.max_range_m},
+      {"scan.min_points", "A scan with fewer returns than this is not matched", Unit::kNone, 3, 100000,
+       &c.scan.min_points},
+      {"merge.rule",
+       "Form of the merging rule, equations (9) to (11) of the paper: the one that works, or literally as printed",
+       Unit::kNone, 0, 0, Choice(c.merge.rule, kMergeRules)},
+      {"merge.threshold", "Threshold of the merging rule, equation (9): cells that agree within it are averaged",
+       Unit::kMetre, 0.0, 10.0, &c.merge.threshold_m},
+      {"merge.kappa", "Share of merge.threshold that a new obstacle is entered with, equation (11)", Unit::kShare, 0.0,
+       1.0, &c.merge.kappa},
+      {"keyframe.distance", "A scan is merged into the map when the robot has moved this far since the last keyframe",
+       Unit::kMetre, 0.0, 100.0, &c.keyframe.distance_m},
+      {"keyframe.angle", "A scan is merged into the map when the robot has turned this far since the last keyframe",
+       Unit::kRadian, 0.0, 3.2, &c.keyframe.angle_rad},
+      {"keyframe.every_scan", "Whether every scan is merged into the map, however little the robot moved", Unit::kNone,
+       0, 1, &c.keyframe.every_scan},
   };
 }
 
 std::string matcher_doc() {
-  std::string text = "optimizer of (4): ";
+  std::string text = "How a scan is matched with the map, equation (4): ";
   for (const MatcherInfo& matcher : matchers()) {
     if (&matcher != &matchers().front()) text += "; ";
     text.append(matcher.name).append(", ").append(matcher.doc);
@@ -63,94 +70,124 @@ std::vector<Option> match_options(MapperConfig& c) {
   static const std::string matcher_text = matcher_doc();
   return {
       {"match.matcher", matcher_text, Unit::kNone, 0, 0, Choice(c.match.matcher, matcher_names())},
-      {"match.cost", "distance, or its square as (1) prints it", Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)},
-      {"match.interpolation", "how the field is read between cell centres", Unit::kNone, 0, 0,
+      {"match.cost",
+       "What is minimised: the distances of the points to the map, or their squares as equation (1) prints them",
+       Unit::kNone, 0, 0, Choice(c.match.cost, kCostForms)},
+      {"match.interpolation", "How the distance field is read between the centres of its cells", Unit::kNone, 0, 0,
        Choice(c.match.interpolation, kInterpolations)},
       {"gate.wide",
-       "first gate of (8): points farther from the map do not count; with exhaustive they count as the gate",
+       "First gate of equation (8): points farther from the map do not count; with the matcher exhaustive they count "
+       "as the gate",
        Unit::kMetre, 0.01, 10.0, &c.gate.wide_m},
-      {"gate.final", "last gate, the paper's 20 m * sin 0.25 deg", Unit::kMetre, 0.01, 10.0, &c.gate.final_m},
-      {"gate.narrowing", "factor from one gate to the next", Unit::kShare, 0.05, 0.95, &c.gate.narrowing},
-      {"gate.min_share", "a gate of simplex never leaves a smaller share of the points", Unit::kShare, 0.0, 1.0,
+      {"gate.final", "Last gate of equation (8), 20 m * sin 0.25 deg in the paper", Unit::kMetre, 0.01, 10.0,
+       &c.gate.final_m},
+      {"gate.narrowing", "Factor by which each gate is narrower than the one before it", Unit::kShare, 0.05, 0.95,
+       &c.gate.narrowing},
+      {"gate.min_share", "Least share of the points that a gate leaves to the matcher simplex", Unit::kShare, 0.0, 1.0,
        &c.gate.min_share},
-      {"prior.weight", "mean cost in cells of one standard deviation from the prediction", Unit::kCell, 0.0, 10.0,
-       &c.prior.weight},
-      {"prior.limit", "beyond so many standard deviations the prior costs no more", Unit::kNone, 0.1, 1000.0,
-       &c.prior.limit_sigmas},
-      {"prior.sigma", "standard deviation of the predicted position at rest", Unit::kMetre, 0.001, 100.0,
+      {"prior.weight", "Mean cost, in cells, of a pose that is one standard deviation from the prediction", Unit::kCell,
+       0.0, 10.0, &c.prior.weight},
+      {"prior.limit", "Standard deviations from the prediction beyond which the prior costs no more", Unit::kNone, 0.1,
+       1000.0, &c.prior.limit_sigmas},
+      {"prior.sigma", "Standard deviation of the predicted position of a robot that rests", Unit::kMetre, 0.001, 100.0,
        &c.prior.sigma_m},
-      {"prior.sigma_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_m},
-      {"prior.sigma_angle", "standard deviation of the predicted heading at rest", Unit::kRadian, 0.0001, 10.0,
-       &c.prior.sigma_rad},
-      {"prior.sigma_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.prior.sigma_per_rad},
+      {"prior.sigma_per_metre",
+       "By how much the standard deviation of the predicted position grows per metre of motion", Unit::kShare, 0.0,
+       10.0, &c.prior.sigma_per_m},
+      {"prior.sigma_angle", "Standard deviation of the predicted heading of a robot that rests", Unit::kRadian, 0.0001,
+       10.0, &c.prior.sigma_rad},
+      {"prior.sigma_angle_per_radian",
+       "By how much the standard deviation of the predicted heading grows per angle turned", Unit::kShare, 0.0, 10.0,
+       &c.prior.sigma_per_rad},
   };
 }
 
 std::vector<Option> optimizer_options(MapperConfig& c) {
   return {
-      {"optimizer.particles", "size of the swarm of pso", Unit::kNone, 2, 65535, &c.optimizer.particles},
-      {"optimizer.complexes", "complexes of sce, seven points each", Unit::kNone, 1, 1000, &c.optimizer.complexes},
-      {"optimizer.moves", "moves of simpsa at one temperature, for each dimension", Unit::kNone, 1, 100000,
+      {"optimizer.particles", "Particles in the swarm of the matcher pso", Unit::kNone, 2, 65535,
+       &c.optimizer.particles},
+      {"optimizer.complexes", "Complexes of the matcher sce, of seven points each", Unit::kNone, 1, 1000,
+       &c.optimizer.complexes},
+      {"optimizer.moves", "Moves of the matcher simpsa at one temperature, for each dimension", Unit::kNone, 1, 100000,
        &c.optimizer.moves},
-      {"optimizer.cooling", "how fast simpsa cools, its delta", Unit::kNone, 0.001, 1000.0, &c.optimizer.cooling},
-      {"optimizer.max_evaluations", "pso, sce and simpsa cost about as many poses at most, each descent", Unit::kNone,
-       1, 100000000, &c.optimizer.max_evaluations},
-      {"optimizer.seed", "of their random numbers", Unit::kNone, 0, 2147483647, &c.optimizer.seed},
+      {"optimizer.cooling", "How fast the matcher simpsa cools, its delta", Unit::kNone, 0.001, 1000.0,
+       &c.optimizer.cooling},
+      {"optimizer.max_evaluations", "Poses that pso, sce and simpsa evaluate at most in one descent, about",
+       Unit::kNone, 1, 100000000, &c.optimizer.max_evaluations},
+      {"optimizer.seed", "Seed of the random numbers of pso, sce and simpsa", Unit::kNone, 0, 2147483647,
+       &c.optimizer.seed},
   };
 }
 
 std::vector<Option> search_options(MapperConfig& c) {
   return {
-      {"search.when", "when simplex searches a window; exhaustive always does", Unit::kNone, 0, 0,
+      {"search.when", "When the matcher simplex searches a window of poses; exhaustive always does", Unit::kNone, 0, 0,
        Choice(c.search.when, kSearchTimes)},
-      {"search.half_width", "half width of the window at rest", Unit::kMetre, 0.0, 100.0, &c.search.half_m},
-      {"search.half_width_per_metre", "and per metre of motion", Unit::kShare, 0.0, 10.0, &c.search.half_per_m},
-      {"search.half_angle", "half angle of the window at rest", Unit::kRadian, 0.0, 3.15, &c.search.half_rad},
-      {"search.half_angle_per_radian", "and per radian of turn", Unit::kShare, 0.0, 10.0, &c.search.half_per_rad},
-      {"search.step", "spacing of the samples", Unit::kMetre, 0.005, 10.0, &c.search.step_m},
-      {"search.step_angle", "spacing of the angles", Unit::kRadian, 0.0005, 3.15, &c.search.step_rad},
-      {"search.starts", "best local minima that are polished", Unit::kNone, 1, SmallestValues::kMost, &c.search.starts},
-      {"search.max_half_width", "the window never grows beyond this", Unit::kMetre, 0.0, 1000.0, &c.search.max_half_m},
-      {"search.max_points", "a scan is thinned to this many points for the window", Unit::kNone, 8,
+      {"search.half_width", "Half width of the window that is searched around a robot at rest", Unit::kMetre, 0.0,
+       100.0, &c.search.half_m},
+      {"search.half_width_per_metre", "By how much the half width of the searched window grows per metre of motion",
+       Unit::kShare, 0.0, 10.0, &c.search.half_per_m},
+      {"search.half_angle", "Half angle of the window that is searched around a robot at rest", Unit::kRadian, 0.0,
+       3.15, &c.search.half_rad},
+      {"search.half_angle_per_radian", "By how much the half angle of the searched window grows per angle turned",
+       Unit::kShare, 0.0, 10.0, &c.search.half_per_rad},
+      {"search.step", "Distance between two samples of the searched window", Unit::kMetre, 0.005, 10.0,
+       &c.search.step_m},
+      {"search.step_angle", "Angle between two samples of the searched window", Unit::kRadian, 0.0005, 3.15,
+       &c.search.step_rad},
+      {"search.starts", "Best local minima of the searched window that are polished", Unit::kNone, 1,
+       SmallestValues::kMost, &c.search.starts},
+      {"search.max_half_width", "Half width beyond which the searched window never grows", Unit::kMetre, 0.0, 1000.0,
+       &c.search.max_half_m},
+      {"search.max_points", "Points that a scan is thinned to before a window is searched", Unit::kNone, 8,
        Matcher::kMostPoints, &c.search.max_points},
-      {"search.attempts", "windows tried, each twice as large, while the match is in doubt", Unit::kNone, 1, 8,
-       &c.search.attempts},
-      {"search.gap", "certified: no pose of a window has a mean distance smaller by more than this", Unit::kMetre, 0.0,
-       1.0, &c.search.gap_m},
-      {"search.max_kiloboxes", "certified: a window is given up after a thousand times so many boxes", Unit::kNone, 1,
-       1000000, &c.search.max_kiloboxes},
+      {"search.attempts", "Windows tried, each twice as large as the last, while the match is in doubt", Unit::kNone, 1,
+       8, &c.search.attempts},
+      {"search.gap",
+       "What the matcher certified proves: no pose of a window has a mean distance smaller by more than this",
+       Unit::kMetre, 0.0, 1.0, &c.search.gap_m},
+      {"search.max_kiloboxes", "Boxes, in thousands, after which the matcher certified gives a window up", Unit::kNone,
+       1, 1000000, &c.search.max_kiloboxes},
   };
 }
 
 std::vector<Option> doubt_options(MapperConfig& c) {
   return {
-      {"odometry.estimate", "estimate its noise as the log goes; else prior and search state it", Unit::kNone, 0, 1,
-       &c.odometry.estimate},
-      {"odometry.max_step", "a longer step between two scans is a fault and is not used", Unit::kMetre, 0.01, 1000.0,
-       &c.odometry.max_step_m},
-      {"odometry.frozen", "odometry that stands still while the scans move this far counts as missing", Unit::kMetre,
+      {"odometry.estimate",
+       "Whether the noise of the odometry is estimated as the log goes; else prior and search state it", Unit::kNone, 0,
+       1, &c.odometry.estimate},
+      {"odometry.max_step", "Longest step of the odometry between two scans; a longer one is a fault and is not used",
+       Unit::kMetre, 0.01, 1000.0, &c.odometry.max_step_m},
+      {"odometry.frozen", "Odometry that stands still while the scans move this far counts as missing", Unit::kMetre,
        0.0, 1000.0, &c.odometry.frozen_m},
-      {"odometry.frozen_angle", "or turn this far", Unit::kRadian, 0.0, 100.0, &c.odometry.frozen_rad},
-      {"odometry.unknown_step", "motion between two scans to allow for without odometry", Unit::kMetre, 0.0, 100.0,
-       &c.odometry.unknown_step_m},
-      {"odometry.unknown_turn", "and turn", Unit::kRadian, 0.0, 3.15, &c.odometry.unknown_turn_rad},
+      {"odometry.frozen_angle", "Odometry that stands still while the scans turn this far counts as missing",
+       Unit::kRadian, 0.0, 100.0, &c.odometry.frozen_rad},
+      {"odometry.unknown_step", "Motion between two scans that is allowed for where there is no odometry", Unit::kMetre,
+       0.0, 100.0, &c.odometry.unknown_step_m},
+      {"odometry.unknown_turn", "Turn between two scans that is allowed for where there is no odometry", Unit::kRadian,
+       0.0, 3.15, &c.odometry.unknown_turn_rad},
       {"doubt.suspect_contradiction",
-       "a window is searched when a larger share of the points near known obstacles lies beside them", Unit::kShare,
+       "A window is searched when a larger share of the points near known obstacles lies beside them", Unit::kShare,
        0.0, 1.0, &c.doubt.suspect_contradiction},
-      {"doubt.suspect_overlap", "or a smaller share within the final gate", Unit::kShare, 0.0, 1.0,
-       &c.doubt.suspect_overlap},
-      {"doubt.suspect_sigmas", "or the pose is this many standard deviations from the prediction", Unit::kNone, 0.0,
+      {"doubt.suspect_overlap",
+       "A window is searched when a smaller share of the points than this lies within the final gate", Unit::kShare,
+       0.0, 1.0, &c.doubt.suspect_overlap},
+      {"doubt.suspect_sigmas",
+       "A window is searched when the pose is more standard deviations than this from the prediction", Unit::kNone, 0.0,
        1000.0, &c.doubt.suspect_sigmas},
-      {"doubt.leap_gain", "a pose that far is taken only where it costs less than this share of the near one",
+      {"doubt.leap_gain",
+       "A pose beyond doubt.suspect_sigmas is taken only where it costs less than this share of the near one",
        Unit::kShare, 0.01, 1.0, &c.doubt.leap_gain},
-      {"doubt.report_distance", "an accepted match this far from the odometry is reported as doubtful", Unit::kMetre,
-       0.0, 1000.0, &c.doubt.report_m},
-      {"doubt.report_angle", "or turned this far from it", Unit::kRadian, 0.0, 3.2, &c.doubt.report_rad},
-      {"doubt.max_contradiction", "a match with a larger share of points beside the obstacles near them is refused",
+      {"doubt.report_distance", "An accepted match this far from where the odometry puts it is reported as doubtful",
+       Unit::kMetre, 0.0, 1000.0, &c.doubt.report_m},
+      {"doubt.report_angle",
+       "An accepted match turned this far from where the odometry puts it is reported as doubtful", Unit::kRadian, 0.0,
+       3.2, &c.doubt.report_rad},
+      {"doubt.max_contradiction", "A match with a larger share of its points beside the obstacles near them is refused",
        Unit::kShare, 0.0, 1.0, &c.doubt.max_contradiction},
-      {"doubt.min_overlap", "a match with a smaller share of points within the final gate is refused", Unit::kShare,
+      {"doubt.min_overlap", "A match with a smaller share of its points within the final gate is refused", Unit::kShare,
        0.0, 1.0, &c.doubt.min_overlap},
-      {"doubt.restart", "after this much motion without a match the scan is merged where odometry says", Unit::kMetre,
+      {"doubt.restart", "Motion without a match after which a scan is merged where the odometry says", Unit::kMetre,
        0.1, 1000.0, &c.doubt.restart_m},
   };
 }
@@ -228,8 +265,8 @@ std::vector<std::string> violations(std::span<const Option> options) {
   for (const Option& option : options) {
     const std::optional<double> value = number_of(option);
     if (!value || (*value >= option.min && *value <= option.max)) continue;
-    found.push_back(std::string(option.path) + ": " + format_quantity(*value, option.unit) + " is not in " +
-                    format_quantity(option.min, option.unit) + " to " + format_quantity(option.max, option.unit));
+    found.push_back(std::string(option.path) + ": " + show_quantity(*value, option.unit) + " is not in " +
+                    show_quantity(option.min, option.unit) + " to " + show_quantity(option.max, option.unit));
   }
   return found;
 }
@@ -241,23 +278,27 @@ MapperConfig mapper_config_of(MapperConfig config, const NoddingConfig& nodding)
 
 std::vector<Option> option_table(NoddingConfig& config) {
   return {
-      {"nod.horizontal", "scans whose elevations all lie within this of horizontal fix the pose", Unit::kRadian, 0.0001,
-       0.2, &config.horizontal_rad},
-      {"nod.interpolation", "poses between two fixes, equation (13): linear, geodesic, or odometry", Unit::kNone, 0, 0,
+      {"nod.horizontal", "Scans whose elevations all lie within this angle of horizontal fix the pose", Unit::kRadian,
+       0.0001, 0.2, &config.horizontal_rad},
+      {"nod.interpolation",
+       "How poses between two fixes are found, equation (13): linear, geodesic, or by the odometry", Unit::kNone, 0, 0,
        Choice(config.interpolation, kPoseInterpolations)},
-      {"nod.form", "equation (14): working, or literal as printed, whose translation is scaled by the height",
+      {"nod.form",
+       "Form of equation (14): the one that works, or literally as printed, whose translation is scaled by the height",
        Unit::kNone, 0, 0, Choice(config.form, kForms)},
       {"nod.smooth",
-       "between two fixes, where poses follow the odometry, points at the height of walls help to place the robot",
+       "Whether points at the height of walls help to place the robot between two fixes, where poses follow the "
+       "odometry",
        Unit::kNone, 0, 1, &config.smoother.is_on},
-      {"nod.band_up", "such points lie at most this much higher than the map", Unit::kMetre, 0.0, 100.0,
-       &config.smoother.band_up_m},
-      {"nod.band_floor", "and at least this much above the floor", Unit::kMetre, -100.0, 100.0,
-       &config.smoother.above_floor_m},
+      {"nod.band_up", "Points that nod.smooth takes as those of walls lie at most this much higher than the map",
+       Unit::kMetre, 0.0, 100.0, &config.smoother.band_up_m},
+      {"nod.band_floor", "Points that nod.smooth takes as those of walls lie at least this much above the floor",
+       Unit::kMetre, -100.0, 100.0, &config.smoother.above_floor_m},
       {"nod.prior_limit",
-       "takes the place of prior.limit: metres lie between two fixes, and what looks alike far away is no match",
+       "Takes the place of prior.limit where the laser nods: metres lie between two fixes, and what looks alike far "
+       "away is no match",
        Unit::kNone, 0.1, 1000.0, &config.prior_limit_sigmas},
-      {"nod.max_blind", "after this long without a horizontal scan poses come from the odometry alone", Unit::kSecond,
+      {"nod.max_blind", "Time without a horizontal scan after which poses come from the odometry alone", Unit::kSecond,
        0.1, 3600.0, &config.max_blind_s},
   };
 }

@@ -9,9 +9,11 @@ namespace gdtslam {
 namespace {
 
 std::vector<Option> option_table(calib::NodTrackLimits& limits) {
-  return {{"nod.max_gap", "between two messages of the crank that are further apart its position is not known",
+  return {{"nod.max_gap",
+           "Longest time between two messages of the crank; where they are further apart its position is not known",
            Unit::kSecond, 0.001, 3600.0, &limits.max_gap_s},
-          {"nod.max_turns_per_second", "a crank that seems faster has jumped: not known between the two messages",
+          {"nod.max_turns_per_second",
+           "Fastest turning of the crank; where it seems faster it has jumped, and its position is not known there",
            Unit::kNone, 0.01, 1000.0, &limits.max_turns_per_s}};
 }
 
@@ -59,37 +61,41 @@ namespace {
 /// When beams and odometry were measured.
 std::vector<Option> timing_options(LogConfig& config) {
   return {
-      {"log.beam_times", "when the beams were measured: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
-       Choice(config.beam_times, kSourceNames)},
-      {"log.first_beam_after", "of the first beam, after the scan's stamp", Unit::kSecond, -kLongestScan_s,
+      {"log.beam_times",
+       "When the beams of a scan were measured: as the log says, or stated by log.first_beam_after and log.beam_period",
+       Unit::kNone, 0.0, 0.0, Choice(config.beam_times, kSourceNames)},
+      {"log.first_beam_after", "Time from the stamp of a scan to its first beam", Unit::kSecond, -kLongestScan_s,
        kLongestScan_s, &config.first_beam_after_s},
-      {"log.beam_period", "from beam to beam; negative where the last one was measured first", Unit::kSecond,
-       -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
-      {"log.deskew", "place each beam where the robot was when it was measured", Unit::kNone, 0.0, 1.0, &config.deskew},
+      {"log.beam_period", "Time from one beam to the next; negative where the last one was measured first",
+       Unit::kSecond, -kLongestScan_s, kLongestScan_s, &config.beam_period_s},
+      {"log.deskew", "Whether each beam is placed where the robot was when it was measured", Unit::kNone, 0.0, 1.0,
+       &config.deskew},
       {"log.odometry_stamps",
-       "whether odometry is stamped later than the scans that it belongs to: measured at the log's begin, stated by "
+       "Whether odometry is stamped later than the scans that it belongs to: measured at the log's begin, stated by "
        "log.odometry_delay, or right as the log has them",
        Unit::kNone, 0.0, 0.0, Choice(config.odometry_stamps, kOdometryStamps)},
-      {"log.odometry_delay", "how much later; negative where the scans are", Unit::kSecond, -kLongestScan_s,
-       kLongestScan_s, &config.odometry_delay_s}};
+      {"log.odometry_delay",
+       "How much later odometry is stamped than the scans that it belongs to; negative where it is earlier",
+       Unit::kSecond, -kLongestScan_s, kLongestScan_s, &config.odometry_delay_s}};
 }
 
 /// What counts for recordings of messages only.
 std::vector<Option> recording_options(LogConfig& config) {
   return {{"log.clock",
-           "of a recording, how far the clocks of odometry and crank are off the laser's: by when their messages were "
-           "received, or stated by the next one",
+           "How far the clocks of odometry and crank of a recording are off the laser's: by when their messages were "
+           "received, or stated by log.clock_offset",
            Unit::kNone, 0.0, 0.0, Choice(config.clock, kSourceNames)},
-          {"log.clock_offset", "what is added to the stamps of odometry and crank", Unit::kSecond, -kMostOffset_s,
-           kMostOffset_s, &config.clock_offset_s},
+          {"log.clock_offset", "What is added to the stamps of odometry and crank of a recording", Unit::kSecond,
+           -kMostOffset_s, kMostOffset_s, &config.clock_offset_s},
           {"log.crank",
-           "of a recording, what the messages of --crank are: the crank's ticks, or the tilt of the scan plane itself",
+           "What the messages of --crank of a recording are: the crank's ticks, or the tilt of the scan plane itself",
            Unit::kNone, 0.0, 0.0, Choice(config.crank.kind, kCrankNames)},
           {"log.crank_step",
-           "the angle of one unit of a tilt, or of one tick where the messages are angles; 0: a radian, a tick",
+           "Angle of one unit of a tilt, or of one tick where the messages are angles; 0 takes a tilt in radians and "
+           "whole ticks",
            Unit::kRadian, -kMostAngle_rad, kMostAngle_rad, &config.crank.step_rad},
-          {"log.crank_zero", "the message of a tilt whose scan plane is level, in its own units", Unit::kNone,
-           -kMostZero, kMostZero, &config.crank.zero}};
+          {"log.crank_zero", "What the message of a tilt says when the scan plane is level, in the message's own units",
+           Unit::kNone, -kMostZero, kMostZero, &config.crank.zero}};
 }
 
 }  // namespace
@@ -97,22 +103,26 @@ std::vector<Option> recording_options(LogConfig& config) {
 std::vector<Option> option_table(LogConfig& config) {
   Pose2& mount = config.T_base_laser;
   std::vector<Option> rows{
-      {"log.mount", "where the laser sits on the robot: by each line of the log, or stated by the next three",
+      {"log.mount",
+       "Where the laser sits on the robot: as each line of the log says, or stated by log.mount_x, log.mount_y and "
+       "log.mount_angle",
        Unit::kNone, 0.0, 0.0, Choice(config.mount, kSourceNames)},
-      {"log.mount_x", "the laser's place ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
+      {"log.mount_x", "How far the laser sits ahead of the robot's centre", Unit::kMetre, -kMostMount_m, kMostMount_m,
        &mount.x_m},
-      {"log.mount_y", "and to its left", Unit::kMetre, -kMostMount_m, kMostMount_m, &mount.y_m},
-      {"log.mount_angle", "and its heading there, counter-clockwise", Unit::kRadian, -kMostAngle_rad, kMostAngle_rad,
-       &mount.theta_rad},
-      {"log.bearings", "bearings of the beams: by the log, or stated by the next two", Unit::kNone, 0.0, 0.0,
-       Choice(config.bearings, kSourceNames)},
-      {"log.first_bearing", "of the first beam, counter-clockwise from straight ahead", Unit::kRadian, -kMostAngle_rad,
-       kMostAngle_rad, &config.first_bearing_rad},
-      {"log.bearing_step", "from beam to beam; negative where the laser hangs upside down", Unit::kRadian,
+      {"log.mount_y", "How far the laser sits to the left of the robot's centre", Unit::kMetre, -kMostMount_m,
+       kMostMount_m, &mount.y_m},
+      {"log.mount_angle", "Heading of the laser on the robot, counter-clockwise from straight ahead", Unit::kRadian,
+       -kMostAngle_rad, kMostAngle_rad, &mount.theta_rad},
+      {"log.bearings", "Bearings of the beams: as the log says, or stated by log.first_bearing and log.bearing_step",
+       Unit::kNone, 0.0, 0.0, Choice(config.bearings, kSourceNames)},
+      {"log.first_bearing", "Bearing of the first beam, counter-clockwise from straight ahead", Unit::kRadian,
+       -kMostAngle_rad, kMostAngle_rad, &config.first_bearing_rad},
+      {"log.bearing_step", "Angle from one beam to the next; negative where the laser hangs upside down", Unit::kRadian,
        -kMostAngle_rad, kMostAngle_rad, &config.bearing_step_rad},
-      {"log.max_range", "the sensor's limit, at or above which a range is no return; 0: what the log says",
+      {"log.max_range", "Limit of the sensor, at or above which a range is no return; 0 takes what the log says",
        Unit::kMetre, 0.0, kMostRange_m, &config.max_range_m},
-      {"log.lasers", "of a CARMEN log: the front laser alone, or all: RLASER and ROBOTLASER2 as a second one too",
+      {"log.lasers",
+       "Lasers of a CARMEN log that are taken: the front one, or all, with RLASER and ROBOTLASER2 as a second one",
        Unit::kNone, 0.0, 0.0, Choice(config.lasers, kLaserNames)}};
   for (const std::vector<Option>& part : {timing_options(config), recording_options(config)}) {
     rows.insert(rows.end(), part.begin(), part.end());

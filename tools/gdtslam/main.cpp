@@ -3,5 +3,5 @@
 
 int main(int argc, char** argv) {
   gdtslam::install_interrupt_handlers();
-  return gdtslam::run_command_line(argc, argv, gdtslam::command_table());
+  return gdtslam::run_command_line(argc, argv, gdtslam::command_table(), gdtslam::build_stamp());
 }

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/shown_quantity.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
@@ -30,7 +31,7 @@ std::string bounds_text(const Option& option) {
   if (std::holds_alternative<bool*>(option.value)) {
     return {};
   }
-  return fmt::format(" ({} to {})", format_quantity(option.min, option.unit), format_quantity(option.max, option.unit));
+  return fmt::format(" ({} to {})", show_quantity(option.min, option.unit), show_quantity(option.max, option.unit));
 }
 
 /// An angle in degrees beside its exact value in radians, for people.
@@ -119,7 +120,7 @@ std::string config_schema(std::span<const Option> options) {
                  {"title", "Configuration of gdtslam"},
                  {"type", "object"},
                  {"additionalProperties", false}};
-  schema["properties"]["version"] = {{"description", "version of the format"}, {"const", 1}};
+  schema["properties"]["version"] = {{"description", "Version of the format of configuration files"}, {"const", 1}};
   for (const Option& option : options) {
     const SplitPath path = split(option.path);
     object_at(schema, path.section)["properties"][std::string(path.name)] = schema_of(option);

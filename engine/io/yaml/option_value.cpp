@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "engine/core/shown_quantity.hpp"
 #include "engine/core/stated_quantity.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
@@ -26,10 +27,10 @@ double parse_number(const Option& option, std::string_view text, BareNumber bare
     refuse(option, text, fmt::format("is no value of it: {}", why));
   }
   if (*value < option.min) {
-    refuse(option, text, fmt::format("is below its minimum {}", format_quantity(option.min, option.unit)));
+    refuse(option, text, fmt::format("is below its minimum {}", show_quantity(option.min, option.unit)));
   }
   if (*value > option.max) {
-    refuse(option, text, fmt::format("is above its maximum {}", format_quantity(option.max, option.unit)));
+    refuse(option, text, fmt::format("is above its maximum {}", show_quantity(option.max, option.unit)));
   }
   return *value;
 }

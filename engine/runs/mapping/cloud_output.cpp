@@ -31,13 +31,16 @@ LevelSurfaces wanted(LevelSurfaces surfaces, CloudRemoval removal) {
 
 std::vector<Option> option_table(CloudConfig& config) {
   return {
-      {"cloud.voxel", "of the points in a cube of this edge one is kept; 0 keeps all", Unit::kMetre, 0.0, 10.0,
-       &config.voxel_m},
-      {"cloud.max_megavoxels", "thinning may remember this many times 2^20 cubes, 16 to 32 MiB of memory each",
-       Unit::kNone, 1, 16384, &config.max_megavoxels},
-      {"cloud.remove", "leave out the floor, the ceiling or both; found as planes, not by height", Unit::kNone, 0, 0,
-       Choice(config.remove, kRemovals)},
-      {"cloud.remove_margin", "with what lies within this of them", Unit::kMetre, 0.0, 1.0, &config.remove_margin_m},
+      {"cloud.voxel", "Edge of the cubes that the cloud is thinned by, of whose points one is kept; 0 keeps all",
+       Unit::kMetre, 0.0, 10.0, &config.voxel_m},
+      {"cloud.max_megavoxels",
+       "Most cubes that thinning may remember, in units of 2^20, which take 16 to 32 MiB of memory each", Unit::kNone,
+       1, 16384, &config.max_megavoxels},
+      {"cloud.remove",
+       "What is left out of the cloud: the floor, the ceiling or both, found as planes and not by height", Unit::kNone,
+       0, 0, Choice(config.remove, kRemovals)},
+      {"cloud.remove_margin", "Distance from the floor or ceiling within which points are left out with it",
+       Unit::kMetre, 0.0, 1.0, &config.remove_margin_m},
   };
 }
 

@@ -3,17 +3,23 @@
 #include <CLI/App.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "engine/io/did_you_mean.hpp"
 #include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/core/units.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
+#include "tools/gdtslam/shell/option_rows.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {
@@ -23,61 +29,57 @@ using Json = nlohmann::ordered_json;
 
 struct ConfigOptions {
   SettingsOptions settings;
+  std::string filter;  ///< empty: all
   bool json = false;
   bool yaml = false;
   bool markdown = false;
 };
 
-/// An option as it is shown.
-struct Row {
-  std::string path;
-  std::string value;
-  std::string default_value;
-  std::string allowed;
-  std::string origin;
-  std::string doc;
-};
-
-// Whole bounds in full: "100000", where the shortest text is "1e+05".
-std::string bound_text(double value, Unit unit) {
-  std::string text = format_quantity(value, unit);
-  const std::size_t end = std::min(text.find(' '), text.size());
-  if (text.find("e+") < end) text.replace(0, end, fmt::format("{:.0f}", value));
-  return text;
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
 }
 
-std::string allowed_text(const Option& option) {
-  if (std::holds_alternative<bool*>(option.value)) return "true or false";
-  if (const auto* choice = std::get_if<Choice>(&option.value)) {
-    std::string names;
-    for (const std::string_view name : choice->names()) names += (names.empty() ? "" : ", ") + std::string(name);
-    return names;
+// '*' stands for any letters and '?' for one.
+bool fits_glob(std::string_view text, std::string_view glob) {
+  if (glob.empty()) return text.empty();
+  if (glob.front() == '*') {
+    return fits_glob(text, glob.substr(1)) || (!text.empty() && fits_glob(text.substr(1), glob));
   }
-  return bound_text(option.min, option.unit) + " to " + bound_text(option.max, option.unit);
+  return !text.empty() && (glob.front() == '?' || glob.front() == text.front()) &&
+         fits_glob(text.substr(1), glob.substr(1));
 }
 
-bool contains(const std::vector<std::string>& paths, std::string_view path) {
-  return std::find(paths.begin(), paths.end(), path) != paths.end();
+// A part of the path or of the text, upper and lower case alike; with '*' or '?' the whole path.
+bool fits(const std::string& filter, std::string_view path, std::string_view doc) {
+  const std::string wanted = lower_case(filter);
+  if (wanted.find_first_of("*?") != std::string::npos) return fits_glob(path, wanted);
+  return path.find(wanted) != std::string_view::npos || lower_case(doc).find(wanted) != std::string::npos;
 }
 
-std::vector<Row> rows_of(Settings& settings, const std::string& file) {
-  Settings defaults;
-  const std::vector<Option> table = option_table(settings);
-  const std::vector<Option> default_table = option_table(defaults);
-  std::vector<Row> rows;
-  for (std::size_t k = 0; k < table.size(); ++k) {
-    const std::string origin = contains(settings.from_sets, table[k].path)   ? "--set"
-                               : contains(settings.from_file, table[k].path) ? file
-                                                                             : "default";
-    rows.push_back({std::string(table[k].path), value_text(table[k]), value_text(default_table[k]),
-                    allowed_text(table[k]), origin, std::string(table[k].doc)});
+[[noreturn]] void refuse_filter(const std::string& filter, std::span<const Option> table) {
+  std::vector<std::string> names;
+  for (const Option& option : table) {
+    const std::size_t dot = option.path.find('.');
+    for (const std::string_view name : {option.path, option.path.substr(0, dot), option.path.substr(dot + 1)}) {
+      names.emplace_back(name);
+    }
   }
-  return rows;
+  throw UsageError("no option has '" + filter + "' in its path or its text" + did_you_mean(lower_case(filter), names) +
+                   " ('gdtslam config show' lists all)");
 }
 
-std::string as_text(const std::vector<Row>& rows) {
+// The options that the filter leaves; all for an empty one.
+template <class Row, class Doc>
+void keep_fitting(std::vector<Row>& rows, const std::string& filter, const Doc& doc_of) {
+  std::erase_if(rows, [&](const Row& row) { return !filter.empty() && !fits(filter, row.path, doc_of(row)); });
+}
+
+std::string as_text(const std::vector<OptionRow>& rows) {
   std::string text;
-  for (const Row& row : rows) {
+  for (const OptionRow& row : rows) {
     text += fmt::format("{:<30} = {}\n", row.path, row.value);
     text += fmt::format("    {}\n", row.doc);
     text += fmt::format("    default {}; allowed {}; from {}\n", row.default_value, row.allowed, row.origin);
@@ -85,12 +87,12 @@ std::string as_text(const std::vector<Row>& rows) {
   return text;
 }
 
-Json as_json(const std::vector<Row>& rows) {
+Json as_json(const std::vector<OptionRow>& rows) {
   Json list = Json::array();
-  for (const Row& row : rows) {
+  for (const OptionRow& row : rows) {
     list.push_back({{"path", row.path},
-                    {"value", row.value},
-                    {"default", row.default_value},
+                    {"value", row.exact_value},
+                    {"default", row.exact_default},
                     {"allowed", row.allowed},
                     {"origin", row.origin},
                     {"doc", row.doc}});
@@ -99,7 +101,7 @@ Json as_json(const std::vector<Row>& rows) {
 }
 
 // docs/reference/options.md; a test fails when the page and this text differ.
-std::string markdown_of(const std::vector<Row>& rows) {
+std::string markdown_of(const std::vector<OptionRow>& rows) {
   std::string text =
       "# Options\n\n"
       "Every option of `gdtslam map`, for a configuration file (`-c`) or the command line (`--set path=value`).\n"
@@ -108,7 +110,7 @@ std::string markdown_of(const std::vector<Row>& rows) {
       "it is 0; in a file a bare number is in metres, radians or seconds.\n"
       "This page is generated by `tools/scripts/make_reference.sh`.\n\n"
       "| option | default | allowed | what it does |\n|---|---|---|---|\n";
-  for (const Row& row : rows) {
+  for (const OptionRow& row : rows) {
     text += fmt::format("| `{}` | {} | {} | {} |\n", row.path, row.default_value, row.allowed, row.doc);
   }
   return text;
@@ -116,11 +118,16 @@ std::string markdown_of(const std::vector<Row>& rows) {
 
 int show(const ConfigOptions& options) {
   Settings settings = load_settings(options.settings);
+  std::vector<Option> table = option_table(settings);
+  std::vector<Option> kept = table;
+  keep_fitting(kept, options.filter, [](const Option& option) { return option.doc; });
+  if (kept.empty()) refuse_filter(options.filter, table);
   if (options.yaml) {
-    print_result(config_text(option_table(settings)));
+    print_result(config_text(kept));
     return static_cast<int>(ExitCode::kDone);
   }
-  const std::vector<Row> rows = rows_of(settings, options.settings.file);
+  std::vector<OptionRow> rows = option_rows(settings, options.settings.file);
+  keep_fitting(rows, options.filter, [](const OptionRow& row) { return std::string_view(row.doc); });
   print_result(options.json ? json_text(as_json(rows)) : options.markdown ? markdown_of(rows) : as_text(rows));
   return static_cast<int>(ExitCode::kDone);
 }
@@ -138,6 +145,15 @@ void add_config_command(CLI::App& app, CommandContext& context) {
   CLI::App* command = add_command(app, "config", "Every option with its value, unit, default, bounds and origin");
   command->require_subcommand(1);
   CLI::App* showing = add_command(*command, "show", "The effective configuration");
+  CLI::Option* filter = showing->add_option(
+      "filter", options->filter, "A part of the path or of the text of the options to show, or a path with * and ?");
+  std::vector<std::string> parts;
+  Settings defaults;
+  for (const Option& option : option_table(defaults)) {
+    std::string part(option.path.substr(0, option.path.find('.')));
+    if (parts.empty() || parts.back() != part) parts.push_back(std::move(part));
+  }
+  offer_words(filter->type_name("FILTER"), std::move(parts));
   add_settings_options(*showing, options->settings);
   CLI::Option* json = showing->add_flag("--json", options->json, "Print JSON");
   CLI::Option* yaml =
@@ -148,6 +164,8 @@ void add_config_command(CLI::App& app, CommandContext& context) {
   showing->footer(
       "Examples:\n"
       "  gdtslam config show\n"
+      "  gdtslam config show loop\n"
+      "  gdtslam config show 'log.mount*'\n"
       "  gdtslam config show -c my.yaml --set map.resolution=\"10 cm\"\n"
       "  gdtslam config show --yaml > my.yaml");
   showing->callback([options, &context] { context.run = [options] { return show(*options); }; });

@@ -14,6 +14,7 @@
 #include "gdtslam/io/log.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
@@ -160,11 +161,15 @@ void add_convert_command(CLI::App& app, CommandContext& context) {
                    ".db3, NAME/ (a ROS 2 folder); .gz after the first four packs it; - is standard output")
       ->required()
       ->type_name("OUT");
-  command->add_option("--format", options->format, "Instead of by the name: " + log_format_names())->type_name("NAME");
+  CLI::Option* const format = command->add_option(
+      "--format", options->format, "Format of OUT, where its name does not tell it: " + log_format_names());
+  offer_words(format->type_name("NAME"), {"carmen", "csv", "jsonl", "mcap", "bag", "ros2", "db3"});
   command
       ->add_option("--compression", options->compression,
-                   "Of the chunks: none, lz4 or zstd in an MCAP file [zstd], none, lz4 or bz2 in a bag [none]")
+                   "Compression of the chunks: none, lz4 or zstd in an MCAP file, none, lz4 or bz2 in a bag\n"
+                   "[zstd in an MCAP file, none in a bag]")
       ->type_name("NAME");
+  offer_words(command->get_option("--compression"), {"none", "lz4", "zstd", "bz2"});
   command->add_flag("--lenient", options->lenient, "Count and skip malformed lines instead of failing");
   add_recording_options(*command, options->recording);
   add_settings_options(*command, options->settings);

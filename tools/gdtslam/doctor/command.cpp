@@ -122,7 +122,7 @@ void add_doctor_command(CLI::App& app, CommandContext& context) {
   add_recording_options(*command, options->recording);
   add_settings_options(*command, options->settings);
   CLI::Option* const after = command->add_option(
-      "--after", options->after, "In place of a log: what is doubtful in the map of this run, and where");
+      "--after", options->after, "Folder of a run, in place of a log: what is doubtful in its map, and where");
   after->type_name("RUN")->excludes(log);
   command
       ->add_option("--picture", options->picture,

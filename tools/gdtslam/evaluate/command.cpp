@@ -7,6 +7,7 @@
 #include "evaluate.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
@@ -37,27 +38,28 @@ void add_truths(CLI::App& command, EvaluateOptions& chosen) {
   CLI::Option* relations = command.add_option("--relations", chosen.relations,
                                               "Verified relations, rows `t1 t2 x y z roll pitch yaw`, plain or gzip");
   CLI::Option* reference = command.add_option("--reference", chosen.reference, "True trajectory, TUM, plain or gzip");
-  CLI::Option* scene = command.add_option("--scene", chosen.scene,
-                                          "Of a cloud: distances to the surfaces of this scene, a file or a sample");
+  CLI::Option* scene = command.add_option(
+      "--scene", chosen.scene, "Scene, a file or a sample, to whose surfaces the distances of a cloud are taken");
   CLI::Option* hits = command.add_option(
       "--hits", chosen.hits,
-      "Of a cloud: distance of each point to the true hit of its own beam, from `simulate --truth-hits`");
+      "True hits from `simulate --truth-hits`: each point of a cloud is compared with that of its own beam");
   relations->type_name("FILE")->excludes(reference)->excludes(scene)->excludes(hits);
   scene->type_name("SCENE")->excludes(hits);
   reference->type_name("FILE");
+  offer_words(scene, {"office-loop", "corridor", "office-3f", "office-7f", "three-boxes", "wall", "walls"});
   hits->type_name("FILE");
 }
 
 void add_cloud_options(CLI::App& command, EvaluateOptions& chosen) {
   command
       .add_option("--trajectory", chosen.trajectory,
-                  "Of a cloud: its run's trajectory; with --reference it tells where the cloud is in the scene")
+                  "Trajectory of the run that a cloud is of; with --reference it tells where the cloud is in the scene")
       ->type_name("FILE");
   command.add_option("--linkage", chosen.linkage, "With --hits: also tell the quantisation bound of this linkage")
       ->type_name("PRESET|FILE");
   command.add_option("--resolution", chosen.resolution, "With --linkage: the step of the ranges, as \"1 mm\"")
       ->type_name("LENGTH");
-  command.add_option("--csv", chosen.csv, "Of a cloud: write the histogram of the distances")->type_name("FILE");
+  command.add_option("--csv", chosen.csv, "Write the histogram of the distances of a cloud")->type_name("FILE");
 }
 
 }  // namespace
@@ -80,8 +82,8 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option(
           "--noise", options->noise,
-          "Of a run: the truth's own standard deviation, where what the run states is compared with the errors\n"
-          "(\"2cm/0.5deg\"; default: 0/0)")
+          "Standard deviation of the truth itself, as 2cm/0.5deg, where what a run states is compared with the errors\n"
+          "[0/0]")
       ->type_name("D/A");
   add_cloud_options(*command, *options);
   command->add_flag("--json", options->json, "Print JSON");

@@ -6,6 +6,7 @@
 #include "fleet.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
@@ -27,10 +28,12 @@ void add_compute_options(CLI::App& command, ComputeOptions& options) {
                   "Where to compute: auto, cpu, vulkan or vulkan:N. Results do not depend on it")
       ->type_name("NAME")
       ->capture_default_str();
+  offer_words(command.get_option("--device"), {"auto", "cpu", "vulkan"});
   command
       .add_option("--isa", options.runner.device.isa,
                   "Force the CPU's instruction set: baseline, avx2 or avx512. Results do not depend on it")
       ->type_name("NAME");
+  offer_words(command.get_option("--isa"), {"baseline", "avx2", "avx512"});
 }
 
 void add_most_refused(CLI::App& command, ComputeOptions& options) {

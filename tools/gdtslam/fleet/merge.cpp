@@ -81,7 +81,7 @@ void add_fleet_merge(CLI::App& fleet, CommandContext& context) {
   CLI::App* command = add_command(fleet, "merge", "Join the maps where they overlap, as 'gdtslam merge' does");
   add_atlas(*command, options->atlas);
   add_count_option(*command, "--threads", options->threads, 0,
-                   "Threads of the CPU; 0: one per processor. Results do not depend on it")
+                   "Threads of the CPU, 0 for one per processor. Results do not depend on it")
       ->capture_default_str();
   command->add_flag("--no-map", options->no_map, "No occupancy maps and no pictures of them");
   command->add_flag("-q,--quiet", options->quiet, "Print errors only");

@@ -11,6 +11,7 @@
 #include "gdtslam/core/error.hpp"
 #include "slurm.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
@@ -84,10 +85,11 @@ void add_fleet_submit(CLI::App& fleet, CommandContext& context) {
   command
       ->add_option(
           "--engine", options->engine,
-          "local: here, then 'fleet finish'; slurm: a job array and a job after it; print: a script that would\n"
-          "submit them")
+          "What runs the portions. local: this machine, then 'fleet finish'; slurm: a job array and a job after it;\n"
+          "print: nothing, but the script that would submit them is printed")
       ->required()
       ->type_name("NAME");
+  offer_words(command->get_option("--engine"), {"local", "slurm", "print"});
   add_compute_options(*command, options->compute);
   add_most_refused(*command, options->compute);
   SlurmJobs& jobs = options->jobs;

@@ -93,10 +93,11 @@ void add_fleet_verify(CLI::App& fleet, CommandContext& context) {
   auto options = std::make_shared<VerifyOptions>();
   CLI::App* command = add_command(fleet, "verify", "Compute a sample of the logs again, and compare");
   add_atlas(*command, options->compute.runner.atlas);
-  command->add_option("--sample", options->sample, "How many: a number, or a share of all")
+  command->add_option("--sample", options->sample, "Logs that are computed again: a number, or a share of all")
       ->type_name("N|SHARE")
       ->capture_default_str();
-  add_count_option(*command, "--seed", options->seed, 0, "Draws which ones; those of other hosts come first")
+  add_count_option(*command, "--seed", options->seed, 0,
+                   "Seed of the draw of the logs; those of other hosts come first")
       ->capture_default_str();
   add_compute_options(*command, options->compute);
   command->add_flag("-q,--quiet", options->compute.runner.quiet, "Print errors only");

@@ -224,7 +224,7 @@ void add_design_options(CLI::App& command, LinkageCommand& chosen) {
   add("--longest", chosen.goal.longest, "Longest bar; longer ones transmit better [4 times the longest crank]",
       "LENGTH");
   constexpr int kMostDesigns = 100;
-  command.add_option("--count", chosen.count, "So many linkages, with cranks spread over their range")
+  command.add_option("--count", chosen.count, "Number of linkages, with cranks spread over their range")
       ->needs(design)
       ->type_name("N")
       ->check(CLI::Range(1, kMostDesigns))

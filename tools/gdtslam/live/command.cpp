@@ -12,6 +12,7 @@
 #include "options.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
@@ -77,9 +78,12 @@ void add_output_options(CLI::App& command, LiveOptions& options) {
           "Show map, path and scan in a browser while the robot drives, at http://127.0.0.1:PORT/, to this host\n"
           "alone; 0 is any free port. ADDRESS:PORT serves it there, to whoever can reach it")
       ->type_name("[ADDRESS:]PORT");
-  command.add_option("--format", options.format, "Of the lines on standard output: json or tum (default: json)")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"json", "tum"}).description(""));
+  CLI::Option* const format =
+      command
+          .add_option("--format", options.format, "Format of the lines on standard output: json or tum (default: json)")
+          ->type_name("NAME")
+          ->check(CLI::IsMember({"json", "tum"}).description(""));
+  offer_words(format, {"json", "tum"});
   command.add_flag("--no-map", options.no_map, "Do not cast the occupancy map, nor write the pictures of it");
   command.add_flag("--no-loops", options.no_loops, "Look for no loops");
   command.add_flag("--no-copy", options.no_copy, "Do not keep what is read: the run cannot be gone on with");

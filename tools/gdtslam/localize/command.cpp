@@ -197,7 +197,7 @@ void add_choices(CLI::App& command, LocalizeOptions& chosen) {
   CLI::Option* random =
       add_count_option(command, "--random", choice.random, 1, "N scans of the whole log, drawn at random");
   random->excludes(scan)->excludes(every);
-  add_count_option(command, "--seed", choice.seed, 0, "Of the draw")->capture_default_str()->needs(random);
+  add_count_option(command, "--seed", choice.seed, 0, "Seed of the random draw")->capture_default_str()->needs(random);
   add_quantity_option(command, "--leave-out", chosen.leave_out_s, Unit::kSecond, {0.0, kMostSeconds},
                       "Do not choose scans that were taken this near in time to one that went into the map;\n"
                       "needs the run folder; 0: leave out those that went into it themselves");

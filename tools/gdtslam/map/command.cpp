@@ -18,6 +18,8 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/map_progress.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
@@ -61,10 +63,9 @@ Settings settings_of(const MapOptions& options) {
   return loaded;
 }
 
-// A device shows by its submissions that it did the work.
+// A device shows by its submissions that it did the work; a CPU has none.
 std::string work_of(const MapperStatistics& s) {
-  const std::string dispatches = fmt::format("{} dispatches", s.dispatches);
-  return s.submissions > 0 ? fmt::format("{} in {} submissions", dispatches, s.submissions) : dispatches;
+  return s.submissions > 0 ? fmt::format("; {} submissions to the device", s.submissions) : std::string();
 }
 
 std::string loops_text(const ClosedPath& closed) {
@@ -73,16 +74,17 @@ std::string loops_text(const ClosedPath& closed) {
                      closed.loops.size(), 1000.0 * closed.rms_m, uncertain_line(closed.covariances));
 }
 
-std::string summary_of(const MapOutcome& outcome, const std::string& folder) {
+// `waited_s` is all that the user waited for: beyond the time in report.json the last files and those of --mcap.
+std::string summary_of(const MapOutcome& outcome, const std::string& folder, double waited_s) {
   const MapperStatistics& s = outcome.statistics;
-  const double rate = outcome.wall_s > 0.0 ? static_cast<double>(scans_of(outcome)) / outcome.wall_s : 0.0;
+  const double rate = waited_s > 0.0 ? static_cast<double>(scans_of(outcome)) / waited_s : 0.0;
   return fmt::format(
       "{} scans, {} matched, {} doubtful, {} merged; {:.1f} m of path\n"
-      "{}{:.2f} s ({:.0f} scans/s, {:.0f} times real time); {}\n"
+      "{}{:.2f} s ({:.0f} scans/s, {:.0f} times real time){}\n"
       "results in {}\n",
       scans_of(outcome), s.matched, s.doubtful, s.keyframes, s.path_m,
-      outcome.closed ? loops_text(*outcome.closed) : "", outcome.wall_s, rate,
-      outcome.wall_s > 0.0 ? outcome.log_duration_s / outcome.wall_s : 0.0, work_of(s), folder);
+      outcome.closed ? loops_text(*outcome.closed) : "", waited_s, rate,
+      waited_s > 0.0 ? outcome.log_duration_s / waited_s : 0.0, work_of(s), folder);
 }
 
 std::string as_text(const NoddingOutcome& nodding, const std::string& linkage) {
@@ -155,10 +157,13 @@ void check_mcap(const MapOptions& options) {
   check_written_file("--mcap", options.mcap, options.logs);
 }
 
-void write_mcap(const MapOptions& options, const MapRequest& request, const MapOutcome& outcome) {
+void write_mcap(const MapOptions& options, const MapRequest& request, const MapOutcome& outcome,
+                MapProgress& progress) {
   if (options.mcap.empty()) return;
+  progress.making(options.mcap);
   const ReadOptions read = read_options_of(request.settings.log, request.lenient);
   const std::size_t left_out = write_run_recording(options.mcap, request.logs, read, request.range, outcome);
+  progress.clear();
   if (left_out > 0) {
     print_remark(fmt::format("{} scans are not in {}: ROS knows no stamps before 1970 or after 2038", left_out,
                              printable(options.mcap)));
@@ -182,30 +187,21 @@ void check_continued(const CLI::App& command, const MapOptions& options) {
 
 int map(const MapOptions& options) {
   check_mcap(options);
+  MapProgress progress(options.quiet);
   MapRequest request = request_of(options);
   BackendWhenNeeded backend(options.device);
-  ProgressLine line("scans", options.quiet);
-  request.progress = [&line](std::uint64_t done, double share) { line.update(done, share); };
-  TerminalLine closing(options.quiet);
-  request.closing = [&](std::string_view step, double share) {
-    line.clear();
-    closing.draw([&](double) { return fmt::format("{:4.0f} %  {}", 100.0 * share, step); });
-  };
-  request.finishing = [&](std::string_view what) {
-    line.clear();
-    closing.draw_now(fmt::format("making {}", what));
-  };
+  progress.follow(request);
   const MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
-  line.clear();
-  closing.clear();
-  write_mcap(options, request, result.outcome);
+  progress.clear();
+  write_mcap(options, request, result.outcome, progress);
   if (options.folder.empty() && options.continued.empty()) link_latest(request.folder);
-  if (!options.quiet) print_remarks(result.outcome);
+  const double waited_s = progress.elapsed_s();
+  if (!options.quiet) print_remarks(result.outcome, request.folder);
   if (options.json) {
     print_result(result.report);
   } else if (!options.quiet) {
     print_result((result.outcome.nodding ? as_text(*result.outcome.nodding, result.linkage) : "") +
-                 summary_of(result.outcome, printable(request.folder)));
+                 summary_of(result.outcome, printable(request.folder), waited_s));
   }
   if (!result.outcome.interrupted) return static_cast<int>(ExitCode::kDone);
   print_remark(fmt::format("interrupted after {} scans; their results are in {}", result.outcome.trajectory.size(),
@@ -249,10 +245,11 @@ void add_map_command(CLI::App& app, CommandContext& context) {
       ->type_name("DIR");
   command->add_flag("--force", options->force, "Replace files of a run's names in DIR that no run wrote");
   add_settings_options(*command, options->settings);
-  command
-      ->add_option("--matcher", options->matcher,
-                   fmt::format("{};\nshort for --set match.matcher=NAME", fmt::join(matcher_names(), ", ")))
-      ->type_name("NAME")
+  CLI::Option* const matcher =
+      command->add_option("--matcher", options->matcher,
+                          fmt::format("How scans are matched with the map: {}; short for --set match.matcher=NAME",
+                                      fmt::join(matcher_names(), ", ")));
+  offer_words(matcher->type_name("NAME"), {matcher_names().begin(), matcher_names().end()})
       ->check([](const std::string& name) { return name.empty() ? std::string("names no matcher") : std::string(); },
               "");
   add_device_options(*command, options->device);

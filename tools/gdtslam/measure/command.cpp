@@ -134,18 +134,22 @@ void add_search_options(CLI::App& command, MeasureCommand& chosen, CLI::Option* 
   add_length("--min-size", box.min_size_m, kSizes, "Smallest width and height of a box")
       ->needs(boxes)
       ->default_str("10cm");
-  add_length("--max-size", box.max_size_m, kSizes, "Largest")->needs(boxes)->default_str("1.5m");
+  add_length("--max-size", box.max_size_m, kSizes, "Largest width and height of a box")
+      ->needs(boxes)
+      ->default_str("1.5m");
   add_length("--thickness", chosen.search.thickness_m, {1e-3, 1.0},
              "A point farther from a plane is not on it; about three times the noise")
       ->default_str("3cm");
   add_length("--gap", chosen.gap_m, {1e-3, 10.0},
              "Points of one plane have a neighbour this close [10cm for boxes, 25cm for planes]");
   add_count_option(command, "--min-points", chosen.min_points, 3,
-                   "Of a plane or a box's face [50 for boxes, 200 for planes]");
-  add_count_option(command, "--max-planes", chosen.search.max_planes, 1, "No more than the largest N")
+                   "Fewest points of a plane or a box's face [50 for boxes, 200 for planes]");
+  add_count_option(command, "--max-planes", chosen.search.max_planes, 1,
+                   "Number of planes at most, of which the largest are taken")
       ->capture_default_str();
-  add_count_option(command, "--trials", chosen.search.trials, 1, "At most, for each plane")->capture_default_str();
-  add_count_option(command, "--seed", chosen.search.seed, 0, "Of the trials")->capture_default_str();
+  add_count_option(command, "--trials", chosen.search.trials, 1, "Random trials for each plane at most")
+      ->capture_default_str();
+  add_count_option(command, "--seed", chosen.search.seed, 0, "Seed of the random trials")->capture_default_str();
 }
 
 }  // namespace

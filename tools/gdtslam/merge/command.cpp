@@ -103,9 +103,9 @@ void add_merge_command(CLI::App& app, CommandContext& context) {
                     "Replace files of a run's names in the folders of sites that no run wrote");
   command
       ->add_option("--threads", options->request.threads,
-                   "Threads of the CPU; 0: one per processor. Results do not depend on it")
+                   "Threads of the CPU, 0 for one per processor. Results do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(0U, kMostThreads).description(""))
+      ->check(CLI::Range(0U, kMostThreads))
       ->capture_default_str();
   command->add_flag("--no-map", options->no_map,
                     "Do not cast the occupancy map, nor write map.pgm, map.yaml and the pictures of it");

@@ -8,10 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/io/json_file.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/runs/map_log.hpp"
 #include "run.hpp"
 #include "tools/gdtslam/pictures/cloud_picture.hpp"
@@ -19,6 +21,8 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/map_progress.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
@@ -125,14 +129,14 @@ MapOutcome map_into(const RenderOptions& options, const std::string& folder) {
                      .with_copies = !options.run_folder.empty(),
                      .with_pictures = !options.run_folder.empty(),
                      .draw_cloud = draw_run_cloud};
-  ProgressLine line("scans", options.quiet);
-  request.progress = [&line](std::uint64_t done, double share) { line.update(done, share); };
+  MapProgress progress(options.quiet);
+  progress.follow(request);
   request.stop = [] { return interrupted(); };
   if (!options.quiet) request.warn = print_remark;
   BackendWhenNeeded backend({});
   MapResult result = map_logs(request, [&backend](bool has_work) -> Backend& { return backend.of(has_work); });
-  line.clear();
-  if (!options.quiet) print_remarks(result.outcome);
+  progress.clear();
+  if (!options.quiet) print_remarks(result.outcome, options.run_folder);
   return std::move(result.outcome);
 }
 
@@ -213,20 +217,28 @@ void add_flag(CLI::App& command, const char* group, const char* name, bool& valu
 
 void add_look_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kLook = "Look";
-  add(command, kLook, "--size", chosen.size, "Pixels [1600x1000; films 1280x720, .gif 640x360]", "WxH");
-  add(command, kLook, "--title", chosen.title, "Instead of the input's name", "TEXT");
+  add(command, kLook, "--size", chosen.size, "Size of the picture in pixels [1600x1000; films 1280x720, .gif 640x360]",
+      "WxH");
+  add(command, kLook, "--title", chosen.title, "Title of the picture [the input's name]", "TEXT");
   add(command, kLook, "--colour", chosen.colour,
-      "Of a cloud's points: height, elevation, time, scan, distance, plain\n[height; with --reference CLOUD distance]",
+      "Colour of a cloud's points: height, elevation, time, scan, distance, plain\n[height; with --reference CLOUD "
+      "distance]",
       "NAME");
+  offer_words(command.get_option("--colour"), {"height", "elevation", "time", "scan", "distance", "plain"});
   add(command, kLook, "--colour-map", chosen.colour_map, "Colours from low to high: " + colour_map_names(), "NAME");
+  std::vector<std::string> maps;
+  for (const ColourMap& map : colour_maps()) maps.emplace_back(map.name());
+  offer_words(command.get_option("--colour-map"), std::move(maps));
   add(command, kLook, "--range", chosen.range,
       "Ends of the colours with their units, as 0m:2.5m [1st and 99th percentile]", "MIN:MAX");
   add(command, kLook, "--camera", chosen.camera,
-      "Of iso, top, front, side: eye, target (m) and view angle (deg)\nX,Y,Z,X,Y,Z[,ANGLE]", "PLACE");
-  add(command, kLook, "--point-size", chosen.point_px, "Of a cloud's points [by their density]", "PIXELS")
+      "Camera of iso, top, front and side: eye and target in metres, view angle in degrees:\nX,Y,Z,X,Y,Z[,ANGLE]",
+      "PLACE");
+  add(command, kLook, "--point-size", chosen.point_px, "Size of a cloud's points in pixels [by their density]",
+      "PIXELS")
       ->check(CLI::Range(0.1, 50.0));
-  add_flag(command, kLook, "--dark", chosen.is_dark, "Dark background (of clouds, unless --light)");
-  add_flag(command, kLook, "--light", chosen.is_light, "Light background (of all else)");
+  add_flag(command, kLook, "--dark", chosen.is_dark, "Draw on a dark background, as clouds are by themselves");
+  add_flag(command, kLook, "--light", chosen.is_light, "Draw on a light background, as all but clouds is by itself");
   add_flag(command, kLook, "--transparent", chosen.is_transparent, "No background: .png, .svg, .pdf and frames");
   add_flag(command, kLook, "--no-floor", chosen.no_floor, "Leave out the floor of a cloud");
   add_flag(command, kLook, "--no-ceiling", chosen.no_ceiling,
@@ -242,25 +254,30 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
   CLI::Option* const frames = add(command, kFilm, "--frames", chosen.frames, "Number of frames", "N");
   frames->check(whole_number_from(1));
   add(command, kFilm, "--seconds", chosen.seconds,
-      "Instead: how long it plays [orbit 8, follow 20, scan real time up to 20, scene 4,\nloops 12]", "TIME")
+      "Time that a film plays, in place of --frames [orbit 8, follow 20, scan real time up to 20, scene 4,\nloops 12]",
+      "TIME")
       ->excludes(frames);
-  add(command, kFilm, "--from", chosen.from, "Of scan and elevation: begin, counted from the first pose", "TIME");
-  add(command, kFilm, "--to", chosen.to, "And end", "TIME");
+  add(command, kFilm, "--from", chosen.from, "Begin of the views scan and elevation, counted from the first pose",
+      "TIME");
+  add(command, kFilm, "--to", chosen.to, "End of the views scan and elevation, counted from the first pose", "TIME");
   add(command, kFilm, "--ffmpeg", chosen.ffmpeg, "The program that makes .mp4 and .gif [ffmpeg of PATH]", "FILE");
 }
 
 void add_data_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kData = "Data";
   add(command, kData, "--reference", chosen.reference,
-      "A cloud in the same frame, for distances; or of errors-*: the true trajectory, TUM", "FILE");
-  add(command, kData, "--relations", chosen.relations, "Of errors-*: verified relations, as evaluate reads them",
+      "A cloud in the same frame, for distances; the true trajectory, TUM, for errors-*", "FILE");
+  add(command, kData, "--relations", chosen.relations, "Verified relations for errors-*, as evaluate reads them",
       "FILE")
       ->excludes("--reference");
-  add_flag(command, kData, "--angle", chosen.is_angle, "Of errors-*: the heading instead of the position");
-  add(command, kData, "--at", chosen.at, "Of cells: the middle [the obstacle nearest to the field's middle]", "X,Y");
-  add(command, kData, "--cells", chosen.cells, "Of cells: so many a side, at most 60 [12]", "N")
+  add_flag(command, kData, "--angle", chosen.is_angle,
+           "Show errors of the heading in errors-*, in place of those of the position");
+  add(command, kData, "--at", chosen.at, "Middle of the view cells [the obstacle nearest to the field's middle]",
+      "X,Y");
+  add(command, kData, "--cells", chosen.cells, "Cells a side in the view cells, 60 at most [12]", "N")
       ->check(whole_number_from(1));
-  add_flag(command, kData, "--squared", chosen.is_squared, "Of cells: squared distances, as figure 3 has them");
+  add_flag(command, kData, "--squared", chosen.is_squared,
+           "Show squared distances in the view cells, as figure 3 has them");
   add(command, kData, "--points", chosen.points,
       "Thin a cloud to at most N points [films 500,000, follow and .gltf\n1,000,000, .html 500,000, stills of all of "
       "it as "
@@ -270,7 +287,8 @@ void add_data_options(CLI::App& command, RenderOptions& chosen) {
   add(command, kData, "--linkage", chosen.linkage, "How the laser nods, where the input does not say: preset or file",
       "NAME|FILE");
   add_recording_options(command, chosen.recording);
-  add(command, kData, "--run", chosen.run_folder, "Of a log: keep the run that is mapped for the picture", "DIR");
+  add(command, kData, "--run", chosen.run_folder,
+      "Folder in which the run of a log that is mapped for the picture is kept", "DIR");
 }
 
 }  // namespace
@@ -290,7 +308,10 @@ void add_render_command(CLI::App& app, CommandContext& context) {
                    "File, by its ending: .png .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
                    "cloud .gltf .ply .pcd [<name>-<view>.png here]")
       ->type_name("FILE");
-  command->add_option("--view", chosen->view, "What is drawn (see --list-views)")->type_name("NAME");
+  CLI::Option* const view = command->add_option("--view", chosen->view, "What is drawn (see --list-views)");
+  std::vector<std::string> views;
+  for (const RenderView& row : render_views()) views.emplace_back(row.name);
+  offer_words(view->type_name("NAME"), std::move(views));
   command->add_flag("--list-views", chosen->lists_views, "List the views that this input has");
   add_look_options(*command, *chosen);
   add_film_options(*command, *chosen);

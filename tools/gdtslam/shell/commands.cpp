@@ -2,7 +2,7 @@
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
+#include <CLI/Formatter.hpp>  // what CLI::App::help() is made of: the constructor wants it
 
 #include <algorithm>
 #include <cstdio>
@@ -14,14 +14,19 @@
 #include <string_view>
 #include <vector>
 
+#include "command_tree.hpp"
 #include "console.hpp"
 #include "engine/core/memory/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
+#include "help_page.hpp"
 #include "modules.hpp"
+#include "version_text.hpp"
 
 namespace gdtslam {
 namespace {
+
+constexpr const char* kHelpGroup = "This machine and this program";
 
 constexpr const char* kExamples =
     "Examples:\n"
@@ -40,6 +45,7 @@ constexpr const char* kExamples =
 void add_missing_command(CLI::App& app, CommandContext& context, const std::string& name,
                          const std::string& description, const std::string& reason) {
   CLI::App* command = add_command(app, name, description);
+  command->group(kMissingCommands);
   command->allow_extras();
   command->callback([&context, reason] { context.run = [reason]() -> int { throw UnavailableError(reason); }; });
 }
@@ -58,15 +64,17 @@ void add_row(CLI::App& app, CommandContext& context, const CommandRow& row) {
     row.add(app, context);
   } else if (row.missing_option != nullptr) {
     const std::string option = row.missing_option;
-    add_missing_command(app, context, name, "Not in this build (" + option + "=OFF)",
+    add_missing_command(app, context, name, "Built with " + option + "=ON only",
                         "this build has no '" + name + "'; configure it with -D" + option + "=ON");
   } else {
     add_module_command(app, context, name);
   }
+  CLI::App* const command = app.get_subcommand(name);
+  if (command->get_group() != kMissingCommands) command->group(row.group);
 }
 
-/// Which sub-commands a command line needs with their options: the one that it names, all for the help. The others get
-/// a name only, so that nothing is loaded for them.
+/// Which sub-commands a command line needs with their options: the one that it names, all for the help and for what is
+/// made of it (`generate`). The others get a name only, so that nothing is loaded for them.
 class WantedCommands {
  public:
   explicit WantedCommands(std::span<char* const> arguments) {
@@ -78,7 +86,7 @@ class WantedCommands {
       name_ = argument;
       break;
     }
-    all_ = all_ || arguments.empty() || name_ == "help";
+    all_ = all_ || arguments.empty() || name_ == "help" || name_ == "generate";
   }
   [[nodiscard]] bool has(std::string_view name) const { return all_ || name == name_; }
 
@@ -103,10 +111,7 @@ std::string path_of(const CLI::App* app) {
   return app->get_parent() == nullptr ? app->get_name() : path_of(app->get_parent()) + " " + app->get_name();
 }
 
-// Of this very command: App::help() would be that of the sub-command which was parsed.
-std::string help_of(const CLI::App* app) {
-  return app->get_formatter()->make_help(app, path_of(app), CLI::AppFormatMode::Normal);
-}
+std::string help_of(CLI::App* app) { return help_page(command_text(*app), help_width()); }
 
 int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
@@ -124,7 +129,13 @@ int print_help_on(CLI::App* app, const std::vector<std::string>& words) {
 void add_help_command(CLI::App& app, CommandContext& context) {
   auto words = std::make_shared<std::vector<std::string>>();
   CLI::App* command = add_command(app, "help", "Help on a command, as --help behind it");
-  command->add_option("command", *words, "The command; none: all of them")->type_name("NAME");
+  CLI::Option* const named =
+      command->add_option("command", *words, "The command, and its own command after it (default: the list of all)");
+  named->type_name("NAME");
+  std::vector<std::string> names = names_of(&app);
+  std::erase_if(names, [](const std::string& name) { return name.starts_with('-'); });
+  offer_words(named, std::move(names));
+  command->group(kHelpGroup);
   command->footer("Examples:\n  gdtslam help map\n  gdtslam help config show");
   command->callback([&app, &context, words] { context.run = [&app, words] { return print_help_on(&app, *words); }; });
 }
@@ -132,10 +143,10 @@ void add_help_command(CLI::App& app, CommandContext& context) {
 std::unique_ptr<CLI::App> make_app(std::span<const CommandRow> commands, const WantedCommands& wanted,
                                    CommandContext& context) {
   auto app = std::make_unique<CLI::App>("2D and 3D mapping with a laser range finder and wheel odometry", "gdtslam");
-  app->set_version_flag("--version", "gdtslam " GDTSLAM_VERSION, "Print the version and exit");
+  const auto version = [build = context.build] { return version_text(build); };
+  app->set_version_flag("--version", version, "Print the version, its commit and what this build can do, and exit");
   app->set_help_flag("-h,--help", "Print this help and exit");
   app->require_subcommand(1);
-  app->get_formatter()->column_width(34);
   app->footer(kExamples);
   for (const CommandRow& command : commands) {
     if (wanted.has(command.name)) {
@@ -173,8 +184,9 @@ int report(std::string_view message, ExitCode code) {
   return static_cast<int>(code);
 }
 
-int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands) {
+int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands, const BuildStamp& build) {
   CommandContext context;
+  context.build = build;
   const std::span<char* const> arguments(argv, static_cast<std::size_t>(std::max(argc, 0)));
   const WantedCommands wanted(arguments.subspan(std::min<std::size_t>(1, arguments.size())));
   const std::unique_ptr<CLI::App> app = make_app(commands, wanted, context);
@@ -185,7 +197,7 @@ int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands) {
     print_result(help_of(chosen_app(app.get())));
     return static_cast<int>(ExitCode::kDone);
   } catch (const CLI::CallForVersion& version) {
-    print_result(std::string(version.what()) + "\n");
+    print_result(version.what());
     return static_cast<int>(ExitCode::kDone);
   } catch (const CLI::ParseError& error) {
     return report(usage_message(app.get(), error), ExitCode::kUsage);
@@ -204,12 +216,14 @@ int parse_and_run(int argc, char** argv, std::span<const CommandRow> commands) {
 }  // namespace
 
 CLI::App* add_command(CLI::App& parent, const std::string& name, const std::string& description) {
-  return parent.add_subcommand(name, description);
+  CLI::App* const command = parent.add_subcommand(name, description);
+  command->group("Commands");
+  return command;
 }
 
-int run_command_line(int argc, char** argv, std::span<const CommandRow> commands) noexcept {
+int run_command_line(int argc, char** argv, std::span<const CommandRow> commands, const BuildStamp& build) noexcept {
   try {
-    return parse_and_run(argc, argv, commands);
+    return parse_and_run(argc, argv, commands, build);
   } catch (const Error& error) {
     return report(error.what(), error.code());
   } catch (const std::bad_alloc&) {

@@ -5,15 +5,23 @@
 
 #include <functional>
 #include <span>
+#include <string_view>
 
 #include "cli.hpp"
 
 namespace gdtslam {
 
+/// What the program was built from. It is no part of any result: those depend on the version alone.
+struct BuildStamp {
+  std::string_view commit;  ///< of git, or as the packager named it; "unknown" elsewhere
+  std::string_view date;    ///< of that commit, YYYY-MM-DD; empty where it is not known
+};
+
 /// What the command line asked for.
 struct CommandContext {
   std::function<int()> run;  ///< the chosen sub-command; returns the exit code
   const char* when_out_of_memory = "it needs less data at a time or more memory";  ///< what to do then
+  BuildStamp build{};
 };
 
 /// Of the commands that make maps.
@@ -23,14 +31,18 @@ inline constexpr const char* kSmallerMap =
 /// A sub-command of this build, or of another: tools/CMakeLists.txt lists them.
 struct CommandRow {
   const char* name;
+  const char* group;                                    ///< its heading in the help
   void (*add)(CLI::App& app, CommandContext& context);  ///< null: not in this program
   const char* missing_option;  ///< the CMake option that is off then; null: the command is a module (modules.hpp)
 };
 /// In the order of the help.
 std::span<const CommandRow> command_table();
 
+/// Of the program, which alone is made anew when the commit changes (cmake/GdtslamStamp.cmake).
+BuildStamp build_stamp();
+
 /// Parses the command line and runs which of the sub-commands it asks for. Every error is one line on standard error;
 /// returns the exit code (core/error.hpp). Never throws.
-int run_command_line(int argc, char** argv, std::span<const CommandRow> commands) noexcept;
+int run_command_line(int argc, char** argv, std::span<const CommandRow> commands, const BuildStamp& build) noexcept;
 
 }  // namespace gdtslam

@@ -32,21 +32,21 @@ Pose2 mount_of(const std::string& text) {
 void add_recording_options(CLI::App& command, RecordingOptions& options) {
   command
       .add_option("--topic", options.topics,
-                  "Of a recording: the topic of its scans, once for each laser, or 'all' [the only one that has any]")
+                  "Topic of the scans of a recording, once for each laser, or 'all' [the only one that has any]")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command
       .add_option("--odom", options.odometry,
-                  "Of a recording: the topic of its odometry, or tf [the first one, else the transforms]")
+                  "Topic of the odometry of a recording, or tf [the first one, else the transforms]")
       ->type_name("NAME");
   command
       .add_option("--crank", options.crank,
-                  "Of a recording: the topic of the nodding mount's crank; log.crank says what it counts")
+                  "Topic of the crank of a nodding mount in a recording; log.crank says what it counts")
       ->type_name("NAME[:JOINT]");
   command
       .add_option("--mount", options.mounts,
-                  "Where the laser sits on the robot: x,y,yaw; of one of several lasers NAME=x,y,yaw\n"
-                  "[what the log says]; short for log.mount")
+                  "Where the laser sits on the robot: x,y,yaw; of one of several lasers NAME=x,y,yaw; short for\n"
+                  "log.mount [what the log says]")
       ->type_name("X,Y,YAW")
       ->allow_extra_args(false);
 }

@@ -4,28 +4,15 @@
 #include <CLI/App.hpp>
 
 #include "console.hpp"
-#include "gdtslam/core/angle.hpp"
 #include "gdtslam/io/config_yaml.hpp"
 
 namespace gdtslam {
-namespace {
-
-constexpr std::size_t kMostDoubtsShown = 5;
-
-std::string as_text(const DoubtfulScan& scan) {
-  const std::string what = scan.accepted
-                               ? fmt::format("the match is taken, {:.3f} m and {:.1f} deg from the prediction",
-                                             scan.from_prediction_m, deg_from_rad(scan.from_prediction_rad))
-                               : "the prediction is taken";
-  return fmt::format("doubtful scan {} at {:.6f} s: {}; {}", scan.index, scan.stamp_s, to_string(scan.reason), what);
-}
-
-}  // namespace
 
 void add_settings_options(CLI::App& command, SettingsOptions& options) {
-  command.add_option("-c,--config", options.file, "Configuration (YAML); 'gdtslam config show' lists every option")
+  command.add_option("-c,--config", options.file, "File of options, YAML; 'gdtslam config show' lists every option")
       ->type_name("FILE");
-  command.add_option("--set", options.sets, "One option, for example --set map.resolution=\"10 cm\"; may be repeated")
+  command
+      .add_option("--set", options.sets, "One option, for example --set map.resolution=\"10 cm\"; counts over the file")
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
 }
@@ -45,15 +32,18 @@ void print_warnings(const std::vector<LogReader::Warning>& warnings) {
   }
 }
 
-void print_remarks(const MapOutcome& outcome) {
+std::string doubts_text(const MapOutcome& outcome, const std::string& folder) {
+  if (outcome.doubtful.empty()) return {};
+  const std::size_t count = outcome.doubtful.size();
+  std::string text = fmt::format("{} of {} scans {} doubtful", count, scans_of(outcome), count == 1 ? "is" : "are");
+  if (!folder.empty()) text += fmt::format("; 'gdtslam doctor --after {}' says where to look", folder);
+  return text;
+}
+
+void print_remarks(const MapOutcome& outcome, const std::string& folder) {
   print_warnings(outcome.warnings);
-  for (std::size_t k = 0; k < outcome.doubtful.size() && k < kMostDoubtsShown; ++k) {
-    print_remark(as_text(outcome.doubtful[k]));
-  }
-  if (outcome.doubtful.size() > kMostDoubtsShown) {
-    print_remark(
-        fmt::format("and {} more doubtful scans; report.json lists all", outcome.doubtful.size() - kMostDoubtsShown));
-  }
+  const std::string doubts = doubts_text(outcome, folder);
+  if (!doubts.empty()) print_remark(doubts);
 }
 
 }  // namespace gdtslam

@@ -24,7 +24,11 @@ Settings load_settings(const SettingsOptions& options);
 /// On standard error, each kind on a line of its own.
 void print_warnings(const std::vector<LogReader::Warning>& warnings);
 
-/// The warnings, and the first scans in doubt.
-void print_remarks(const MapOutcome& outcome);
+/// The warnings, and in a line how many scans are in doubt and where to look: in `folder`, empty where the run is not
+/// kept.
+void print_remarks(const MapOutcome& outcome, const std::string& folder = "");
+
+/// That line without its end; empty where no scan is in doubt.
+std::string doubts_text(const MapOutcome& outcome, const std::string& folder);
 
 }  // namespace gdtslam

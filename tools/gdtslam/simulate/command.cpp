@@ -19,6 +19,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
@@ -182,6 +183,7 @@ void add_nodding_options(CLI::App& command, SimulateCommand& chosen) {
                   "each step")
       ->type_name("MODE")
       ->group("Nodding");
+  offer_words(command.get_option("--nod"), {"continuous", "stop-and-scan", "stepped"});
   command.add_option("--crank-rate", options.crank_rate_hz, "Turns of the crank a second")
       ->type_name("HZ")
       ->group("Nodding");
@@ -219,6 +221,8 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
                    "office-3f, office-7f, three-boxes, wall, walls")
       ->required()
       ->type_name("SCENE");
+  offer_words(command->get_option("scene"),
+              {"office-loop", "corridor", "office-3f", "office-7f", "three-boxes", "wall", "walls"});
   command
       ->add_option(
           "-o,--output", options.output,
@@ -230,9 +234,11 @@ void add_simulate_command(CLI::App& app, CommandContext& context) {
       ->type_name("LOG");
   add_count_option(*command, "--seed", options.seed, 0, "Seed of every random number")->capture_default_str();
   command
-      ->add_option("--laser", options.laser,
-                   "Instead of the scene's laser: sick-lms, sick-361, hokuyo-961 or lidar-360 (mount and height stay)")
+      ->add_option(
+          "--laser", options.laser,
+          "Laser in place of the scene's, whose mount and height stay: sick-lms, sick-361, hokuyo-961 or lidar-360")
       ->type_name("PRESET");
+  offer_words(command->get_option("--laser"), {"sick-lms", "sick-361", "hokuyo-961", "lidar-360"});
   command->add_option("--rate", options.scan_rate_hz, "Scans a second, instead of the scene's")->type_name("HZ");
   command
       ->add_option(

@@ -15,6 +15,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/verify_record.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {
@@ -180,9 +181,9 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
       .add_option("filter", options.filter,
                   "Only kernels whose name contains this, and no logs; 'logs': the logs and no kernels")
       ->type_name("NAME");
-  command.add_option("--random", options.random_cases, "So many random cases beside the standard ones")
+  command.add_option("--random", options.random_cases, "Number of random cases beside the standard ones")
       ->type_name("N")
-      ->check(CLI::Range(0U, kMostRandom).description(""))
+      ->check(CLI::Range(0U, kMostRandom))
       ->capture_default_str();
   add_count_option(command, "--seed", options.seed, 0, "Seed of the random cases")->capture_default_str();
   command.add_flag("--large", options.large, "The largest sizes too, which take minutes on a slow device");
@@ -197,6 +198,7 @@ void add_case_options(CLI::App& command, VerifyCommand& chosen) {
       ->type_name("NAME")
       ->check(CLI::IsMember({"by-device", "wide", "narrow", "all"}).description(""))
       ->capture_default_str();
+  offer_words(command.get_option("--variants"), {"by-device", "wide", "narrow", "all"});
   command
       .add_option("--write-expected", chosen.write_expected,
                   "Only map the sample log on the CPU, or nodding-start where FILE is named after it, and write what\n"

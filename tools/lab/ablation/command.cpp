@@ -157,7 +157,7 @@ void add_ablation_command(CLI::App& app, CommandContext& context) {
   command->add_option("-o,--output", options->output, "The Markdown table to write")->required()->type_name("FILE");
   command
       ->add_option("--variant", options->variants,
-                   "Compare this instead of the standard list: assignments separated by blanks; may be repeated")
+                   "Assignments, separated by blanks, that are compared in place of the standard list; may be repeated")
       ->type_name("\"PATH=VALUE ...\"")
       ->allow_extra_args(false);
   add_recording_options(*command, options->recording);

@@ -23,6 +23,7 @@
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
@@ -215,37 +216,38 @@ int bench(const BenchOptions& options) {
 
 void add_log_options(CLI::App& command, BenchOptions& options) {
   command
-      .add_option("--log", options.log,
-                  "certified, live, work: the log that is mapped (default: the sample that comes along)")
+      .add_option("--log", options.log, "Log that certified, live and work map (default: the sample that comes along)")
       ->type_name("LOG");
   add_recording_options(command, options.recording);
   add_settings_options(command, options.settings);
-  command.add_option("--scans", options.certified.scans, "certified: scans that are looked for, evenly over the log")
+  command.add_option("--scans", options.certified.scans, "Scans that certified looks for, evenly over the log")
       ->type_name("N")
-      ->check(CLI::Range(1, 100000).description(""))
+      ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  add_quantity_option(command, "--lattice", options.certified.lattice_s, Unit::kSecond, {0.0, 1.0e6},
-                      "certified: CPU time for the lattice beside it in each window, one search at least; 0: none")
+  add_quantity_option(
+      command, "--lattice", options.certified.lattice_s, Unit::kSecond, {0.0, 1.0e6},
+      "CPU time of certified for the lattice beside it in each window, one search at least; 0 leaves it out")
       ->default_str(format_quantity(options.certified.lattice_s, Unit::kSecond));
   command
       .add_option("--speed", options.live.speed,
-                  "live: scans come so many times as fast as their stamps say; 0: as fast as they are done")
+                  "Times as fast as their stamps say that the scans of live come; 0 for as fast as they are done")
       ->type_name("N")
-      ->check(CLI::Range(0.0, 1.0e6).description(""))
+      ->check(CLI::Range(0.0, 1.0e6))
       ->capture_default_str();
-  command.add_flag("!--no-loops", options.live.loops, "live: match each scan with one map of all that was seen");
+  command.add_flag("!--no-loops", options.live.loops, "Match each scan of live with one map of all that was seen");
 }
 
 void add_comparison_options(CLI::App& command, BenchOptions& options) {
   command
-      .add_option("--against", options.against,
-                  "What an earlier run printed with --json: how many times as fast each row is now, with its interval")
+      .add_option(
+          "--against", options.against,
+          "What an earlier run printed with --json: each row says how many times as fast it is now, with its interval")
       ->type_name("FILE");
   command
       .add_option("--fail-below", options.fail_below,
                   "Exit 1 where a row's whole interval lies below this many times the speed of --against")
       ->type_name("R")
-      ->check(CLI::Range(0.0, 1.0e3).description(""));
+      ->check(CLI::Range(0.0, 1.0e3));
 }
 
 }  // namespace
@@ -263,24 +265,26 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
                    "of a device; "
                    "'logs': logs of every format read")
       ->type_name("NAME");
+  offer_words(command->get_option("filter"),
+              {"transform", "scan", "sweep", "clouds", "viewer", "certified", "live", "work", "logs"});
   command->add_option("--size", options->size, "Side of the square for the whole distance transforms, cells")
       ->type_name("N")
-      ->check(CLI::Range(std::uint32_t{32}, kLargestSize).description(""))
+      ->check(CLI::Range(std::uint32_t{32}, kLargestSize))
       ->capture_default_str();
   command->add_option("--samples", options->timing.samples, "Samples of each time at most; the median counts")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000).description(""))
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   add_log_options(*command, *options);
   command
       ->add_option("--megabytes", options->logs.megabytes,
-                   "logs: size of the drive, as an MCAP file that is not packed, in 1e6 bytes")
+                   "Size of the drive that logs reads, as an MCAP file that is not packed, in 1e6 bytes")
       ->type_name("N")
-      ->check(CLI::Range(0.1, 1.0e4).description(""))
+      ->check(CLI::Range(0.1, 1.0e4))
       ->capture_default_str();
   add_comparison_options(*command, *options);
   command->add_flag("--flood-errors", options->flood_errors,
-                    "Instead of times: the errors of jump flooding from 512 to --size, as a table");
+                    "Print a table of the errors of jump flooding from 512 to --size in place of times");
   command->add_flag("--json", options->json, "Print JSON");
   add_device_options(*command, options->device, false);
   command->footer(

@@ -16,6 +16,7 @@
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/device/device_option.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
@@ -168,9 +169,10 @@ int compare(const CompareOptions& options) {
 void add_protocol_options(CLI::App& command, CompareOptions& options) {
   command
       .add_option("--matchers", options.methods,
-                  fmt::format("Methods to compare, separated by commas, in this order (default: all):\n{}",
+                  fmt::format("Methods to compare, separated by commas, in this order: {} [all]",
                               fmt::join(matcher_names(), ", ")))
       ->type_name("A,B,...");
+  offer_words(command.get_option("--matchers"), {matcher_names().begin(), matcher_names().end()});
   command
       .add_option("--starts-at", options.levels,
                   "Starts off the global solution, distance/angle each, besides the odometry's prediction; none")
@@ -182,13 +184,15 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
       ->capture_default_str();
   add_count_option(command, "--seed", options.job.seed, 0, "Seed of the directions of the starts")
       ->capture_default_str();
-  command.add_option("--gap", options.gap, "Of the mean distance: the proof that is asked of the global solution")
+  command.add_option("--gap", options.gap, "Gap of the mean distance that the proof of the global solution may leave")
       ->type_name("LENGTH")
       ->capture_default_str();
-  CLI::Option* relations = command.add_option(
-      "--relations", options.relations, "Also map the whole log with each matcher, against these verified relations");
-  CLI::Option* reference =
-      command.add_option("--reference", options.reference, "Likewise, against a true trajectory, TUM, plain or gzip");
+  CLI::Option* relations =
+      command.add_option("--relations", options.relations,
+                         "Verified relations that the whole log, mapped with each matcher, is compared with");
+  CLI::Option* reference = command.add_option(
+      "--reference", options.reference,
+      "True trajectory, TUM, plain or gzip, that the whole log, mapped with each matcher, is compared with");
   relations->type_name("FILE")->excludes(reference);
   reference->type_name("FILE");
 }

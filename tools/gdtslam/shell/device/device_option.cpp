@@ -11,6 +11,7 @@
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
+#include "tools/gdtslam/shell/offers.hpp"
 #include "verify_record.hpp"
 
 namespace gdtslam {
@@ -92,6 +93,12 @@ unsigned named_device(const DeviceName& name, const VulkanListing& listing) {
   return device->index;
 }
 
+std::vector<std::string> isa_names() {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < kIsaCount; ++k) names.emplace_back(to_string(static_cast<Isa>(k)));
+  return names;
+}
+
 }  // namespace
 
 void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fallback) {
@@ -101,26 +108,28 @@ void add_device_options(CLI::App& command, DeviceOptions& options, bool with_fal
                   "'gdtslam devices' lists them. Results do not depend on it")
       ->type_name("NAME")
       ->capture_default_str();
+  offer_words(command.get_option("--device"), {"auto", "cpu", "vulkan"});
   command
-      .add_option("--threads", options.threads, "Threads of the CPU; 0: one per processor. Results do not depend on it")
+      .add_option("--threads", options.threads,
+                  "Threads of the CPU, 0 for one per processor. Results do not depend on it")
       ->type_name("N")
       ->each([&options](const std::string&) { options.are_threads_given = true; })
-      ->check(CLI::Range(0U, kMostThreads).description(""))
+      ->check(CLI::Range(0U, kMostThreads))
       ->capture_default_str();
   command
       .add_option("--isa", options.isa,
                   "Force the CPU's instruction set: baseline, avx2 or avx512. Results do not depend on it")
       ->type_name("NAME");
+  offer_words(command.get_option("--isa"), isa_names());
   if (!with_fallback) return;
   command.add_flag("--no-fallback", options.no_fallback,
                    "Fail (exit 1, with the call of the driver) rather than go on with the CPU when the device fails");
 }
 
 Isa isa_from_name(const std::string& name) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < kIsaCount; ++k) {
-    names.emplace_back(to_string(static_cast<Isa>(k)));
-    if (name == names.back()) return static_cast<Isa>(k);
+  const std::vector<std::string> names = isa_names();
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (name == names[k]) return static_cast<Isa>(k);
   }
   throw UsageError("--isa: there is no instruction set '" + name + "'" + did_you_mean(name, names) +
                    " (baseline, avx2 or avx512)");

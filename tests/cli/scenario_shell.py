@@ -1,0 +1,380 @@
+"""The help at the width of a terminal, option texts, manual pages, and what shells complete: by the shells themselves."""
+
+import fcntl
+import json
+import os
+import pty
+import re
+import select
+import shutil
+import struct
+import subprocess
+import termios
+import time
+
+import cli_support as cli
+from cli_support import LOG, PROGRAM, RUN, SLOWNESS, SOURCE, command, expect, expect_exit, fresh_folder, skip
+
+
+def pages(folder):
+    """The manual in a folder; the names of its commands, as their words."""
+    expect_exit(command("generate", "man", "-o", folder), 0)
+    names = sorted(file.stem for file in (folder / "man1").iterdir())
+    return [name.split("-")[1:] for name in names]
+
+
+def need(*programs):
+    """Skips where one of the programs is not there; fails when GDTSLAM_REQUIRE_PROGRAMS=1."""
+    missing = [program for program in programs if shutil.which(program) is None]
+    if missing:
+        expect(os.environ.get("GDTSLAM_REQUIRE_PROGRAMS") != "1", f"GDTSLAM_REQUIRE_PROGRAMS=1 and not there: {missing}")
+        skip(f"not there: {missing}")
+
+
+def help_fits_the_terminal():
+    """Help of every command at four widths: no line is wider, no word is broken, nothing of the parser shows; a terminal
+    gives its width by itself."""
+    commands = pages(fresh_folder("help_pages"))
+    expect(["map"] in commands and ["fleet", "plan"] in commands, f"commands: {commands}")
+    for columns, most in ((60, 60), (80, 80), (100, 100), (300, 100), ("wide", 80), (None, 80)):
+        for words in commands:
+            variable = None if columns is None else str(columns)
+            process = command(*words, "--help", env=cli.environment(COLUMNS=variable))
+            expect_exit(process, 0)
+            for line in process.stdout.splitlines():
+                is_one_word = len(line.split()) <= 2  # such as a list of numbers that is a default, or a quoted example
+                expect(len(line) <= most or is_one_word, f"{words} at {columns}: {len(line)} columns: {line!r}")
+            for noise in ("Excludes:", "Needs:", "INT in", "FLOAT in", "REQUIRED", "{false}"):
+                expect(noise not in process.stdout, f"{words}: {noise!r} in the help")
+    words = re.sub(r"\s+", "", command("map", "--help", env=cli.environment(COLUMNS="60")).stdout.replace("\\\n", ""))
+    wide = re.sub(r"\s+", "", command("map", "--help", env=cli.environment(COLUMNS="100")).stdout.replace("\\\n", ""))
+    expect(words == wide, "another width has other words")
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 66, 0, 0))
+    process = subprocess.Popen([PROGRAM, "map", "--help"], stdout=theirs, stderr=theirs, env=cli.environment(COLUMNS=None))
+    os.close(theirs)
+    shown = read_all(ours).replace("\r", "")
+    expect(process.wait(timeout=60) == 0, "help on a terminal")
+    expect(shown == command("map", "--help", env=cli.environment(COLUMNS="66")).stdout, f"not 66 columns wide: {shown}")
+
+
+def help_groups_the_commands():
+    """Commands stand under headings, each once, and defaults and bounds in one form."""
+    text = command("--help").stdout
+    found = re.findall(r"^([A-Z][a-z ]+):\n((?:  [a-z]+ .*\n(?:    .*\n)*)+)", text, re.MULTILINE)
+    groups = {title: re.findall(r"^  ([a-z]+) ", rows, re.MULTILINE) for title, rows in found if title != "Examples"}
+    expect(groups.get("Map", [])[:2] == ["map", "live"], f"{groups}")
+    expect("evaluate" in groups.get("Measure and calibrate", []) and "doctor" in groups.get("Look", []), f"{groups}")
+    names = [name for rows in groups.values() for name in rows]
+    expect(len(names) == len(set(names)) and {"help", "generate", "bench", "simulate"} <= set(names), f"{names}")
+    rows = re.sub(r"\s+", " ", command("linkage", "--help").stdout)
+    expect("Number of linkages, with cranks spread over their range (default: 1; 1 to 100; with --design)" in rows, rows)
+    expect("Angle that the laser sweeps (default: 90deg; with --design)" in rows, rows)
+
+
+# How a text begins that needs the one before it to be understood.
+TAIL = re.compile(r"(And|Or|Of|With what|Likewise|Instead|Such|So|Also|But|The same|Then|Else|Ditto)\b")
+
+
+def expect_sentence(where, text):
+    expect(re.match(r"[A-Z0-9]", text), f"{where}: does not begin as a sentence: {text!r}")
+    expect(not TAIL.match(text), f"{where}: the tail of another text: {text!r}")
+    expect(not text.endswith((".", ",", ";", ":")), f"{where}: ends with {text[-1]!r}: {text!r}")
+    expect(len(text.split()) >= 2 and len(text) >= 10, f"{where}: says nothing alone: {text!r}")
+    expect(not re.search(r"\b(the )?(next|previous|last) (one|two|three|option)s?\b", text), f"{where}: names a neighbour: {text!r}")
+
+
+def option_texts_stand_alone():
+    """Each option's text is a sentence that is understood without its neighbour: in the settings and in every command."""
+    rows = json.loads(command("config", "show", "--json").stdout)
+    expect(len(rows) > 90, f"{len(rows)} options")
+    for row in rows:
+        expect_sentence(row["path"], row["doc"])
+    texts = [row["doc"] for row in rows]
+    expect(len(set(texts)) == len(texts), f"said twice: {sorted(t for t in texts if texts.count(t) > 1)}")
+    schema = json.loads(command("config", "schema").stdout)
+    expect(schema["properties"]["keyframe"]["properties"]["angle"]["description"] in texts, "the schema has other texts")
+    folder = fresh_folder("option_texts")
+    count = 0
+    for words in pages(folder):
+        page = (folder / "man1" / ("-".join(["gdtslam", *words]) + ".1")).read_text()
+        for option, text in re.findall(r"^\.TP\n(\\fB\\-.*)\n((?:(?!\.).*\n)+)", page, re.MULTILINE):
+            plain = re.sub(r"\\([-e&]|\((aq|ga|ha|ti))", lambda m: {"-": "-", "e": "\\"}.get(m.group(1), "'"), text)
+            sentence = re.sub(r"\. \(.*\)$|\.$", "", " ".join(plain.split()))
+            expect_sentence(f"{words} {option}", sentence)
+            count += 1
+    expect(count > 300, f"only {count} options were found in the pages")
+
+
+def config_show_of_a_part():
+    """A filter finds options by path, by text and by glob, in any form of output; angles are in degrees; what fits nowhere
+    gets a hint."""
+    def paths(*arguments):
+        process = command("config", "show", *arguments)
+        expect_exit(process, 0)
+        return re.findall(r"^([a-z_.]+) +=", process.stdout, re.MULTILINE)
+    everything = paths()
+    expect(paths("keyframe.") == [p for p in everything if p.startswith("keyframe.")] != [], "by path")
+    expect(paths("KEYFRAME.Angle") == ["keyframe.angle"], "upper and lower case")
+    expect(paths("log.mount*") == ["log.mount", "log.mount_x", "log.mount_y", "log.mount_angle"], "by glob")
+    expect("doubt.suspect_overlap" in paths("window"), "by text")
+    expect(paths("resolution", "--set", "map.resolution=10cm") == ["map.resolution"], "with --set")
+    text = command("config", "show", "search.step_angle").stdout
+    expect(re.search(r"= 2\.00535 deg\n.*\n +default 2\.00535 deg; allowed 0\.0286479 deg to 180\.482 deg;", text), text)
+    everything_shown = command("config", "show").stdout
+    expect(not re.search(r"[0-9] rad\b", everything_shown), "an angle in radians")
+    row, = json.loads(command("config", "show", "search.step_angle", "--json").stdout)
+    expect(row["value"] == "0.035 rad", f"JSON has the exact value: {row}")
+    expect(command("config", "show", "keyframe.", "--yaml").stdout.count(":\n") == 1, "one section of the file")
+    process = command("config", "show", "keyfrme")
+    expect_exit(process, 2)
+    expect("no option has 'keyfrme' in its path or its text; did you mean 'keyframe'?" in process.stderr, process.stderr)
+
+
+def manual_pages():
+    """A page for each command, without a complaint of mandoc and man; the same bytes on any day; every file of a run."""
+    need("mandoc", "man")
+    folder = fresh_folder("manual")
+    commands = pages(folder / "a")
+    again = cli.environment(SOURCE_DATE_EPOCH="86400", COLUMNS="40", LC_ALL="C", TZ="Asia/Tokyo")
+    expect_exit(command("generate", "man", "-o", folder / "b", env=again), 0)
+    listed = command("generate", "man", "--list").stdout.split()
+    files = sorted((folder / "a").glob("man*/*"))
+    expect(sorted(listed) == sorted(file.name for file in files), f"{listed}")
+    for file in files:
+        text = file.read_text()
+        other = (folder / "b" / file.relative_to(folder / "a")).read_text()
+        expect('"1970-01-02"' in other.splitlines()[1], f"{file.name}: not of SOURCE_DATE_EPOCH: {other.splitlines()[1]}")
+        expect(text.splitlines()[2:] == other.splitlines()[2:], f"{file.name}: depends on width, language or time zone")
+        lint = subprocess.run(["mandoc", "-Tlint", "-Wwarning", folder / "b" / file.relative_to(folder / "a")],
+                              capture_output=True, text=True, check=False)
+        # Pages refer to pages that are not installed while this runs.
+        said = [line for line in lint.stdout.splitlines() if "referenced manual not found" not in line]
+        expect(not said, f"{file.name}: {said}")
+        shown = subprocess.run(["man", "--warnings", "-E", "UTF-8", "-l", file], capture_output=True, text=True, check=False,
+                               env=cli.environment(LC_ALL="C.UTF-8", MANWIDTH="80", MAN_KEEP_FORMATTING=None))
+        expect(shown.returncode == 0 and shown.stderr == "", f"{file.name}: {shown.stderr}")
+        expect("NAME" in shown.stdout and "SEE ALSO" in shown.stdout, f"{file.name}: {shown.stdout[:300]}")
+    page = subprocess.run(["man", "-l", folder / "a/man1/gdtslam-map.1"], capture_output=True, text=True, check=True).stdout
+    for option in re.findall(r"^  ((?:-[a-z], )?--[a-z-]+)", command("map", "--help").stdout, re.MULTILINE):
+        expect(option in page, f"gdtslam-map(1) lacks {option}")
+    expect(["map"] in commands and ["generate", "man"] in commands, f"{commands}")
+    formats = (folder / "a/man5/gdtslam-formats.5").read_text().replace("\\-", "-")
+    for file in RUN.iterdir():
+        expect(file.name in formats, f"gdtslam-formats(5) does not name {file.name}")
+    options = (folder / "a/man5/gdtslam-options.5").read_text()
+    for row in json.loads(command("config", "show", "--json").stdout):
+        expect(f"\\fB{row['path']}\\fR\n" in options, f"gdtslam-options(5) lacks {row['path']}")
+    process = command("generate", "man", "gdtslam-mpa")
+    expect_exit(process, 2)
+    expect("did you mean 'gdtslam-map'?" in process.stderr, process.stderr)
+    expect_exit(command("generate", "man", env=cli.environment(SOURCE_DATE_EPOCH="today")), 2)
+
+
+def completion_folder(name):
+    """A folder with a log, a cloud and a folder, where files are completed, and the three scripts beside it."""
+    folder = fresh_folder(name)
+    place = folder / "place"
+    (place / "runs").mkdir(parents=True)
+    for file in ("drive.log", "drive.clf.gz", "cloud.ply", "notes.txt"):
+        (place / file).write_text("")
+    for shell, file in (("bash", "gdtslam.bash"), ("zsh", "_gdtslam"), ("fish", "gdtslam.fish")):
+        expect_exit(command("generate", "completion", shell, "-o", folder / file), 0)
+    expect_exit(command("generate", "completion", "csh"), 2)
+    return folder
+
+
+# What is typed, what must be offered, what must not be.
+CASES = (
+    ("gdtslam ", {"map", "doctor", "generate"}, {"drive.log"}),
+    ("gdtslam ma", {"map"}, {"merge"}),
+    ("gdtslam fleet ", {"plan", "submit"}, {"map"}),
+    ("gdtslam map --ma", {"--matcher"}, {"--lenient"}),
+    ("gdtslam map --matcher ", {"simplex", "certified", "gauss-newton"}, {"--matcher", "drive.log"}),
+    ("gdtslam map drive.log --matcher sim", {"simplex", "simpsa", "simplex-newton"}, {"certified"}),
+    ("gdtslam map --device v", {"vulkan"}, {"cpu"}),
+    ("gdtslam map --set merge.", {"merge.kappa=", "merge.rule=", "merge.threshold="}, {"map.resolution="}),
+    ("gdtslam map ", {"drive.log", "drive.clf.gz"}, {"cloud.ply", "notes.txt"}),
+    ("gdtslam measure ", {"cloud.ply"}, {"drive.log", "notes.txt"}),
+    ("gdtslam doctor --after ", {"runs"}, {"drive.log"}),
+    ("gdtslam map --linkage pap", {"paper-a", "paper-b"}, {"drive.log"}),
+    ("gdtslam fleet submit --engine ", {"local", "slurm", "print"}, {"drive.log"}),
+    ("gdtslam generate completion ", {"bash", "zsh", "fish"}, {"drive.log"}),
+    ("gdtslam config show --", {"--yaml", "--json"}, {"--matcher"}),
+    ("gdtslam help co", {"config", "convert"}, {"map"}),
+)
+SETTING = "gdtslam map --set map.transform="
+
+
+def expect_offers(shell, line, offered, wanted, unwanted):
+    expect(wanted <= offered and not unwanted & offered, f"{shell}: {line!r} offers {sorted(offered)}, not {sorted(wanted)}")
+
+
+def completion_of_bash():
+    """bash completes commands, options and values, with bash-completion and without it."""
+    need("bash")
+    folder = completion_folder("complete_bash")
+    library = "/usr/share/bash-completion/bash_completion"
+    if not os.path.exists(library):
+        expect(os.environ.get("GDTSLAM_REQUIRE_PROGRAMS") != "1", f"GDTSLAM_REQUIRE_PROGRAMS=1 and no {library}")
+    script = """
+        [ -z "$2" ] || . "$2"
+        . "$1"
+        COMP_LINE=$3 COMP_POINT=${#3} COMP_TYPE=9 COMP_KEY=9
+        # The words as readline has them: '=' and ':' stand alone.
+        read -ra COMP_WORDS <<<"$(sed 's/[=:]/ & /g' <<<"$3")"
+        [[ $3 == *[[:blank:]=:] ]] && COMP_WORDS+=("")
+        COMP_CWORD=$((${#COMP_WORDS[@]} - 1))
+        _gdtslam gdtslam "${COMP_WORDS[COMP_CWORD]}" "${COMP_WORDS[COMP_CWORD-1]}"
+        printf '%s\\n' "${COMPREPLY[@]}"
+    """
+
+    def offers(line, with_library):
+        process = subprocess.run(["bash", "--norc", "-c", script, "bash", folder / "gdtslam.bash", library if with_library else "", line],
+                                 cwd=folder / "place", capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+        said = [text for text in process.stderr.splitlines() if "compopt: not currently executing" not in text]
+        expect(process.returncode == 0 and not said, f"{line!r}: {said}")
+        return set(process.stdout.split())
+
+    for with_library in {os.path.exists(library), False}:
+        for line, wanted, unwanted in CASES:
+            expect_offers("bash", line, offers(line, with_library), wanted, unwanted)
+        expect_offers("bash", SETTING, offers(SETTING, with_library), {"exact", "jump-flood"}, {"true"})
+        expect_offers("bash", "--matcher=", offers("gdtslam map --matcher=cer", with_library), {"certified"}, {"simplex"})
+        expect(offers("gdtslam map --first ", with_library) == set(), "a count is no file")
+
+
+def completion_of_fish():
+    """fish completes commands, options and values."""
+    need("fish")
+    folder = completion_folder("complete_fish")
+    home = fresh_folder("complete_fish/home")
+
+    def offers(line):
+        process = subprocess.run(["fish", "--no-config", "-c", 'source $argv[1]; complete -C $argv[2]', folder / "gdtslam.fish", line],
+                                 cwd=folder / "place", capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL,
+                                 env=cli.environment(HOME=str(home), XDG_CONFIG_HOME=None, XDG_DATA_HOME=None))
+        expect(process.returncode == 0 and process.stderr == "", f"{line!r}: {process.stderr}")
+        return {text.split("\t")[0].rstrip("/") for text in process.stdout.splitlines()}
+
+    for line, wanted, unwanted in CASES:
+        expect_offers("fish", line, offers(line), wanted, unwanted)
+    expect_offers("fish", SETTING, offers(SETTING), {"map.transform=exact", "map.transform=jump-flood"}, {"map.transform=true"})
+    expect_offers("fish", "--matcher=", offers("gdtslam map --matcher=cer"), {"--matcher=certified"}, {"--matcher=simplex"})
+
+
+def read_all(terminal):
+    """What comes until the other end is closed."""
+    shown = b""
+    try:
+        while chunk := os.read(terminal, 65536):
+            shown += chunk
+    except OSError:  # the other end is closed
+        pass
+    return shown.decode()
+
+
+class Zsh:
+    """An interactive zsh on a terminal of its own, in which keys are pressed."""
+
+    def __init__(self, folder):
+        self.terminal, theirs = pty.openpty()
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 500, 200, 0, 0))
+        self.process = subprocess.Popen(
+            ["zsh", "-f", "-i"], stdin=theirs, stdout=theirs, stderr=theirs, cwd=folder / "place", start_new_session=True,
+            env=cli.environment(TERM="dumb", HOME=str(folder), PS1="READY", PROMPT_EOL_MARK="", ZDOTDIR=str(folder)))
+        os.close(theirs)
+        self.run(f"fpath=({folder} $fpath); autoload -Uz compinit; compinit -u -D; PS1=READY; LISTMAX=1000; unsetopt menu_complete "
+                 "auto_menu auto_list list_ambiguous; bindkey '^T' list-choices")
+
+    def until(self, mark):
+        text, end = "", time.monotonic() + 60 * SLOWNESS
+        while mark not in text:
+            expect(time.monotonic() < end, f"zsh does not come to {mark!r}: {text!r}")
+            if select.select([self.terminal], [], [], 1)[0]:
+                text += os.read(self.terminal, 65536).decode(errors="replace")
+        return text
+
+    def run(self, line):
+        os.write(self.terminal, f"{line}; echo DO''NE\n".encode())
+        return self.until("DONE")
+
+    def offers(self, line):
+        """The words that are listed behind the line."""
+        os.write(self.terminal, line.encode() + b"\x14")  # lists, changes nothing
+        os.write(self.terminal, b"\x15echo DO''NE\n")    # clears the line
+        return set(re.sub(r"\x1b\[[?0-9;]*[A-Za-z]|[\x07\x08]", " ", self.until("DONE")).split())
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        os.close(self.terminal)
+
+
+def completion_of_zsh():
+    """zsh completes commands, options and values."""
+    need("zsh")
+    folder = completion_folder("complete_zsh")
+    zsh = Zsh(folder)
+    try:
+        for line, wanted, unwanted in CASES:
+            listed = {word.rstrip("/") for word in zsh.offers(line)} - set(line.split())
+            wanted = {word.rstrip("=") for word in wanted} - set(line.split())
+            expect_offers("zsh", line, {word.rstrip("=") for word in listed}, wanted, unwanted)
+        expect_offers("zsh", SETTING, zsh.offers(SETTING), {"exact", "jump-flood"}, {"true"})
+    finally:
+        zsh.close()
+
+
+def version_names_the_commit():
+    """--version has the version alone on its first line, then the commit; results have the version only."""
+    lines = command("--version").stdout.splitlines()
+    expect(re.fullmatch(r"gdtslam \d+\.\d+\.\d+", lines[0]), f"{lines}")
+    expect(re.fullmatch(r"commit    ([0-9a-f]{12}(, changed)? of \d{4}-\d\d-\d\d|unknown|\S+)", lines[1]), f"{lines}")
+    expect(lines[2].startswith("built with ") and "instruction set" in lines[3], f"{lines}")
+    version = lines[0].split()[1]
+    report = json.loads((RUN / "report.json").read_text())
+    expect(report["version"] == version, f"report.json: {report['version']}")
+    folder = fresh_folder("stamp")
+    script = ["cmake", f"-DTARGET={folder}/stamp.cpp", "-P", SOURCE / "cmake/GdtslamStamp.cmake"]
+
+    def stamp(source, commit):
+        subprocess.run([*script[:1], f"-DSOURCE={source}", f"-DCOMMIT={commit}", *script[1:]], check=True, capture_output=True)
+        return re.search(r"return \{(.*)\};", (folder / "stamp.cpp").read_text()).group(1)
+
+    expect(stamp(folder, "") == '"unknown", ""', "outside of a clone")
+    expect(stamp(folder, "v1-3") == '"v1-3", ""', "as a packager names it")
+    before = (folder / "stamp.cpp").stat().st_mtime_ns
+    stamp(folder, "v1-3")
+    expect((folder / "stamp.cpp").stat().st_mtime_ns == before, "an unchanged commit touches the source")
+    if shutil.which("git") is None:
+        return
+    git = ["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b"]
+    for words in (["init", "-q"], ["add", "stamp.cpp"], ["commit", "-q", "-m", "a", "--date=2001-02-03T04:05:06Z"]):
+        subprocess.run([*git, *words], check=True, capture_output=True, env=cli.environment(GIT_COMMITTER_DATE="2001-02-03T04:05:06Z"))
+    head = subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+    (folder / "stamp.cpp").rename(folder / "kept.cpp")
+    expect(stamp(folder, "") == f'"{head[:12]}, changed", "2001-02-03"', "a changed clone")
+    (folder / "kept.cpp").rename(folder / "stamp.cpp")
+    script[1] = f"-DTARGET={folder}/other.cpp"
+    subprocess.run([*script[:1], f"-DSOURCE={folder}", "-DCOMMIT=", *script[1:]], check=True, capture_output=True)
+    expect(f'"{head[:12]}", "2001-02-03"' in (folder / "other.cpp").read_text(), "a clone")
+
+
+def doubts_in_one_line():
+    """However many scans are in doubt, map says so in a line that names where to look; nothing of a CPU's dispatches, and
+    the time is all that was waited for."""
+    folder = fresh_folder("doubts")
+    begin = time.monotonic()
+    process = command("map", LOG, "-o", folder / "run", "--set", "doubt.report_distance=0m", "--set", "doubt.report_angle=0deg",
+                      "--mcap", folder / "run.mcap", "--device", "cpu")
+    waited = time.monotonic() - begin
+    expect_exit(process, 0)
+    count = json.loads((folder / "run/report.json").read_text())["doubtful"]
+    scans = json.loads((folder / "run/report.json").read_text())["scans"]
+    line = f"gdtslam: {count} of {scans} scans are doubtful; 'gdtslam doctor --after {folder}/run' says where to look\n"
+    expect(count > 5 and process.stderr == line, f"{count}: {process.stderr!r}")
+    expect("dispatches" not in process.stdout and "submissions" not in process.stdout, process.stdout)
+    said = float(re.search(r"^([0-9.]+) s \(", process.stdout, re.MULTILINE).group(1))
+    report = json.loads((folder / "run/report.json").read_text())["wall_s"]
+    expect(report <= said + 0.006 and said <= waited, f"{said} s said, {waited} s waited, {report} s in the report")
