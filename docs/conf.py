@@ -13,7 +13,7 @@ copyright = "the authors of gdtslam, BSD-3-Clause"  # noqa: A001 (Sphinx's name)
 version = re.search(r"project\(gdtslam\s+VERSION\s+(\S+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")).group(1)
 language = "en"
 
-extensions = ["myst_parser", "breathe", "repository", "navigation", "source_pages", "header_pages"]
+extensions = ["myst_parser", "breathe", "repository", "navigation", "source_pages", "header_pages", "appearance"]
 root_doc = "index"  # docs/README.md: see tools/site/repository.py
 include_patterns = ["docs/**.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "*/README.md"]
 exclude_patterns = ["build*", "runs", ".*", "docs/**/.*"]

@@ -55,8 +55,10 @@ def move_members(folder):
     """Members of namespaces go to the file of their header."""
     members = {}
     for path in sorted(folder.glob("namespace*.xml")):
-        for member in xml.etree.ElementTree.parse(path).iter("memberdef"):
-            place = member.find("location")
+        compound = xml.etree.ElementTree.parse(path).find("compounddef")
+        for member in compound.iter("memberdef"):
+            place, name = member.find("location"), member.find("name")
+            name.text = f"{compound.findtext('compoundname')}::{name.text}"
             members.setdefault(place.get("file"), []).append((int(place.get("line")), member))
     for path in sorted(folder.glob("*.xml")):
         tree = xml.etree.ElementTree.parse(path)
@@ -68,9 +70,12 @@ def move_members(folder):
                 compound.remove(namespace)
             section = xml.etree.ElementTree.Element("sectiondef", kind="user-defined")
             found = sorted(members.get(compound.find("location").get("file"), []), key=lambda entry: entry[0])
+            xml.etree.ElementTree.SubElement(section, "header").text = "Functions, types and constants"
             section.extend(member for _, member in found)
             if found:
                 compound.insert(list(compound).index(compound.find("briefdescription")), section)
+        for include in compound.findall("includes"):  # of a class: Doxygen gives the name without its folders
+            include.text = re.sub(r"^.*/include/", "", compound.find("location").get("file"))
         readable(compound)
         tree.write(path, encoding="utf-8", xml_declaration=True)
 

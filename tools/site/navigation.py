@@ -6,7 +6,7 @@ So there is one list of the pages, and a page that is not in it is an error of t
 import re
 
 HEADING = re.compile(r"^## +(.+?) *$", re.MULTILINE)
-LINK = re.compile(r"\[([^\]]+)\]\(([^)#\s]+\.md)\)")
+LINK = re.compile(r"\[([^\]]+)\]\((?!\w+:)([^)#\s]+\.md)\)")
 
 
 def parts_of(text):

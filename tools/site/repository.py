@@ -107,15 +107,12 @@ class Links(SphinxTransform):
 
     def page_of(self, target):
         """The page of a file, made where there is none; None where there is no such file."""
-        path = pathlib.Path(self.env.srcdir, target)
         if target == "README.md":  # of the root: what a code host shows first
             return "index"
-        if not path.exists():
-            return None
-        name = self.env.path2doc(target) if path.is_file() else None
+        name = self.env.path2doc(target)
         if name in self.env.found_docs:
             return name
-        return self.env.source_page(target)
+        return self.env.source_page(target) if pathlib.Path(self.env.srcdir, target).exists() else None
 
 
 class Arrivals(SphinxPostTransform):
