@@ -1,6 +1,8 @@
-"""How the site looks, beside static/site.css: a class for tables of pictures, and normalize.css beside the theme's styles.
+"""How the site looks, beside static/: a class for tables of pictures, and what Debian's theme needs to work from a folder.
 
-Debian's furo imports normalize.css from /javascript, which only a server that Debian's packages set up has.
+Debian's furo is not bundled: its styles import normalize.css from /javascript, which only a server that Debian's packages
+set up has, and its script imports another as a module, which no browser does from a file, nor from the plain <script> that
+the theme itself writes. Both are put where they are wanted.
 """
 
 import pathlib
@@ -10,8 +12,9 @@ from docutils import nodes
 from sphinx.errors import ExtensionError
 from sphinx.transforms import SphinxTransform
 
-DEBIANS_IMPORT = "@import url(/javascript/normalize.css/normalize.css);"
+DEBIANS_STYLE = "@import url(/javascript/normalize.css/normalize.css);"
 DEBIANS_FILE = pathlib.Path("/usr/share/nodejs/normalize.css/normalize.css")
+DEBIANS_SCRIPT = 'import Gumshoe from "./gumshoe-patched.js";'
 
 
 class PictureTables(SphinxTransform):
@@ -26,19 +29,24 @@ class PictureTables(SphinxTransform):
                 table["classes"].append("pictures")
 
 
-def bring_normalize(app, exception):
-    style = pathlib.Path(app.outdir) / "_static" / "styles" / "furo.css"
+def mend_theme(app, exception):
+    static = pathlib.Path(app.outdir) / "_static"
+    style, script = static / "styles" / "furo.css", static / "scripts" / "furo.js"
     if exception or not style.is_file():
         return
     text = style.read_text(encoding="utf-8")
-    if DEBIANS_IMPORT in text:
+    if DEBIANS_STYLE in text:
         if not DEBIANS_FILE.is_file():
             raise ExtensionError(f"no {DEBIANS_FILE}, which Debian's theme furo imports: install node-normalize.css")
-        style.write_text(text.replace(DEBIANS_IMPORT, "@import url(normalize.css);"), encoding="utf-8")
+        style.write_text(text.replace(DEBIANS_STYLE, "@import url(normalize.css);"), encoding="utf-8")
         shutil.copy(DEBIANS_FILE, style.parent / "normalize.css")
+    text = script.read_text(encoding="utf-8")
+    if DEBIANS_SCRIPT in text:
+        imported = (script.parent / "gumshoe-patched.js").read_text(encoding="utf-8")  # defines Gumshoe for the window
+        script.write_text(imported + text.replace(DEBIANS_SCRIPT, ""), encoding="utf-8")
 
 
 def setup(app):
     app.add_transform(PictureTables)
-    app.connect("build-finished", bring_normalize)
+    app.connect("build-finished", mend_theme)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
