@@ -60,6 +60,16 @@ def faults_of_search(browser, site):
         yield from (f"search for {word}: {error}" for error in browser.errors)
 
 
+def faults_of_colours(browser, site):
+    """The ground of a page is dark where the reader's system is, and light elsewhere."""
+    for scheme, is_right in (("light", lambda ground: ground > 600), ("dark", lambda ground: ground < 150)):
+        browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        open_page(browser, site / "index.html")
+        ground = browser.value("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number).reduce((a, b) => a + b)")
+        if not is_right(ground):
+            yield f"index.html, {scheme}: red, green and blue of the ground add up to {ground}"
+
+
 def take_screenshots(browser, site, folder):
     folder.mkdir(parents=True, exist_ok=True)
     for width in (DESKTOP, PHONE):
@@ -81,7 +91,8 @@ def main():
         return 1 if os.environ.get("GDTSLAM_REQUIRE_BROWSER") == "1" else SKIPPED
     site = pathlib.Path(sys.argv[1]).resolve()
     with chromium.Browser(width=PHONE, height=844) as browser:
-        faults = [*faults_of_pages(browser, site), *faults_of_search(browser, site)]
+        faults = [*faults_of_pages(browser, site), *faults_of_search(browser, site),
+                  *faults_of_colours(browser, site)]
         if len(sys.argv) == 3:
             take_screenshots(browser, site, pathlib.Path(sys.argv[2]))
     for fault in faults:

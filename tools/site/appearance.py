@@ -2,10 +2,12 @@
 
 Debian's furo is not bundled: its styles import normalize.css from /javascript, which only a server that Debian's packages
 set up has, and its script imports another as a module, which no browser does from a file, nor from the plain <script> that
-the theme itself writes. Both are put where they are wanted.
+the theme itself writes. Both are put where they are wanted. And the compiler of Debian's styles lost the dark colours for
+readers whose system is dark; they are those of the theme's own switch.
 """
 
 import pathlib
+import re
 import shutil
 
 from docutils import nodes
@@ -38,8 +40,12 @@ def mend_theme(app, exception):
     if DEBIANS_STYLE in text:
         if not DEBIANS_FILE.is_file():
             raise ExtensionError(f"no {DEBIANS_FILE}, which Debian's theme furo imports: install node-normalize.css")
-        style.write_text(text.replace(DEBIANS_STYLE, "@import url(normalize.css);"), encoding="utf-8")
+        text = text.replace(DEBIANS_STYLE, "@import url(normalize.css);")
         shutil.copy(DEBIANS_FILE, style.parent / "normalize.css")
+    dark = re.search(r'body\[data-theme="dark"\] \{([^}]*)\}', text)
+    if "prefers-color-scheme" not in text and dark:
+        text += f'@media screen and (prefers-color-scheme: dark) {{ body:not([data-theme="light"]) {{{dark.group(1)}}} }}\n'
+    style.write_text(text, encoding="utf-8")
     text = script.read_text(encoding="utf-8")
     if DEBIANS_SCRIPT in text:
         imported = (script.parent / "gumshoe-patched.js").read_text(encoding="utf-8")  # defines Gumshoe for the window
