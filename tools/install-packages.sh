@@ -16,24 +16,27 @@ build_packages=(
 # To compute with Vulkan where the GPU's vendor brought no driver: the loader and Mesa's drivers, lavapipe (which computes
 # on the processor) among them.
 vulkan_packages=(libvulkan1 mesa-vulkan-drivers)
+# To build the site of the documentation (tools/scripts/make_site.sh).
+docs_packages=(python3-sphinx python3-myst-parser furo python3-breathe doxygen)
 # To build and run the tests, the checks and the benchmark's peer.
 test_packages=(
   git ccache libgtest-dev libgmock-dev librapidcheck-dev libmpfr-dev libgsl-dev libnlopt-cxx-dev libpagmo-dev libopencv-imgproc-dev
-  clang libclang-rt-14-dev clang-tidy clang-format shellcheck doxygen
+  clang libclang-rt-14-dev clang-tidy clang-format shellcheck
   sqlite3 zstd python3 python3-jsonschema python3-yaml chromium
   python3-numpy python3-pip rustc abigail-tools patchelf
   munge slurmctld slurmd slurm-client parallel
   zsh fish bash-completion man-db mandoc
-  "${vulkan_packages[@]}" vulkan-validationlayers
+  "${vulkan_packages[@]}" vulkan-validationlayers "${docs_packages[@]}"
 )
 
 usage() {
   cat <<'USAGE'
-Usage: tools/install-packages.sh [build|vulkan|test|all] [--list]
+Usage: tools/install-packages.sh [build|vulkan|docs|test|all] [--list]
 
   build    what the libraries and the gdtslam command need (default)
   vulkan   a Vulkan loader and Mesa's drivers, to run with: for GPUs by AMD and Intel, and lavapipe, which needs no GPU
-  test     what the tests and checks need besides
+  docs     what the site of the documentation is built with
+  test     what the tests and checks need besides, vulkan and docs among it
   all      all of them
   --list   print the packages with their state, install nothing
 USAGE
@@ -43,7 +46,7 @@ group=build
 list_only=false
 for argument in "$@"; do
   case "$argument" in
-    build | vulkan | test | all) group=$argument ;;
+    build | vulkan | docs | test | all) group=$argument ;;
     --list) list_only=true ;;
     -h | --help) usage; exit 0 ;;
     *) echo "install-packages: unknown argument '$argument'" >&2; usage >&2; exit 2 ;;
@@ -53,6 +56,7 @@ done
 case "$group" in
   build) packages=("${build_packages[@]}") ;;
   vulkan) packages=("${vulkan_packages[@]}") ;;
+  docs) packages=("${docs_packages[@]}") ;;
   test) packages=("${test_packages[@]}") ;;
   all) packages=("${build_packages[@]}" "${test_packages[@]}") ;;
 esac

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Everything that has to hold before a change lands: installs the packages, builds all, runs every test, checks format and
-# lint, repeats the tests of the Vulkan backend under validation, verifies the command on a Vulkan device, repeats the tests
-# of the readers and the core under sanitizers, and fuzzes the readers for a short while.
+# lint, builds the site of the documentation, repeats the tests of the Vulkan backend under validation, verifies the command
+# on a Vulkan device, repeats the tests of the readers and the core under sanitizers, and fuzzes the readers for a short while.
 # The last line is 'N passed, N failed, N skipped' over all tests and checks; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=8
+step_count=9
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -168,7 +168,12 @@ check "clang-format (mend with: tools/scripts/format.sh)" "$root/tools/scripts/f
 check "shellcheck" shellcheck -x -P "$root" "$root"/tools/*.sh "$root"/tools/scripts/*.sh \
   "$root"/tests/install/*.sh "$root/.ci/run"
 check "shaders" "$root/tools/scripts/check_shaders.sh"
-check "reference of the public headers" env -C "$root" doxygen docs/Doxyfile
+
+# The documentation as a site, from the Markdown and the public headers: no warning, no dead link, no page that the
+# navigation does not reach; then in a browser from its folder.
+begin "Site"
+check "site" "$root/tools/scripts/make_site.sh" -o "$root/build/site"
+check "site in a browser" python3 -B "$root/tests/scripts/site_browser_test.py" "$root/build/site"
 
 begin "clang-tidy"
 # What changed since GDTSLAM_LINT_SINCE, or in the last six hours; tools/soak.sh checks every source.

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README and the docs anew, from simulated logs, with the program itself.
+# Makes the pictures of the README and the docs anew, with the program itself: of simulated logs, and of the public logs where
+# GDTSLAM_DATA names them; the gallery's pictures, too, by the commands on its page (make_gallery.py).
 # Usage: tools/scripts/make_images.sh PROGRAM [FOLDER]   (FOLDER: docs/images)
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.." && pwd)
 if [[ $# -lt 1 || $# -gt 2 ]]; then
-  sed -n '2,3s/^# //p' "${BASH_SOURCE[0]}" >&2
+  sed -n '2,4s/^# //p' "${BASH_SOURCE[0]}" >&2
   exit 2
 fi
 program=$(readlink -f "$1")
@@ -51,5 +52,7 @@ if [[ -n ${GDTSLAM_DATA:-} ]]; then
     --erase '1.6,5.3 6.9,-0.1 8.1,-1.4 60,-1.4 60,60 1.6,60' -o clean
   gdtslam render intel -o "$images/intel-before.png" --size 620x540
   gdtslam render clean -o "$images/intel-edited.png" --size 620x540
+  "$root/tools/scripts/make_gallery.py" "$program" "$images/gallery"
 fi
+"$root/tools/scripts/shrink_png.sh" "$images"/*.png
 ls -l "$images"

@@ -63,7 +63,7 @@ int exit_code_of(const MapOutcome& outcome) {
 }
 
 void print_summary(const MapRequest& request, const MapOutcome& outcome, std::uint64_t dropped_lines) {
-  print_remarks(outcome);
+  print_remarks(outcome, request.folder);
   const MapperStatistics& s = outcome.statistics;
   const std::string lines =
       dropped_lines > 0 ? fmt::format(", {} lines not read by anybody", dropped_lines) : std::string();
