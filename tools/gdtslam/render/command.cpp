@@ -252,7 +252,7 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
 void add_data_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kData = "Data";
   add(command, kData, "--reference", chosen.reference,
-      "A cloud in the same frame, for distances; or of errors-*: the true trajectory, TUM", "FILE");
+      "A cloud in the same frame, for distances; or of errors-*: the true trajectory, TUM; a run for either", "FILE");
   add(command, kData, "--relations", chosen.relations, "Of errors-*: verified relations, as evaluate reads them",
       "FILE")
       ->excludes("--reference");
