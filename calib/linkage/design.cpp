@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "design_shape.hpp"
+#include "design_spread.hpp"
 #include "four_bar_text.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
@@ -125,6 +126,29 @@ std::string cause_text(const DesignGoal& goal, double crank_m) {
   throw ConfigError(message + "; " + cause_text(goal, goal.least_crank_m));
 }
 
+/// The shape as large as the crank's range and the longest bar allow: an error of a length matters less then.
+FourBar as_large_as_allowed(const DesignGoal& goal, const FourBar& shape) {
+  const double longest = std::max({shape.coupler_m, shape.rocker_m, shape.ground_m}) / shape.crank_m;
+  const double crank_m = std::max(goal.least_crank_m, std::min(goal.most_crank_m, longest_bar_m(goal) / longest));
+  const double scale = crank_m / shape.crank_m;
+  return {.crank_m = crank_m,
+          .coupler_m = scale * shape.coupler_m,
+          .rocker_m = scale * shape.rocker_m,
+          .ground_m = scale * shape.ground_m};
+}
+
+/// The best, as it is, and others that differ from it and from each other.
+std::vector<FourBar> designed_bars(const DesignGoal& goal, const FourBar& best, std::size_t count) {
+  if (count <= 1) return {best};
+  const auto imbalance = goal.time_ratio ? std::optional(imbalance_of_time_ratio(*goal.time_ratio)) : std::nullopt;
+  const ShapeLimits limits{
+      .swing_rad = goal.swing_rad, .imbalance_rad = imbalance, .longest = longest_bar_m(goal) / goal.least_crank_m};
+  std::vector<FourBar> all = spread_shapes(shapes_above(limits, goal.min_transmission_rad, best), count);
+  std::transform(all.begin() + 1, all.end(), all.begin() + 1,
+                 [&goal](const FourBar& shape) { return as_large_as_allowed(goal, shape); });
+  return all;
+}
+
 }  // namespace
 
 // A shorter crank in the same room transmits better, so the shortest crank tells whether the goal can be met at all.
@@ -135,23 +159,13 @@ std::vector<Design> design(const DesignGoal& goal, std::size_t count) {
   if (!meets(best, goal)) {
     fail(goal, best);
   }
-  std::vector<Reached> found;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double share = count > 1 ? static_cast<double>(k) / static_cast<double>(count - 1) : 0.0;
-    const double crank_m = goal.least_crank_m + share * (goal.most_crank_m - goal.least_crank_m);
-    const std::optional<Reached> reached = best_with(goal, crank_m, longest_bar_m(goal));
-    if (meets(reached, goal)) {
-      found.push_back(*reached);
-    }
-  }
-  std::stable_sort(found.begin(), found.end(), [](const Reached& a, const Reached& b) {
-    return a.transmission_rad > b.transmission_rad + kEqualAngle_rad;
-  });
   std::vector<Design> designs;
-  designs.reserve(found.size());
-  for (const Reached& reached : found) {
-    designs.push_back({.bars = reached.bars, .report = analyse(reached.bars, Assembly::kOpen)});
+  for (const FourBar& bars : designed_bars(goal, best->bars, count)) {
+    designs.push_back({.bars = bars, .report = analyse(bars, Assembly::kOpen)});
   }
+  std::stable_sort(designs.begin(), designs.end(), [](const Design& a, const Design& b) {
+    return a.report.least_transmission_rad > b.report.least_transmission_rad + kEqualAngle_rad;
+  });
   return designs;
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "dead_point.hpp"
 #include "engine/core/elementary.hpp"
+#include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 
 namespace gdtslam::calib {
@@ -122,6 +124,42 @@ Candidate best_coupler(const ShapeLimits& limits, double imbalance_rad) {
   return least_over({1.0 / limits.longest, 1.0}, kCouplerSamples, at_inverse);
 }
 
+// The feasible choices of a grid, and how far they reach; the ranges are the grid's when none is feasible.
+struct Feasible {
+  std::vector<FourBar> shapes;
+  Range imbalance_rad;
+  Range inverse;
+};
+
+void widen(Range& range, double value) {
+  range.from = std::min(range.from, value);
+  range.to = std::max(range.to, value);
+}
+
+// Each range widened by one step of the grid, but not beyond `most`.
+Range with_a_step(const Range& range, const Range& grid, int samples, const Range& most) {
+  const double step = (grid.to - grid.from) / samples;
+  return {std::max(most.from, range.from - step), std::min(most.to, range.to + step)};
+}
+
+void add_grid(const ShapeLimits& limits, const Range& imbalances, const Range& inverses, double most_cosine,
+              Feasible& all) {
+  const int rows = imbalances.to > imbalances.from ? kImbalanceSamples : 0;
+  for (int i = 0; i <= rows; ++i) {
+    const double imbalance_rad =
+        imbalances.from + (rows > 0 ? (imbalances.to - imbalances.from) * i / static_cast<double>(rows) : 0.0);
+    for (int k = 0; k <= kCouplerSamples; ++k) {
+      const double inverse = inverses.from + (inverses.to - inverses.from) * k / kCouplerSamples;
+      const Candidate candidate = candidate_of(
+          {.swing_rad = limits.swing_rad, .imbalance_rad = imbalance_rad, .coupler = 1.0 / inverse}, limits.longest);
+      if (!(candidate.cosine <= most_cosine)) continue;
+      all.shapes.push_back(candidate.bars);
+      widen(all.imbalance_rad, imbalance_rad);
+      widen(all.inverse, inverse);
+    }
+  }
+}
+
 }  // namespace
 
 double imbalance_of_time_ratio(double time_ratio) { return kPi * (time_ratio - 1.0) / (time_ratio + 1.0); }
@@ -132,6 +170,21 @@ std::optional<FourBar> best_shape(const ShapeLimits& limits) {
                              : least_over({0.0, 0.5 * kPi}, kImbalanceSamples,
                                           [&](double imbalance_rad) { return best_coupler(limits, imbalance_rad); });
   return best.cosine < 1.0 ? std::optional(best.bars) : std::nullopt;
+}
+
+std::vector<FourBar> shapes_above(const ShapeLimits& limits, double least_transmission_rad, const FourBar& best) {
+  const double most_cosine = sin_cos(least_transmission_rad).cos;
+  const Range imbalances =
+      limits.imbalance_rad ? Range{*limits.imbalance_rad, *limits.imbalance_rad} : Range{0.0, 0.5 * kPi};
+  const Range inverses{1.0 / limits.longest, 1.0};
+  const double best_rad = imbalance_of_time_ratio(analyse(best, Assembly::kOpen).time_ratio);
+  const double best_inverse = best.crank_m / best.coupler_m;
+  Feasible found{{best}, {best_rad, best_rad}, {best_inverse, best_inverse}};
+  add_grid(limits, imbalances, inverses, most_cosine, found);
+  const Range near_imbalances = with_a_step(found.imbalance_rad, imbalances, kImbalanceSamples, imbalances);
+  const Range near_inverses = with_a_step(found.inverse, inverses, kCouplerSamples, inverses);
+  add_grid(limits, near_imbalances, near_inverses, most_cosine, found);
+  return std::move(found.shapes);
 }
 
 }  // namespace gdtslam::calib

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "gdtslam/calib/four_bar.hpp"
 
@@ -21,5 +22,9 @@ double imbalance_of_time_ratio(double time_ratio);
 /// The shape of the best least transmission angle; nothing where no crank-rocker keeps to the limits. Some milliseconds
 /// with a given imbalance, about a hundred with a free one.
 std::optional<FourBar> best_shape(const ShapeLimits& limits);
+
+/// Shapes that keep to the limits and whose transmission angle stays above `least_transmission_rad`: those of an even
+/// grid over imbalance and inverse coupler, and of a finer one where the first has some and about `best`, which is one.
+std::vector<FourBar> shapes_above(const ShapeLimits& limits, double least_transmission_rad, const FourBar& best);
 
 }  // namespace gdtslam::calib

@@ -64,10 +64,64 @@ const Escape* escape_of(std::string_view text) {
   return found == escapes.end() ? nullptr : &*found;
 }
 
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kColumns = 120;
+
+// [1, 2] or {"a": 1}, and plain values.
+std::string on_one_line(const Json& value) {
+  if (!value.is_structured()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = value.is_object() ? "{" : "[";
+  for (auto entry = value.begin(); entry != value.end(); ++entry) {
+    if (entry != value.begin()) text += ", ";
+    if (value.is_object()) text += on_one_line(Json(entry.key())) + ": ";
+    text += on_one_line(*entry);
+  }
+  return text + (value.is_object() ? '}' : ']');
+}
+
+bool is_plain(const Json& value) { return !value.is_structured(); }
+bool is_text(const Json& value) { return value.is_string(); }
+bool is_list_of_plain(const Json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), is_plain);
+}
+
+// An entry of a list that says all it has in one line.
+bool is_row(const Json& value) {
+  return is_list_of_plain(value) || (value.is_object() && std::all_of(value.begin(), value.end(), [](const Json& part) {
+                                       return is_plain(part) || is_list_of_plain(part);
+                                     }));
+}
+
+bool is_written_on_one_line(const Json& value, std::size_t column, bool is_entry) {
+  if (is_plain(value) || value.empty()) return true;
+  if (is_list_of_plain(value) && std::none_of(value.begin(), value.end(), is_text)) return true;
+  const bool may_be = is_list_of_plain(value) || (is_entry && is_row(value));
+  return may_be && column + on_one_line(value).size() < kColumns;
+}
+
+void write_value(const Json& value, std::size_t indent, std::size_t column, bool is_entry, std::string& text) {
+  constexpr std::size_t kStep = 2;
+  if (is_written_on_one_line(value, column, is_entry)) {
+    text += on_one_line(value);
+    return;
+  }
+  const bool is_object = value.is_object();
+  text += is_object ? '{' : '[';
+  for (auto entry = value.begin(); entry != value.end(); ++entry) {
+    text += entry == value.begin() ? "\n" : ",\n";
+    const std::string name = is_object ? on_one_line(Json(entry.key())) + ": " : "";
+    text.append(indent + kStep, ' ') += name;
+    write_value(*entry, indent + kStep, indent + kStep + name.size(), !is_object, text);
+  }
+  (text += '\n').append(indent, ' ') += is_object ? '}' : ']';
+}
+
 }  // namespace
 
 std::string json_text(const nlohmann::ordered_json& value) {
-  const std::string dumped = value.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string dumped;
+  write_value(value, 0, 0, false, dumped);
   std::string text;
   text.reserve(dumped.size() + 1);
   for (std::size_t at = 0; at < dumped.size();) {

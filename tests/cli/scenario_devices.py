@@ -131,7 +131,7 @@ def verify_passes_and_is_remembered():
     expect_exit(process, 0)
     cli.validate(process.stdout, "verify")
     report = json.loads(process.stdout)
-    expect(report["differences"] == 0, "differences with exit 0")
+    expect(report["differences"] == 0 and report["passed"] is True, "differences with exit 0")
     target = report["targets"][0]
     expect(target["decoys"] == len(target["kernels"]) >= 15, f"{target['decoys']} decoys of {len(target['kernels'])} kernels")
     expect(target["submissions"] >= target["dispatches"] > 1000, f"{target['dispatches']} dispatches")
@@ -162,7 +162,7 @@ def verify_of_a_part_is_not_remembered():
     env = environment(XDG_CACHE_HOME=str(fresh_folder("part")))
     process = command("verify", "smallest_values", "--device", device["device"], "--random", 30, "--variants", "all", env=env)
     expect_exit(process, 0)
-    expect(process.stdout.splitlines()[-1] == "0 differences", process.stdout)
+    expect(process.stdout.splitlines()[-1] == "PASS: 0 differences", process.stdout)
     for variants in ("", " wide", " narrow"):
         name = device["device"] + variants
         expect(f"\n{name}: " in "\n" + process.stdout, f"no part for {name}: {process.stdout}")
@@ -192,6 +192,12 @@ def verify_remembers_a_device_that_fails():
     process = command("verify", "--device", device, env={**env, "GDTSLAM_VULKAN_FAULT": "200:device-lost"})
     expect_exit(process, 1)
     one_error_line(process.stderr)
+    expect(process.stdout.splitlines()[-1] == f"FAIL: {device} failed; 0 differences until then", process.stdout)
+    failed = command("verify", "--device", device, "--json", env={**env, "GDTSLAM_VULKAN_FAULT": "200:device-lost"})
+    expect_exit(failed, 1)
+    cli.validate(failed.stdout, "verify")
+    report = json.loads(failed.stdout)
+    expect(report["passed"] is False and "ErrorDeviceLost" in report["targets"][-1]["failure"], failed.stdout)
     text = command("devices", "--json", env=env).stdout
     cli.validate(text, "devices")
     verified = json.loads(text)["vulkan"]["devices"][0]["verified"]
@@ -213,12 +219,12 @@ def copy_of_the_program(name):
 
 
 def verify_finds_results_that_are_not_as_shipped():
-    """Exit 1, the fault named, the last line the number of differences."""
+    """Exit 1, the fault named, the last line the verdict with the number of differences."""
     folder = copy_of_the_program("not_as_shipped")
     program, expected = folder / "bin/gdtslam", folder / "share/gdtslam/expected/office-start.json"
     process = subprocess.run([program, "verify", "logs", "--device", "cpu"], capture_output=True, text=True, check=False)
     expect_exit(process, 0)
-    expect(process.stdout.splitlines()[-1] == "0 differences", process.stdout)
+    expect(process.stdout.splitlines()[-1] == "PASS: 0 differences", process.stdout)
     wrong = json.loads(expected.read_text())
     wrong["runs"][0]["map_sha256"] = "0" * 64
     expected.write_text(json.dumps(wrong))
@@ -227,7 +233,7 @@ def verify_finds_results_that_are_not_as_shipped():
     one_error_line(process.stderr)
     expect("DIFFERENT: map" in process.stdout and "shipped 000000000000" in process.stdout, process.stdout)
     last = process.stdout.splitlines()[-1]
-    expect(last.endswith("difference") or last.endswith("differences"), last)
+    expect(last.startswith("FAIL: ") and "difference" in last, last)
     expect(int(last.split()[0]) >= 1, last)
 
 
@@ -323,6 +329,7 @@ def device_that_fails():
             expect_exit(process, 1)
             one_error_line(process.stderr)
             expect(call in process.stderr, process.stderr)
+            expect(process.stdout == "" or process.stdout.splitlines()[-1].startswith("FAIL: "), process.stdout)
 
 
 def bench_of_a_device():

@@ -62,15 +62,34 @@ def three_boxes_as_measured():
     _other_outputs(folder, folder / "run-1" / "cloud.ply")
 
 
+def _planes_of_the_room(cloud, planes):
+    """The room of three-boxes: floor and ceiling 2.8 m apart, walls that stand, the largest first; the table tells the same."""
+    areas_m2 = [plane["area_m2"] for plane in planes]
+    expect(areas_m2 == sorted(areas_m2, reverse=True), f"not sorted by area: {areas_m2}")
+    for plane in planes:
+        upright, level = abs(plane["normal"][2]) < 0.17, abs(plane["normal"][2]) > 0.985
+        expect((plane["kind"] == "wall") == upright and (plane["kind"] in ("floor", "ceiling", "level")) == level, f"{plane}")
+        expect(plane["area_m2"] <= 1.02 * plane["extent_m"][0] * plane["extent_m"][1], f"{plane}")
+    heights_m = {kind: [plane["centre_m"][2] for plane in planes if plane["kind"] == kind] for kind in ("floor", "ceiling")}
+    for kind, height_m in (("floor", 0.0), ("ceiling", 2.8)):
+        expect(heights_m[kind] and all(abs(z - height_m) < 0.01 for z in heights_m[kind]), f"{kind} at {heights_m[kind]}")
+    process = command("measure", cloud, "--planes", timeout=250)
+    expect_exit(process, 0)
+    rows = [line.split() for line in process.stdout.splitlines()[3:]]
+    told = [(row[1], f"{float(row[2]):.2f}") for row in rows]
+    expect(told == [(plane["kind"], f"{plane['area_m2']:.2f}") for plane in planes], f"table {process.stdout} and {planes}")
+    expect("-0.000 " not in process.stdout and "-0.000," not in process.stdout and " cm" not in process.stdout, process.stdout)
+
+
 def _other_outputs(folder, cloud):
     """The same cloud gives the same bytes again; tables and drawing hold what was printed."""
     printed = [command("measure", cloud, "--boxes", "--planes", "--json", timeout=250).stdout for _ in range(2)]
     expect(printed[0] == printed[1], "another result the second time")
     boxes = json.loads(printed[0])["boxes"]
     planes = json.loads(printed[0])["planes"]
-    level = [plane for plane in planes if abs(plane["normal"][2]) > 0.999]
-    heights_m = sorted(plane["centre_m"][2] for plane in level)
-    expect(abs(heights_m[0]) < 0.01 and abs(heights_m[-1] - 2.8) < 0.01, f"floor and ceiling at {heights_m}")
+    of_run = command("measure", cloud.parent, "--boxes", "--planes", "--json", timeout=250)
+    expect((of_run.returncode, of_run.stdout) == (0, printed[0]), f"the run's folder in place of its cloud: {of_run}")
+    _planes_of_the_room(cloud, planes)
     process = command("measure", cloud, "--boxes", "--csv", folder / "boxes.csv", "--svg", folder / "boxes.svg", timeout=250)
     expect_exit(process, 0)
     rows = [line.split(",") for line in (folder / "boxes.csv").read_text().splitlines()]

@@ -55,6 +55,9 @@ def cloud_of_a_standing_scanner():
     exact = simulated(folder, "three-boxes", "--exact", *rate, name="exact")
     report = mapped(folder / "exact", "--set", "cloud.voxel=0", log=exact)
     errors = errors_of(folder / "exact", exact, "--hits", folder / "exact.truth.ply")
+    process = command("evaluate", folder / "exact", "--reference", exact.with_suffix(".truth.tum"), "--hits",
+                      folder / "exact.truth.ply", "--json")
+    expect(process.returncode == 0 and json.loads(process.stdout) == errors, f"the run in place of its files: {process}")
     distances = errors["distance_m"]
     expect(errors["hits"] == report["cloud_points"] == distances["count"] > 300_000, f"points and hits: {errors}")
     expect(errors["without_hit"] == 0 and distances["max"] < 1e-3, f"points further than 1 mm from their hits: {errors}")

@@ -50,7 +50,7 @@ cat out
 
 if [ "$1" = cpu ]; then
   gdtslam 0 verify --device cpu --quiet
-  contains out '^0 differences'
+  contains out '^PASS: 0 differences'
   refused verify
   refused bench
   refused map "$sample" -o no
@@ -68,4 +68,4 @@ expect 0 "$bundle/gpu_server.sh" --device vulkan:0 --repeat 1 --output /tmp/repo
 cat out
 contains out '^NO GPU'
 contains /tmp/report/report.md '^Everything is equal'
-contains /tmp/report/verify.txt '^0 differences'
+contains /tmp/report/verify.txt '^PASS: 0 differences'

@@ -249,7 +249,7 @@ class GpuServer(ScriptTest):
             (self.work / name).write_text(text)
         self.gdtslam()
 
-    def gdtslam(self, verify="echo 0 differences", map_of_gpu="123456789abcdef0"):
+    def gdtslam(self, verify="echo PASS: 0 differences", map_of_gpu="123456789abcdef0"):
         """A gdtslam whose second and later runs of a log are slower than the first."""
         self.stand_in("gdtslam", f'''case "$1 $*" in
           devices*--json) cat {self.work}/devices ;;
@@ -298,11 +298,11 @@ class GpuServer(ScriptTest):
         self.assertNotIn("Everything is equal", page)
 
     def test_a_difference_in_verify_fails(self):
-        self.gdtslam(verify="echo '3 differences'; echo 'gdtslam: error: vulkan:0: 3 differences' >&2; exit 1")
+        self.gdtslam(verify="echo 'FAIL: 3 differences'; echo 'gdtslam: error: vulkan:0: 3 differences' >&2; exit 1")
         done, page = self.prove("--repeat", "1")
         self.assertEqual(done.returncode, 1)
         self.assertIn("**FAILED**: verify ended with status 1: gdtslam: error: vulkan:0: 3 differences", page)
-        self.assertIn("\n3 differences\n", page)
+        self.assertIn("\nFAIL: 3 differences\n", page)
 
     def test_a_bench_without_rows_fails(self):
         (self.work / "bench").write_text('{\n  "rows": []\n}')

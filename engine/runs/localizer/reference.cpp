@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/trajectory_file.hpp"
 #include "gdtslam/mapping/evaluation.hpp"
 
 namespace gdtslam {
@@ -34,7 +34,7 @@ std::string near_text(const MergedScans& merged) {
   return fmt::format("within {:g} s of one that went into the map", merged.within_s());
 }
 
-LocalizeTruth::LocalizeTruth(const std::string& file) : file_(file), poses_(read_tum(file)), by_stamp_(poses_) {
+LocalizeTruth::LocalizeTruth(const std::string& file) : file_(file), poses_(given_trajectory(file)), by_stamp_(poses_) {
   if (poses_.empty()) throw InputError({file, 0}, "holds no pose; give a trajectory, TUM");
 }
 

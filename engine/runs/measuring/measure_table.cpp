@@ -20,8 +20,15 @@ std::string_view ends_text(const Dimension& dimension) {
   return dimension.is_observed ? "both ends seen" : "an end not seen";
 }
 
+// With so many decimals; what rounds to zero has no sign.
+std::string fixed(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
 std::string point_text(const Point3& point) {
-  return fmt::format("{:.3f}, {:.3f}, {:.3f} m", point.x() + 0.0, point.y() + 0.0, point.z() + 0.0);
+  return fmt::format("{}, {}, {} m", fixed(point.x(), 3), fixed(point.y(), 3), fixed(point.z(), 3));
 }
 
 std::string viewpoint_text(const Measurement& measured) {
@@ -60,19 +67,24 @@ std::string text_of_boxes(const Measurement& measured) {
 std::string text_of_planes(const Measurement& measured) {
   std::string text = counted(measured.planes.size(), "plane", "planes") + "\n";
   if (measured.planes.empty()) return text;
-  text += "\nplane     points  normal                  offset                rms     tilt error  centre\n";
+  text += fmt::format("\n{:<16}{:>9}  {:>15}  {:<22}{:>20}  {:>8}  {:>10}  {:>9}  {}\n", "plane", "area", "extent",
+                      "normal", "offset", "rms", "tilt error", "points", "centre");
   std::size_t number = 0;
-  for (const PlanePatch& patch : measured.planes) {
+  for (const MeasuredPlane& plane : measured.planes) {
+    const PlanePatch& patch = plane.patch;
     const Point3& n = patch.plane.normal;
     text += fmt::format(
-        "{:<6} {:>9}  {:>6.3f} {:>6.3f} {:>6.3f}  {:>9.2f} +- {:.2f} cm  {:>5.1f} mm  {:.3f} deg   {}\n", ++number,
-        patch.points.size(), n.x(), n.y(), n.z(), 100.0 * patch.plane.offset_m, 100.0 * patch.sigma_offset_m,
-        1e3 * patch.rms_m, deg_from_rad(patch.sigma_normal_rad), point_text(patch.centre));
+        "{:<6}{:<8}{:>8.2f} m2  {:>6.2f} x {:>4.2f} m  {:>6} {:>6} {:>6}  {:>8} +- {:.4f} m  {:.4f} m"
+        "  {:>6.3f} deg  {:>9}  {}\n",
+        ++number, to_string(plane.kind), plane.area_m2, plane.extent_m[0], plane.extent_m[1], fixed(n.x(), 3),
+        fixed(n.y(), 3), fixed(n.z(), 3), fixed(patch.plane.offset_m, 4), patch.sigma_offset_m, patch.rms_m,
+        deg_from_rad(patch.sigma_normal_rad), patch.points.size(), point_text(patch.centre));
   }
   return text;
 }
 
-Json as_json(const Point3& point) { return {point.x(), point.y(), point.z()}; }
+// Adding zero takes the sign from a zero.
+Json as_json(const Point3& point) { return {point.x() + 0.0, point.y() + 0.0, point.z() + 0.0}; }
 
 Json as_json(const Dimension& dimension) {
   if (!is_known(dimension)) return {{"value_m", nullptr}, {"sigma_m", nullptr}, {"both_ends_seen", false}};
@@ -90,9 +102,13 @@ Json as_json(const MeasuredBox& box) {
           {"face_rms_m", box.face_rms_m}};
 }
 
-Json as_json(const PlanePatch& patch) {
-  return {{"normal", as_json(patch.plane.normal)},
-          {"offset_m", patch.plane.offset_m},
+Json as_json(const MeasuredPlane& plane) {
+  const PlanePatch& patch = plane.patch;
+  return {{"kind", to_string(plane.kind)},
+          {"area_m2", plane.area_m2},
+          {"extent_m", plane.extent_m},
+          {"normal", as_json(patch.plane.normal)},
+          {"offset_m", patch.plane.offset_m + 0.0},
           {"sigma_offset_m", patch.sigma_offset_m},
           {"sigma_normal_deg", deg_from_rad(patch.sigma_normal_rad)},
           {"rms_m", patch.rms_m},
@@ -145,7 +161,7 @@ Json as_json(const Measurement& measured) {
   }
   if (measured.has_planes) {
     json["planes"] = Json::array();
-    for (const PlanePatch& patch : measured.planes) json["planes"].push_back(as_json(patch));
+    for (const MeasuredPlane& plane : measured.planes) json["planes"].push_back(as_json(plane));
   }
   return json;
 }
@@ -165,14 +181,16 @@ std::string as_csv(const Measurement& measured) {
     return text;
   }
   text +=
-      "plane,normal_x,normal_y,normal_z,offset_m,sigma_offset_m,sigma_normal_deg,rms_m,points,centre_x_m,centre_y_m,"
-      "centre_z_m\n";
+      "plane,kind,area_m2,extent_m,extent_other_m,normal_x,normal_y,normal_z,offset_m,sigma_offset_m,sigma_normal_deg,"
+      "rms_m,points,centre_x_m,centre_y_m,centre_z_m\n";
   std::size_t number = 0;
-  for (const PlanePatch& patch : measured.planes) {
-    const Point3& n = patch.plane.normal;
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", ++number, n.x(), n.y(), n.z(), patch.plane.offset_m,
-                        patch.sigma_offset_m, deg_from_rad(patch.sigma_normal_rad), patch.rms_m, patch.points.size(),
-                        patch.centre.x(), patch.centre.y(), patch.centre.z());
+  for (const MeasuredPlane& plane : measured.planes) {
+    const PlanePatch& patch = plane.patch;
+    const Point3 n = patch.plane.normal + Point3::Zero();
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", ++number, to_string(plane.kind),
+                        plane.area_m2, plane.extent_m[0], plane.extent_m[1], n.x(), n.y(), n.z(),
+                        patch.plane.offset_m + 0.0, patch.sigma_offset_m, deg_from_rad(patch.sigma_normal_rad),
+                        patch.rms_m, patch.points.size(), patch.centre.x(), patch.centre.y(), patch.centre.z());
   }
   return text;
 }
@@ -190,7 +208,9 @@ Measurement measure_cloud(const MeasureJob& job, std::span<const CloudPoint> clo
     search.viewpoint = measured.viewpoint;
     measured.boxes = find_boxes(cloud, search);
   }
-  if (job.planes) measured.planes = find_planes(cloud, job.plane_search);
+  if (job.planes) {
+    measured.planes = measured_planes(cloud, find_planes(cloud, job.plane_search), job.plane_search.gap_m);
+  }
   return measured;
 }
 

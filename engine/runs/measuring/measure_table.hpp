@@ -1,4 +1,4 @@
-// What `gdtslam measure` found in a cloud, and how it is printed: text in centimetres, JSON and CSV in metres and
+// What `gdtslam measure` found in a cloud, and how it is printed: boxes as text in centimetres, all else in metres and
 // degrees; and the measuring itself. Thread-safe; O(boxes and planes), measure_cloud() that of the searches.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "gdtslam/cloud/box.hpp"
-#include "gdtslam/cloud/plane.hpp"
+#include "gdtslam/cloud/measured_plane.hpp"
 #include "gdtslam/core/cloud.hpp"
 
 namespace gdtslam {
@@ -28,7 +28,7 @@ struct Measurement {
   bool has_planes = false;
   bool is_projection = false;
   std::vector<MeasuredBox> boxes;
-  std::vector<PlanePatch> planes;
+  std::vector<MeasuredPlane> planes;  ///< the largest first
 };
 
 /// "58.29 +- 0.02 cm".

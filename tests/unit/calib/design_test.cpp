@@ -3,13 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gdtslam/core/random.hpp"
 
 namespace gdtslam::calib {
 namespace {
@@ -58,24 +61,94 @@ TEST(Design, CentricOneIsTheClosedForm) {
   EXPECT_NEAR(found.report.least_transmission_rad, std::acos(0.03 * 0.15 / (coupler_m * rocker_m)), 1e-9);
 }
 
-TEST(Design, TheBestComeFirstAndSpreadOverTheCrank) {
-  const std::vector<Design> designs = design({}, 5);
+// What a linkage is but for its size.
+std::array<double, 4> shape_of(const FourBar& bars) {
+  const double sum = bars.crank_m + bars.coupler_m + bars.rocker_m + bars.ground_m;
+  return {bars.crank_m / sum, bars.coupler_m / sum, bars.rocker_m / sum, bars.ground_m / sum};
+}
+
+double apart(const FourBar& a, const FourBar& b) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) sum += std::pow(shape_of(a)[k] - shape_of(b)[k], 2.0);
+  return std::sqrt(sum);
+}
+
+double longest_of(const FourBar& bars) { return std::max({bars.coupler_m, bars.rocker_m, bars.ground_m}); }
+
+TEST(Design, ManyDifferInShapeAndTheBestComesFirst) {
+  const DesignGoal goal;
+  const std::vector<Design> designs = design(goal, 5);
   ASSERT_EQ(designs.size(), 5U);
+  EXPECT_EQ(designs.front().bars.ground_m, design(goal).front().bars.ground_m);
   for (std::size_t i = 0; i < designs.size(); ++i) {
-    EXPECT_NEAR(designs[i].bars.crank_m, 0.03 + 0.005 * static_cast<double>(i), 1e-12);
-    if (i > 0) {
-      EXPECT_LT(designs[i].report.least_transmission_rad, designs[i - 1].report.least_transmission_rad);
-    }
+    const Design& one = designs[i];
+    EXPECT_NEAR(one.report.swing_rad, goal.swing_rad, 1e-9);
+    EXPECT_GE(one.report.least_transmission_rad, goal.min_transmission_rad - 1e-9);
+    if (i == 0) continue;
+    EXPECT_LE(one.report.least_transmission_rad, designs[i - 1].report.least_transmission_rad + 1e-9);
+    // As large as it may be: the crank is the longest, or another bar is.
+    EXPECT_TRUE(std::fabs(one.bars.crank_m - goal.most_crank_m) < 1e-12 ||
+                std::fabs(longest_of(one.bars) - 4.0 * goal.most_crank_m) < 1e-12);
+    for (std::size_t k = 0; k < i; ++k) EXPECT_GT(apart(one.bars, designs[k].bars), 0.005) << i << " and " << k;
   }
 }
 
-TEST(Design, LeavesOutCranksThatDoNotMeetTheGoal) {
+// Bars with that swing for a coupler and a rocker over the crank, by bisection of the ground; nothing where none has
+// it.
+std::optional<FourBar> with_swing(double coupler, double rocker, double ground, double swing_rad) {
+  const auto swing_of = [&](double g) -> std::optional<double> {
+    const FourBar bars{.crank_m = 1.0, .coupler_m = coupler, .rocker_m = rocker, .ground_m = g};
+    if (grashof_class(bars) != GrashofClass::kCrankRocker) return std::nullopt;
+    return analyse(bars, Assembly::kOpen).swing_rad;
+  };
+  double low = ground;
+  double high = ground + 0.3;
+  const auto at_low = swing_of(low);
+  const auto at_high = swing_of(high);
+  if (!at_low || !at_high || (*at_low < swing_rad) == (*at_high < swing_rad)) return std::nullopt;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    const auto found = swing_of(middle);
+    if (!found) return std::nullopt;
+    ((*found < swing_rad) == (*at_low < swing_rad) ? low : high) = middle;
+  }
+  return FourBar{.crank_m = 1.0, .coupler_m = coupler, .rocker_m = rocker, .ground_m = low};
+}
+
+// No linkage that meets the goal is farther from all of the designs than these are from each other: whatever shape
+// there is, one of those offered is like it.
+TEST(Design, EveryRandomLinkageThatMeetsTheGoalIsNearOne) {
+  const DesignGoal goal;
+  const std::vector<Design> designs = design(goal, 8);
+  ASSERT_EQ(designs.size(), 8U);
+  double nearest_pair = 1.0;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) nearest_pair = std::min(nearest_pair, apart(designs[i].bars, designs[k].bars));
+  }
+  constexpr double kGrid = 0.01;  // of the shapes that were sampled
+  const double longest = 4.0 * goal.most_crank_m / goal.least_crank_m;
+  Random random(7);
+  int met = 0;
+  for (int trial = 0; trial < 200'000; ++trial) {
+    const auto bars = with_swing(random.uniform(1.0, longest), random.uniform(1.0, longest),
+                                 random.uniform(1.0, longest), goal.swing_rad);
+    if (!bars || longest_of(*bars) > longest || least_transmission_rad(*bars) < goal.min_transmission_rad) continue;
+    ++met;
+    double nearest = 1.0;
+    for (const Design& one : designs) nearest = std::min(nearest, apart(one.bars, *bars));
+    EXPECT_LE(nearest, nearest_pair + kGrid)
+        << "coupler " << bars->coupler_m << ", rocker " << bars->rocker_m << ", ground " << bars->ground_m;
+  }
+  EXPECT_GT(met, 50);
+}
+
+TEST(Design, GivesFewerWhereTheGoalLeavesNoMoreShapes) {
   DesignGoal goal;
   goal.longest_bar_m = 0.12;
-  goal.min_transmission_rad = rad_from_deg(42.0);
-  const std::vector<Design> designs = design(goal, 5);
+  goal.min_transmission_rad = rad_from_deg(43.0);  // the best reaches 43.1 deg
+  const std::vector<Design> designs = design(goal, 20);
   EXPECT_GE(designs.size(), 1U);
-  EXPECT_LT(designs.size(), 5U);
+  EXPECT_LT(designs.size(), 20U);
 }
 
 TEST(Design, IsDeterministic) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -97,6 +98,45 @@ TEST(JsonFile, NumbersReadBackAndTextIsMadeUtf8) {
   const TemporaryFolder folder;
   write_json(folder / "r.json", value);
   EXPECT_EQ(get_file(folder / "r.json"), text);
+}
+
+// A report of 3,000 keyframes and many doubtful scans is read by people, too.
+TEST(JsonFile, ListsOfNumbersAndRowsOfTablesAreOneLineEach) {
+  nlohmann::ordered_json value{{"origin_m", {0.5, -1}},
+                               {"inner", {{"a", 1}, {"empty", nlohmann::ordered_json::array()}}},
+                               {"rows", {{{"scan", 7}, {"at", {1, 2}}}, {{"scan", 9}, {"at", {3, 4}}}}},
+                               {"texts", {"one", "two"}},
+                               {"long", {std::string(70, 'x'), std::string(70, 'y')}},
+                               {"deep", {{{"a", {{"b", 1}}}}}}};
+  EXPECT_EQ(json_text(value),
+            "{\n"
+            "  \"origin_m\": [0.5, -1],\n"
+            "  \"inner\": {\n    \"a\": 1,\n    \"empty\": []\n  },\n"
+            "  \"rows\": [\n    {\"scan\": 7, \"at\": [1, 2]},\n"
+            "    {\"scan\": 9, \"at\": [3, 4]}\n  ],\n"
+            "  \"texts\": [\"one\", \"two\"],\n"
+            "  \"long\": [\n    \"" +
+                std::string(70, 'x') + "\",\n    \"" + std::string(70, 'y') +
+                "\"\n  ],\n"
+                "  \"deep\": [\n    {\n      \"a\": {\n        \"b\": 1\n      }\n    }\n  ]\n"
+                "}\n");
+  value = nlohmann::ordered_json::object();
+  for (int k = 0; k < 3000; ++k) value["keyframe_scans"].push_back(k);
+  const std::string text = json_text(value);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+  EXPECT_EQ(parse_json(text, "it"), value);
+}
+
+// Rows that are wider than the page are written as any other object.
+TEST(JsonFile, ARowOf120ColumnsWithItsCommaIsTheWidest) {
+  const auto lines_with = [](std::size_t letters) {
+    const nlohmann::ordered_json value{{"rows", {{{"a", std::string(letters, 'x')}, {"b", 1}}}}};
+    const std::string text = json_text(value);
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  // Four blanks, {"a": "...", "b": 1}: 17 letters beside those of the text.
+  EXPECT_EQ(lines_with(120 - 4 - 17 - 1), 5);
+  EXPECT_EQ(lines_with(120 - 4 - 17), 8);
 }
 
 }  // namespace

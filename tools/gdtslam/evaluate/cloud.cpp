@@ -8,11 +8,12 @@
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
 #include "engine/runs/evaluation/hit_errors.hpp"
+#include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/io/trajectory_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
 #include "tools/gdtslam/shell/options.hpp"
@@ -26,8 +27,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void check_cloud_usage(const EvaluateOptions& options) {
-  if (options.trajectory.empty() != options.reference.empty()) {
+  const bool has_trajectory = !options.trajectory.empty() || RunReader::is_run(options.file);
+  if (!options.trajectory.empty() && options.reference.empty()) {
     throw UsageError("a cloud is aligned by two trajectories: give both --trajectory and --reference, or neither");
+  }
+  if (!options.reference.empty() && !has_trajectory) {
+    throw UsageError(
+        "a cloud is aligned by two trajectories: give both --trajectory and --reference, or neither; a run's folder in "
+        "place of its cloud has the trajectory");
   }
   if (options.linkage.empty() != options.resolution.empty()) {
     throw UsageError("the quantisation bound needs both --linkage and --resolution");
@@ -37,9 +44,10 @@ void check_cloud_usage(const EvaluateOptions& options) {
 
 CloudFrame frame_of(const EvaluateOptions& options) {
   CloudFrame frame;
-  if (options.trajectory.empty()) return frame;
+  if (options.reference.empty()) return frame;
+  const std::string& path = options.trajectory.empty() ? options.file : options.trajectory;
   frame.trajectory =
-      evaluate_reference(read_tum(options.trajectory), read_tum(options.reference), reference_options(options));
+      evaluate_reference(given_trajectory(path), given_trajectory(options.reference), reference_options(options));
   frame.T_truth_map = frame.trajectory->T_reference_estimate;
   return frame;
 }
@@ -79,7 +87,7 @@ int finish(const EvaluateOptions& options, const DistanceHistogram& distances, c
 #ifdef GDTSLAM_HAS_SIM
 int against_scene(const EvaluateOptions& options) {
   ProgressLine line("points", options.json);
-  SceneErrorsJob job{.cloud = options.file,
+  SceneErrorsJob job{.cloud = given_cloud(options.file),
                      .scene = options.scene,
                      .scene_folders = asset_folders("scenes"),
                      .frame = frame_of(options)};
@@ -88,7 +96,7 @@ int against_scene(const EvaluateOptions& options) {
   const SceneErrors errors = scene_errors(job);
   line.clear();
   if (errors.distances.count() == 0 && !errors.interrupted) {
-    throw InputError({options.file, 0}, "holds no point with finite coordinates");
+    throw InputError({job.cloud, 0}, "holds no point with finite coordinates");
   }
   std::string text = errors.distances.text() + frame_text(job.frame, options.no_align);
   if (errors.skipped > 0) text += fmt::format("{} points with values that are not finite left out\n", errors.skipped);
@@ -113,7 +121,7 @@ Json bound_json(const std::optional<BoundCheck>& bound) {
 
 int against_hits(const EvaluateOptions& options) {
   ProgressLine line("points", options.json);
-  HitErrorsJob job{.cloud = options.file, .hits = options.hits, .frame = frame_of(options)};
+  HitErrorsJob job{.cloud = given_cloud(options.file), .hits = options.hits, .frame = frame_of(options)};
   if (!options.linkage.empty()) {
     job.quantisation = {resolve_linkage(options.linkage), resolution_of(options.resolution)};
   }

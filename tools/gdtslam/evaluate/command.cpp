@@ -37,7 +37,8 @@ int evaluate(const EvaluateOptions& options) {
 void add_truths(CLI::App& command, EvaluateOptions& chosen) {
   CLI::Option* relations = command.add_option("--relations", chosen.relations,
                                               "Verified relations, rows `t1 t2 x y z roll pitch yaw`, plain or gzip");
-  CLI::Option* reference = command.add_option("--reference", chosen.reference, "True trajectory, TUM, plain or gzip");
+  CLI::Option* reference =
+      command.add_option("--reference", chosen.reference, "True trajectory, TUM, plain or gzip, or a run");
   CLI::Option* scene = command.add_option(
       "--scene", chosen.scene, "Scene, a file or a sample, to whose surfaces the distances of a cloud are taken");
   CLI::Option* hits = command.add_option(
@@ -52,8 +53,10 @@ void add_truths(CLI::App& command, EvaluateOptions& chosen) {
 
 void add_cloud_options(CLI::App& command, EvaluateOptions& chosen) {
   command
-      .add_option("--trajectory", chosen.trajectory,
-                  "Trajectory of the run that a cloud is of; with --reference it tells where the cloud is in the scene")
+      .add_option(
+          "--trajectory", chosen.trajectory,
+          "Trajectory of the run that a cloud is of; with --reference it tells where the cloud is in the scene\n"
+          "[that of the run, where FILE is a run]")
       ->type_name("FILE");
   command.add_option("--linkage", chosen.linkage, "With --hits: also tell the quantisation bound of this linkage")
       ->type_name("PRESET|FILE");
@@ -70,7 +73,8 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
   command
       ->add_option("file", options->file,
                    "Folder of a run; trajectory, TUM: stamp x y z qx qy qz qw; or cloud, PLY or PCD")
-      ->required();
+      ->required()
+      ->type_name("RUN|FILE");
   add_truths(*command, *options);
   add_quantity_option(*command, "--tolerance", options->tolerance_s, Unit::kSecond, {0.0, kMost_s},
                       "Stamps further apart do not match (default: 0.1 ms for relations, 10 ms for a reference)");
@@ -95,13 +99,12 @@ void add_evaluate_command(CLI::App& app, CommandContext& context) {
       "it states (covariance.csv), and what that share is if they are right.\n"
       "\n"
       "Examples:\n"
-      "  gdtslam evaluate out/trajectory.tum --relations intel.relations.gz\n"
+      "  gdtslam evaluate out --relations intel.relations.gz\n"
       "  gdtslam evaluate out --relations intel.relations.gz --noise 2cm/0.5deg\n"
       "  gdtslam evaluate out/trajectory.tum --reference office.truth.tum --json\n"
-      "  gdtslam evaluate out/cloud.ply --scene office-7f --trajectory out/trajectory.tum --reference "
-      "office.truth.tum\n"
-      "  gdtslam evaluate out/cloud.ply --hits boxes.truth.ply --trajectory out/trajectory.tum --reference "
-      "boxes.truth.tum");
+      "  gdtslam evaluate out --scene office-7f --reference office.truth.tum\n"
+      "  gdtslam evaluate out --hits boxes.truth.ply --reference boxes.truth.tum\n"
+      "  gdtslam evaluate other.pcd --scene office-7f --trajectory other.tum --reference office.truth.tum");
   command->callback([options, &context] { context.run = [options] { return evaluate(*options); }; });
 }
 

@@ -10,6 +10,7 @@
 #include "engine/io/json_file.hpp"
 #include "engine/runs/evaluation/stated_errors.hpp"
 #include "engine/runs/folder/run_reader.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "evaluate.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
@@ -77,7 +78,7 @@ Evaluated evaluated_of(const EvaluateOptions& options) {
     if (!options.noise.empty()) {
       throw UsageError("--noise is for what a run states: give the run's folder in place of a trajectory");
     }
-    return {read_tum(options.file), {}, false};
+    return {given_trajectory(options.file), {}, false};
   }
   const RunReader run(options.file);
   return {run.trajectory(), run.covariances(), true};
@@ -201,7 +202,7 @@ Json reference_json(const ReferenceReport& report, const ReferenceOptions& optio
 int evaluate_against_reference(const EvaluateOptions& options) {
   const ReferenceOptions reference = reference_options(options);
   const Evaluated evaluated = evaluated_of(options);
-  const Trajectory truth = read_tum(options.reference);
+  const Trajectory truth = given_trajectory(options.reference);
   const ReferenceReport report = evaluate_reference(evaluated.trajectory, truth, reference);
   std::optional<StatedReport> stated;
   if (evaluated.covariances && reference.align) {

@@ -188,8 +188,10 @@ int run_design(const LinkageCommand& command) {
                                     : as_text(designs.front()));
   }
   if (designs.size() < command.count) {
-    print_remark(fmt::format("{} of {} crank lengths meet the goal; longer cranks transmit worse in the same room",
-                             designs.size(), command.count));
+    print_remark(
+        fmt::format("only {} of {}: the goal leaves no more shapes that differ by half a percent of the bars; "
+                    "less transmission, a longer bar or a free time ratio leaves more",
+                    designs.size(), command.count));
   }
   return static_cast<int>(ExitCode::kDone);
 }
@@ -224,7 +226,8 @@ void add_design_options(CLI::App& command, LinkageCommand& chosen) {
   add("--longest", chosen.goal.longest, "Longest bar; longer ones transmit better [4 times the longest crank]",
       "LENGTH");
   constexpr int kMostDesigns = 100;
-  command.add_option("--count", chosen.count, "Number of linkages, with cranks spread over their range")
+  command
+      .add_option("--count", chosen.count, "Number of linkages, of different shapes spread over all that meet the goal")
       ->needs(design)
       ->type_name("N")
       ->check(CLI::Range(1, kMostDesigns))

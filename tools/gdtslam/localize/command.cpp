@@ -220,9 +220,10 @@ void add_tracking_options(CLI::App& command, LocalizeOptions& chosen) {
 }
 
 void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
-  CLI::Option* reference = command.add_option("--reference", chosen.reference,
-                                              "True poses in the map's frame, TUM, plain or gzip: report the errors.\n"
-                                              "The run's own trajectory.tum will do for the log that was mapped");
+  CLI::Option* reference =
+      command.add_option("--reference", chosen.reference,
+                         "True poses in the map's frame, TUM, plain or gzip, or a run: report the errors.\n"
+                         "The run itself will do for the log that was mapped");
   reference->type_name("FILE");
   command
       .add_flag("--align", chosen.align,
@@ -304,7 +305,7 @@ void add_localize_command(CLI::App& app, CommandContext& context) {
       "  gdtslam localize intel intel.clf.gz --scan 5000\n"
       "  gdtslam localize intel/gdt.yaml today.clf.gz --every 50 -o poses.tum --json\n"
       "  gdtslam localize warehouse/map.yaml today.bag --every 50 --picture poses.png\n"
-      "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel/trajectory.tum\n"
+      "  gdtslam localize intel intel.clf.gz --random 200 --leave-out 0.5s --reference intel\n"
       "  gdtslam localize intel today.clf.gz --track -o track.tum --table track.csv --picture track.png\n"
       "  gdtslam localize intel today.clf.gz --track --changes changes.png\n"
       "  gdtslam localize office office.log --every 20 --reference office.truth.tum --align --picture poses.svg");

@@ -11,6 +11,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/measuring/measure_table.hpp"
 #include "gdtslam/cloud/box.hpp"
 #include "gdtslam/core/error.hpp"
@@ -97,7 +98,8 @@ int run_measure(const MeasureCommand& command) {
     throw UsageError("--csv writes one table: ask for --boxes or for --planes");
   }
   if (!command.picture.empty()) check_drawing_file("--picture", command.picture);
-  const MeasureJob job = job_of(command);
+  MeasureJob job = job_of(command);
+  job.cloud = given_cloud(job.cloud);
   std::uint64_t skipped = 0;
   std::array<double, 3> origin_m{};
   const Cloud cloud = read_cloud(job.cloud, kMostPoints, &skipped, &origin_m);
@@ -157,9 +159,10 @@ void add_search_options(CLI::App& command, MeasureCommand& chosen, CLI::Option* 
 void add_measure_command(CLI::App& app, CommandContext& context) {
   auto chosen = std::make_shared<MeasureCommand>();
   CLI::App* command = add_command(app, "measure", "Boxes and planes of a 3D cloud, with their dimensions");
-  command->add_option("cloud", chosen->job.cloud, "A cloud: .ply or .pcd, plain or gzip")
+  command
+      ->add_option("cloud", chosen->job.cloud, "Folder of a run with a cloud, or a cloud: .ply or .pcd, plain or gzip")
       ->required()
-      ->type_name("CLOUD");
+      ->type_name("RUN|CLOUD");
   CLI::Option* const boxes = command->add_flag("--boxes", chosen->job.boxes, "Upright boxes: width, depth, height");
   command->add_flag("--planes", chosen->job.planes, "The largest planes");
   add_search_options(*command, *chosen, boxes);
@@ -175,8 +178,9 @@ void add_measure_command(CLI::App& app, CommandContext& context) {
       "the edges of a box are told by all beams that met it or passed it. docs/measuring.md says how.\n"
       "\n"
       "Examples:\n"
-      "  gdtslam measure run/cloud.ply --boxes\n"
-      "  gdtslam measure run/cloud.ply --boxes --projection --picture boxes.svg --csv boxes.csv\n"
+      "  gdtslam measure run --boxes\n"
+      "  gdtslam measure run --planes\n"
+      "  gdtslam measure run --boxes --projection --picture boxes.svg --csv boxes.csv\n"
       "  gdtslam measure room.pcd --boxes --viewpoint 0,0,1.2m --json\n"
       "  gdtslam measure room.pcd --planes --thickness 5cm --min-points 1000");
   command->callback([chosen, &context] { context.run = [chosen] { return run_measure(*chosen); }; });

@@ -10,6 +10,7 @@
 
 #include "engine/drawing/linkage/linkage_drawing.hpp"
 #include "engine/runs/evaluation/errors.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
@@ -90,7 +91,7 @@ std::vector<TrajectoryError> errors_of(RenderSource& source, const RenderOptions
                                                          "the same log?",
                                                          relations.size(), source.input()));
   }
-  return errors_against(source.trajectory(), read_tum(options.reference));
+  return errors_against(source.trajectory(), given_trajectory(options.reference));
 }
 
 }  // namespace

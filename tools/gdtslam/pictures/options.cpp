@@ -58,7 +58,11 @@ double scale_value(const std::string& text, CloudColour colour) {
 
 bool has_truth(const RenderOptions& options) {
   if (!options.relations.empty()) return true;
-  return !options.reference.empty() && kind_of_input(options.reference) == RenderKind::kTrajectory;
+  if (options.reference.empty()) return false;
+  const RenderKind kind = kind_of_input(options.reference);
+  if (kind != RenderKind::kRun) return kind == RenderKind::kTrajectory;
+  // A run is both where it has a cloud: the path for the views of errors, the points for the others.
+  return options.view.starts_with("errors-") || RunReader(options.reference).summary().cloud_points == 0;
 }
 
 PictureSize size_of(const std::string& text) {

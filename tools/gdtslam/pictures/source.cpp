@@ -15,6 +15,7 @@
 
 #include "engine/io/did_you_mean.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/calib/crank_rocker.hpp"
 #include "gdtslam/core/error.hpp"
@@ -227,11 +228,9 @@ RenderSource::RenderSource(std::string input)
 
 // A file, or a folder that has one and perhaps the path beside it.
 void RenderSource::open_cloud() {
-  cloud_file_ = input_;
+  cloud_file_ = given_cloud(input_);
   parts_ = part::kCloud;
-  std::error_code ignored;
-  if (!fs::is_directory(input_, ignored)) return;
-  cloud_file_ = in_folder(input_, kCloudName);
+  if (cloud_file_ == input_) return;
   name_ = name_of_place(input_);
   if (!has_file(input_, kTrajectoryName)) return;
   trajectory_file_ = in_folder(input_, kTrajectoryName);

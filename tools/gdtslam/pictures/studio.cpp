@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/runs/inputs/given_files.hpp"
 #include "engine/runs/views/run_views.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
@@ -100,12 +101,13 @@ std::vector<float> RenderStudio::distances(const Cloud& cloud) {
     throw UsageError("--colour distance needs what the distances are to: --reference CLOUD, in the same frame");
   }
   ProgressLine progress("points", options_.quiet);
+  const std::string file = given_cloud(options_.reference);
   Cloud reference = read_whole_cloud(
-      options_.reference, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+      file, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
       [this](const std::string& remark) { tell(remark); });
   // Both were read relative to origins of their own.
   const std::array<double, 3> to = origin_of_cloud(sources_.front().cloud_file());
-  const std::array<double, 3> from = origin_of_cloud(options_.reference);
+  const std::array<double, 3> from = origin_of_cloud(file);
   for (CloudPoint& point : reference) {
     point.x_m += static_cast<float>(from[0] - to[0]);
     point.y_m += static_cast<float>(from[1] - to[1]);

@@ -266,7 +266,7 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
 void add_data_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kData = "Data";
   add(command, kData, "--reference", chosen.reference,
-      "A cloud in the same frame, for distances; the true trajectory, TUM, for errors-*", "FILE");
+      "A cloud in the same frame, for distances; the true trajectory, TUM, for errors-*; a run for either", "FILE");
   add(command, kData, "--relations", chosen.relations, "Verified relations for errors-*, as evaluate reads them",
       "FILE")
       ->excludes("--reference");

@@ -77,16 +77,25 @@ std::string log_text(const LogVerdict& log, bool is_vulkan) {
   return text + "\n";
 }
 
+// The last line, for people and for `tail -1` in a script.
+std::string verdict_text(const VerifyReport& report) {
+  const std::string found = plural(report.differences(), "difference");
+  if (report.failure) return fmt::format("FAIL: {} failed; {} until then\n", report.targets.back().name, found);
+  return fmt::format("{}: {}\n", report.passed() ? "PASS" : "FAIL", found);
+}
+
 std::string as_text(const VerifyReport& report) {
   std::string text;
   for (const TargetReport& target : report.targets) {
-    text += fmt::format("{}: {} against {}\n", target.name, device_text(target.device), device_text(report.reference));
+    const bool was_opened = !target.device.name.empty();
+    text += fmt::format("{}: {} against {}\n", target.name, was_opened ? device_text(target.device) : "not opened",
+                        device_text(report.reference));
     text += kernels_text(target) + work_text(target);
+    if (!target.failure.empty()) text += "FAILED: " + target.failure + "\n";
     for (const LogVerdict& log : target.logs) text += log_text(log, target.is_vulkan);
     text += "\n";
   }
-  text += fmt::format("{:.1f} s\n", report.wall_s);
-  return text + plural(report.differences(), "difference") + "\n";
+  return text + fmt::format("{:.1f} s\n", report.wall_s) + verdict_text(report);
 }
 
 Json kernel_json(const KernelVerdict& kernel) {
@@ -126,7 +135,8 @@ Json target_json(const TargetReport& target) {
   Json logs = Json::array();
   for (const LogVerdict& log : target.logs) logs.push_back(log_json(log));
   return {{"name", target.name},
-          {"device", device_json(target.device)},
+          {"device", target.device.name.empty() ? Json() : device_json(target.device)},
+          {"failure", target.failure.empty() ? Json() : Json(target.failure)},
           {"dispatches", target.work.dispatches},
           {"submissions", target.work.submissions},
           {"decoys", target.work.decoys},
@@ -138,11 +148,8 @@ Json target_json(const TargetReport& target) {
 Json as_json(const VerifyReport& report) {
   Json targets = Json::array();
   for (const TargetReport& target : report.targets) targets.push_back(target_json(target));
-  return {{"version", GDTSLAM_VERSION},
-          {"reference", device_json(report.reference)},
-          {"targets", targets},
-          {"wall_s", report.wall_s},
-          {"differences", report.differences()}};
+  return {{"version", GDTSLAM_VERSION}, {"reference", device_json(report.reference)}, {"targets", targets},
+          {"wall_s", report.wall_s},    {"differences", report.differences()},        {"passed", report.passed()}};
 }
 
 std::string utc_now() {
@@ -168,9 +175,9 @@ int verify(const VerifyCommand& command) {
   }
   const VerifyReport report = run_verify(command.options);
   keep_result(report, command.options);
-  if (report.failure) throw DeviceError(*report.failure);
   print_result(command.json ? json_text(as_json(report)) : as_text(report));
-  if (report.differences() == 0) return static_cast<int>(ExitCode::kDone);
+  if (report.failure) throw DeviceError(*report.failure);
+  if (report.passed()) return static_cast<int>(ExitCode::kDone);
   throw Error(ExitCode::kFailed, fmt::format("{}: {} from {}", report.targets.front().name,
                                              plural(report.differences(), "difference"), report.reference.name));
 }
@@ -225,7 +232,8 @@ void add_verify_command(CLI::App& app, CommandContext& context) {
       "That the device did it itself is shown: no CPU kernel runs meanwhile, and each kernel runs once without its "
       "CPU\n"
       "functions. --device cpu compares the CPU's instruction sets and threads with the baseline.\n"
-      "Exit 0: no difference; 1: differences, or the device failed; 69: there is no such device. 'gdtslam devices'\n"
+      "The last line is PASS (exit 0) or FAIL (1: differences, or the device failed) with the number of differences;\n"
+      "with --json, 'passed'. Exit 69: there is no such device. 'gdtslam devices'\n"
       "shows the last result of the whole, and differences and failures of a part, with the shaders that the device\n"
       "takes by itself.\n"
       "\n"

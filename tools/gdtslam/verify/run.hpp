@@ -50,6 +50,7 @@ struct VerifyReport {
   std::optional<DeviceError> failure{};  ///< of the last target's driver; those after it were not verified
   double wall_s = 0.0;
   [[nodiscard]] std::uint64_t differences() const;
+  [[nodiscard]] bool passed() const { return differences() == 0 && !failure; }
 };
 
 /// The default matcher and those that work on the device as a whole.

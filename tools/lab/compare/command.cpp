@@ -9,6 +9,7 @@
 
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/json_file.hpp"
+#include "engine/runs/inputs/given_files.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/io/log.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
@@ -107,7 +108,7 @@ CompareTruth truth_of(const CompareOptions& options) {
   truth.reference_file = options.reference;
   truth.relations_file = options.relations;
   if (!options.reference.empty()) {
-    truth.reference = read_tum(options.reference);
+    truth.reference = given_trajectory(options.reference);
     if (truth.reference->empty()) throw InputError({options.reference, 0}, "holds no pose; give a trajectory, TUM");
   }
   if (!options.relations.empty()) {
@@ -192,7 +193,7 @@ void add_protocol_options(CLI::App& command, CompareOptions& options) {
                          "Verified relations that the whole log, mapped with each matcher, is compared with");
   CLI::Option* reference = command.add_option(
       "--reference", options.reference,
-      "True trajectory, TUM, plain or gzip, that the whole log, mapped with each matcher, is compared with");
+      "True trajectory, TUM, plain or gzip, or a run, that the whole log, mapped with each matcher, is compared with");
   relations->type_name("FILE")->excludes(reference);
   reference->type_name("FILE");
 }

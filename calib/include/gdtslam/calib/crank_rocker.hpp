@@ -63,12 +63,12 @@ struct Design {
   FourBar bars;
   CrankRockerReport report;
 };
-/// For each of `count` crank lengths, spread evenly over their range, the crank-rocker that meets the goal exactly in
-/// swing (and time ratio, where asked) and has the best transmission within the longest bar; of these the ones that
-/// meet the least transmission, the best first, so fewer than `count` where only short cranks do. One is that of the
-/// shortest crank. Where long bars are allowed a time ratio of 1
-/// transmits best. About 0.1 s for each. Throws ConfigError that says which part
-/// of the goal no linkage meets, what the best one reaches and what to change.
+/// Crank-rockers that meet the goal, exactly in swing (and time ratio, where asked), the best transmission first. One
+/// is the best of all: that of the shortest crank. More are of other shapes, no two alike but for their size: those
+/// that farthest-point sampling takes of all that meet the goal (calib/linkage/design_spread.hpp), each as large as
+/// crank and longest bar allow; fewer than `count` where the goal leaves no more shapes that differ. Where long bars
+/// are allowed a time ratio of 1 transmits best. About 0.1 s for one, 0.3 s for more. Throws ConfigError that says
+/// which part of the goal no linkage meets, what the best one reaches and what to change.
 std::vector<Design> design(const DesignGoal& goal, std::size_t count = 1);
 
 }  // namespace gdtslam::calib

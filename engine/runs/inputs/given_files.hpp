@@ -1,0 +1,18 @@
+// Trajectories and clouds that a command was given: the file itself, or the folder of the run that wrote it, whose
+// report is checked as RunReader does. Another folder will do if it has a file of that name. Thread-safe.
+#pragma once
+
+#include <string>
+
+#include "gdtslam/core/stream.hpp"
+
+namespace gdtslam {
+
+/// The poses of a TUM file, or of trajectory.tum in a folder. Throws FileError, and InputError that says what to give.
+Trajectory given_trajectory(const std::string& given);
+
+/// The file of a cloud: `given` unless that is a folder, then its cloud.ply. Nothing is said of the file itself, which
+/// its reader checks. Throws InputError where the folder has none, with the reason that its run gives; FileError.
+std::string given_cloud(const std::string& given);
+
+}  // namespace gdtslam
