@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/core/shown_quantity.hpp"
 #include "engine/core/stated_quantity.hpp"
 #include "gdtslam/core/angle.hpp"
 
@@ -127,6 +128,17 @@ TEST(FormatQuantity, IsShortAndInTheBaseUnit) {
   EXPECT_EQ(format_quantity(3.0, Unit::kCell), "3 cells");
   EXPECT_EQ(format_quantity(0.3, Unit::kShare), "0.3");
   EXPECT_EQ(format_quantity(-1e-300, Unit::kNone), "-1e-300");
+}
+
+TEST(ShowQuantity, HasAnglesInDegreesAndWholeNumbersInFull) {
+  EXPECT_EQ(show_quantity(0.035, Unit::kRadian), "2.00535 deg");  // 0.035 * 180 / 3.14159265 = 2.0053523
+  EXPECT_EQ(show_quantity(0.0, Unit::kRadian), "0 deg");
+  EXPECT_EQ(show_quantity(kPi, Unit::kRadian), "180 deg");
+  EXPECT_EQ(show_quantity(1e-4, Unit::kRadian), "0.00572958 deg");
+  EXPECT_EQ(show_quantity(100000.0, Unit::kNone), "100000");
+  EXPECT_EQ(show_quantity(-1e10, Unit::kSecond), "-10000000000 s");
+  EXPECT_EQ(show_quantity(0.025, Unit::kMetre), "0.025 m");
+  EXPECT_EQ(show_quantity(0.5, Unit::kShare), "0.5");
 }
 
 TEST(Units, IgnoreTheLocale) {
