@@ -244,6 +244,17 @@ def render_figures():
     expect("of path" not in words_of(svg, run, "--view", "iso"), "a robot that stands has a path")
 
 
+def render_pictures_of_map():
+    """What `map` leaves in the run folder is what `render` draws of it: one design, byte by byte."""
+    require_viewer()
+    drive = Drive("render_pictures_of_map")
+    run = drive.folder / "run"
+    expect_exit(command("map", drive.log, "-o", run, "-q"), 0)
+    for view, kept, more in (("map", "overview.png", ()), ("graph", "graph.png", ()), ("iso", "cloud.png", ("--size", "1600x900"))):
+        rendered(run, "--view", view, "-o", drive.folder / "a.png", *more)
+        expect((drive.folder / "a.png").read_bytes() == (run / kept).read_bytes(), f"{kept} is not the view {view}")
+
+
 def render_clouds_of_others():
     """A cloud without a run, a run without its trajectory, points that are no places."""
     require_viewer()

@@ -108,9 +108,7 @@ MapLook RenderStudio::map_look() const {
 }
 
 Canvas RenderStudio::map(const Wanted& wanted) {
-  const OccupancyMap& map = first().map();
-  const PictureSize size = wanted.value_or(size_for_content(map.geometry.width, map.geometry.height));
-  return map_picture(map, first().overlay(), map_look(), size);
+  return map_view(first().map(), first().overlay(), map_look(), wanted);
 }
 
 Canvas RenderStudio::graph(const Wanted& wanted) {

@@ -34,6 +34,13 @@ std::string points_text(std::uint64_t drawn, std::uint64_t whole) {
   return drawn < whole ? with_commas(drawn) + " of " + counted(whole, "point") : counted(drawn, "point");
 }
 
+std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const Trajectory& trajectory) {
+  std::string text = drawn > 0 ? points_text(drawn, whole) : std::string();
+  const std::string length = path_length_text(trajectory);
+  if (!length.empty()) text += (text.empty() ? "" : ", ") + length + " of path";
+  return text;
+}
+
 RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
     : options_(options), sources_(sources) {
   if (options.with_ceiling && options.no_ceiling)
@@ -57,25 +64,20 @@ void RenderStudio::tell(const std::string& remark) const {
 std::string RenderStudio::title() const { return options_.title.empty() ? sources_.front().name() : options_.title; }
 
 std::string RenderStudio::subtitle(std::uint64_t points) const {
-  std::string text = points > 0 ? points_text(points, whole_points_) : std::string();
-  const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
-  if (const RunReader* const run = sources_.front().run(); run != nullptr && points == 0) {
+  const RunReader* const run = sources_.front().run();
+  if (run != nullptr && points == 0) {
     const RunSummary& summary = run->summary();
-    add(counted(summary.scans, "scan"));
-    if (!summary.keyframes.empty()) add(counted(summary.keyframes.size(), "keyframe"));
-    if (!summary.doubtful.empty()) add(with_commas(summary.doubtful.size()) + " doubtful");
+    return run_subtitle({summary.scans, summary.keyframes.size(), summary.doubtful.size()}, path());
   }
-  if (const std::string path = path_text(); !path.empty()) add(path + " of path");
-  return text;
+  return cloud_subtitle(points, whole_points_, path());
 }
 
-std::string RenderStudio::path_text() const {
-  constexpr double kStands_m = 0.05;
+Trajectory RenderStudio::path() const {
   RenderSource& source = sources_.front();
-  if ((source.parts() & part::kTrajectory) == 0) return {};
-  const double length_m = length_m_of(source.trajectory());
-  return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
+  return (source.parts() & part::kTrajectory) == 0 ? Trajectory() : source.trajectory();
 }
+
+std::string RenderStudio::path_text() const { return path_length_text(path()); }
 
 Cloud RenderStudio::whole_cloud() {
   ProgressLine progress("points", options_.quiet);

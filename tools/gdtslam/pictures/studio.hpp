@@ -91,6 +91,8 @@ class RenderStudio {
 
  private:
   RenderSource& first() { return sources_.front(); }
+  /// Of the first source; empty where it has none.
+  [[nodiscard]] Trajectory path() const;
   Cloud whole_cloud();
   Cloud cloud_of_still(const PictureSize& size);
   /// To what --points says, else to at most `most`; 0: all.
@@ -140,5 +142,7 @@ class RenderStudio {
 
 /// "1,771,492 of 2,612,366 points", or the points where those are all.
 std::string points_text(std::uint64_t drawn, std::uint64_t whole);
+/// The same with ", 62.8 m of path"; what there is none of is left out.
+std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const Trajectory& trajectory);
 
 }  // namespace gdtslam
