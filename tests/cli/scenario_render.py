@@ -117,10 +117,10 @@ def render_views_of_each_input():
     require_viewer()
     drive = nodding_run("render_views")
     run = drive.folder / "run"
-    flat = {"map", "field", "distance", "cells"}
+    flat = {"map", "field", "distance", "cells", "trajectory"}
     solid = {"iso", "top", "front", "side", "orbit", "elevation"}
-    errors = {"errors-box", "errors-cdf", "errors-time"}
-    linkage = {"scene", "drawing"}
+    errors = {"errors-box", "errors-cdf", "errors-time", "errors-path", "trajectory"}
+    linkage, path = {"scene", "drawing"}, {"trajectory"}
     cases = [
         ([RUN], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
         ([run], flat | solid | linkage | {"follow", "scan", "graph", "loops"}, {"still": "iso", "film": "orbit"}),
@@ -129,6 +129,7 @@ def render_views_of_each_input():
         ([drive.linkage], linkage, {"still": "scene"}),
         ([run / "map.yaml"], {"map"}, {"still": "map"}),
         ([run / "gdt.yaml"], {"field", "distance", "cells"}, {"still": "field"}),
+        ([RUN / "trajectory.tum"], path, {"still": "trajectory"}),
         ([LOG], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
         ([drive.log], flat | solid | linkage | {"follow", "scan", "graph", "loops"}, {"still": "iso", "film": "orbit"}),
         ([RUN / "trajectory.tum", "--reference", TRUTH], errors, {"still": "errors-box"}),
@@ -242,17 +243,6 @@ def render_figures():
     standing = "".join(f"{k} 0 0.001 0 0 0 0 1\n" for k in range(len(places)))
     (run / "trajectory.tum").write_text(standing)
     expect("of path" not in words_of(svg, run, "--view", "iso"), "a robot that stands has a path")
-
-
-def render_pictures_of_map():
-    """What `map` leaves in the run folder is what `render` draws of it: one design, byte by byte."""
-    require_viewer()
-    drive = Drive("render_pictures_of_map")
-    run = drive.folder / "run"
-    expect_exit(command("map", drive.log, "-o", run, "-q"), 0)
-    for view, kept, more in (("map", "overview.png", ()), ("graph", "graph.png", ()), ("iso", "cloud.png", ("--size", "1600x900"))):
-        rendered(run, "--view", view, "-o", drive.folder / "a.png", *more)
-        expect((drive.folder / "a.png").read_bytes() == (run / kept).read_bytes(), f"{kept} is not the view {view}")
 
 
 def render_clouds_of_others():

@@ -1,5 +1,5 @@
-// The pictures of a run: overview, which is the view `map` of `gdtslam render`; graph, where loops hold the path and where it is not to be
-// trusted. Thread-safe; O(cells + pixels + poses).
+// The pictures of a run: overview, which is the view `map` of `gdtslam render`; graph, where loops hold the path and
+// where it is not to be trusted. Thread-safe; O(cells + pixels + poses).
 #pragma once
 
 #include <cstddef>

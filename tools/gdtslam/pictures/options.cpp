@@ -56,8 +56,9 @@ double scale_value(const std::string& text, CloudColour colour) {
 
 }  // namespace
 
-bool has_truth(const RenderOptions& options) {
-  if (!options.relations.empty()) return true;
+bool has_truth(const RenderOptions& options) { return !options.relations.empty() || has_true_path(options); }
+
+bool has_true_path(const RenderOptions& options) {
   return !options.reference.empty() && kind_of_input(options.reference) == RenderKind::kTrajectory;
 }
 
@@ -122,7 +123,7 @@ CloudLook cloud_look_of(const RenderOptions& options) {
                 : has_reference         ? CloudColour::kDistance
                                         : CloudColour::kHeight;
   look.colour_map = colour_map_of(options.colour_map);
-  const ScaleRange range = scale_range_of(options.range, look.colour);
+  const ScaleRange range = scale_range_of(options.range, options.is_angle ? CloudColour::kElevation : look.colour);
   look.least = range.least;
   look.most = range.most;
   look.point_px = options.point_px;

@@ -18,12 +18,21 @@ constexpr double kFramesPerSecond = 25.0;
 constexpr std::size_t kMostFrames = 100'000;
 constexpr std::size_t kStillFrames = 101;  // of the film that a still is taken from
 
+// A cloud from the side is long and low: it fills the picture between its title and its bars.
+PictureSize size_of_elevation(double width_m, double height_m) {
+  constexpr double kShareOfWidth = 0.88;  // that a parallel camera leaves to the cloud
+  constexpr double kWords_px = 150.0;     // above and below
+  constexpr double kLowest_px = 260.0;
+  const double rows = kShareOfWidth * kStillSize.width * height_m / std::max(width_m, 1e-3) + kWords_px;
+  return {kStillSize.width, static_cast<std::uint32_t>(std::clamp(rows, kLowest_px, 1.0 * kStillSize.width))};
+}
+
 // Parallel views of long and low clouds waste no rows.
 PictureSize size_for(CameraPreset from, const Bounds& bounds) {
   if (bounds.is_empty()) return kStillSize;
   const Point3 extent = bounds.highest - bounds.lowest;
-  if (from == CameraPreset::kFront) return size_for_content(extent.x(), extent.z());
-  if (from == CameraPreset::kSide) return size_for_content(extent.y(), extent.z());
+  if (from == CameraPreset::kFront) return size_of_elevation(extent.x(), extent.z());
+  if (from == CameraPreset::kSide) return size_of_elevation(extent.y(), extent.z());
   if (from != CameraPreset::kTop) return kStillSize;
   return size_for_content(std::max(extent.x(), extent.y()), std::min(extent.x(), extent.y()));
 }

@@ -77,6 +77,7 @@ void check_options(const RenderOptions& options) {
 // The parts that views may use, those of a log before it is mapped too.
 unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sources, NodKind nods) {
   unsigned parts = has_truth(options) ? part::kTruth : 0U;
+  if (has_true_path(options)) parts |= part::kTruePath;
   if (!sources.empty()) return parts | sources.front().parts();
   parts |= part::kMap | part::kField | part::kTrajectory | part::kGraph;
   if (nods != NodKind::kNone) parts |= part::kCloud | part::kMount;
@@ -109,7 +110,9 @@ int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
     text += "film: can be .mp4, .gif or frames; *: drawn where no --view is given, as a still or as a film\n";
   }
   if ((parts & part::kTrajectory) != 0 && (parts & part::kTruth) == 0) {
-    text += "with --reference or --relations FILE also errors-box, errors-cdf and errors-time\n";
+    text +=
+        "with --reference or --relations FILE also errors-box, errors-cdf and errors-time; with --reference FILE "
+        "errors-path\n";
   }
   print_result(options.json ? json_text(all) : text);
   return static_cast<int>(ExitCode::kDone);
@@ -156,16 +159,17 @@ class MappedLog {
 };
 
 void require_inputs_fit(const RenderOptions& options, const std::vector<RenderKind>& kinds) {
-  const bool is_errors = options.view.empty() || (render_view(options.view).needs & part::kTruth) != 0;
+  const bool is_compared = options.view.empty() || render_view(options.view).compares();
   const bool are_paths = std::all_of(kinds.begin(), kinds.end(), [](RenderKind kind) {
     return kind == RenderKind::kRun || kind == RenderKind::kTrajectory;
   });
   const bool are_logs =
       std::all_of(kinds.begin(), kinds.end(), [](RenderKind kind) { return kind == RenderKind::kLog; });
-  if (kinds.size() > 1 && !(is_errors && are_paths) && !are_logs) {
+  if (kinds.size() > 1 && !(is_compared && are_paths) && !are_logs) {
     throw UsageError(
-        "several inputs are compared by the views errors-box, errors-cdf and errors-time, and have to be runs or "
-        "trajectories; several logs are mapped as one");
+        "several inputs are compared by the views trajectory, errors-box, errors-cdf and errors-time, and have to be "
+        "runs "
+        "or trajectories; several logs are mapped as one");
   }
   if (!options.run_folder.empty() && !are_logs) throw UsageError("--run is for logs: where their run is kept");
 }
@@ -218,7 +222,8 @@ void add_look_options(CLI::App& command, RenderOptions& chosen) {
   add(command, kLook, "--colour", chosen.colour,
       "Of a cloud's points: height, elevation, time, scan, distance, plain\n[height; with --reference CLOUD distance]",
       "NAME");
-  add(command, kLook, "--colour-map", chosen.colour_map, "Colours from low to high: " + colour_map_names(), "NAME");
+  add(command, kLook, "--colour-map,--colors", chosen.colour_map, "Colours from low to high: " + colour_map_names(),
+      "NAME");
   add(command, kLook, "--range", chosen.range,
       "Ends of the colours with their units, as 0m:2.5m [1st and 99th percentile]", "MIN:MAX");
   add(command, kLook, "--camera", chosen.camera,
@@ -252,7 +257,7 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
 void add_data_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kData = "Data";
   add(command, kData, "--reference", chosen.reference,
-      "A cloud in the same frame, for distances; or of errors-*: the true trajectory, TUM", "FILE");
+      "A cloud in the same frame, for distances; or of trajectory and errors-*: the true\ntrajectory, TUM", "FILE");
   add(command, kData, "--relations", chosen.relations, "Of errors-*: verified relations, as evaluate reads them",
       "FILE")
       ->excludes("--reference");
@@ -282,13 +287,14 @@ void add_render_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "input", chosen->inputs,
           "Run folder, cloud (.ply, .pcd), linkage (preset or file), map.yaml, gdt.yaml,\ntrajectory (.tum) or "
-          "log, told by content; several runs for errors-*")
+          "log, told by content; several runs for trajectory and errors-*")
       ->required()
       ->type_name("INPUT");
   command
-      ->add_option("-o,--output", chosen->output,
-                   "File, by its ending: .png .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
-                   "cloud .gltf .ply .pcd [<name>-<view>.png here]")
+      ->add_option(
+          "-o,--output", chosen->output,
+          "File, by its ending: .png .jpg .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
+          "cloud .glb .gltf .ply .pcd, a linkage .glb .gltf\n[<name>-<view>.png here]")
       ->type_name("FILE");
   command->add_option("--view", chosen->view, "What is drawn (see --list-views)")->type_name("NAME");
   command->add_flag("--list-views", chosen->lists_views, "List the views that this input has");
