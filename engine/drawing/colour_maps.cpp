@@ -5,6 +5,7 @@
 
 #include "engine/core/elementary.hpp"
 #include "gdtslam/drawing/colour.hpp"
+#include "published_maps.hpp"
 
 namespace gdtslam {
 namespace {
@@ -174,6 +175,7 @@ std::vector<ColourMap> made_maps() {
                     diverging(37.0, 95.0, {{-36, 26}, {-24, 16}, {0, 0}}, {{33, -30}, {20, -18}, {0, 0}}), kUnknown);
   maps.emplace_back("compass", "cyclic, for directions: yellow, green, blue, red and yellow again",
                     even_circle(62.0, 17.0, 28.0, kColours), kUnknown);
+  for (ColourMap& map : published_colour_maps(kUnknown)) maps.push_back(std::move(map));
   return maps;
 }
 

@@ -178,13 +178,13 @@ def doctor_pictures():
     folder = cli.fresh_folder("doctor_pictures")
     (folder / "two.bag").write_bytes(two_lasers())
     tilting = ("--crank", "/servo", "--set", "log.crank=tilt", "--set", "log.crank_step=1deg", "--set", "log.crank_zero=90")
-    for name, arguments, titles in (("plain.svg", (), {"speed in m/s", "turning in deg/s"}),
-                                    ("tilting.svg", tilting, {"speed in m/s", "turning in deg/s", "elevation in deg"})):
+    for name, arguments, titles in (("plain.svg", (), {"Speed (m/s)", "Turning (°/s)"}),
+                                    ("tilting.svg", tilting, {"Speed (m/s)", "Turning (°/s)", "Elevation (°)"})):
         expect_exit(command("doctor", folder / "two.bag", "--picture", folder / name, *arguments), 0)
         drawing = (folder / name).read_text()
-        all_titles = {"scans a second", "speed in m/s", "turning in deg/s", "elevation in deg", "ranges in m", "no return in %"}
+        all_titles = {"Scans (1/s)", "Speed (m/s)", "Turning (°/s)", "Elevation (°)", "Ranges (m)", "No return (%)"}
         found = {title for title in all_titles if title in drawing}
-        expect(found == titles | {"scans a second", "ranges in m", "no return in %"}, found)
+        expect(found == titles | {"Scans (1/s)", "Ranges (m)", "No return (%)"}, found)
         expect("two.bag" in drawing and "40 scans in 9.8 s" in drawing, "title")
         expect_exit(command("doctor", folder / "two.bag", "--picture", folder / ("again-" + name), *arguments), 0)
         expect((folder / ("again-" + name)).read_text() == drawing, "the same log, another picture")

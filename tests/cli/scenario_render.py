@@ -117,10 +117,10 @@ def render_views_of_each_input():
     require_viewer()
     drive = nodding_run("render_views")
     run = drive.folder / "run"
-    flat = {"map", "field", "distance", "cells"}
+    flat = {"map", "field", "distance", "cells", "trajectory"}
     solid = {"iso", "top", "front", "side", "orbit", "elevation"}
-    errors = {"errors-box", "errors-cdf", "errors-time"}
-    linkage = {"scene", "drawing"}
+    errors = {"errors-box", "errors-cdf", "errors-time", "errors-path", "trajectory"}
+    linkage, path = {"scene", "drawing"}, {"trajectory"}
     cases = [
         ([RUN], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
         ([run], flat | solid | linkage | {"follow", "scan", "graph", "loops"}, {"still": "iso", "film": "orbit"}),
@@ -129,6 +129,7 @@ def render_views_of_each_input():
         ([drive.linkage], linkage, {"still": "scene"}),
         ([run / "map.yaml"], {"map"}, {"still": "map"}),
         ([run / "gdt.yaml"], {"field", "distance", "cells"}, {"still": "field"}),
+        ([RUN / "trajectory.tum"], path, {"still": "trajectory"}),
         ([LOG], flat | {"graph", "loops"}, {"still": "map", "film": "loops"}),
         ([drive.log], flat | solid | linkage | {"follow", "scan", "graph", "loops"}, {"still": "iso", "film": "orbit"}),
         ([RUN / "trajectory.tum", "--reference", TRUTH], errors, {"still": "errors-box"}),

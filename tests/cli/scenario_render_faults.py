@@ -312,7 +312,7 @@ def render_mistakes():
         ((RUN, RUN, "-o", folder / "a.html"), "draws one input, and 2 are given"),
         ((RUN, "--frames", 3, *out), "--frames: has no effect"),
         ((RUN, "--fps", 30, *out), "--fps: has no effect"),
-        ((RUN, "--colour-map", "lagoon", *out), "--colour-map: has no effect on view map"),
+        ((RUN, "--view", "graph", "--colour-map", "lagoon", *out), "--colour-map: has no effect on view graph"),
         ((RUN, "--dark", *out), "--dark: has no effect on view map"),
         ((RUN, "--at", "0m,0m", *out), "--at: has no effect"),
         ((RUN, "--points", 5, *out), "--points: has no effect"),
@@ -331,7 +331,7 @@ def render_mistakes():
     refused(2, "paper-b", "-o", folder / "dir.png", says="dir.png' is a folder; end it in / for the frames")
     (folder / "dir.png").rmdir()
     said = command("render", RUN / "trajectory.tum", "--list-views").stdout
-    expect("no view without more" in said and "--reference or --relations FILE" in said, said)
+    expect(said.startswith("trajectory ") and "--reference or --relations FILE" in said and "errors-path" in said, said)
     for arguments, code, says in [
         (("paper-z", *out), 74, "did you mean 'paper-"),
         ((folder / "none.ply", *out), 74, "no such file"),

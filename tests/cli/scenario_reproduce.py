@@ -120,6 +120,14 @@ def reproduce_cheap_parts():
 
     page = check_page(pathlib.Path(said["html"]))
     expect(set(parts) <= set(page.ids), f"a part has no section: {page.ids}")
+    text = pathlib.Path(said["html"]).read_text(encoding="utf-8")
+    contents = text[text.index('id="contents"'):text.index("</nav>")]
+    expect(all(f'href="#{name}"' in contents for name in [*parts, "verdicts", "times"]), f"the contents: {contents}")
+    expect(text.index("</nav>") < text.index("<table") and text.index("</nav>") < text.index("<figure"), "contents come first")
+    expect(text.rindex("<figure") < text.index('id="verdicts"'), "the table of all numbers stands before pictures")
+    expect(re.search(r'id="verdicts">.*?<details>.*?<table', text, re.S), "the table of all numbers is not folded")
+    remarks = [row["remark"] for part in parts.values() for row in part.get("rows") or []]
+    expect(remarks and not any(remark.startswith(("within", "outside")) for remark in remarks), f"a remark reads as a verdict: {remarks}")
     commands = "\n".join(page.words["pre"])
     for name in parts:
         expect(re.search(rf"gdtslam reproduce -o report --only {name}\b", commands), f"no command for {name}")

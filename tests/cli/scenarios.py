@@ -34,6 +34,7 @@ import scenario_nodding_runs
 import scenario_printing
 import scenario_render
 import scenario_render_faults
+import scenario_render_formats
 import scenario_render_runs
 import scenario_reproduce
 import scenario_results
@@ -51,7 +52,8 @@ MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate
             scenario_measure, scenario_merge, scenario_modules,
            scenario_nodding,
            scenario_nodding_faults, scenario_nodding_runs, scenario_printing, scenario_render,
-           scenario_render_faults, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes, scenario_shell, scenario_signals, scenario_slurm,
+           scenario_render_faults, scenario_render_formats, scenario_render_runs, scenario_reproduce, scenario_results, scenario_same_bytes,
+           scenario_shell, scenario_signals, scenario_slurm,
            scenario_tilt3d, scenario_tiles, scenario_tracking)
 
 

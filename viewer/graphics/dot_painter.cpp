@@ -11,7 +11,6 @@
 namespace gdtslam {
 namespace {
 
-constexpr float kKeptRadius = 0.4F;      // of half the picture's height: of the cone that is kept clear
 constexpr float kKeptDistance_m = 0.4F;  // what is so little nearer hides nothing
 constexpr double kLeastDiameter_m = 0.001;
 constexpr double kCodesPerDoubling = 20.0;
@@ -26,7 +25,7 @@ std::uint8_t diameter_code(double diameter_m) {
 }
 
 DotPainter::DotPainter(const PictureView& view, const Point3& origin, const DotSizes& sizes,
-                       const std::optional<Point3>& kept_in_view)
+                       const std::optional<KeptInView>& kept_in_view)
     : is_parallel_(view.camera.is_parallel),
       width_(static_cast<float>(view.width)),
       height_(static_cast<float>(view.height)),
@@ -48,20 +47,20 @@ DotPainter::DotPainter(const PictureView& view, const Point3& origin, const DotS
     size_px_[code] = static_cast<float>(metre_px * kLeastDiameter_m * gdtslam::exp(doublings * kLogOfTwo));
   }
   if (!kept_in_view) return;
-  const Point3 kept_from_eye = *kept_in_view - camera.eye;
+  const Point3 kept_from_eye = kept_in_view->place - camera.eye;
   const double distance_m = is_parallel_ ? 1.0 : basis.forward.dot(kept_from_eye);
   if (is_parallel_ || distance_m <= 0.0) return;
   kept_ = Kept{static_cast<float>(metre_px * basis.right.dot(kept_from_eye) / distance_m),
                static_cast<float>(metre_px * basis.up.dot(kept_from_eye) / distance_m), static_cast<float>(distance_m),
-               static_cast<float>((*kept_in_view - origin).z())};
+               static_cast<float>((kept_in_view->place - origin).z()),
+               static_cast<float>(metre_px * kept_in_view->radius_m / distance_m)};
 }
 
 bool DotPainter::hides_what_is_kept(const Dot& dot, float x, float y, float distance_m) const {
   if (!kept_ || kept_->distance_m - distance_m <= kKeptDistance_m || dot.place[2] <= kept_->height_m) return false;
   const float off_x = x - kept_->x;
   const float off_y = y - kept_->y;
-  const float radius = 0.5F * kKeptRadius * height_;
-  return off_x * off_x + off_y * off_y < radius * radius;
+  return off_x * off_x + off_y * off_y < kept_->radius * kept_->radius;
 }
 
 DotPainter::Disc DotPainter::disc_of(const Dot& dot) const {

@@ -29,12 +29,18 @@ struct DotSizes {
   double largest_px = 1.0;
 };
 
+/// A place and how far around it, across the line of sight, nothing hides it.
+struct KeptInView {
+  Point3 place = Point3::Zero();
+  double radius_m = 0.5;  ///< infinity: all that stands before it is cut away
+};
+
 class DotPainter {
  public:
   /// The dots' places count from `origin`. `kept_in_view`: a place that no dot nearer to a perspective camera hides:
   /// those in a cone around it are left out, but for what lies lower than it: the floor.
   DotPainter(const PictureView& view, const Point3& origin, const DotSizes& sizes,
-             const std::optional<Point3>& kept_in_view);
+             const std::optional<KeptInView>& kept_in_view);
 
   /// First row and row behind the last one that the dot touches, within the picture; the same where it is not seen.
   struct RowRange {
@@ -75,6 +81,7 @@ class DotPainter {
     float y = 0.0F;
     float distance_m = 0.0F;
     float height_m = 0.0F;  ///< from the origin
+    float radius = 0.0F;    ///< pixels
   };
   std::optional<Kept> kept_;
 };

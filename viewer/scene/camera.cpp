@@ -8,9 +8,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFollowSlopeRad = 0.87;    // steep enough to look over walls into the room of the robot
-constexpr double kFollowAheadShare = 0.15;  // of the distance: more is to be seen before the robot than behind it
-constexpr double kFollowViewAngleRad = 0.75;
+constexpr double kFollowHeight_m = 1.9;    // below ceilings, above furniture
+constexpr double kFollowLookedAt_m = 0.6;  // above the floor: more is to be seen before the robot than behind it
+constexpr double kFollowAhead_m = 0.8;
+constexpr double kFollowViewAngleRad = 0.95;
 
 }  // namespace
 
@@ -38,13 +39,15 @@ double half_height_slope(const Camera& camera) {
   return half.sin / half.cos;
 }
 
-Camera follow_camera(const Pose2& T_map_base, double distance_m) {
+Camera follow_camera(const Point2& place, const Pose2& T_map_base) {
+  const Point2 robot = T_map_base.translation();
   const SinCos<double> heading = sin_cos(T_map_base.theta_rad);
-  const SinCos<double> slope = sin_cos(kFollowSlopeRad);
-  const Point3 ahead(heading.cos, heading.sin, 0.0);
+  Point2 ahead(heading.cos, heading.sin);
+  if ((robot - place).norm() > 1e-6) ahead = (robot - place).normalized();
+  const Point2 target = robot + kFollowAhead_m * ahead;
   Camera camera;
-  camera.target = Point3(T_map_base.x_m, T_map_base.y_m, 0.0) + kFollowAheadShare * distance_m * ahead;
-  camera.eye = camera.target - slope.cos * distance_m * ahead + Point3(0.0, 0.0, slope.sin * distance_m);
+  camera.eye = {place.x(), place.y(), kFollowHeight_m};
+  camera.target = {target.x(), target.y(), kFollowLookedAt_m};
   camera.view_angle_rad = kFollowViewAngleRad;
   return camera;
 }

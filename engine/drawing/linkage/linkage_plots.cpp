@@ -66,10 +66,10 @@ void LinkagePanel::shade_strokes(Plot& plot) const {
 Plot LinkagePanel::plot_on(Canvas& canvas, const LinkageSheet& sheet, const DrawingArea& card, const Axis& y) const {
   const double text = sheet.text;
   const bool turns = cycle_.turns_fully();
-  const char* title = "crank angle in degrees";
+  const char* title = "Crank angle (°)";
   if (look_.is_still) {
     title =
-        cycle_.report() ? "crank since the lift began, in degrees" : "crank within the stretch that closes, in degrees";
+        cycle_.report() ? "Crank since the lift began (°)" : "Crank within the stretch that closes (°)";
   }
   Axis x = degrees_axis(title, turns ? 0.0 : elevations_deg_.front().x(), turns ? 360.0 : elevations_deg_.back().x());
   x.has_grid = false;
@@ -93,7 +93,7 @@ void LinkagePanel::draw_curve(Plot& plot, const LinkageSheet& sheet, const std::
 void LinkagePanel::draw_elevation(Canvas& canvas, const LinkageSheet& sheet,
                                   const calib::LinkagePosition& position) const {
   const double text = sheet.text;
-  const std::string heading = look_.is_still ? "Elevation in degrees" : "Elevation θ* in degrees";
+  const std::string heading = look_.is_still ? "Elevation (°)" : "Elevation θ* (°)";
   draw_heading(canvas, sheet, sheet.elevation, heading);
   const auto [least, most] = least_and_most(elevations_deg_);
   const double margin = std::max(0.05 * (most - least), 0.05);
@@ -115,7 +115,7 @@ void LinkagePanel::draw_transmission(Canvas& canvas, const LinkageSheet& sheet,
   const double text = sheet.text;
   const DrawingArea& card = sheet.transmission;
   draw_heading(canvas, sheet, card,
-               look_.is_still ? "Transmission angle in degrees" : "Transmission angle µ in degrees");
+               look_.is_still ? "Transmission angle (°)" : "Transmission angle µ (°)");
   Plot plot = plot_on(canvas, sheet, card, degrees_axis("", 0.0, kFolded_deg));
   const DrawingArea& inside = plot.inside();
   const double top_y = plot.at(0.0, kPoor_deg).y();

@@ -27,7 +27,8 @@ PictureSize size_for_content(double width, double height) {
 
 Canvas map_picture(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look, const PictureSize& size) {
   check(overlay);
-  const PathColours& colours = path_colours(false);
+  const PathColours colours =
+      look.colour_map.empty() ? path_colours(false) : path_colours(colour_map(look.colour_map), false);
   Theme theme = kLightTheme;
   theme.page = kMapColours.unknown;
   const LegendLook legend{theme, proportions_of(size)};

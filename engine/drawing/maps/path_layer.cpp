@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -12,7 +14,7 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr int kTimeBands = 64;
+constexpr int kBands = 64;          ///< of colours along a path
 constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
 constexpr double kKeyframeRadius = 2.1;
@@ -28,9 +30,9 @@ struct PathPoint {
   Point2 at;
   double share = 0.0;
 };
-std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& trajectory, std::size_t begin,
-                                   std::size_t end, double least_px) {
-  const std::vector<double> shares = time_shares(trajectory);
+std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& trajectory,
+                                   const std::vector<double>& shares, std::size_t begin, std::size_t end,
+                                   double least_px) {
   std::vector<PathPoint> points;
   for (std::size_t i = begin; i < end; ++i) {
     if (!is_drawable(frame, trajectory[i].T_map_base)) continue;
@@ -41,19 +43,47 @@ std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& traj
   return points;
 }
 
-int band_of(double share) { return std::min(kTimeBands - 1, static_cast<int>(share * kTimeBands)); }
+constexpr int kNoBand = -1;  ///< of what has no value
+int band_of(double share) {
+  return std::isfinite(share) ? std::clamp(static_cast<int>(share * kBands), 0, kBands - 1) : kNoBand;
+}
 
-/// A line for each band of time.
-void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const PathColours& colours, double width) {
+/// A line for each band of values.
+void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const std::function<Colour(double)>& colour_at,
+               double width) {
   std::size_t begin = 0;
   while (begin + 1 < points.size()) {
     const int band = band_of(points[begin].share);
     std::vector<Point2> piece{points[begin].at};
     std::size_t end = begin;
     while (end + 1 < points.size() && band_of(points[end].share) == band) piece.push_back(points[++end].at);
-    const double share = (band + 0.5) / kTimeBands;
-    canvas.polyline(std::move(piece), {.colour = time_colour(colours, share), .width = width});
+    const double share = band == kNoBand ? std::numeric_limits<double>::quiet_NaN() : (band + 0.5) / kBands;
+    canvas.polyline(std::move(piece), {.colour = colour_at(share), .width = width});
     begin = end;
+  }
+}
+
+std::vector<std::vector<PathPoint>> seen_pieces(const MapFrame& frame, const Trajectory& trajectory,
+                                                const std::vector<std::size_t>& drives,
+                                                const std::vector<double>& shares, double least_px) {
+  std::vector<std::vector<PathPoint>> pieces;
+  const std::vector<std::size_t> ends = ends_of_drives(drives, trajectory.size());
+  for (std::size_t k = 1; k < ends.size(); ++k) {
+    pieces.push_back(seen_points(frame, trajectory, shares, ends[k - 1], ends[k], least_px));
+    if (pieces.back().empty()) pieces.pop_back();
+  }
+  return pieces;
+}
+
+void draw_pieces(Canvas& canvas, const std::vector<std::vector<PathPoint>>& pieces,
+                 const std::function<Colour(double)>& colour_at, const ValueLine& line) {
+  for (const std::vector<PathPoint>& points : pieces) {
+    if (points.size() < 2) continue;
+    std::vector<Point2> whole;
+    whole.reserve(points.size());
+    for (const PathPoint& point : points) whole.push_back(point.at);
+    canvas.polyline(std::move(whole), {.colour = line.halo, .width = 2.3 * line.width_px, .opacity = 0.8});
+    draw_line(canvas, points, colour_at, line.width_px);
   }
 }
 
@@ -124,13 +154,21 @@ const PathColours& path_colours(bool is_dark) {
       {colour_for(0x0a42d4), colour_for(0x8440be), colour_for(0xcb3596), colour_for(0xe65c3a), colour_for(0xf5970f)},
       ink::kCard,
       colour_for(0x1c2340),
-      ink::kWarning};
+      colour_for(0x000000)};
   static const PathColours dark{
       {colour_for(0x3f9bff), colour_for(0x9a86ff), colour_for(0xef6cc0), colour_for(0xff8a6a), colour_for(0xffc04a)},
       ink::kNight,
       colour_for(0xffffff),
-      colour_for(0xffe14d)};
+      colour_for(0xffffff)};
   return is_dark ? dark : light;
+}
+
+PathColours path_colours(const ColourMap& map, bool is_dark) {
+  constexpr int kColours = 33;
+  PathColours colours = path_colours(is_dark);
+  colours.time.clear();
+  for (int k = 0; k < kColours; ++k) colours.time.push_back(map.at(static_cast<double>(k) / (kColours - 1)));
+  return colours;
 }
 
 std::uint8_t mixed(std::uint8_t from, std::uint8_t to, double share) {
@@ -194,20 +232,12 @@ double duration_s(const Trajectory& trajectory) {
 void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const MapLook& look,
                const PathColours& colours, const Proportions& sizes) {
   const Panel& panel = frame.panel;
-  std::vector<std::vector<PathPoint>> pieces;
-  const std::vector<std::size_t> ends = ends_of_drives(overlay.drives, overlay.trajectory.size());
-  for (std::size_t k = 1; k < ends.size(); ++k) {
-    pieces.push_back(seen_points(frame, overlay.trajectory, ends[k - 1], ends[k], 0.8 * sizes.unit));
-    if (pieces.back().empty()) pieces.pop_back();
-  }
+  const std::vector<std::vector<PathPoint>> pieces =
+      seen_pieces(frame, overlay.trajectory, overlay.drives, time_shares(overlay.trajectory), 0.8 * sizes.unit);
   canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
-  for (const std::vector<PathPoint>& points : pieces) {
-    if (!look.with_path || points.size() < 2) continue;
-    std::vector<Point2> whole;
-    whole.reserve(points.size());
-    for (const PathPoint& point : points) whole.push_back(point.at);
-    canvas.polyline(std::move(whole), {.colour = colours.halo, .width = 2.3 * sizes.line_px, .opacity = 0.8});
-    draw_line(canvas, points, colours, sizes.line_px);
+  if (look.with_path) {
+    const auto colour_at = [&colours](double share) { return time_colour(colours, share); };
+    draw_pieces(canvas, pieces, colour_at, {colours.halo, sizes.line_px});
   }
   if (look.with_keyframes) draw_keyframes(canvas, frame, overlay, colours, sizes);
   if (look.with_path && !pieces.empty()) {
@@ -215,6 +245,16 @@ void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay
     draw_end(canvas, pieces.back().back().at, colours, sizes);
   }
   draw_doubtful_scans(canvas, frame, overlay, colours, sizes);
+  canvas.end_clip();
+}
+
+void draw_line_of_values(Canvas& canvas, const MapFrame& frame, const PathOfValues& path,
+                         const std::function<Colour(double)>& colour_at, const ValueLine& line) {
+  constexpr double kLeastStep = 0.35;  // of the line's width
+  const Panel& panel = frame.panel;
+  canvas.begin_clip({panel.left_px, panel.top_px}, panel.width_px, panel.height_px);
+  draw_pieces(canvas, seen_pieces(frame, path.trajectory, path.drives, path.shares, kLeastStep * line.width_px),
+              colour_at, line);
   canvas.end_clip();
 }
 

@@ -1,8 +1,10 @@
 // The path of the robot over a map: coloured by time, with keyframes, doubtful scans, start and end. Blue to orange
 // with rising lightness, so that readers who do not tell red from green see the order too; doubtful scans are rings,
-// which a print without colours still shows. Thread-safe; O(poses).
+// black in white over a map and white in black over a field: no palette of a path has these, nor a print without
+// colours. Thread-safe; O(poses).
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,8 @@ struct PathColours {
   Colour doubtful;
 };
 const PathColours& path_colours(bool is_dark);
+/// The same with the time in the colours of a map.
+PathColours path_colours(const ColourMap& map, bool is_dark);
 /// Between two colours, or channels: share 0 gives the first, 1 the second.
 std::uint8_t mixed(std::uint8_t from, std::uint8_t to, double share);
 Colour mixed(Colour from, Colour to, double share);
@@ -39,6 +43,21 @@ double duration_s(const Trajectory& trajectory);
 
 void draw_path(Canvas& canvas, const MapFrame& frame, const PathOverlay& overlay, const MapLook& look,
                const PathColours& colours, const Proportions& sizes);
+
+/// A path and a value at each of its poses, as share of a scale; what has no number has no value.
+struct PathOfValues {
+  const Trajectory& trajectory;
+  const std::vector<std::size_t>& drives;
+  const std::vector<double>& shares;
+};
+/// How wide, and what is around it.
+struct ValueLine {
+  Colour halo;
+  double width_px = 2.4;
+};
+/// `colour_at` is asked with a share, or with no number where there is no value.
+void draw_line_of_values(Canvas& canvas, const MapFrame& frame, const PathOfValues& path,
+                         const std::function<Colour(double)>& colour_at, const ValueLine& line);
 
 // What the legend shows of them, around `centre`.
 void draw_start(Canvas& canvas, const Point2& centre, const PathColours& colours, const Proportions& sizes);

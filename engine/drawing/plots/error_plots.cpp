@@ -28,15 +28,33 @@ Range padded(double least, double most) {
   return {from < 0.0 ? from - pad : 0.0, to > 0.0 ? to + pad : 0.0};
 }
 
+/// From whisker to whisker: a few values far out would press all boxes to the floor. Each box tells how many they are.
 Range range_of(const std::vector<SortedGroup>& groups) {
   double least = 0.0;
   double most = 0.0;
   for (const SortedGroup& group : groups) {
     if (group.values.empty()) continue;
-    least = std::min(least, group.values.front());
-    most = std::max(most, group.values.back());
+    const BoxFigures figures = box_figures(group.values);
+    least = std::min(least, figures.low_whisker);
+    most = std::max(most, figures.high_whisker);
   }
-  return padded(least, most);
+  constexpr double kRoom = 0.12;  // for the nearest of those beyond, and the words that count them
+  return padded(least - (least < 0.0 ? kRoom * (most - least) : 0.0), most + kRoom * (most - least));
+}
+
+/// "31 beyond, up to 0.0260 m"; nothing where the axis holds all.
+std::string beyond_text(const std::vector<double>& ascending, double to, const std::string& unit) {
+  const auto beyond = ascending.end() - std::upper_bound(ascending.begin(), ascending.end(), to);
+  return beyond == 0 ? std::string()
+                     : counted(static_cast<std::uint64_t>(beyond), "value") + " beyond, up to " +
+                           value_text(ascending.back(), unit);
+}
+
+/// The value at the frame's upper edge.
+double axis_end(const Plot& plot) {
+  const double zero = plot.at(0.0, 0.0).y();
+  const double one = plot.at(0.0, 1.0).y();
+  return (zero - plot.inside().corner.y()) / (zero - one);
 }
 
 void draw_box(Plot& plot, double x, const SortedGroup& group, std::size_t number, const std::string& unit,
@@ -45,6 +63,13 @@ void draw_box(Plot& plot, double x, const SortedGroup& group, std::size_t number
   constexpr double kWidth = 0.44;
   const BoxFigures figures = box_figures(group.values);
   plot.box(x, kWidth, figures, kLightTheme.curve(number));
+  const double top = plot.inside().corner.y();
+  const double to = axis_end(plot);
+  if (const std::string beyond = beyond_text(group.values, to, unit); !beyond.empty()) {
+    plot.words(x, to, "\u2191 " + beyond,
+               {.size = 0.8 * text_size, .colour = kLightTheme.quiet, .anchor = Anchor::kMiddle, .has_halo = true},
+               {0.0, 1.3 * text_size + top - plot.at(x, to).y()});
+  }
   plot.words(x + 0.5 * kWidth, figures.median, value_text(figures.median, unit),
              {.size = 0.9 * text_size, .colour = kLightTheme.text, .is_bold = true, .has_halo = true},
              {0.4 * text_size, 0.34 * text_size});
@@ -118,7 +143,7 @@ Canvas distribution_plot(const ErrorPlot& plot, const PictureSize& size) {
   return plot_sheet(plot.title, size, [&](Canvas& canvas, const DrawingArea& area) {
     const Range range = distribution_range(groups);
     Plot drawn(canvas, area, axis_of(axis_title(plot.quantity, plot.unit), range.from, range.to, true),
-               axis_of("share of values up to this one", 0.0, 1.0, false), plot_look(plot.title));
+               axis_of("Share of values up to this one", 0.0, 1.0, false), plot_look(plot.title));
     for (const double level : {0.5, 0.95}) {
       drawn.level(level, {.colour = kLightTheme.quiet, .width = 1.0, .dashes = "5 4"});
     }

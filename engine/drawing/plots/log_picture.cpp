@@ -48,7 +48,7 @@ struct LogPanel {
 /// Seconds, minutes or hours, as people read the time of a log.
 struct LogTimes {
   double unit_s = 1.0;
-  const char* title = "time since the first scan in s";
+  const char* title = "Time since the first scan (s)";
   double end = 1.0;  ///< in that unit
   [[nodiscard]] Point2 operator()(const Point2& value) const { return {value.x() / unit_s, value.y()}; }
 };
@@ -58,11 +58,11 @@ LogTimes times_of(const LogPicture& log) {
   LogTimes times;
   const double length_s = log.length;
   if (!log.is_by_time) {
-    times.title = "number of the scan";
+    times.title = "Number of the scan";
   } else if (length_s > 4.0 * kHour_s) {
-    times = {.unit_s = kHour_s, .title = "time since the first scan in h"};
+    times = {.unit_s = kHour_s, .title = "Time since the first scan (h)"};
   } else if (length_s > 10.0 * kMinute_s) {
-    times = {.unit_s = kMinute_s, .title = "time since the first scan in min"};
+    times = {.unit_s = kMinute_s, .title = "Time since the first scan (min)"};
   }
   times.end = length_s > 0.0 ? length_s / times.unit_s : 1.0;
   return times;
@@ -88,7 +88,7 @@ void mark_gaps(Plot& plot, const LogPicture& log, const LogTimes& times) {
 }
 
 LogPanel rate_panel(const LogPicture& log, const LogTimes& times) {
-  LogPanel panel{.title = "scans a second", .to = 1.05 * largest(log.rates_hz)};
+  LogPanel panel{.title = "Scans (1/s)", .to = 1.05 * largest(log.rates_hz)};
   if (!log.gaps_s.empty()) panel.keys = {{"no scans", kGapFill}};
   panel.draw = [&log, times](Plot& plot) {
     mark_gaps(plot, log, times);
@@ -98,7 +98,7 @@ LogPanel rate_panel(const LogPicture& log, const LogTimes& times) {
 }
 
 LogPanel speed_panel(const LogPicture& log, const LogTimes& times) {
-  LogPanel panel{.title = "speed in m/s", .to = 1.05 * largest(log.speeds_m_s)};
+  LogPanel panel{.title = "Speed (m/s)", .to = 1.05 * largest(log.speeds_m_s)};
   if (!log.jumps_s.empty()) panel.keys = {{"jump of the odometry", {.colour = kLightTheme.warning}, kLineKeyPx}};
   panel.draw = [&log, times](Plot& plot) {
     mark_gaps(plot, log, times);
@@ -112,7 +112,7 @@ LogPanel speed_panel(const LogPicture& log, const LogTimes& times) {
 
 LogPanel turn_panel(const LogPicture& log, const LogTimes& times) {
   const double most = 1.05 * largest(log.turns_deg_s);
-  LogPanel panel{.title = "turning in deg/s", .from = -most, .to = most};
+  LogPanel panel{.title = "Turning (°/s)", .from = -most, .to = most};
   panel.draw = [&log, times](Plot& plot) {
     mark_gaps(plot, log, times);
     plot.level(0.0, {.colour = kLightTheme.quiet, .width = 1.0, .opacity = 0.7});
@@ -131,7 +131,7 @@ LogPanel elevation_panel(const LogPicture& log, const LogTimes& times) {
     most.push_back(times(high));
   }
   const double far = 1.05 * std::max(largest(least), largest(most));
-  LogPanel panel{.title = "elevation in deg", .from = -far, .to = far};
+  LogPanel panel{.title = "Elevation (°)", .from = -far, .to = far};
   panel.draw = [least, most](Plot& plot) {
     plot.band(least, most, {.colour = kLightTheme.curve(5), .opacity = 0.35});
     plot.line(least, {.colour = kLightTheme.curve(5), .width = 1.0});
@@ -154,7 +154,7 @@ LogPanel range_panel(const LogPicture& log, const LogTimes& times) {
     for (const LogPicture::Ranges& ranges : log.ranges) points.push_back(times({ranges.time_s, ranges.*value}));
     return points;
   };
-  LogPanel panel{.title = "ranges in m", .to = most_m > 0.0 ? 1.05 * most_m : 1.0};
+  LogPanel panel{.title = "Ranges (m)", .to = most_m > 0.0 ? 1.05 * most_m : 1.0};
   panel.keys = {{"nine of ten returns", {.colour = colour, .opacity = kOuter}},
                 {"half of them", {.colour = colour, .opacity = 1.0 - (1.0 - kOuter) * (1.0 - kInner)}},
                 {"median", {.colour = colour}, kLineKeyPx}};
@@ -169,7 +169,7 @@ LogPanel range_panel(const LogPicture& log, const LogTimes& times) {
 }
 
 LogPanel missing_panel(const LogPicture& log, const LogTimes& times) {
-  LogPanel panel{.title = "no return in %", .to = 100.0, .is_grown = false};
+  LogPanel panel{.title = "No return (%)", .to = 100.0, .is_grown = false};
   panel.draw = [&log, times](Plot& plot) {
     mark_gaps(plot, log, times);
     plot.line(timed(log.missing_percent, times), {.colour = kLightTheme.curve(1), .width = kCurvePx});

@@ -85,7 +85,7 @@ Axis axis_of(const std::string& title, double from, double to, bool is_grown) {
 }
 
 std::string axis_title(const std::string& quantity, const std::string& unit) {
-  return unit.empty() ? quantity : quantity + " in " + unit;
+  return unit.empty() ? quantity : quantity + " (" + unit + ")";
 }
 
 std::string value_text(double value, const std::string& unit) {

@@ -19,7 +19,7 @@ Canvas plot_sheet(const std::string& title, const PictureSize& size, const DrawP
 PlotLook plot_look(const std::string& title);
 /// From one value to another, outwards to whole ticks where it grows.
 Axis axis_of(const std::string& title, double from, double to, bool is_grown);
-/// "Position error in m"; without a unit the quantity alone.
+/// "Position error (m)", as every axis and bar of ours has it; without a unit the quantity alone.
 std::string axis_title(const std::string& quantity, const std::string& unit);
 /// "0.0210 m": three figures that count.
 std::string value_text(double value, const std::string& unit);

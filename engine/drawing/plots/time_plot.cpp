@@ -51,15 +51,15 @@ TimeUnit time_unit(const Extent& extent) {
   TimeUnit unit{
       .zero_s = std::fabs(extent.first_s) >= kClockFrom_s ? extent.first_s : 0.0, .length_s = 1.0, .title = ""};
   const double span_s = extent.last_s - extent.first_s;
-  const std::string what = unit.zero_s == 0.0 ? "time" : "time since the start";
+  const std::string what = unit.zero_s == 0.0 ? "Time" : "Time since the start";
   if (span_s > 4.0 * kHour_s) {
     unit.length_s = kHour_s;
-    unit.title = what + " in h";
+    unit.title = axis_title(what, "h");
   } else if (span_s > 10.0 * kMinute_s) {
     unit.length_s = kMinute_s;
-    unit.title = what + " in min";
+    unit.title = axis_title(what, "min");
   } else {
-    unit.title = what + " in s";
+    unit.title = axis_title(what, "s");
   }
   return unit;
 }

@@ -30,17 +30,27 @@ Interval wilson(std::uint64_t count, std::uint64_t of) {
 
 }  // namespace
 
-std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Trajectory& reference) {
+AlignedPath aligned_path(const Trajectory& estimate, const Trajectory& reference) {
   const ReferenceOptions options;
   const Pose2 T_reference_map = evaluate_reference(estimate, reference, options).T_reference_estimate;
   const PosesByStamp truth(reference);
-  std::vector<TrajectoryError> errors;
+  AlignedPath path;
   for (const StampedPose& pose : estimate) {
+    const Pose2 aligned = T_reference_map * pose.T_map_base;
+    path.trajectory.push_back({pose.stamp_s, aligned});
+    path.errors.emplace_back();
     const std::optional<Pose2> T_reference_base = truth.find(pose.stamp_s, options.tolerance_s);
     if (!T_reference_base) continue;
-    const Pose2 aligned = T_reference_map * pose.T_map_base;
-    errors.push_back({pose.stamp_s, (aligned.translation() - T_reference_base->translation()).norm(),
-                      degrees_of(aligned.theta_rad - T_reference_base->theta_rad)});
+    path.errors.back() = TrajectoryError{pose.stamp_s, (aligned.translation() - T_reference_base->translation()).norm(),
+                                         degrees_of(aligned.theta_rad - T_reference_base->theta_rad)};
+  }
+  return path;
+}
+
+std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Trajectory& reference) {
+  std::vector<TrajectoryError> errors;
+  for (const std::optional<TrajectoryError>& error : aligned_path(estimate, reference).errors) {
+    if (error) errors.push_back(*error);
   }
   return errors;
 }

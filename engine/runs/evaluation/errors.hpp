@@ -22,6 +22,15 @@ struct TrajectoryError {
   double angle_deg = 0.0;
 };
 
+/// A whole estimate in the frame of the reference, after the same rigid alignment as evaluate_reference(), with the
+/// error of each pose; nothing where no stamp of the reference is near. Throws InputError when fewer than two stamps
+/// match.
+struct AlignedPath {
+  Trajectory trajectory;
+  std::vector<std::optional<TrajectoryError>> errors;
+};
+AlignedPath aligned_path(const Trajectory& estimate, const Trajectory& reference);
+
 /// After the same rigid alignment as evaluate_reference(), in the order of the estimate. Throws InputError when fewer
 /// than two stamps match.
 std::vector<TrajectoryError> errors_against(const Trajectory& estimate, const Trajectory& reference);

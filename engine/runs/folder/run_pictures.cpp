@@ -13,8 +13,11 @@
 #include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/maps/png.hpp"
+#include "engine/io/message_text.hpp"
+#include "engine/runs/linkage/linkage_file.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/ticks.hpp"
+#include "gdtslam/mapping/evaluation.hpp"
 #ifdef GDTSLAM_HAS_RASTER
 #include "gdtslam/drawing/raster.hpp"
 #endif
@@ -22,23 +25,15 @@
 namespace gdtslam {
 namespace {
 
-std::string title_of(const MapJob& job) {
-  const std::string first = std::filesystem::path(log_name(job.logs.front())).filename().string();
-  return job.logs.size() == 1 ? first : fmt::format("{} and {} more", first, job.logs.size() - 1);
-}
-
-// The map with the path on it, to look at.
+// The map with the path on it, to look at: the view `map` of the run.
 Canvas overview_of(const MapJob& job, const MapOutcome& outcome) {
   PathOverlay overlay{outcome.trajectory, outcome.keyframes, {}, outcome.drives};
   for (const DoubtfulScan& scan : outcome.doubtful) overlay.doubtful.push_back(scan.index);
-  const MapperStatistics& s = outcome.statistics;
-  const GridGeometry& geometry = outcome.occupancy.geometry;
   MapLook look;
-  look.title = title_of(job);
+  look.title = run_title(job.logs);
   look.subtitle =
-      fmt::format("{} scans, {} matched, {} doubtful, {} keyframes, {:.1f} m; {}x{} cells of {:g} m", scans_of(outcome),
-                  s.matched, s.doubtful, s.keyframes, s.path_m, geometry.width, geometry.height, geometry.resolution_m);
-  return map_picture(outcome.occupancy, overlay, look, size_for_content(geometry.width, geometry.height));
+      run_subtitle({scans_of(outcome), outcome.keyframes.size(), outcome.doubtful.size()}, outcome.trajectory);
+  return map_view(outcome.occupancy, overlay, look);
 }
 
 // Where loops hold the path, and where it is not to be trusted.
@@ -47,7 +42,7 @@ Canvas graph_of(const MapJob& job, const MapOutcome& outcome) {
   const std::vector<UncertainStretch> uncertain = uncertain_stretches(closed.covariances);
   const GridGeometry& geometry = outcome.occupancy.geometry;
   MapLook look;
-  look.title = title_of(job);
+  look.title = run_title(job.logs);
   look.subtitle = graph_subtitle(closed.loops, uncertain, scans_of(outcome));
   return graph_picture(
       outcome.occupancy,
@@ -96,6 +91,31 @@ void write_encoded(RunFolder& folder, const std::string& name, const EncodedPict
 }
 
 }  // namespace
+
+std::string run_title(const std::vector<std::string>& logs) {
+  constexpr std::size_t kMostLetters = 80;
+  if (logs.front() == "-") return "stdin";
+  return one_line(std::filesystem::path(sidecar_path(logs.front(), "")).filename().string(), kMostLetters);
+}
+
+std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory) {
+  std::string text = counted(counts.scans, "scan");
+  if (counts.keyframes > 0) text += ", " + counted(counts.keyframes, "keyframe");
+  if (counts.doubtful > 0) text += ", " + with_commas(counts.doubtful) + " doubtful";
+  if (const std::string length = path_length_text(trajectory); !length.empty()) text += ", " + length + " of path";
+  return text;
+}
+
+std::string path_length_text(const Trajectory& trajectory) {
+  constexpr double kStands_m = 0.05;
+  const double length_m = length_m_of(trajectory);
+  return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
+}
+
+Canvas map_view(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look,
+                const std::optional<PictureSize>& size) {
+  return map_picture(map, overlay, look, size.value_or(size_for_content(map.geometry.width, map.geometry.height)));
+}
 
 GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,
                            std::span<const ClosedLoop> loops, const std::vector<PoseCovariance>& covariances,

@@ -1,9 +1,10 @@
-// The pictures of a run: overview, the map with the path; graph, where loops hold the path and where it is not to be
-// trusted. Thread-safe; O(cells + pixels + poses).
+// The pictures of a run: overview, which is the view `map` of `gdtslam render`; graph, where loops hold the path and
+// where it is not to be trusted. Thread-safe; O(cells + pixels + poses).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,22 @@
 #include "engine/runs/mapping/map_run.hpp"
 
 namespace gdtslam {
+
+/// "office-7f" of "logs/office-7f.log.gz": what pictures of a run have as their title.
+std::string run_title(const std::vector<std::string>& logs);
+/// What is counted below that.
+struct RunCounts {
+  std::uint64_t scans = 0;
+  std::uint64_t keyframes = 0;
+  std::uint64_t doubtful = 0;
+};
+/// "13,631 scans, 2,901 keyframes, 21 doubtful, 522.5 m of path"; what is zero is left out.
+std::string run_subtitle(const RunCounts& counts, const Trajectory& trajectory);
+/// "522.5 m"; empty where the robot stands.
+std::string path_length_text(const Trajectory& trajectory);
+/// The occupancy map with the path; without a size one that suits the map. overview.png is this.
+Canvas map_view(const OccupancyMap& map, const PathOverlay& overlay, const MapLook& look,
+                const std::optional<PictureSize>& size = {});
 
 /// What graph_picture() shows of a run with closed loops.
 GraphOverlay graph_overlay(const Trajectory& trajectory, const std::vector<std::size_t>& keyframes,

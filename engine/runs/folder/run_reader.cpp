@@ -20,6 +20,7 @@
 #include "gdtslam/io/occupancy_map_file.hpp"
 #include "gdtslam/io/trajectory_file.hpp"
 #include "report_reader.hpp"
+#include "run_pictures.hpp"
 #include "run_report.hpp"
 
 namespace gdtslam {
@@ -90,10 +91,7 @@ void RunReader::require(const char* name) const {
   throw InputError({file(name), 0}, fmt::format("is missing in this run{}{}", kMapAgain, folder_));
 }
 
-std::string RunReader::name() const {
-  const std::string& log = summary_.logs.front();
-  return log == "-" ? "stdin" : one_line(fs::path(sidecar_path(log, "")).filename().string(), 80);
-}
+std::string RunReader::name() const { return run_title(summary_.logs); }
 
 bool RunReader::has_trajectory() const {
   std::error_code ignored;

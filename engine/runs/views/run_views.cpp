@@ -15,7 +15,6 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/map_picture.hpp"
 #include "gdtslam/drawing/ticks.hpp"
-#include "gdtslam/mapping/evaluation.hpp"
 #ifdef GDTSLAM_HAS_RASTER
 #include "gdtslam/drawing/raster.hpp"
 #endif
@@ -34,9 +33,8 @@ PathOverlay path_overlay(const RunReader& run) {
 MapLook look_of(const RunReader& run, const RunViewRequest& request, const Trajectory& path) {
   MapLook look;
   look.title = request.title.value_or(run.name());
-  look.subtitle = counts_text(run.summary());
-  const std::string length = path_length_text(path);
-  if (!length.empty()) look.subtitle += ", " + length + " of path";
+  const RunSummary& summary = run.summary();
+  look.subtitle = run_subtitle({summary.scans, summary.keyframes.size(), summary.doubtful.size()}, path);
   look.colour_map = request.colour_map;
   return look;
 }
@@ -45,10 +43,9 @@ PictureSize size_of_view(const RunViewRequest& request, const GridGeometry& cont
   return request.size.value_or(size_for_content(content.width, content.height));
 }
 
-Canvas map_view(const RunReader& run, const RunViewRequest& request) {
-  const OccupancyMap map = run.map();
+Canvas map_of_run(const RunReader& run, const RunViewRequest& request) {
   const PathOverlay overlay = path_overlay(run);
-  return map_picture(map, overlay, look_of(run, request, overlay.trajectory), size_of_view(request, map.geometry));
+  return map_view(run.map(), overlay, look_of(run, request, overlay.trajectory), request.size);
 }
 
 Canvas graph_view(const RunReader& run, const RunViewRequest& request) {
@@ -79,24 +76,11 @@ Canvas distance_view(const RunReader& run, const RunViewRequest& request) { retu
 
 using DrawView = Canvas (*)(const RunReader&, const RunViewRequest&);
 constexpr std::array<std::pair<std::string_view, DrawView>, 4> kRunViews{
-    {{"map", map_view}, {"graph", graph_view}, {"field", intensity_view}, {"distance", distance_view}}};
+    {{"map", map_of_run}, {"graph", graph_view}, {"field", intensity_view}, {"distance", distance_view}}};
 
 std::string png_of_view(const RgbaImage& image) { return encode_png(image.width, image.height, image.pixels); }
 
 }  // namespace
-
-std::string counts_text(const RunSummary& summary) {
-  std::string text = counted(summary.scans, "scan");
-  if (!summary.keyframes.empty()) text += ", " + counted(summary.keyframes.size(), "keyframe");
-  if (!summary.doubtful.empty()) text += ", " + with_commas(summary.doubtful.size()) + " doubtful";
-  return text;
-}
-
-std::string path_length_text(const Trajectory& trajectory) {
-  constexpr double kStands_m = 0.05;
-  const double length_m = length_m_of(trajectory);
-  return length_m < kStands_m ? std::string() : fmt::format("{:.1f} m", length_m);
-}
 
 Canvas run_view(const RunReader& run, const RunViewRequest& request) {
   if (request.size && (std::min(request.size->width, request.size->height) < 1 ||

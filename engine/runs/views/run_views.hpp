@@ -6,16 +6,10 @@
 #include <string>
 
 #include "engine/runs/folder/run_reader.hpp"
-#include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/canvas.hpp"
 #include "gdtslam/drawing/image.hpp"
 
 namespace gdtslam {
-
-/// "1,803 scans, 301 keyframes, 4 doubtful".
-std::string counts_text(const RunSummary& summary);
-/// "103.5 m"; nothing for a robot that stood.
-std::string path_length_text(const Trajectory& trajectory);
 
 /// What is drawn of a run, and how.
 struct RunViewRequest {

@@ -49,6 +49,14 @@ class ReportTest(unittest.TestCase):
             if width == 1300:
                 self.assertGreaterEqual(browser.value(SMALLEST), 7.0)
 
+    def test_pictures_come_soon(self):
+        browser = self.open(1300, "light")
+        self.assertLess(browser.value("document.querySelector('figure').getBoundingClientRect().top"), 1400)
+        self.assertEqual(browser.value("document.querySelectorAll('#contents li a').length"),
+                         browser.value("document.querySelectorAll('section').length"))
+        browser.value("document.querySelector('#contents a[href=\"#verdicts\"]').click()")
+        browser.wait_for("document.querySelector('#verdicts details').open")
+
     def test_light_and_dark(self):
         def brightness(browser):
             return browser.value("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number).reduce((a, b) => a + b)")

@@ -85,8 +85,8 @@ std::vector<std::string> titles_of(const LogPicture& log) {
 
 TEST(LogPicture, HasThePanelsThatThereAreFiguresFor) {
   LogPicture log = a_log(100.0, 1.0);
-  EXPECT_THAT(titles_of(log), testing::ElementsAre("scans a second", "speed in m/s", "turning in deg/s",
-                                                   "elevation in deg", "ranges in m", "no return in %"));
+  EXPECT_THAT(titles_of(log), testing::ElementsAre("Scans (1/s)", "Speed (m/s)", "Turning (°/s)", "Elevation (°)",
+                                                   "Ranges (m)", "No return (%)"));
   log.speeds_m_s.clear();
   log.turns_deg_s.clear();
   log.elevations_deg.clear();

@@ -145,6 +145,27 @@ TEST_F(ModelExportTest, GltfPartsFitTogether) {
   }
 }
 
+// A .glb by section 4.4 of the format: header, text padded with spaces, bytes; the same model as the .gltf.
+TEST_F(ModelExportTest, GlbHoldsTheSameModel) {
+  write_gltf(file("a.gltf"), model());
+  write_gltf(file("a.glb"), model());
+  const std::string glb = content(file("a.glb"));
+  EXPECT_EQ(glb.substr(0, 4), "glTF");
+  EXPECT_EQ(value_at<std::uint32_t>(glb, 4), 2U);
+  EXPECT_EQ(value_at<std::uint32_t>(glb, 8), glb.size());
+  const auto text_size = value_at<std::uint32_t>(glb, 12);
+  EXPECT_EQ(text_size % 4, 0U);
+  EXPECT_EQ(glb.substr(16, 4), "JSON");
+  const auto bytes_size = value_at<std::uint32_t>(glb, 20 + text_size);
+  EXPECT_EQ(glb.substr(24 + text_size, 4), std::string("BIN\0", 4));
+  ASSERT_EQ(28 + text_size + bytes_size, glb.size());
+  Json gltf = Json::parse(content(file("a.gltf")));
+  const std::string uri = gltf["buffers"][0]["uri"];
+  gltf["buffers"][0].erase("uri");
+  EXPECT_EQ(Json::parse(glb.substr(20, text_size)), gltf);
+  EXPECT_EQ(glb.substr(28 + text_size), from_base64(uri.substr(uri.find(',') + 1)));
+}
+
 TEST_F(ModelExportTest, NothingIsWrittenWithoutPointsOrPlace) {
   cloud_.clear();
   colours_.clear();

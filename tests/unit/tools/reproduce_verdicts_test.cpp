@@ -29,7 +29,7 @@ TEST(ReproduceTimes, AreHeldAgainstThePapersFactors) {
   EXPECT_EQ(verdict(2, 2.7), Verdict::kOutside);  // slower than simplex, but not as the paper has it
   const Row row = time_row(kPaper.at(0), 40.0);
   EXPECT_EQ(row.ours, "40.00");
-  EXPECT_THAT(row.remark, StartsWith("differs: 0.40 times the paper\u2019s factor; within: 66.5 to 149.6,"));
+  EXPECT_THAT(row.remark, StartsWith("differs: 0.40 times the paper\u2019s factor; rule: 66.5 to 149.6,"));
   EXPECT_THAT(time_row(kPaper.at(1), 8.5).remark, StartsWith("1.00 times the paper\u2019s factor"));
 }
 

@@ -186,11 +186,14 @@ TEST(Turned, KeepsDistanceAndHeightAndClosesAfterAWholeTurn) {
 
 TEST(FollowCamera, StandsBehindAndAboveAndLooksAhead) {
   const Pose2 pose{.x_m = 4.0, .y_m = -3.0, .theta_rad = 2.2};
-  const Camera camera = follow_camera(pose, 9.0);
   const Point3 ahead(std::cos(2.2), std::sin(2.2), 0.0);
-  EXPECT_NEAR((camera.eye - camera.target).norm(), 9.0, 1e-9);
-  EXPECT_LT((camera.eye - Point3(4.0, -3.0, 0.0)).dot(ahead), -3.0);
-  EXPECT_GT(camera.eye.z(), 4.0);
+  const Point2 behind(4.0 - 3.0 * ahead.x(), -3.0 - 3.0 * ahead.y());
+  const Camera camera = follow_camera(behind, pose);
+  EXPECT_NEAR(camera.eye.x(), behind.x(), 1e-9);
+  EXPECT_NEAR(camera.eye.y(), behind.y(), 1e-9);
+  EXPECT_GT((camera.target - Point3(4.0, -3.0, 0.0)).dot(ahead), 0.0);
+  EXPECT_GT(camera.eye.z(), 1.5);
+  EXPECT_LT(camera.eye.z(), 2.2) << "below the ceiling";
   const auto robot = pixel_of(camera, {1280, 720}, {4.0, -3.0, 0.0});
   ASSERT_TRUE(robot.has_value());
   EXPECT_NEAR(robot->x_px, 640.0, 1e-6);

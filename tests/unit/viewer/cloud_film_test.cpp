@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -94,7 +95,13 @@ TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
   for (std::size_t k = 0; k < film->frames(); ++k) {
     const auto with = scene_of(film->frame(k));
     const double x_m = 1.0 + 3.0 * static_cast<double>(k) / 4.0;
-    const Camera camera = follow_camera({.x_m = x_m, .y_m = kPathY, .theta_rad = 0.0}, 9.0);
+    // The eye stands 3.2 m behind where the robot is on average over six frames to each side, within the log's time.
+    double mean_x_m = 0.0;
+    for (int step = -8; step <= 8; ++step) {
+      const double at_s = std::clamp(25.0 * static_cast<double>(k) + 15.0 * step, 0.0, 100.0);
+      mean_x_m += (9 - std::abs(step)) * (1.0 + 0.03 * at_s) / 81.0;
+    }
+    const Camera camera = follow_camera({mean_x_m - 3.2, kPathY}, {.x_m = x_m, .y_m = kPathY, .theta_rad = 0.0});
     scene_.set_robot(std::nullopt);
     const RgbaImage without = scene_.render(camera, kFilmSize);
     std::size_t changed = 0;
@@ -108,7 +115,7 @@ TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
       }
     }
     ASSERT_GT(changed, 8U) << "the robot is seen, and nothing else differs from a picture of that camera";
-    ASSERT_LT(changed, 500U);
+    ASSERT_LT(changed, 1500U);
     EXPECT_NEAR(x / static_cast<double>(changed), 80.0, 4.0);
   }
 }

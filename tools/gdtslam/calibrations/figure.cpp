@@ -180,7 +180,7 @@ void draw_residuals(Canvas& canvas, const std::vector<Dot>& dots, const Axes& ax
                     const Point2& corner) {
   const double most_mm = scale_of_residuals(dots);
   Plot plot = plot_on_card(canvas, corner, "Residual over the elevation", residual_remark(dots), axes.elevation_deg,
-                           {.title = "residual (mm)", .from = -most_mm, .to = most_mm, .is_grown = true});
+                           {.title = "Residual (mm)", .from = -most_mm, .to = most_mm, .is_grown = true});
   const auto across = [](double mm) { return std::array{Point2(-180.0, mm), Point2(180.0, mm)}; };
   plot.band(across(-2.0 * sigma_mm), across(2.0 * sigma_mm), Fill{ink::kGrid});
   plot.level(0.0, {.colour = ink::kLaser, .width = 2.0});

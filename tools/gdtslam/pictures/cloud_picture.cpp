@@ -1,9 +1,8 @@
 #include "cloud_picture.hpp"
 
-#include <filesystem>
 #include <memory>
 
-#include "engine/runs/linkage/linkage_file.hpp"
+#include "engine/runs/folder/run_pictures.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/viewer/cloud_scene.hpp"
 #include "source.hpp"
@@ -28,8 +27,8 @@ std::string draw_run_cloud(const std::string& cloud_file, const std::string& log
   scene.set_trajectory(trajectory);
   scene.set_robot(trajectory.back().T_map_base, linkage);
   const Camera camera = fitting_camera(CameraPreset::kIso, scene.bounds(), kSize);
-  const CloudCaption caption{.title = std::filesystem::path(sidecar_path(log, "")).filename().string(),
-                             .subtitle = points_text(scene.points_drawn(), points)};
+  const CloudCaption caption{.title = run_title({log}),
+                             .subtitle = cloud_subtitle(scene.points_drawn(), points, trajectory)};
   const auto image = std::make_shared<const RgbaImage>(scene.render(camera, kSize));
   return png_bytes(raster_of(cloud_picture(image, scene.scale(), camera, look, caption)));
 }

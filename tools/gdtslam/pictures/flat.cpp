@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "engine/drawing/linkage/linkage_drawing.hpp"
@@ -23,6 +22,7 @@ namespace {
 
 constexpr std::size_t kShownCells = 12;
 constexpr std::size_t kMostCells = 60;
+constexpr std::size_t kShownSwings = 8;   // of an elevation over time: more could not be told apart
 constexpr std::uint16_t kHalfCell = 128;  // of the field's 1/256 cell: where scans were merged, obstacles are near 0
 
 // The obstacle that is nearest to the middle of the field.
@@ -66,18 +66,29 @@ PictureSize plot_size(const std::optional<PictureSize>& wanted) {
           static_cast<std::uint32_t>(std::lround(share * size.height))};
 }
 
-// For legends: each source's own name, where those differ; else the names of their files or folders, else the paths.
-std::vector<std::string> distinct_names(const std::vector<RenderSource>& sources) {
-  std::vector<std::string> names;
-  const auto are_distinct = [&names] { return std::set(names.begin(), names.end()).size() == names.size(); };
-  for (const RenderSource& source : sources) names.push_back(source.name());
-  if (are_distinct()) return names;
-  names.clear();
-  for (const RenderSource& source : sources) names.push_back(name_of_place(source.input()));
-  if (are_distinct()) return names;
-  names.clear();
-  for (const RenderSource& source : sources) names.push_back(source.input());
-  return names;
+/// Of an elevation over time, up and down, to where the first of them end; false where there are no more. A swing
+/// counts where it rises through the middle of all elevations, after it was well below.
+bool keep_first_swings(TimeSeries& series) {
+  const auto by_height = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto [least, most] = std::minmax_element(series.points.begin(), series.points.end(), by_height);
+  const double low = least->second + 0.25 * (most->second - least->second);
+  const double middle = 0.5 * (least->second + most->second);
+  std::size_t swings = 0;
+  bool was_low = false;
+  double first_s = series.points.front().first;
+  for (std::size_t k = 0; k < series.points.size(); ++k) {
+    const auto& [time_s, elevation] = series.points[k];
+    was_low = was_low || elevation < low;
+    if (!was_low || elevation < middle) continue;
+    was_low = false;
+    if (++swings == 1) first_s = time_s;
+    if (swings <= kShownSwings) continue;
+    // As long as so many swings are, from the log's begin.
+    const double end_s = series.points.front().first + time_s - first_s;
+    std::erase_if(series.points, [end_s](const auto& point) { return point.first > end_s; });
+    return true;
+  }
+  return false;
 }
 
 // In the order of time, which relations need not be in.
@@ -109,9 +120,7 @@ MapLook RenderStudio::map_look() const {
 }
 
 Canvas RenderStudio::map(const Wanted& wanted) {
-  const OccupancyMap& map = first().map();
-  const PictureSize size = wanted.value_or(size_for_content(map.geometry.width, map.geometry.height));
-  return map_picture(map, first().overlay(), map_look(), size);
+  return map_view(first().map(), first().overlay(), map_look(), wanted);
 }
 
 Canvas RenderStudio::graph(const Wanted& wanted) {
@@ -173,6 +182,7 @@ Canvas RenderStudio::elevation(const Wanted& wanted) {
   const double begin_s = cloud.front().stamp_s;
   const double from_s = begin_s + (options_.from.empty() ? 0.0 : time_of("--from", options_.from));
   const double to_s = options_.to.empty() ? cloud.back().stamp_s : begin_s + time_of("--to", options_.to);
+  const double length_s = cloud.back().stamp_s - begin_s;
   TimeSeries series{"", {}};
   for (std::size_t k = 0; k < cloud.size();) {
     std::size_t end = k + 1;
@@ -189,13 +199,18 @@ Canvas RenderStudio::elevation(const Wanted& wanted) {
   if (least->second == most->second) {
     throw InputError({first().input(), 0}, "has one elevation only, so there is nothing to plot over time");
   }
-  return time_plot(title(), "Elevation", "deg", {std::move(series)}, plot_size(wanted));
+  std::string heading = title();
+  if (options_.from.empty() && options_.to.empty() && keep_first_swings(series)) {
+    heading += fmt::format(": the first {} swings, {:.0f} of {:.0f} s (--from, --to)", kShownSwings,
+                           series.points.back().first, length_s);
+  }
+  return time_plot(heading, "Elevation", "°", {std::move(series)}, plot_size(wanted));
 }
 
 RenderStudio::Errors RenderStudio::errors() {
   const bool is_angle = options_.is_angle;
-  Errors all{{title(), is_angle ? "Heading error" : "Position error", is_angle ? "deg" : "m", {}}, {}};
-  const std::vector<std::string> names = distinct_names(sources_);
+  Errors all{{title(), is_angle ? "Heading error" : "Position error", is_angle ? "°" : "m", {}}, {}};
+  const std::vector<std::string> names = distinct_names();
   for (std::size_t k = 0; k < sources_.size(); ++k) {
     const std::vector<TrajectoryError> errors = errors_of(sources_[k], options_);
     ErrorGroup group{names[k], {}};

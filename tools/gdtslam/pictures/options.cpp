@@ -56,13 +56,15 @@ double scale_value(const std::string& text, CloudColour colour) {
 
 }  // namespace
 
-bool has_truth(const RenderOptions& options) {
-  if (!options.relations.empty()) return true;
+bool has_truth(const RenderOptions& options) { return !options.relations.empty() || has_true_path(options); }
+
+bool has_true_path(const RenderOptions& options) {
   if (options.reference.empty()) return false;
   const RenderKind kind = kind_of_input(options.reference);
   if (kind != RenderKind::kRun) return kind == RenderKind::kTrajectory;
   // A run is both where it has a cloud: the path for the views of errors, the points for the others.
-  return options.view.starts_with("errors-") || RunReader(options.reference).summary().cloud_points == 0;
+  return options.view.starts_with("errors-") || options.view == "trajectory" ||
+         RunReader(options.reference).summary().cloud_points == 0;
 }
 
 PictureSize size_of(const std::string& text) {
@@ -126,7 +128,7 @@ CloudLook cloud_look_of(const RenderOptions& options) {
                 : has_reference         ? CloudColour::kDistance
                                         : CloudColour::kHeight;
   look.colour_map = colour_map_of(options.colour_map);
-  const ScaleRange range = scale_range_of(options.range, look.colour);
+  const ScaleRange range = scale_range_of(options.range, options.is_angle ? CloudColour::kElevation : look.colour);
   look.least = range.least;
   look.most = range.most;
   look.point_px = options.point_px;

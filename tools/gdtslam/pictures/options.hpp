@@ -58,6 +58,8 @@ struct RenderOptions {
 
 /// Whether there is something to hold a trajectory against: relations, or a reference that is a trajectory.
 bool has_truth(const RenderOptions& options);
+/// The second of the two.
+bool has_true_path(const RenderOptions& options);
 /// "1280x720". Throws UsageError, as all of these do.
 PictureSize size_of(const std::string& text);
 CloudColour cloud_colour_of(const std::string& name);

@@ -34,9 +34,10 @@ inline constexpr unsigned kField = 2U;
 inline constexpr unsigned kTrajectory = 4U;
 inline constexpr unsigned kCloud = 8U;
 inline constexpr unsigned kLinkage = 16U;
-inline constexpr unsigned kTruth = 32U;   ///< --reference or --relations of a trajectory
-inline constexpr unsigned kMount = 64U;   ///< of a linkage or of a laser that tilts by itself
-inline constexpr unsigned kGraph = 128U;  ///< of a run that closed loops
+inline constexpr unsigned kTruth = 32U;      ///< --reference or --relations of a trajectory
+inline constexpr unsigned kMount = 64U;      ///< of a linkage or of a laser that tilts by itself
+inline constexpr unsigned kGraph = 128U;     ///< of a run that closed loops
+inline constexpr unsigned kTruePath = 256U;  ///< --reference of a trajectory, itself one
 }  // namespace part
 
 /// Hears of the points that are read and their share; below 0 where that is not known.

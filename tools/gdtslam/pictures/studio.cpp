@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine/runs/folder/run_pictures.hpp"
 #include "engine/runs/inputs/given_files.hpp"
-#include "engine/runs/views/run_views.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 
@@ -19,12 +19,21 @@ constexpr double kFramesPerSecond = 25.0;
 constexpr std::size_t kMostFrames = 100'000;
 constexpr std::size_t kStillFrames = 101;  // of the film that a still is taken from
 
+// A cloud from the side is long and low: it fills the picture between its title and its bars.
+PictureSize size_of_elevation(double width_m, double height_m) {
+  constexpr double kShareOfWidth = 0.88;  // that a parallel camera leaves to the cloud
+  constexpr double kWords_px = 150.0;     // above and below
+  constexpr double kLowest_px = 260.0;
+  const double rows = kShareOfWidth * kStillSize.width * height_m / std::max(width_m, 1e-3) + kWords_px;
+  return {kStillSize.width, static_cast<std::uint32_t>(std::clamp(rows, kLowest_px, 1.0 * kStillSize.width))};
+}
+
 // Parallel views of long and low clouds waste no rows.
 PictureSize size_for(CameraPreset from, const Bounds& bounds) {
   if (bounds.is_empty()) return kStillSize;
   const Point3 extent = bounds.highest - bounds.lowest;
-  if (from == CameraPreset::kFront) return size_for_content(extent.x(), extent.z());
-  if (from == CameraPreset::kSide) return size_for_content(extent.y(), extent.z());
+  if (from == CameraPreset::kFront) return size_of_elevation(extent.x(), extent.z());
+  if (from == CameraPreset::kSide) return size_of_elevation(extent.y(), extent.z());
   if (from != CameraPreset::kTop) return kStillSize;
   return size_for_content(std::max(extent.x(), extent.y()), std::min(extent.x(), extent.y()));
 }
@@ -33,6 +42,13 @@ PictureSize size_for(CameraPreset from, const Bounds& bounds) {
 
 std::string points_text(std::uint64_t drawn, std::uint64_t whole) {
   return drawn < whole ? with_commas(drawn) + " of " + counted(whole, "point") : counted(drawn, "point");
+}
+
+std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const Trajectory& trajectory) {
+  std::string text = drawn > 0 ? points_text(drawn, whole) : std::string();
+  const std::string length = path_length_text(trajectory);
+  if (!length.empty()) text += (text.empty() ? "" : ", ") + length + " of path";
+  return text;
 }
 
 RenderStudio::RenderStudio(const RenderOptions& options, std::vector<RenderSource>& sources)
@@ -58,19 +74,20 @@ void RenderStudio::tell(const std::string& remark) const {
 std::string RenderStudio::title() const { return options_.title.empty() ? sources_.front().name() : options_.title; }
 
 std::string RenderStudio::subtitle(std::uint64_t points) const {
-  std::string text = points > 0 ? points_text(points, whole_points_) : std::string();
-  const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : ", ") + more; };
-  if (const RunReader* const run = sources_.front().run(); run != nullptr && points == 0) {
-    add(counts_text(run->summary()));
+  const RunReader* const run = sources_.front().run();
+  if (run != nullptr && points == 0) {
+    const RunSummary& summary = run->summary();
+    return run_subtitle({summary.scans, summary.keyframes.size(), summary.doubtful.size()}, path());
   }
-  if (const std::string path = path_text(); !path.empty()) add(path + " of path");
-  return text;
+  return cloud_subtitle(points, whole_points_, path());
 }
 
-std::string RenderStudio::path_text() const {
+Trajectory RenderStudio::path() const {
   RenderSource& source = sources_.front();
-  return (source.parts() & part::kTrajectory) == 0 ? std::string() : path_length_text(source.trajectory());
+  return (source.parts() & part::kTrajectory) == 0 ? Trajectory() : source.trajectory();
 }
+
+std::string RenderStudio::path_text() const { return path_length_text(path()); }
 
 Cloud RenderStudio::whole_cloud() {
   ProgressLine progress("points", options_.quiet);

@@ -63,6 +63,9 @@ class RenderStudio {
   Canvas errors_box(const Wanted& wanted);
   Canvas errors_cdf(const Wanted& wanted);
   Canvas errors_time(const Wanted& wanted);
+  /// One path alone in the colours of time; over the truth or several, each in a colour of its own.
+  Canvas trajectory(const Wanted& wanted);
+  Canvas errors_path(const Wanted& wanted);
   std::unique_ptr<Film> orbit(const PictureSize& size, std::size_t frames);
   std::unique_ptr<Film> follow(const PictureSize& size, std::size_t frames);
   std::unique_ptr<Film> scan(const PictureSize& size, std::size_t frames);
@@ -91,6 +94,8 @@ class RenderStudio {
 
  private:
   RenderSource& first() { return sources_.front(); }
+  /// Of the first source; empty where it has none.
+  [[nodiscard]] Trajectory path() const;
   Cloud whole_cloud();
   Cloud cloud_of_still(const PictureSize& size);
   /// To what --points says, else to at most `most`; 0: all.
@@ -119,6 +124,8 @@ class RenderStudio {
   };
   Errors errors();
   [[nodiscard]] MapLook map_look() const;
+  /// For legends: each source's own name, where those differ; else the names of their files or folders, else the paths.
+  [[nodiscard]] std::vector<std::string> distinct_names() const;
   [[nodiscard]] double frames_per_s() const;
   /// The stretch of --from and --to in the log's clock; by default the first `longest_s` of it.
   struct Stretch {
@@ -140,5 +147,7 @@ class RenderStudio {
 
 /// "1,771,492 of 2,612,366 points", or the points where those are all.
 std::string points_text(std::uint64_t drawn, std::uint64_t whole);
+/// The same with ", 62.8 m of path"; what there is none of is left out.
+std::string cloud_subtitle(std::uint64_t drawn, std::uint64_t whole, const Trajectory& trajectory);
 
 }  // namespace gdtslam

@@ -19,6 +19,7 @@ constexpr unsigned kScan = kScene | kColour | kColourMap | kPoint | kLevels | kT
 constexpr unsigned kCloud = kScan | kPath | kDistances;
 constexpr unsigned kMap = kSize | kLight | kPage | kPath | kTitle;
 constexpr unsigned kPlot = kSize | kLight | kTitle | kVector;
+constexpr unsigned kErrorPlot = kPlot | kErrors | kSeveral;
 
 bool can_show(const RenderView& view, unsigned parts) { return (view.needs & ~parts) == 0; }
 
@@ -43,7 +44,7 @@ const std::vector<RenderView>& render_views() {
        Studio::kLongestScan_s},
       {"elevation", "elevation of the nodding scan plane over time", part::kCloud, kPlot | kStretch,
        &Studio::elevation},
-      {"map", "occupancy map, with the path where there is one", part::kMap, kMap, &Studio::map, 3},
+      {"map", "occupancy map, with the path where there is one", part::kMap, kMap | kColourMap, &Studio::map, 3},
       {"graph", "loops over the map, how sure each pose is, and what is not to be trusted", part::kMap | part::kGraph,
        kMap & ~kPath, &Studio::graph},
       {"loops", "the path as it was driven, and how loops bend it; a still has before and after side by side",
@@ -55,12 +56,17 @@ const std::vector<RenderView>& render_views() {
        kPngSize | kLight | kPage | kTitle | kColourMap | kCells | kVector, &Studio::cells},
       {"scene", "the mount's four bars and its laser; a film is one turn", part::kLinkage, kScene, &Studio::linkage, 1,
        &Studio::linkage_turn, 4.0},
+      {"trajectory", "the path alone, coloured by time; over the truth (--reference), several side by side",
+       part::kTrajectory, kMap | kColourMap | kReference | kSeveral, &Studio::trajectory, 1},
       {"drawing", "the linkage's positions, curves and figures on one sheet", part::kLinkage,
        kPngSize | kLight | kVector, &Studio::linkage_sheet},
-      {"errors-box", "errors of the trajectory as box plot, runs side by side", kCompared, kPlot | kErrors,
+      {"errors-box", "errors of the trajectory as box plot, runs side by side", kCompared, kErrorPlot,
        &Studio::errors_box, 6},
-      {"errors-cdf", "errors of the trajectory as distribution", kCompared, kPlot | kErrors, &Studio::errors_cdf},
-      {"errors-time", "errors of the trajectory over time", kCompared, kPlot | kErrors, &Studio::errors_time},
+      {"errors-cdf", "errors of the trajectory as distribution", kCompared, kErrorPlot, &Studio::errors_cdf},
+      {"errors-time", "errors of the trajectory over time", kCompared, kErrorPlot, &Studio::errors_time},
+      {"errors-path", "the path over the truth, coloured by its error (--reference)",
+       part::kTrajectory | part::kTruePath, (kMap & ~kPath) | kColourMap | kReference | kScale | kErrors,
+       &Studio::errors_path},
   };
   return views;
 }
@@ -85,7 +91,7 @@ const RenderView* default_view(unsigned parts, bool is_film) {
 }
 
 std::string missing_parts(const RenderView& view, unsigned parts, std::string_view joint) {
-  constexpr std::array<std::pair<unsigned, std::string_view>, 8> kNames{{
+  constexpr std::array<std::pair<unsigned, std::string_view>, 9> kNames{{
       {part::kMap, "map"},
       {part::kField, "distance field"},
       {part::kTrajectory, "trajectory"},
@@ -94,6 +100,7 @@ std::string missing_parts(const RenderView& view, unsigned parts, std::string_vi
       {part::kMount, "linkage (--linkage NAME|FILE)"},
       {part::kGraph, "closed loops"},
       {part::kTruth, "truth (--reference or --relations FILE)"},
+      {part::kTruePath, "true trajectory (--reference FILE)"},
   }};
   std::string text;
   for (const auto& [bit, name] : kNames) {

@@ -36,6 +36,9 @@ inline constexpr unsigned kCells = 1U << 15U;      ///< --at, --cells, --squared
 inline constexpr unsigned kPoints = 1U << 16U;     ///< --points
 inline constexpr unsigned kFilm = 1U << 17U;       ///< --fps, --frames, --seconds
 inline constexpr unsigned kFfmpeg = 1U << 18U;     ///< --ffmpeg
+inline constexpr unsigned kReference = 1U << 20U;  ///< --reference, a trajectory
+inline constexpr unsigned kScale = 1U << 21U;      ///< --range
+inline constexpr unsigned kSeveral = 1U << 22U;    ///< more than one input
 inline constexpr unsigned kVector = 1U << 19U;     ///< -o .svg and .pdf: lines and words, which grow without blur
 }  // namespace effect
 
@@ -52,6 +55,8 @@ struct RenderView {
   MakeFilm film = nullptr;  ///< null: does not move
   double film_s = 0.0;      ///< how long it plays; where --from and --to have an effect, at most
   [[nodiscard]] bool moves() const { return film != nullptr; }
+  /// Shows several inputs side by side.
+  [[nodiscard]] bool compares() const { return (effects & effect::kSeveral) != 0; }
 };
 const std::vector<RenderView>& render_views();
 

@@ -81,6 +81,7 @@ void check_options(const RenderOptions& options) {
 // The parts that views may use, those of a log before it is mapped too.
 unsigned parts_of(const RenderOptions& options, std::vector<RenderSource>& sources, NodKind nods) {
   unsigned parts = has_truth(options) ? part::kTruth : 0U;
+  if (has_true_path(options)) parts |= part::kTruePath;
   if (!sources.empty()) return parts | sources.front().parts();
   parts |= part::kMap | part::kField | part::kTrajectory | part::kGraph;
   if (nods != NodKind::kNone) parts |= part::kCloud | part::kMount;
@@ -113,7 +114,9 @@ int list_views(const RenderOptions& options, RenderKind kind, unsigned parts) {
     text += "film: can be .mp4, .gif or frames; *: drawn where no --view is given, as a still or as a film\n";
   }
   if ((parts & part::kTrajectory) != 0 && (parts & part::kTruth) == 0) {
-    text += "with --reference or --relations FILE also errors-box, errors-cdf and errors-time\n";
+    text +=
+        "with --reference or --relations FILE also errors-box, errors-cdf and errors-time; with --reference FILE "
+        "errors-path\n";
   }
   print_result(options.json ? json_text(all) : text);
   return static_cast<int>(ExitCode::kDone);
@@ -160,16 +163,17 @@ class MappedLog {
 };
 
 void require_inputs_fit(const RenderOptions& options, const std::vector<RenderKind>& kinds) {
-  const bool is_errors = options.view.empty() || (render_view(options.view).needs & part::kTruth) != 0;
+  const bool is_compared = options.view.empty() || render_view(options.view).compares();
   const bool are_paths = std::all_of(kinds.begin(), kinds.end(), [](RenderKind kind) {
     return kind == RenderKind::kRun || kind == RenderKind::kTrajectory;
   });
   const bool are_logs =
       std::all_of(kinds.begin(), kinds.end(), [](RenderKind kind) { return kind == RenderKind::kLog; });
-  if (kinds.size() > 1 && !(is_errors && are_paths) && !are_logs) {
+  if (kinds.size() > 1 && !(is_compared && are_paths) && !are_logs) {
     throw UsageError(
-        "several inputs are compared by the views errors-box, errors-cdf and errors-time, and have to be runs or "
-        "trajectories; several logs are mapped as one");
+        "several inputs are compared by the views trajectory, errors-box, errors-cdf and errors-time, and have to be "
+        "runs "
+        "or trajectories; several logs are mapped as one");
   }
   if (!options.run_folder.empty() && !are_logs) throw UsageError("--run is for logs: where their run is kept");
 }
@@ -225,7 +229,8 @@ void add_look_options(CLI::App& command, RenderOptions& chosen) {
       "distance]",
       "NAME");
   offer_words(command.get_option("--colour"), {"height", "elevation", "time", "scan", "distance", "plain"});
-  add(command, kLook, "--colour-map", chosen.colour_map, "Colours from low to high: " + colour_map_names(), "NAME");
+  add(command, kLook, "--colour-map,--colors", chosen.colour_map, "Colours from low to high: " + colour_map_names(),
+      "NAME");
   std::vector<std::string> maps;
   for (const ColourMap& map : colour_maps()) maps.emplace_back(map.name());
   offer_words(command.get_option("--colour-map"), std::move(maps));
@@ -266,7 +271,9 @@ void add_film_options(CLI::App& command, RenderOptions& chosen) {
 void add_data_options(CLI::App& command, RenderOptions& chosen) {
   constexpr const char* kData = "Data";
   add(command, kData, "--reference", chosen.reference,
-      "A cloud in the same frame, for distances; the true trajectory, TUM, for errors-*; a run for either", "FILE");
+      "A cloud in the same frame, for distances; the true trajectory, TUM, for trajectory and errors-*;\na run for "
+      "either",
+      "FILE");
   add(command, kData, "--relations", chosen.relations, "Verified relations for errors-*, as evaluate reads them",
       "FILE")
       ->excludes("--reference");
@@ -300,13 +307,14 @@ void add_render_command(CLI::App& app, CommandContext& context) {
       ->add_option(
           "input", chosen->inputs,
           "Run folder, cloud (.ply, .pcd), linkage (preset or file), map.yaml, gdt.yaml,\ntrajectory (.tum) or "
-          "log, told by content; several runs for errors-*")
+          "log, told by content; several runs for trajectory and errors-*")
       ->required()
       ->type_name("INPUT");
   command
-      ->add_option("-o,--output", chosen->output,
-                   "File, by its ending: .png .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
-                   "cloud .gltf .ply .pcd [<name>-<view>.png here]")
+      ->add_option(
+          "-o,--output", chosen->output,
+          "File, by its ending: .png .jpg .svg .pdf, films .mp4 .gif, frames DIR/ or f%04d.png,\na page .html, the "
+          "cloud .glb .gltf .ply .pcd, a linkage .glb .gltf\n[<name>-<view>.png here]")
       ->type_name("FILE");
   CLI::Option* const view = command->add_option("--view", chosen->view, "What is drawn (see --list-views)");
   std::vector<std::string> views;

@@ -2,31 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <type_traits>
 
-#include "engine/core/base64.hpp"
 #include "engine/drawing/maps/cell_number.hpp"
-#include "engine/io/atomic_file.hpp"
 #include "gdtslam/core/error.hpp"
+#include "gltf_file.hpp"
 
 namespace gdtslam {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = GltfJson;
 using Vector3f = std::array<float, 3>;
-
-static_assert(std::endian::native == std::endian::little, "the format wants little-endian numbers");
-
-// Element types and modes of glTF 2.0, section 3.6.2.2 and 3.7.2.1.
-constexpr int kUnsignedShort = 5123;
-constexpr int kFloat = 5126;
-constexpr int kArrayBuffer = 34962;
-constexpr int kModePoints = 0;
-constexpr int kLineStrip = 3;
 
 constexpr std::size_t kBytesOfPosition = 12;
 constexpr std::size_t kBytesOfColour = 8;
@@ -72,22 +61,14 @@ Json accessor(int view, int component, std::size_t count, const char* type) {
 }
 
 Json position_accessor(int view, std::size_t count, const Box& box) {
-  Json json = accessor(view, kFloat, count, "VEC3");
+  Json json = accessor(view, kGltfFloat, count, "VEC3");
   json["min"] = box.least;
   json["max"] = box.most;
   return json;
 }
 
 Json buffer_view(std::size_t offset, std::size_t length) {
-  return {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}, {"target", kArrayBuffer}};
-}
-
-Json unlit_material(const char* name, const std::array<double, 3>& colour) {
-  return {
-      {"name", name},
-      {"pbrMetallicRoughness",
-       {{"baseColorFactor", {colour[0], colour[1], colour[2], 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
-      {"extensions", Json::object({{"KHR_materials_unlit", Json::object()}})}};
+  return {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}, {"target", kGltfVertices}};
 }
 
 // Of one primitive. One JSON value in braces is a list to GCC and the value itself to clang; Json::array is a list.
@@ -95,85 +76,50 @@ Json mesh(const char* name, const Json& primitive) {
   return {{"name", name}, {"primitives", Json::array({primitive})}};
 }
 
-// Bytes as base64 into a file, piece by piece.
-class Base64Writer {
- public:
-  /// `file` must outlive this.
-  explicit Base64Writer(AtomicFile& file) : file_(file) {}
-
-  void add(std::span<const std::byte> bytes) {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-    if (bytes_.size() >= kPiece) write(bytes_.size() / 3 * 3);
-  }
-  /// The value's bytes as they lie in memory.
-  template <class T>
-  void add_value(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    add(std::as_bytes(std::span(&value, 1)));
-  }
-  /// What is left, padded; the next bytes begin a text of their own.
-  void finish() { write(bytes_.size()); }
-
- private:
-  static constexpr std::size_t kPiece = 49152;  ///< 64 KiB of text
-
-  void write(std::size_t count) {
-    text_.clear();
-    append_base64(std::span(bytes_).first(count), text_);
-    file_.write(text_);
-    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-
-  AtomicFile& file_;
-  std::vector<std::byte> bytes_;  ///< not written yet
-  std::string text_;
-};
-
-// All but the bytes; the buffer's address is put in by the writer.
-Json gltf_of(const ModelInput& model, std::size_t bytes) {
+// All but the bytes.
+Json gltf_of(const ModelInput& model) {
   const std::size_t points = model.cloud.size();
   const std::size_t poses = path_size(model);
-  static const auto table = linear_table();
-  const auto linear = [](std::uint8_t value) { return static_cast<double>(table[value]) / 65535.0; };
-  Json json;
-  json["asset"] = {{"version", "2.0"}, {"generator", "gdtslam " GDTSLAM_VERSION}};
-  json["extensionsUsed"] = Json::array({"KHR_materials_unlit"});
-  json["scene"] = 0;
-  json["scenes"].push_back({{"name", model.name}, {"nodes", Json::array({0})}});
+  Json json = gltf_document(model.name);
+  json["scenes"][0]["nodes"].push_back(0);
   json["nodes"].push_back({{"name", "cloud"}, {"mesh", 0}});
   json["meshes"].push_back(
-      mesh("cloud", {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kModePoints}, {"material", 0}}));
-  json["materials"].push_back(unlit_material("points", {1.0, 1.0, 1.0}));
-  json["accessors"] = {position_accessor(0, points, box_of(model.cloud)), accessor(1, kUnsignedShort, points, "VEC4")};
+      mesh("cloud", {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kGltfPoints}, {"material", 0}}));
+  json["materials"].push_back(gltf_unlit_material("points", colour_for(0xffffff)));
+  json["accessors"] = {position_accessor(0, points, box_of(model.cloud)),
+                       accessor(1, kGltfUnsignedShort, points, "VEC4")};
   json["accessors"][1]["normalized"] = true;
   json["bufferViews"] = {buffer_view(0, kBytesOfPosition * points),
                          buffer_view(kBytesOfPosition * points, kBytesOfColour * points)};
   if (poses > 1) {
-    const Colour& c = model.path_colour;
     json["scenes"][0]["nodes"].push_back(1);
     json["nodes"].push_back({{"name", "path"}, {"mesh", 1}});
     json["meshes"].push_back(
-        mesh("path", {{"attributes", Json::object({{"POSITION", 2}})}, {"mode", kLineStrip}, {"material", 1}}));
-    json["materials"].push_back(unlit_material("path", {linear(c.red), linear(c.green), linear(c.blue)}));
+        mesh("path", {{"attributes", Json::object({{"POSITION", 2}})}, {"mode", kGltfLineStrip}, {"material", 1}}));
+    json["materials"].push_back(gltf_unlit_material("path", model.path_colour));
     json["accessors"].push_back(position_accessor(2, poses, box_of(*model.trajectory)));
     json["bufferViews"].push_back(buffer_view((kBytesOfPosition + kBytesOfColour) * points, kBytesOfPosition * poses));
   }
-  json["buffers"].push_back({{"byteLength", bytes}});
   return json;
 }
 
-void write_gltf_bytes(AtomicFile& file, const ModelInput& model) {
+// The value's bytes as they lie in memory.
+template <class T>
+void hand_on(const GltfSink& sink, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  sink(std::as_bytes(std::span(&value, 1)));
+}
+
+void hand_on_bytes(const ModelInput& model, const GltfSink& sink) {
   static const auto table = linear_table();
-  Base64Writer out(file);
-  for (const CloudPoint& point : model.cloud) out.add_value(y_up(point));
+  for (const CloudPoint& point : model.cloud) hand_on(sink, y_up(point));
   for (const Colour& colour : model.colours) {
-    out.add_value(std::array<std::uint16_t, 4>{table[colour.red], table[colour.green], table[colour.blue],
+    hand_on(sink, std::array<std::uint16_t, 4>{table[colour.red], table[colour.green], table[colour.blue],
                                                std::numeric_limits<std::uint16_t>::max()});
   }
   if (path_size(model) > 1) {
-    for (const StampedPose& pose : *model.trajectory) out.add_value(y_up(pose));
+    for (const StampedPose& pose : *model.trajectory) hand_on(sink, y_up(pose));
   }
-  out.finish();
 }
 
 }  // namespace
@@ -183,17 +129,9 @@ void write_gltf(const std::string& path, const ModelInput& model) {
   assert(model.colours.size() == model.cloud.size());
   const std::size_t poses = path_size(model) > 1 ? path_size(model) : 0;
   const std::size_t bytes = (kBytesOfPosition + kBytesOfColour) * model.cloud.size() + kBytesOfPosition * poses;
-  // A buffer of one member, so that its address can follow behind everything else.
-  std::string text = gltf_of(model, bytes).dump(1, ' ', true, Json::error_handler_t::replace);
-  const std::size_t end = text.rfind('}', text.rfind(']'));
-  AtomicFile file(path);
-  file.write(std::string_view(text).substr(0, end));
-  file.write(",\"uri\":\"data:application/octet-stream;base64,");
-  write_gltf_bytes(file, model);
-  file.write("\"");
-  file.write(std::string_view(text).substr(end));
-  file.write("\n");
-  file.commit();
+  constexpr std::size_t kMostBytes = 0xFF000000;  // of 2^32, with room for the text
+  if (bytes > kMostBytes) throw InputError({path, 0}, "is not written: glTF ends at 4 GiB; --points thins the cloud");
+  write_gltf_file(path, gltf_of(model), bytes, [&model](const GltfSink& sink) { hand_on_bytes(model, sink); });
 }
 
 }  // namespace gdtslam

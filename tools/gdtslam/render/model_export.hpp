@@ -1,14 +1,16 @@
-// Clouds for other programs, browsers and Blender among them: glTF 2.0 [Khronos2021], one file that needs nothing else;
-// points with their colours, the robot's path as a line. Not by VTK's exporter, which needs a window with OpenGL. The
-// file is written to a temporary name, synced and renamed; memory does not depend on the number of points. Thread-safe.
+// Clouds and linkages for other programs, browsers and Blender among them: glTF 2.0 [Khronos2021], as .gltf or .glb,
+// one file that needs nothing else. A cloud is points with their colours and the robot's path as a line; a linkage is
+// its solids and an animation of one turn. Not by VTK's exporter, which needs a window with OpenGL. Thread-safe.
 #pragma once
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/colour.hpp"
+#include "gdtslam/viewer/linkage_model.hpp"
 
 namespace gdtslam {
 
@@ -21,7 +23,11 @@ struct ModelInput {
 };
 
 /// y up, as glTF has it: the map's (x, y, z) becomes (x, z, -y), metres. Colours are linear, as glTF wants them. Throws
-/// FileError; InputError for a cloud without points.
+/// FileError; InputError for a cloud without points or one that is too large for a .glb, which ends at 4 GiB.
 void write_gltf(const std::string& path, const ModelInput& model);
+
+/// The parts as nodes under one that turns z up into y up; the animation takes `turn_s`. Throws FileError.
+void write_linkage_gltf(const std::string& path, const std::string& name, const std::vector<SolidPart>& parts,
+                        double turn_s);
 
 }  // namespace gdtslam

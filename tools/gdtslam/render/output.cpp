@@ -21,7 +21,9 @@ struct Ending {
   std::string_view extension;
   OutputKind kind;
 };
-constexpr std::array<Ending, 10> kEndings{{{".png", OutputKind::kPng},
+constexpr std::array<Ending, 13> kEndings{{{".png", OutputKind::kPng},
+                                           {".jpg", OutputKind::kJpeg},
+                                           {".jpeg", OutputKind::kJpeg},
                                            {".svg", OutputKind::kSvg},
                                            {".pdf", OutputKind::kPdf},
                                            {".mp4", OutputKind::kMp4},
@@ -29,18 +31,20 @@ constexpr std::array<Ending, 10> kEndings{{{".png", OutputKind::kPng},
                                            {".html", OutputKind::kPage},
                                            {".htm", OutputKind::kPage},
                                            {".gltf", OutputKind::kGltf},
+                                           {".glb", OutputKind::kGlb},
                                            {".ply", OutputKind::kCloud},
                                            {".pcd", OutputKind::kCloud}}};
 
 using namespace effect;
 
 /// What options change of a view in this form; of what no view belongs to, by its form alone.
-unsigned effects_of(const RenderView* view, OutputKind output) {
+unsigned effects_of(const RenderView* view, OutputKind output, bool is_linkage) {
+  if (is_linkage) return kTitle;
   if (output == OutputKind::kPage) return kTitle | kDistances | kPoints;
   if (output == OutputKind::kCloud) return kLevels | kPoints;
-  if (output == OutputKind::kGltf) return kColour | kColourMap | kLevels | kPath | kTitle | kDistances | kPoints;
+  if (is_gltf(output)) return kColour | kColourMap | kLevels | kPath | kTitle | kDistances | kPoints;
   unsigned effects = view->effects;
-  if ((effects & kPngSize) != 0 && output == OutputKind::kPng) effects |= kSize;
+  if ((effects & kPngSize) != 0 && is_pixels(output)) effects |= kSize;
   if (!is_film(output)) return effects;
   return (effects & ~kCamera) | kFilm | (output == OutputKind::kFrames ? 0U : kFfmpeg);
 }
@@ -54,12 +58,12 @@ struct GivenOption {
 
 std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
   const bool colours_by_distance = o.colour.empty() || o.colour == "distance" || output == OutputKind::kPage;
-  const unsigned of_reference = has_truth(o) ? kErrors : colours_by_distance ? kDistances : 0U;
+  const unsigned of_reference = has_true_path(o) ? kErrors | kReference : colours_by_distance ? kDistances : 0U;
   return {
       {"--size", !o.size.empty(), kSize, "pictures in pixels; cells and drawing have a size of their own"},
       {"--colour", !o.colour.empty(), kColour, "clouds"},
-      {"--colour-map", !o.colour_map.empty(), kColourMap, "clouds and distance fields"},
-      {"--range", !o.range.empty(), kColour, "clouds"},
+      {"--colour-map", !o.colour_map.empty(), kColourMap, "clouds, distance fields and paths"},
+      {"--range", !o.range.empty(), kColour | kScale, "clouds and the view errors-path"},
       {"--camera", !o.camera.empty(), kCamera, "stills of clouds"},
       {"--point-size", o.point_px > 0.0, kPoint, "pictures of clouds"},
       {"--dark", o.is_dark, kDark, "scenes in 3D"},
@@ -70,7 +74,7 @@ std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
       {"--with-ceiling", o.with_ceiling, kPoint, "pictures of clouds"},
       {"--no-path", o.no_path, kPath, "clouds, maps and fields"},
       {"--no-caption", o.no_caption, kPage, "scenes, maps and fields"},
-      {"--title", !o.title.empty(), kTitle, "pictures of runs and clouds, pages and .gltf"},
+      {"--title", !o.title.empty(), kTitle, "pictures of runs and clouds, pages, .gltf and .glb"},
       {"--fps", o.frames_per_s > 0.0, kFilm, "films"},
       {"--frames", o.frames > 0, kFilm, "films"},
       {"--seconds", !o.seconds.empty(), kFilm, "films"},
@@ -78,7 +82,8 @@ std::vector<GivenOption> options_of(const RenderOptions& o, OutputKind output) {
       {"--from", !o.from.empty(), kStretch, "the views scan and elevation"},
       {"--to", !o.to.empty(), kStretch, "the views scan and elevation"},
       {"--reference", !o.reference.empty(), of_reference,
-       "the views errors-* where it is a trajectory, and for clouds coloured by distance where it is a cloud"},
+       "the views trajectory and errors-* where it is a trajectory, and for clouds coloured by distance where it is a "
+       "cloud"},
       {"--relations", !o.relations.empty(), kErrors, "the views errors-*"},
       {"--angle", o.is_angle, kErrors, "the views errors-*"},
       {"--at", !o.at.empty(), kCells, "the view cells"},
@@ -115,14 +120,15 @@ OutputKind output_kind_of(const std::string& path) {
 }
 
 std::string_view to_string(OutputKind kind) {
-  constexpr std::array<std::string_view, 9> kNames{"a still in .png", "a drawing in .svg", "a page in .pdf",
-                                                   "a film in .mp4",  "a film in .gif",    "frames in a folder",
-                                                   "a page in .html", "a model in .gltf",  "a cloud"};
+  constexpr std::array<std::string_view, 11> kNames{"a still in .png",    "a still in .jpg", "a drawing in .svg",
+                                                    "a page in .pdf",     "a film in .mp4",  "a film in .gif",
+                                                    "frames in a folder", "a page in .html", "a model in .gltf",
+                                                    "a model in .glb",    "a cloud"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output) {
-  const unsigned effects = effects_of(view, output);
+void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output, bool is_linkage) {
+  const unsigned effects = effects_of(view, output, is_linkage);
   for (const GivenOption& option : options_of(options, output)) {
     if (!option.is_given || (option.effects & effects) != 0) continue;
     const std::string made =

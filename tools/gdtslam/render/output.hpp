@@ -10,7 +10,7 @@
 
 namespace gdtslam {
 
-enum class OutputKind : std::uint8_t { kPng, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGltf, kCloud };
+enum class OutputKind : std::uint8_t { kPng, kJpeg, kSvg, kPdf, kMp4, kGif, kFrames, kPage, kGltf, kGlb, kCloud };
 
 /// By extension, in small or capital letters; a name that ends in / or is a folder without such an extension, and a
 /// pattern with %04d, take the frames of a film. Throws UsageError with what there is.
@@ -21,11 +21,15 @@ std::string_view to_string(OutputKind kind);
 constexpr bool is_film(OutputKind kind) {
   return kind == OutputKind::kMp4 || kind == OutputKind::kGif || kind == OutputKind::kFrames;
 }
-/// Points for other programs, which no view belongs to.
-constexpr bool is_model(OutputKind kind) { return kind == OutputKind::kGltf || kind == OutputKind::kCloud; }
+/// A still of pixels: of what is drawn by lines and words, too.
+constexpr bool is_pixels(OutputKind kind) { return kind == OutputKind::kPng || kind == OutputKind::kJpeg; }
+constexpr bool is_gltf(OutputKind kind) { return kind == OutputKind::kGltf || kind == OutputKind::kGlb; }
+/// Points or parts for other programs, which no view belongs to.
+constexpr bool is_model(OutputKind kind) { return is_gltf(kind) || kind == OutputKind::kCloud; }
 
 /// Throws UsageError that names the first option that was given and changes nothing: a mistake, said before anything is
-/// drawn. `view`: null for pages and models.
-void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output);
+/// drawn. `view`: null for pages and models; `is_linkage`: the model is one of a linkage.
+void refuse_idle_options(const RenderOptions& options, const RenderView* view, OutputKind output,
+                         bool is_linkage = false);
 
 }  // namespace gdtslam

@@ -17,6 +17,7 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/io/cloud_file.hpp"
+#include "gdtslam/viewer/linkage_model.hpp"
 #include "gdtslam/viewer/page.hpp"
 #include "model_export.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
@@ -32,9 +33,11 @@ constexpr PictureSize kFilmSize{1280, 720};
 constexpr PictureSize kGifSize{640, 360};
 constexpr std::uint64_t kPagePoints = 500'000;
 constexpr std::uint64_t kGltfPoints = 1'000'000;
+constexpr double kTurn_s = 4.0;  // of a linkage in glTF, as its film takes
 
 unsigned parts_of(const RenderOptions& options, const std::vector<RenderSource>& sources) {
-  return sources.front().parts() | (has_truth(options) ? part::kTruth : 0U);
+  return sources.front().parts() | (has_truth(options) ? part::kTruth : 0U) |
+         (has_true_path(options) ? part::kTruePath : 0U);
 }
 
 // The view that was asked for or suits, checked against input and output.
@@ -47,7 +50,7 @@ const RenderView& view_of(const RenderOptions& options, const std::vector<Render
     if (const RenderView* const view = default_view(parts, moves)) return *view;
     throw UsageError(fmt::format("{}: {} has no view {}{}", source.input(), to_string(source.kind()),
                                  moves ? "that moves, as " + std::string(to_string(kind)) + " needs" : "without more",
-                                 moves ? "; .png .svg and .pdf fit" : ": give --reference or --relations"));
+                                 moves ? "; .png .jpg .svg and .pdf fit" : ": give --reference or --relations"));
   }
   const RenderView& view = render_view(options.view);
   if (const std::string missing = missing_parts(view, parts, " and no "); !missing.empty()) {
@@ -55,8 +58,8 @@ const RenderView& view_of(const RenderOptions& options, const std::vector<Render
                                  there_are.empty() ? "none" : there_are));
   }
   if (moves && !view.moves()) {
-    throw UsageError(fmt::format("--view {} does not move, so it is not for {}; .png .svg and .pdf fit{}", view.name,
-                                 to_string(kind),
+    throw UsageError(fmt::format("--view {} does not move, so it is not for {}; .png .jpg .svg and .pdf fit{}",
+                                 view.name, to_string(kind),
                                  there_are.empty() ? "" : ", and the views that move are " + there_are));
   }
   return view;
@@ -115,7 +118,7 @@ class Render {
     if (is_model(result_.kind) || result_.kind == OutputKind::kPage) {
       require_one_input(nullptr);
       refuse_view();
-      refuse_idle_options(options_, nullptr, result_.kind);
+      refuse_idle_options(options_, nullptr, result_.kind, is_linkage_model());
       result_.kind == OutputKind::kPage ? write_page() : write_model();
     } else {
       const RenderView& view = view_of(options_, sources_, result_.kind);
@@ -133,10 +136,10 @@ class Render {
 
  private:
   void require_one_input(const RenderView* view) const {
-    if (sources_.size() == 1 || (view != nullptr && (view->needs & part::kTruth) != 0)) return;
+    if (sources_.size() == 1 || (view != nullptr && view->compares())) return;
     throw UsageError(
-        fmt::format("{} draws one input, and {} are given; several are compared by the views errors-*, "
-                    "which need --reference or --relations FILE",
+        fmt::format("{} draws one input, and {} are given; several are compared by the view trajectory and "
+                    "by errors-*, which need --reference or --relations FILE",
                     view == nullptr ? std::string(to_string(result_.kind)) : fmt::format("--view {}", view->name),
                     sources_.size()));
   }
@@ -144,6 +147,11 @@ class Render {
     if (options_.view.empty() && options_.size.empty() && !options_.is_transparent) return;
     throw UsageError(
         fmt::format("--view, --size and --transparent are for pictures, not for {}", to_string(result_.kind)));
+  }
+  /// glTF of what has a linkage and no cloud.
+  [[nodiscard]] bool is_linkage_model() const {
+    const unsigned parts = sources_.front().parts() & (part::kCloud | part::kLinkage);
+    return is_gltf(result_.kind) && parts == part::kLinkage;
   }
   [[nodiscard]] PictureSize film_size() const {
     if (!options_.size.empty()) return size_of(options_.size);
@@ -162,15 +170,17 @@ class Render {
 };
 
 void Render::write_still(const RenderView& view) {
+  if (options_.is_transparent && result_.kind == OutputKind::kJpeg) {
+    throw UsageError("--transparent: not for .jpg, which has no transparency; .png can be");
+  }
   std::optional<PictureSize> wanted;
   if (!options_.size.empty()) wanted = size_of(options_.size);
   Canvas drawing = (studio_.*view.draw)(wanted);
   // Drawings of a size of their own are scaled to fit what was asked for; only pixels can be.
   const PictureSize target = wanted.value_or(kStillSize);
   const double fit = std::min(target.width / drawing.width(), target.height / drawing.height());
-  const double scale = (view.effects & effect::kVector) != 0 && result_.kind == OutputKind::kPng ? fit : 1.0;
-  if (wanted && result_.kind == OutputKind::kPng)
-    drawing = on_page(drawing, target.width / scale, target.height / scale);
+  const double scale = (view.effects & effect::kVector) != 0 && is_pixels(result_.kind) ? fit : 1.0;
+  if (wanted && is_pixels(result_.kind)) drawing = on_page(drawing, target.width / scale, target.height / scale);
   write_file_atomically(result_.file, drawing_bytes(drawing, result_.file, scale));
   result_.width = static_cast<std::uint32_t>(std::lround(drawing.width() * scale));
   result_.height = static_cast<std::uint32_t>(std::lround(drawing.height() * scale));
@@ -247,11 +257,16 @@ void Render::write_page() {
 
 void Render::write_model() {
   RenderSource& source = sources_.front();
-  if ((source.parts() & part::kCloud) == 0) {
-    throw UsageError(
-        fmt::format("{}: has no 3D cloud, so {} cannot be made of it", source.input(), to_string(result_.kind)));
+  if (is_linkage_model()) {
+    constexpr int kSteps = 120;  // of 3 degrees, between which a straight line is 0.04 % of the crank off
+    write_linkage_gltf(result_.file, studio_.title(), linkage_solids(source.linkage(), kSteps), kTurn_s);
+    return;
   }
-  const Cloud cloud = filtered(studio_.cloud(result_.kind == OutputKind::kGltf ? kGltfPoints : 0), options_);
+  if ((source.parts() & part::kCloud) == 0) {
+    throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
+                                 is_gltf(result_.kind) ? " and no linkage" : "", to_string(result_.kind)));
+  }
+  const Cloud cloud = filtered(studio_.cloud(is_gltf(result_.kind) ? kGltfPoints : 0), options_);
   result_.points = cloud.size();
   if (result_.kind == OutputKind::kCloud) {
     CloudWriter writer(result_.file, cloud_format_of(result_.file));

@@ -31,12 +31,12 @@ std::string_view dashes_of(MatcherKind method) {
 }
 
 void draw_basin(Canvas& canvas, const DrawingArea& area, const CompareJob& job, const CompareOutcome& outcome) {
-  Axis x{.title = "start: distance and angle from the proven solution", .from = -0.35, .has_grid = true};
+  Axis x{.title = "Start: distance and angle from the proven solution", .from = -0.35, .has_grid = true};
   x.to = static_cast<double>(job.levels.size()) - 0.65;
   for (std::uint32_t level = 1; level <= job.levels.size(); ++level) {
     x.names.emplace_back(static_cast<double>(level - 1), level_text(job, level));
   }
-  Plot plot(canvas, area, x, {.title = "success, %", .from = 0.0, .to = 103.0},
+  Plot plot(canvas, area, x, {.title = "Success (%)", .from = 0.0, .to = 103.0},
             {.title = fmt::format("Ends within {:g} cm and {:g}° of the solution; bands: 95 %", 100.0 * kSuccess_m,
                                   kSuccess_deg)});
   std::vector<std::vector<MethodFigures>> levels;
@@ -89,7 +89,7 @@ void draw_boxes(Canvas& canvas, const DrawingArea& area, const CompareJob& job, 
   for (std::size_t k = 0; k < job.methods.size(); ++k) {
     x.names.emplace_back(static_cast<double>(k), std::string(to_string(job.methods[k])));
   }
-  Plot plot(canvas, area, x, logarithmic("distance from the solution, cm", largest_cm(job, outcome)),
+  Plot plot(canvas, area, x, logarithmic("Distance from the solution (cm)", largest_cm(job, outcome)),
             {.title = "Started where the odometry says"});
   for (std::size_t k = 0; k < job.methods.size(); ++k) {
     std::vector<double> values = distances_of(outcome, static_cast<std::uint32_t>(k), 0, ScanKind::kHeld);
@@ -100,8 +100,8 @@ void draw_boxes(Canvas& canvas, const DrawingArea& area, const CompareJob& job, 
 }
 
 void draw_distribution(Canvas& canvas, const DrawingArea& area, const CompareJob& job, const CompareOutcome& outcome) {
-  const Axis x = logarithmic("distance from the solution, cm", largest_cm(job, outcome));
-  Plot plot(canvas, area, x, {.title = "scans, %", .from = 0.0, .to = 103.0},
+  const Axis x = logarithmic("Distance from the solution (cm)", largest_cm(job, outcome));
+  Plot plot(canvas, area, x, {.title = "Scans (%)", .from = 0.0, .to = 103.0},
             {.title = "Share of scans up to a distance"});
   for (std::size_t k = 0; k < job.methods.size(); ++k) {
     std::vector<double> values = distances_of(outcome, static_cast<std::uint32_t>(k), 0, ScanKind::kHeld);

@@ -54,12 +54,43 @@ std::string verdict_html(Verdict verdict) {
   return fmt::format("<span class=\"verdict {}\">{}</span>", style, to_string(verdict));
 }
 
+// "5 within", "1 outside": what there is of each.
+std::string verdicts_html(const Part& part) {
+  std::string text;
+  for (const Verdict verdict : {Verdict::kWithin, Verdict::kOutside}) {
+    const auto count =
+        std::count_if(part.rows.begin(), part.rows.end(), [verdict](const Row& row) { return row.verdict == verdict; });
+    if (count == 0) continue;
+    text += fmt::format(" <span class=\"verdict {0}\">{1} {0}</span>", to_string(verdict), count);
+  }
+  return text;
+}
+
 std::string row_html(const Row& row, const std::string& lead) {
   const std::string paper = row.paper.empty() ? "<span class=\"quiet\">not given</span>" : cell_text(row.paper);
   return fmt::format(
       "<tr>{}<td class=\"quantity\">{}</td><td class=\"number\" data-head=\"Paper\">{}</td><td class=\"number\" "
       "data-head=\"Ours\">{}</td><td data-head=\"Verdict\">{}</td><td class=\"remark\">{}</td></tr>\n",
       lead, cell_text(row.quantity), paper, cell_text(row.ours), verdict_html(row.verdict), cell_text(row.remark));
+}
+
+// A long table is folded away, so that what comes after it is not pushed out of sight.
+std::string folded(const std::string& summary, const std::string& content) {
+  return "<details><summary>" + markup_text(summary) + "</summary>\n" + content + "</details>\n";
+}
+
+// Where everything is, with what each part shows and how its numbers compare.
+std::string contents_html(const Result& result) {
+  std::string text = "<nav id=\"contents\" aria-label=\"Contents\">\n<h2>Contents</h2>\n<ol>\n";
+  for (const PartState& state : result.parts) {
+    text += fmt::format("<li><a href=\"#{}\"><span class=\"label\">{}</span>{}</a>", state.info->id,
+                        markup_text(state.info->label), markup_text(state.info->title));
+    text += state.kept ? verdicts_html(state.kept->part) : "<span class=\"verdict open\">not made</span>";
+    text += "</li>\n";
+  }
+  return text +
+         "<li><a href=\"#verdicts\">Paper and reproduction: all numbers</a></li>\n<li><a href=\"#times\">CPU time of "
+         "each part</a></li>\n</ol>\n</nav>\n";
 }
 
 // The caption is text, the rows are HTML.
@@ -131,7 +162,13 @@ std::string part_html(const PartState& state, const Store& store) {
   std::string rows;
   for (const Row& row : part.rows) rows += row_html(row, "");
   if (!rows.empty()) text += table_html("rows", "", {"Quantity", "Paper", "Ours", "Verdict", "Remark"}, rows);
-  for (const Table& table : part.tables) text += table_html(table);
+  for (const Table& table : part.tables) {
+    constexpr std::size_t kLongTable = 8;  // rows
+    const std::string html = table_html(table);
+    text += table.rows.size() <= kLongTable
+                ? html
+                : folded(fmt::format("{} ({} rows)", table.caption, table.rows.size()), html);
+  }
   if (!part.notes.empty()) text += "<ul class=\"notes\">\n";
   for (const std::string& note : part.notes) text += "<li>" + markup_text(note) + "</li>\n";
   if (!part.notes.empty()) text += "</ul>\n";
@@ -202,12 +239,14 @@ std::string policy() {
 }  // namespace
 
 std::string html_of(const Result& result, const Store& store) {
-  std::string body =
-      header_html(result) +
-      fmt::format("<section id=\"verdicts\">\n<h2>Paper and reproduction</h2>\n<p class=\"quiet\">{}</p>\n",
-                  kVerdicts) +
-      overview_html(result) + "</section>\n";
+  const VerdictCounts counts = counts_of(result);
+  std::string body = header_html(result) + contents_html(result);
   for (const PartState& state : result.parts) body += part_html(state, store);
+  body += fmt::format(
+      "<section id=\"verdicts\">\n<h2>Paper and reproduction</h2>\n<p class=\"quiet\">{}</p>\n{}</section>\n",
+      kVerdicts,
+      folded(fmt::format("All {} numbers in one table", counts.within + counts.outside + counts.open),
+             overview_html(result)));
   body += times_html(result);
   std::string page = filled(report_text::skeleton(), "title", "The paper, figure by figure \u2013 gdtslam");
   page = filled(page, "policy", policy());

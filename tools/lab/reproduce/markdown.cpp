@@ -136,12 +136,14 @@ std::string markdown_of(const Result& result) {
       "# The paper, figure by figure\n\n{}\n\n**{}**\n\n"
       "* Version: gdtslam {}\n* Report written: {}\n* Processor: {}, {} threads\n* Device: {}\n"
       "* Parts: {} of {} made, {} of CPU time\n* Verdicts: {} within, {} outside, {} without\n\n"
-      "## Paper and reproduction\n\n{}\n\n",
+      "## Contents\n\n",
       kAbout, kNotPublished, result.host.version, utc_text(), result.host.processor, result.host.threads,
       result.host.device, parts_made(result), result.parts.size(), seconds_text(cpu_s_of_parts(result)), counts.within,
-      counts.outside, counts.open, kVerdicts);
-  text += overview_of(result);
+      counts.outside, counts.open);
+  for (const PartState& state : result.parts) text += fmt::format("* {}: {}\n", state.info->label, state.info->title);
+  text += "* Paper and reproduction: all numbers\n* CPU time of each part\n";
   for (const PartState& state : result.parts) text += part_text(state);
+  text += fmt::format("\n## Paper and reproduction\n\n{}\n\n", kVerdicts) + overview_of(result);
   return text + times_of(result);
 }
 

@@ -26,7 +26,7 @@ Row time_row(const PaperColumn& paper, double ratio) {
   const double nearest = std::clamp(ratio, paper.time_least, paper.time_most);
   return {fmt::format("{}: time relative to simplex", paper.name), std::string(paper.time),
           fmt::format("{:.2f}", ratio), verdict_of(holds),
-          fmt::format("{}{:.2f} times the paper\u2019s factor; within: {:.1f} to {:.1f}, the factor divided and "
+          fmt::format("{}{:.2f} times the paper\u2019s factor; rule: {:.1f} to {:.1f}, the factor divided and "
                       "multiplied by {}. CPU time of the whole mapper, so merging counts too",
                       holds ? "" : "differs: ", ratio / nearest, least, most, kBand)};
 }

@@ -10,13 +10,16 @@ const kPresets = {
   side: {name: 'Side', yaw: 0, pitch: 0.04},
 };
 
+/// A map without a cloud is looked at as one looks at a map.
+const kFirstPreset = description.cloud ? kPresets.iso : kPresets.top;
+
 class Camera {
   /// least, most: what is looked at; reach: everything that is drawn.
   constructor(least, most) {
     [this.least, this.most] = [least, most];
     this.target = scaled(add(least, most), 0.5);
     this.radius = Math.max(norm(sub(most, least)) / 2, 0.05);
-    [this.yaw, this.pitch, this.distance] = [kPresets.iso.yaw, kPresets.iso.pitch, 3 * this.radius];
+    [this.yaw, this.pitch, this.distance] = [kFirstPreset.yaw, kFirstPreset.pitch, 3 * this.radius];
     [this.width, this.height] = [1, 1];
   }
 

@@ -67,7 +67,7 @@ class CloudView {
   }
 
   readColours() {
-    for (const name of ['scene', 'plain', 'quiet', 'card', 'ground', 'crank', 'edge']) this['colour_' + name] = colourOf(name);
+    for (const name of ['scene', 'plain', 'quiet', 'card', 'crank', 'free', 'wall', ...kTimeStops]) this['colour_' + name] = colourOf(name);
   }
 
   resize() {
@@ -78,7 +78,7 @@ class CloudView {
     this.canvas.width = Math.round(this.camera.width * ratio);
     this.canvas.height = Math.round(this.camera.height * ratio);
     this.isSized = this.canvas.clientWidth > 0;
-    if (isFirst && this.isSized) this.camera.between(this.camera.state(), this.fitted(kPresets.iso), 1);
+    if (isFirst && this.isSized) this.camera.between(this.camera.state(), this.fitted(kFirstPreset), 1);
     this.draw();
   }
 
@@ -198,10 +198,14 @@ class CloudView {
     gl.enable(gl.BLEND);
     if (view.layers.grid) this.grid.draw(matrix, this.colour_quiet);
     if (this.map && view.layers.map) {
-      this.map.draw(matrix, this.colour_edge, this.colour_ground);
+      this.map.draw(matrix, this.colour_free, this.colour_wall);
     }
     if (!this.path) return;
-    if (view.layers.path) this.path.draw(matrix, pixels, this.floor + 0.03, this.colour_crank, shownTime());
+    if (view.layers.path) {
+      // Beside a cloud, whose points have colours of their own, one colour is told apart better.
+      const stops = this.points ? null : kTimeStops.map((name) => this['colour_' + name]);
+      this.path.draw(matrix, pixels, this.floor + 0.03, this.colour_crank, shownTime(), stops);
+    }
     if (view.layers.robot) {
       const pose = this.path.poseAt(shownTime());
       const seen = this.camera.pixelOf([pose.x, pose.y, this.floor]);

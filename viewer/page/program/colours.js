@@ -20,6 +20,9 @@ function cssOfMap(map, share) {
   return `rgb(${map.bytes[k]} ${map.bytes[k + 1]} ${map.bytes[k + 2]})`;
 }
 
+/// Properties of the style: a path from its start to its end, as pictures of maps have it.
+const kTimeStops = ['time-0', 'time-1', 'time-2', 'time-3', 'time-4'];
+
 /// The map that suits a quantity on the page's ground, as pictures of clouds have it.
 function defaultMapOf(quantity) {
   const named = description.default_maps[theme.isDark() ? 'dark' : 'light'][quantity];

@@ -77,6 +77,7 @@ class MechanismDrawing {
     const {context, width, height} = sharpContext(this.canvas);
     this.unit = clamp(Math.min(width, height) / 100, 2.4, 12);
     this.size = clamp(2.2 * this.unit, 12, 22);  // of letters
+    this.written = [];  // middles and half sizes of words
     this.fit(width, height - this.drawLegend(context, width, height));
     this.drawSweep(context);
     this.drawPaths(context);
@@ -115,8 +116,14 @@ class MechanismDrawing {
     }
   }
 
-  /// Letters with a rim of the background.
+  /// Letters with a rim of the background; nothing where other words stand already, or beyond the canvas.
   words(context, text, at, colour) {
+    const half = [0.5 * context.measureText(text).width + 2, 0.55 * this.size];
+    const isOver = this.written.some(([other, size]) => Math.abs(at[0] - other[0]) < half[0] + size[0] &&
+                                                        Math.abs(at[1] - other[1]) < half[1] + size[1]);
+    const isBeyond = at[0] - half[0] < 0 || at[0] + half[0] > this.canvas.clientWidth || at[1] - half[1] < 0;
+    if (isOver || isBeyond) return;
+    this.written.push([at, half]);
     context.lineWidth = 5;
     context.strokeStyle = cssOf(colourOf('scene'));
     context.strokeText(text, ...at);
@@ -263,7 +270,7 @@ class PlotDrawing {
       stroke(context, [[x, this.bottom], [x, this.bottom + 4]], inkOf('quiet'), 1);
       context.fillText(`${turn}°`, x, this.bottom + size);
     }
-    context.fillText('crank angle θ input', (this.left + this.right) / 2, this.bottom + 2.3 * size);
+    context.fillText('Crank angle θ input (°)', (this.left + this.right) / 2, this.bottom + 2.3 * size);
     context.fillStyle = inkOf(this.curve.inkOfTitle);
     context.textAlign = 'left';
     context.fillText(this.curve.title, this.left, 0.9 * size);
@@ -279,7 +286,10 @@ class PlotDrawing {
     context.restore();
     stroke(context, [[this.left, y], [this.right, y]], inkOf('crank'), 1.2, [5, 4]);
     context.fillStyle = inkOf('crank');
-    context.fillText(`poor below ${this.curve.poor}°`, this.right, 0.9 * size);
+    const words = `poor below ${this.curve.poor}°`;
+    const isBeside = context.measureText(words).width + context.measureText(this.curve.title).width + size <= this.right - this.left;
+    if (isBeside) context.fillText(words, this.right, 0.9 * size);
+    else context.fillText(words, this.right - 0.4 * size, this.bottom - 0.8 * size);
   }
 
   drawCurve(context) {

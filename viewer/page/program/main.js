@@ -89,6 +89,7 @@ function connectTop() {
 }
 
 async function start() {
+  document.documentElement.classList.toggle('is-flat', Boolean(!description.cloud && description.map));
   theme.follow();
   byId('title').textContent = description.title;
   byId('subtitle').textContent = description.subtitle;

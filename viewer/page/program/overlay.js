@@ -22,6 +22,9 @@ class Overlay {
     const hasBar = view.quantity in kQuantities && view.layers.cloud && this.cloudView.points;
     const barWidth = clamp(camera.width * 0.36, 160, 1.2 * 26 * this.size);
     if (hasBar) this.drawColourBar(18, camera.height - 3.4 * this.size, barWidth);
+    if (!this.cloudView.points && this.cloudView.path && view.layers.path && timeSpan.extent > 0) {
+      this.drawTimeBar(18, camera.height - 3.4 * this.size, barWidth);
+    }
     this.drawAxes(camera.width - 4 * this.size, camera.height - 4.4 * this.size);
     if (camera.width > barWidth + 22 * this.size) this.drawScaleBar(camera.width - 8.5 * this.size, camera.height - 2.2 * this.size);
     this.drawPicks();
@@ -48,17 +51,29 @@ class Overlay {
   }
 
   drawColourBar(x, y, width) {
-    const context = this.context;
-    const quantity = kQuantities[view.quantity];
     const map = colourMaps[view.colourMap[view.quantity]];
-    const [low, high] = shownScale(view.quantity);
+    this.drawBar(x, y, width, kQuantities[view.quantity], shownScale(view.quantity), (share) => cssOfMap(map, share));
+  }
+
+  /// Of a path that is coloured by time.
+  drawTimeBar(x, y, width) {
+    const colours = kTimeStops.map(colourOf);
+    const at = (share) => {
+      const leg = Math.min(Math.floor(share * 4), 3);
+      return cssOf([0, 1, 2].map((part) => mix(colours[leg][part], colours[leg + 1][part], share * 4 - leg)));
+    };
+    this.drawBar(x, y, width, kQuantities.time, [0, timeSpan.extent], at);
+  }
+
+  drawBar(x, y, width, quantity, [low, high], colourAt) {
+    const context = this.context;
     context.fillStyle = cssOf(colourOf('scene'), 0.72);
     context.beginPath();
     context.roundRect(x - 10, y - 1.9 * this.size, width + 20, 4.7 * this.size, 8);
     context.fill();
     this.words(quantity.unit ? `${quantity.name} (${quantity.unit})` : quantity.name, x, y - 0.95 * this.size);
     for (let k = 0; k < width; ++k) {
-      context.fillStyle = cssOfMap(map, k / (width - 1));
+      context.fillStyle = colourAt(k / (width - 1));
       context.fillRect(x + k, y, 1.2, this.size * 0.9);
     }
     const step = roundStep(Math.max(high - low, 1e-9) * 4.2 * this.size / width);

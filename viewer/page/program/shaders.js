@@ -133,10 +133,18 @@ void main() {
 
 const kPathFragment = `in float v_time;
 uniform float u_until;
+uniform float u_length;  // of the log; 0: the path has one colour
 uniform vec4 u_colour;
+uniform vec3 u_stop0, u_stop1, u_stop2, u_stop3, u_stop4;  // of the time, evenly spaced
 out vec4 colour;
+vec3 of_time(float share) {
+  float at = 4.0 * clamp(share, 0.0, 1.0);
+  vec3 early = mix(mix(u_stop0, u_stop1, clamp(at, 0.0, 1.0)), u_stop2, clamp(at - 1.0, 0.0, 1.0));
+  return mix(mix(early, u_stop3, clamp(at - 2.0, 0.0, 1.0)), u_stop4, clamp(at - 3.0, 0.0, 1.0));
+}
 void main() {
-  colour = v_time <= u_until ? u_colour : vec4(u_colour.rgb, u_colour.a * 0.25);
+  colour = u_length > 0.0 ? vec4(of_time(v_time / u_length), u_colour.a) : u_colour;
+  if (v_time > u_until) colour.a *= 0.25;
 }`;
 
 const kBodyVertex = `layout(location = 0) in vec3 a_at;

@@ -127,12 +127,14 @@ class Path {
   }
 
   /// Twice: as it is hidden by the cloud, and faintly where it is.
-  draw(matrix, pixels, height, colour, until) {
+  /// `stops`: five colours of the time, or nothing, and the path has one.
+  draw(matrix, pixels, height, colour, until, stops = null) {
     const gl = this.gl;
     if (this.about.count < 2) return;
     gl.bindVertexArray(this.array);
-    const common = {clip_from_page: matrix, height, pixels, width: 3.5 * Math.max(devicePixelRatio, 1),
-                    until: until - this.about.first + 1e-3};
+    const common = {clip_from_page: matrix, height, pixels, width: (stops ? 2.4 : 3.5) * Math.max(devicePixelRatio, 1),
+                    until: until - this.about.first + 1e-3, length: stops ? this.about.last - this.about.first : 0};
+    (stops ?? []).forEach((stop, k) => { common['stop' + k] = stop; });
     drawHiddenAndSeen(gl, (isHidden) => {
       this.program.use({...common, colour: [...colour, isHidden ? 0.35 : 1]});
       gl.drawArrays(gl.TRIANGLES, 0, this.vertices);

@@ -66,7 +66,7 @@ struct CloudPoints::State {
   Bounds bounds;
   std::uint64_t shown = 0;
   PointSizes sizes;
-  std::optional<Point3> kept_in_view;
+  std::optional<KeptInView> kept_in_view;
 
   // Of the picture that is being drawn.
   std::optional<DotPainter> painter;
@@ -128,7 +128,7 @@ void CloudPoints::show_until(double stamp_s) {
 
 void CloudPoints::set_sizes(const PointSizes& sizes) { state_->sizes = sizes; }
 
-void CloudPoints::keep_in_view(const std::optional<Point3>& place) { state_->kept_in_view = place; }
+void CloudPoints::keep_in_view(const std::optional<KeptInView>& kept) { state_->kept_in_view = kept; }
 
 std::uint64_t CloudPoints::shown() const { return state_->shown; }
 

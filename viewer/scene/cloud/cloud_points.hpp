@@ -15,6 +15,7 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/drawing/colour.hpp"
 #include "gdtslam/viewer/camera.hpp"
+#include "viewer/graphics/dot_painter.hpp"
 #include "viewer/graphics/picture_view.hpp"
 
 namespace gdtslam {
@@ -45,7 +46,7 @@ class CloudPoints : public PictureLayer {
   void show_until(double stamp_s);
   void set_sizes(const PointSizes& sizes);
   /// A place that no point nearer to a perspective camera hides; nothing: each point hides what is behind it.
-  void keep_in_view(const std::optional<Point3>& place);
+  void keep_in_view(const std::optional<KeptInView>& kept);
   [[nodiscard]] std::uint64_t shown() const;
 
   [[nodiscard]] const Bounds& bounds() const override;

@@ -36,12 +36,14 @@ constexpr double kLargestPathWidth_m = 2.0;
 // A camera that is so near to the robot looks at it: walls between them are opened. Farther off they hide it.
 constexpr double kNearRobot_m = 10.0;
 constexpr double kRobotMiddle_m = 0.2;
+constexpr double kKept_m = 0.45;      // around its middle
 constexpr double kMapBelow_m = 0.03;  // under the floor's points
 
 // A point is as large as the gaps around it, but no blot.
 constexpr double kCoverage = 1.7;  // diameters per mean distance of neighbours, so that discs overlap
 constexpr double kLeastPoint_px = 1.5;
-constexpr double kLargestPointShare = 1.0 / 16.0;  // of the picture's height
+constexpr double kLargestPointShare = 1.0 / 16.0;  // of the picture's height,
+constexpr double kNearPointShare = 1.0 / 110.0;    // and where the robot is near, among the points
 
 constexpr double kLeastShareFramed = 0.99;  // of the points that are drawn, within the box that a camera shows
 
@@ -190,6 +192,12 @@ void CloudScene::set_cloud(std::span<const CloudPoint> cloud, std::span<const fl
   s.cloud_bounds = robust_bounds(cloud, drawn);
   const CloudValues values(s.look.colour, cloud, distances_m);
   s.scale = colour_scale(s.look, values, drawn);
+  if (s.look.colour == CloudColour::kHeight && !s.look.most && !s.look.with_ceiling && s.surfaces.ceiling) {
+    // Up to the ceiling that is left out: else the rims of all walls, which are what is seen most of, have the scale's
+    // last colour.
+    const Point3 middle = s.cloud_bounds.centre();
+    s.scale.most = std::max(s.scale.most, height_m(s.surfaces.ceiling->plane, {middle.x(), middle.y()}));
+  }
   const ColourMap& map = colour_map(s.scale.colour_map);
   const CloudGaps gaps(cloud, drawn, (s.cloud_bounds.highest - s.cloud_bounds.lowest).maxCoeff());
   s.cloud_bounds = bounds_of_surfaces(cloud, drawn, gaps, s.cloud_bounds);
@@ -237,12 +245,12 @@ std::uint64_t CloudScene::points_drawn() const { return state_->points.shown(); 
 
 RgbaImage CloudScene::render(const Camera& camera, const PictureSize& size) {
   State& s = *state_;
+  const bool is_near = s.robot_at && !camera.is_parallel && (camera.eye - *s.robot_at).norm() < kNearRobot_m;
   s.points.set_sizes({.fixed_px = s.look.point_px,
                       .least_px = kLeastPoint_px,
-                      .largest_px = std::max(2.0, kLargestPointShare * size.height),
+                      .largest_px = std::max(2.0, (is_near ? kNearPointShare : kLargestPointShare) * size.height),
                       .samples = s.look.samples});
-  const bool is_near = s.robot_at && !camera.is_parallel && (camera.eye - *s.robot_at).norm() < kNearRobot_m;
-  s.points.keep_in_view(is_near ? s.robot_at : std::nullopt);
+  s.points.keep_in_view(is_near ? std::optional(KeptInView{*s.robot_at, kKept_m}) : std::nullopt);
   const double scale_px = pixels_per_metre(camera, size, camera.target);
   const double width_m = std::max(kLeastPathWidth_px, kPathWidthShare * size.height) / std::max(scale_px, 1e-6);
   s.path.prepare(std::clamp(width_m, kLeastPathWidth_m, kLargestPathWidth_m));

@@ -1,11 +1,11 @@
 // Films of a cloud: once around it, and behind the robot along its path.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
 #include "cloud_layout.hpp"
-#include "engine/core/elementary.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/viewer/film.hpp"
@@ -13,9 +13,10 @@
 namespace gdtslam {
 namespace {
 
-constexpr double kFollowDistance_m = 9.0;
-constexpr double kLookingAround_s = 1.5;  // over which the follow camera's direction is averaged, to each side,
-constexpr double kLookingFrames = 6.0;    // or over so many frames, where that is more
+constexpr double kFollowDistance_m = 3.2;  // from the robot to the eye, on the plane
+constexpr double kSmoothed_s = 1.5;        // over which the eye's place is averaged, to each side,
+constexpr double kSmoothedFrames = 6.0;    // or over so many frames, where that is more
+constexpr int kSmoothingSteps = 8;         // to each side
 
 // What both films share: pictures whose colour bar stays where the first frame has it.
 class CloudFilm : public Film {
@@ -55,16 +56,6 @@ class OrbitFilm : public CloudFilm {
   }
 };
 
-// Unit vector of the robot's mean heading around a time, so that the camera does not follow each jerk.
-Point2 mean_heading(const Trajectory& trajectory, double stamp_s, double over_s) {
-  Point2 sum = Point2::Zero();
-  for (const StampedPose& pose : trajectory) {
-    const double away = std::fabs(pose.stamp_s - stamp_s) / over_s;
-    if (away < 1.0) sum += (1.0 - away) * (pose.T_map_base * Point2(1.0, 0.0) - pose.T_map_base.translation());
-  }
-  return sum;
-}
-
 Pose2 pose_at(const Trajectory& trajectory, double stamp_s) {
   const auto next = std::find_if(trajectory.begin(), trajectory.end(),
                                  [stamp_s](const StampedPose& pose) { return pose.stamp_s >= stamp_s; });
@@ -73,6 +64,29 @@ Pose2 pose_at(const Trajectory& trajectory, double stamp_s) {
   if (next == trajectory.end() || !(next->stamp_s > before.stamp_s)) return before.T_map_base;
   const double share = (stamp_s - before.stamp_s) / (next->stamp_s - before.stamp_s);
   return before.T_map_base * exp_se2(share * log_se2(between(before.T_map_base, next->T_map_base)));
+}
+
+// Where the robot was when it was last as far away as the camera stands: the eye travels along the robot's own path,
+// where no wall is. Before the path began there is but the way straight back.
+Point2 place_behind(const Trajectory& trajectory, double stamp_s) {
+  const Point2 robot = pose_at(trajectory, stamp_s).translation();
+  const auto past = [stamp_s](const StampedPose& pose) { return pose.stamp_s > stamp_s; };
+  auto at = std::find_if(trajectory.begin(), trajectory.end(), past);
+  Point2 nearer = robot;
+  while (at != trajectory.begin()) {
+    --at;
+    const Point2 farther = at->T_map_base.translation();
+    const double far_m = (farther - robot).norm();
+    const double near_m = (nearer - robot).norm();
+    if (far_m >= kFollowDistance_m) {
+      const double share = far_m > near_m ? (kFollowDistance_m - near_m) / (far_m - near_m) : 1.0;
+      return nearer + share * (farther - nearer);
+    }
+    nearer = farther;
+  }
+  const Pose2& first = trajectory.front().T_map_base;
+  const double left_m = kFollowDistance_m - (first.translation() - robot).norm();
+  return first * Point2(-left_m, 0.0);
 }
 
 class FollowFilm : public CloudFilm {
@@ -86,7 +100,7 @@ class FollowFilm : public CloudFilm {
     // The first frames show little: where the bar stands well in them says nothing of the others.
     bar_place_ = BarPlace::kLowRight;
     const double length_s = trajectory_.back().stamp_s - trajectory_.front().stamp_s;
-    averaged_over_s_ = std::max(kLookingAround_s, kLookingFrames * length_s / static_cast<double>(frames));
+    smoothed_s_ = std::max(kSmoothed_s, kSmoothedFrames * length_s / static_cast<double>(frames));
   }
   FollowFilm(const FollowFilm&) = delete;
   FollowFilm& operator=(const FollowFilm&) = delete;
@@ -101,17 +115,28 @@ class FollowFilm : public CloudFilm {
     const double stamp_s =
         k + 1 == frames() ? trajectory_.back().stamp_s : first_s + share_of(k) * (trajectory_.back().stamp_s - first_s);
     const Pose2 pose = pose_at(trajectory_, stamp_s);
-    Pose2 looking = pose;
-    const Point2 heading = mean_heading(trajectory_, stamp_s, averaged_over_s_);
-    if (heading.norm() > 1e-6) looking.theta_rad = gdtslam::atan2(heading.y(), heading.x());
     scene_.show_until(stamp_s);
     scene_.set_robot(pose);
-    return picture(follow_camera(looking, kFollowDistance_m));
+    return picture(follow_camera(eye_place(stamp_s), pose));
   }
 
  private:
+  /// The mean around this time, so that the eye does not follow each jerk.
+  [[nodiscard]] Point2 eye_place(double stamp_s) const {
+    Point2 sum = Point2::Zero();
+    double weights = 0.0;
+    for (int k = -kSmoothingSteps; k <= kSmoothingSteps; ++k) {
+      const double at_s = std::clamp(stamp_s + smoothed_s_ * k / kSmoothingSteps, trajectory_.front().stamp_s,
+                                     trajectory_.back().stamp_s);
+      const double weight = kSmoothingSteps + 1 - std::abs(k);
+      sum += weight * place_behind(trajectory_, at_s);
+      weights += weight;
+    }
+    return sum / weights;
+  }
+
   Trajectory trajectory_;
-  double averaged_over_s_ = kLookingAround_s;
+  double smoothed_s_ = kSmoothed_s;
 };
 
 }  // namespace

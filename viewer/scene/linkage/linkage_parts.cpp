@@ -232,27 +232,32 @@ std::vector<Point3> LinkageParts::fan_arc(double radius_m) const {
 }
 
 void LinkageParts::add_to(vtkRenderer& renderer) const {
-  for (const Part* part : {&ground_, &crank_, &coupler_, &rocker_, &cradle_, &laser_, &fan_}) part->add_to(renderer);
+  for (const Part& part : parts_) part.add_to(renderer);
+}
+
+std::optional<LinkageParts::Poses> LinkageParts::poses_at(const Pose3& T_world_axis, double crank_rad) const {
+  const std::optional<calib::LinkagePosition> position = calib::position_at(model_, crank_rad);
+  if (!position) return std::nullopt;
+  const auto& [crank_pivot, crank_end, coupler_end, axis] = position->joints;
+  const auto angle = [this](double rad) { return model_.elevation_sign * rad + model_.elevation_offset_rad; };
+  const Pose3 T_world_laser = T_world_axis * T_axis_laser(position->elevation_rad);
+  return Poses{T_world_axis,
+               T_world_axis * planar(crank_pivot, 0.0, angle(crank_rad)),
+               T_world_axis * planar(crank_end, 0.0, angle(position->pose.coupler_rad)),
+               T_world_axis * planar(axis, 0.0, angle(position->pose.rocker_rad)),
+               T_world_axis * planar(axis, 0.0, position->elevation_rad),
+               T_world_laser,
+               T_world_laser};
 }
 
 bool LinkageParts::pose(const Pose3& T_world_axis, double crank_rad) {
-  const std::optional<calib::LinkagePosition> position = calib::position_at(model_, crank_rad);
-  if (!position) return false;
-  const auto& [crank_pivot, crank_end, coupler_end, axis] = position->joints;
-  const auto angle = [this](double rad) { return model_.elevation_sign * rad + model_.elevation_offset_rad; };
-  ground_.move(T_world_axis);
-  crank_.move(T_world_axis * planar(crank_pivot, 0.0, angle(crank_rad)));
-  coupler_.move(T_world_axis * planar(crank_end, 0.0, angle(position->pose.coupler_rad)));
-  rocker_.move(T_world_axis * planar(axis, 0.0, angle(position->pose.rocker_rad)));
-  cradle_.move(T_world_axis * planar(axis, 0.0, position->elevation_rad));
-  const Pose3 T_world_laser = T_world_axis * T_axis_laser(position->elevation_rad);
-  laser_.move(T_world_laser);
-  fan_.move(T_world_laser);
-  return true;
+  const std::optional<Poses> poses = poses_at(T_world_axis, crank_rad);
+  for (std::size_t k = 0; poses && k < kCount; ++k) parts_.at(k).move(poses->at(k));
+  return poses.has_value();
 }
 
 void LinkageParts::show(bool is_visible) {
-  for (Part* part : {&ground_, &crank_, &coupler_, &rocker_, &cradle_, &laser_, &fan_}) part->show(is_visible);
+  for (Part& part : parts_) part.show(is_visible);
 }
 
 void LinkageParts::show_fan(bool is_visible) { fan_.show(is_visible); }

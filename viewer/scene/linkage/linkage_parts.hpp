@@ -8,6 +8,8 @@
 #include <vtkSmartPointer.h>
 
 #include <array>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "calib/linkage/linkage_cycle.hpp"
@@ -51,11 +53,23 @@ Part laser_part(double side);
 
 class LinkageParts {
  public:
+  static constexpr std::size_t kCount = 7;
+  static constexpr std::array<std::string_view, kCount> kNames{"ground", "crank", "coupler", "rocker",
+                                                               "cradle", "laser", "fan"};
+  /// Of the parts, in the order of their names.
+  using Poses = std::array<Pose3, kCount>;
+
   LinkageParts(const calib::SweepModel& model, const PartSizes& sizes);
+  LinkageParts(const LinkageParts&) = delete;
+  LinkageParts& operator=(const LinkageParts&) = delete;
+  ~LinkageParts() = default;
 
   void add_to(vtkRenderer& renderer) const;
   /// False, and nothing moves, where the loop does not close.
   bool pose(const Pose3& T_world_axis, double crank_rad);
+  /// Nothing where the loop does not close.
+  [[nodiscard]] std::optional<Poses> poses_at(const Pose3& T_world_axis, double crank_rad) const;
+  [[nodiscard]] const Part& part(std::size_t number) const { return parts_.at(number); }
   void show(bool is_visible);
   void show_fan(bool is_visible);
   [[nodiscard]] Pose3 T_axis_laser(double elevation_rad) const {
@@ -80,13 +94,14 @@ class LinkageParts {
 
   calib::SweepModel model_;
   PartSizes sizes_;
-  Part ground_;
-  Part crank_;
-  Part coupler_;
-  Part rocker_;
-  Part laser_;
-  Part cradle_;
-  Part fan_;
+  std::array<Part, kCount> parts_;
+  Part& ground_ = parts_[0];
+  Part& crank_ = parts_[1];
+  Part& coupler_ = parts_[2];
+  Part& rocker_ = parts_[3];
+  Part& cradle_ = parts_[4];
+  Part& laser_ = parts_[5];
+  Part& fan_ = parts_[6];
 };
 
 /// A key light from the upper left, a soft one from the right, the rest from the camera.

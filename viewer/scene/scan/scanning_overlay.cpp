@@ -94,7 +94,7 @@ void ScanningOverlay::draw_figures(Canvas& canvas, const ScanningMoment& moment,
   bar.map = &colour_map(scale.colour_map);
   bar.from = scale.least;
   bar.to = scale.most;
-  bar.title = scale.unit.empty() ? scale.quantity : scale.quantity + " in " + scale.unit;
+  bar.title = scale.unit.empty() ? scale.quantity : scale.quantity + " (" + scale.unit + ")";
   bar.is_upright = false;
   bar.length = width - 3.4 * text_;
   bar.thickness = 0.8 * text_;
@@ -113,7 +113,7 @@ void ScanningOverlay::draw_plot(Canvas& canvas, const ScanningMoment& moment) co
                .is_bold = true});
   const double room = plot_.width - 3.2 * text_ - text_width("−000.0°", 1.45 * text_, true);
   const auto fits = [&](const char* words) { return text_width(words, 1.05 * text_, true) <= room; };
-  const char* whole = "Elevation θ* in degrees over time in s";
+  const char* whole = "Elevation θ* (°) over time (s)";
   const char* heading = fits(whole) ? whole : (fits("Elevation θ*") ? "Elevation θ*" : "θ*");
   canvas.text(plot_.corner + Point2(1.1 * text_, 1.65 * text_), heading,
               {.size = 1.05 * text_, .colour = theme_.text, .is_bold = true});

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "viewer/graphics/offscreen_view.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
@@ -35,6 +36,7 @@ constexpr Colour kBeam = colour_for(0xb98a35);
 constexpr Colour kSheet = colour_for(0xd98b00);
 constexpr double kSheetOpacity = 0.08;
 constexpr std::size_t kLines = 42;
+constexpr double kCutAway_m = std::numeric_limits<double>::infinity();
 constexpr double kBefore_m = 0.03;
 /// Cosine of 1.5 degrees: neighbours farther apart have beams between them that came back without an answer.
 constexpr double kNeighbours = 0.99966;
@@ -230,7 +232,8 @@ void ScanningScene::show(double stamp_s, double crank_rad) {
     s.robot.set_elevation(s.track.elevation_rad(stamp_s));
   }
   const Point3 sensor_m = s.robot.T_map_laser().translation_m;
-  s.points.keep_in_view(Point3(sensor_m.x(), sensor_m.y(), 0.5 * sensor_m.z()));
+  // What stands before the robot is cut away as a whole: a hole in a wall would wander over it.
+  s.points.keep_in_view(KeptInView{{sensor_m.x(), sensor_m.y(), 0.5 * sensor_m.z()}, kCutAway_m});
   s.beams.set_scan(sensor_m, s.track.last_scan(stamp_s));
   s.beams.set_fresh(sensor_m, s.track.measured_between(stamp_s - kFades_s, stamp_s),
                     {.now_s = stamp_s, .fades_s = kFades_s, .size_px = 2.0 * s.look.samples});

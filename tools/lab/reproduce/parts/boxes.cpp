@@ -63,7 +63,7 @@ std::vector<Row> box_rows(const Measurement& measured) {
     const double paper_mm = 10.0 * std::abs(box.paper_cm - box.true_cm);
     const std::string name =
         fmt::format("of the box of {} cm, {}", box.true_cm, measured.is_projection ? "projected" : "3D");
-    const std::string rule = fmt::format("within: not more than the paper\u2019s width, {:.1f} mm", paper_mm);
+    const std::string rule = fmt::format("rule: not more than the paper\u2019s width, {:.1f} mm", paper_mm);
     rows.push_back(size_row("width " + name, fmt::format("{} cm", box.paper_cm),
                             found == nullptr ? nullptr : &found->width, box.true_cm, paper_mm, rule));
     if (measured.is_projection) continue;

@@ -98,13 +98,13 @@ void add_rows(Part& part, const CalibrateOutcome& outcome, const calib::SweepMod
              length_with_unit(before_m) + " rms",
              "with the nominal lengths, up to 60\u00b0; the paper shows curves only");
   part.claim("the same after the calibration", "best fit (figure A(b))", length_with_unit(after_m) + " rms",
-             after_m < 0.5 * before_m, "within: at most half of before; what is left is the noise of the averages");
+             after_m < 0.5 * before_m, "rule: at most half of before; what is left is the noise of the averages");
   const double off_before = elevation_error_deg(outcome.start, truth, outcome.max_elevation_rad);
   const double off_after = elevation_error_deg(outcome.result.model, truth, outcome.max_elevation_rad);
   part.claim("elevation, off the truth", "",
              fmt::format("{:.3f}\u00b0 before, {:.3f}\u00b0 after", off_before, off_after),
              off_after < 0.1 * off_before,
-             fmt::format("rms up to 60\u00b0; the calibration itself states {:.3f}\u00b0; within: a tenth of before",
+             fmt::format("rms up to 60\u00b0; the calibration itself states {:.3f}\u00b0; rule: a tenth of before",
                          deg_from_rad(outcome.result.elevation_sigma_rad)));
 }
 

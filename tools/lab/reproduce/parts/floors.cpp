@@ -120,7 +120,7 @@ void add_floor_rows(Part& part, const PartContext& place, const Drive& drive) {
   const auto add_share = [&part](const std::string& quantity, double share, const std::string& what) {
     constexpr double kAlmost = 0.9;
     part.claim(quantity, "contours almost the same", fmt::format("{:.1f} %", 100.0 * share), share >= kAlmost,
-               what + "; within: 90 % and more");
+               what + "; rule: 90 % and more");
   };
   add_share("walls of the 2D map that the 3D map has", shares.of_map,
             "occupied cells with points of raised scans within 5 cm");

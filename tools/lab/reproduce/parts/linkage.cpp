@@ -60,7 +60,8 @@ void add_rows(Part& part) {
   part.claim("a link turns all the way (Grashof)", "s + l < p + q", sums_text(bars),
              b.grashof() == calib::GrashofClass::kCrankRocker, "reading paper-b, nominal lengths");
   part.claim("swing of the laser", "0\u00b0 to 90\u00b0", fmt::format("{:.1f}\u00b0", swing_deg),
-             swing_deg >= 85.0 && swing_deg <= 95.0, "within 5\u00b0 of the paper\u2019s 90\u00b0; reading paper-b");
+             swing_deg >= 85.0 && swing_deg <= 95.0,
+             "rule: at most 5\u00b0 from the paper\u2019s 90\u00b0; reading paper-b");
   part.claim("lifts slowly, returns quickly", "yes", fmt::format("{:.2f} times as long up as down", ratio), ratio > 1.0,
              "reading paper-b");
   part.state("least transmission angle", "",

@@ -100,7 +100,7 @@ void add_loop_rows(Part& part, const Drive& drive) {
   const EndError end = end_error(path.front().T_map_base, path.back().T_map_base, truth);
   part.claim(fmt::format("back at the start after {:.0f} m of path", path_length_m(truth)), "start and end coincide",
              as_text(end), end.distance_m < kClosedShare * path_length_m(truth),
-             "off the truth, seen from the start; within: at most 0.1 % of the path. No loop closure is done, matching "
+             "off the truth, seen from the start; rule: at most 0.1 % of the path. No loop closure is done, matching "
              "alone keeps the loop. The drive goes on from there");
   const WheelPath wheels = wheel_path_of(drive.log, until_s);
   part.state("the same by the wheels alone", "", as_text(end_error(*wheels.first, wheels.last, truth)),

@@ -90,13 +90,13 @@ Canvas errors_over_time(const CompareJob& job, const std::vector<Ends>& all) {
     for (const Point2& dot : ends.over_time) last_s = std::max(last_s, dot.x());
   }
   for (std::size_t k = 0; k < all.size(); ++k) {
-    Axis y{.title = "distance, cm", .from = kLeast - 0.3, .to = kMost};
+    Axis y{.title = "Distance (cm)", .from = kLeast - 0.3, .to = kMost};
     y.names = {{-3.0, "\u2264 0.001"}, {-2.0, "0.01"}, {-1.0, "0.1"}, {0.0, "1"}, {1.0, "10"}, {2.0, "100"}};
     Plot plot(canvas,
               {{24.0, kHeading + kStrip * static_cast<double>(k)},
                kWidth - 48.0,
                kStrip + (k + 1 == all.size() ? kTimeTitle : 0.0)},
-              {.title = k + 1 == all.size() ? "time in s" : "", .from = 0.0, .to = last_s}, y,
+              {.title = k + 1 == all.size() ? "Time (s)" : "", .from = 0.0, .to = last_s}, y,
               {.title = fmt::format("{}: {} within 1 cm", label_of(job.methods[k]),
                                     share_text(all[k].near, all[k].over_time.size()))});
     plot.level(0.0, {.colour = ink::kWarning, .width = 1.0, .dashes = "4 4"});
@@ -137,7 +137,7 @@ Table errors_table(const CompareJob& job, const std::vector<Ends>& all) {
 
 std::string why(const Ends& ends) {
   const std::uint64_t far = ends.over_time.size() - ends.near;
-  std::string text = "within: mean and standard deviation below 1 cm, as the paper claims of all four";
+  std::string text = "rule: mean and standard deviation below 1 cm, as the paper claims of all four";
   const bool holds = ends.figures.distance_m.mean < kClaimed_m && ends.figures.distance_m.deviation < kClaimed_m;
   if (holds) return text;
   text += fmt::format(
@@ -188,7 +188,7 @@ void add_real_log(Part& part, const RealLog& real, const CompareJob& job, const 
   part.claim(fmt::format("{} (real): distance of all four", real.name), "below 1 cm",
              fmt::format("at most {:.2f} \u00b1 {:.2f} cm", 100.0 * mean_m, 100.0 * deviation_m),
              mean_m < kClaimed_m && deviation_m < kClaimed_m,
-             fmt::format("within: each mean and standard deviation below 1 cm. {} scans that are held in every "
+             fmt::format("rule: each mean and standard deviation below 1 cm. {} scans that are held in every "
                          "direction; {} weak along a corridor and {} without a proof are left out",
                          count_of(outcome, ScanKind::kHeld), count_of(outcome, ScanKind::kWeak),
                          count_of(outcome, ScanKind::kUncertain)));

@@ -114,12 +114,12 @@ void add_distance_rows(Part& part, const std::vector<MethodRuns>& all) {
         fmt::format("{}: distance from the true position", kPaper[k].name), fmt::format("{} cm", kPaper[k].truth),
         fmt::format("{} cm", cm_text(e)), holds,
         fmt::format(
-            "within: the mean is not above the paper\u2019s, on another floor with another laser. The {} drives: {} cm",
+            "rule: the mean is not above the paper\u2019s, on another floor with another laser. The {} drives: {} cm",
             kDrives.size(), means_text(all[k])));
   }
   const bool holds = std::max(means[0], means[1]) < std::min(means[2], means[3]);
   part.claim("who is nearest to the truth", "PSO, SCE, Simplex, SIMPSA", ranking(names, means), holds,
-             "within: PSO and SCE before the others. The truth need not be where the cost is least, so a more thorough "
+             "rule: PSO and SCE before the others. The truth need not be where the cost is least, so a more thorough "
              "search need not end nearer to it");
 }
 
@@ -133,7 +133,7 @@ void add_time_rows(Part& part, const std::vector<MethodRuns>& all) {
   for (std::size_t k = 0; k < kSimplexPlace; ++k) part.rows.push_back(time_row(kPaper[k], ratio_of(all, k)));
   const std::string ours = ranking(names, times);
   const std::string paper = "Simplex, SIMPSA, SCE, PSO";
-  part.claim("who is fastest", paper, ours, ours == paper, "within: the same order");
+  part.claim("who is fastest", paper, ours, ours == paper, "rule: the same order");
 }
 
 /// How far apart the values of a row are.
@@ -180,8 +180,8 @@ Canvas positions_over_time(const std::vector<MethodRuns>& all) {
     }
     curves.push_back(std::move(curve));
   }
-  Plot plot(canvas, {{24.0, 76.0}, kWidth - 48.0, kHeight - 100.0}, {.title = "time in s", .from = 0.0, .to = last_s},
-            {.title = "distance, cm", .from = 0.0, .to = 1.05 * most_cm, .is_grown = true});
+  Plot plot(canvas, {{24.0, 76.0}, kWidth - 48.0, kHeight - 100.0}, {.title = "Time (s)", .from = 0.0, .to = last_s},
+            {.title = "Distance (cm)", .from = 0.0, .to = 1.05 * most_cm, .is_grown = true});
   for (std::size_t k = 0; k < curves.size(); ++k)
     plot.line(curves[k], {.colour = colour_of_method(kDriveMethods[k]), .width = 1.8}, label_of(kDriveMethods[k]));
   plot.legend();

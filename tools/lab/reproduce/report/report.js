@@ -16,5 +16,13 @@ for (const command of document.querySelectorAll(".command")) {
   });
   command.append(button);
 }
+// A link into what is folded away unfolds it.
+function unfoldTarget() {
+  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const fold = target?.querySelector(":scope > details");
+  if (target?.id === "verdicts" && fold) fold.open = true;
+}
+addEventListener("hashchange", unfoldTarget);
+unfoldTarget();
 // On paper nothing can be unfolded.
 addEventListener("beforeprint", () => { for (const fold of document.querySelectorAll("details")) fold.open = true; });

@@ -36,7 +36,7 @@ enum class CameraPreset : std::uint8_t {
   kTop,     ///< straight down, parallel, the map's y up, or its x where that fills the picture better
   kFront,   ///< along +y, parallel
   kSide,    ///< along -x, parallel
-  kFollow,  ///< behind and above the robot
+  kFollow,  ///< behind the robot, along its path
 };
 
 /// The camera that shows the whole box with a margin of 6 % of the picture on each side, as near as that allows; for
@@ -44,8 +44,8 @@ enum class CameraPreset : std::uint8_t {
 Camera fitting_camera(CameraPreset preset, const Bounds& bounds, const PictureSize& size);
 /// The iso camera from which the box stays in the picture while the camera is turned about its target.
 Camera orbit_camera(const Bounds& bounds, const PictureSize& size);
-/// Behind and above a robot.
-Camera follow_camera(const Pose2& T_map_base, double distance_m);
+/// From above a place of the plane, within rooms and so below ceilings, to the robot and past it.
+Camera follow_camera(const Point2& place, const Pose2& T_map_base);
 /// The camera turned about the vertical through its target, counter-clockwise from above.
 Camera turned(const Camera& camera, double angle_rad);
 
