@@ -62,12 +62,6 @@ struct PlacedMap {
   std::optional<DeviceMap> device;
 };
 
-// The first pose is the map's origin: only as unsure as sums of it need to be.
-Matrix3 covariance_at_origin() {
-  constexpr double kSigma = 0.001;  // metres and radians
-  return Matrix3::diagonal(square(kSigma), square(kSigma), square(kSigma));
-}
-
 bool is_cpu(const Backend& backend) { return backend.device().kind == "cpu"; }
 
 double distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
@@ -115,8 +109,8 @@ struct Mapper::State {
   Backend* at_work = nullptr;  // the backend that the matcher works on
 
   MotionModel motion;
-  std::optional<MotionEstimate> estimate;           // where odometry and matches are weighed
-  PoseCertainty certainty{covariance_at_origin()};  // where it is asked for
+  std::optional<MotionEstimate> estimate;  // where odometry and matches are weighed
+  PoseCertainty certainty;                 // where it is asked for
   MapperStatistics statistics;
   bool started = false;
   Pose2 last_keyframe;

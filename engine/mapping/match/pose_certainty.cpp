@@ -143,6 +143,12 @@ Matrix3 intersection_of(const Matrix3& a, const Matrix3& b) {
   return inverse(best);
 }
 
+// Only as unsure as its inverse needs it to be.
+PoseCertainty::PoseCertainty() {
+  constexpr double kSigma = 0.001;  // metres and radians
+  covariance_ = Matrix3::diagonal(square(kSigma), square(kSigma), square(kSigma));
+}
+
 void PoseCertainty::carry(const Pose2& T_map_last, const Prediction& prediction, const MotionNoise& wheels) {
   const MotionNoise noise =
       prediction.by_odometry ? wheels : MotionNoise{prediction.travelled_m, prediction.turned_rad};

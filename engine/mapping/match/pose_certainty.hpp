@@ -32,6 +32,8 @@ Matrix3 intersection_of(const Matrix3& a, const Matrix3& b);
 /// not. Belongs to one thread.
 class PoseCertainty {
  public:
+  /// Of a pose that is the map's origin.
+  PoseCertainty();
   /// Of a pose that is known like that; tangent (x, y, theta).
   explicit PoseCertainty(const Matrix3& covariance) : covariance_(covariance) {}
   /// From the last pose to the one that was predicted, with what the wheels may get wrong, `wheels`; a motion that only

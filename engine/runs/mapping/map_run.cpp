@@ -210,11 +210,9 @@ MatchResult MapRun::map_scan(const ScanRecord& scan, ScanAhead& ahead, NextScan&
 }
 
 void MapRun::tell_of(const LaserScan& scan, const MatchResult& match) {
-  MappedScan mapped{.scan = scan, .match = match, .T_closed_front = {}, .closed_keyframes = {}};
-  if (loops_) mapped.T_closed_front = loops_->correction();
-  if (!(mapped.T_closed_front == T_closed_front_)) mapped.closed_keyframes = loops_->request_keyframes();
-  T_closed_front_ = mapped.T_closed_front;
-  job_.scan_mapped(mapped);
+  const bool is_moved = loops_ && !(loops_->correction() == T_closed_front_);
+  if (is_moved) T_closed_front_ = loops_->correction();
+  job_.scan_mapped({scan, match, T_closed_front_, is_moved ? loops_->request_keyframes() : ClosedKeyframesSoon()});
 }
 
 // A live log that breaks off has been mapped so far, which is not lost with its sender.

@@ -71,6 +71,7 @@ const std::vector<Library>& libraries() {
       {"EGL/", {"viewer"}},
       {"cairo", {"drawing"}},
       {"CLI/", {}},
+      {"libwebsockets.h", {}},
       {"spdlog/", {}},
       {"opencv2/", {}},
       {"gtest/", {}},
@@ -156,7 +157,8 @@ std::string include_fault(const std::string& part, bool is_public, const std::st
     const bool is_known = other.empty() || other == part || allowed_parts().at(part).contains(other);
     return is_known ? "" : part + " must not know " + other;
   }
-  const bool is_of_the_system = header.find('/') == std::string::npos || header.starts_with("sys/");
+  const bool is_of_the_system = header.find('/') == std::string::npos || header.starts_with("sys/") ||
+                                header.starts_with("netinet/") || header.starts_with("arpa/");
   return is_of_the_system ? "" : "unknown library: name it in source_rules.cpp and docs/dependencies.md";
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kMostSeconds = 3600.0;
 
-void check(const LiveOptions& options, bool has_log) {
+void check(const DriveOptions& options, bool has_log) {
   if (static_cast<int>(has_log) + static_cast<int>(!options.listen.empty()) +
           static_cast<int>(!options.follow.empty()) >
       1) {
@@ -38,7 +38,7 @@ void check(const LiveOptions& options, bool has_log) {
   if (options.no_pictures) refuse("--no-pictures");
 }
 
-void add_input_options(CLI::App& command, LiveOptions& options) {
+void add_input_options(CLI::App& command, DriveOptions& options) {
   command
       .add_option("--listen", options.listen,
                   "Listen at unix:PATH, tcp:PORT of this host alone, or tcp:ADDRESS:PORT: one sender at a time sends\n"
@@ -55,7 +55,7 @@ void add_input_options(CLI::App& command, LiveOptions& options) {
   add_recording_options(command, options.recording);
 }
 
-void add_output_options(CLI::App& command, LiveOptions& options) {
+void add_output_options(CLI::App& command, DriveOptions& options) {
   command
       .add_option("--map", options.map,
                   "Make no map: find the robot in this one, of any robot, and follow it. Run folder of\n"
@@ -93,12 +93,12 @@ void add_output_options(CLI::App& command, LiveOptions& options) {
 
 }  // namespace
 
-std::string name_of_input(const LiveOptions& options) {
+std::string name_of_input(const DriveOptions& options) {
   if (!options.listen.empty()) return options.listen;
   return options.follow.empty() ? options.log : options.follow;
 }
 
-std::shared_ptr<LiveInput> input_of(const LiveOptions& options) {
+std::shared_ptr<LiveInput> input_of(const DriveOptions& options) {
   if (!options.listen.empty()) return listen_at(options.listen);
   if (!options.follow.empty()) return follow_file(options.follow);
   std::error_code ignored;
@@ -108,13 +108,13 @@ std::shared_ptr<LiveInput> input_of(const LiveOptions& options) {
 }
 
 // With a queue nobody waits for anybody; else a reader may be slow, but not hang.
-LineOutput::Rule output_rule_of(const LiveOptions& options) {
+LineOutput::Rule output_rule_of(const DriveOptions& options) {
   constexpr std::chrono::seconds kPatience{5};
   if (options.queue > 0) return {.most_waiting = options.queue, .patience = {}};
   return {.most_waiting = LineOutput::Rule{}.most_waiting, .patience = kPatience};
 }
 
-std::unique_ptr<LivePage> page_of(const LiveOptions& options) {
+std::unique_ptr<LivePage> page_of(const DriveOptions& options) {
   if (options.page.empty()) return nullptr;
   std::unique_ptr<LivePage> page = open_page(options.page, "gdtslam live: " + log_name(name_of_input(options)));
   print_remark("the drive is shown at " + page->url());
@@ -122,7 +122,7 @@ std::unique_ptr<LivePage> page_of(const LiveOptions& options) {
 }
 
 void add_live_command(CLI::App& app, CommandContext& context) {
-  auto options = std::make_shared<LiveOptions>();
+  auto options = std::make_shared<DriveOptions>();
   CLI::App* command = add_command(app, "live", "Map while the robot drives: scans in as lines, a pose out for each");
   CLI::Option* log = command->add_option(
       "log", options->log,

@@ -18,7 +18,7 @@
 namespace gdtslam {
 namespace {
 
-LocalizeJob job_of(const LiveOptions& options, const Settings& settings) {
+LocalizeJob job_of(const DriveOptions& options, const Settings& settings) {
   LogConfig log = settings.log;
   state_recording(options.recording, log);
   LocalizeJob job;
@@ -57,7 +57,7 @@ std::string counts_text(const TrackedDrive& drive) {
 
 }  // namespace
 
-int follow_live(const LiveOptions& options) {
+int follow_live(const DriveOptions& options) {
   let_signal_save();  // of which there is nothing here, and which ends nothing
   const Settings settings = load_settings(options.settings);
   const LocalizeJob job = job_of(options, settings);

@@ -19,7 +19,7 @@
 namespace gdtslam {
 namespace {
 
-MapRequest request_of(const LiveOptions& options) {
+MapRequest request_of(const DriveOptions& options) {
   Settings settings = load_settings(options.settings);
   state_recording(options.recording, settings.log);
   const std::string log = name_of_input(options);
@@ -73,7 +73,7 @@ void print_summary(const MapRequest& request, const MapOutcome& outcome, std::ui
 
 }  // namespace
 
-int map_live(const LiveOptions& options) {
+int map_live(const DriveOptions& options) {
   let_signal_save();
   MapRequest request = request_of(options);
   if (auto input = input_of(options)) request.live_log = live_log_of(std::move(input), options.queue);

@@ -15,7 +15,7 @@
 
 namespace gdtslam {
 
-struct LiveOptions {
+struct DriveOptions {
   std::string log = "-";
   std::string listen;  ///< an address to listen at, instead of `log`, as the next
   std::string follow;  ///< a file that grows
@@ -38,15 +38,15 @@ struct LiveOptions {
 };
 
 /// What the drive comes from: null where the log is read by its name, with nothing ahead.
-std::shared_ptr<LiveInput> input_of(const LiveOptions& options);
+std::shared_ptr<LiveInput> input_of(const DriveOptions& options);
 /// Its name in messages and in the folder's.
-std::string name_of_input(const LiveOptions& options);
-LineOutput::Rule output_rule_of(const LiveOptions& options);
+std::string name_of_input(const DriveOptions& options);
+LineOutput::Rule output_rule_of(const DriveOptions& options);
 /// Null where none is asked for; where it is is said on standard error.
-std::unique_ptr<LivePage> page_of(const LiveOptions& options);
+std::unique_ptr<LivePage> page_of(const DriveOptions& options);
 
 /// Both return the exit code.
-int map_live(const LiveOptions& options);
-int follow_live(const LiveOptions& options);
+int map_live(const DriveOptions& options);
+int follow_live(const DriveOptions& options);
 
 }  // namespace gdtslam

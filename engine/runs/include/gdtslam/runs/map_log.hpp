@@ -24,6 +24,8 @@ namespace gdtslam {
 using CloudPicture = std::function<std::string(const std::string& cloud_file, const std::string& log,
                                                const Trajectory& trajectory, const calib::SweepModel* linkage)>;
 
+using ClosedKeyframesSoon = std::shared_future<ClosedKeyframes>;
+
 /// A scan that was mapped, for those who follow a run while it goes on.
 struct MappedScan {
   const LaserScan& scan;
@@ -31,7 +33,7 @@ struct MappedScan {
   /// Where that frame lies in the one with the loops closed that were found by then (LoopMapper::correction()).
   Pose2 T_closed_front;
   /// Where that has changed with this scan (LoopMapper::request_keyframes()); else no future at all.
-  std::shared_future<ClosedKeyframes> closed_keyframes;
+  ClosedKeyframesSoon closed_keyframes;
 };
 using ScanMapped = std::function<void(const MappedScan&)>;
 

@@ -1,0 +1,92 @@
+#include "truth_files.hpp"
+
+#include <array>
+#include <bit>
+
+#include "engine/io/logs/carmen_writer.hpp"
+#include "gdtslam/core/error.hpp"
+
+namespace gdtslam {
+namespace {
+
+constexpr int kElevationDecimals = 12;
+
+// Little-endian, as the header says, on every host.
+template <class Word>
+void append_word(std::string& row, Word word) {
+  for (std::size_t byte = 0; byte < sizeof(Word); ++byte) {
+    row += static_cast<char>((word >> (8 * byte)) & 0xffU);
+  }
+}
+
+void append_double(std::string& row, double value) { append_word(row, std::bit_cast<std::uint64_t>(value)); }
+
+std::string ply_header(std::uint64_t rows) {
+  std::string header = "ply\nformat binary_little_endian 1.0\ncomment true hits of a simulated scan\nelement vertex " +
+                       std::to_string(rows) + "\n";
+  for (const char* name : {"x", "y", "z", "elevation", "time", "range"}) {
+    header += std::string("property double ") + name + "\n";
+  }
+  for (const char* name : {"scan", "beam", "triangle"}) {
+    header += std::string("property uint ") + name + "\n";
+  }
+  return header + "end_header\n";
+}
+
+}  // namespace
+
+ElevationRows::ElevationRows(AtomicFile& file) : file_(file) {
+  file_.write(std::string_view("scan,stamp_s,crank_turns,elevation_rad\n"));
+}
+
+void ElevationRows::add(const sim::SimulatedScan& scan) {
+  file_.write(std::to_string(scans_++) + "," + fixed_text(scan.record.scan.stamp_s, 6) + "," +
+              fixed_text(scan.crank_turns, kElevationDecimals) + "," +
+              fixed_text(scan.elevation_rad, kElevationDecimals) + "\n");
+}
+
+HitCloud::HitCloud(AtomicFile& file) : file_(file), rows_(std::tmpfile()) {
+  if (!rows_) {
+    throw FileError(file_.path(), "cannot be made: the folder for temporary files takes none (see TMPDIR)");
+  }
+}
+
+void HitCloud::add(const sim::SimulatedScan& scan, double max_range_m) {
+  const LaserScan& measured = scan.record.scan;
+  row_.clear();
+  for (std::size_t beam = 0; beam < scan.beams.size(); ++beam) {
+    if (static_cast<double>(measured.ranges_m[beam]) >= max_range_m) {
+      continue;
+    }
+    const sim::BeamTruth& truth = scan.beams[beam];
+    const double time_s = measured.stamp_s + truth.offset_s;
+    for (const double value :
+         {truth.hit_m.x(), truth.hit_m.y(), truth.hit_m.z(),
+          scan.course != nullptr ? scan.course->elevation_rad(time_s) : 0.0, time_s, truth.range_m}) {
+      append_double(row_, value);
+    }
+    append_word(row_, static_cast<std::uint32_t>(scans_));
+    append_word(row_, static_cast<std::uint32_t>(beam));
+    append_word(row_, truth.triangle);
+    ++hits_;
+  }
+  ++scans_;
+  if (std::fwrite(row_.data(), 1, row_.size(), rows_.get()) != row_.size()) {
+    throw FileError(file_.path(), "cannot be made: the folder for temporary files is full");
+  }
+}
+
+void HitCloud::finish() {
+  file_.write(ply_header(hits_));
+  std::rewind(rows_.get());
+  std::array<char, 65536> block{};
+  std::size_t count = 0;
+  while ((count = std::fread(block.data(), 1, block.size(), rows_.get())) > 0) {
+    file_.write(std::string_view(block.data(), count));
+  }
+  if (std::ferror(rows_.get()) != 0) {
+    throw FileError(file_.path(), "cannot be made: its rows in the temporary file cannot be read back");
+  }
+}
+
+}  // namespace gdtslam
