@@ -9,7 +9,7 @@ if(Git_FOUND AND EXISTS ${SOURCE}/.git)
   if(NOT failed AND NOT commit AND line MATCHES "^([0-9a-f]+) ([0-9-]+)$")
     set(commit ${CMAKE_MATCH_1})
     set(date ${CMAKE_MATCH_2})
-    execute_process(COMMAND ${GIT_EXECUTABLE} -C ${SOURCE} diff-index --quiet HEAD --
+    execute_process(COMMAND ${GIT_EXECUTABLE} -C ${SOURCE} diff --quiet HEAD --
       RESULT_VARIABLE changed ERROR_QUIET)
     if(changed)
       string(APPEND commit ", changed")

@@ -234,7 +234,7 @@ class Benchmarks:
 
     def machine(self):
         device = self.json("bench", "limit", "--samples", 1)["devices"][0]
-        version = self.run("--version")[0].strip()
+        version = self.run("--version")[0].splitlines()[0]
         return f"{version}, {device['name']}, {device['isa']}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the end"
 
     def names(self):

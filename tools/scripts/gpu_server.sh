@@ -227,7 +227,7 @@ mv "$page" "$output/logs.md"
 # The page: what ran where, then everything that was printed.
 system=$(sed -n 's/^PRETTY_NAME=//p' /etc/os-release 2>/dev/null | tr -d '"')
 processor=$(sed -n 's/^model name[[:space:]]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
-title="$("$gdtslam" --version) on $device_name"
+title="$("$gdtslam" --version | sed -n 1p) on $device_name"
 is_hardware "$device_kind" || title="$title, no hardware GPU ($device_kind)"
 say "# $title"
 say ""
