@@ -22,6 +22,7 @@ test_packages=(
   clang libclang-rt-14-dev clang-tidy clang-format shellcheck doxygen
   sqlite3 zstd python3 python3-jsonschema python3-yaml chromium
   munge slurmctld slurmd slurm-client parallel
+  dpkg-dev debhelper dh-python lintian man-db bash-completion
   "${vulkan_packages[@]}" vulkan-validationlayers
 )
 
