@@ -26,6 +26,7 @@ test_packages=(
   python3-numpy python3-pip rustc abigail-tools patchelf
   munge slurmctld slurmd slurm-client parallel
   zsh fish bash-completion man-db mandoc
+  dpkg-dev debhelper dh-python lintian
   "${vulkan_packages[@]}" vulkan-validationlayers "${docs_packages[@]}"
 )
 

@@ -1,13 +1,13 @@
 # gdtslam linkage: one line per case, as in cases.cmake.
 gdtslam_cli_test(linkage.list ARGS linkage --list STDOUT "paper-a .*paper-b .*\\(default\\).*paper-c-calibrated")
-gdtslam_cli_test(linkage.list_json ARGS linkage --list --json STDOUT "\"name\": \"paper-b\"")
+gdtslam_cli_test(linkage.list_json ARGS linkage --list --json SCHEMA linkage_list STDOUT "\"name\": \"paper-b\"")
 gdtslam_cli_test(linkage.paper_b ARGS linkage paper-b STDOUT "12.4 < 13.5 cm.*swing +93.0 deg.*266.4 of 360 deg.*time ratio 2.85.*at least 9.1 deg.*2.59 times.*K1 1.388889.*remark .*below 40 deg")
 gdtslam_cli_test(linkage.paper_a ARGS linkage paper-a STDOUT "16.1 < 17.3 cm.*swing +49.0 deg.*at least 42.9 deg")
 gdtslam_cli_test(linkage.calibrated ARGS linkage paper-a --calibrated STDOUT "linkage +paper-a-calibrated.*15.6604 < 17.4725 cm.*swing +47.2 deg")
 gdtslam_cli_test(linkage.json ARGS linkage paper-c --json SCHEMA linkage)
 gdtslam_cli_test(linkage.design ARGS linkage --design --swing 90deg --min-transmission 40deg --crank 3..5cm STDOUT "linkage +design-1.*crank 3,.*swing +90.0 deg.*at least 44.3 deg")
-gdtslam_cli_test(linkage.design_count ARGS linkage --design --count 3 STDOUT "design-1 +3.000.*design-2 +4.000.*design-3 +5.000")
-gdtslam_cli_test(linkage.design_fewer ARGS linkage --design --count 3 --longest 12cm --min-transmission 42deg STDERR "^gdtslam: [12] of 3 crank lengths meet the goal")
+gdtslam_cli_test(linkage.design_count ARGS linkage --design --count 3 STDOUT "design-1 +3.000.*design-2 .*design-3 .*\n\nlinkage +design-1")
+gdtslam_cli_test(linkage.design_fewer ARGS linkage --design --count 20 --longest 12cm --min-transmission 43deg STDERR "^gdtslam: only [0-9]+ of 20: the goal leaves no more shapes that differ")
 
 gdtslam_cli_test(linkage.nothing ARGS linkage EXIT 2 STDERR "name a linkage: a preset .*--design")
 gdtslam_cli_test(linkage.both ARGS linkage paper-b --design EXIT 2 STDERR "--design")

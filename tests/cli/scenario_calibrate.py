@@ -166,6 +166,7 @@ def calibrate_from_a_drive():
     gap = drive.write("gap", [line for line in drive.lines if kind_of(line) != "ENCODER" or not 4.01 < stamp_of(line) < 5.01])
     process = command("calibrate", gap, "-o", linkage, "--self", "--start", slipped, "--json")
     expect_exit(process, 0)
+    cli.validate(process.stdout, "calibrate_self")
     result = json.loads(process.stdout)
     zero = next(entry for entry in result["parameters"] if entry["name"] == "zero")
     error = abs(zero["estimate"] - true)

@@ -4,7 +4,7 @@ import csv
 import json
 import xml.etree.ElementTree as ElementTree
 
-from cli_support import LOG, TRUTH, command, expect, expect_exit, fresh_folder
+from cli_support import LOG, RUN, TRUTH, command, expect, expect_exit, fresh_folder, validate
 
 METHODS = ("simplex", "gauss-newton", "sce", "certified")
 QUICK = ("--first", 200, "--scans", 12, "--matchers", ",".join(METHODS), "--starts-at", "2cm/0.5deg,40cm/10deg")
@@ -14,6 +14,7 @@ def _compared(folder, *arguments):
     process = command("compare", LOG, *QUICK, "--json", "--csv", folder / "trials.csv", *arguments, timeout=250)
     expect_exit(process, 0)
     expect(process.stderr == "", f"stderr {process.stderr!r}")
+    validate(process.stdout, "compare")
     with open(folder / "trials.csv", encoding="utf-8") as file:
         return json.loads(process.stdout), list(csv.DictReader(file))
 
@@ -63,6 +64,10 @@ def compare_maps_against_the_truth():
     """Table 2: whole runs against the simulated truth."""
     process = command("compare", LOG, *QUICK, "--reference", TRUTH, timeout=250)
     expect_exit(process, 0)
+    whole = command("compare", LOG, *QUICK, "--reference", RUN, "--json", timeout=250)
+    expect_exit(whole, 0)
+    validate(whole.stdout, "compare")
+    expect(json.loads(whole.stdout)["whole_runs"]["metric"] == "ate", whole.stdout)
     expect("Table 2: whole runs against the reference (ATE)" in process.stdout, process.stdout)
     rows = [line.split() for line in process.stdout.split("Table 2")[1].splitlines() if line.split()[:1] and line.split()[0] in METHODS]
     expect([row[0] for row in rows][:3] == ["simplex", "gauss-newton", "sce"], f"rows {rows}")

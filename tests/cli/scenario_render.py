@@ -37,6 +37,7 @@ def rendered(*arguments, **options):
     process = command("render", *arguments, "--json", **options)
     expect_exit(process, 0)
     expect(process.stderr == "", f"stderr is not empty: {process.stderr}")
+    cli.validate(process.stdout, "render")
     return json.loads(process.stdout)
 
 
@@ -104,6 +105,7 @@ def nodding_run(name):
 def views_of(*inputs):
     process = command("render", *inputs, "--list-views", "--json")
     expect_exit(process, 0)
+    cli.validate(process.stdout, "render_views")
     rows = json.loads(process.stdout)
     table = command("render", *inputs, "--list-views").stdout
     for row in rows:
