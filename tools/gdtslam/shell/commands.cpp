@@ -14,13 +14,13 @@
 #include <string_view>
 #include <vector>
 
-#include "command_tree.hpp"
 #include "console.hpp"
 #include "engine/core/memory/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
-#include "help_page.hpp"
 #include "modules.hpp"
+#include "tools/gdtslam/shell/help/command_tree.hpp"
+#include "tools/gdtslam/shell/help/help_page.hpp"
 #include "version_text.hpp"
 
 namespace gdtslam {
