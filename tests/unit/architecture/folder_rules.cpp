@@ -11,7 +11,7 @@ namespace {
 
 // A command stands on the rooms that several commands share, never on another command.
 const std::set<std::string, std::less<>> kShared{"tools/gdtslam/shell", "tools/gdtslam/shell/device",
-                                                 "tools/gdtslam/drawings"};
+                                                 "tools/gdtslam/shell/help", "tools/gdtslam/drawings"};
 
 std::set<std::string, std::less<>> shared_and(std::initializer_list<std::string> rooms) {
   std::set<std::string, std::less<>> all = kShared;
@@ -109,8 +109,9 @@ Arrows make_arrows() {
       {"viewer/scene", {}},
       {"viewer/graphics", {"viewer/scene"}},
       {"tools/gdtslam", {"tools/gdtslam/shell"}},
-      {"tools/gdtslam/shell", {}},
-      {"tools/gdtslam/shell/device", {"tools/gdtslam/shell"}},
+      {"tools/gdtslam/shell", {"tools/gdtslam/shell/help"}},
+      {"tools/gdtslam/shell/help", {}},
+      {"tools/gdtslam/shell/device", {"tools/gdtslam/shell", "tools/gdtslam/shell/help"}},
       {"tools/gdtslam/drawings", {"tools/gdtslam/shell"}},
       {"tools/gdtslam/scenes", {"tools/gdtslam/shell"}},
       {"tools/gdtslam/pictures", kShared},

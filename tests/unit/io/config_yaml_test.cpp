@@ -173,7 +173,7 @@ TEST(ConfigYaml, WritesDocumentedValues) {
             "# at the top (0 to 2)\ntop: 1\n"
             "\nmap:\n"
             "  # a length (0.01 m to 1 m)\n  length: 0.05 m\n"
-            "  # an angle (-4 rad to 4 rad)\n  angle: 0.5 rad  # 28.6479 deg\n"
+            "  # an angle (-229.183 deg to 229.183 deg)\n  angle: 0.5 rad  # 28.6479 deg\n"
             "  # a colour (red, green)\n  colour: red\n"
             "\ngate:\n"
             "  # a count (1 to 10)\n  count: 3\n"

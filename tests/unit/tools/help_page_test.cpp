@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/gdtslam/shell/command_tree.hpp"
-#include "tools/gdtslam/shell/help_page.hpp"
-#include "tools/gdtslam/shell/offers.hpp"
+#include "tools/gdtslam/shell/help/command_tree.hpp"
+#include "tools/gdtslam/shell/help/help_page.hpp"
+#include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {

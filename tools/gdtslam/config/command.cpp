@@ -18,8 +18,8 @@
 #include "gdtslam/io/config_yaml.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/offers.hpp"
-#include "tools/gdtslam/shell/option_rows.hpp"
+#include "tools/gdtslam/shell/help/offers.hpp"
+#include "tools/gdtslam/shell/help/option_rows.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"
 
 namespace gdtslam {

@@ -14,7 +14,7 @@
 #include "gdtslam/io/log.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/offers.hpp"
+#include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 #include "tools/gdtslam/shell/recording_options.hpp"
 #include "tools/gdtslam/shell/settings_options.hpp"

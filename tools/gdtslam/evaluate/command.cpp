@@ -7,7 +7,7 @@
 #include "evaluate.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/commands.hpp"
-#include "tools/gdtslam/shell/offers.hpp"
+#include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {

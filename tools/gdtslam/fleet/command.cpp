@@ -6,7 +6,7 @@
 #include "fleet.hpp"
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/offers.hpp"
+#include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {

@@ -11,7 +11,7 @@
 #include "gdtslam/core/error.hpp"
 #include "slurm.hpp"
 #include "tools/gdtslam/shell/console.hpp"
-#include "tools/gdtslam/shell/offers.hpp"
+#include "tools/gdtslam/shell/help/offers.hpp"
 #include "tools/gdtslam/shell/options.hpp"
 
 namespace gdtslam {

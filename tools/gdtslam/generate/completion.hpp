@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/gdtslam/shell/command_tree.hpp"
-#include "tools/gdtslam/shell/option_rows.hpp"
+#include "tools/gdtslam/shell/help/command_tree.hpp"
+#include "tools/gdtslam/shell/help/option_rows.hpp"
 
 namespace gdtslam {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "roff.hpp"
-#include "tools/gdtslam/shell/command_tree.hpp"
+#include "tools/gdtslam/shell/help/command_tree.hpp"
 
 namespace gdtslam {
 

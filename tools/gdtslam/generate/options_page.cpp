@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "man_pages.hpp"
-#include "tools/gdtslam/shell/option_rows.hpp"
+#include "tools/gdtslam/shell/help/option_rows.hpp"
 
 namespace gdtslam {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "tools/gdtslam/shell/help_page.hpp"
+#include "tools/gdtslam/shell/help/help_page.hpp"
 
 namespace gdtslam {
 namespace {

@@ -14,13 +14,13 @@
 #include <string_view>
 #include <vector>
 
-#include "command_tree.hpp"
 #include "console.hpp"
 #include "engine/core/memory/out_of_memory.hpp"
 #include "engine/io/did_you_mean.hpp"
 #include "gdtslam/core/error.hpp"
-#include "help_page.hpp"
 #include "modules.hpp"
+#include "tools/gdtslam/shell/help/command_tree.hpp"
+#include "tools/gdtslam/shell/help/help_page.hpp"
 #include "version_text.hpp"
 
 namespace gdtslam {
@@ -64,7 +64,7 @@ void add_row(CLI::App& app, CommandContext& context, const CommandRow& row) {
     row.add(app, context);
   } else if (row.missing_option != nullptr) {
     const std::string option = row.missing_option;
-    add_missing_command(app, context, name, "Built with " + option + "=ON only",
+    add_missing_command(app, context, name, "Not in this build (" + option + "=OFF)",
                         "this build has no '" + name + "'; configure it with -D" + option + "=ON");
   } else {
     add_module_command(app, context, name);

@@ -11,7 +11,7 @@
 #include "gdtslam/core/error.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "tools/gdtslam/shell/folders.hpp"
-#include "tools/gdtslam/shell/offers.hpp"
+#include "tools/gdtslam/shell/help/offers.hpp"
 #include "verify_record.hpp"
 
 namespace gdtslam {

@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "cli.hpp"
+// As in shell/cli.hpp, which this room does not know.
+namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
+class Option;    // NOLINT(bugprone-forward-declaration-namespace): not gdtslam's
+}  // namespace CLI
 
 namespace gdtslam {
 

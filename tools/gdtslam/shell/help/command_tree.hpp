@@ -5,8 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "cli.hpp"
 #include "offers.hpp"
+
+// As in shell/cli.hpp, which this room does not know.
+namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's name
+class App;
+}  // namespace CLI
 
 namespace gdtslam {
 
