@@ -33,6 +33,8 @@ class LinkageDocument {
  public:
   LinkageDocument(const std::string& name, double turn_s) : json_(gltf_document(name)), turn_s_(turn_s) {
     constexpr double kHalf = 0.7071067811865476;
+    // All of them now: a new key moves the others, and with them what a reference to one of them refers to.
+    for (const char* key : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[key] = GltfJson::array();
     // The document's y is up, the linkage's z.
     json_["nodes"].push_back(
         {{"name", "linkage"}, {"rotation", {-kHalf, 0.0, 0.0, kHalf}}, {"children", GltfJson::array()}});
