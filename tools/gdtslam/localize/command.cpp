@@ -229,7 +229,7 @@ void add_reference_options(CLI::App& command, LocalizeOptions& chosen) {
       .add_flag("--align", chosen.align,
                 "Move the reference as a whole onto the run's own trajectory first, where its frame is another")
       ->needs(reference);
-  command.add_option("--within", chosen.within, "So near to the reference a pose is right")
+  command.add_option("--within", chosen.within, "Distance and angle to the reference within which a pose is right")
       ->type_name("D/A")
       ->capture_default_str();
 }
