@@ -141,8 +141,7 @@ def render_views_of_each_input():
     for number, (inputs, _, defaults) in enumerate(cases):
         folder = cli.fresh_folder(f"render_views/default{number}")
         said = rendered(*map(str, inputs), cwd=folder)
-        files = sorted(digests(folder))
-        expect(files == [said["file"]] and said["file"].endswith(f"-{defaults['still']}.png"), f"{inputs}: {said}, {files}")
+        expect((files := sorted(digests(folder))) == [said["file"]] and said["file"].endswith(f"-{defaults['still']}.png"), f"{inputs}: {said}, {files}")
         png = (folder / said["file"]).read_bytes()
         expect(list(struct.unpack(">II", png[16:24])) == said["size_px"] and len(png) == said["bytes"], f"{inputs}: {said}")
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "gdtslam/core/error.hpp"
-#include "gdtslam/drawing/jpeg.hpp"
+#include "jpeg.hpp"
 
 namespace gdtslam {
 namespace {

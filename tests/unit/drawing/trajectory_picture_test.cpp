@@ -1,5 +1,5 @@
 // Paths without a map: their colours, what lies over what, and scales that fit what is shown.
-#include "engine/drawing/maps/trajectory_picture.hpp"
+#include "engine/drawing/plots/trajectory_picture.hpp"
 
 #include <gtest/gtest.h>
 

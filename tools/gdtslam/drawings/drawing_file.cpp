@@ -6,7 +6,7 @@
 #include "engine/io/referenced_file.hpp"
 #include "gdtslam/core/error.hpp"
 #ifdef GDTSLAM_HAS_VIEWER
-#include "gdtslam/drawing/jpeg.hpp"
+#include "engine/drawing/raster/jpeg.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #endif
 

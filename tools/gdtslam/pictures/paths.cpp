@@ -7,8 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "engine/drawing/maps/trajectory_picture.hpp"
 #include "engine/drawing/plots/plot_sheet.hpp"
+#include "engine/drawing/plots/trajectory_picture.hpp"
 #include "engine/runs/evaluation/errors.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "gdtslam/core/error.hpp"

@@ -10,7 +10,7 @@
 #include "gdtslam/core/cloud.hpp"
 #include "gdtslam/core/stream.hpp"
 #include "gdtslam/drawing/colour.hpp"
-#include "gdtslam/viewer/linkage_model.hpp"
+#include "viewer/scene/linkage/linkage_model.hpp"
 
 namespace gdtslam {
 

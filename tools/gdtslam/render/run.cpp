@@ -17,12 +17,12 @@
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/raster.hpp"
 #include "gdtslam/io/cloud_file.hpp"
-#include "gdtslam/viewer/linkage_model.hpp"
 #include "gdtslam/viewer/page.hpp"
 #include "model_export.hpp"
 #include "tools/gdtslam/drawings/drawing_file.hpp"
 #include "tools/gdtslam/shell/console.hpp"
 #include "viewer/scene/cloud/cloud_colours.hpp"
+#include "viewer/scene/linkage/linkage_model.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "gdtslam/viewer/linkage_model.hpp"
+#include "linkage_model.hpp"
 
 #include <vtkActor.h>
 #include <vtkCell.h>

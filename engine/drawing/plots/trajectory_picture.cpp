@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "engine/core/quantile.hpp"
+#include "engine/drawing/maps/map_sheet.hpp"
+#include "engine/drawing/maps/path_layer.hpp"
 #include "gdtslam/core/error.hpp"
 #include "gdtslam/drawing/ticks.hpp"
-#include "map_sheet.hpp"
-#include "path_layer.hpp"
 
 namespace gdtslam {
 namespace {

@@ -1,0 +1,66 @@
+"""Tests of pages without a cloud and of narrow windows, for the classes of page_browser_test that open pages."""
+import math
+
+from page_input import make_page, write_map, write_path
+
+
+class FlatAndNarrow:
+    def test_a_map_without_a_cloud_is_seen_from_above(self):
+        """As map.png has it: y up, free lighter than unknown, walls darkest, the path in the colours of time."""
+        write_map(self.folder.name)
+        write_path(self.path("p.tum"))
+        make_page(self.path("m.html"), "--map", self.path("map.yaml"), "--path", self.path("p.tum"))
+        browser = self.open(self.path("m.html"))
+        browser.value("gdtslam.theme.set(false)")
+        state = browser.value("gdtslam.camera.state()")
+        self.assertAlmostEqual(state["pitch"], math.pi / 2, places=6)
+        self.assertAlmostEqual(state["yaw"], -math.pi / 2, places=6)
+        for name in ("grid", "robot", "path"):
+            browser.value(f"gdtslam.view.layers.{name} = false")
+
+        def seen(x, y):
+            return browser.value(f"""(() => {{
+              const {{cloudView, camera, description}} = gdtslam, ratio = cloudView.canvas.width / camera.width;
+              const [px, py] = camera.pixelOf([{x} - description.origin[0], {y} - description.origin[1], cloudView.floor]);
+              return gdtslam.at(gdtslam.picture(), px * ratio, py * ratio);
+            }})()""")
+        free, unknown, wall = seen(13.05, -18.05), seen(10.25, -19.65), seen(13.05, -19.95)
+        self.assertEqual(free, [255, 255, 255])
+        self.assertEqual(unknown, [0xE4, 0xE2, 0xDB])
+        self.assertLess(sum(wall), 200)
+        browser.value("gdtslam.view.layers.path = true")
+        first, last = seen(11.02, -18.99), seen(14.98, -17.01)
+        self.assertGreater(first[2], first[0] + 60)  # blue, then orange
+        self.assertGreater(last[0], last[2] + 60)
+
+    def test_on_a_telephone_time_has_a_slider(self):
+        browser = self.open_room(width=390, height=844)
+        self.assertGreater(browser.value("document.getElementById('time').getBoundingClientRect().width"), 300)
+        edges = browser.value("[...document.querySelectorAll('#timeline > *')].map(e => e.getBoundingClientRect().right)")
+        self.assertLessEqual(max(edges), 390)
+
+
+class NarrowLinkage:
+    def test_words_stand_apart_on_a_telephone(self):
+        browser = self.open_linkage()
+        browser.resize(390, 844)
+        browser.settle()
+        for canvas in ("mechanism", "plot", "transmission-plot"):
+            box = browser.box("#" + canvas)
+            self.assertGreater(box[2], 300, canvas)
+            self.assertGreater(box[3], 170, canvas)
+        # Each word that is drawn, with its place: none over another.
+        overlaps = browser.value("""(() => {
+          const found = [], proto = CanvasRenderingContext2D.prototype, plain = proto.fillText;
+          proto.fillText = function(text, x, y) {
+            const width = this.measureText(text).width;
+            const left = x - (this.textAlign === 'right' ? width : this.textAlign === 'center' ? width / 2 : 0);
+            found.push({canvas: this.canvas.id, text, left, right: left + width, y, size: parseFloat(/[0-9.]+px/.exec(this.font)[0])});
+            plain.call(this, text, x, y);
+          };
+          gdtslam.linkageView.draw();
+          proto.fillText = plain;
+          const over = (a, b) => a.canvas === b.canvas && a.left < b.right && b.left < a.right && Math.abs(a.y - b.y) < 0.8 * Math.min(a.size, b.size);
+          return found.flatMap((a, k) => found.slice(k + 1).filter((b) => over(a, b)).map((b) => `${a.text} over ${b.text}`));
+        })()""")
+        self.assertEqual(overlaps, [])
