@@ -1,4 +1,4 @@
-#include "gdtslam/cloud/measured_plane.hpp"
+#include "measured_plane.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -384,19 +384,3 @@ def render_loops():
     expect((f"{found} loops, all on" if on == found else f"{on} of {found} loops on") in words, f"{words}")
     expect("as it was driven" in words and "With loops" in words and f"{report['path_m']:.0f} m" in words, f"{words}")
     refused(2, RUN, "--view", "loops", "--no-path", "-o", folder / "b.png", says="--no-path")
-
-
-def render_log():
-    """A log is mapped first: into a folder that goes, or into --run, whose files are those of map."""
-    require_viewer()
-    folder = cli.fresh_folder("render_log")
-    (folder / "tmp").mkdir()
-    environment = {**os.environ, "TMPDIR": str(folder / "tmp")}
-    rendered(LOG, "-o", folder / "a.png", "--size", "200x100", env=environment)
-    expect(Png(folder / "a.png").width == 200 and not list((folder / "tmp").iterdir()), "the temporary run is still there")
-    rendered(LOG, "-o", folder / "b.png", "--size", "200x100", "--run", folder / "kept")
-    expect((folder / "a.png").read_bytes() == (folder / "b.png").read_bytes(), "another picture")
-    expect(sorted(digests(folder / "kept")) == cli.OUTPUTS, f"{sorted(digests(folder / 'kept'))}")
-    refused(65, cli.DATA / "malformed.log", "-o", folder / "c.png", says="malformed.log:3", env=environment)
-    refused(2, RUN, "--run", folder / "x", says="--run is for logs")
-    expect(not (folder / "c.png").exists() and not list((folder / "tmp").iterdir()), "something is left")

@@ -1,4 +1,5 @@
-"""gdtslam render on runs that are alike but for one thing: a mount without a linkage, two runs of one log, an open cloud."""
+"""gdtslam render on runs that are alike but for one thing: a mount without a linkage, two runs of one log, an open cloud; and on
+a log, which is mapped first."""
 
 import json
 import math
@@ -114,3 +115,19 @@ def render_of_a_million_points():
         expect(result["points_of"] == millions * side * side, f"{result}")
         expect(result["points"] == side * side if millions == 1 else pixels / 2 <= result["points"] <= pixels, f"{result}")
     shutil.rmtree(folder)
+
+
+def render_log():
+    """A log is mapped first: into a folder that goes, or into --run, whose files are those of map."""
+    require_viewer()
+    folder = cli.fresh_folder("render_log")
+    (folder / "tmp").mkdir()
+    environment = {**os.environ, "TMPDIR": str(folder / "tmp")}
+    rendered(cli.LOG, "-o", folder / "a.png", "--size", "200x100", env=environment)
+    expect(Png(folder / "a.png").width == 200 and not list((folder / "tmp").iterdir()), "the temporary run is still there")
+    rendered(cli.LOG, "-o", folder / "b.png", "--size", "200x100", "--run", folder / "kept")
+    expect((folder / "a.png").read_bytes() == (folder / "b.png").read_bytes(), "another picture")
+    expect(sorted(cli.digests(folder / "kept")) == cli.OUTPUTS, f"{sorted(cli.digests(folder / 'kept'))}")
+    refused(65, cli.DATA / "malformed.log", "-o", folder / "c.png", says="malformed.log:3", env=environment)
+    refused(2, RUN, "--run", folder / "x", says="--run is for logs")
+    expect(not (folder / "c.png").exists() and not list((folder / "tmp").iterdir()), "something is left")

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/cloud/measured_plane.hpp"
 #include "gdtslam/cloud/box.hpp"
-#include "gdtslam/cloud/measured_plane.hpp"
 #include "gdtslam/core/cloud.hpp"
 
 namespace gdtslam {

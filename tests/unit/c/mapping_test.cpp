@@ -308,7 +308,7 @@ TEST(COptions, are_those_of_the_command) {
     ASSERT_EQ(gdtslam_options_at(opened, k, &option, nullptr), GDTSLAM_OK);
     if (std::string(option.path) == "map.resolution") found = {option.value, option.doc};
   }
-  EXPECT_THAT(found, ElementsAre("0.05 m", "edge of a cell"));
+  EXPECT_THAT(found, ElementsAre("0.05 m", "Edge of a cell of the map"));
   auto option = made<gdtslam_option>();
   EXPECT_EQ(gdtslam_options_at(opened, gdtslam_options_count(opened), &option, nullptr), GDTSLAM_USAGE);
 }

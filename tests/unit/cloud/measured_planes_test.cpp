@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/cloud/measured_plane.hpp"
 #include "engine/cloud/plane_extent.hpp"
-#include "gdtslam/cloud/measured_plane.hpp"
 #include "gdtslam/core/angle.hpp"
 #include "support/cloud_scenes.hpp"
 

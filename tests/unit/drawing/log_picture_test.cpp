@@ -90,10 +90,10 @@ TEST(LogPicture, HasThePanelsThatThereAreFiguresFor) {
   log.speeds_m_s.clear();
   log.turns_deg_s.clear();
   log.elevations_deg.clear();
-  EXPECT_THAT(titles_of(log), testing::ElementsAre("scans a second", "ranges in m", "no return in %"));
+  EXPECT_THAT(titles_of(log), testing::ElementsAre("Scans (1/s)", "Ranges (m)", "No return (%)"));
   log.rates_hz.clear();
   log.is_by_time = false;
-  EXPECT_THAT(titles_of(log), testing::ElementsAre("ranges in m", "no return in %"));
+  EXPECT_THAT(titles_of(log), testing::ElementsAre("Ranges (m)", "No return (%)"));
 }
 
 TEST(LogPicture, NothingAtAllIsDrawn) {
