@@ -7,8 +7,8 @@
 
 namespace gdtslam {
 
-/// viridis, magma, inferno and plasma [Smith2015] and turbo [Mikhailov2019]: every fifteenth colour as published, curves
-/// between them; no channel is more than 5 of 255 off.
+/// viridis, magma, inferno and plasma [Smith2015] and turbo [Mikhailov2019]: every fifteenth colour as published,
+/// curves between them; no channel is more than 5 of 255 off.
 std::vector<ColourMap> published_colour_maps(Colour unknown);
 
 }  // namespace gdtslam

@@ -68,8 +68,7 @@ Plot LinkagePanel::plot_on(Canvas& canvas, const LinkageSheet& sheet, const Draw
   const bool turns = cycle_.turns_fully();
   const char* title = "Crank angle (°)";
   if (look_.is_still) {
-    title =
-        cycle_.report() ? "Crank since the lift began (°)" : "Crank within the stretch that closes (°)";
+    title = cycle_.report() ? "Crank since the lift began (°)" : "Crank within the stretch that closes (°)";
   }
   Axis x = degrees_axis(title, turns ? 0.0 : elevations_deg_.front().x(), turns ? 360.0 : elevations_deg_.back().x());
   x.has_grid = false;
@@ -114,8 +113,7 @@ void LinkagePanel::draw_transmission(Canvas& canvas, const LinkageSheet& sheet,
                                      const calib::LinkagePosition& position) const {
   const double text = sheet.text;
   const DrawingArea& card = sheet.transmission;
-  draw_heading(canvas, sheet, card,
-               look_.is_still ? "Transmission angle (°)" : "Transmission angle µ (°)");
+  draw_heading(canvas, sheet, card, look_.is_still ? "Transmission angle (°)" : "Transmission angle µ (°)");
   Plot plot = plot_on(canvas, sheet, card, degrees_axis("", 0.0, kFolded_deg));
   const DrawingArea& inside = plot.inside();
   const double top_y = plot.at(0.0, kPoor_deg).y();

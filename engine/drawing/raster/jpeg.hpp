@@ -7,8 +7,8 @@
 
 namespace gdtslam {
 
-/// The bytes of a file, the same for the same pixels; what is transparent is drawn as if it were not. Throws Error where
-/// the library fails.
+/// The bytes of a file, the same for the same pixels; what is transparent is drawn as if it were not. Throws Error
+/// where the library fails.
 std::string jpeg_of(const RgbaImage& image);
 
 }  // namespace gdtslam
