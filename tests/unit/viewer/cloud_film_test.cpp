@@ -102,7 +102,8 @@ TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
       mean_x_m += (9 - std::abs(step)) * (1.0 + 0.03 * at_s) / 81.0;
     }
     const Camera camera = follow_camera({mean_x_m - 3.2, kPathY}, {.x_m = x_m, .y_m = kPathY, .theta_rad = 0.0});
-    scene_.set_robot(std::nullopt);
+    // Behind the eye: a robot that is near makes points small, whether it is seen or not.
+    scene_.set_robot(Pose2{mean_x_m - 3.2 - 1.0, kPathY, 0.0});
     const RgbaImage without = scene_.render(camera, kFilmSize);
     std::size_t changed = 0;
     double x = 0.0;
@@ -115,7 +116,7 @@ TEST_F(CloudFilmTest, FollowFilmKeepsTheRobotNearTheMiddle) {
       }
     }
     ASSERT_GT(changed, 8U) << "the robot is seen, and nothing else differs from a picture of that camera";
-    ASSERT_LT(changed, 1500U);
+    ASSERT_LT(changed, 500U);
     EXPECT_NEAR(x / static_cast<double>(changed), 80.0, 4.0);
   }
 }

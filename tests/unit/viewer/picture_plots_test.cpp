@@ -166,7 +166,7 @@ TEST(TimePlot, times_are_those_that_people_read) {
   EXPECT_TRUE(says(plot(0.0, 3000.0), "Time (min)"));
   EXPECT_TRUE(says(plot(0.0, 3000.0), "50")) << "minutes at the end of the axis";
   EXPECT_TRUE(says(plot(0.0, 30000.0), "Time (h)"));
-  EXPECT_TRUE(says(plot(976052857.0, 976052900.0), "time since the start in s")) << "a clock's stamps";
+  EXPECT_TRUE(says(plot(976052857.0, 976052900.0), "Time since the start (s)")) << "a clock's stamps";
   EXPECT_NO_THROW(raster_of(time_plot("", "error", "m", {}, kPlotSize)));
   EXPECT_NO_THROW(raster_of(plot(1.0, 1.0)));
 }
