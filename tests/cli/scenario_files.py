@@ -39,7 +39,7 @@ def overview_without_a_font():
     expect("overview.svg" in digests(folder) and "overview.png" not in digests(folder), f"{sorted(digests(folder))}")
     root = xml.fromstring((folder / "overview.svg").read_bytes())
     words = " | ".join(element.text for element in root.iter("{http://www.w3.org/2000/svg}text"))
-    for word in (LOG.name, "50 scans", "keyframes", "wall", "free"):
+    for word in (LOG.stem, "50 scans", "keyframes", "wall", "free"):
         expect(word in words, f"no {word!r} in {words}")
     images = list(root.iter("{http://www.w3.org/2000/svg}image"))
     expect(len(images) == 1, f"{len(images)} images of the cells")
