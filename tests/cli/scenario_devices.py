@@ -234,7 +234,7 @@ def verify_finds_results_that_are_not_as_shipped():
     expect("DIFFERENT: map" in process.stdout and "shipped 000000000000" in process.stdout, process.stdout)
     last = process.stdout.splitlines()[-1]
     expect(last.startswith("FAIL: ") and "difference" in last, last)
-    expect(int(last.split()[0]) >= 1, last)
+    expect(last.startswith("FAIL: ") and int(last.split()[1]) >= 1, last)
 
 
 def verify_needs_its_files():

@@ -150,6 +150,7 @@ Canvas trajectories_picture(const std::vector<NamedPath>& paths, const Trajector
                             const PictureSize& size) {
   const LegendLook legend{page_theme(), proportions_of(size)};
   std::vector<const Trajectory*> all;
+  all.reserve(paths.size() + 1);
   for (const NamedPath& path : paths) all.push_back(&path.trajectory);
   if (truth != nullptr) all.push_back(truth);
   const double width = legend.sizes.line_px;
@@ -192,6 +193,7 @@ Canvas path_errors_picture(const PathErrors& path, const Trajectory& truth, cons
         return items;
       });
   std::vector<double> shares;
+  shares.reserve(path.errors.size());
   for (const double error : path.errors) shares.push_back((error - scale.least) / (scale.most - scale.least));
   const auto colour_at = [&map](double share) { return std::isfinite(share) ? map.at(share) : kNoError; };
   Canvas canvas = page_of(sheet, look, "Errors along the path");

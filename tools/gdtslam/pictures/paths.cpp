@@ -68,6 +68,7 @@ Canvas RenderStudio::trajectory(const Wanted& wanted) {
     if (options_.title.empty() && !options_.no_caption) look.title = fmt::format("{} paths", sources_.size());
   }
   std::vector<const Trajectory*> all;
+  all.reserve(paths.size() + 1);
   for (const NamedPath& path : paths) all.push_back(&path.trajectory);
   if (truth) all.push_back(&*truth);
   return trajectories_picture(paths, truth ? &*truth : nullptr, look, wanted.value_or(size_for_paths(all)));
