@@ -69,7 +69,7 @@ def help_groups_the_commands():
     names = [name for rows in groups.values() for name in rows]
     expect(len(names) == len(set(names)) and {"help", "generate", "bench", "simulate"} <= set(names), f"{names}")
     rows = re.sub(r"\s+", " ", command("linkage", "--help").stdout)
-    expect("Number of linkages, with cranks spread over their range (default: 1; 1 to 100; with --design)" in rows, rows)
+    expect("Number of linkages, of different shapes spread over all that meet the goal (default: 1; 1 to 100; with --design)" in rows, rows)
     expect("Angle that the laser sweeps (default: 90deg; with --design)" in rows, rows)
 
 

@@ -146,34 +146,32 @@ TEST(CMapper, gives_its_field_while_it_maps_and_a_field_outlives_the_mapper) {
 class CWholeLog : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TempDir;
+    whole_folder = new TempDir;
     auto error = made<gdtslam_error>();
-    gdtslam_run* run = nullptr;
-    ASSERT_EQ(gdtslam_map_log(kSampleLog.c_str(), place().c_str(), &run, &error), GDTSLAM_OK) << error.text;
-    run_ = run;
+    ASSERT_EQ(gdtslam_map_log(kSampleLog.c_str(), place().c_str(), &whole_run, &error), GDTSLAM_OK) << error.text;
   }
   static void TearDownTestSuite() {
-    gdtslam_run_free(run_);
-    delete folder_;
+    gdtslam_run_free(whole_run);
+    delete whole_folder;
   }
-  static std::string place() { return (folder_->path() / "run").string(); }
-  static gdtslam_run* run_;
-  static TempDir* folder_;
+  static std::string place() { return (whole_folder->path() / "run").string(); }
+  static gdtslam_run* whole_run;
+  static TempDir* whole_folder;
 };
-gdtslam_run* CWholeLog::run_ = nullptr;
-TempDir* CWholeLog::folder_ = nullptr;
+gdtslam_run* CWholeLog::whole_run = nullptr;
+TempDir* CWholeLog::whole_folder = nullptr;
 
 TEST_F(CWholeLog, has_the_hashes_that_ship_with_it) {
-  EXPECT_EQ(gdtslam_run_map_sha256(run_), sample_hashes(true).map);
-  EXPECT_EQ(gdtslam_run_trajectory_sha256(run_), sample_hashes(true).trajectory);
-  EXPECT_EQ(gdtslam_run_folder(run_), place());
-  EXPECT_THAT(gdtslam_run_report(run_), HasSubstr("\"map_sha256\": \"" + sample_hashes(true).map));
+  EXPECT_EQ(gdtslam_run_map_sha256(whole_run), sample_hashes(true).map);
+  EXPECT_EQ(gdtslam_run_trajectory_sha256(whole_run), sample_hashes(true).trajectory);
+  EXPECT_EQ(gdtslam_run_folder(whole_run), place());
+  EXPECT_THAT(gdtslam_run_report(whole_run), HasSubstr("\"map_sha256\": \"" + sample_hashes(true).map));
 }
 
 TEST_F(CWholeLog, gives_poses_in_full_and_those_of_the_file_when_it_is_opened) {
   const gdtslam_stamped_pose* poses = nullptr;
   std::size_t count = 0;
-  ASSERT_EQ(gdtslam_run_trajectory(run_, &poses, &count, nullptr), GDTSLAM_OK);
+  ASSERT_EQ(gdtslam_run_trajectory(whole_run, &poses, &count, nullptr), GDTSLAM_OK);
   Sha256 sum;
   for (std::size_t k = 0; k < count; ++k) sum.update(poses[k].x_m).update(poses[k].y_m).update(poses[k].theta_rad);
   EXPECT_EQ(sum.hex(), sample_hashes(true).trajectory);
@@ -190,7 +188,7 @@ TEST_F(CWholeLog, gives_poses_in_full_and_those_of_the_file_when_it_is_opened) {
 // map.pgm has the highest row first.
 TEST_F(CWholeLog, gives_the_pixels_of_its_map) {
   gdtslam_grid* grid = nullptr;
-  ASSERT_EQ(gdtslam_run_map(run_, &grid, nullptr), GDTSLAM_OK);
+  ASSERT_EQ(gdtslam_run_map(whole_run, &grid, nullptr), GDTSLAM_OK);
   const Owned<gdtslam_grid> owned(grid);
   auto view = made<gdtslam_grid_view>();
   ASSERT_EQ(gdtslam_grid_look(grid, &view, nullptr), GDTSLAM_OK);
@@ -208,7 +206,7 @@ TEST_F(CWholeLog, gives_the_pixels_of_its_map) {
 
 TEST_F(CWholeLog, gives_its_field) {
   gdtslam_grid* grid = nullptr;
-  ASSERT_EQ(gdtslam_run_field(run_, &grid, nullptr), GDTSLAM_OK);
+  ASSERT_EQ(gdtslam_run_field(whole_run, &grid, nullptr), GDTSLAM_OK);
   const Owned<gdtslam_grid> owned(grid);
   EXPECT_EQ(gdtslam_grid_sha256(grid), sample_hashes(true).map);
 }
@@ -220,7 +218,7 @@ TEST_F(CWholeLog, is_drawn_by_the_names_of_views) {
     request.format = "svg";
     gdtslam_bytes* picture = nullptr;
     auto error = made<gdtslam_error>();
-    ASSERT_EQ(gdtslam_run_render(run_, &request, &picture, &error), GDTSLAM_OK) << error.text;
+    ASSERT_EQ(gdtslam_run_render(whole_run, &request, &picture, &error), GDTSLAM_OK) << error.text;
     const Owned<gdtslam_bytes> owned(picture);
     const std::string text(static_cast<const char*>(gdtslam_bytes_data(picture)), gdtslam_bytes_count(picture));
     EXPECT_TRUE(text.starts_with("<svg ")) << view;
@@ -229,13 +227,13 @@ TEST_F(CWholeLog, is_drawn_by_the_names_of_views) {
   auto request = made<gdtslam_picture_request>();
   gdtslam_bytes* picture = nullptr;
   request.view = "iso";
-  EXPECT_EQ(gdtslam_run_render(run_, &request, &picture, nullptr), GDTSLAM_USAGE);
+  EXPECT_EQ(gdtslam_run_render(whole_run, &request, &picture, nullptr), GDTSLAM_USAGE);
   request.view = "map";
   request.format = "gif";
-  EXPECT_EQ(gdtslam_run_render(run_, &request, &picture, nullptr), GDTSLAM_USAGE);
+  EXPECT_EQ(gdtslam_run_render(whole_run, &request, &picture, nullptr), GDTSLAM_USAGE);
   request.format = "svg";
   request.width = 100;
-  EXPECT_EQ(gdtslam_run_render(run_, &request, &picture, nullptr), GDTSLAM_USAGE) << "no height";
+  EXPECT_EQ(gdtslam_run_render(whole_run, &request, &picture, nullptr), GDTSLAM_USAGE) << "no height";
   EXPECT_EQ(picture, nullptr);
 }
 
@@ -250,7 +248,7 @@ TEST_F(CWholeLog, is_where_scans_are_found_by_several_threads_at_once) {
   const std::vector<KeptScan> scans = sample_scans();
   const gdtslam_stamped_pose* poses = nullptr;
   std::size_t count = 0;
-  ASSERT_EQ(gdtslam_run_trajectory(run_, &poses, &count, nullptr), GDTSLAM_OK);
+  ASSERT_EQ(gdtslam_run_trajectory(whole_run, &poses, &count, nullptr), GDTSLAM_OK);
   std::vector<gdtslam_location> found(2, made<gdtslam_location>());
   const std::vector<std::size_t> chosen{100, 200};
   std::vector<std::thread> threads;
@@ -285,7 +283,7 @@ TEST_F(CWholeLog, is_where_a_robot_is_followed_and_a_tracker_outlives_its_locali
   const Owned<gdtslam_tracker> tracker(opened);
   const gdtslam_stamped_pose* poses = nullptr;
   std::size_t count = 0;
-  ASSERT_EQ(gdtslam_run_trajectory(run_, &poses, &count, nullptr), GDTSLAM_OK);
+  ASSERT_EQ(gdtslam_run_trajectory(whole_run, &poses, &count, nullptr), GDTSLAM_OK);
   const std::vector<KeptScan> scans = sample_scans();
   auto tracked = made<gdtslam_tracked>();
   for (std::size_t k = 0; k < 150; ++k) {

@@ -48,6 +48,7 @@ constexpr std::array kShells{Shell{"bash", bash_completion}, Shell{"zsh", zsh_co
 
 std::vector<std::string> shell_names() {
   std::vector<std::string> names;
+  names.reserve(kShells.size());
   for (const Shell& shell : kShells) names.emplace_back(shell.name);
   return names;
 }

@@ -23,7 +23,7 @@ std::string lower_first(std::string text) {
   return text;
 }
 
-std::string sentence(std::string text) { return text.ends_with('.') || text.ends_with(':') ? text : text + "."; }
+std::string sentence(const std::string& text) { return text.ends_with('.') || text.ends_with(':') ? text : text + "."; }
 
 std::string tag_of(const OptionText& option) {
   std::string tag;

@@ -41,8 +41,8 @@ void check(const DriveOptions& options, bool has_log) {
 void add_input_options(CLI::App& command, DriveOptions& options) {
   command
       .add_option("--listen", options.listen,
-                  "Listen at unix:PATH, tcp:PORT of this host alone, or tcp:ADDRESS:PORT: one sender at a time sends\n"
-                  "lines; when it has gone the next one goes on. Ends at SIGTERM or Ctrl-C")
+                  "Listen at unix:PATH, tcp:PORT of this host alone, or tcp:ADDRESS:PORT. One sender at a time sends\n"
+                  "lines; when it has gone another may go on. Ends at SIGTERM or Ctrl-C")
       ->type_name("ADDRESS");
   command
       .add_option("--follow", options.follow, "Read a file that grows, from its beginning on, until SIGTERM or Ctrl-C")

@@ -80,6 +80,8 @@ std::map<std::string, Offers> make_known_offers() {
       {"OUT", files_or_folders},
       {"INPUT", files_or_folders},
       {"CLOUD", {.endings = {".ply", ".pcd", ".ply.gz", ".pcd.gz"}, .has_files = true}},
+      {"RUN|CLOUD", {.endings = {".ply", ".pcd", ".ply.gz", ".pcd.gz"}, .has_files = true, .has_folders = true}},
+      {"RUN|FILE", files_or_folders},
       {"MAP", {.endings = {".yaml", ".yml"}, .has_files = true, .has_folders = true}},
       {"SCENE", {.endings = {".yaml", ".yml"}, .has_files = true}},
       {"LINKAGE", linkages},
