@@ -3,8 +3,8 @@
 #include <gdtslam.h>
 
 typedef void (*any_function)(void);
-extern const any_function every_function[];
-const any_function every_function[] = {
+extern const any_function kEveryFunction[];
+const any_function kEveryFunction[] = {
     (any_function)gdtslam_bytes_count,
     (any_function)gdtslam_bytes_data,
     (any_function)gdtslam_bytes_free,

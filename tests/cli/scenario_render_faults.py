@@ -272,7 +272,7 @@ def render_mistakes():
     folder = cli.fresh_folder("render_mistakes")
     out = ("-o", folder / "a.png")
     cases = [
-        ((RUN, "-o", folder / "a.tif"), ".png .svg .pdf .mp4"),
+        ((RUN, "-o", folder / "a.tif"), ".png .jpg .jpeg .svg .pdf .mp4"),
         ((RUN, "-o", folder / "a.glft"), "did you mean '.gltf'"),
         ((RUN, "-o", folder / "a"), "has none of the endings"),
         ((RUN, "-o", folder / "f%d-%d.png"), "no pattern for frames"),

@@ -14,7 +14,7 @@
 namespace gdtslam::picture {
 namespace {
 
-constexpr int kBands = 64;          ///< of colours along a path
+constexpr int kPathBands = 64;      ///< of colours along a path
 constexpr double kEndRadius = 8.0;  // all of one unit
 constexpr double kRingRadius = 9.0;
 constexpr double kKeyframeRadius = 2.1;
@@ -45,7 +45,7 @@ std::vector<PathPoint> seen_points(const MapFrame& frame, const Trajectory& traj
 
 constexpr int kNoBand = -1;  ///< of what has no value
 int band_of(double share) {
-  return std::isfinite(share) ? std::clamp(static_cast<int>(share * kBands), 0, kBands - 1) : kNoBand;
+  return std::isfinite(share) ? std::clamp(static_cast<int>(share * kPathBands), 0, kPathBands - 1) : kNoBand;
 }
 
 /// A line for each band of values.
@@ -57,7 +57,7 @@ void draw_line(Canvas& canvas, const std::vector<PathPoint>& points, const std::
     std::vector<Point2> piece{points[begin].at};
     std::size_t end = begin;
     while (end + 1 < points.size() && band_of(points[end].share) == band) piece.push_back(points[++end].at);
-    const double share = band == kNoBand ? std::numeric_limits<double>::quiet_NaN() : (band + 0.5) / kBands;
+    const double share = band == kNoBand ? std::numeric_limits<double>::quiet_NaN() : (band + 0.5) / kPathBands;
     canvas.polyline(std::move(piece), {.colour = colour_at(share), .width = width});
     begin = end;
   }
@@ -164,10 +164,10 @@ const PathColours& path_colours(bool is_dark) {
 }
 
 PathColours path_colours(const ColourMap& map, bool is_dark) {
-  constexpr int kColours = 33;
+  constexpr int kPathColours = 33;
   PathColours colours = path_colours(is_dark);
   colours.time.clear();
-  for (int k = 0; k < kColours; ++k) colours.time.push_back(map.at(static_cast<double>(k) / (kColours - 1)));
+  for (int k = 0; k < kPathColours; ++k) colours.time.push_back(map.at(static_cast<double>(k) / (kPathColours - 1)));
   return colours;
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPoses = "1 0.5 0 0 0 0 0 1\n2 1.5 0 0 0 0 0 1\n";
+constexpr const char* kGivenPoses = "1 0.5 0 0 0 0 0 1\n2 1.5 0 0 0 0 0 1\n";
 
 class GivenFilesTest : public testing::Test {
  protected:
@@ -51,7 +51,7 @@ class GivenFilesTest : public testing::Test {
 };
 
 TEST_F(GivenFilesTest, AFileIsTakenAsItIs) {
-  write("poses.tum", kPoses);
+  write("poses.tum", kGivenPoses);
   EXPECT_EQ(given_trajectory(path("poses.tum")).size(), 2U);
   EXPECT_EQ(given_cloud(path("a.pcd")), path("a.pcd"));
   EXPECT_THROW(given_trajectory(path("nowhere.tum")), FileError);
@@ -59,7 +59,7 @@ TEST_F(GivenFilesTest, AFileIsTakenAsItIs) {
 
 TEST_F(GivenFilesTest, ARunHasBoth) {
   write_report(3, true);
-  write("run/trajectory.tum", kPoses);
+  write("run/trajectory.tum", kGivenPoses);
   write("run/cloud.ply", "ply\n");
   EXPECT_DOUBLE_EQ(given_trajectory(path("run")).back().T_map_base.x_m, 1.5);
   EXPECT_EQ(given_cloud(path("run")), path("run/cloud.ply"));
@@ -82,7 +82,7 @@ TEST_F(GivenFilesTest, ARunWithoutACloudSaysWhy) {
 }
 
 TEST_F(GivenFilesTest, AFolderOfAnotherProgramWillDoIfItHasTheFile) {
-  write("other/trajectory.tum", kPoses);
+  write("other/trajectory.tum", kGivenPoses);
   write("other/cloud.ply", "ply\n");
   EXPECT_EQ(given_trajectory(path("other")).size(), 2U);
   EXPECT_EQ(given_cloud(path("other")), path("other/cloud.ply"));

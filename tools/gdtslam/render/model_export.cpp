@@ -14,7 +14,7 @@
 namespace gdtslam {
 namespace {
 
-using Json = GltfJson;
+using ModelJson = GltfJson;
 using Vector3f = std::array<float, 3>;
 
 constexpr std::size_t kBytesOfPosition = 12;
@@ -56,35 +56,36 @@ std::array<std::uint16_t, 256> linear_table() {
   return table;
 }
 
-Json accessor(int view, int component, std::size_t count, const char* type) {
+ModelJson accessor(int view, int component, std::size_t count, const char* type) {
   return {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
 }
 
-Json position_accessor(int view, std::size_t count, const Box& box) {
-  Json json = accessor(view, kGltfFloat, count, "VEC3");
+ModelJson position_accessor(int view, std::size_t count, const Box& box) {
+  ModelJson json = accessor(view, kGltfFloat, count, "VEC3");
   json["min"] = box.least;
   json["max"] = box.most;
   return json;
 }
 
-Json buffer_view(std::size_t offset, std::size_t length) {
+ModelJson buffer_view(std::size_t offset, std::size_t length) {
   return {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}, {"target", kGltfVertices}};
 }
 
-// Of one primitive. One JSON value in braces is a list to GCC and the value itself to clang; Json::array is a list.
-Json mesh(const char* name, const Json& primitive) {
-  return {{"name", name}, {"primitives", Json::array({primitive})}};
+// Of one primitive. One JSON value in braces is a list to GCC and the value itself to clang; ModelJson::array is a
+// list.
+ModelJson mesh(const char* name, const ModelJson& primitive) {
+  return {{"name", name}, {"primitives", ModelJson::array({primitive})}};
 }
 
 // All but the bytes.
-Json gltf_of(const ModelInput& model) {
+ModelJson gltf_of(const ModelInput& model) {
   const std::size_t points = model.cloud.size();
   const std::size_t poses = path_size(model);
-  Json json = gltf_document(model.name);
+  ModelJson json = gltf_document(model.name);
   json["scenes"][0]["nodes"].push_back(0);
   json["nodes"].push_back({{"name", "cloud"}, {"mesh", 0}});
   json["meshes"].push_back(
-      mesh("cloud", {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kGltfPoints}, {"material", 0}}));
+      mesh("cloud", {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kModelPoints}, {"material", 0}}));
   json["materials"].push_back(gltf_unlit_material("points", colour_for(0xffffff)));
   json["accessors"] = {position_accessor(0, points, box_of(model.cloud)),
                        accessor(1, kGltfUnsignedShort, points, "VEC4")};
@@ -94,8 +95,8 @@ Json gltf_of(const ModelInput& model) {
   if (poses > 1) {
     json["scenes"][0]["nodes"].push_back(1);
     json["nodes"].push_back({{"name", "path"}, {"mesh", 1}});
-    json["meshes"].push_back(
-        mesh("path", {{"attributes", Json::object({{"POSITION", 2}})}, {"mode", kGltfLineStrip}, {"material", 1}}));
+    json["meshes"].push_back(mesh(
+        "path", {{"attributes", ModelJson::object({{"POSITION", 2}})}, {"mode", kGltfLineStrip}, {"material", 1}}));
     json["materials"].push_back(gltf_unlit_material("path", model.path_colour));
     json["accessors"].push_back(position_accessor(2, poses, box_of(*model.trajectory)));
     json["bufferViews"].push_back(buffer_view((kBytesOfPosition + kBytesOfColour) * points, kBytesOfPosition * poses));

@@ -25,7 +25,7 @@ namespace gdtslam {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
+using SnapshotClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kSnapshotSlice{50};  // after which signals and clocks are looked at
 constexpr std::chrono::seconds kBetweenShown{1};
@@ -75,11 +75,11 @@ void Snapshots::remove() const {
 // A pose is more urgent than a picture of the map.
 void Snapshots::work() {
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kLeastUrgent);
-  Clock::time_point last_saved = Clock::now();
-  Clock::time_point last_shown = last_saved - kBetweenShown;
+  SnapshotClock::time_point last_saved = SnapshotClock::now();
+  SnapshotClock::time_point last_shown = last_saved - kBetweenShown;
   while (!is_ending_) {
     std::this_thread::sleep_for(kSnapshotSlice);
-    const Clock::time_point now = Clock::now();
+    const SnapshotClock::time_point now = SnapshotClock::now();
     const bool is_due = plan_.every_s > 0.0 && now - last_saved >= std::chrono::duration<double>(plan_.every_s);
     const bool is_asked = g_is_save_wanted.exchange(false);
     const bool is_watched = plan_.is_watched && now - last_shown >= kBetweenShown && plan_.is_watched();
