@@ -85,7 +85,7 @@ ModelJson gltf_of(const ModelInput& model) {
   json["scenes"][0]["nodes"].push_back(0);
   json["nodes"].push_back({{"name", "cloud"}, {"mesh", 0}});
   json["meshes"].push_back(
-      mesh("cloud", {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kModelPoints}, {"material", 0}}));
+      mesh("cloud", {{"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}, {"mode", kGltfPoints}, {"material", 0}}));
   json["materials"].push_back(gltf_unlit_material("points", colour_for(0xffffff)));
   json["accessors"] = {position_accessor(0, points, box_of(model.cloud)),
                        accessor(1, kGltfUnsignedShort, points, "VEC4")};

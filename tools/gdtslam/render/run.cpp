@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 constexpr PictureSize kFilmSize{1280, 720};
 constexpr PictureSize kGifSize{640, 360};
 constexpr std::uint64_t kPagePoints = 500'000;
-constexpr std::uint64_t kGltfPoints = 1'000'000;
+constexpr std::uint64_t kMostGltfPoints = 1'000'000;
 constexpr double kTurn_s = 4.0;  // of a linkage in glTF, as its film takes
 
 unsigned parts_of(const RenderOptions& options, const std::vector<RenderSource>& sources) {
@@ -266,7 +266,7 @@ void Render::write_model() {
     throw UsageError(fmt::format("{}: has no 3D cloud{}, so {} cannot be made of it", source.input(),
                                  is_gltf(result_.kind) ? " and no linkage" : "", to_string(result_.kind)));
   }
-  const Cloud cloud = filtered(studio_.cloud(is_gltf(result_.kind) ? kGltfPoints : 0), options_);
+  const Cloud cloud = filtered(studio_.cloud(is_gltf(result_.kind) ? kMostGltfPoints : 0), options_);
   result_.points = cloud.size();
   if (result_.kind == OutputKind::kCloud) {
     CloudWriter writer(result_.file, cloud_format_of(result_.file));
