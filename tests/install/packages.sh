@@ -38,11 +38,11 @@ package() {
 }
 
 rm -rf "$work"
-mkdir -p "$work/a" "$work/another folder"
+mkdir -p "$work/a" "$work/another-folder"
 package "$work/a"
-package "$work/another folder"
+package "$work/another-folder"
 for deb in "$work"/a/*.deb; do
-  cmp "$deb" "$work/another folder/$(basename "$deb")" || fail "two builds differ: $(basename "$deb")"
+  cmp "$deb" "$work/another-folder/$(basename "$deb")" || fail "two builds differ: $(basename "$deb")"
 done
 debs=("$work"/a/*.deb)
 echo "the same bytes twice: $(basename -a "${debs[@]}" | paste -sd ' ')"
