@@ -6,6 +6,12 @@ parts=" $* "
 has() { [[ $parts == *" $1 "* ]]; }
 fail() { echo "FAILED in the root: $*"; exit 1; }
 
+# What stands for libblas.so.3 and the like: of what is here, which may be other than on the machine that this was made of.
+# A record without any leaves no link.
+for record in /var/lib/dpkg/alternatives/*; do
+  update-alternatives --quiet --auto "$(basename "$record")" >>/tmp/alternatives.txt 2>&1 || true
+done
+
 apt-get -q install -y --no-install-recommends -o APT::Sandbox::User=root /packages/*.deb >/tmp/apt.txt 2>&1 || {
   cat /tmp/apt.txt
   fail "apt install"
@@ -60,7 +66,8 @@ if has library; then
   [[ -s /usr/include/gdtslam.h ]] || fail "no gdtslam.h"
 fi
 
-mapfile -t names < <(for deb in /packages/*.deb; do dpkg-deb -f "$deb" Package; done)
+names=()
+for deb in /packages/*.deb; do names+=("$(dpkg-deb -f "$deb" Package)"); done
 dpkg --purge "${names[@]}" >/tmp/purge.txt 2>&1 || { cat /tmp/purge.txt; fail "purge"; }
 left=$(find /usr -iname '*gdtslam*' | head -n 3)
 [[ -z $left ]] || fail "left after purging: $left"

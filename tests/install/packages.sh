@@ -5,7 +5,7 @@
 # Exit 77: this machine has no means to build packages or lets nobody make such a root (skipped).
 set -euo pipefail
 here=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")" && pwd)
-build=$1 source=$2 work=$3
+build=$(realpath "$1") source=$(realpath "$2") work=$3
 parts=" ${*:4} "
 PATH=$PATH:/usr/sbin:/sbin
 

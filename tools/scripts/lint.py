@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Runs clang-tidy with warnings as errors over every C++ source of the project.
 
-Usage: lint.py [--since REVISION] BUILD_FOLDER [FILE...]
+Usage: lint.py [--since REVISION] [--seconds N] BUILD_FOLDER [FILE...]
 
 One process per processor. A file whose text, own headers, compile command and .clang-tidy have not changed since it last
 passed is not checked again; the record lies in BUILD_FOLDER/lint. With CI=true the record is ignored. With --since only
 sources are checked that changed since that revision (other than by moving, or in what they include), and for each header of
-ours that did one source that includes it; all where .clang-tidy changed.
+ours that did one source that includes it; all where .clang-tidy changed. With --seconds no batch begins after that time, and
+the sources that this left out are counted.
 
 clang-tidy spends nearly all its time in the headers of the system. So sources that are compiled with the same arguments are
 written one behind the other into one file, a batch, and checked in one go:
@@ -31,6 +32,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("engine", "calib", "viewer", "tools", "tests", "examples")
@@ -254,9 +256,12 @@ class Batches:
 
 def main():
     words = sys.argv[1:]
-    touched_since = None
-    if words[:1] == ["--since"] and len(words) > 2:
-        touched_since = changed_files(words[1])
+    touched_since, end_s = None, math.inf
+    while words[:1] in (["--since"], ["--seconds"]) and len(words) > 2:
+        if words[0] == "--since":
+            touched_since = changed_files(words[1])
+        else:
+            end_s = time.monotonic() + float(words[1])
         words = words[2:]
     if not words or words[0].startswith("-"):
         sys.exit(__doc__)
@@ -286,14 +291,21 @@ def main():
 
     changed = [path for path, key in prints.items() if record.get(str(path)) != key]
     print(f"{len(prints)} sources, {len(prints) - len(changed)} unchanged since they passed", flush=True)
-    failures = []
+    failures, late = [], []
+
+    def in_time(batch):
+        if time.monotonic() < end_s:
+            return batches.check(batch)
+        late.extend(batch)
+        return []
+
     processes = int(os.environ.get("GDTSLAM_JOBS", os.cpu_count() or 1))
     batches = Batches(work / "batches", database)
     # The longest first, so that no process is left with one at the end.
     formed = sorted(batches.form(changed), key=lambda batch: -sum(path.stat().st_size for path in batch))
     print(f"{len(changed)} to check, in {len(formed)} batches", flush=True)
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
-        for job in concurrent.futures.as_completed([pool.submit(batches.check, batch) for batch in formed]):
+        for job in concurrent.futures.as_completed([pool.submit(in_time, batch) for batch in formed]):
             for path, status, text in job.result():
                 if status == 0:
                     record[str(path)] = prints[path]
@@ -301,7 +313,10 @@ def main():
                     failures.append(path)
                     print(f"--- {path.relative_to(ROOT)}\n{text}", flush=True)
             record_file.write_text(json.dumps(record, indent=1))
-    print(f"{len(changed) - len(failures)} of {len(changed)} checked sources pass")
+    checked = len(changed) - len(late)
+    print(f"{checked - len(failures)} of {checked} checked sources pass")
+    if late:
+        print(f"{len(late)} were left out after the time that was given; tools/soak.sh lint checks all")
     sys.exit(1 if failures else 0)
 
 
