@@ -27,7 +27,7 @@ namespace {
 constexpr double kCell_m = 0.025;
 constexpr std::uint32_t kDiskRadius = 20;
 constexpr std::uint64_t kManyCells = std::uint64_t{8} << 30U;
-constexpr double kSight_m = 60.0;
+constexpr double kSight_m = 25.0;
 
 // Obstacles in a square around a place; cells on a lattice are hit again when the robot comes back.
 std::vector<Point2> obstacles_around(const Point2& place_m, Random& random) {
@@ -104,12 +104,12 @@ TEST(FieldOnDisk, KernelsFindTheSameOnceTheBoxIsNear) {
   std::vector<PointCells> points;
   for (int i = 0; i < 300; ++i) {
     points.push_back(
-        {static_cast<float>(random.uniform(-2300.0, 2300.0)), static_cast<float>(random.uniform(-2300.0, 2300.0))});
+        {static_cast<float>(random.uniform(-1000.0, 1000.0)), static_cast<float>(random.uniform(-1000.0, 1000.0))});
   }
   int looked_up = 0;
   for (const Point2& place : long_way()) {
     const CellIndex at = map_cell_of(place, kCell_m);
-    near.field.come_near({at - CellOffset{2400, 2400}, at + CellOffset{2400, 2400}});
+    near.field.come_near({at - CellOffset{1100, 1100}, at + CellOffset{1100, 1100}});
     if (!whole.field.box().empty()) {
       const auto costs_in = [&](const MapOnCpu& map) {
         Objective objective(map.field, Interpolation::kBilinear, CostForm::kDistance);
