@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # What is too long for tools/test.sh: the unit and property tests unoptimised, by clang and under three sanitizers, every
-# test with its longest settings, clang-tidy over every source, fuzzing for minutes. Some hours on two processors.
+# test with its longest settings, clang-tidy over every source, fuzzing for minutes, each
+# call of each command that writes failing once. Some hours on two processors.
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=7
+step_count=8
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -17,6 +18,7 @@ Usage: tools/soak.sh [STEP...]
   tsan       the same under ThreadSanitizer, without the real logs: they are mapped by one thread, in hours
   long       all tests with every mutant of the shaders, every failing call and 200 draws of the calibration;
              those of the Vulkan backend once more under validation
+  faults     each file call of each command that writes failing in each way, each crash point, 2000 allocations
   lint       clang-tidy over every source
   fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)
 
@@ -26,12 +28,12 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | lint | fuzz) steps+=("$argument") ;;
+    debug | clang | asan | tsan | long | faults | lint | fuzz) steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long lint fuzz); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults lint fuzz); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -67,6 +69,15 @@ run_long() {
     -L equivalence --timeout 7200
 }
 
+run_faults() {
+  local build=$root/build/test
+  configure "$build" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
+    -DCMAKE_UNITY_BUILD=ON
+  cmake --build "$build" --parallel "$(build_jobs)" --target gdtslam gdtslam_failing_calls
+  python3 "$root/tools/scripts/fail_each_call.py" "$build/bin/gdtslam" --allocations 2000 \
+    --library "$build/tests/cli/libgdtslam_failing_calls.so"
+}
+
 run_lint() {
   configure "$root/build/test" -DCMAKE_BUILD_TYPE=Release -DGDTSLAM_BUILD_TESTS=ON -DGDTSLAM_WERROR=ON \
     -DCMAKE_UNITY_BUILD=ON
@@ -82,6 +93,7 @@ run_step() {
     tsan) test_build tsan RealLog ;;
     asan) test_build asan-ubsan ;;
     long) run_long ;;
+    faults) run_faults ;;
     lint) run_lint ;;
     fuzz) run_fuzz ;;
   esac

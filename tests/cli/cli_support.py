@@ -7,6 +7,7 @@ import math
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import tempfile
 import sys
@@ -21,6 +22,8 @@ DATA = WORK / "data"
 # The folder of the commands that are modules; None where all of them are in the program.
 MODULES = pathlib.Path(os.environ["GDTSLAM_MODULES"]) if os.environ.get("GDTSLAM_MODULES") else None
 SKIP = 77
+# Of CallState in failing_calls.h: its size, and the place of `chosen`.
+STATE_BYTES, CHOSEN = 15 * 8 + 1024, 13
 # How many times as long as usual commands may take in this build.
 SLOWNESS = int(os.environ.get("GDTSLAM_CLI_SLOWNESS", "1"))
 
@@ -51,6 +54,27 @@ def environment_without_fonts(folder):
     file = folder / "fonts.conf"
     file.write_text("<?xml version='1.0'?><!DOCTYPE fontconfig SYSTEM 'fonts.dtd'><fontconfig></fontconfig>\n")
     return environment(FONTCONFIG_FILE=str(file))
+
+
+def failing_calls(kinds, at, how="ENOSPC", on=False, **changes):
+    """The environment in which the call of that number of these kinds fails, and all later ones where `on`; 0 only counts
+    (tests/cli/failing_calls.c)."""
+    return environment(LD_PRELOAD=os.environ["FAILING_CALLS"], FAILING_KINDS=kinds, FAILING_AT=str(at), FAILING_HOW=how,
+                       FAILING_ON="1" if on else "0", **changes)
+
+
+def full_disk(at=1, **changes):
+    """The environment in which the disk is full from that write or sync on."""
+    return failing_calls("write,sync", at, on=True, **changes)
+
+
+def calls_counted(kinds, *arguments):
+    """How many calls of these kinds a command makes that succeeds."""
+    with tempfile.NamedTemporaryFile() as state:
+        state.write(bytes(STATE_BYTES))
+        state.flush()
+        expect_exit(command(*arguments, env=failing_calls(kinds, 0, FAILING_STATE=state.name)), 0)
+        return struct.unpack_from("15Q", pathlib.Path(state.name).read_bytes())[CHOSEN]
 
 
 def command(*arguments, **options):

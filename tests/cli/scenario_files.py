@@ -53,25 +53,20 @@ def overview_without_a_font():
 
 def every_write_fails():
     """Whichever write or sync fails because the disk is full: exit 74, one line, the old files byte for byte."""
-    if "FULL_DISK" not in os.environ:
+    if "FAILING_CALLS" not in os.environ:
         skip("the library that fills the disk is not preloaded into a sanitized program")
     folder, before = old_run("every_write_fails")
-    count_file = folder.parent / "count"
-    environment = {**os.environ, "LD_PRELOAD": os.environ["FULL_DISK"], "FULL_DISK_AT": "0", "FULL_DISK_COUNT": str(count_file)}
-    expect_exit(command("map", LOG, "-o", folder, "--first", 50, "-q", env=environment), 0)
-    count = int(count_file.read_text())
+    count = cli.calls_counted("write,sync", "map", LOG, "-o", folder, "--first", 50, "-q")
     expect(count >= 2 * len(OUTPUTS), f"only {count} writes were seen")
     folder, before = old_run("every_write_fails")
     for failing in range(1, count + 1):
-        environment["FULL_DISK_AT"] = str(failing)
-        process = command("map", LOG, "-o", folder, "--first", 50, "-q", env=environment)
+        process = command("map", LOG, "-o", folder, "--first", 50, "-q", env=cli.full_disk(failing))
         expect_exit(process, 74)
         one_error_line(process.stderr)
         expect("No space left on device" in process.stderr, process.stderr)
         expect(digests(folder) == before, f"the folder changed when write {failing} failed")
     fresh = folder.parent / "fresh"
-    environment["FULL_DISK_AT"] = "1"
-    expect_exit(command("map", LOG, "-o", fresh, "--first", 50, "-q", env=environment), 74)
+    expect_exit(command("map", LOG, "-o", fresh, "--first", 50, "-q", env=cli.full_disk()), 74)
     expect(not fresh.exists(), "a folder that was made for a run that failed is still there")
 
 
@@ -93,7 +88,7 @@ def file_size_limit():
 def killed_at_a_rename():
     """Killed before whichever rename: the folder holds the old run or the new one, or no report and so no run; never files of
     both. Nobody has to say --force to map into it again."""
-    if "FULL_DISK" not in os.environ:
+    if "FAILING_CALLS" not in os.environ:
         skip("the library that kills the process is not preloaded into a sanitized program")
     coarse = ("--first", 40, "--set", "map.resolution=10 cm")
     without_report = lambda files: {name: digest for name, digest in files.items() if name != "report.json"}
@@ -103,8 +98,7 @@ def killed_at_a_rename():
     seen = {"old": 0, "none": 0, "new": 0}
     for number in range(1, 1000):
         folder, old = old_run("killed_at_a_rename")
-        env = {**os.environ, "LD_PRELOAD": os.environ["FULL_DISK"], "KILLED_AT_RENAME": str(number)}
-        process = command("map", LOG, "-o", folder, "-q", *coarse, env=env)
+        process = command("map", LOG, "-o", folder, "-q", *coarse, env=cli.failing_calls("rename", number, "kill-before"))
         if process.returncode == 0:
             break
         expect(process.returncode == -signal.SIGKILL, f"exit {process.returncode}: {process.stderr}")

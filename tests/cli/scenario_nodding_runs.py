@@ -187,21 +187,18 @@ def nodding_cloud_options():
 
 def nodding_full_disk():
     """Whichever write fails while cloud and results are written: exit 74, one line, the old run byte for byte."""
-    if "FULL_DISK" not in os.environ:
+    if "FAILING_CALLS" not in os.environ:
         skip("the library that fills the disk is not preloaded into a sanitized program")
     drive = Drive("nodding_full_disk")
     arguments = ["map", drive.log, "--first", 120, "-q", "--set", "cloud.voxel=10 cm"]
     run = drive.folder / "run"
     expect_exit(command(*arguments, "-o", run), 0)
     before = digests(run)
-    count_file = drive.folder / "count"
-    environment = {**os.environ, "LD_PRELOAD": os.environ["FULL_DISK"], "FULL_DISK_COUNT": str(count_file)}
     for options in (["--set", "cloud.remove=none"], ["--set", "cloud.remove=both", "--no-pictures"], ["--no-cloud"]):
-        expect_exit(command(*arguments, "-o", drive.folder / "counted", *options, env={**environment, "FULL_DISK_AT": "0"}), 0)
-        count = int(count_file.read_text())
+        count = cli.calls_counted("write,sync", *arguments, "-o", drive.folder / "counted", *options)
         expect(count >= 2 * len(cli.NODDING_OUTPUTS), f"only {count} writes were seen")
         for failing in range(1, count + 1):
-            process = command(*arguments, "-o", run, *options, env={**environment, "FULL_DISK_AT": str(failing)})
+            process = command(*arguments, "-o", run, *options, env=cli.full_disk(failing))
             expect_exit(process, 74)
             one_error_line(process.stderr)
             expect("No space left on device" in process.stderr, process.stderr)

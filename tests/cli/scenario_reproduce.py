@@ -279,9 +279,9 @@ def reproduce_keeps_old_until_new():
     folder = cli.fresh_folder("reproduce_old") / "report"
     reproduced(folder, "--only", "fig3")
     before = digests(folder / "parts")
-    if "FULL_DISK" in os.environ:
+    if "FAILING_CALLS" in os.environ:
         for at in ("1", "3"):
-            full = environment(GDTSLAM_DATA=None, LD_PRELOAD=os.environ["FULL_DISK"], FULL_DISK_AT=at)
+            full = cli.full_disk(at, GDTSLAM_DATA=None)
             refused(74, "-o", folder, "--only", "fig3", "--force", says="No space left on device", env=full)
             expect(digests(folder / "parts") == before, "the old part is not what it was")
     missing, looks, stop = [], [0], threading.Event()
@@ -380,8 +380,8 @@ def reproduce_mistakes():
     refused(74, "-o", folder / "a", "--data", folder, "--only", "fig3", says="intel.clf.gz")
     refused(74, "-o", folder / "a", "--only", "fig3", says="no such folder", env=environment(GDTSLAM_DATA=str(folder / "none")))
     expect(sorted(digests(folder)) == ["file"] and (folder / "file").read_text() == "old", f"{sorted(digests(folder))}")
-    if "FULL_DISK" in os.environ:
-        full = environment(GDTSLAM_DATA=None, LD_PRELOAD=os.environ["FULL_DISK"], FULL_DISK_AT="1")
+    if "FAILING_CALLS" in os.environ:
+        full = cli.full_disk(GDTSLAM_DATA=None)
         refused(74, "-o", folder / "full", "--only", "fig3", says="No space left on device", env=full)
         expect(not list((folder / "full").glob("parts/*")), "something is left of a part that could not be written")
     process = command("reproduce", "--list", "--json", env=WITHOUT_DATA)

@@ -179,9 +179,10 @@ def slurm_bad_nodes():
         slurm.wait_for_jobs()
         expect(finished(atlas) == expected, "another atlas after a node refused to work")
 
-        if "FULL_DISK" not in os.environ:
+        if "FAILING_CALLS" not in os.environ:
             return  # a build with sanitizers, which want to be loaded first
-        full = f"env LD_PRELOAD={os.environ['FULL_DISK']} FULL_DISK_AT=35 {PROGRAM}"
+        full = (f"env LD_PRELOAD={os.environ['FAILING_CALLS']} FAILING_KINDS=write,sync FAILING_AT=35 FAILING_HOW=ENOSPC "
+                f"FAILING_ON=1 {PROGRAM}")
         atlas = planned(folder / "full", logs, "--shards", 2)
         slurm.set_variables("n2", NODE_COMMAND=full)
         submitted_by_nodes(slurm, atlas, "--max-retries", 5)

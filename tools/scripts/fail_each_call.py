@@ -1,0 +1,287 @@
+#!/usr/bin/env python3
+"""Every call fails once: `fail_each_call.py PROGRAM [--commands map,over,...] [--sample N] [--seed N] [--json]`.
+
+For each command that writes: an undisturbed run counts its calls of each kind (tests/cli/failing_calls.c says which there are
+and what is left out); then it runs again and again, each time with another call that fails, falls short, or is the last one
+before a SIGKILL, until every call has had its turn, or N of each kind, drawn with the seed. After each run:
+
+* it ended in time, by no signal but ours, with 0, with 74 where a file failed, with 1 where memory did;
+* where it failed, there is exactly one error line on standard error;
+* the files are, byte for byte, those of before, or those of an undisturbed run, and with 0 the latter; nothing else lies there;
+* interrupted calls and short transfers change nothing;
+* after a SIGKILL there are files of one of the two only, besides what docs/formats.md says may be left; the same command run
+  again succeeds, gives the bytes of an undisturbed run, and leaves nothing else.
+
+Prints a table as Markdown and each finding with the call that made it; the exit code is 1 where there is one."""
+
+import argparse
+import collections
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import failing_commands  # noqa: E402
+from file_states import differences, digests_of, volatile_keys  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SOURCES = [ROOT / "tests/cli" / name for name in ("failing_calls.c", "failing_calls_memory.c")]
+KINDS = ("open", "read", "write", "sync", "close", "rename", "unlink", "mkdir", "link", "truncate", "map", "allocate", "change")
+STATE = struct.Struct(f"{len(KINDS) + 2}Q1024s")  # CallState of failing_calls.h
+FAULTS = {
+    "open": ("EIO", "ENOSPC", "EINTR"), "read": ("EIO", "EINTR", "EAGAIN", "short"),
+    "write": ("EIO", "ENOSPC", "EINTR", "EAGAIN", "short"), "write,sync": ("ENOSPC on",), "change": ("kill-before", "kill-after", "EROFS on"),
+    "sync": ("EIO", "ENOSPC", "EINTR"), "close": ("EIO", "EINTR"), "rename": ("EIO", "ENOSPC"), "unlink": ("EIO",),
+    "mkdir": ("EIO", "ENOSPC"), "link": ("EIO",), "truncate": ("EIO", "ENOSPC"), "map": ("ENOMEM",), "allocate": ("ENOMEM",)}
+UNNOTICED = ("EINTR", "short")  # of which a command must notice nothing
+# What a killed process may leave until the same command runs again (docs/formats.md).
+LEFTOVER = re.compile(r"(^|/)(\.gdtslam-staging-\d+(-\d+)?|\.[^/]+\.\d+-\d+\.tmp|\.latest-\d+)(/|$)")
+
+Outcome = collections.namedtuple("Outcome", "code errors files counts where is_hang")
+
+
+class Command:
+    """One command in a folder that begins the same each time."""
+
+    def __init__(self, case, bench):
+        self.case, self.bench = case, bench
+        self.template = bench.folder / f"begin-{case.name}"
+        self.work = bench.folder / "work"
+        self.template.mkdir()
+        (self.template / "tmp").mkdir()
+        case.prepare(self.template, bench.run)
+        self.keys = set()
+        self.files = lambda: digests_of(self.work, self.keys)
+        self.begin()
+        self.old = self.files()
+        self.learn()
+
+    def begin(self):
+        shutil.rmtree(self.work, ignore_errors=True)
+        shutil.copytree(self.template, self.work, symlinks=True)
+
+    def learn(self):
+        """Files of undisturbed runs; what differs between two of them is no result: times."""
+        results = []
+        for _ in range(3):
+            self.begin()
+            outcome = self.run()
+            if outcome.code != 0:
+                sys.exit(f"{self.case.name}: an undisturbed run ends with {outcome.code}: {outcome.errors}")
+            results.append(self.work.parent / f"undisturbed-{len(results)}")
+            shutil.rmtree(results[-1], ignore_errors=True)
+            self.work.rename(results[-1])
+        self.keys = volatile_keys(results)
+        self.new = digests_of(results[0], self.keys)
+        for other in results[1:]:
+            if digests_of(other, self.keys) != self.new:
+                sys.exit(f"{self.case.name}: undisturbed runs differ: {differences(digests_of(other, self.keys), self.new)}")
+        self.begin()
+        self.old = self.files()
+        self.counts = outcome.counts
+        if self.new == self.old:
+            sys.exit(f"{self.case.name}: writes nothing")
+
+    def run(self, kinds="", number=0, how="", preloaded=True):
+        state = self.bench.folder / "state"
+        state.write_bytes(bytes(STATE.size))
+        variables = {**self.bench.variables, "TMPDIR": str(self.work / "tmp")}
+        if preloaded:
+            how, _, on = how.partition(" ")
+            variables.update(LD_PRELOAD=str(self.bench.library), FAILING_STATE=str(state), FAILING_BELOW=str(self.work),
+                             FAILING_KINDS=kinds, FAILING_AT=str(number), FAILING_HOW=how, FAILING_ON="1" if on else "0")
+        process = subprocess.Popen([self.bench.program, *self.case.arguments], cwd=self.work, env=variables, text=True,
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, errors="replace",
+                                   start_new_session=True)
+        try:
+            _, errors = process.communicate(timeout=self.bench.limit_s)
+            is_hang = False
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            _, errors = process.communicate()
+            is_hang = True
+        self.wait_for_group(process.pid)
+        *counts, where = STATE.unpack(state.read_bytes())
+        where = where.split(b"\0")[0].decode(errors="replace").replace(str(self.work) + "/", "")
+        return Outcome(process.returncode, errors, self.files(), dict(zip(KINDS, counts)), where, is_hang)
+
+    def wait_for_group(self, group):
+        """Processes that the command started may outlive it for a moment where it was killed."""
+        end = time.monotonic() + self.bench.limit_s
+        while time.monotonic() < end:
+            try:
+                os.killpg(group, 0)
+            except ProcessLookupError:
+                return
+            time.sleep(0.005)
+        os.killpg(group, signal.SIGKILL)
+
+    def state_of(self, files):
+        """Which run's files there are: old, new, less than those of one run, or None: of both."""
+        if files == self.new:
+            return "new"
+        if files == self.old:
+            return "old"
+        for of in (self.old, self.new):
+            if all(of.get(name) == digest for name, digest in files.items()):
+                return "part"
+        is_each_whole = all(digest in (self.old.get(name), self.new.get(name)) for name, digest in files.items())
+        return "each" if is_each_whole and self.case.has_single_files else None
+
+    def try_call(self, kinds, number, how):
+        """Lets that call fail; what became of it, and what is wrong with that."""
+        self.begin()
+        outcome = self.run(kinds, number, how)
+        if outcome.is_hang:
+            return "hang", ["did not end in time"], outcome
+        if how.startswith("kill") and outcome.code == -signal.SIGKILL:
+            return *self.after_kill(outcome), outcome
+        if how.startswith("kill") and outcome.code != 0 and outcome.where:
+            # Of a process that the command had started; it tells of it as of any failure.
+            return f"{outcome.code}", self.faults_of_failure(outcome, (1, 74), kinds, how), outcome
+        if outcome.code == 0:
+            faults = [] if outcome.files == self.new else [f"exit 0, but {differences(outcome.files, self.new)}"]
+            is_left = kinds in ("unlink", "change") and self.is_stated(self.without_stated_leftovers(outcome.files))
+            return "passed", [] if is_left else faults, outcome
+        faults = self.faults_of_failure(outcome, (1,) if kinds == "allocate" else (74,), kinds, how)
+        if how in UNNOTICED and kinds != "sync":
+            faults.append(f"{how} is no reason to fail: {outcome.errors.strip()}")
+        return f"{outcome.code}", faults, outcome
+
+    def is_stated(self, files, is_lost=False):
+        """Whether these are the old files, the new ones, or what the pages say is there after a failure; on a disk that
+        takes no more changes, also less than all of them."""
+        return files in (self.old, self.new) or self.case.may_stay(files, self.old, self.new) or (
+            is_lost and self.state_of(files) is not None)
+
+    def without_stated_leftovers(self, files):
+        """Files without what could not be removed, nor the folders that were made for it."""
+        left = {name for name in files if LEFTOVER.search(name) or self.case.is_left_by_kill(name)}
+        parents = {str(parent) for name in left for parent in pathlib.PurePath(name).parents}
+        return {name: digest for name, digest in files.items()
+                if name not in left and not (name in parents and name not in self.old)}
+
+    def faults_of_failure(self, outcome, codes, kinds, how):
+        faults = []
+        if outcome.code < 0:
+            faults.append(f"ended by signal {-outcome.code}: {outcome.errors.strip()}")
+        elif outcome.code not in codes:
+            faults.append(f"exit {outcome.code}: {outcome.errors.strip()}")
+        lines = outcome.errors.splitlines()
+        errors = [line for line in lines if line.startswith("gdtslam: error: ")]
+        others = [line for line in lines if not line.startswith("gdtslam: ")]
+        if outcome.code >= 0 and (len(errors) != 1 or others):
+            faults.append(f"not one error line: {outcome.errors!r}")
+        files = self.without_stated_leftovers(outcome.files) if kinds in ("unlink", "change") else outcome.files
+        if not self.is_stated(files, is_lost=how == "EROFS on"):
+            faults.append(f"exit {outcome.code}, but {differences(outcome.files, self.old)}")
+        return faults
+
+    def after_kill(self, outcome):
+        faults = []
+        files = self.without_stated_leftovers(outcome.files)
+        state = self.state_of(files)
+        if state is None:
+            faults.append(f"killed: files of two runs: {differences(files, self.old)}; {differences(files, self.new)}")
+        again = self.run(preloaded=False)
+        if again.code != 0:
+            faults.append(f"killed, and run again: exit {again.code}: {again.errors.strip()}")
+        elif again.files != self.new:
+            faults.append(f"killed, and run again: {differences(again.files, self.new)}")
+        return f"killed, {state or 'mixed'}", faults
+
+
+class Bench:
+    """Where and with what the commands run."""
+
+    def __init__(self, options, folder):
+        self.program, self.folder, self.limit_s = os.path.abspath(options.program), folder, options.limit
+        self.variables = {key: value for key, value in os.environ.items()
+                          if not key.startswith(("GDTSLAM_", "FAILING_")) and key != "LD_PRELOAD"}
+        self.variables["XDG_CACHE_HOME"] = str(folder / "cache")
+        self.library = pathlib.Path(options.library).resolve() if options.library else self.built()
+
+    def built(self):
+        library = self.folder / "libfailing_calls.so"
+        subprocess.run([os.environ.get("CC", "cc"), "-std=gnu11", "-O1", "-fPIC", "-shared", "-fexceptions", "-D_GNU_SOURCE", "-o",
+                        library, *SOURCES, "-ldl"], check=True)
+        return library
+
+    def run(self, *arguments, cwd):
+        process = subprocess.run([self.program, *map(str, arguments)], cwd=cwd, env=self.variables, capture_output=True, text=True,
+                                 check=False, stdin=subprocess.DEVNULL)
+        if process.returncode != 0:
+            sys.exit(f"gdtslam {' '.join(map(str, arguments))}: exit {process.returncode}: {process.stderr}")
+
+
+def numbers_of(count, options, chance, kinds):
+    """Which of the calls fail: all, or a sample."""
+    most = options.allocations if kinds == "allocate" and not options.sample else options.sample
+    if not most or count <= most:
+        return list(range(1, count + 1))
+    return sorted(chance.sample(range(1, count + 1), most))
+
+
+def rows_of(command, options, chance):
+    for kinds, ways in FAULTS.items():
+        count = sum(command.counts[kind] for kind in kinds.split(","))
+        if options.kinds and not set(kinds.split(",")) <= set(options.kinds.split(",")):
+            continue
+        outcomes, findings, runs = collections.Counter(), [], 0
+        for how in ways if count else ():
+            for number in numbers_of(count, options, chance, kinds):
+                outcome, faults, details = command.try_call(kinds, number, how)
+                outcomes[outcome] += 1
+                runs += 1
+                for fault in faults:
+                    findings.append({"kind": kinds, "how": how, "call": number, "where": details.where, "fault": fault})
+                    print(f"{command.case.name}: {kinds} {number} {how} ({details.where}): {fault}", file=sys.stderr, flush=True)
+        yield {"command": command.case.name, "kind": kinds, "calls": count, "runs": runs, "outcomes": dict(sorted(outcomes.items())),
+               "findings": findings}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("--commands", default=",".join(failing_commands.CASES), help="which, by commas (default: all)")
+    parser.add_argument("--kinds", help="kinds of calls, by commas (default: all)")
+    parser.add_argument("--sample", type=int, default=0, help="calls of each kind (default: every one)")
+    parser.add_argument("--allocations", type=int, default=500, help="allocations where every other call fails; 0: all (500)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--limit", type=float, default=120, help="seconds that a run may take")
+    parser.add_argument("--library", help="the preloaded library, where it is built already")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    unknown = set(options.commands.split(",")) - set(failing_commands.CASES)
+    if unknown:
+        parser.error(f"no such command: {', '.join(sorted(unknown))}")
+    rows = []
+    with tempfile.TemporaryDirectory(prefix="fail-each-call-") as folder:
+        bench = Bench(options, pathlib.Path(folder).resolve())
+        for name in options.commands.split(","):
+            command = Command(failing_commands.CASES[name], bench)
+            rows += rows_of(command, options, random.Random(f"{options.seed} {name}"))
+    findings = sum(len(row["findings"]) for row in rows)
+    if options.json:
+        print(json.dumps({"rows": rows, "runs": sum(row["runs"] for row in rows), "findings": findings}, indent=1))
+    else:
+        print("| command | calls | there are | made to fail | outcomes | findings |\n|---|---|---|---|---|---|")
+        for row in rows:
+            outcomes = ", ".join(f"{name}: {count}" for name, count in row["outcomes"].items())
+            print(f"| {row['command']} | {row['kind']} | {row['calls']} | {row['runs']} | {outcomes} | {len(row['findings'])} |")
+        print(f"\n{sum(row['runs'] for row in rows)} runs, {findings} findings")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
