@@ -13,8 +13,10 @@
 #include <filesystem>
 #include <utility>
 
+#include "byte_source.hpp"
 #include "gdtslam/core/error.hpp"
 #include "message_text.hpp"
+#include "retried.hpp"
 
 namespace gdtslam {
 namespace fs = std::filesystem;
@@ -33,7 +35,7 @@ std::string temporary_prefix(const std::string& file) { return "." + fs::path(fi
 
 /// A writer holds a lock on its temporary file as long as it lives, so one that can be locked has no writer any more.
 void remove_if_abandoned(const std::string& temporary) {
-  const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  const int descriptor = retried([&] { return ::open(temporary.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW); });
   if (descriptor < 0) {
     return;
   }
@@ -69,7 +71,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
     throw FileError(path_, "cannot be written: it is a folder");
   }
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    descriptor_ = retried([&] { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC); });
     if (descriptor_ < 0) {
       fail("cannot be written", errno);
     }
@@ -97,7 +99,7 @@ AtomicFile::~AtomicFile() {
 }
 
 bool AtomicFile::try_temporary(const std::string& name) {
-  descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode);
+  descriptor_ = retried([&] { return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode); });
   if (descriptor_ < 0) {
     if (errno != EEXIST) {
       fail("cannot be created", errno);
@@ -135,13 +137,8 @@ void AtomicFile::fail(const char* what, int code) const {
 
 void AtomicFile::write_through(const char* data, std::size_t size) {
   while (size > 0) {
-    const ssize_t count = ::write(descriptor_, data, size);
-    if (count < 0) {
-      if (errno == EINTR) {
-        continue;
-      }
-      fail("cannot be written", errno);
-    }
+    const ssize_t count = retried([&] { return ::write(descriptor_, data, size); });
+    if (count < 0) fail("cannot be written", errno);
     data += count;
     size -= static_cast<std::size_t>(count);
   }
@@ -179,8 +176,8 @@ void AtomicFile::rewrite_begin(std::string_view text) {
   synced_ = false;
   std::size_t done = 0;
   while (done < text.size()) {
-    const ssize_t count = ::pwrite(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
-    if (count < 0 && errno == EINTR) continue;
+    const ssize_t count = retried(
+        [&] { return ::pwrite(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done)); });
     if (count <= 0) fail("cannot be written twice, as its header must be", errno);
     done += static_cast<std::size_t>(count);
   }
@@ -188,24 +185,50 @@ void AtomicFile::rewrite_begin(std::string_view text) {
 
 void AtomicFile::sync() {
   flush();
-  if (!temporary_.empty() && !synced_ && ::fsync(descriptor_) != 0) {
+  if (!temporary_.empty() && !synced_ && retried([&] { return ::fsync(descriptor_); }) != 0) {
     fail("cannot be written to the disk", errno);
   }
   synced_ = true;
 }
 
-void AtomicFile::commit() {
-  sync();
-  if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) {
-    fail("cannot take its name", errno);
+void AtomicFile::take_name(bool keeps_old) {
+  if (temporary_.empty()) return;
+  struct stat old {};
+  const bool is_folder = ::lstat(target_.c_str(), &old) == 0 && S_ISDIR(old.st_mode);
+  if (keeps_old && !is_folder) {
+    is_exchanged_ = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0;
+    was_absent_ = !is_exchanged_ && errno == ENOENT;
+    const bool is_unknown = errno == EINVAL || errno == ENOSYS || errno == ENOTSUP;
+    if (!is_exchanged_ && !was_absent_ && !is_unknown) fail("cannot take its name", errno);
   }
-  const bool was_renamed = !temporary_.empty();
+  if (!is_exchanged_ && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot take its name", errno);
+  has_name_ = true;
+}
+
+void AtomicFile::give_back() {
+  if (!has_name_) return;
+  const std::string& from = is_exchanged_ ? temporary_ : target_;
+  const std::string& to = is_exchanged_ ? target_ : temporary_;
+  if ((is_exchanged_ || was_absent_) && ::rename(from.c_str(), to.c_str()) != 0) fail("cannot be put back", errno);
+  if (!was_absent_) temporary_.clear();
+  has_name_ = false;
+}
+
+void AtomicFile::finish() {
+  const bool was_renamed = has_name_;
+  if (is_exchanged_) ::unlink(temporary_.c_str());
   temporary_.clear();
   const int descriptor = std::exchange(descriptor_, -1);
   if (::close(descriptor) != 0 && errno != EINTR) {
     fail("cannot be closed", errno);
   }
   if (was_renamed) sync_folder(folder_of(target_));
+}
+
+void AtomicFile::commit() {
+  sync();
+  take_name(false);
+  finish();
 }
 
 AtomicFile& AtomicFileSet::add(const std::string& path) {
@@ -217,9 +240,14 @@ void AtomicFileSet::commit() {
   for (const auto& file : files_) {
     file->sync();
   }
-  for (const auto& file : files_) {
-    file->commit();
+  std::size_t named = 0;
+  try {
+    for (; named < files_.size(); ++named) files_[named]->take_name(true);
+  } catch (const FileError&) {
+    while (named > 0) files_[--named]->give_back();
+    throw;
   }
+  for (const auto& file : files_) file->finish();
   files_.clear();
 }
 
@@ -229,9 +257,21 @@ void write_file_atomically(const std::string& path, std::string_view text) {
   file.commit();
 }
 
+void copy_file_atomically(const std::string& from, const std::string& to) {
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 20U;
+  const std::unique_ptr<ByteSource> source = open_file_source(from);
+  AtomicFile copy(to);
+  std::vector<char> piece(kPieceBytes);
+  for (std::size_t count = 0; (count = source->read(piece)) > 0;) copy.write(std::string_view(piece.data(), count));
+  std::error_code ignored;  // a file system may know no permissions
+  fs::permissions(copy.written_path(), fs::status(from, ignored).permissions(), ignored);
+  copy.commit();
+}
+
 void sync_folder(const std::string& path) {
-  const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const bool is_synced = folder >= 0 && (::fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP);
+  const int folder = retried([&] { return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+  const bool is_synced =
+      folder >= 0 && (retried([&] { return ::fsync(folder); }) == 0 || errno == EINVAL || errno == ENOTSUP);
   const int code = errno;
   if (folder >= 0) ::close(folder);
   if (is_synced || code == EACCES) return;  // a folder may allow writing but not reading; the files are on the disk

@@ -37,6 +37,11 @@ class AtomicFile {
   [[nodiscard]] const std::string& written_path() const;
 
  private:
+  friend class AtomicFileSet;
+  /// Where the old file is kept, give_back() undoes it.
+  void take_name(bool keeps_old);
+  void give_back();
+  void finish();
   void open_temporary();
   bool try_temporary(const std::string& name);
   void flush();
@@ -48,11 +53,16 @@ class AtomicFile {
   std::string temporary_;  ///< empty when the target is written directly
   int descriptor_ = -1;
   bool synced_ = false;
+  bool has_name_ = false;      ///< the target is what was written
+  bool was_absent_ = false;    ///< before
+  bool is_exchanged_ = false;  ///< the temporary name is that of the old file now
   std::vector<char> buffer_;
 };
 
 /// Several files that belong together: all are on the disk before the first takes its name, and they take their names
-/// in the order in which they were added, so that the one that refers to the others comes last.
+/// in the order in which they were added, so that the one that refers to the others comes last. Where one of them
+/// cannot take its name, the old files have theirs again, if the file system can exchange two files (ext4, XFS, Btrfs,
+/// tmpfs).
 class AtomicFileSet {
  public:
   AtomicFile& add(const std::string& path);
@@ -64,6 +74,9 @@ class AtomicFileSet {
 
 /// A whole file at once.
 void write_file_atomically(const std::string& path, std::string_view text);
+
+/// The bytes and the permissions of a file, under another name. Throws FileError.
+void copy_file_atomically(const std::string& from, const std::string& to);
 
 /// The names in the folder to the disk, where its file system knows of such a thing. Throws FileError.
 void sync_folder(const std::string& path);

@@ -12,6 +12,7 @@
 
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/retried.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -20,9 +21,7 @@ namespace {
 class FileSource final : public ByteSource {
  public:
   explicit FileSource(const std::string& path) : name_(path == "-" ? "standard input" : path) {
-    do {
-      descriptor_ = path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    } while (descriptor_ < 0 && errno == EINTR);
+    descriptor_ = path == "-" ? STDIN_FILENO : retried([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC); });
     if (descriptor_ < 0) {
       throw FileError(name_, fmt::format("cannot be opened: {}", errno_text(errno)));
     }
@@ -39,16 +38,10 @@ class FileSource final : public ByteSource {
   ~FileSource() override { close_file(); }
 
   std::size_t read(std::span<char> target) override {
-    for (;;) {
-      const ssize_t count = ::read(descriptor_, target.data(), target.size());
-      if (count >= 0) {
-        position_ += static_cast<std::uint64_t>(count);
-        return static_cast<std::size_t>(count);
-      }
-      if (errno != EINTR) {
-        throw FileError(name_, fmt::format("cannot be read: {}", errno_text(errno)));
-      }
-    }
+    const ssize_t count = retried([&] { return ::read(descriptor_, target.data(), target.size()); });
+    if (count < 0) throw FileError(name_, fmt::format("cannot be read: {}", errno_text(errno)));
+    position_ += static_cast<std::uint64_t>(count);
+    return static_cast<std::size_t>(count);
   }
   [[nodiscard]] double progress() const override {
     return size_ == 0 ? -1.0 : std::min(1.0, static_cast<double>(position_) / static_cast<double>(size_));

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "engine/io/message_text.hpp"
+#include "engine/io/retried.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -27,9 +28,9 @@ constexpr mode_t kCopyMode = 0666;
 }  // namespace
 
 AppendedFile::AppendedFile(const std::string& path, std::uint64_t size) : path_(path) {
-  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, kCopyMode);
+  descriptor_ = retried([&] { return ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, kCopyMode); });
   if (descriptor_ < 0) throw FileError(path_, "cannot be created: " + errno_text(errno));
-  if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) return;
+  if (retried([&] { return ::ftruncate(descriptor_, static_cast<off_t>(size)); }) == 0) return;
   const int code = errno;
   ::close(descriptor_);
   throw FileError(path_, "cannot be written: " + errno_text(code));
@@ -39,15 +40,15 @@ AppendedFile::~AppendedFile() { ::close(descriptor_); }
 
 void AppendedFile::write(std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
+    const ssize_t count = retried([&] { return ::write(descriptor_, bytes.data(), bytes.size()); });
     if (count < 0) throw FileError(path_, "cannot be written: " + errno_text(errno));
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
 }
 
 void AppendedFile::sync() {
-  if (::fsync(descriptor_) != 0) throw FileError(path_, "cannot be written to the disk: " + errno_text(errno));
+  if (retried([this] { return ::fsync(descriptor_); }) == 0) return;
+  throw FileError(path_, "cannot be written to the disk: " + errno_text(errno));
 }
 
 void sync_file(const std::string& path) {

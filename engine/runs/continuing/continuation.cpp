@@ -6,6 +6,7 @@
 #include <optional>
 #include <system_error>
 
+#include "engine/io/atomic_file.hpp"
 #include "engine/io/binary/log_copy.hpp"
 #include "engine/io/binary/log_copy_records.hpp"
 #include "gdtslam/core/error.hpp"
@@ -132,10 +133,7 @@ std::unique_ptr<RunFolder> folder_to_continue(const Continuation& continuation, 
   }
   auto folder = std::make_unique<RunFolder>(path);
   for (std::size_t log = 0; log < continuation.copies.size(); ++log) {
-    const std::string target = folder->staged_path(log_copy_name(log));
-    std::error_code failed;
-    fs::copy_file(continuation.copies[log], target, failed);
-    if (failed) throw FileError(target, "cannot be written: " + failed.message());
+    copy_file_atomically(continuation.copies[log], folder->staged_path(log_copy_name(log)));
   }
   write_continue_file(folder->staged_path(kContinueFile), continuation.kept);
   return folder;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "engine/io/atomic_file.hpp"
 #include "engine/runs/edits/map_picture_file.hpp"
 #include "gdtslam/core/error.hpp"
 
@@ -32,10 +33,7 @@ std::vector<std::string> copy_other_files(const std::string& run, const std::vec
     const fs::path from = fs::path(run) / name;
     std::error_code ignored;
     if (!fs::is_regular_file(from, ignored) || fs::exists(fs::symlink_status(folder.file(name), ignored))) continue;
-    const std::string to = folder.staged(name);
-    std::error_code failed;
-    fs::copy_file(from, to, failed);
-    if (failed) throw FileError(folder.file(name), "cannot be written: " + failed.message());
+    copy_file_atomically(from.string(), folder.staged(name));
     copied.push_back(name);
   }
   return copied;

@@ -11,11 +11,10 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
-#include <vector>
 
 #include "engine/io/atomic_file.hpp"
-#include "engine/io/byte_source.hpp"
 #include "engine/io/message_text.hpp"
+#include "engine/io/retried.hpp"
 #include "gdtslam/core/error.hpp"
 #include "record.hpp"
 
@@ -30,7 +29,8 @@ constexpr const char* kMarkText = "gdtslam fleet made this folder and removes it
 
 // A mark that can be locked has no owner any more. Where a file system knows no locks, none can be locked.
 void remove_if_left(const fs::path& folder) {
-  const int mark = ::open((folder.string() + kWorkMark).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  const std::string file = folder.string() + kWorkMark;
+  const int mark = retried([&] { return ::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW); });
   if (mark < 0) return;
   std::error_code ignored;  // what cannot be removed is in nobody's way
   if (::flock(mark, LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, ignored);
@@ -50,26 +50,20 @@ void remove_leftovers(const std::string& parent) {
 int locked_mark(const std::string& folder) {
   const std::string file = folder + kWorkMark;
   const std::string unnamed = file + ".new";
-  const int mark = ::open(unnamed.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const int mark = retried([&] { return ::open(unnamed.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600); });
   if (mark < 0) throw FileError(file, "cannot be created: " + errno_text(errno));
   (void)::flock(mark, LOCK_EX | LOCK_NB);
-  const std::string_view text = kMarkText;
-  if (::write(mark, text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
-      std::rename(unnamed.c_str(), file.c_str()) != 0) {
+  std::string_view left = kMarkText;
+  ssize_t count = 0;
+  while (!left.empty() && (count = retried([&] { return ::write(mark, left.data(), left.size()); })) >= 0) {
+    left.remove_prefix(static_cast<std::size_t>(count));
+  }
+  if (!left.empty() || std::rename(unnamed.c_str(), file.c_str()) != 0) {
     const int code = errno;
     ::close(mark);
     throw FileError(file, "cannot be written: " + errno_text(code));
   }
   return mark;
-}
-
-void copy_synced(const std::string& from, const std::string& to) {
-  constexpr std::size_t kPieceBytes = std::size_t{1} << 20U;
-  const std::unique_ptr<ByteSource> source = open_file_source(from);
-  AtomicFile copy(to);
-  std::vector<char> piece(kPieceBytes);
-  for (std::size_t count = 0; (count = source->read(piece)) > 0;) copy.write(std::string_view(piece.data(), count));
-  copy.commit();
 }
 
 void copy_folder(const fs::path& from, const fs::path& to) {
@@ -79,7 +73,7 @@ void copy_folder(const fs::path& from, const fs::path& to) {
     if (entry.is_directory()) {
       copy_folder(entry.path(), to / name);
     } else {
-      copy_synced(entry.path().string(), (to / name).string());
+      copy_file_atomically(entry.path().string(), (to / name).string());
     }
   }
   sync_folder(to.string());

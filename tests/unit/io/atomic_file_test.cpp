@@ -182,6 +182,43 @@ TEST(AtomicFileSet, NamesAppearOnlyWhenAllIsOnTheDisk) {
   EXPECT_THAT(folder.names(), UnorderedElementsAre("map.pgm", "map.yaml"));
 }
 
+TEST(AtomicFileSet, OneThatCannotTakeItsNameUndoesThoseBefore) {
+  const TemporaryFolder folder;
+  put_file(folder / "old", "as it was");
+  AtomicFileSet files;
+  files.add(folder / "old").write("new");
+  files.add(folder / "absent").write("new");
+  files.add(folder / "last").write("new");
+  std::filesystem::create_directory(folder / "last");
+  EXPECT_THROW(files.commit(), FileError);
+  EXPECT_EQ(get_file(folder / "old"), "as it was");
+  EXPECT_FALSE(std::filesystem::exists(folder / "absent"));
+}
+
+TEST(AtomicFileSet, LeavesNothingOfTheOldFiles) {
+  const TemporaryFolder folder;
+  put_file(folder / "a", "old");
+  put_file(folder / "b", "old");
+  AtomicFileSet files;
+  for (const char* name : {"a", "b", "c"}) files.add(folder / name).write(name);
+  files.commit();
+  EXPECT_EQ(get_file(folder / "a") + get_file(folder / "b") + get_file(folder / "c"), "abc");
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("a", "b", "c"));
+}
+
+TEST(CopyFileAtomically, CopiesBytesAndPermissions) {
+  const TemporaryFolder folder;
+  put_file(folder / "a", std::string(3000000, 'x'));
+  ASSERT_EQ(::chmod((folder / "a").c_str(), 0640), 0);
+  copy_file_atomically(folder / "a", folder / "b");
+  EXPECT_EQ(get_file(folder / "b"), std::string(3000000, 'x'));
+  struct stat status {};
+  ASSERT_EQ(::stat((folder / "b").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777U, 0640U);
+  EXPECT_THROW(copy_file_atomically(folder / "none", folder / "c"), FileError);
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("a", "b"));
+}
+
 TEST(AtomicFileSet, CommitsAll) {
   const TemporaryFolder folder;
   AtomicFileSet files;

@@ -1,0 +1,18 @@
+// A system call once more where a signal interrupted it: the handlers of the command do not restart calls, so that
+// reading a pipe ends, and on a network's file system open and fsync may be interrupted too. Whoever wants to end looks
+// at the flag.
+#pragma once
+
+#include <cerrno>
+
+namespace gdtslam {
+
+/// What the call returns, below 0 with errno where it failed of anything else than a signal.
+template <typename Call>
+auto retried(const Call& call) {
+  auto result = call();
+  while (result < 0 && errno == EINTR) result = call();
+  return result;
+}
+
+}  // namespace gdtslam
