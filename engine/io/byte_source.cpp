@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
 
+#include "engine/io/decimal.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
 #include "engine/io/retried.hpp"
@@ -102,6 +104,21 @@ class HeadedSource final : public ByteSource {
   std::unique_ptr<ByteSource> rest_;
 };
 
+constexpr std::uint64_t kMostCounted = std::uint64_t{1} << 50U;
+
+std::uint64_t free_kept_bytes() {
+  constexpr std::int64_t kMostMib = std::int64_t{1} << 20U;
+  const char* const text = std::getenv(kFreeKeptVariable);
+  if (text == nullptr || *text == '\0') return kFreeKeptBytes;
+  const char* const end = text + std::strlen(text);
+  std::int64_t mib = 0;
+  if (parse_int64(text, end, mib) != end || mib < 1 || mib > kMostMib) {
+    throw ConfigError(
+        fmt::format("{}: {} is no whole number of MiB from 1 to {}", kFreeKeptVariable, in_quotes(text), kMostMib));
+  }
+  return static_cast<std::uint64_t>(mib) << 20U;
+}
+
 }  // namespace
 
 std::unique_ptr<ByteSource> open_file_source(const std::string& path) { return std::make_unique<FileSource>(path); }
@@ -133,11 +150,13 @@ std::string read_all(ByteSource& source, std::size_t limit, const std::string& n
 }
 
 void check_kept_bytes(std::uint64_t kept, std::uint64_t from_disk, const std::string& name) {
-  if (kept <= kFreeKeptBytes || (kept - kFreeKeptBytes) / kKeptPerFileByte <= from_disk) return;
+  if (kept <= kKeptPerFileByte * std::min(from_disk, kMostCounted)) return;  // the variable is not asked for in vain
+  const std::uint64_t free = free_kept_bytes();
+  if (kept <= free || (kept - free) / kKeptPerFileByte <= from_disk) return;
   throw InputError({name, 0},
                    fmt::format("would take {} MiB of memory, but has only {} KiB on the disk, as no measured data do; "
-                               "if that is meant, store the file unpacked",
-                               kept >> 20U, (from_disk >> 10U) + 1));
+                               "if that is meant, store the file unpacked, or set {} to the MiB that it may take",
+                               kept >> 20U, (from_disk >> 10U) + 1, kFreeKeptVariable));
 }
 
 }  // namespace gdtslam

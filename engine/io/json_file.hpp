@@ -18,9 +18,9 @@ std::string json_text(const nlohmann::ordered_json& value);
 /// Atomic. Throws FileError.
 void write_json(const std::string& path, const nlohmann::ordered_json& value);
 /// The value of a file that others may have written. A hostile text costs no more memory than a large one of ours:
-/// refused are more than `most_bytes`, brackets nested deeper than 16 and more than 2.5 million values, before any
-/// value is made. Throws FileError where it cannot be read, else InputError with the line of what is no JSON; `advice`
-/// says what to do and ends the message.
+/// refused are more than `most_bytes`, brackets nested deeper than 16, more than 2.5 million values and objects of more
+/// than 256 members, before any value is made. Throws FileError where it cannot be read, else InputError with the line
+/// of what is no JSON; `advice` says what to do and ends the message.
 nlohmann::ordered_json read_json(const std::string& path, std::size_t most_bytes, const std::string& advice = "");
 
 /// The same for a text in memory; `name` stands in messages.

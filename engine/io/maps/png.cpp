@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "engine/io/byte_source.hpp"
+#include "engine/io/file_limits.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {
@@ -130,9 +131,9 @@ bool read_rows(Codec& codec, Grey16Image& image) {
   });
 }
 
-// `bits` that a pixel takes in the file at least.
-void check_size(const Header& header, std::uint64_t bits, std::size_t file_bytes, std::uint64_t max_pixels,
-                const std::string& name) {
+// `bits` that a pixel takes in the file at least, and `kept` bytes that it takes in memory.
+void check_size(const Header& header, std::uint64_t bits, std::uint64_t kept, std::size_t file_bytes,
+                std::uint64_t max_pixels, const std::string& name) {
   constexpr std::uint64_t kLargestDeflateRatio = 1032;
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
   if (pixels > max_pixels) {
@@ -143,13 +144,14 @@ void check_size(const Header& header, std::uint64_t bits, std::size_t file_bytes
     throw InputError({name, 0}, fmt::format("states {} x {} pixels, which {} bytes cannot hold", header.width,
                                             header.height, file_bytes));
   }
+  check_kept_bytes(pixels * kept, file_bytes, name);
 }
 
 void check_header(const Header& header, std::size_t file_bytes, std::uint64_t max_pixels, const std::string& name) {
   if (header.colour != PNG_COLOR_TYPE_GRAY || header.depth != 16 || header.interlace != PNG_INTERLACE_NONE) {
     throw InputError({name, 0}, "is no 16-bit grey PNG without interlacing");
   }
-  check_size(header, 16, file_bytes, max_pixels, name);
+  check_size(header, 16, sizeof(std::uint16_t), file_bytes, max_pixels, name);
 }
 
 // What decode_png() begins with.
@@ -306,7 +308,7 @@ Grey8Image decode_png_grey8(std::span<const std::byte> data, const std::string& 
   if (header.interlace != PNG_INTERLACE_NONE) {
     throw InputError({name, 0}, "is an interlaced PNG; save it without interlacing");
   }
-  check_size(header, 1, data.size(), max_pixels, name);
+  check_size(header, 1, 1, data.size(), max_pixels, name);
   Grey8Image image{header.width, header.height, 255, {}};
   if (!read_rows_as_grey8(codec, image)) fail_as_damaged(codec, name);
   return image;

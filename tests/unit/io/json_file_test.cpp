@@ -74,6 +74,18 @@ TEST_F(JsonFileTest, BoundsValues) {
   expect_refused("[" + times(1'300'000, "{},") + "0]", ": holds more than the 2500000 values that are read");
 }
 
+TEST_F(JsonFileTest, BoundsMembersOfAnObject) {
+  const auto object_of = [](int members) {
+    std::string text = "{\"a\": {\"colons: \": \"::\"}";
+    for (int k = 1; k < members; ++k) text += ", \"" + std::to_string(k) + "\": [{}]";
+    return text + "}";
+  };
+  EXPECT_EQ(read(object_of(256)).size(), 256U);
+  EXPECT_EQ(read("[" + object_of(200) + "," + object_of(200) + "]").size(), 2U);  // each is counted by itself
+  expect_refused(object_of(257), ": has an object of more than the 256 members that are read");
+  expect_refused("[[" + object_of(300'000) + "]]", ": has an object of more than the 256 members that are read");
+}
+
 TEST_F(JsonFileTest, BoundsBytes) {
   EXPECT_EQ(read("[1, 2]", 6).size(), 2U);
   expect_refused("[1, 2] ", ": is longer than the 6 bytes that are read", 6);
