@@ -1,6 +1,6 @@
-"""Scenes, meshes and clouds that are made to harm: one stated outcome each, in little time and memory."""
+"""Scenes and meshes that are made to harm: one stated outcome each, in little time and memory. scenario_bombs.py has what
+unpacks and multiplies."""
 
-import gzip
 import os
 import re
 import signal
@@ -15,8 +15,6 @@ HEAD = "gdtslam_scene: 1\n"
 BOX = "{centre: [0, 0], size: [1, 1], height: 1}"
 PLACE = "waypoints: [{at: [0, 0], pause: 1 s}]\n"
 FEW_MB = 256
-# What docs/formats.md allows to be kept, three times over while a list grows.
-PACKED_MB = 1000
 
 
 def refused(name, code, pattern, most_mb, *arguments, most_s=5.0):
@@ -115,42 +113,6 @@ def hostile_meshes():
         process = cli.finish(process)
     expect_exit(process, 130)
     expect("interrupted while a mesh was read" in process.stderr, process.stderr)
-
-
-def lzf_zeros(triples):
-    """LZF data of 3 + 264 * triples zeros: three literals, then runs of 264 bytes three bytes back."""
-    return b"\x02\0\0\0" + b"\xe0\xff\x02" * triples
-
-
-def hostile_clouds():
-    """Packed files of a few kilobytes that unpack to gigabytes."""
-    folder = cli.fresh_folder("hostile_clouds")
-    packed = lzf_zeros(2_600_000)
-    size = 3 + 264 * 2_600_000
-    header = ("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 1 1 1\nTYPE U U U\nCOUNT 1 1 1\n"
-              f"WIDTH {size // 3}\nHEIGHT 1\nPOINTS {size // 3}\nDATA binary_compressed\n").encode()
-    pcd = header + struct.pack("<II", len(packed), size) + packed
-    points = 30_000_000
-    ply = ("ply\nformat binary_little_endian 1.0\n"
-           f"element vertex {points}\nproperty uchar x\nproperty uchar y\nproperty uchar z\nend_header\n").encode()
-    row = b"0 0 0 0 0 0 0 1\n"
-    with gzip.open(folder / "bomb.pcd.gz", "wb") as file:
-        file.write(pcd)
-    with gzip.open(folder / "bomb.ply.gz", "wb", 1) as file:
-        file.write(ply + bytes(3 * points))
-    with gzip.open(folder / "bomb.tum.gz", "wb", 1) as file:
-        file.write(row * 8_000_000)
-    with gzip.open(folder / "bomb.pgm.gz", "wb", 1) as file:
-        file.write(b"P5\n20000 20000\n255\n" + bytes(400_000_000))
-    (folder / "map.yaml").write_text("image: bomb.pgm.gz\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n")
-    for name in ("bomb.pcd.gz", "bomb.ply.gz"):
-        print(f"{name}: {(folder / name).stat().st_size} bytes")
-        refused(name, 65, f"{name}: would take .* store the file unpacked", PACKED_MB, "measure", folder / name, "--planes", most_s=30.0)
-    refused("bomb.tum.gz", 65, "bomb.tum.gz: would take", PACKED_MB, "evaluate", cli.TRUTH, "--reference",
-            folder / "bomb.tum.gz", most_s=30.0)
-    if os.environ.get("GDTSLAM_VIEWER") == "1":
-        refused("map of a bomb", 65, "bomb.pgm.gz: would take", PACKED_MB, "render", folder / "map.yaml", "-o",
-                folder / "map.png", most_s=30.0)
 
 
 def interrupted_reading_is_tried_again():

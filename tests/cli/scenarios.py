@@ -6,6 +6,7 @@ import sys
 import scenario_bad_input
 import scenario_bags
 import scenario_bench
+import scenario_bombs
 import scenario_calibrate
 import scenario_changes
 import scenario_compare
@@ -46,7 +47,7 @@ import scenario_tilt3d
 import scenario_tiles
 import scenario_tracking
 
-MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
+MODULES = (scenario_bad_input, scenario_bags, scenario_bench, scenario_bombs, scenario_calibrate, scenario_changes, scenario_compare, scenario_continue, scenario_convert, scenario_devices,
            scenario_doctor, scenario_edit, scenario_files, scenario_fleet, scenario_fleet_engines,
             scenario_hostile_files, scenario_keyframes, scenario_linkage, scenario_live, scenario_live_inputs, scenario_localize, scenario_localize_occupancy, scenario_loops,
             scenario_measure, scenario_merge, scenario_modules,
