@@ -18,7 +18,7 @@ Usage: tools/test.sh [--quick]
 Vulkan runs on lavapipe, which needs no GPU; VK_DRIVER_FILES=FILE names another driver.
 
 GDTSLAM_DATA=DIR   real logs for the accuracy tests (they skip where there are none)
-GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 15)
+GDTSLAM_FUZZ_S=N   seconds per fuzz target (default 4; tools/soak.sh has more)
 GDTSLAM_LINT_SINCE=REVISION   clang-tidy checks what changed since then (default: in the last six hours)
 GDTSLAM_JOBS=N     compiler processes at a time
 GDTSLAM_END_S=N    after that many seconds what repeats tests in another way is skipped: validation, clang-tidy,
@@ -198,7 +198,7 @@ begin "Sanitizers and fuzzing"
 if $quick; then
   skip "sanitizers and fuzzing (--quick)"
 else
-  if may_begin "fuzzing"; then check "fuzzing" "$root/tools/scripts/fuzz.sh"; fi
+  if may_begin "fuzzing"; then GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-4} check "fuzzing" "$root/tools/scripts/fuzz.sh"; fi
   if may_begin "tests under sanitizers"; then run_sanitized; fi
 fi
 complete=true
