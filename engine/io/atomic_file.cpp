@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "byte_source.hpp"
+#include "engine/core/retried.hpp"
 #include "gdtslam/core/error.hpp"
 #include "message_text.hpp"
-#include "retried.hpp"
 
 namespace gdtslam {
 namespace fs = std::filesystem;

@@ -11,10 +11,10 @@
 #include <cstring>
 #include <utility>
 
+#include "engine/core/retried.hpp"
 #include "engine/io/decimal.hpp"
 #include "engine/io/file_limits.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/retried.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -383,7 +383,7 @@ def faults_of(bomb, code, text, megabytes, cpu_s):
 
 def bombs():
     """Each bomb: exit code, one line, peak memory, CPU seconds."""
-    if "FULL_DISK" not in os.environ:
+    if "FAILING_CALLS" not in os.environ:
         cli.skip("a sanitized program needs more time and memory")
     failed = []
     for bomb in BOMBS:

@@ -20,7 +20,7 @@ def main():
     with tempfile.TemporaryDirectory() as work:
         log = os.path.join(work, "drive.log")
         os.environ.update(GDTSLAM=str(pathlib.Path(chosen.program).resolve()), GDTSLAM_SOURCE=str(ROOT), GDTSLAM_CLI_WORK=work,
-                          GDTSLAM_CLI_LOG=log, FULL_DISK="", GDTSLAM_BOMB_MB=str(chosen.piped), XDG_CACHE_HOME=os.path.join(work, "cache"))
+                          GDTSLAM_CLI_LOG=log, FAILING_CALLS="", GDTSLAM_BOMB_MB=str(chosen.piped), XDG_CACHE_HOME=os.path.join(work, "cache"))
         sys.dont_write_bytecode = True
         sys.path.insert(0, str(ROOT / "tests/cli"))
         import cli_support as cli  # noqa: E402, the environment comes first

@@ -12,8 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/retried.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/retried.hpp"
 #include "gdtslam/core/error.hpp"
 
 namespace gdtslam {

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <system_error>
 
+#include "engine/core/retried.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/message_text.hpp"
-#include "engine/io/retried.hpp"
 #include "gdtslam/core/error.hpp"
 #include "record.hpp"
 
