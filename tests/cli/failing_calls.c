@@ -3,12 +3,11 @@
  * processes of gdtslam that it starts; not in other programs, and of files only what lies below the named folders, so
  * neither shared libraries nor fonts nor what drivers keep. Calls that the C library makes by itself are not seen
  * (fread, fwrite), nor are stat and readdir.
- *
- *   FAILING_KINDS   open, read, write, sync, close, rename, unlink, mkdir, link, truncate, map, allocate, or change
- * (before and after which a kill can tell): one or several, with commas FAILING_AT      which of them, from 1; 0 counts
- * only FAILING_HOW     EIO, ENOSPC, EINTR, EAGAIN, ENOMEM, EROFS, short, kill-before, kill-after FAILING_ON      1: all
- * later ones too, as on a full disk FAILING_BELOW   folders, absolute, with colons; unset: every file FAILING_STATE   a
- * file of zeros, as large as CallState, for the counts of all processes */
+ * FAILING_KINDS: open, read, write, sync, close, rename, unlink, mkdir, link, truncate, map, allocate, or change
+ * (before and after which a kill can tell), several with commas. FAILING_AT: which of them, from 1; 0 counts only.
+ * FAILING_HOW: EIO, ENOSPC, EINTR, EAGAIN, ENOMEM, EROFS, short, kill-before, kill-after. FAILING_ON=1: all later ones
+ * too, as on a full disk. FAILING_BELOW: absolute folders with colons; unset: every file. FAILING_STATE: a file of
+ * zeros, as large as CallState, for the counts of all processes. */
 #include "failing_calls.h"
 
 #include <dirent.h>
@@ -104,6 +103,7 @@ static int counted_main(int count, char** arguments, char** variables) {
   return code;
 }
 
+// NOLINTNEXTLINE(clang-diagnostic-reserved-identifier, readability-identifier-naming): the C library's name
 int __libc_start_main(int (*main)(int, char**, char**), int count, char** arguments, void (*begin)(void),
                       void (*end)(void), void (*end_of_loader)(void), void* stack) {
   REAL(int, "__libc_start_main", int (*)(int, char**, char**), int, char**, void (*)(void), void (*)(void),

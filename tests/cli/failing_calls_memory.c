@@ -10,10 +10,13 @@
 
 #include "failing_calls.h"
 
+// The names of the C library and of the language.
+// NOLINTBEGIN(clang-diagnostic-reserved-identifier, readability-identifier-naming)
 extern void* __libc_malloc(size_t size);
 extern void* __libc_calloc(size_t count, size_t size);
 extern void* __libc_realloc(void* old, size_t size);
 extern void* __libc_memalign(size_t alignment, size_t size);
+// NOLINTEND(clang-diagnostic-reserved-identifier, readability-identifier-naming)
 
 enum Owner { kUnknown, kStranger, kOurs, kStandard };
 
@@ -141,9 +144,11 @@ int posix_memalign(void** result, size_t alignment, size_t size) {
     owner_of_new = owner_of_caller(__builtin_return_address(0));        \
     return real passed;                                                 \
   }
+// NOLINTBEGIN(clang-diagnostic-reserved-identifier)
 NEW(_Znwm, (size_t size), (size))
 NEW(_Znam, (size_t size), (size))
 NEW(_ZnwmSt11align_val_t, (size_t size, size_t alignment), (size, alignment))
 NEW(_ZnamSt11align_val_t, (size_t size, size_t alignment), (size, alignment))
 NEW(_ZnwmRKSt9nothrow_t, (size_t size, const void* no_throw), (size, no_throw))
 NEW(_ZnamRKSt9nothrow_t, (size_t size, const void* no_throw), (size, no_throw))
+// NOLINTEND(clang-diagnostic-reserved-identifier)
