@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What is too long for tools/test.sh: the unit and property tests unoptimised, by clang and under three sanitizers, every
-# test with its longest settings, clang-tidy over every source, fuzzing for minutes, each
-# call of each command that writes failing once. Some hours on two processors.
+# test with its longest settings, clang-tidy over every source, fuzzing for minutes, each call of each command that writes
+# failing once. Some hours on two processors.
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)

@@ -54,11 +54,11 @@ class Lint(ScriptTest):
         """The arguments of two folders differ, and so they have batches of their own, unless they are of one target."""
         return "TARGET" if path.parent.name.startswith("part") else "TARGET_" + path.parent.name
 
-    def lint(self, *files):
+    def lint(self, *files, options=()):
         commands = [{"directory": str(self.work / "build"), "file": str(path),
                      "command": f"ccache c++ -std=c++20 -D{self.target_of(path)} -Werror -o {path.stem}.o -c {path}"} for path in self.sources]
         (self.work / "build/compile_commands.json").write_text(json.dumps(commands))
-        return self.run_script(sys.executable, self.work / "tools/scripts/lint.py", self.work / "build", *files)
+        return self.run_script(sys.executable, self.work / "tools/scripts/lint.py", *options, self.work / "build", *files)
 
     def wrong_ones(self, done):
         return set(re.findall(r"^--- (.*)$", done.stdout, re.MULTILINE))
@@ -168,6 +168,13 @@ class Lint(ScriptTest):
         self.assertIn("2 sources, 1 unchanged", done.stdout)
         self.assertIn("0 of 1 checked sources pass", done.stdout)
         self.assertEqual(self.lint(self.sources[1]).returncode, 0)
+
+    def test_what_the_time_leaves_out_is_counted_and_did_not_pass(self):
+        self.source("a.cpp", "int* first() { return 0; }\n")
+        done = self.lint(options=("--seconds", "0"))
+        self.assertEqual(done.returncode, 77, done.stdout)
+        self.assertIn("0 of 0 checked sources pass\n1 were left out", done.stdout)
+        self.assertEqual(self.lint(options=("--seconds", "600")).returncode, 1)
 
 
 if __name__ == "__main__":

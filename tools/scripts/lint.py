@@ -6,8 +6,8 @@ Usage: lint.py [--since REVISION] [--seconds N] BUILD_FOLDER [FILE...]
 One process per processor. A file whose text, own headers, compile command and .clang-tidy have not changed since it last
 passed is not checked again; the record lies in BUILD_FOLDER/lint. With CI=true the record is ignored. With --since only
 sources are checked that changed since that revision (other than by moving, or in what they include), and for each header of
-ours that did one source that includes it; all where .clang-tidy changed. With --seconds no batch begins after that time, and
-the sources that this left out are counted.
+ours that did one source that includes it; all where .clang-tidy changed. With --seconds no batch begins after that time; the
+sources that this left out are counted, and where the others pass the exit code is 77.
 
 clang-tidy spends nearly all its time in the headers of the system. So sources that are compiled with the same arguments are
 written one behind the other into one file, a batch, and checked in one go:
@@ -317,7 +317,7 @@ def main():
     print(f"{checked - len(failures)} of {checked} checked sources pass")
     if late:
         print(f"{len(late)} were left out after the time that was given; tools/soak.sh lint checks all")
-    sys.exit(1 if failures else 0)
+    sys.exit(1 if failures else 77 if late else 0)
 
 
 if __name__ == "__main__":
