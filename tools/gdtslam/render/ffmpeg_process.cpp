@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -22,6 +23,9 @@ namespace {
 constexpr int kFilmOfChild = 3;
 constexpr int kPipeBytes = 1 << 20;  // what Linux grants everyone: ffmpeg can compress while a frame is drawn
 constexpr std::size_t kMostComplaint = 300;
+// A signal may be handled by another thread, or just before a call that blocks, which goes on then: so none blocks for
+// longer than this before it is asked whether there was one.
+constexpr int kGlance_ms = 20;
 
 [[noreturn]] void fail_to_start(const std::string& program, int code) {
   const bool is_limit = code == EMFILE || code == ENFILE || code == EAGAIN;
@@ -85,6 +89,7 @@ FfmpegProcess::FfmpegProcess(const std::string& program, std::vector<std::string
   if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(program, errno);
   const Descriptor output(ends[0]);
   input_ = Descriptor(ends[1]);
+  if (::fcntl(input_.number(), F_SETFL, O_NONBLOCK) != 0) fail_to_start(program, errno);
   ::fcntl(input_.number(), F_SETPIPE_SZ, kPipeBytes);  // smaller where the user's share of pipes is used up
   spawn(program, std::move(arguments), output.number(), film);
 }
@@ -154,10 +159,13 @@ bool FfmpegProcess::write(std::string_view bytes) {
       bytes.remove_prefix(static_cast<std::size_t>(count));
     } else if (errno == EPIPE) {
       return false;
-    } else if (errno != EINTR) {
+    } else if (errno != EINTR && errno != EAGAIN) {
       throw FileError("the pipe to ffmpeg", "cannot be written: " + errno_text(errno));
     }
-    if (!bytes.empty() && interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+    if (bytes.empty()) break;
+    if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+    pollfd room{.fd = input_.number(), .events = POLLOUT, .revents = 0};
+    ::poll(&room, 1, kGlance_ms);
   }
   return true;
 }
@@ -165,9 +173,12 @@ bool FfmpegProcess::write(std::string_view bytes) {
 std::string FfmpegProcess::wait() {
   input_.close();
   int status = 0;
-  while (::waitpid(child_, &status, 0) < 0) {
-    if (errno != EINTR) throw Error(ExitCode::kFailed, "ffmpeg: cannot be waited for: " + errno_text(errno));
+  pid_t ended = 0;
+  while ((ended = ::waitpid(child_, &status, WNOHANG)) <= 0) {
+    if (ended < 0 && errno != EINTR)
+      throw Error(ExitCode::kFailed, "ffmpeg: cannot be waited for: " + errno_text(errno));
     if (interrupted()) throw Error(ExitCode::kInterrupted, "interrupted; nothing is written");
+    ::poll(nullptr, 0, kGlance_ms);
   }
   child_ = -1;
   if (WIFSIGNALED(status)) return fmt::format("signal {}", WTERMSIG(status));
