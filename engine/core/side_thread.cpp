@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "scheduling.hpp"
 #include "signals_blocked.hpp"
 
 namespace gdtslam {
@@ -68,6 +69,7 @@ void SideThread::end(bool at_once) {
 }
 
 void SideThread::work() {
+  run_in_background();
   std::unique_lock lock(mutex_);
   while (!failure_) {
     wake_.wait(lock, [this] { return is_ending_ || waiting_.size() > most_waiting_ / kWokenFor; });

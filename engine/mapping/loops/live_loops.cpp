@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/core/scheduling.hpp"
 #include "engine/core/side_thread.hpp"
 #include "engine/core/signals_blocked.hpp"
 #include "engine/mapping/map/separate_map.hpp"
@@ -25,18 +26,22 @@ LiveLoops::LiveLoops(const LoopOptions& options, LiveOptions live)
 void LiveLoops::start() {
   if (is_started_) return;
   is_started_ = true;
-  is_over_ = !live_.is_beside;
-  workers_ = std::make_unique<WorkerPool>(live_.is_beside ? live_.threads : 1);
-  if (!live_.is_beside) return;
+  if (live_.is_beside && start_thread()) return;
+  is_over_ = true;
+  live_.threads = 1;
+}
+
+bool LiveLoops::start_thread() {
   const SignalsBlocked blocked;
   try {
     thread_ = std::thread([this] { work(); });
+    return true;
   } catch (const std::system_error& error) {
-    is_over_ = true;
     if (live_.warn) {
       live_.warn(std::string("no thread to look for loops beside the mapping (") + error.what() +
                  "): it is done in between; the result is the same");
     }
+    return false;
   }
 }
 
@@ -76,6 +81,7 @@ void LiveLoops::hand_over(Order order) {
 }
 
 void LiveLoops::work() {
+  run_in_background();
   std::unique_lock lock(mutex_);
   while (!is_abandoned_ && !failure_) {
     if (orders_.empty() && is_ending_) break;
@@ -123,6 +129,7 @@ void LiveLoops::append(Keyframe& keyframe) {
 // One keyframe on, and one place at most.
 void LiveLoops::follow(Keyframe& keyframe) {
   append(keyframe);
+  if (!workers_) workers_ = std::make_unique<WorkerPool>(live_.threads);
   closer_.follow([](double, int) {}, *workers_);
   const std::lock_guard lock(mutex_);
   if (found_.size() == closer_.graph().poses.size()) return;

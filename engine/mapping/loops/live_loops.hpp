@@ -78,6 +78,7 @@ class LiveLoops {
   using Order = std::variant<Keyframe, MapRequest, KeyframesRequest>;
 
   void start();
+  bool start_thread();
   void hand_over(Order order);
   void work();
   void carry_out(Order& order);

@@ -74,6 +74,18 @@ Agreement agreement_at(std::span<const TimedHeading> headings, const HeadingTrac
   return agreement;
 }
 
+// Turns are wanted, and not the best map: a scan that lies wrongly is one of many. Nothing but the last motion says
+// where the next scan lies, so windows are wide; they are searched where a match is suspect, coarsely and once.
+MapperConfig config_of_look(MapperConfig config) {
+  constexpr double kCoarser = 2.0;
+  config.odometry.estimate = true;
+  config.search.when = std::min(config.search.when, SearchWhen::kSuspect);
+  config.search.attempts = std::min(config.search.attempts, 1);
+  config.search.step_m *= kCoarser;
+  config.search.step_rad *= kCoarser;
+  return config;
+}
+
 double turned_rad(std::span<const TimedHeading> headings) {
   double sum = 0.0;
   for (std::size_t i = 1; i < headings.size(); ++i) {
@@ -114,8 +126,7 @@ std::optional<OdometryDelay> measured_delay(const std::string& log, const ReadOp
                                             const MapperConfig& mapper, const std::function<bool()>& stop) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(log, ignored) && !std::filesystem::is_directory(log, ignored)) return {};
-  MapperConfig config = mapper;
-  config.odometry.estimate = true;
+  const MapperConfig config = config_of_look(mapper);
   const std::unique_ptr<Backend> cpu = make_cpu_backend({});
   std::vector<TimedHeading> headings;
   double turned = 0.0;

@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "engine/core/scheduling.hpp"
 #include "engine/runs/streams/scan_stream.hpp"
 #include "gdtslam/core/error.hpp"
 #include "options.hpp"
@@ -152,6 +153,7 @@ void add_live_command(CLI::App& app, CommandContext& context) {
   command->callback([options, log, &context] {
     context.run = [options, has_log = log->count() > 0] {
       check(*options, has_log);
+      answer_promptly();
       return options->map.empty() ? map_live(*options) : follow_live(*options);
     };
     context.when_out_of_memory = kSmallerMap;
