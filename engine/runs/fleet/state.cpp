@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
+#include "engine/core/worker_pool.hpp"
 #include "engine/io/atomic_file.hpp"
 #include "engine/io/yaml/yaml_text.hpp"
 #include "gdtslam/core/error.hpp"
@@ -17,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostTableBytes = std::size_t{1} << 30U;
+constexpr std::uint64_t kRecordsAtOnce = 256;  // read by one thread
 
 std::optional<std::size_t> unit_of_file(const std::string& name) {
   constexpr std::string_view kEnding = ".json";
@@ -53,6 +57,21 @@ void read_tables(const std::string& atlas, const StoredPlan& stored, const std::
   });
 }
 
+// What is wrong with the record, where something is.
+std::string read_into(std::optional<UnitRecord>& place, const std::string& atlas, std::size_t unit,
+                      const std::string& plan) {
+  try {
+    UnitRecord record = read_record(atlas, unit);
+    if (record.plan != plan)
+      throw InputError({atlas + "/" + record_path(unit), 0},
+                       "is of another plan; running its shard again does it anew");
+    place = std::move(record);
+    return {};
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
 }  // namespace
 
 std::vector<bool> units_with_record(const std::string& atlas, std::size_t units) {
@@ -72,17 +91,17 @@ AtlasState read_state(const std::string& atlas, const StoredPlan& stored) {
   state.records.resize(units.size());
   const std::vector<bool> is_there = units_with_record(atlas, units.size());
   read_tables(atlas, stored, is_there, state);
+  std::vector<std::size_t> left;
   for (std::size_t k = 0; k < units.size(); ++k) {
-    if (!is_there[k] || state.records[k]) continue;
-    try {
-      UnitRecord record = read_record(atlas, k);
-      if (record.plan != stored.id)
-        throw InputError({atlas + "/" + record_path(k), 0}, "is of another plan; running its shard again does it anew");
-      state.records[k] = std::move(record);
-    } catch (const InputError& error) {
-      state.damaged.emplace_back(error.what());
-    }
+    if (is_there[k] && !state.records[k]) left.push_back(k);
   }
+  std::vector<std::string> damage(left.size());
+  WorkerPool(threads_meant(0)).run(left.size(), kRecordsAtOnce, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      damage[i] = read_into(state.records[left[i]], atlas, left[i], stored.id);
+  });
+  std::copy_if(damage.begin(), damage.end(), std::back_inserter(state.damaged),
+               [](const std::string& text) { return !text.empty(); });
   return state;
 }
 
