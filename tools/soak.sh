@@ -5,7 +5,7 @@
 # The last line is 'N passed, N failed' over the steps; the exit status is 0 only when none failed.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-step_count=8
+step_count=9
 source "$root/tools/scripts/common.sh"
 
 usage() {
@@ -21,6 +21,7 @@ Usage: tools/soak.sh [STEP...]
   faults     each file call of each command that writes failing in each way, each crash point, 2000 allocations
   lint       clang-tidy over every source
   fuzz       every fuzz target for GDTSLAM_FUZZ_S seconds (default 600)
+  arm64      the command built for arm64, and the samples' hashes under qemu (tools/scripts/cross_arm64.sh)
 
 Without STEP: all of them.
 USAGE
@@ -28,12 +29,12 @@ USAGE
 steps=()
 for argument in "$@"; do
   case "$argument" in
-    debug | clang | asan | tsan | long | faults | lint | fuzz) steps+=("$argument") ;;
+    debug | clang | asan | tsan | long | faults | lint | fuzz | arm64) steps+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *) echo "soak.sh: unknown step '$argument'" >&2; usage >&2; exit 2 ;;
   esac
 done
-if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults lint fuzz); fi
+if ((${#steps[@]} == 0)); then steps=(debug clang asan tsan long faults lint fuzz arm64); fi
 step_count=${#steps[@]}
 
 passed=0 failed=0
@@ -85,6 +86,13 @@ run_lint() {
   python3 "$root/tools/scripts/lint.py" "$root/build/test"
 }
 
+run_arm64() {
+  dpkg --add-architecture arm64
+  apt-get update -qq
+  apt-get install -y -qq --no-install-recommends g++-aarch64-linux-gnu qemu-user-static
+  "$root/tools/scripts/cross_arm64.sh"
+}
+
 run_fuzz() { GDTSLAM_FUZZ_S=${GDTSLAM_FUZZ_S:-600} "$root/tools/scripts/fuzz.sh"; }
 
 run_step() {
@@ -96,6 +104,7 @@ run_step() {
     faults) run_faults ;;
     lint) run_lint ;;
     fuzz) run_fuzz ;;
+    arm64) run_arm64 ;;
   esac
 }
 

@@ -5,7 +5,7 @@
 
 Lines go through a pipe to `gdtslam live -`, each when the robot would send it, its time going FACTOR times as fast
 (default 100), whether or not poses have come for the scans before it; so a scan that waits for others has that in its
-figure. Beside it N processes (default 1) keep a core busy each. OPTIONs after -- are for `live`. Prints a table for
+figure; the last column leaves these out. Beside it N processes (default 1) keep a core busy each. OPTIONs after -- are for `live`. Prints a table for
 docs/benchmarks.md; the log's default is intel.clf.gz in the folder slam2d of GDTSLAM_DATA, else ../shared/data beside the clone.
 """
 
@@ -80,15 +80,17 @@ def measured(process, parts, speed):
         for line in whole:
             taken.append(now - starts[len(lines)])
             lines.append(line)
-    return taken, lines, time.perf_counter() - begin
+    alone = [taken[k] for k in range(1, len(taken)) if starts[k] >= starts[k - 1] + taken[k - 1]]
+    return taken, alone, lines, time.perf_counter() - begin
 
 
-def table(log, speed, busy, taken, lines, lasted_s):
+def table(log, speed, busy, taken, alone, lines, lasted_s):
     in_order = sorted(taken)
     at = [in_order[min(int(share * len(in_order)), len(in_order) - 1)] for _, share in SHARES] + [in_order[-1]]
     poses = [json.loads(line) for line in lines]
     corrections = sum(a["correction"] != b["correction"] for a, b in zip(poses, poses[1:]))
-    names = [name for name, _ in SHARES] + ["largest"]
+    names = [name for name, _ in SHARES] + ["largest", "p99 of those that waited for no other"]
+    at.append(sorted(alone)[int(0.99 * len(alone))])
     rows = ["| log | scans | a second | loops took effect | " + " | ".join(names) + " |",
             "|---|---|---|---|" + "---|" * len(names),
             f"| {log.name.split('.')[0]}, {speed:g} times the robot's speed, {busy} core{'' if busy == 1 else 's'} busy beside it | "
@@ -112,7 +114,7 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             process = subprocess.Popen([chosen.program, "live", "-", "-q", "-o", f"{folder}/run", *chosen.options],
                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-            taken, lines, lasted_s = measured(process, parts, chosen.speed)
+            taken, alone, lines, lasted_s = measured(process, parts, chosen.speed)
             process.stdin.close()
             if process.wait() != 0:
                 sys.exit(f"gdtslam live ended with {process.returncode}")
@@ -120,7 +122,7 @@ def main():
         for one in beside:
             one.kill()
             one.wait()
-    print(table(chosen.log, chosen.speed, chosen.busy, taken, lines, lasted_s))
+    print(table(chosen.log, chosen.speed, chosen.busy, taken, alone, lines, lasted_s))
 
 
 if __name__ == "__main__":
