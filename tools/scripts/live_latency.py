@@ -5,8 +5,9 @@
 
 Lines go through a pipe to `gdtslam live -`, each when the robot would send it, its time going FACTOR times as fast
 (default 100), whether or not poses have come for the scans before it; so a scan that waits for others has that in its
-figure; the last column leaves these out. Beside it N processes (default 1) keep a core busy each. OPTIONs after -- are for `live`. Prints a table for
-docs/benchmarks.md; the log's default is intel.clf.gz in the folder slam2d of GDTSLAM_DATA, else ../shared/data beside the clone.
+figure; the last column leaves these out. Beside it N processes (default 1) keep a core busy each. OPTIONs after -- are
+for `live`. Prints a table for docs/benchmarks.md; the log's default is intel.clf.gz in the folder slam2d of GDTSLAM_DATA,
+else ../shared/data beside the clone.
 """
 
 import argparse
