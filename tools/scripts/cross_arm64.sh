@@ -59,6 +59,7 @@ step "Build"
 cmake --build "$build/tree" --parallel "$(build_jobs)" --target gdtslam
 
 step "The samples under qemu"
+ln -sfn "$root/assets" "$build/assets"  # where the command looks for what comes with it
 run() { QEMU_LD_PREFIX=$target qemu-aarch64-static "$build/tree/bin/gdtslam" "$@"; }
 run --version
 for sample in office-start nodding-start; do
