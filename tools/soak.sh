@@ -87,9 +87,11 @@ run_lint() {
 }
 
 run_arm64() {
-  dpkg --add-architecture arm64
-  apt-get update -qq
-  apt-get install -y -qq --no-install-recommends g++-aarch64-linux-gnu qemu-user-static
+  local as_root=()
+  if ((EUID != 0)); then as_root=(sudo); fi
+  "${as_root[@]}" dpkg --add-architecture arm64
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" apt-get install -y -qq --no-install-recommends g++-aarch64-linux-gnu qemu-user-static
   "$root/tools/scripts/cross_arm64.sh"
 }
 
