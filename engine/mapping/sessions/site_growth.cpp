@@ -126,6 +126,7 @@ class SiteGrowth {
   void verify(SessionSearch& search);
   [[nodiscard]] bool is_refuted(std::size_t session, std::size_t keyframe) const;
   [[nodiscard]] bool may_lie_elsewhere(const SessionSearch& search);
+  [[nodiscard]] bool lies_in_two_ways_elsewhere(std::size_t session);
   [[nodiscard]] bool is_repeated(const SessionFix& fix, std::size_t query) const;
   void split();
 
@@ -142,6 +143,12 @@ class SiteGrowth {
   Sites sites_;
   GrownSites grown_;
 };
+
+// Where one site shows that the building can hold a session in two ways, a drive that saw one of them alone does not
+// tell which it is.
+bool lies_in_two_ways(const std::vector<SessionOverlap>& overlaps) {
+  return std::any_of(overlaps.begin(), overlaps.end(), [](const SessionOverlap& overlap) { return overlap.rival > 0; });
+}
 
 // Most of what was found there fits there several times.
 bool SiteGrowth::is_everywhere(const SessionOverlap& overlap) const {
@@ -217,6 +224,9 @@ void SiteGrowth::add(std::size_t session) {
   is_undecided_[session] =
       std::any_of(overlaps.begin(), overlaps.end(), [](const SessionOverlap& overlap) { return overlap.is_undecided; });
   leave_out_repeated(session, overlaps);
+  if (lies_in_two_ways(overlaps)) {
+    for (SessionOverlap& overlap : overlaps) overlap.held.clear();
+  }
   std::vector<std::vector<SessionEdge>> edges(sites_.size());
   for (std::size_t k = 0; k < sites_.size(); ++k) {
     for (const SessionFix& fix : overlaps[k].held) add_edges(edges[k], {sites_[k]->edge_of(session, fix)});
@@ -304,6 +314,16 @@ bool SiteGrowth::may_lie_elsewhere(const SessionSearch& search) {
   return (*site)->repeats(workers_).may_lie_elsewhere(query, T_site_query);
 }
 
+// The other sites have grown since it was searched in them.
+bool SiteGrowth::lies_in_two_ways_elsewhere(std::size_t session) {
+  std::vector<SessionOverlap> overlaps;
+  for (const auto& site : sites_) {
+    if (site->holds(session) || site->group().size() == 1) continue;
+    overlaps.push_back(find_overlap(site->map(), sessions_[session], options_, workers_));
+  }
+  return lies_in_two_ways(overlaps);
+}
+
 void SiteGrowth::verify(SessionSearch& search) {
   std::size_t left = 0;
   std::vector<std::size_t> repeating;
@@ -321,7 +341,8 @@ void SiteGrowth::verify(SessionSearch& search) {
     edge.held = std::move(held);
   }
   std::erase_if(search.edges, [](const SessionEdge& edge) { return edge.held.empty(); });
-  search.may_lie_elsewhere = left >= options_.agreement.least && may_lie_elsewhere(search);
+  search.may_lie_elsewhere =
+      left >= options_.agreement.least && (may_lie_elsewhere(search) || lies_in_two_ways_elsewhere(search.query));
   if (left >= options_.agreement.least && !search.may_lie_elsewhere) return;
   search.edges.clear();
   is_any_refuted_ = true;
