@@ -156,7 +156,7 @@ class Calls {
     scan.stamp_s = (odd & 4U) != 0 ? in_.value<double>() : stamp_s_ += 0.1;
     scan.first_bearing_rad = (odd & 8U) != 0 ? in_.value<double>() : -1.5;
     scan.bearing_step_rad = (odd & 16U) != 0 ? in_.value<double>() : 0.02;
-    scan.max_range_m = (odd & 32U) != 0 ? in_.value<float>() : 0.0;
+    scan.max_range_m = (odd & 32U) != 0 ? double{in_.value<float>()} : 0.0;
     scan.has_odometry = in_.byte() % 2;
     if ((odd & 64U) != 0) scan.T_odom_base = in_.pose();
     if ((odd & 128U) != 0) {

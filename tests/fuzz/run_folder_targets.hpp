@@ -70,7 +70,7 @@ inline void check_members(const RunReader& run) {
     if (!doubts.loops) return;
     for (const ClosedLoop& loop : doubts.loops->loops) require(std::max(loop.from, loop.to) < run.summary().scans);
   });
-  expect_typed<InputError>([&] { require(run.map().geometry == *run.summary().map); });
+  expect_typed<InputError, FileError>([&] { require(run.map().geometry == *run.summary().map); });
   expect_typed<ConfigError, InputError>([&] { static_cast<void>(run.settings()); });
   expect_typed<InputError>([&] {
     if (const auto kept = run.keyframes()) require(kept->keyframes.size() == run.summary().keyframes.size());
@@ -102,11 +102,11 @@ inline void read_run_folder(std::span<const std::byte> data) {
     require(!run.name().empty());
     detail::check_members(run);
   });
-  expect_typed<InputError, ConfigError>([] {
+  expect_typed<InputError, ConfigError, FileError>([] {
     const RunSession session = read_run_session(folder.path());
     require(session.session.poses.size() == session.kept.keyframes.size());
   });
-  expect_typed<InputError, ConfigError>([] {
+  expect_typed<InputError, ConfigError, FileError>([] {
     const SourceRun source = read_source_run(folder.path());
     require(source.outcome.trajectory.size() == source.reader.summary().scans);
   });

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "engine/runs/continuing/continue_file.hpp"
@@ -163,9 +165,10 @@ inline void read_places(std::span<const std::byte> data) {
     require(fitted.T_world_map.is_finite() && std::isfinite(fitted.rms_m) && std::isfinite(fitted.scale));
   });
   const std::string text(text_of(data));
-  if (text.find_first_of("/.~") != std::string::npos && text.find(' ') == std::string::npos) return;
-  expect_typed<UsageError, InputError, FileError>([&] { require(parse_region(text).corners_m.size() >= 3); });
-  expect_typed<UsageError, InputError, FileError>([&] { require(!parse_point_pairs(text).empty()); });
+  std::error_code ignored;
+  if (std::filesystem::exists(text, ignored)) return;  // that would be another file of this machine
+  expect_typed<UsageError>([&] { require(parse_region(text).corners_m.size() >= 3); });
+  expect_typed<UsageError>([&] { require(!parse_point_pairs(text).empty()); });
   expect_typed<UsageError>([&] { require(parse_origin(text).pose.is_finite()); });
   expect_typed<UsageError>([&] {
     const RegionBounds bounds = parse_rectangle(text);
