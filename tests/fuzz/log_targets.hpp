@@ -108,12 +108,12 @@ inline ReadLog read_in_pieces(std::string_view bytes, std::span<const std::size_
   return log;
 }
 
-/// Of damaged packed data one may have more than the other before the error, which unpackers find ahead.
+/// Of damaged packed data one may have more than the other: what an unpacker finds ahead of the records is an error.
 inline bool is_same_log(const ReadLog& a, const ReadLog& b) {
   if (a == b) return true;
-  const std::size_t both = std::min(a.records.size(), b.records.size());
-  return a.error == b.error && a.error.find(": damaged ") != std::string::npos &&
-         std::equal(a.records.begin(), a.records.begin() + static_cast<std::ptrdiff_t>(both), b.records.begin());
+  const auto is_damaged = [](const ReadLog& log) { return log.error.find(": damaged ") != std::string::npos; };
+  const auto both = static_cast<std::ptrdiff_t>(std::min(a.records.size(), b.records.size()));
+  return (is_damaged(a) || is_damaged(b)) && std::equal(a.records.begin(), a.records.begin() + both, b.records.begin());
 }
 
 /// What a sender sends, in pieces: the first bytes are their sizes, up to a 0. It makes no difference where a piece
@@ -169,7 +169,7 @@ inline void read_senders(std::span<const std::byte> data) {
   expected += of_sender.substr(0, of_sender.rfind('\n') + 1);  // of one that is still there
   require(received == expected, "not the whole lines of the senders");
   for (const bool lenient : {false, true}) {
-    require(read_in_pieces(received, pieces, lenient) == read_in_pieces(received, {}, lenient));
+    require(is_same_log(read_in_pieces(received, pieces, lenient), read_in_pieces(received, {}, lenient)));
   }
 }
 
