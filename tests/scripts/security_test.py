@@ -32,7 +32,8 @@ def claims_of(text):
 
 def known_tests():
     listed = subprocess.run(["ctest", "--test-dir", BUILD, "--show-only=json-v1"], capture_output=True, text=True, check=True)
-    return {test["name"] for test in json.loads(listed.stdout)["tests"]}
+    # What GoogleTest calls a parameter stands behind the name.
+    return {test["name"].split("  #")[0] for test in json.loads(listed.stdout)["tests"]}
 
 
 def faults_of(text, known):
