@@ -333,7 +333,7 @@ def edit_mistakes():
             ("few", ("--again", folder / "steps.json"), 65, '"paint", which this program does not know'),
             ("few", ("--again", folder / "no.json"), 65, "is no JSON text"), ("few", ("--again", folder / "none"), 74, "none"),
             ("nods", ("--rotate-to-walls",), 65, "laser that nods"), ("bare", ("--world-file",), 65, "--no-map"),
-            ("cut", ("--origin", "1,1"), 74, "graph.g2o"), ("none", ("--origin", "1,1"), 65, "is no folder of a run")):
+            ("cut", ("--origin", "1,1"), 65, "graph.g2o: is missing in this run"), ("none", ("--origin", "1,1"), 65, "is no folder of a run")):
         process = command("edit", folder / run, "-o", folder / "out", *words)
         expect_exit(process, code)
         one_error_line(process.stderr)

@@ -72,12 +72,8 @@ std::vector<std::size_t> scans_of_places(const GraphLines& lines, const RunReade
 
 RunGraph read_run_graph(const RunReader& run) {
   const GraphOfRun source{(std::filesystem::path(run.folder()) / "graph.g2o").string(), run.folder()};
-  std::error_code ignored;
-  if (!std::filesystem::exists(source.file, ignored)) {
-    throw InputError({source.file, 0}, fmt::format("is missing in this run{}{}", kMapAgain, source.folder));
-  }
   const std::vector<ClosedLoop> told = run.doubts().loops.value_or(LoopFindings()).loops;
-  const GraphLines lines = read_graph(source.file);
+  const GraphLines lines = run.graph();
   if (lines.places.empty()) source.refuse("has no places");
   if (lines.relations.size() < told.size()) source.refuse("has fewer edges than the report has loops");
   RunGraph result;

@@ -147,11 +147,13 @@ void require_one_piece(const std::string& path) {
 
 MapField read_map_field(const std::string& map, const MapConfig& config, Isa isa) {
   const std::string path = description_file_of(map);
-  if (is_occupancy_map(path)) return field_of_occupied(path, config, isa);
+  const bool is_run = RunReader::is_run(map);
+  if (!is_run && is_occupancy_map(path)) return field_of_occupied(path, config, isa);
   require_one_piece(path);
   MapField field;
   field.path = path;
-  field.file = read_distance_field(path);
+  if (is_run) field.run.emplace(map);
+  field.file = field.run ? field.run->field() : read_distance_field(path);
   check_lattice(field);
   return field;
 }

@@ -68,7 +68,10 @@ class RenderSource {
   const calib::SweepModel& linkage();
   /// Read anew at each call, because whoever draws it keeps it; both as of read_whole_cloud().
   [[nodiscard]] Cloud cloud(const CloudProgress& progress = {}, const CloudRemark& remark = {}) const;
-  [[nodiscard]] const std::string& cloud_file() const { return cloud_file_; }
+  /// A run's is checked against its report.
+  [[nodiscard]] std::string cloud_file() const;
+  /// Throws InputError where files of the run were replaced since they were checked.
+  void expect_unchanged() const;
   /// Path, keyframes and doubtful scans; empty where there is no trajectory.
   PathOverlay overlay();
   /// Of what has kGraph: loops, covariances and what is not to be trusted, and a line that counts them.
