@@ -263,15 +263,10 @@ const Trajectory& RenderSource::trajectory() {
 const calib::SweepModel& RenderSource::linkage() { return linkage_.value(); }
 
 Cloud RenderSource::cloud(const CloudProgress& progress, const CloudRemark& remark) const {
-  const auto read = [&] { return read_whole_cloud(cloud_file(), progress, remark); };
-  return run_ ? run_->files().unless_changed(read) : read();
+  return read_cloud_file([&](const std::string& file) { return read_whole_cloud(file, progress, remark); });
 }
 
 std::string RenderSource::cloud_file() const { return run_ ? run_->cloud_file().value() : cloud_file_; }
-
-void RenderSource::expect_unchanged() const {
-  if (run_) run_->files().expect_unchanged();
-}
 
 PathOverlay RenderSource::overlay() {
   if ((parts_ & part::kTrajectory) == 0) return {};

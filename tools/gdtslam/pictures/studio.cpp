@@ -99,10 +99,11 @@ Cloud RenderStudio::whole_cloud() {
 
 Cloud RenderStudio::cloud_of_still(const PictureSize& size) {
   ProgressLine progress("points", options_.quiet);
-  StillCloud still = read_cloud_for_still(
-      first().cloud_file(), size, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
-      [this](const std::string& remark) { tell(remark); });
-  first().expect_unchanged();
+  StillCloud still = first().read_cloud_file([&](const std::string& file) {
+    return read_cloud_for_still(
+        file, size, [&progress](std::uint64_t done, double share) { progress.update(done, share); },
+        [this](const std::string& remark) { tell(remark); });
+  });
   whole_points_ = still.points;
   return std::move(still.cloud);
 }
