@@ -47,6 +47,7 @@ class UnpackSource : public ByteSource {
   void used(std::size_t count) { begin_ += count; }
   /// Whether a stream has ended and no other has begun.
   void set_between(bool is_between) { is_between_ = is_between; }
+  [[nodiscard]] bool is_between() const { return is_between_; }
   void ignore_rest() {
     is_over_ = true;
     defect_ = fmt::format("bytes after the {} stream are ignored", format_);
@@ -180,6 +181,7 @@ class UnzstdSource final : public UnpackSource {
     void operator()(ZSTD_DStream* stream) const { ZSTD_freeDStream(stream); }
   };
   std::size_t unpack(std::span<char> packed, std::span<char> target) override {
+    if (packed.empty() && is_between()) return 0;  // asked once more, zstd would begin another stream
     ZSTD_inBuffer from{packed.data(), packed.size(), 0};
     ZSTD_outBuffer to{target.data(), target.size(), 0};
     const std::size_t status = ZSTD_decompressStream(stream_.get(), &to, &from);

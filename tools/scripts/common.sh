@@ -41,6 +41,7 @@ configure() {
     export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}
     launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
+  mkdir -p "$folder"
   cmake -S "$root" -B "$folder" -G Ninja --log-level=WARNING "${launcher[@]}" "$@" >"$folder.configure.log" 2>&1 || {
     cat "$folder.configure.log"
     return 1

@@ -32,7 +32,7 @@ struct LoopSearchOptions {
   /// Of groups kept to be searched in again, as if all that was prepared for searching them were kept with them: loops
   /// depend on when a group is made anew.
   std::size_t most_bytes = 256U << 20U;
-  std::size_t most_prepared_bytes = 48U << 20U;  ///< of what is; it is the same when it is prepared again
+  std::size_t most_prepared_bytes = 28U << 20U;  ///< of what is; it is the same when it is prepared again
   RevisitRules revisits;
   LoopLimits limits;
 };

@@ -149,12 +149,18 @@ SessionOverlap find_overlap(const SessionMap& map, const Session& query, const O
   const Met met = places_met(map, query, T_map_query_of(overlap, query), workers);
   overlap.met = met.places;
   overlap.fitting = met.fitting;
-  if (static_cast<double>(overlap.alone) < options.least_alone * static_cast<double>(overlap.possible) ||
-      overlap.rival > 0 || !met.fit(options.least_fitting)) {
-    overlap.held.clear();
-    overlap.is_undecided = true;
-  }
   return overlap;
+}
+
+void refuse_doubtful(const OverlapOptions& options, SessionOverlap& overlap) {
+  if (overlap.held.empty()) return;
+  const Met met{overlap.met, overlap.fitting};
+  if (static_cast<double>(overlap.alone) >= options.least_alone * static_cast<double>(overlap.possible) &&
+      overlap.rival == 0 && met.fit(options.least_fitting)) {
+    return;
+  }
+  overlap.held.clear();
+  overlap.is_undecided = true;
 }
 
 }  // namespace gdtslam

@@ -31,7 +31,7 @@ struct SessionOverlap {
   std::size_t met = 0;            ///< of all places, that this puts where somebody of the site drove too
   std::size_t fitting = 0;        ///< of these, that fit there
   std::vector<SessionFix> held;   ///< those that agree; empty where the session does not belong there
-  bool is_undecided = false;      ///< some agree, and something speaks against it
+  bool is_undecided = false;      ///< some agree, and too much speaks against it
 
   /// Whether the keyframe is beside one that was found in the site.
   [[nodiscard]] bool finds(const Session& query, std::size_t keyframe) const;
@@ -39,8 +39,12 @@ struct SessionOverlap {
   [[nodiscard]] bool repeats(const Session& query, std::size_t keyframe) const;
 };
 
-/// `map` is that of the site. The same bits for any number of threads.
+/// What speaks for the session lying in the site that `map` is of, and against it. It does not depend on
+/// `options.least_alone`. The same bits for any number of threads.
 SessionOverlap find_overlap(const SessionMap& map, const Session& query, const OverlapOptions& options,
                             WorkerPool& workers);
+
+/// The verdict: where what speaks against it is too much, nothing holds the session there.
+void refuse_doubtful(const OverlapOptions& options, SessionOverlap& overlap);
 
 }  // namespace gdtslam

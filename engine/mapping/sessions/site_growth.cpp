@@ -7,87 +7,15 @@
 #include <optional>
 #include <utility>
 
-#include "engine/mapping/sessions/site_graph.hpp"
-#include "engine/mapping/sessions/site_repeats.hpp"
+#include "engine/mapping/sessions/growing_site.hpp"
 
 namespace gdtslam {
 namespace {
 
-/// Sessions in one frame, as one that others are searched in.
-class GrowingSite {
- public:
-  GrowingSite(std::vector<std::size_t> group, const std::vector<Session>& sessions, std::vector<SessionEdge> edges,
-              const SessionSearchOptions& options)
-      : group_(std::move(group)), sessions_(sessions), edges_(std::move(edges)), options_(options) {}
-
-  [[nodiscard]] const std::vector<std::size_t>& group() const { return group_; }
-  [[nodiscard]] bool holds(std::size_t session) const {
-    return std::binary_search(group_.begin(), group_.end(), session);
-  }
-  [[nodiscard]] const std::vector<SessionEdge>& edges() const { return edges_; }
-
-  /// Made when it is asked for first.
-  const SessionMap& map() {
-    if (!map_) map_ = std::make_unique<SessionMap>(whole(), options_);
-    return *map_;
-  }
-  const Session& whole() {
-    if (group_.size() == 1) return sessions_[group_.front()];
-    if (!whole_) whole_ = std::make_unique<Session>(SiteGraph(group_, sessions_, edges_).as_one());
-    return *whole_;
-  }
-  /// Likewise.
-  const SiteRepeats& repeats(WorkerPool& workers) {
-    if (!repeats_) repeats_ = std::make_unique<SiteRepeats>(whole(), map(), workers);
-    return *repeats_;
-  }
-  Pose2 T_site_keyframe(std::size_t session, std::size_t keyframe) {
-    std::size_t before = 0;
-    for (const std::size_t k : group_) {
-      if (k == session) break;
-      before += sessions_[k].scans.size();
-    }
-    return whole().poses[before + keyframe];
-  }
-  /// As seen from the place of a single session that it lies at.
-  SessionEdge edge_of(std::size_t query, SessionFix fix) {
-    std::size_t place = fix.reference_place;
-    auto session = group_.begin();
-    for (; place >= sessions_[*session].places.size(); ++session) place -= sessions_[*session].places.size();
-    const Session& reference = sessions_[*session];
-    const Pose2& T_site_place = whole().poses[whole().places[fix.reference_place]];
-    fix.T_map_keyframe = reference.poses[reference.places[place]] * between(T_site_place, fix.T_map_keyframe);
-    fix.T_map_elsewhere.reset();
-    fix.reference_place = place;
-    return {*session, query, {fix}};
-  }
-
- private:
-  std::vector<std::size_t> group_;
-  const std::vector<Session>& sessions_;
-  std::vector<SessionEdge> edges_;
-  const SessionSearchOptions& options_;
-  std::unique_ptr<Session> whole_;
-  std::unique_ptr<SessionMap> map_;
-  std::unique_ptr<SiteRepeats> repeats_;
-};
-
-constexpr std::size_t kMostRounds = 4;
+constexpr std::size_t kMostRounds = 4;    // of sessions that were left over
+constexpr std::size_t kMostGrowths = 16;  // until nothing is refuted any more
 
 using Sites = std::vector<std::unique_ptr<GrowingSite>>;
-
-void add_edges(std::vector<SessionEdge>& edges, const std::vector<SessionEdge>& more) {
-  for (const SessionEdge& edge : more) {
-    const auto same = std::find_if(edges.begin(), edges.end(), [&](const SessionEdge& e) {
-      return e.reference == edge.reference && e.query == edge.query;
-    });
-    if (same == edges.end()) {
-      edges.push_back(edge);
-    } else {
-      same->held.insert(same->held.end(), edge.held.begin(), edge.held.end());
-    }
-  }
-}
 
 // What was seen most of comes first, by the length of its walls.
 std::vector<std::size_t> widest_first(const std::vector<Session>& sessions) {
@@ -126,7 +54,9 @@ class SiteGrowth {
   void verify(SessionSearch& search);
   [[nodiscard]] bool is_refuted(std::size_t session, std::size_t keyframe) const;
   [[nodiscard]] bool may_lie_elsewhere(const SessionSearch& search);
+  [[nodiscard]] bool lies_in_two_ways_elsewhere(std::size_t session);
   [[nodiscard]] bool is_repeated(const SessionFix& fix, std::size_t query) const;
+  void leave_out_refuted();
   void split();
 
   const std::vector<Session>& sessions_;
@@ -138,10 +68,17 @@ class SiteGrowth {
   // Those that were joined, and might as well lie elsewhere.
   std::vector<std::optional<SessionSearch>> lies_anywhere_;
   std::vector<std::vector<std::size_t>> refuted_;  // keyframes that held a session, and are there twice
-  bool is_any_refuted_ = false;                    // in this round
+  std::vector<std::size_t> refuted_now_;           // sessions, in this round
+  KnownOverlaps overlaps_;
   Sites sites_;
   GrownSites grown_;
 };
+
+// Where one site shows that the building can hold a session in two ways, a drive that saw one of them alone does not
+// tell which it is.
+bool lies_in_two_ways(const std::vector<SessionOverlap>& overlaps) {
+  return std::any_of(overlaps.begin(), overlaps.end(), [](const SessionOverlap& overlap) { return overlap.rival > 0; });
+}
 
 // Most of what was found there fits there several times.
 bool SiteGrowth::is_everywhere(const SessionOverlap& overlap) const {
@@ -210,13 +147,17 @@ void SiteGrowth::add(std::size_t session) {
     const std::size_t first = site->group().front();
     const bool is_nowhere = site->group().size() == 1 && (belongs_nowhere_[first] != 0 || is_undecided_[first] != 0);
     overlaps.push_back(is_nowhere ? SessionOverlap{}
-                                  : find_overlap(site->map(), sessions_[session], options_, workers_));
+                                  : overlaps_.of(*site, sessions_[session], session, options_, workers_));
+    refuse_doubtful(options_, overlaps.back());
   }
   belongs_nowhere_[session] = std::any_of(overlaps.begin(), overlaps.end(),
                                           [&](const SessionOverlap& overlap) { return is_everywhere(overlap); });
   is_undecided_[session] =
       std::any_of(overlaps.begin(), overlaps.end(), [](const SessionOverlap& overlap) { return overlap.is_undecided; });
   leave_out_repeated(session, overlaps);
+  if (lies_in_two_ways(overlaps)) {
+    for (SessionOverlap& overlap : overlaps) overlap.held.clear();
+  }
   std::vector<std::vector<SessionEdge>> edges(sites_.size());
   for (std::size_t k = 0; k < sites_.size(); ++k) {
     for (const SessionFix& fix : overlaps[k].held) add_edges(edges[k], {sites_[k]->edge_of(session, fix)});
@@ -244,12 +185,13 @@ void SiteGrowth::grow() {
 
 // What was joined wrongly led astray what came after it, so they grow again without it.
 GrownSites SiteGrowth::run() {
-  for (std::size_t round = 0; round < kMostRounds; ++round) {
+  for (std::size_t round = 0; round < kMostGrowths; ++round) {
     grow();
-    is_any_refuted_ = false;
+    refuted_now_.clear();
     verify();
-    if (!is_any_refuted_) break;
+    if (refuted_now_.empty()) break;
   }
+  leave_out_refuted();
   split();
   return std::move(grown_);
 }
@@ -304,6 +246,16 @@ bool SiteGrowth::may_lie_elsewhere(const SessionSearch& search) {
   return (*site)->repeats(workers_).may_lie_elsewhere(query, T_site_query);
 }
 
+// The other sites have grown since it was searched in them.
+bool SiteGrowth::lies_in_two_ways_elsewhere(std::size_t session) {
+  std::vector<SessionOverlap> overlaps;
+  for (const auto& site : sites_) {
+    if (site->holds(session) || site->group().size() == 1) continue;
+    overlaps.push_back(overlaps_.of(*site, sessions_[session], session, options_, workers_));
+  }
+  return lies_in_two_ways(overlaps);
+}
+
 void SiteGrowth::verify(SessionSearch& search) {
   std::size_t left = 0;
   std::vector<std::size_t> repeating;
@@ -321,10 +273,11 @@ void SiteGrowth::verify(SessionSearch& search) {
     edge.held = std::move(held);
   }
   std::erase_if(search.edges, [](const SessionEdge& edge) { return edge.held.empty(); });
-  search.may_lie_elsewhere = left >= options_.agreement.least && may_lie_elsewhere(search);
+  search.may_lie_elsewhere =
+      left >= options_.agreement.least && (may_lie_elsewhere(search) || lies_in_two_ways_elsewhere(search.query));
   if (left >= options_.agreement.least && !search.may_lie_elsewhere) return;
   search.edges.clear();
-  is_any_refuted_ = true;
+  refuted_now_.push_back(search.query);
   if (search.may_lie_elsewhere) lies_anywhere_[search.query] = search;
   std::vector<std::size_t>& refuted = refuted_[search.query];
   refuted.insert(refuted.end(), repeating.begin(), repeating.end());
@@ -337,6 +290,19 @@ void SiteGrowth::verify() {
     progress_("looking whether places are there twice",
               static_cast<double>(done++) / static_cast<double>(grown_.searches.size()));
     if (!search.edges.empty()) verify(search);
+  }
+}
+
+// What is refuted to the end holds nothing, nor does what others that came after it had in common with it.
+void SiteGrowth::leave_out_refuted() {
+  for (SessionSearch& search : grown_.searches) {
+    std::erase_if(search.edges, [&](const SessionEdge& edge) {
+      return std::find(refuted_now_.begin(), refuted_now_.end(), edge.reference) != refuted_now_.end();
+    });
+    const std::size_t left =
+        std::accumulate(search.edges.begin(), search.edges.end(), std::size_t{0},
+                        [](std::size_t sum, const SessionEdge& edge) { return sum + edge.held.size(); });
+    if (left < options_.agreement.least) search.edges.clear();
   }
 }
 

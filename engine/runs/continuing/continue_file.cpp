@@ -160,6 +160,8 @@ KeptRequest read_continue_file(const std::string& file, const std::string& folde
     throw InputError({file, 0}, fmt::format("has format {}, and this program reads {}{}", reader.whole("format"),
                                             kContinueVersion, advice));
   }
+  // Before the rest: GCC 12 destroys members that were never made where a later one of them cannot be.
+  std::vector<std::string> paths = reader.texts("path");
   KeptRequest kept{.request = {.logs = reader.texts("log"),
                                .settings = settings_from(reader, file),
                                .lenient = reader.truth("lenient"),
@@ -169,7 +171,7 @@ KeptRequest read_continue_file(const std::string& file, const std::string& folde
                                .with_map = reader.truth("with_map"),
                                .with_loops = reader.truth("with_loops"),
                                .with_pictures = reader.truth("with_pictures")},
-                   .paths = reader.texts("path")};
+                   .paths = std::move(paths)};
   if (kept.request.logs.empty() || kept.paths.size() != kept.request.logs.size()) {
     throw InputError({file, 0}, "'log' and 'path' do not name the same logs" + advice);
   }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -49,16 +51,22 @@ std::string ReportReader::text(const char* key) const {
 }
 
 GridGeometry ReportReader::geometry(const char* key) const {
+  const std::string fault = fmt::format("{} is no geometry of a grid", named(key));
+  const auto side_of = [this, &fault](const Json& side) {
+    constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
+    if (!side.is_number_unsigned() || side.get<std::uint64_t>() > kMost) fail(fault);
+    return static_cast<std::int32_t>(side.get<std::uint64_t>());
+  };
   try {
     const Json& value = at(key);
     const Json& origin = value.at("origin_m");
     return {.resolution_m = value.at("resolution_m").get<double>(),
             .origin_x_m = origin.at(0).get<double>(),
             .origin_y_m = origin.at(1).get<double>(),
-            .width = value.at("width").get<std::int32_t>(),
-            .height = value.at("height").get<std::int32_t>()};
+            .width = side_of(value.at("width")),
+            .height = side_of(value.at("height"))};
   } catch (const Json::exception&) {
-    fail(fmt::format("{} is no geometry of a grid", named(key)));
+    fail(fault);
   }
 }
 

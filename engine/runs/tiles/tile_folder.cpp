@@ -22,7 +22,8 @@ namespace {
 constexpr int kTilesVersion = 1;
 constexpr std::size_t kMostIndexBytes = std::size_t{64} << 20U;
 constexpr const char* kTilesAgain = "; make the tiles again: gdtslam tiles RUN";
-constexpr std::int32_t kFurthestTile = 1 << 19;
+constexpr std::int32_t kFurthestTile = (1 << 19) - 1;  // from end to end no more cells than an int32 counts
+constexpr double kCoarsestTiles_m = 1.0;               // as of a map
 
 std::string file_of(const std::string& folder, const char* what, CellIndex place) {
   return fmt::format("{}/{}_{}.yaml", folder, what, name_of_tile(place));
@@ -36,14 +37,17 @@ class IndexReader {
   [[nodiscard]] std::int64_t whole(const char* key, std::int64_t least, std::int64_t most) const {
     const auto found = json_->find(key);
     if (found == json_->end() || !found->is_number_integer()) fail(key);
+    const bool is_far = found->is_number_unsigned() && found->get<std::uint64_t>() > static_cast<std::uint64_t>(most);
     const auto value = found->get<std::int64_t>();
-    if (value < least || value > most) fail(key);
+    if (is_far || value < least || value > most) fail(key);
     return value;
   }
-  [[nodiscard]] double positive(const char* key) const {
+  [[nodiscard]] double positive(const char* key, double most) const {
     const auto found = json_->find(key);
-    if (found == json_->end() || !found->is_number() || !(found->get<double>() > 0.0)) fail(key);
-    return found->get<double>();
+    if (found == json_->end() || !found->is_number()) fail(key);
+    const auto value = found->get<double>();
+    if (!(value > 0.0 && value <= most)) fail(key);
+    return value;
   }
   [[nodiscard]] std::string hash(const char* key) const {
     const auto found = json_->find(key);
@@ -111,7 +115,7 @@ TileIndex read_tile_index(const std::string& folder) {
       reader.whole("tile_cells", 1, std::numeric_limits<std::int32_t>::max()) != kMapTileSide) {
     throw InputError({file, 0}, std::string("is of another version") + kTilesAgain);
   }
-  TileIndex index{reader.hash("keyframes_sha256"), reader.positive("resolution_m"), {}};
+  TileIndex index{reader.hash("keyframes_sha256"), reader.positive("resolution_m", kCoarsestTiles_m), {}};
   const auto tiles = json.find("tiles");
   if (tiles == json.end() || !tiles->is_array()) reader.fail("tiles");
   for (const nlohmann::ordered_json& entry : *tiles) {

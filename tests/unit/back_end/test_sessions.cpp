@@ -261,6 +261,38 @@ TEST(Sessions, ThatFitInTheTwinOfWhatNobodySawAreNotJoined) {
   EXPECT_EQ(merged({with_one, hall, far_end}).sites.size(), 1U) << "nobody saw that there is a twin";
 }
 
+/// Two wings with the same rooms around a block, at the ends of a hall of other rooms: theirs in a mirror.
+std::vector<Segment> hall_with_alike_rooms() {
+  std::vector<Segment> walls;
+  for (const Segment& wall : rooms()) {
+    walls.push_back({Point2(wall.from.x(), -wall.from.y()), Point2(wall.to.x(), -wall.to.y())});
+    for (const Pose2& wing : {kWing, kOtherWing}) walls.push_back({wing * wall.from, wing * wall.to});
+  }
+  return walls;
+}
+
+std::vector<Pose2> in_a_mirror(std::vector<Pose2> poses) {
+  for (Pose2& pose : poses) pose = {pose.x_m, -pose.y_m, -pose.theta_rad};
+  return poses;
+}
+
+// The site saw another stretch of each wing, so each place of a drive fits in one of them alone, and there are two ways
+// to lay the drive. What it has in common with a drive elsewhere in one of the wings does not tell which of them it is.
+TEST(Sessions, ThatASiteHoldsInTwoWaysAreNotJoinedWithADriveThroughOneOfThem) {
+  const std::vector<Segment> walls = hall_with_alike_rooms();
+  const std::vector<Pose2> once = in_a_mirror(test::poses_around_ring(1));
+  const Session with_one =
+      session_of(walls, one_after_the_other(part_of(once, 0.0, 0.5), drive_in(kWing, 0.0, 0.15)), kFirstFrame);
+  const Session with_other =
+      session_of(walls, one_after_the_other(part_of(once, 0.1, 0.6), drive_in(kOtherWing, 0.2, 0.35)), kSecondFrame);
+  const Session in_other = session_of(walls, drive_in(kOtherWing, 0.5, 0.75), kFirstFrame);
+  const Session in_wing = session_of(walls, drive_in(kWing, 0.0, 0.7), {});
+  const MergedSessions found = merged({with_one, with_other, in_other, in_wing});
+  ASSERT_EQ(found.sites.size(), 3U);
+  EXPECT_EQ(found.sites[0].sessions, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(merged({in_other, in_wing}).sites.size(), 1U) << "nobody saw that there are two";
+}
+
 // With a place in four of the longer drive where the shorter one was, the longer is not found in the shorter, but the
 // shorter in the longer: when it is looked for once more, for others were joined by then.
 TEST(Sessions, ThatWereJoinedWhileOthersAreLookedForOnceMoreAreNotLookedForAgain) {

@@ -1,0 +1,64 @@
+// A site while it grows: sessions in one frame, in which others are searched, and what was found out about sites that
+// were there before, so that nothing is searched for twice. Frame: that of the first session. One thread at a time.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "engine/core/worker_pool.hpp"
+#include "engine/mapping/sessions/session.hpp"
+#include "engine/mapping/sessions/session_overlap.hpp"
+#include "engine/mapping/sessions/site_growth.hpp"
+#include "engine/mapping/sessions/site_repeats.hpp"
+
+namespace gdtslam {
+
+/// Edges of the second are joined with those of the first that connect the same sessions.
+void add_edges(std::vector<SessionEdge>& edges, const std::vector<SessionEdge>& more);
+
+class GrowingSite {
+ public:
+  /// All that is given by reference must outlive it. `group` is ascending.
+  GrowingSite(std::vector<std::size_t> group, const std::vector<Session>& sessions, std::vector<SessionEdge> edges,
+              const SessionSearchOptions& options);
+
+  [[nodiscard]] const std::vector<std::size_t>& group() const { return group_; }
+  [[nodiscard]] bool holds(std::size_t session) const;
+  [[nodiscard]] const std::vector<SessionEdge>& edges() const { return edges_; }
+
+  /// Made when it is asked for first, as the next two are.
+  const SessionMap& map();
+  const Session& whole();
+  const SiteRepeats& repeats(WorkerPool& workers);
+  Pose2 T_site_keyframe(std::size_t session, std::size_t keyframe);
+  /// As seen from the place of a single session that it lies at.
+  SessionEdge edge_of(std::size_t query, SessionFix fix);
+
+ private:
+  std::vector<std::size_t> group_;
+  const std::vector<Session>& sessions_;
+  std::vector<SessionEdge> edges_;
+  const SessionSearchOptions& options_;
+  std::unique_ptr<Session> whole_;
+  std::unique_ptr<SessionMap> map_;
+  std::unique_ptr<SiteRepeats> repeats_;
+};
+
+/// find_overlap() of each session in each site that there was, kept: sites that grow anew begin as they did before.
+/// Memory: some kilobytes a pair.
+class KnownOverlaps {
+ public:
+  /// Before refuse_doubtful().
+  const SessionOverlap& of(GrowingSite& site, const Session& query, std::size_t number, const OverlapOptions& options,
+                           WorkerPool& workers);
+
+ private:
+  // The query, the sessions of the site and all that its edges say: what an overlap depends on.
+  using Key = std::tuple<std::size_t, std::vector<std::size_t>, std::vector<double>>;
+  std::map<Key, SessionOverlap> known_;
+};
+
+}  // namespace gdtslam
